@@ -44,10 +44,12 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
     "ur_nodes.geometry": ("ur.source", "ur.worlds"),
     "ur_nodes.ports": ("ur.source", "ur_nodes.geometry"),
     "ur_nodes.memory": ("ur_nodes.ports",),
-    "ur_nodes.rosio": ("ur.source", "ur_nodes.geometry", "ur_nodes.ports", "ur_nodes.ros1"),
-    "ur_nodes.ros1": ("ur.source", "ur_nodes.geometry", "ur_nodes.ports"),
+    "ur_nodes.rosio": ("ur.source", "ur_nodes.geometry", "ur_nodes.ports", "ur_nodes.codecs", "ur_nodes.ros1"),
+    "ur_nodes.ros1": ("ur.source", "ur_nodes.geometry", "ur_nodes.loop", "ur_nodes.ports", "ur_nodes.codecs"),
     "ur_nodes.ros1.repairs": ("ur.source", "ur.robot.addresses"),
-    "ur_nodes.ros1.messages": ("ur.source", "ur_nodes.geometry"),
+    "ur_nodes.loop": (),
+    "ur_nodes.codecs": ("ur.source", "ur_nodes.geometry", "ur_nodes.ports"),
+    "ur_nodes.codecs.genpy": (),
     "ur_nodes.memory_use": (),
     "ur_nodes.run": ("ur.source", "ur_nodes.ports", "ur_nodes.ros1"),
     "ur_nodes.motion": (
@@ -248,6 +250,7 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
         "ur_nodes.pictures",
         "ur_nodes.memory_use",
         "ur_nodes.ports",
+        "ur_nodes.codecs",
         "ur_nodes.ros1",
         "ur_nodes.rosio",
         "ur_nodes.run",
@@ -276,8 +279,14 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
         "ur_nodes.teleop.terminal",
     ),
     "ur_nodes.motion.ramp": ("ur.robot.base",),
-    "ur_nodes.motion.challenge": ("ur_nodes.ports", "ur_nodes.ros1"),
-    "ur_nodes.motion.lease": ("ur.source", "ur_nodes.ports", "ur_nodes.ros1", "ur_nodes.motion.challenge"),
+    "ur_nodes.motion.challenge": ("ur_nodes.ports", "ur_nodes.codecs", "ur_nodes.ros1"),
+    "ur_nodes.motion.lease": (
+        "ur.source",
+        "ur_nodes.ports",
+        "ur_nodes.codecs",
+        "ur_nodes.ros1",
+        "ur_nodes.motion.challenge",
+    ),
     "ur_nodes.motion.admission": (
         "ur_nodes.ports",
         "ur_nodes.motion.challenge",
@@ -304,6 +313,7 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
         "ur_nodes.geometry",
         "ur_nodes.memory_use",
         "ur_nodes.ports",
+        "ur_nodes.codecs",
         "ur_nodes.ros1",
         "ur_nodes.rosio",
         "ur_nodes.run",
@@ -353,11 +363,13 @@ def test_module_imports_only_from_layers_below(module: str) -> None:
 @pytest.mark.parametrize("module", MODULES)
 def test_only_node_shells_import_ros(module: str) -> None:
     used = {name.split(".")[0] for name in imports_of(MODULES[module])} & ROS
-    if module.startswith(("ur_nodes.rosio", "ur_nodes.ros1")) or module.endswith("_node"):
+    if module.startswith(("ur_nodes.rosio", "ur_nodes.ros1", "ur_nodes.codecs")) or module.endswith("_node"):
         return
     if module.endswith("_message"):
         used -= {name for name in used if name.endswith("_msgs")}
-    assert not used, f"{module} imports {', '.join(used)}, expected ROS only in *_node.py, *_message.py, rosio and ros1"
+    assert not used, (
+        f"{module} imports {', '.join(used)}, expected ROS only in *_node.py, *_message.py, rosio, ros1 and codecs"
+    )
 
 
 def test_every_module_that_is_imported_exists() -> None:

@@ -12,7 +12,7 @@ from geometry_msgs.msg import Twist
 from nav_msgs.msg import Odometry
 from std_msgs.msg import Int32
 
-from ur_nodes.ros1.messages.fiducials import message_classes
+from ur_nodes.codecs.genpy.fiducials import message_classes
 
 
 class Driver:

@@ -23,11 +23,11 @@ from std_msgs.msg import Int32
 from tf2_msgs.msg import TFMessage
 
 from ur.robot.base import Base
+from ur_nodes.codecs.geometry import pose3_of_transform, pose_message, pose_of_message
 from ur_nodes.costmap.footprint import footprint_of_outline
 from ur_nodes.geometry.grid import OCCUPIED, Grid
 from ur_nodes.geometry.pose import Pose2, wrap_angle
 from ur_nodes.geometry.transform_tree import TransformError, TransformTree
-from ur_nodes.ros1.messages.geometry import pose3_of_transform, pose_message, pose_of_message
 
 _SAME = Pose2(0.0, 0.0, 0.0)
 FRAMES = ("odom", "base_footprint")

@@ -81,7 +81,7 @@ def _measure(
     from move_base_msgs.msg import MoveBaseAction, MoveBaseGoal
     from nav_msgs.msg import Path as PathMessage
 
-    from ur_nodes.ros1.messages.geometry import pose_message
+    from ur_nodes.codecs.geometry import pose_message
 
     rospy.init_node("bench", disable_signals=True, log_level=rospy.FATAL)
     for name in ("amcl", "move_base"):
@@ -167,7 +167,7 @@ def _live(grid: Grid, place: Pose2) -> None:
     from sensor_msgs.msg import LaserScan
     from tf2_msgs.msg import TFMessage
 
-    from ur_nodes.ros1.messages.geometry import transform_message
+    from ur_nodes.codecs.geometry import transform_message
 
     tf = rospy.Publisher("/tf", TFMessage, queue_size=10)
     scans = rospy.Publisher("scan", LaserScan, queue_size=1)

@@ -8,10 +8,10 @@ import rospy
 from actionlib_msgs.msg import GoalID, GoalStatus, GoalStatusArray
 from move_base_msgs.msg import MoveBaseActionGoal, MoveBaseActionResult
 
+from ur_nodes.codecs.places import fill_placed
+from ur_nodes.loop import Loop
 from ur_nodes.ports.actions import Goal, GoalFollower, GoalState
-from ur_nodes.ros1.codecs.places import fill_placed
 from ur_nodes.ros1.ending import quiet_at_end
-from ur_nodes.ros1.loop import Loop
 
 _STATES: dict[int, Any] = {
     GoalStatus.PENDING: "pending",

@@ -10,11 +10,11 @@ from actionlib import ActionServer
 from geometry_msgs.msg import PoseStamped
 from move_base_msgs.msg import MoveBaseAction, MoveBaseActionGoal, MoveBaseFeedback, MoveBaseResult
 
+from ur_nodes.codecs.places import fill_placed, target_of
+from ur_nodes.loop import Loop
 from ur_nodes.ports.actions import Goal, GoalTakers
 from ur_nodes.ports.values import PlacedPose
-from ur_nodes.ros1.codecs.places import fill_placed, target_of
 from ur_nodes.ros1.ending import quiet_at_end
-from ur_nodes.ros1.loop import Loop
 
 
 class RosGoalServer:

@@ -19,6 +19,9 @@ import rosgraph.network
 import rospy
 
 from ur.source.diagnostic import UserError
+from ur_nodes.codecs import find_codec, find_service
+from ur_nodes.codecs.dialect import ServiceFailureError
+from ur_nodes.loop import Beat, Loop, Worker, run_aside
 from ur_nodes.ports.actions import GoalClient, GoalFollower, GoalTakers
 from ur_nodes.ports.graph import Graph
 from ur_nodes.ports.node import Location, Sender
@@ -26,9 +29,7 @@ from ur_nodes.ports.parameters import Parameters
 from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.transforms import Transforms
 from ur_nodes.ports.values import Result
-from ur_nodes.ros1.codecs import find_codec, find_service
 from ur_nodes.ros1.facts import RosFacts, RosLog, RosParameters
-from ur_nodes.ros1.loop import Beat, Loop, Worker, run_aside
 from ur_nodes.ros1.repairs.sent import DELAY
 from ur_nodes.ros1.topics import RosPublisher, RosSubscription, sender_of
 
@@ -141,7 +142,7 @@ class RosNode:
         self, topic: str, type_name: str, fields: tuple[str, ...], take: Callable[[tuple[Any, ...]], None]
     ) -> RosSubscription:
         """See Node."""
-        from ur_nodes.ros1.codecs.foreign import find_foreign
+        from ur_nodes.codecs.foreign import find_foreign
 
         codec = find_foreign(type_name, fields)
         return RosSubscription(topic, codec, Quality.EVERY, self._loop, lambda value, _message: take(value))
@@ -172,7 +173,10 @@ class RosNode:
                     raise
 
             self._loop.post(work)
-            return codec.response(done.result(_ANSWER_LIMIT))
+            try:
+                return codec.response(done.result(_ANSWER_LIMIT))
+            except ServiceFailureError as problem:
+                raise rospy.ServiceException(str(problem)) from None
 
         rospy.Service(service, codec.service_class, respond)
 

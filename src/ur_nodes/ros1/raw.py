@@ -11,12 +11,12 @@ import rospy
 from roslib.message import get_message_class, get_service_class
 from rosservice import ROSServiceException, get_service_type
 
+from ur_nodes.codecs import Codec
+from ur_nodes.loop import Loop, run_aside
 from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.raw import Fields, RawMessage, ServiceType
 from ur_nodes.ports.values import Result
-from ur_nodes.ros1.codecs import Codec
 from ur_nodes.ros1.installed import has_generated
-from ur_nodes.ros1.loop import Loop, run_aside
 from ur_nodes.ros1.topics import RosPublisher, RosSubscription, header_of, sender_of
 
 _BUFFER = 1 << 24  # bytes of one message

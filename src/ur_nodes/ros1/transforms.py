@@ -8,8 +8,8 @@ from typing import Any
 import rospy
 from tf2_msgs.msg import TFMessage
 
+from ur_nodes.codecs.frames import fill_transforms, transforms_of
 from ur_nodes.ports.values import Transform
-from ur_nodes.ros1.codecs.frames import fill_transforms, transforms_of
 
 _Take = Callable[[tuple[Transform, ...]], None]
 

@@ -7,9 +7,9 @@ from collections.abc import Callable
 import rospy
 from tf2_msgs.msg import TFMessage
 
+from ur_nodes.codecs.geometry import pose3_of_transform
 from ur_nodes.geometry.pose import Pose3
 from ur_nodes.geometry.transform_tree import TransformError, TransformTree
-from ur_nodes.ros1.messages.geometry import pose3_of_transform
 
 
 class Frames(TransformTree):

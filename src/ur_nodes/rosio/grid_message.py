@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from ur_nodes.ros1.messages.grid import GridMessage as GridMessage
-from ur_nodes.ros1.messages.grid import GridResponse as GridResponse
-from ur_nodes.ros1.messages.grid import GridService as GridService
-from ur_nodes.ros1.messages.grid import grid_message as grid_message
-from ur_nodes.ros1.messages.grid import grid_of_message as grid_of_message
-from ur_nodes.ros1.messages.grid import metadata_message as metadata_message
+from ur_nodes.codecs.genpy.grid import GridMessage as GridMessage
+from ur_nodes.codecs.genpy.grid import GridResponse as GridResponse
+from ur_nodes.codecs.genpy.grid import GridService as GridService
+from ur_nodes.codecs.maps import grid_message as grid_message
+from ur_nodes.codecs.maps import grid_of_message as grid_of_message
+from ur_nodes.codecs.maps import metadata_message as metadata_message

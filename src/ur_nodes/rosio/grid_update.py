@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ur.source.diagnostic import UserError, error
-from ur_nodes.ros1.messages.grid_update import GridUpdate as GridUpdate
-from ur_nodes.ros1.messages.grid_update import update_message as update_message
+from ur_nodes.codecs.genpy.grid_update import GridUpdate as GridUpdate
+from ur_nodes.codecs.genpy.grid_update import update_message as update_message
 
 
 def apply_update(values: NDArray[np.int8], message: GridUpdate) -> None:

@@ -10,8 +10,8 @@ import rospy
 from geometry_msgs.msg import TransformStamped
 from tf2_msgs.msg import TFMessage
 
+from ur_nodes.codecs.geometry import fill_transform
 from ur_nodes.geometry.pose import Pose2, Pose3
-from ur_nodes.ros1.messages.geometry import fill_transform
 
 Edge = tuple[str, str, Pose2 | Pose3]
 """An edge of the transform tree: the parent frame, the child frame, and the child's pose in the parent."""

@@ -12,8 +12,8 @@ from sensor_msgs.msg import CameraInfo, CompressedImage, Image
 from std_msgs.msg import Header
 
 from ur.source.diagnostic import UserError
+from ur_nodes.codecs.genpy.fiducials import message_classes
 from ur_nodes.geometry.rigid import to_pose
-from ur_nodes.ros1.messages.fiducials import message_classes
 from ur_nodes.rosio.ending import quiet_at_end
 from ur_nodes.rosio.geometry import transform_message
 from ur_nodes.rosio.parameters import Parameters

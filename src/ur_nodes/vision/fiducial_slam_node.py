@@ -22,9 +22,9 @@ from std_srvs.srv import Empty, EmptyRequest, EmptyResponse, Trigger, TriggerReq
 from visualization_msgs.msg import MarkerArray
 
 from ur.source.diagnostic import UserError, error
+from ur_nodes.codecs.genpy.fiducials import message_classes
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.geometry.rigid import Floats, from_pose, to_angles
-from ur_nodes.ros1.messages.fiducials import message_classes
 from ur_nodes.rosio.ending import quiet_at_end
 from ur_nodes.rosio.frames import Frames
 from ur_nodes.rosio.geometry import pose_message, pose_of_message

@@ -19,9 +19,9 @@ from tests.json_client import answer_requests, claim_output
 from tests.ur_nodes.navigation.synthetic import ANGLES, LASER, RANGE_MAX, Drifter, cast_rays
 from tf2_msgs.msg import TFMessage
 
+from ur_nodes.codecs.geometry import pose3_of_transform, pose_message, transform_message
 from ur_nodes.geometry.grid import load_map
 from ur_nodes.geometry.pose import Pose2
-from ur_nodes.ros1.messages.geometry import pose3_of_transform, pose_message, transform_message
 
 PATIENCE = 30.0  # s
 

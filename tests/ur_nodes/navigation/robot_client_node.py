@@ -25,9 +25,9 @@ from tests.json_client import answer_requests, claim_output, wait_until
 from tests.ur_nodes.navigation.closed_loop import two_rooms
 from tf2_msgs.msg import TFMessage
 
+from ur_nodes.codecs.geometry import pose_message, transform_message
+from ur_nodes.codecs.maps import grid_message
 from ur_nodes.geometry.pose import Pose2
-from ur_nodes.ros1.messages.geometry import pose_message, transform_message
-from ur_nodes.ros1.messages.grid import grid_message
 
 BEAMS = 180
 

@@ -39,7 +39,7 @@ class ActionlibClient:
     def send(self, target: PlacedPose) -> str:
         from move_base_msgs.msg import MoveBaseGoal
 
-        from ur_nodes.ros1.codecs.places import fill_placed
+        from ur_nodes.codecs.places import fill_placed
 
         goal = MoveBaseGoal()
         fill_placed(goal.target_pose, target)
@@ -65,7 +65,7 @@ class ActionlibClient:
         return self._heard
 
     def _take_feedback(self, _handle: Any, feedback: Any) -> None:
-        from ur_nodes.ros1.codecs.places import placed_of
+        from ur_nodes.codecs.places import placed_of
 
         self._heard = placed_of(feedback.base_position)
 

@@ -8,8 +8,8 @@ import pytest
 import rospy
 from tf2_msgs.msg import TFMessage
 
+from ur_nodes.codecs.geometry import pose3_of_transform
 from ur_nodes.geometry.pose import Pose2, Pose3
-from ur_nodes.ros1.messages.geometry import pose3_of_transform
 from ur_nodes.rosio.publishers import TransformSender
 
 QUARTER = math.sqrt(0.5)

@@ -18,9 +18,9 @@ from tf2_msgs.msg import TFMessage
 from ur.robot.base import load_base
 from ur.source.project import launch_library
 from ur.worlds.world_file import read_world
+from ur_nodes.codecs.geometry import pose3_of_transform, transform_message
+from ur_nodes.codecs.maps import grid_of_message
 from ur_nodes.geometry.pose import Pose2
-from ur_nodes.ros1.messages.geometry import pose3_of_transform, transform_message
-from ur_nodes.ros1.messages.grid import grid_of_message
 from ur_nodes.simulator.simulation import Simulation
 
 PATIENCE = 30.0  # s

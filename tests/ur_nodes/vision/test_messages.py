@@ -8,8 +8,8 @@ from sensor_msgs.msg import CameraInfo, CompressedImage, Image
 from std_msgs.msg import Header
 
 from ur.source.diagnostic import UserError
+from ur_nodes.codecs.genpy.fiducials import message_classes
 from ur_nodes.geometry.rigid import from_angles, from_pose, to_pose
-from ur_nodes.ros1.messages.fiducials import message_classes
 from ur_nodes.rosio.geometry import pose3_of_transform, transform_message
 from ur_nodes.vision.image_message import (
     make_compressed,

@@ -7,9 +7,9 @@ from collections.abc import Callable
 import rospy
 from geometry_msgs.msg import Twist
 
+from ur_nodes.codecs.motion import twist_of
 from ur_nodes.motion.challenge import link as ports
 from ur_nodes.motion.challenge.freshness import FRESHNESS
-from ur_nodes.ros1.codecs.motion import twist_of
 from ur_nodes.ros1.node import RosNode
 
 _NANO = 1_000_000_000

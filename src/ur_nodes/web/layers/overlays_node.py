@@ -20,8 +20,8 @@ from visualization_msgs.msg import Marker, MarkerArray
 
 from ur.source.printable import printable
 from ur.web.wire.frames import Kind, Layer, json_frame
+from ur_nodes.codecs.genpy.fiducials import message_classes
 from ur_nodes.geometry.pose import Pose2
-from ur_nodes.ros1.messages.fiducials import message_classes
 from ur_nodes.rosio.ending import quiet_at_end
 from ur_nodes.rosio.geometry import pose_of_message
 from ur_nodes.web.layers.pacing import Every

@@ -17,8 +17,8 @@ from sensor_msgs.msg import Range
 from std_msgs.msg import Bool, ColorRGBA
 from visualization_msgs.msg import Marker, MarkerArray
 
+from ur_nodes.codecs.genpy.fiducials import message_classes
 from ur_nodes.geometry.pose import Pose2
-from ur_nodes.ros1.messages.fiducials import message_classes
 from ur_nodes.web.layers.overlays_node import Overlays, choose_topics
 
 PLACES = {"map": Pose2(0.0, 0.0, 0.0), "sonar": Pose2(1.0, 2.0, math.pi / 2), "odom": Pose2(1.0, 0.0, math.pi / 2)}

@@ -4,17 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import lru_cache
 from typing import Any
 
-import genpy
-
+from ur_nodes.codecs.dialect import time_of
 from ur_nodes.ports.values import Result
 
 LARGE = 1 << 24
 """Bytes that are read at once of messages such as pictures: in small pieces they take several times as long."""
-
-_SECOND = 1_000_000_000
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,7 +30,7 @@ class Codec:
 class ServiceCodec:
     """A kind of request, and what it is answered with, as the messages of a service.
 
-    `response` raises rospy.ServiceException where a failure cannot be told otherwise.
+    `response` raises ServiceFailureError where a failure cannot be told otherwise.
     """
 
     service_class: Any
@@ -42,17 +38,6 @@ class ServiceCodec:
     request_of: Callable[[Any], Any]
     response: Callable[[Result], Any]
     result_of: Callable[[Any], Result]
-
-
-@lru_cache(maxsize=4)
-def time_of(stamp: int) -> genpy.Time:
-    """A stamp (ns) as a message has it; messages of one moment share it."""
-    return genpy.Time(*divmod(stamp, _SECOND))
-
-
-def stamp_of(time: genpy.Time) -> int:
-    """The stamp (ns) of a message's time."""
-    return int(time.secs) * _SECOND + int(time.nsecs)
 
 
 def fill_header(message: Any, stamp: int, frame: str) -> None:

@@ -4,16 +4,19 @@ from __future__ import annotations
 
 from typing import Any
 
-from sensor_msgs.srv import SetCameraInfo, SetCameraInfoRequest, SetCameraInfoResponse
+from sensor_msgs.srv import SetCameraInfo
 
+from ur_nodes.codecs.codec import ServiceCodec
+from ur_nodes.codecs.dialect import parts_of
+from ur_nodes.codecs.pictures import calibration_of, fill_calibration
 from ur_nodes.ports.services import UseCalibration
 from ur_nodes.ports.values import Result
-from ur_nodes.ros1.codecs.codec import ServiceCodec
-from ur_nodes.ros1.codecs.pictures import calibration_of, fill_calibration
+
+_Request, _Response = parts_of(SetCameraInfo)
 
 
 def _request(value: UseCalibration) -> Any:
-    request = SetCameraInfoRequest()
+    request = _Request()
     fill_calibration(request.camera_info, value.calibration)
     return request
 
@@ -23,7 +26,7 @@ SERVICES = {
         SetCameraInfo,
         _request,
         lambda request: UseCalibration(calibration_of(request.camera_info)),
-        lambda result: SetCameraInfoResponse(result.success, result.text),
+        lambda result: _Response(success=result.success, status_message=result.text),
         lambda response: Result(bool(response.success), str(response.status_message)),
     ),
 }

@@ -8,7 +8,7 @@ import rospy
 from genpy import DeserializationError
 from genpy.dynamic import generate_dynamic
 
-from ur_nodes.ros1.messages.grid_update import GridUpdate, update_message
+from ur_nodes.codecs.genpy.grid_update import GridUpdate, update_message
 
 
 def test_grid_update_is_upstreams_message() -> None:

@@ -15,7 +15,9 @@ def pose_of_message(message: Pose) -> Pose2:
 
 def pose_message(pose: Pose2) -> Pose:
     """A geometry_msgs/Pose on the ground."""
-    return Pose(Point(pose.x, pose.y, 0.0), Quaternion(*quaternion_of_yaw(pose.yaw)))
+    message = Pose()
+    fill_pose(message, pose)
+    return message
 
 
 def fill_pose(message: Pose, pose: Pose2) -> None:

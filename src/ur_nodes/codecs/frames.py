@@ -5,11 +5,11 @@ from __future__ import annotations
 from typing import Any
 
 from geometry_msgs.msg import TransformStamped
-from tf2_msgs.msg import TFMessage
 
+from ur_nodes.codecs.codec import Codec, fill_header
+from ur_nodes.codecs.dialect import Transforms, stamp_of
+from ur_nodes.codecs.geometry import pose3_of_transform
 from ur_nodes.ports.values import Transform
-from ur_nodes.ros1.codecs.codec import Codec, fill_header, stamp_of
-from ur_nodes.ros1.messages.geometry import pose3_of_transform
 
 
 def fill_transforms(message: Any, value: tuple[Transform, ...]) -> None:
@@ -38,4 +38,4 @@ def transforms_of(message: Any, *, fixed: bool = False) -> tuple[Transform, ...]
     )
 
 
-CODECS = {tuple: Codec(TFMessage, fill_transforms, transforms_of)}
+CODECS = {tuple: Codec(Transforms, fill_transforms, transforms_of)}

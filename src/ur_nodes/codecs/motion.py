@@ -9,10 +9,11 @@ from geometry_msgs.msg import TwistStamped
 from nav_msgs.msg import Odometry as OdometryMessage
 from sensor_msgs.msg import JointState, Joy
 
+from ur_nodes.codecs.codec import Codec, fill_header, frame_of
+from ur_nodes.codecs.dialect import stamp_of
+from ur_nodes.codecs.geometry import fill_pose, pose_of_message
+from ur_nodes.codecs.matrices import matrix_of, numbers_of
 from ur_nodes.ports.values import DriverOdometry, Joints, Joystick, Odometry, StampedTwist, Twist
-from ur_nodes.ros1.codecs.codec import Codec, fill_header, frame_of, stamp_of
-from ur_nodes.ros1.codecs.matrices import matrix_of, numbers_of
-from ur_nodes.ros1.messages.geometry import fill_pose, pose_of_message
 
 _KNOWN = 1e-9  # the floor is flat; filters want no variance of 0
 

@@ -6,8 +6,11 @@ from typing import Any
 
 from sensor_msgs.msg import CameraInfo, CompressedImage, Image
 
+from ur_nodes.codecs.codec import LARGE, Codec, fill_header, frame_of
+from ur_nodes.codecs.dialect import ROS_2, bytes_of, number_of, stamp_of
 from ur_nodes.ports.values import Calibration, PackedPicture, Picture
-from ur_nodes.ros1.codecs.codec import LARGE, Codec, fill_header, frame_of, stamp_of
+
+_NUMBERS = "dkrp" if ROS_2 else "DKRP"  # the fields of a CameraInfo with distortion and matrices
 
 
 def _fill_picture(message: Any, value: Picture) -> None:
@@ -24,8 +27,8 @@ def _picture_of(message: Any) -> Picture:
         message.height,
         message.encoding,
         message.step,
-        message.data,
-        message.header.seq,
+        bytes_of(message.data),
+        number_of(message),
     )
 
 
@@ -35,15 +38,17 @@ def _fill_packed(message: Any, value: PackedPicture) -> None:
 
 
 def _packed_of(message: Any) -> PackedPicture:
-    stamp, number = stamp_of(message.header.stamp), message.header.seq
-    return PackedPicture(stamp, frame_of(message), message.format, message.data, number)
+    stamp, number = stamp_of(message.header.stamp), number_of(message)
+    return PackedPicture(stamp, frame_of(message), message.format, bytes_of(message.data), number)
 
 
 def fill_calibration(message: Any, value: Calibration) -> None:
     """Write a sensor_msgs/CameraInfo."""
     fill_header(message, value.stamp, value.frame)
     message.width, message.height, message.distortion_model = value.width, value.height, value.model
-    message.D, message.K, message.R, message.P = value.distortion, value.matrix, value.rectification, value.projection
+    numbers = value.distortion, value.matrix, value.rectification, value.projection
+    for name, each in zip(_NUMBERS, numbers, strict=True):
+        setattr(message, name, each)
 
 
 def calibration_of(message: Any) -> Calibration:
@@ -54,10 +59,7 @@ def calibration_of(message: Any) -> Calibration:
         message.width,
         message.height,
         message.distortion_model,
-        tuple(message.D),
-        tuple(message.K),
-        tuple(message.R),
-        tuple(message.P),
+        *(tuple(map(float, getattr(message, name))) for name in _NUMBERS),
     )
 
 

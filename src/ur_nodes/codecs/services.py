@@ -4,33 +4,30 @@ from __future__ import annotations
 
 from typing import Any
 
-import rospy
 from geometry_msgs.msg import PoseStamped
-from nav_msgs.srv import GetMapRequest, GetPlan, GetPlanRequest, GetPlanResponse, SetMap, SetMapRequest, SetMapResponse
-from std_srvs.srv import (
-    Empty,
-    EmptyRequest,
-    EmptyResponse,
-    SetBool,
-    SetBoolRequest,
-    SetBoolResponse,
-    TriggerRequest,
-    TriggerResponse,
-)
+from nav_msgs.srv import GetPlan, SetMap
+from std_srvs.srv import Empty, SetBool
 from std_srvs.srv import Trigger as TriggerService
 
+from ur_nodes.codecs import maps, places
+from ur_nodes.codecs.codec import ServiceCodec, frame_of
+from ur_nodes.codecs.dialect import GridMessage, GridService, ServiceFailureError, parts_of
+from ur_nodes.codecs.geometry import fill_pose, pose_of_message
 from ur_nodes.ports.services import AskMap, AskPath, Place, Silent, Switch, Trigger, UseMap
 from ur_nodes.ports.values import Path, PoseEstimate, Result
-from ur_nodes.ros1.codecs import maps, places
-from ur_nodes.ros1.codecs.codec import ServiceCodec, frame_of
-from ur_nodes.ros1.messages.geometry import fill_pose, pose_of_message
-from ur_nodes.ros1.messages.grid import GridMessage, GridResponse, GridService
+
+_MapRequest, _MapResponse = parts_of(GridService)
+_PlanRequest, _PlanResponse = parts_of(GetPlan)
+_UseRequest, _UseResponse = parts_of(SetMap)
+_TriggerRequest, _TriggerResponse = parts_of(TriggerService)
+_SwitchRequest, _SwitchResponse = parts_of(SetBool)
+_SilentRequest, _SilentResponse = parts_of(Empty)
 
 
 def _done(result: Result) -> Result:
     """Raise the failure of a service whose answer cannot tell it."""
     if not result.success:
-        raise rospy.ServiceException(result.text)
+        raise ServiceFailureError(result.text)
     return result
 
 
@@ -44,14 +41,14 @@ def _told(response: Any) -> Result:
 
 
 def _map_response(result: Result) -> Any:
-    response = GridResponse()
+    response = _MapResponse()
     response.map = GridMessage()
     maps.fill_map(response.map, _done(result).value)  # type: ignore[arg-type]  # AskMap is answered with a Map
     return response
 
 
 def _use_map_request(value: UseMap) -> Any:
-    request = SetMapRequest()
+    request = _UseRequest()
     request.map = GridMessage()
     maps.fill_map(request.map, value.map)
     places.CODECS[PoseEstimate].fill(
@@ -66,7 +63,7 @@ def _use_map_of(request: Any) -> UseMap:
 
 
 def _place_request(value: Place) -> Any:
-    request = SetMapRequest()
+    request = _UseRequest()
     request.map.header.frame_id, request.initial_pose.header.frame_id = value.name, value.frame
     fill_pose(request.initial_pose.pose.pose, value.pose)
     return request
@@ -78,14 +75,14 @@ def _place_of(request: Any) -> Place:
 
 
 def _ask_path_request(value: AskPath) -> Any:
-    request = GetPlanRequest(start=PoseStamped(), goal=PoseStamped(), tolerance=value.tolerance)
+    request = _PlanRequest(start=PoseStamped(), goal=PoseStamped(), tolerance=value.tolerance)
     places.fill_placed(request.start, value.start)
     places.fill_placed(request.goal, value.goal)
     return request
 
 
 def _path_response(result: Result) -> Any:
-    response = GetPlanResponse()
+    response = _PlanResponse()
     value = _done(result).value
     places.CODECS[Path].fill(response.plan, value)
     return response
@@ -94,28 +91,28 @@ def _path_response(result: Result) -> Any:
 SERVICES = {
     Trigger: ServiceCodec(
         TriggerService,
-        lambda _value: TriggerRequest(),
+        lambda _value: _TriggerRequest(),
         lambda _request: Trigger(),
-        lambda result: TriggerResponse(result.success, result.text),
+        lambda result: _TriggerResponse(success=result.success, message=result.text),
         _told,
     ),
     Silent: ServiceCodec(
         Empty,
-        lambda _value: EmptyRequest(),
+        lambda _value: _SilentRequest(),
         lambda _request: Silent(),
-        lambda result: _fail_or(result, EmptyResponse()),
+        lambda result: _fail_or(result, _SilentResponse()),
         lambda _response: Result(success=True),
     ),
     Switch: ServiceCodec(
         SetBool,
-        lambda value: SetBoolRequest(value.on),
+        lambda value: _SwitchRequest(data=value.on),
         lambda request: Switch(bool(request.data)),
-        lambda result: SetBoolResponse(result.success, result.text),
+        lambda result: _SwitchResponse(success=result.success, message=result.text),
         _told,
     ),
     AskMap: ServiceCodec(
         GridService,
-        lambda _value: GetMapRequest(),
+        lambda _value: _MapRequest(),
         lambda _request: AskMap(),
         _map_response,
         lambda response: Result(success=True, value=maps.map_of(response.map)),
@@ -125,7 +122,7 @@ SERVICES = {
         _use_map_request,
         _use_map_of,
         lambda result: (
-            _fail_or(result, SetMapResponse(success=True)) if result.text else SetMapResponse(result.success)
+            _fail_or(result, _UseResponse(success=True)) if result.text else _UseResponse(success=result.success)
         ),
         lambda response: Result(bool(response.success)),
     ),
@@ -133,7 +130,7 @@ SERVICES = {
         SetMap,
         _place_request,
         _place_of,
-        lambda result: _fail_or(result, SetMapResponse(success=True)),
+        lambda result: _fail_or(result, _UseResponse(success=True)),
         lambda response: Result(bool(response.success)),
     ),
     AskPath: ServiceCodec(

@@ -11,9 +11,10 @@ from nav_msgs.msg import OccupancyGrid
 from nav_msgs.srv import GetMapResponse
 
 from ur.source.diagnostic import UserError
+from ur_nodes.codecs.genpy.grid import GridMessage, GridResponse
+from ur_nodes.codecs.maps import grid_message, grid_of_message
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2
-from ur_nodes.ros1.messages.grid import GridMessage, GridResponse, grid_message, grid_of_message
 
 
 def test_grid_survives_the_way_through_a_message() -> None:

@@ -7,10 +7,10 @@ from typing import Any
 
 from rosgraph_msgs.msg import Clock, Log
 from std_msgs.msg import Bool, Empty, Float32, Float64, Int32, String
-from std_msgs.msg import Time as TimeMessage
 
+from ur_nodes.codecs.codec import Codec
+from ur_nodes.codecs.dialect import ROS_2, TimeMessage, stamp_of, time_of
 from ur_nodes.ports.values import ClockTime, Level, LogLine, Number, Signal, Time
-from ur_nodes.ros1.codecs.codec import Codec, stamp_of, time_of
 
 
 def _data(message_class: Any, kind: Callable[[Any], Any]) -> Codec:
@@ -29,7 +29,14 @@ def _fill_clock(message: Any, value: ClockTime) -> None:
 
 
 def _fill_time(message: Any, value: Time) -> None:
-    message.data = time_of(value.stamp)
+    if ROS_2:
+        message.sec, message.nanosec = divmod(value.stamp, 1_000_000_000)
+    else:
+        message.data = time_of(value.stamp)
+
+
+def _time_of(message: Any) -> Time:
+    return Time(stamp_of(message if ROS_2 else message.data))
 
 
 def _fill_line(message: Any, value: LogLine) -> None:
@@ -51,6 +58,6 @@ CODECS = {
     LogLine: Codec(Log, _fill_line, _line_of),
     Number: Codec(Float64, _fill_number, lambda message: Number(message.data)),
     Signal: Codec(Empty, lambda _message, _value: None, lambda _message: Signal()),
-    Time: Codec(TimeMessage, _fill_time, lambda message: Time(stamp_of(message.data))),
+    Time: Codec(TimeMessage, _fill_time, _time_of),
     ClockTime: Codec(Clock, _fill_clock, lambda message: ClockTime(stamp_of(message.clock))),
 }

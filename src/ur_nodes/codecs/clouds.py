@@ -8,8 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 from sensor_msgs.msg import PointCloud2, PointField
 
+from ur_nodes.codecs.codec import LARGE, Codec, fill_header, frame_of
+from ur_nodes.codecs.dialect import stamp_of
 from ur_nodes.ports.values import PointCloud
-from ur_nodes.ros1.codecs.codec import LARGE, Codec, fill_header, frame_of, stamp_of
 
 _TYPES = {1: "i1", 2: "u1", 3: "i2", 4: "u2", 5: "i4", 6: "u4", 7: "f4", 8: "f8"}  # by the number in PointField
 _TYPE_OF = {name: number for number, name in _TYPES.items()}
@@ -22,7 +23,9 @@ def _fill_cloud(message: Any, value: PointCloud) -> None:
     fill_header(message, value.stamp, value.frame)
     kind = value.points.dtype
     parts = [(name, *kind.fields[name][:2]) for name in kind.names or ()] if kind.fields else []
-    message.fields = [PointField(name, offset, _TYPE_OF[part.str[1:]], 1) for name, part, offset in parts]
+    message.fields = [
+        PointField(name=name, offset=offset, datatype=_TYPE_OF[part.str[1:]], count=1) for name, part, offset in parts
+    ]
     message.is_bigendian = any(part.str.startswith(">") for _, part, _ in parts)
     message.height, message.width, message.point_step = 1, len(value.points), kind.itemsize
     message.row_step, message.is_dense = kind.itemsize * len(value.points), False

@@ -11,9 +11,10 @@ from std_msgs.msg import ColorRGBA
 from visualization_msgs.msg import Marker as MarkerMessage
 from visualization_msgs.msg import MarkerArray
 
+from ur_nodes.codecs.codec import Codec, fill_header, frame_of
+from ur_nodes.codecs.dialect import stamp_of
 from ur_nodes.geometry.pose import Pose3
 from ur_nodes.ports.values import Marker, MarkerChange, MarkerChanges, Markers
-from ur_nodes.ros1.codecs.codec import Codec, fill_header, frame_of, stamp_of
 
 _SHAPES: dict[str, int] = {
     "arrow": MarkerMessage.ARROW,
@@ -57,8 +58,8 @@ def _fill_marker(made: Any, marker: Marker, stamp: int, frame: str) -> None:
     turn.x, turn.y, turn.z, turn.w = pose.rotation
     made.scale.x, made.scale.y, made.scale.z = marker.size
     made.color.r, made.color.g, made.color.b, made.color.a = marker.colour
-    made.points = [Point(*each) for each in marker.points.tolist()]
-    made.colors = [ColorRGBA(*each) for each in marker.colours.tolist()]
+    made.points = [Point(x=x, y=y, z=z) for x, y, z in marker.points.tolist()]
+    made.colors = [ColorRGBA(r=r, g=g, b=b, a=a) for r, g, b, a in marker.colours.tolist()]
 
 
 def _markers_of(message: Any) -> Markers:

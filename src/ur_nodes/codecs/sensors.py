@@ -5,13 +5,14 @@ from __future__ import annotations
 import math
 from typing import Any
 
+import numpy as np
 from sensor_msgs.msg import BatteryState
 from sensor_msgs.msg import Imu as ImuMessage
 from sensor_msgs.msg import Range as RangeMessage
 
+from ur_nodes.codecs.codec import Codec, fill_header, frame_of
+from ur_nodes.codecs.dialect import ScanMessage, array_of, field_of, stamp_of
 from ur_nodes.ports.values import Battery, Imu, Range, Scan
-from ur_nodes.ros1.codecs.codec import Codec, fill_header, frame_of, stamp_of
-from ur_nodes.ros1.messages.scan import ScanMessage
 
 # sensor_msgs/BatteryState knows no lead.
 _TECHNOLOGIES = {
@@ -30,7 +31,7 @@ def _fill_scan(message: Any, value: Scan) -> None:
     message.angle_min, message.angle_increment = value.angle_min, value.angle_increment
     message.angle_max = last if value.angle_max is None else value.angle_max
     message.range_min, message.range_max, message.scan_time = value.range_min, value.range_max, value.scan_time
-    message.ranges, message.intensities = value.ranges, value.intensities
+    message.ranges, message.intensities = field_of(value.ranges), field_of(value.intensities)
     message.time_increment = value.time_increment
 
 
@@ -42,8 +43,8 @@ def _scan_of(message: Any) -> Scan:
         message.angle_increment,
         message.range_min,
         message.range_max,
-        message.ranges,
-        message.intensities,
+        array_of(message.ranges, np.float32),
+        array_of(message.intensities, np.float32),
         message.scan_time,
         message.angle_max,
         message.time_increment,

@@ -7,6 +7,10 @@ from typing import Any
 
 import numpy as np
 
+from ur_nodes.codecs.codec import Codec, fill_header, frame_of
+from ur_nodes.codecs.dialect import stamp_of
+from ur_nodes.codecs.genpy.fiducials import message_classes
+from ur_nodes.codecs.geometry import pose3_of_transform, transform_message
 from ur_nodes.ports.fiducials import (
     FiducialCorners,
     FiducialPose,
@@ -15,9 +19,6 @@ from ur_nodes.ports.fiducials import (
     PlacedFiducials,
     SeenFiducials,
 )
-from ur_nodes.ros1.codecs.codec import Codec, fill_header, frame_of, stamp_of
-from ur_nodes.ros1.messages.fiducials import message_classes
-from ur_nodes.ros1.messages.geometry import pose3_of_transform, transform_message
 
 _SEEN, _CORNERS = message_classes("FiducialArray")
 _PLACED, _POSE = message_classes("FiducialTransformArray")

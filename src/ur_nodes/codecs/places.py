@@ -7,15 +7,16 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from geometry_msgs.msg import Point32, PolygonStamped, PoseArray, PoseStamped, PoseWithCovarianceStamped
+from geometry_msgs.msg import Point32, PolygonStamped, PoseStamped, PoseWithCovarianceStamped
 from nav_msgs.msg import Path as PathMessage
 from numpy.typing import NDArray
 
+from ur_nodes.codecs.codec import Codec, fill_header, frame_of
+from ur_nodes.codecs.dialect import ROS_2, PosesMessage, stamp_of
+from ur_nodes.codecs.geometry import fill_pose, pose_message, pose_of_message
+from ur_nodes.codecs.matrices import matrix_of, numbers_of
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.ports.values import Outline, Path, PlacedPose, PoseEstimate, Poses
-from ur_nodes.ros1.codecs.codec import Codec, fill_header, frame_of, stamp_of
-from ur_nodes.ros1.codecs.matrices import matrix_of, numbers_of
-from ur_nodes.ros1.messages.geometry import fill_pose, pose_message, pose_of_message
 
 _UNIT_SLACK = 0.1
 
@@ -61,25 +62,12 @@ def estimate_of(message: Any) -> PoseEstimate:
     )
 
 
-class _PosesMessage(PoseArray):  # type: ignore[misc]  # generated without types
-    """Many poses, written fast: `planar` is float64 (n, 3), m, m, rad; `poses` stays empty in what is sent."""
-
-    __slots__ = ("planar",)
-
-    def serialize(self, buff: Any) -> None:
-        """Write header, number and poses as http://wiki.ros.org/msg describes (little-endian)."""
-        self.header.serialize(buff)
-        buff.write(np.uint32(len(self.planar)).astype("<u4").tobytes())
-        poses = np.zeros((len(self.planar), 7), dtype="<f8")
-        poses[:, :2] = self.planar[:, :2]
-        poses[:, 5] = np.sin(0.5 * self.planar[:, 2])
-        poses[:, 6] = np.cos(0.5 * self.planar[:, 2])
-        buff.write(poses.tobytes())
-
-
 def _fill_poses(message: Any, value: Poses) -> None:
     fill_header(message, value.stamp, value.frame)
-    message.planar = value.poses
+    if ROS_2:
+        message.poses = [pose_message(Pose2(*each)) for each in value.poses.tolist()]
+    else:
+        message.planar = value.poses
 
 
 def _poses_of(message: Any) -> Poses:
@@ -100,7 +88,7 @@ def _path_of(message: Any) -> Path:
 
 def _fill_outline(message: Any, value: Outline) -> None:
     fill_header(message, value.stamp, value.frame)
-    message.polygon.points = [Point32(x, y, 0.0) for x, y in value.corners.tolist()]
+    message.polygon.points = [Point32(x=x, y=y, z=0.0) for x, y in value.corners.tolist()]
 
 
 def _outline_of(message: Any) -> Outline:
@@ -115,7 +103,7 @@ def _rows(poses: Any) -> NDArray[np.float64]:
 CODECS = {
     PlacedPose: Codec(PoseStamped, fill_placed, placed_of),
     PoseEstimate: Codec(PoseWithCovarianceStamped, _fill_estimate, estimate_of),
-    Poses: Codec(_PosesMessage, _fill_poses, _poses_of),
+    Poses: Codec(PosesMessage, _fill_poses, _poses_of),
     Path: Codec(PathMessage, _fill_path, _path_of),
     Outline: Codec(PolygonStamped, _fill_outline, _outline_of),
 }

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 
-from ur_nodes.ros1.loop import Beat, Beats, Loop
+from ur_nodes.loop import Beat, Beats, Loop
 
 
 class Clock:

@@ -1,0 +1,39 @@
+"""Messages of ROS 1 and of ROS 2 for the values of `ports`, one codec for each kind."""
+
+from __future__ import annotations
+
+import importlib
+
+from ur_nodes.codecs.codec import Codec, ServiceCodec
+
+__all__ = ["Codec", "ServiceCodec", "find_codec", "find_service"]
+
+# Which module knows a kind: messages take long to import, and a node needs few.
+_MODULES = {
+    "ur_nodes.codecs.simple": ("str", "bool", "float", "int", "Number", "Signal", "Time", "ClockTime", "LogLine"),
+    "ur_nodes.codecs.motion": ("Twist", "StampedTwist", "Odometry", "DriverOdometry", "Joints", "Joystick"),
+    "ur_nodes.codecs.places": ("PlacedPose", "PoseEstimate", "Poses", "Path", "Outline"),
+    "ur_nodes.codecs.goal_ids": ("GoalId",),
+    "ur_nodes.codecs.sensors": ("Scan", "Range", "Imu", "Battery"),
+    "ur_nodes.codecs.maps": ("Map", "MapInfo", "MapUpdate"),
+    "ur_nodes.codecs.markers": ("Markers", "MarkerChange", "MarkerChanges"),
+    "ur_nodes.codecs.clouds": ("PointCloud",),
+    "ur_nodes.codecs.pictures": ("Picture", "PackedPicture", "Calibration"),
+    "ur_nodes.codecs.camera_services": ("UseCalibration",),
+    "ur_nodes.codecs.fiducials": ("SeenFiducials", "PlacedFiducials", "MappedFiducials"),
+    "ur_nodes.codecs.frames": ("tuple",),
+    "ur_nodes.codecs.services": ("Trigger", "Silent", "Switch", "AskMap", "UseMap", "AskPath", "Place"),
+}
+_MODULE_OF = {kind: module for module, kinds in _MODULES.items() for kind in kinds}
+
+
+def find_codec(kind: type) -> Codec:
+    """The codec of a kind of value. Raises KeyError: no message is known for it."""
+    codec: Codec = importlib.import_module(_MODULE_OF[kind.__name__]).CODECS[kind]
+    return codec
+
+
+def find_service(kind: type) -> ServiceCodec:
+    """The codec of a kind of request. Raises KeyError: no service is known for it."""
+    codec: ServiceCodec = importlib.import_module(_MODULE_OF[kind.__name__]).SERVICES[kind]
+    return codec

@@ -1,0 +1,158 @@
+"""Messages of ROS 2 whose packages may be missing, written and read as CDR bytes (XCDR1).
+
+A class of this kind has `BARE`: package, name and RIHS01 hash of its type, by which the middleware finds the other end.
+Numbers are aligned to their size, counted from after the head of four bytes.
+"""
+
+from __future__ import annotations
+
+import struct
+from array import array
+from typing import Any
+
+from geometry_msgs.msg import TransformStamped
+from std_msgs.msg import Header
+
+_LITTLE_ENDIAN = b"\x00\x01\x00\x00"
+_ORDERS = {b"\x00\x01": "<", b"\x00\x00": ">"}
+_MOST = 10_000  # transforms of a message
+
+
+class Writer:
+    """Bytes of a message that grow."""
+
+    def __init__(self) -> None:
+        self._data = bytearray()
+
+    def add(self, form: str, *numbers: float) -> None:
+        """Add numbers of one size, by `struct`'s letters."""
+        self._data += bytes(-len(self._data) % struct.calcsize(f"<{form[-1]}"))
+        self._data += struct.pack(f"<{form}", *numbers)
+
+    def add_text(self, text: str) -> None:
+        """Add a string."""
+        data = text.encode() + b"\0"
+        self.add("I", len(data))
+        self._data += data
+
+    def add_header(self, header: Any) -> None:
+        """Add a std_msgs/Header."""
+        self.add("i", header.stamp.sec)
+        self.add("I", header.stamp.nanosec)
+        self.add_text(header.frame_id)
+
+    def add_bytes(self, data: bytes) -> None:
+        """Add a sequence of bytes."""
+        self.add("I", len(data))
+        self._data += data
+
+    def finish(self) -> bytes:
+        """The message."""
+        return _LITTLE_ENDIAN + bytes(self._data)
+
+
+class Reader:
+    """Bytes of a message that are read one after the other. Raises ValueError: they end too early, or are of no CDR."""
+
+    def __init__(self, data: bytes) -> None:
+        order = _ORDERS.get(bytes(data[:2]))
+        if order is None:
+            raise ValueError(f"message in the encoding {bytes(data[:2]).hex()}, expected 0000 or 0001 (CDR)")
+        self._order = order
+        self._data = memoryview(data)[4:]
+        self._place = 0
+
+    def take(self, form: str) -> tuple[Any, ...]:
+        """Take numbers of one size."""
+        self._place += -self._place % struct.calcsize(f"<{form[-1]}")
+        try:
+            numbers = struct.unpack_from(self._order + form, self._data, self._place)
+        except struct.error as problem:
+            raise ValueError(f"message of {len(self._data)} bytes that ends too early: {problem}") from problem
+        self._place += struct.calcsize(f"<{form}")
+        return numbers
+
+    def take_bytes(self) -> bytes:
+        """Take a sequence of bytes."""
+        (count,) = self.take("I")
+        if count > len(self._data) - self._place:
+            raise ValueError(f"sequence of {count} bytes, {len(self._data) - self._place} are left")
+        self._place += count
+        return bytes(self._data[self._place - count : self._place])
+
+    def take_text(self) -> str:
+        """Take a string."""
+        return self.take_bytes().rstrip(b"\0").decode(errors="replace")
+
+    def take_header(self) -> Any:
+        """Take a std_msgs/Header."""
+        header = Header()
+        (header.stamp.sec,), (header.stamp.nanosec,) = self.take("i"), self.take("I")
+        header.frame_id = self.take_text()
+        return header
+
+
+class GridUpdate:
+    """map_msgs/msg/OccupancyGridUpdate: new cells `data`, int8, from column `x` and row `y` on."""
+
+    BARE = (
+        *("map_msgs", "OccupancyGridUpdate"),
+        "c4095b0be2e4363f8978a1570e0293ee093436f1e1c61d99b48502ac317025e8",
+    )
+
+    def __init__(self) -> None:
+        self.header = Header()
+        self.x = self.y = self.width = self.height = 0
+        self.data = array("b")
+
+    def write(self) -> bytes:
+        """The message as bytes."""
+        writer = Writer()
+        writer.add_header(self.header)
+        writer.add("2i", self.x, self.y)
+        writer.add("2I", self.width, self.height)
+        writer.add_bytes(self.data.tobytes())
+        return writer.finish()
+
+    @classmethod
+    def read(cls, data: bytes) -> GridUpdate:
+        """The message that bytes are. Raises ValueError."""
+        reader, made = Reader(data), cls()
+        made.header = reader.take_header()
+        (made.x, made.y), (made.width, made.height) = reader.take("2i"), reader.take("2I")
+        made.data = array("b", reader.take_bytes())
+        return made
+
+
+class Transforms:
+    """tf2_msgs/msg/TFMessage."""
+
+    BARE = ("tf2_msgs", "TFMessage", "e369d0f05a23ae52508854b66f6aa0437f3449d652e8cbf22d5abe85d020f087")
+
+    def __init__(self) -> None:
+        self.transforms: list[Any] = []
+
+    def write(self) -> bytes:
+        """The message as bytes."""
+        writer = Writer()
+        writer.add("I", len(self.transforms))
+        for each in self.transforms:
+            writer.add_header(each.header)
+            writer.add_text(each.child_frame_id)
+            place, turn = each.transform.translation, each.transform.rotation
+            writer.add("7d", place.x, place.y, place.z, turn.x, turn.y, turn.z, turn.w)
+        return writer.finish()
+
+    @classmethod
+    def read(cls, data: bytes) -> Transforms:
+        """The message that bytes are. Raises ValueError."""
+        reader, made = Reader(data), cls()
+        (count,) = reader.take("I")
+        if count > _MOST:
+            raise ValueError(f"TFMessage with {count} transforms, expected at most {_MOST}")
+        for _ in range(count):
+            each = TransformStamped(header=reader.take_header(), child_frame_id=reader.take_text())
+            place, turn = each.transform.translation, each.transform.rotation
+            place.x, place.y, place.z, turn.x, turn.y, turn.z, turn.w = reader.take("7d")
+            made.transforms.append(each)
+        return made

@@ -1,0 +1,101 @@
+"""What differs between the messages of ROS 1 and of ROS 2. Both have the same packages: a process knows one of them."""
+
+from __future__ import annotations
+
+from array import array
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from std_msgs.msg import Header
+
+_Time: Any = type(Header().stamp)
+ROS_2: bool = hasattr(_Time(), "nanosec")
+"""The messages that are installed are those of ROS 2."""
+_SECOND = 1_000_000_000
+
+if ROS_2:
+    from builtin_interfaces.msg import Time as TimeMessage
+    from geometry_msgs.msg import PoseArray as PosesMessage
+    from nav_msgs.msg import OccupancyGrid as GridMessage
+    from nav_msgs.srv import GetMap as GridService
+    from sensor_msgs.msg import LaserScan as ScanMessage
+
+    from ur_nodes.codecs import bare
+
+    try:
+        from map_msgs.msg import OccupancyGridUpdate as GridUpdate
+    except ImportError:
+        GridUpdate = bare.GridUpdate
+    try:
+        from tf2_msgs.msg import TFMessage as Transforms
+    except ImportError:
+        Transforms = bare.Transforms
+else:
+    from std_msgs.msg import Time as TimeMessage
+    from tf2_msgs.msg import TFMessage as Transforms
+
+    from ur_nodes.codecs.genpy.grid import GridMessage, GridService
+    from ur_nodes.codecs.genpy.grid_update import GridUpdate
+    from ur_nodes.codecs.genpy.poses import PosesMessage
+    from ur_nodes.codecs.genpy.scan import ScanMessage
+
+__all__ = [
+    "ROS_2",
+    "GridMessage",
+    "GridService",
+    "GridUpdate",
+    "PosesMessage",
+    "ScanMessage",
+    "TimeMessage",
+    "Transforms",
+]
+
+
+@lru_cache(maxsize=4)
+def time_of(stamp: int) -> Any:
+    """A stamp (ns) as a message has it; messages of one moment share it."""
+    seconds, rest = divmod(stamp, _SECOND)
+    return _Time(sec=seconds, nanosec=rest) if ROS_2 else _Time(seconds, rest)
+
+
+def stamp_of(time: Any) -> int:
+    """The stamp (ns) of a message's time."""
+    return int(time.sec) * _SECOND + int(time.nanosec) if ROS_2 else int(time.secs) * _SECOND + int(time.nsecs)
+
+
+def number_of(message: Any) -> int:
+    """The number that the publisher gave a message; 0 on ROS 2, whose headers have none."""
+    return 0 if ROS_2 else int(message.header.seq)
+
+
+def bytes_of(field: Any) -> bytes:
+    """The bytes of a field."""
+    return bytes(field)
+
+
+def field_of(values: NDArray[Any]) -> Any:
+    """An array (n) of float32, int8 or uint8 as a message takes it; it is not copied where it need not be."""
+    if not ROS_2:
+        return values
+    code = {"float32": "f", "int8": "b", "uint8": "B"}[values.dtype.name]
+    return array(code, np.ascontiguousarray(values).tobytes())
+
+
+def array_of(field: Any, dtype: Any) -> NDArray[Any]:
+    """The array (n) that a message has, which shares its memory where it can."""
+    if isinstance(field, bytes | bytearray | array):
+        return np.frombuffer(field, dtype)
+    return np.asarray(field, dtype=dtype)
+
+
+def parts_of(service: Any) -> tuple[Any, Any]:
+    """The classes of a service's request and response."""
+    if ROS_2:
+        return service.Request, service.Response
+    return service._request_class, service._response_class  # noqa: SLF001 - where genpy keeps them
+
+
+class ServiceFailureError(Exception):
+    """A failure that the response of a service has no field for."""

@@ -1,0 +1,108 @@
+"""Maps and what changes in them."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+from nav_msgs.msg import MapMetaData
+
+from ur.source.diagnostic import UserError, error
+from ur_nodes.codecs.codec import Codec, fill_header, frame_of
+from ur_nodes.codecs.dialect import ROS_2, GridMessage, GridUpdate, array_of, field_of, stamp_of, time_of
+from ur_nodes.codecs.geometry import fill_pose, pose_message, pose_of_message
+from ur_nodes.geometry.grid import Grid
+from ur_nodes.ports.values import Map, MapInfo, MapUpdate
+
+_FINEST = 1e-4  # m
+
+
+def fill_map(message: Any, value: Map) -> None:
+    """Write a nav_msgs/OccupancyGrid; the message shares the cells."""
+    fill_header(message, value.stamp, value.frame)
+    message.info = metadata_message(value.grid, time_of(value.stamp))
+    message.data = field_of(value.grid.values.ravel())
+
+
+def map_of(message: Any) -> Map:
+    """Read a nav_msgs/OccupancyGrid. Raises UserError: size, data and resolution do not fit together."""
+    grid = grid_of_message(message)
+    if not _FINEST <= grid.resolution < math.inf:
+        raise ValueError(f"map with resolution {grid.resolution:g}, expected {_FINEST:g} m or more")
+    if not ROS_2:
+        message.data = ()  # rospy keeps the last message, which is as large as the map
+    return Map(stamp_of(message.header.stamp), frame_of(message), grid)
+
+
+def grid_of_message(message: Any) -> Grid:
+    """The grid of a message. Raises UserError when size, data and resolution do not fit together."""
+    info = message.info
+    data = message.data
+    if info.width * info.height != len(data):
+        raise UserError(
+            error(
+                f"map of {info.width} x {info.height} cells with {len(data)} values, expected one value per cell",
+                rule="bad-map",
+            )
+        )
+    if not info.resolution > 0.0:
+        raise UserError(error(f"map with resolution {info.resolution:g}, expected more than 0 m", rule="bad-map"))
+    values = array_of(data, np.int8)
+    # The message carries a float32 (0.0500000007...): take the shortest decimal of that value.
+    resolution = float(np.format_float_positional(np.float32(info.resolution), unique=True))
+    return Grid(values.reshape(info.height, info.width), resolution, pose_of_message(info.origin))
+
+
+def metadata_message(grid: Grid, stamp: Any) -> MapMetaData:
+    """Size, resolution and origin of the grid; `stamp` is when it was loaded."""
+    return MapMetaData(
+        map_load_time=stamp,
+        resolution=grid.resolution,
+        width=grid.width,
+        height=grid.height,
+        origin=pose_message(grid.origin),
+    )
+
+
+def grid_message(grid: Grid, frame: str, stamp: Any) -> Any:
+    """A message with the grid, whose values it shares; `stamp` is a message's."""
+    message = GridMessage()
+    message.header.frame_id, message.header.stamp = frame, stamp
+    message.info = metadata_message(grid, stamp)
+    message.data = field_of(grid.values.ravel())
+    return message
+
+
+def _fill_info(message: Any, value: MapInfo) -> None:
+    message.map_load_time, message.resolution = time_of(value.stamp), value.resolution
+    message.width, message.height = value.width, value.height
+    fill_pose(message.origin, value.origin)
+
+
+def _info_of(message: Any) -> MapInfo:
+    stamp = stamp_of(message.map_load_time)
+    return MapInfo(stamp, message.resolution, message.width, message.height, pose_of_message(message.origin))
+
+
+def _fill_update(message: Any, value: MapUpdate) -> None:
+    fill_header(message, value.stamp, value.frame)
+    message.x, message.y = value.column, value.row
+    message.height, message.width = value.values.shape
+    message.data = field_of(value.values.ravel())
+
+
+def _update_of(message: Any) -> MapUpdate:
+    if message.width * message.height != len(message.data):
+        raise ValueError(
+            f"update of {message.width} x {message.height} cells with {len(message.data)} values, expected one per cell"
+        )
+    values = array_of(message.data, np.int8).reshape(message.height, message.width)
+    return MapUpdate(stamp_of(message.header.stamp), frame_of(message), message.y, message.x, values)
+
+
+CODECS = {
+    Map: Codec(GridMessage, fill_map, map_of),
+    MapInfo: Codec(MapMetaData, _fill_info, _info_of),
+    MapUpdate: Codec(GridUpdate, _fill_update, _update_of),
+}
