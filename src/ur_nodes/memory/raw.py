@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from ur_nodes.memory.carrier import Carrier, type_name_of
 from ur_nodes.ports.node import Sender
 from ur_nodes.ports.qualities import Quality
-from ur_nodes.ports.raw import Fields, RawMessage, ServiceType
+from ur_nodes.ports.raw import Fields, RawMessage, ServiceAnswer, ServiceType
 from ur_nodes.ports.values import Result
 
 if TYPE_CHECKING:
@@ -59,19 +59,20 @@ class MemoryRaw:
 
     def call(self, service: str, fields: Fields, take: Callable[[Result], None]) -> None:
         """See Raw."""
-
-        def give(result: Result) -> None:
-            value = result.value if isinstance(result.value, dict) else asdict(result)
-            self._node.after(0.0, lambda: take(Result(True, str(value), value)))
-
         found = self._bus.services.get(self._node.resolve(service))
         if found is None:
             self._node.after(0.0, lambda: take(self._missing(service)))
             return
+        name = type_name_of(found.kind)
+
+        def give(result: Result) -> None:
+            value = result.value if isinstance(result.value, dict) else asdict(result)
+            self._node.after(0.0, lambda: take(Result(True, str(value), ServiceAnswer(name, value))))
+
         try:
             request = found.kind(**fields)
         except TypeError as problem:
-            result = Result(False, str(problem))
+            result = Result(False, f"value: {problem}")
             self._node.after(0.0, lambda: take(result))
         else:
             found.take(request, give)

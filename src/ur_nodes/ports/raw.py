@@ -37,6 +37,14 @@ class ServiceType:
     schema: str
 
 
+@dataclass(frozen=True, slots=True)
+class ServiceAnswer:
+    """The answer of a service, and the name of the service's type."""
+
+    type_name: str
+    fields: Fields
+
+
 class Raw(Protocol):
     """Sends and receives messages of any type."""
 
@@ -58,4 +66,4 @@ class Raw(Protocol):
         """Find a service; `take` gets a result with its ServiceType."""
 
     def call(self, service: str, fields: Fields, take: Callable[[Result], None]) -> None:
-        """Ask a service, however long it takes; `take` gets its answer for people as the text, and its fields."""
+        """Ask a service, however long it takes; `take` gets a result with its ServiceAnswer, as lines in the text."""

@@ -14,7 +14,7 @@ from rosservice import ROSServiceException, get_service_type
 from ur_nodes.codecs import Codec
 from ur_nodes.loop import Loop, run_aside
 from ur_nodes.ports.qualities import Quality
-from ur_nodes.ports.raw import Fields, RawMessage, ServiceType
+from ur_nodes.ports.raw import Fields, RawMessage, ServiceAnswer, ServiceType
 from ur_nodes.ports.values import Result
 from ur_nodes.ros1.installed import has_generated
 from ur_nodes.ros1.topics import RosPublisher, RosSubscription, header_of, sender_of
@@ -68,10 +68,10 @@ class RosRaw:
 
         def ask() -> None:
             try:
-                _, found = _find_service(full)
+                kind, found = _find_service(full)
                 request = _make(found._request_class, fields)  # noqa: SLF001 - genpy has no other name
                 answer = rospy.ServiceProxy(full, found)(request)
-                result = Result(True, str(answer), _fields_of(answer))
+                result = Result(True, str(answer), ServiceAnswer(kind, _fields_of(answer)))
             except ValueError as problem:
                 result = Result(False, f"value: {problem}")
             except (ROSServiceException, LookupError, rospy.ServiceException, rospy.ROSException, OSError) as problem:

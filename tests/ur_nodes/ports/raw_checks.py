@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import pytest
 from tests.ur_nodes.ports.stage import STRING, Stage
 
 from ur_nodes.ports.graph import Graph
 from ur_nodes.ports.qualities import Quality
-from ur_nodes.ports.raw import RawMessage, ServiceType
+from ur_nodes.ports.raw import RawMessage, ServiceAnswer, ServiceType
 from ur_nodes.ports.services import Trigger
 from ur_nodes.ports.values import Result
 
@@ -89,12 +87,15 @@ def check_service_is_found_and_asked_by_fields(stage: Stage) -> None:
     assert "Trigger" in got[0].value.name
     stage.one.raw.call("raw_trigger", {}, got.append)
     stage.until(lambda: len(got) == 2)
-    answer: Any = got[1].value
-    assert answer["success"] is True
+    answer = got[1].value
+    assert isinstance(answer, ServiceAnswer)
+    assert answer.type_name == got[0].value.name
+    assert answer.fields["success"] is True
     assert "it is done" in got[1].text
     stage.one.raw.call("raw_trigger", {"colour": 1}, got.append)
     stage.until(lambda: len(got) == 3)
     assert not got[2].success
+    assert got[2].text.startswith("value: ")
     assert "colour" in got[2].text
 
 

@@ -1,43 +1,40 @@
-"""Empty messages as JSON for forms, and the fields of a message from JSON. It does not import genpy."""
+"""Empty messages as JSON for forms, and the fields of a message from JSON."""
 
 from __future__ import annotations
 
 import json
 import math
-from collections.abc import Callable
 from typing import Any
 
-_NUMBERS = {f"{kind}{bits}" for kind in ("int", "uint") for bits in (8, 16, 32, 64)} | {"byte", "char"}
-_DEEPEST = 8
+from ur_nodes.web.data.definition import MOMENTS, PRIMITIVES, Definition
 
-FindClass = Callable[[str], Any]
+_DEEPEST = 8
 
 
 class BadValueError(ValueError):
     """A value that does not fit a type; the text says why, in a line."""
 
 
-def make_template(found: Any, find_class: FindClass, deepest: int = _DEEPEST) -> dict[str, Any]:
-    """The fields of a message class with their empty values; arrays are empty."""
+def make_template(definition: Definition, deepest: int = _DEEPEST) -> dict[str, Any]:
+    """The fields of a message with their empty values; arrays are empty."""
+    return _make_template(definition, definition.kind, deepest)
+
+
+def _make_template(definition: Definition, kind: str, deepest: int) -> dict[str, Any]:
     return {
-        name: _empty(kind, find_class, deepest - 1)
-        for name, kind in zip(found.__slots__, found._slot_types, strict=True)  # noqa: SLF001 - genpy has no other name
+        field.name: _empty(definition, field.kind, deepest - 1) if field.length is None else []
+        for field in definition.fields[kind]
     }
 
 
-def _empty(kind: str, find_class: FindClass, deepest: int) -> Any:
-    if "[" in kind:
-        return []
+def _empty(definition: Definition, kind: str, deepest: int) -> Any:
     if kind == "bool":
         return False
-    if kind in _NUMBERS:
-        return 0
-    if kind.startswith("float"):
-        return 0.0
-    if kind in ("time", "duration"):
+    if kind in MOMENTS:
         return {"secs": 0, "nsecs": 0}
-    found = find_class(kind) if "/" in kind and deepest > 0 else None
-    return "" if found is None else make_template(found, find_class, deepest)
+    if kind in PRIMITIVES:
+        return 0.0 if kind.startswith("float") else 0
+    return _make_template(definition, kind, deepest) if kind in definition.fields and deepest > 0 else ""
 
 
 def read_value(text: str) -> Any:

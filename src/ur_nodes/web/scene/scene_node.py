@@ -17,8 +17,8 @@ from tf2_msgs.msg import TFMessage
 from ur.robot.description.mesh_file import read_mesh
 from ur.web.wire.data_frames import pack_frame, pack_json
 from ur.web.wire.data_requests import Show
+from ur_nodes.ports.graph import Graph
 from ur_nodes.rosio.ending import quiet_at_end
-from ur_nodes.web.data.graph_node import RosGraph
 from ur_nodes.web.layers.pacing import Every
 from ur_nodes.web.scene.clouds import BadCloudError, pack_cloud, unpack_cloud
 from ur_nodes.web.scene.frames import FrameTree
@@ -59,7 +59,7 @@ class SceneFeed:
             Every(_MARKERS_EVERY),
         )
 
-    def step(self, now: float, shows: Mapping[int, Show], graph: RosGraph) -> None:
+    def step(self, now: float, shows: Mapping[int, Show], graph: Graph) -> None:
         """Subscribe to what pages show, and send it; to be called often, from one thread."""
         pages = {page: each.scene for page, each in shows.items() if each.scene is not None}
         self._new = {page for page in pages if pages[page] != self._pages.get(page)}

@@ -4,36 +4,45 @@ from __future__ import annotations
 
 import pytest
 
+from ur_nodes.web.data.definition import read_definition
 from ur_nodes.web.data.forms import BadValueError, make_template, read_fields, read_value
 
-
-class Inner:
-    __slots__ = ("x",)
-    _slot_types = ("float64",)
-
-
-class Outer:
-    __slots__ = ("at", "count", "good", "inner", "many", "name")
-    _slot_types = ("time", "uint8", "bool", "a/Inner", "a/Inner[]", "string")
+NESTED = (
+    """string name
+uint8 count
+bool good
+float64 share
+Inner inner
+Inner[] many
+float64[36] table
+time at
+"""
+    + "=" * 80
+    + """
+MSG: a/Inner
+float32 x
+"""
+)
 
 
 def test_template_holds_every_field() -> None:
-    assert make_template(Outer, lambda kind: Inner if kind == "a/Inner" else None) == {
+    template = make_template(read_definition("a/Outer", NESTED))
+    assert template == {
         "name": "",
         "count": 0,
         "good": False,
+        "share": 0.0,
         "inner": {"x": 0.0},
         "many": [],
+        "table": [],
         "at": {"secs": 0, "nsecs": 0},
     }
+    assert isinstance(template["share"], float)
+    assert isinstance(template["count"], int)
 
 
-def test_type_that_holds_itself_ends() -> None:
-    class Loop:
-        __slots__ = ("again",)
-        _slot_types = ("a/Loop",)
-
-    assert make_template(Loop, lambda _: Loop)["again"]
+def test_template_is_not_deeper_than_a_form() -> None:
+    assert make_template(read_definition("a/Outer", NESTED), 1)["inner"] == ""
 
 
 @pytest.mark.parametrize("text", ["NaN", "[Infinity]", "1e999", "{", "[" * 100_000])

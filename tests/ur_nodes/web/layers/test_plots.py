@@ -16,7 +16,7 @@ from geometry_msgs.msg import Twist
 from nav_msgs.msg import Odometry
 from sensor_msgs.msg import BatteryState
 
-from ur_nodes.web.layers.plots_node import PlotFeed, list_fields, read_number
+from ur_nodes.web.layers.plots import PlotFeed, list_fields, read_number
 
 SPEED, TURN = "/odom:twist.twist.linear.x", "/odom:twist.twist.angular.z"
 

@@ -2,20 +2,18 @@
 
 from __future__ import annotations
 
-import threading
-import time
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from functools import partial
 from typing import Any
-
-import rospy
 
 from ur.web.wire.data_frames import pack_json
 from ur.web.wire.data_requests import Show
-from ur_nodes.rosio.ending import quiet_at_end
+from ur_nodes.ports.graph import Graph, Topic
+from ur_nodes.ports.node import Node
+from ur_nodes.ports.qualities import Quality
+from ur_nodes.ports.raw import RawMessage
 from ur_nodes.web.data.decode import BadMessageError, decode, render
 from ur_nodes.web.data.definition import BadDefinitionError, read_definition
-from ur_nodes.web.data.graph_node import RosGraph, Topic
 from ur_nodes.web.data.rates import RateMeter
 from ur_nodes.web.layers.pacing import Every
 
@@ -26,7 +24,6 @@ _LIST_EVERY = 1.0  # s
 _MOST_TOPICS = 1000
 _MOST_MEASURED = 40  # of all pages
 _LONGEST = 1 << 20  # bytes of a message that is printed
-_BUFFER = 1 << 24  # bytes of one message
 _HEAVY = (
     "sensor_msgs/Image",
     "sensor_msgs/CompressedImage",
@@ -38,52 +35,43 @@ _HEAVY = (
 Send = Callable[[bytes], None]
 
 
-@dataclass(frozen=True, slots=True)
-class _Message:
-    kind: str
-    definition: str
-    data: bytes
-
-
 class _Watched:
     """A topic that is subscribed to: its rate, and its newest message."""
 
-    def __init__(self, topic: Topic, subscribe: Callable[..., Any]) -> None:
-        self.topic, self.meter = topic, RateMeter(time.monotonic())
-        self.lock = threading.Lock()
-        self.newest: _Message | None = None
+    def __init__(self, node: Node, topic: Topic) -> None:
+        self.topic, self.meter = topic, RateMeter(node.steady())
+        self.newest: RawMessage | None = None
         self.count = 0
-        self._subscriber = subscribe(topic.name, rospy.AnyMsg, self._take, queue_size=5, buff_size=_BUFFER)
+        self._node = node
+        self._subscription = node.raw.subscribe(topic.name, self._take, Quality.EVERY)
 
     def end(self) -> None:
         """Unsubscribe."""
-        self._subscriber.unregister()
+        self._subscription.close()
 
-    @quiet_at_end
-    def _take(self, message: Any) -> None:
-        header = message._connection_header  # noqa: SLF001 - rospy's own way to the type of AnyMsg
-        data = bytes(message._buff)  # noqa: SLF001 - rospy's own way to the bytes of AnyMsg
-        with self.lock:
-            self.meter.note(time.monotonic(), len(data))
-            self.count += 1
-            self.newest = _Message(str(header.get("type", "")), str(header.get("message_definition", "")), data)
+    def _take(self, message: RawMessage) -> None:
+        self.meter.note(self._node.steady(), len(message.data))
+        self.count += 1
+        self.newest = message
 
 
 class TopicWatch:
-    """Sends what pages show of topics. `subscribe` makes subscribers as rospy.Subscriber does."""
+    """Sends what pages show of topics."""
 
-    def __init__(self, send: Send, subscribe: Callable[..., Any] = rospy.Subscriber) -> None:
-        self._send, self._subscribe = send, subscribe
+    def __init__(self, node: Node, send: Send) -> None:
+        self._node, self._send = node, send
         self._watched: dict[str, _Watched] = {}
         self._printed: dict[int, tuple[str, int]] = {}
+        self._printing: set[int] = set()
         self._list_every, self._echo_every = Every(_LIST_EVERY), Every(ECHO_EVERY)
 
     def hurry(self) -> None:
         """Have pages get what they show at once: one shows something else."""
         self._list_every.hurry()
 
-    def step(self, now: float, shows: Mapping[int, Show], graph: RosGraph) -> None:
-        """Subscribe to what pages show, and send it; to be called often, from one thread."""
+    def step(self, shows: Mapping[int, Show], graph: Graph) -> None:
+        """Subscribe to what pages show, and send it; to be called often."""
+        now = self._node.steady()
         echoed = {each.echo for each in shows.values() if each.echo}
         if self._list_every.due(now):
             self._follow(self._choose(shows, graph, echoed))
@@ -97,11 +85,7 @@ class TopicWatch:
                     self._print(page, each.echo)
         self._printed = {page: each for page, each in self._printed.items() if page in shows}
 
-    def close(self) -> None:
-        """Unsubscribe from all topics."""
-        self._follow({})
-
-    def _choose(self, shows: Mapping[int, Show], graph: RosGraph, echoed: set[str]) -> dict[str, Topic]:
+    def _choose(self, shows: Mapping[int, Show], graph: Graph, echoed: set[str]) -> dict[str, Topic]:
         chosen = {name: graph.topics[name] for name in echoed & graph.topics.keys()}
         for name in sorted(name for each in shows.values() for name in each.topics or ()):
             topic = graph.topics.get(name)
@@ -116,41 +100,46 @@ class TopicWatch:
             self._watched.pop(name).end()
         for name, topic in chosen.items():
             if name not in self._watched:
-                self._watched[name] = _Watched(topic, self._subscribe)
+                self._watched[name] = _Watched(self._node, topic)
 
-    def _list(self, now: float, graph: RosGraph) -> list[list[Any]]:
+    def _list(self, now: float, graph: Graph) -> list[list[Any]]:
         rows = []
         for name, topic in sorted(graph.topics.items())[:_MOST_TOPICS]:
             row: list[Any] = [name[:200], topic.kind[:200], len(topic.publishers), len(topic.subscribers)]
             watched = self._watched.get(name)
             if watched is not None:
-                with watched.lock:
-                    rate, bandwidth = watched.meter.measure(now)
+                rate, bandwidth = watched.meter.measure(now)
                 row += [round(rate, 1), round(bandwidth)]
             rows.append(row)
         return rows
 
     def _print(self, page: int, name: str) -> None:
         watched = self._watched.get(name)
-        if watched is None:
+        if watched is None or watched.newest is None or page in self._printing:
             return
-        with watched.lock:
-            message, count = watched.newest, watched.count
-        if message is None or self._printed.get(page) == (name, count):
+        if self._printed.get(page) == (name, watched.count):
             return
-        self._printed[page] = name, count
-        value = {"t": "echo", "topic": name, "kind": message.kind[:200], "size": len(message.data), "count": count}
-        try:
-            lines = print_message(message.kind, message.definition, message.data)
-        except (BadDefinitionError, BadMessageError) as problem:
-            value["problem"] = str(problem)[:300]
-        else:
-            value["lines"] = lines
+        self._printed[page] = name, watched.count
+        self._printing.add(page)
+        self._node.work(partial(_describe, name, watched.count, watched.newest), partial(self._pass_on, page), "print")
+
+    def _pass_on(self, page: int, value: Mapping[str, Any]) -> None:
+        self._printing.discard(page)
         self._send(pack_json(page, "echo", value))
 
 
-def print_message(kind: str, definition: str, data: bytes) -> list[str]:
+def _describe(name: str, count: int, message: RawMessage) -> Mapping[str, Any]:
+    kind, size = message.type_name[:200], len(message.data)
+    value: dict[str, Any] = {"t": "echo", "topic": name, "kind": kind, "size": size, "count": count}
+    try:
+        value["lines"] = print_message(message)
+    except (BadDefinitionError, BadMessageError) as problem:
+        value["problem"] = str(problem)[:300]
+    return value
+
+
+def print_message(message: RawMessage) -> list[str]:
     """The lines of a message. Raises BadDefinitionError and BadMessageError."""
-    if len(data) > _LONGEST:
-        raise BadMessageError(f"message of {len(data)} bytes, expected at most {_LONGEST} to print it")
-    return render(decode(read_definition(kind, definition), data))
+    if len(message.data) > _LONGEST:
+        raise BadMessageError(f"message of {len(message.data)} bytes, expected at most {_LONGEST} to print it")
+    return render(decode(read_definition(message.type_name, message.schema), message.data))

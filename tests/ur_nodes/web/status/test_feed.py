@@ -1,0 +1,85 @@
+"""Diagnostics and figures of the computer, on a bus."""
+
+from __future__ import annotations
+
+import json
+import struct
+from typing import Any
+
+from ur.web.wire.data_frames import unpack_frame
+from ur_nodes.memory.bus import Bus
+from ur_nodes.ports.facts import Facts
+from ur_nodes.web.status.computer import CpuTimes
+from ur_nodes.web.status.diagnostics import KIND
+from ur_nodes.web.status.feed import StatusFeed
+
+SCHEMA = """Header header
+DiagnosticStatus[] status
+================================================================================
+MSG: std_msgs/Header
+uint32 seq
+time stamp
+string frame_id
+================================================================================
+MSG: diagnostic_msgs/DiagnosticStatus
+byte level
+string name
+string message
+string hardware_id
+KeyValue[] values
+================================================================================
+MSG: diagnostic_msgs/KeyValue
+string key
+string value
+"""
+
+
+def text(word: str) -> bytes:
+    return struct.pack("<I", len(word)) + word.encode()
+
+
+def diagnosis(level: int, name: str) -> bytes:
+    header = struct.pack("<III", 0, 0, 0) + text("")
+    return header + struct.pack("<IB", 1, level) + text(name) + text("hot") + text("") + struct.pack("<I", 0)
+
+
+def measure(before: CpuTimes, _facts: Facts) -> tuple[CpuTimes, dict[str, Any]]:
+    return CpuTimes(before.total + 1), {"load": before.total}
+
+
+def test_diagnostics_are_heard_while_a_page_shows_them() -> None:
+    bus = Bus()
+    bus.schemas[KIND] = SCHEMA
+    frames: list[bytes] = []
+    node, driver = bus.node("web"), bus.node("driver")
+    feed = StatusFeed(node, frames.append, measure)
+    shown: list[int] = []
+    node.every(0.05, lambda: feed.step(shown))
+    publisher = driver.raw.publish("/diagnostics", KIND)
+    bus.run(1.0)
+    assert publisher.listeners() == 0
+    shown.append(4)
+    bus.run(0.5)
+    publisher.send(diagnosis(2, "motors"))
+    publisher.send(b"no message")
+    bus.run(2.0)
+    first, second = (json.loads(unpack_frame(each).body) for each in frames)
+    assert first == {"t": "status", "components": [], "computer": {"load": 0}}
+    (component,) = second["components"]
+    assert (component["name"], component["level"], component["text"]) == ("motors", "error", "hot")
+    assert second["computer"] == {"load": 1}
+    assert [level for level, line in node.lines if "/diagnostics: message of 10 bytes" in line] == ["warn"]
+    shown.clear()
+    bus.run(1.0)
+    assert publisher.listeners() == 0
+
+
+def test_page_that_is_new_gets_the_state_at_once() -> None:
+    bus = Bus()
+    frames: list[bytes] = []
+    feed = StatusFeed(bus.node("web"), frames.append, measure)
+    feed.step([1])
+    bus.run(0.1)
+    feed.step([1, 2])
+    bus.run(0.1)
+    assert [unpack_frame(each).page for each in frames] == [1, 1, 2]
