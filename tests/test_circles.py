@@ -20,7 +20,6 @@ KNOWN = {
     ("ur.run", "master output process record run"),
     ("ur.web.server", "gate logins"),
     ("ur_nodes", "missions teleop"),
-    ("ur_nodes.web", "data scene status"),
 }
 
 Imports = Mapping[str, str]

@@ -32,8 +32,8 @@ class MemoryNode:
         self.ended: str | None = None
         self.failed = False
         self.facts = MemoryFacts(bus)
-        self.parameters = Parameters(MemoryParameters(self, bus.parameters))
-        self.log = MemoryLog(self)
+        self.parameters = Parameters(MemoryParameters(self.resolve, bus.parameters))
+        self.log = MemoryLog(self.lines, self.now)
         self.raw = MemoryRaw(self, bus)
         self._bus = bus
         self._remaps = remaps

@@ -5,16 +5,33 @@ from __future__ import annotations
 import json
 from collections.abc import Callable
 from dataclasses import asdict, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any, Protocol
 
 from ur_nodes.memory.carrier import Carrier, type_name_of
-from ur_nodes.ports.node import Sender
+from ur_nodes.ports.node import Publisher, Sender, Subscription, Timer
 from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.raw import Fields, RawMessage, ServiceAnswer, ServiceType
 from ur_nodes.ports.values import Result
 
-if TYPE_CHECKING:
-    from ur_nodes.memory.node import MemoryNode, MemoryPublisher, MemorySubscription
+
+class RawNode(Protocol):
+    """The node of `MemoryRaw`; `type_name` is the middleware's name of a type that is of no kind."""
+
+    def publish(
+        self, topic: str, kind: type[Any], quality: Quality, greet: None = None, type_name: str = ""
+    ) -> Publisher[Any]:
+        """See Node."""
+
+    def subscribe_from(
+        self, topic: str, kind: type[Any], take: Callable[[Any, Sender | None], None], quality: Quality
+    ) -> Subscription:
+        """See Node."""
+
+    def resolve(self, name: str) -> str:
+        """See Node."""
+
+    def after(self, seconds: float, call: Callable[[], None]) -> Timer:
+        """See Node."""
 
 
 class TypedFields(dict[str, Any]):
@@ -26,7 +43,7 @@ class TypedFields(dict[str, Any]):
 class MemoryRaw:
     """See `ports.raw.Raw`. Types are those of the bus's `schemas`."""
 
-    def __init__(self, node: MemoryNode, bus: Carrier) -> None:
+    def __init__(self, node: RawNode, bus: Carrier) -> None:
         self._node, self._bus = node, bus
 
     def find_schema(self, type_name: str) -> str | None:
@@ -35,7 +52,7 @@ class MemoryRaw:
 
     def subscribe(
         self, topic: str, take: Callable[[RawMessage], None], quality: Quality = Quality.NEWEST
-    ) -> MemorySubscription:
+    ) -> Subscription:
         """See Raw."""
         return self._node.subscribe_from(
             topic, object, lambda value, sender: take(self._raw_of(value, sender)), quality
@@ -92,7 +109,7 @@ class MemoryRaw:
 class RawPublisher:
     """See `ports.node.Publisher`."""
 
-    def __init__(self, publisher: MemoryPublisher, type_name: str, bus: Carrier) -> None:
+    def __init__(self, publisher: Publisher[Any], type_name: str, bus: Carrier) -> None:
         self.topic, self._publisher = publisher.topic, publisher
         self._type_name, self._schema = type_name, bus.schemas[type_name]
 

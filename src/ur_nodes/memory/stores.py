@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable
+from typing import Any
 
 from ur_nodes.memory.carrier import Carrier
-
-if TYPE_CHECKING:
-    from ur_nodes.memory.node import MemoryNode
 
 
 class MemoryFacts:
@@ -30,12 +28,12 @@ class MemoryFacts:
 class MemoryParameters:
     """See `ports.parameters.ParameterStore`: those of the bus, by full names, as on a parameter server."""
 
-    def __init__(self, node: MemoryNode, parameters: dict[str, Any]) -> None:
-        self._node, self._parameters = node, parameters
+    def __init__(self, resolve: Callable[[str], str], parameters: dict[str, Any]) -> None:
+        self._resolve, self._parameters = resolve, parameters
 
     def resolve(self, name: str) -> str:
         """See ParameterStore."""
-        return self._node.resolve(name)
+        return self._resolve(name)
 
     def has(self, name: str) -> bool:
         """See ParameterStore."""
@@ -71,19 +69,19 @@ class MemoryParameters:
 
 
 class MemoryLog:
-    """See `ports.log.Log`. Writes to the node's `lines`."""
+    """See `ports.log.Log`. Writes to `lines`: pairs of a level and a text."""
 
-    def __init__(self, node: MemoryNode) -> None:
-        self._node = node
+    def __init__(self, lines: list[tuple[str, str]], now: Callable[[], int]) -> None:
+        self._lines, self._now = lines, now
         self._last: dict[str, int] = {}
 
     def debug(self, text: str) -> None:
         """See Log."""
-        self._node.lines.append(("debug", text))
+        self._lines.append(("debug", text))
 
     def info(self, text: str) -> None:
         """See Log."""
-        self._node.lines.append(("info", text))
+        self._lines.append(("info", text))
 
     def warn(self, text: str, *, every: float = 0.0) -> None:
         """See Log. With `every`, equal texts count as of one place."""
@@ -94,8 +92,8 @@ class MemoryLog:
         self._write("error", text, every)
 
     def _write(self, level: str, text: str, every: float) -> None:
-        now = self._node.now()
+        now = self._now()
         if every and now - self._last.get(text, -(10**18)) < every * 1e9:
             return
         self._last[text] = now
-        self._node.lines.append((level, text))
+        self._lines.append((level, text))

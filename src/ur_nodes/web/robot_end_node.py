@@ -30,7 +30,7 @@ from ur_nodes.web.drive_end_node import DriveEnd
 from ur_nodes.web.map_changes_node import MapChanges
 from ur_nodes.web.map_link_node import MapLink
 from ur_nodes.web.places import Places
-from ur_nodes.web.robot_facts import RobotFacts
+from ur_nodes.web.robot_facts_node import RobotFacts
 from ur_nodes.web.view_end_node import ViewEnd
 from ur_nodes.web.zone_link_node import ZoneLink
 

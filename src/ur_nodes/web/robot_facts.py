@@ -1,26 +1,25 @@
-"""Facts about the robot that do not change while it runs: its name, outline and limits, from the parameter server."""
+"""Facts about the robot that do not change while it runs: its name, outline and limits."""
 
 from __future__ import annotations
 
 import math
 from typing import Any
 
-import rospy
-
 from ur.robot.base import Base, load_base
 from ur.source.diagnostic import UserError
 from ur.source.printable import printable
 from ur.source.project import launch_library
+from ur_nodes.ports.node import Node
 
 _RADIUS = 0.2  # m, of a robot whose outline is not known
 _FORWARD, _TURN = 0.5, 1.0  # m/s and rad/s of a base that is not known: the mux has the limits of the base
 
 
 class RobotFacts:
-    """Reads the parameters `/ur/base_name` and `/ur/variant` once. Unknown bases get a round outline."""
+    """Reads the base and its variant once. Unknown bases get a round outline."""
 
-    def __init__(self) -> None:
-        name, variant = rospy.get_param("/ur/base_name", ""), rospy.get_param("/ur/variant", "")
+    def __init__(self, node: Node) -> None:
+        name, variant = node.facts.get("base_name", ""), node.facts.get("variant", "")
         self._base = _load(name, variant) if isinstance(name, str) and isinstance(variant, str) and name else None
         self._name = printable(str(name))[:40]
 

@@ -39,13 +39,13 @@ from ur_nodes.web.exploration_topic_node import ExplorationTopic
 from ur_nodes.web.layers.camera_node import CameraView
 from ur_nodes.web.layers.layers_node import ExtraLayers
 from ur_nodes.web.layers.overlays_node import Overlays
-from ur_nodes.web.layers.plots import PlotFeed
+from ur_nodes.web.layers.plots_node import PlotFeed
 from ur_nodes.web.layers.tiles import Tiles, cut_tiles
 from ur_nodes.web.layers.topic_list_node import list_topics
 from ur_nodes.web.map_link_node import MapLink
 from ur_nodes.web.place_file_node import PlaceFile
 from ur_nodes.web.places import Places
-from ur_nodes.web.robot_facts import RobotFacts
+from ur_nodes.web.robot_facts_node import RobotFacts
 from ur_nodes.web.zone_link_node import ZoneLink
 
 _PERIOD = 1.0 / 15.0  # s between two poses

@@ -25,10 +25,10 @@ from ur_nodes.ports.node import Node
 from ur_nodes.ports.raw import ServiceAnswer, ServiceType
 from ur_nodes.ports.values import Result
 from ur_nodes.web.data.answers import Answer, Fields, RefusedError, attempt, refuse, refuse_uninstalled
-from ur_nodes.web.data.definition import read_definition
 from ur_nodes.web.data.forms import BadValueError, make_template, read_fields, read_value
 from ur_nodes.web.data.guard import refuse_parameter, refuse_service
 from ur_nodes.web.data.publishing import Publishing
+from ur_nodes.web.messages.definition import read_definition
 from ur_nodes.web.scene.scene_node import describe_mesh, describe_model
 
 _MOST_CALLS = 4  # that have no answer yet

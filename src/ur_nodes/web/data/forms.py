@@ -6,7 +6,7 @@ import json
 import math
 from typing import Any
 
-from ur_nodes.web.data.definition import MOMENTS, PRIMITIVES, Definition
+from ur_nodes.web.messages.definition import MOMENTS, PRIMITIVES, Definition
 
 _DEEPEST = 8
 

@@ -12,10 +12,10 @@ from ur_nodes.ports.graph import Graph, Topic
 from ur_nodes.ports.node import Node
 from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.raw import RawMessage
-from ur_nodes.web.data.decode import BadMessageError, decode, render
-from ur_nodes.web.data.definition import BadDefinitionError, read_definition
 from ur_nodes.web.data.rates import RateMeter
 from ur_nodes.web.layers.pacing import Every
+from ur_nodes.web.messages.decode import BadMessageError, decode, render
+from ur_nodes.web.messages.definition import BadDefinitionError, read_definition
 
 ECHO_EVERY = 0.1
 """Seconds between two messages that are printed."""

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from ur.source.printable import printable
-from ur_nodes.web.data.decode import Bounds, Cut
+from ur_nodes.web.messages.decode import Bounds, Cut
 from ur_nodes.web.status.computer import LEVELS
 
 KIND = "diagnostic_msgs/DiagnosticArray"

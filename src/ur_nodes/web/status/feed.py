@@ -15,9 +15,9 @@ from ur_nodes.ports.facts import Facts
 from ur_nodes.ports.node import Node, Subscription
 from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.raw import RawMessage
-from ur_nodes.web.data.decode import BadMessageError, decode
-from ur_nodes.web.data.definition import BadDefinitionError, read_definition
 from ur_nodes.web.layers.pacing import Every
+from ur_nodes.web.messages.decode import BadMessageError, decode
+from ur_nodes.web.messages.definition import BadDefinitionError, read_definition
 from ur_nodes.web.status.computer import CpuTimes, describe_computer, read_times, share_used
 from ur_nodes.web.status.computer_files import read_computer, read_disk
 from ur_nodes.web.status.diagnostics import BOUNDS, KIND, Diagnostics

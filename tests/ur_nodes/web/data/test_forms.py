@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from ur_nodes.web.data.definition import read_definition
 from ur_nodes.web.data.forms import BadValueError, make_template, read_fields, read_value
+from ur_nodes.web.messages.definition import read_definition
 
 NESTED = (
     """string name

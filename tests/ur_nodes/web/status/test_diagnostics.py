@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from ur_nodes.web.data.decode import Cut
+from ur_nodes.web.messages.decode import Cut
 from ur_nodes.web.status.diagnostics import Diagnostics
 
 

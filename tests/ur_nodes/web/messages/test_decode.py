@@ -9,8 +9,8 @@ from typing import Any
 
 import pytest
 
-from ur_nodes.web.data.decode import BadMessageError, Bounds, Cut, decode, render
-from ur_nodes.web.data.definition import BadDefinitionError, read_definition
+from ur_nodes.web.messages.decode import BadMessageError, Bounds, Cut, decode, render
+from ur_nodes.web.messages.definition import BadDefinitionError, read_definition
 
 POINT = "float64 x\nfloat64 y\n"
 TEXT = f"""# a comment

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from ur.source.printable import printable
-from ur_nodes.web.data.definition import MOMENTS, PRIMITIVES, Definition, Field, size_of_primitive
+from ur_nodes.web.messages.definition import MOMENTS, PRIMITIVES, Definition, Field, size_of_primitive
 
 _LENGTH = struct.Struct("<I")
 _MOMENT = struct.Struct("<II")
@@ -129,6 +129,30 @@ def decode(definition: Definition, data: bytes, bounds: Bounds = Bounds()) -> di
     A number that JSON lacks is a text ("nan", "inf"), and so is a whole one that a browser would round.
     """
     return _Reader(definition, data, bounds).fields(definition.kind)
+
+
+def read_number(definition: Definition, data: bytes, path: str) -> float | None:
+    """The number at a path of a message (FIELD.FIELD); None where there is none, or it is not finite.
+
+    Raises BadMessageError.
+    """
+    reader = _Reader(definition, data, Bounds())
+    kind = definition.kind
+    for name in path.split("."):
+        for field in definition.fields.get(kind, ()):
+            if field.name == name:
+                break
+            reader.skip_field(field)
+        else:
+            return None
+        if field.length is not None:
+            return None
+        kind = field.kind
+    form = PRIMITIVES.get(kind)
+    if form is None:
+        return None
+    number = float(struct.unpack_from("<" + form, data, reader.take(struct.calcsize("<" + form)))[0])
+    return number if math.isfinite(number) else None
 
 
 def render(values: Mapping[str, Any], most: int = 400) -> list[str]:

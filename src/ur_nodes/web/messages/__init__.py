@@ -1,0 +1,1 @@
+"""Messages of any type: their definitions, and their bytes as values."""

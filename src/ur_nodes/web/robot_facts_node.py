@@ -1,0 +1,48 @@
+"""Facts about the robot that do not change while it runs: its name, outline and limits, from the parameter server."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import rospy
+
+from ur.robot.base import Base, load_base
+from ur.source.diagnostic import UserError
+from ur.source.printable import printable
+from ur.source.project import launch_library
+
+_RADIUS = 0.2  # m, of a robot whose outline is not known
+_FORWARD, _TURN = 0.5, 1.0  # m/s and rad/s of a base that is not known: the mux has the limits of the base
+
+
+class RobotFacts:
+    """Reads the parameters `/ur/base_name` and `/ur/variant` once. Unknown bases get a round outline."""
+
+    def __init__(self) -> None:
+        name, variant = rospy.get_param("/ur/base_name", ""), rospy.get_param("/ur/variant", "")
+        self._base = _load(name, variant) if isinstance(name, str) and isinstance(variant, str) and name else None
+        self._name = printable(str(name))[:40]
+
+    @property
+    def limits(self) -> tuple[float, float]:
+        """The highest velocities, m/s and rad/s."""
+        limits = self._base.limits if self._base else None
+        return (limits.velocity, limits.angular_velocity) if limits else (_FORWARD, _TURN)
+
+    def describe(self) -> dict[str, Any]:
+        """The facts for the page: base, outline (corners in m, in the frame of the base) and limits."""
+        outline = [list(each) for each in self._base.footprint] if self._base else _circle(_RADIUS)
+        return {"base": self._name, "outline": outline, "limits": list(self.limits)}
+
+
+def _load(name: str, variant: str) -> Base | None:
+    try:
+        return load_base(launch_library(), name, variant)
+    except UserError:
+        return None
+
+
+def _circle(radius: float) -> list[list[float]]:
+    angles = [math.tau * part / 16 for part in range(16)]
+    return [[radius * math.cos(each), radius * math.sin(each)] for each in angles]
