@@ -18,22 +18,16 @@ from ur_nodes.ports.log import Log
 from ur_nodes.ports.parameters import Parameters
 from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.raw import Raw
+from ur_nodes.ports.topics import Publisher as Publisher
+from ur_nodes.ports.topics import Sender as Sender
+from ur_nodes.ports.topics import Subscription as Subscription
 from ur_nodes.ports.transforms import Transforms
 from ur_nodes.ports.values import Result
 
 Value = TypeVar("Value")
-Sent = TypeVar("Sent", contravariant=True)
 
 SECOND = 1_000_000_000
 """ns"""
-
-
-@dataclass(frozen=True, slots=True)
-class Sender:
-    """The sender of a value: the name of a node, and whether the value is one that the topic had kept (LATCHED)."""
-
-    name: str
-    kept: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,33 +36,6 @@ class Location:
 
     host: str
     here: bool
-
-
-class Publisher(Protocol[Sent]):
-    """One end of a topic."""
-
-    topic: str
-
-    def send(self, value: Sent) -> None:
-        """Send a value to all who listen. After the end of the node nothing happens."""
-
-    def listeners(self) -> int:
-        """The number of listeners: a value that is dear to make is made for listeners only."""
-
-    def close(self) -> None:
-        """Send no more."""
-
-
-class Subscription(Protocol):
-    """The other end of a topic."""
-
-    topic: str
-
-    def publishers(self) -> int:
-        """The number of publishers."""
-
-    def close(self) -> None:
-        """Hear no more; what waits is dropped."""
 
 
 class Node(Protocol):

@@ -7,13 +7,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import Any, Protocol
 
 from ur_nodes.ports.qualities import Quality
+from ur_nodes.ports.topics import Publisher, Sender, Subscription
 from ur_nodes.ports.values import Result
-
-if TYPE_CHECKING:
-    from ur_nodes.ports.node import Publisher, Sender, Subscription
 
 Fields = Mapping[str, Any]
 """The fields of a message by name: numbers, texts, lists, and mappings of such; a time has `secs` and `nsecs`."""

@@ -12,8 +12,8 @@ import rospy
 from ur.source.diagnostic import UserError
 from ur_nodes.codecs import Codec
 from ur_nodes.loop import Loop
-from ur_nodes.ports.node import Sender
 from ur_nodes.ports.qualities import Quality
+from ur_nodes.ports.topics import Sender
 from ur_nodes.ros1.repairs.sent import free_sent
 
 _DEPTHS: dict[Quality, int | None] = {

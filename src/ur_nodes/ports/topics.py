@@ -1,0 +1,43 @@
+"""The ends of topics."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol, TypeVar
+
+Sent = TypeVar("Sent", contravariant=True)
+
+
+@dataclass(frozen=True, slots=True)
+class Sender:
+    """The sender of a value: the name of a node, and whether the value is one that the topic had kept (LATCHED)."""
+
+    name: str
+    kept: bool = False
+
+
+class Publisher(Protocol[Sent]):
+    """One end of a topic."""
+
+    topic: str
+
+    def send(self, value: Sent) -> None:
+        """Send a value to all who listen. After the end of the node nothing happens."""
+
+    def listeners(self) -> int:
+        """The number of listeners: a value that is dear to make is made for listeners only."""
+
+    def close(self) -> None:
+        """Send no more."""
+
+
+class Subscription(Protocol):
+    """The other end of a topic."""
+
+    topic: str
+
+    def publishers(self) -> int:
+        """The number of publishers."""
+
+    def close(self) -> None:
+        """Hear no more; what waits is dropped."""
