@@ -313,11 +313,8 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
     "ur_nodes.vision": (
         "ur.source",
         "ur_nodes.geometry",
-        "ur_nodes.memory_use",
+        "ur_nodes.pictures",
         "ur_nodes.ports",
-        "ur_nodes.codecs",
-        "ur_nodes.ros1",
-        "ur_nodes.rosio",
         "ur_nodes.run",
     ),
     "ur_nodes": ("ur.source", "ur_nodes.run", "ur_nodes.ros1.repairs"),

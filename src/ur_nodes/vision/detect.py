@@ -15,6 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ur_nodes.geometry.rigid import Floats, make_rigid, skew
+from ur_nodes.ports.values import Calibration
 from ur_nodes.vision.corners import refine_corners
 
 DICTIONARIES: tuple[str, ...] = tuple(sorted(name[5:] for name in dir(cv2.aruco) if name.startswith("DICT_")))
@@ -26,6 +27,15 @@ class CameraModel:
 
     matrix: Floats
     distortion: Floats
+
+
+def camera_model(calibration: Calibration) -> CameraModel | None:
+    """The camera of a calibration; None when it is not calibrated (REP 104: K is 0)."""
+    if calibration.matrix[0] <= 0.0 or calibration.matrix[4] <= 0.0:
+        return None
+    known = len(calibration.distortion) in (4, 5, 8, 12, 14)
+    distortion = np.asarray(calibration.distortion, np.float64) if known else np.zeros(5)
+    return CameraModel(np.asarray(calibration.matrix, np.float64).reshape(3, 3), distortion)
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,6 +79,10 @@ class Sizes:
     special: Mapping[int, float] = field(default_factory=dict)
     ignored: frozenset[int] = frozenset()
 
+    def of(self, number: int) -> float:
+        """The edge of a fiducial."""
+        return self.special.get(number, self.usual)
+
 
 class Detector:
     """Finds fiducials of one dictionary (a name in DICTIONARIES). `pixel_noise` is how well corners are found."""
@@ -88,7 +102,7 @@ class Detector:
         found = []
         for corners, number in zip(squares, [] if numbers is None else np.ravel(numbers).tolist(), strict=True):
             if number not in self._sizes.ignored:
-                size = self._sizes.special.get(number, self._sizes.usual)
+                size = self._sizes.of(number)
                 points = refine_corners(grey, np.asarray(corners, np.float64).reshape(4, 2))
                 poses = estimate_poses(points, size, camera, self._noise) if camera else ()
                 found.append(Detection(int(number), points, size, poses))

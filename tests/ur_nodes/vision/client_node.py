@@ -10,7 +10,6 @@ from typing import Any
 import rospy
 from geometry_msgs.msg import PoseWithCovarianceStamped, TransformStamped
 from sensor_msgs.msg import Image
-from std_srvs.srv import Empty, Trigger
 from tests.json_client import claim_output
 from tests.ur_nodes.vision.synthetic import MOUNT
 from tf2_msgs.msg import TFMessage
@@ -62,21 +61,9 @@ def main() -> None:
     for topic, kind in kinds.items():
         rospy.Subscriber(f"/{topic}", kind, take, topic)
     arrived["complete"] = full.wait(60.0)
-    ask(arrived, full, sys.argv[2:])
     answers.write(json.dumps(arrived) + "\n")
     answers.flush()
     rospy.signal_shutdown("done")
-
-
-def ask(arrived: dict[str, Any], full: threading.Event, requests: list[str]) -> None:
-    """Call services when all has come: "save" keeps the answer, "relocalise" waits for everything once more."""
-    if "save" in requests:
-        arrived["saved"] = rospy.ServiceProxy("/save_map", Trigger)().message
-    if "relocalise" in requests:
-        rospy.ServiceProxy("/global_localization", Empty)()
-        arrived.clear()
-        full.clear()
-        arrived["complete"] = full.wait(60.0)
 
 
 if __name__ == "__main__":

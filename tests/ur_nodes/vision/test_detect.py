@@ -11,7 +11,8 @@ import pytest
 from tests.ur_nodes.vision.synthetic import CAMERA, HEIGHT, WIDTH
 
 from ur_nodes.geometry.rigid import Floats, angle_between, from_angles
-from ur_nodes.vision.detect import CameraModel, Detector, Sizes, corner_points, estimate_poses
+from ur_nodes.ports.values import Calibration
+from ur_nodes.vision.detect import CameraModel, Detector, Sizes, camera_model, corner_points, estimate_poses
 
 SIZE = 0.2
 FRONT = from_angles((0.1, -0.05, 1.0), (math.pi + 0.5, 0.2, 0.3))
@@ -94,3 +95,12 @@ def test_covariance_is_that_of_repeated_measurements() -> None:
         off = gtsam.Pose3.Logmap(gtsam.Pose3(FRONT).between(gtsam.Pose3(best.pose)))
         offs.append(off @ np.linalg.solve(best.covariance, off))
     assert np.mean(offs) == pytest.approx(6.0, abs=0.8)  # chi squared with six degrees of freedom
+
+
+def test_camera_without_calibration_is_none() -> None:
+    square, projection = (0.0,) * 9, (0.0,) * 12
+    assert camera_model(Calibration(0, "camera", 4, 4, "", (), square, square, projection)) is None
+    matrix, distortion = (500.0, 0.0, 320.0, 0.0, 510.0, 240.0, 0.0, 0.0, 1.0), (0.1, 0.2, 0.0, 0.0, 0.0)
+    camera = camera_model(Calibration(0, "camera", 4, 4, "plumb_bob", distortion, matrix, square, projection))
+    assert camera is not None
+    assert (camera.matrix[1, 1], camera.distortion.tolist()) == (510.0, [0.1, 0.2, 0.0, 0.0, 0.0])

@@ -1,0 +1,30 @@
+from __future__ import annotations
+
+import io
+
+import pytest
+from genpy.dynamic import generate_dynamic
+from std_msgs.msg import Header
+
+from ur_nodes.codecs.genpy.fiducials import message_classes
+
+
+@pytest.mark.parametrize("name", ["FiducialArray", "FiducialTransformArray"])
+def test_messages_that_debian_does_not_package_go_over_the_wire(name: str) -> None:
+    array, element = message_classes(name)
+    assert array._type == f"fiducial_msgs/{name}"
+    sent = array(Header(frame_id="raspicam"), 7, [element(fiducial_id=3)])
+    sent.header.stamp.secs, sent.header.stamp.nsecs = 5, 6
+    wire = io.BytesIO()
+    sent.serialize(wire)
+    read = array().deserialize(wire.getvalue())
+    items = read.fiducials if name == "FiducialArray" else read.transforms
+    assert (read.header.frame_id, read.header.stamp.secs, read.image_seq, items[0].fiducial_id) == ("raspicam", 5, 7, 3)
+
+
+def test_checksums_follow_from_the_fields_as_ros_defines_it() -> None:
+    # The rule is that of genmsg: Header has the checksum of std_msgs, whoever made its class.
+    made = generate_dynamic("std_msgs/Header", "uint32 seq\ntime stamp\nstring frame_id\n")
+    assert made["std_msgs/Header"]._md5sum == Header._md5sum
+    sums = {name: message_classes(name)[0]._md5sum for name in ("FiducialArray", "FiducialTransformArray")}
+    assert len(set(sums.values())) == 2
