@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 
+from ur_nodes.ports.raw import RawMessage
+
 _MOST_PUBLISHERS = 64
 
 
@@ -14,10 +16,10 @@ class Latched:
 
     messages: dict[str, bytes] = field(default_factory=dict)
 
-    def note(self, header: Mapping[str, str], data: bytes) -> None:
-        """Note a message; `header` is that of its connection."""
-        if header.get("latching") == "1":
-            self.messages[str(header.get("callerid", ""))] = data
+    def note(self, message: RawMessage) -> None:
+        """Note a message."""
+        if message.sender is not None and message.sender.kept:
+            self.messages[message.sender.name] = message.data
             while len(self.messages) > _MOST_PUBLISHERS:
                 del self.messages[next(iter(self.messages))]
 
@@ -25,5 +27,5 @@ class Latched:
 def compare_topics(offered: Mapping[str, str], found: Iterable[tuple[str, str]]) -> tuple[list[str], dict[str, str]]:
     """The topics to withdraw and, with their types, those to offer now: one whose type has changed is both."""
     now = {name: kind for name, kind in found if "/" in kind}
-    gone = [name for name, kind in offered.items() if now.get(name) != kind]
-    return gone, {name: kind for name, kind in now.items() if offered.get(name) != kind}
+    ended = [name for name, kind in offered.items() if now.get(name) != kind]
+    return ended, {name: kind for name, kind in now.items() if offered.get(name) != kind}

@@ -1,22 +1,28 @@
 from __future__ import annotations
 
+from ur_nodes.ports.node import Sender
+from ur_nodes.ports.raw import RawMessage
 from ur_nodes.web.viewers.latched import Latched, compare_topics
+
+
+def message(data: bytes, sender: Sender | None) -> RawMessage:
+    return RawMessage("a/B", "", data, sender)
 
 
 def test_newest_message_of_each_latching_publisher_is_kept() -> None:
     latched = Latched()
-    latched.note({"latching": "1", "callerid": "/a"}, b"old")
-    latched.note({"latching": "1", "callerid": "/a"}, b"new")
-    latched.note({"latching": "1", "callerid": "/b"}, b"b")
-    latched.note({"latching": "0", "callerid": "/c"}, b"c")
-    latched.note({}, b"d")
+    latched.note(message(b"old", Sender("/a", kept=True)))
+    latched.note(message(b"new", Sender("/a", kept=True)))
+    latched.note(message(b"b", Sender("/b", kept=True)))
+    latched.note(message(b"c", Sender("/c", kept=False)))
+    latched.note(message(b"d", None))
     assert sorted(latched.messages.values()) == [b"b", b"new"]
 
 
 def test_messages_of_few_publishers_are_kept() -> None:
     latched = Latched()
     for number in range(100):
-        latched.note({"latching": "1", "callerid": f"/{number}"}, b"x")
+        latched.note(message(b"x", Sender(f"/{number}", kept=True)))
     assert len(latched.messages) == 64
     assert "/99" in latched.messages
 

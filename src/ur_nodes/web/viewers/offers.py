@@ -1,0 +1,106 @@
+"""Topics that are offered to viewers, and subscribed to while a viewer wants them. Bytes are never decoded."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from functools import partial
+from typing import Protocol
+
+from ur_nodes.ports.graph import Graph
+from ur_nodes.ports.node import Node, Subscription
+from ur_nodes.ports.qualities import Quality
+from ur_nodes.ports.raw import RawMessage
+from ur_nodes.web.viewers.latched import Latched, compare_topics
+
+_PERIOD = 1.0  # s between two looks at the graph
+
+
+class Channel(Protocol):
+    """A topic as viewers see it."""
+
+    def log(self, data: bytes) -> None:
+        """Send a message to the viewers that want it."""
+
+    def close(self) -> None:
+        """Withdraw the topic."""
+
+
+OpenChannel = Callable[[str, str, str], Channel]
+"""Offers a topic to viewers: its name, its type and the schema of the type."""
+
+
+class TopicOffers:
+    """Offers what is published. `report` takes lines for people."""
+
+    def __init__(self, node: Node, open_channel: OpenChannel, report: Callable[[str], object]) -> None:
+        self._node, self._open_channel, self._report = node, open_channel, report
+        self._offers: dict[str, _Offer] = {}
+        self._unknown: set[str] = set()
+        node.read_graph(self._compare)
+
+    def change(self, topic: str, by: int) -> None:
+        """A viewer has subscribed (1) or unsubscribed (-1)."""
+        if topic in self._offers:
+            self._offers[topic].change(by)
+
+    def _compare(self, graph: Graph | None) -> None:
+        self._node.after(_PERIOD, lambda: self._node.read_graph(self._compare), steady=True)
+        if graph is None:
+            return
+        ended, new = compare_topics({name: each.kind for name, each in self._offers.items()}, graph.published())
+        for name in ended:
+            self._offers.pop(name).end()
+        new = {name: kind for name, kind in new.items() if kind not in self._unknown}
+        if new:
+            self._node.work(partial(self._find_schemas, new), partial(self._offer, new), "schemas")
+
+    def _find_schemas(self, topics: Mapping[str, str]) -> dict[str, str | None]:
+        return {kind: self._node.raw.find_schema(kind) for kind in set(topics.values())}
+
+    def _offer(self, topics: Mapping[str, str], schemas: Mapping[str, str | None]) -> None:
+        for name, kind in topics.items():
+            schema = schemas[kind]
+            if name in self._offers:
+                continue  # an earlier look has found it, too
+            if schema is not None:
+                self._offers[name] = _Offer(self._node, name, kind, self._open_channel(name, kind, schema))
+            elif kind not in self._unknown:
+                self._unknown.add(kind)
+                self._report(f"{name}: not offered: {kind} is not installed on this computer")
+
+
+class _Offer:
+    """A topic that is offered, and the subscription to it while a viewer wants it."""
+
+    def __init__(self, node: Node, name: str, kind: str, channel: Channel) -> None:
+        self.kind = kind
+        self._node, self._name, self._channel = node, name, channel
+        self._wanted = 0
+        self._subscription: Subscription | None = None
+        self._latched = Latched()
+
+    def change(self, by: int) -> None:
+        """See TopicOffers."""
+        self._wanted = max(0, self._wanted + by)
+        if self._wanted and self._subscription is None:
+            self._subscription = self._node.raw.subscribe(self._name, self._take, Quality.EVERY)
+        elif self._wanted and by > 0:
+            for data in self._latched.messages.values():
+                self._channel.log(data)
+        elif not self._wanted:
+            self._unsubscribe()
+
+    def end(self) -> None:
+        """Withdraw the topic."""
+        self._unsubscribe()
+        self._channel.close()
+
+    def _unsubscribe(self) -> None:
+        if self._subscription is not None:
+            self._subscription.close()
+            self._subscription = None
+            self._latched = Latched()
+
+    def _take(self, message: RawMessage) -> None:
+        self._latched.note(message)
+        self._channel.log(message.data)
