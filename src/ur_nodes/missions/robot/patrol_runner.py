@@ -1,0 +1,174 @@
+"""The patrol beside its topics: requests, the lease, the emergency stop, goals, and the status that it publishes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import partial
+
+from ur_nodes.missions.patrol_text import (
+    Answer,
+    BadPatrolError,
+    PatrolRequest,
+    PatrolStatus,
+    Route,
+    describe_patrol,
+    read_request,
+    write_status,
+)
+from ur_nodes.missions.robot.admission import refuse_request
+from ur_nodes.missions.robot.patrol import (
+    Commands,
+    Inputs,
+    Patrol,
+    answer_request,
+    end_patrol,
+    pause_patrol,
+    resume_patrol,
+    start_patrol,
+    step_patrol,
+)
+from ur_nodes.missions.robot.patrol_goal import PatrolGoal
+from ur_nodes.missions.robot.place_lookup import PlaceLookup
+from ur_nodes.motion.lease.client import LeaseClient
+from ur_nodes.motion.lease.text import Lease, read_lease
+from ur_nodes.motion.lease.view import Identity
+from ur_nodes.navigation.goals.goal_claim import REMEMBERED, Challenges, note_challenge
+from ur_nodes.ports.node import Node, Sender
+from ur_nodes.ports.qualities import Quality
+
+_PERIOD = 0.1  # s
+
+
+@dataclass(frozen=True, slots=True)
+class PatrolSettings:
+    """`mux` and `navigation` are nodes; `keeper` is the one whose parameters lead to the file of waypoints.
+
+    `step_limit` (s): so long may the way to a place take.
+    """
+
+    mux: str
+    navigation: str
+    map_frame: str
+    base_frame: str
+    keeper: str
+    step_limit: float
+
+
+class PatrolRunner:
+    """Joins the state machine to the topics of the node."""
+
+    def __init__(self, node: Node, settings: PatrolSettings) -> None:
+        self._node, self._settings = node, settings
+        self._patrol = Patrol()
+        self._shown: PatrolStatus | None = None
+        self._line = ""
+        self._lease: Lease | None = None
+        self._challenges = Challenges()
+        self._stopped = False
+        identity = Identity(("patrol" + node.name.replace("/", "."))[:64], "patrol", "")
+        mux, frames = settings.mux, (settings.map_frame, settings.base_frame)
+        self._client = LeaseClient(node, mux, conduct="watch", identity=identity, on_challenge=self._take_challenge)
+        self._goal = PatrolGoal(node, settings.navigation, frames, self._client)
+        self._places = PlaceLookup(node, settings.keeper)
+        self._status = node.publish("~status", str, Quality.LATCHED)
+        self._publish()
+        node.subscribe(f"{mux}/lease", str, self._take_lease)
+        node.subscribe(f"{mux}/stopped", bool, self._take_stopped)
+        node.subscribe_from("~request", str, self._take_request, Quality.EVERY)
+        node.every(_PERIOD, self._step, steady=True)
+        node.on_end(self._end)
+
+    def _step(self) -> None:
+        self._patrol, commands = step_patrol(self._patrol, self._look(), self._settings.step_limit)
+        self._obey(commands)
+        if not self._patrol.status.active and self._client.view().mine:
+            self._client.release(final=False)
+
+    def _look(self) -> Inputs:
+        view, report = self._client.view(), self._goal.report
+        return Inputs(
+            self._node.steady(),
+            may_drive=view.state == "unknown" or (view.mine and view.state == "held"),
+            ready=self._goal.ready,
+            other="" if view.mine else view.holder,
+            stopped=self._stopped,
+            goal=report.state if report else None,
+            text=report.text if report else "",
+        )
+
+    def _obey(self, commands: Commands) -> None:
+        if commands.cancel:
+            self._goal.cancel()
+        if commands.send is not None:
+            self._goal.send(commands.send)
+        self._publish()
+
+    def _publish(self) -> None:
+        status = self._patrol.status
+        if status == self._shown:
+            return
+        self._shown = status
+        self._status.send(write_status(status))
+        line = describe_patrol(status)
+        if line and line != self._line:
+            self._node.log.info(line)
+        self._line = line
+
+    def _take_request(self, text: str, sender: Sender | None) -> None:
+        try:
+            request = read_request(text)
+        except BadPatrolError as problem:
+            self._node.log.warn(f"a request for a patrol is ignored, expected {problem}")
+            return
+        latched = sender is not None and sender.kept
+        self._places.find(request.route, partial(self._take_route, request, latched=latched))
+
+    def _take_route(self, request: PatrolRequest, route: Route | str, *, latched: bool) -> None:
+        problem = route if isinstance(route, str) else self._admit(request, route, latched=latched)
+        if problem:
+            self._node.log.warn(f"{request.action} refused: {problem}")
+        self._patrol = answer_request(self._patrol, Answer(request.id, problem[:300]))
+        self._publish()
+
+    def _admit(self, request: PatrolRequest, route: Route, *, latched: bool) -> str:
+        """Accept a request, or return why it is refused."""
+        now, own = self._node.steady(), self._client.client
+        refusal = refuse_request(request, self._lease, own, self._challenges, now, latched=latched)
+        if not refusal and request.action in ("start", "resume") and self._stopped:
+            refusal = "the emergency stop is on, release it first"
+        return refusal or self._accept(request, route, now)
+
+    def _accept(self, request: PatrolRequest, route: Route, now: float) -> str:
+        patrol, commands = self._patrol, Commands()
+        if request.action == "start":
+            patrol, commands = start_patrol(patrol, route, now), Commands(cancel=True)
+        elif request.action == "resume":
+            if patrol.status.state != "paused":
+                return "no patrol is paused"
+            patrol = resume_patrol(patrol, now)
+        elif request.action == "pause":
+            patrol, commands = pause_patrol(patrol, f"by {request.name}" if request.name else "on request", now)
+        else:
+            patrol, commands = end_patrol(patrol, f"by {request.name}" if request.name else "", now)
+        if request.action in ("start", "resume"):
+            lease = self._lease
+            handed = lease is not None and lease.state == "held" and lease.client == request.client
+            (self._client.take if handed else self._client.acquire)()
+        self._patrol = patrol
+        self._obey(commands)
+        return ""
+
+    def _take_challenge(self) -> None:
+        value = self._client.link.newest(REMEMBERED)
+        if value is not None:
+            self._challenges = note_challenge(self._challenges, value, self._node.steady())
+
+    def _take_lease(self, text: str) -> None:
+        self._lease = read_lease(text) or self._lease
+
+    def _take_stopped(self, stopped: bool) -> None:
+        self._stopped = stopped
+
+    def _end(self) -> None:
+        self._goal.cancel()
+        self._client.release()
