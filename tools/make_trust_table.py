@@ -4,21 +4,17 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from ur.cli.help import SECTIONS
-from ur.cli.trust import TRUST
+from ur.cli.verbs import list_trust
 
 PAGE = Path(__file__).parents[1] / "docs" / "explain" / "security.md"
-BEGIN = "<!-- Made by tools/make_trust_table.py from src/ur/cli/trust.py. -->\n"
+BEGIN = "<!-- Made by tools/make_trust_table.py from src/ur/cli/verbs/. -->\n"
 END = "<!-- The end of the table. -->\n"
 
 
 def make_table() -> str:
     """The table as Markdown: a line for each command, in the order of the help."""
-    order = [verb for verbs in SECTIONS.values() for verb in verbs]
-    names = sorted(TRUST, key=lambda name: (order.index(name.split()[0]), " " in name))
     lines = ["| command | reads | starts | sends, to whom | writes |", "|---|---|---|---|---|"]
-    for name in names:
-        trust = TRUST[name]
+    for name, trust in list_trust():
         lines.append(f"| `ur {name}` | {trust.reads} | {trust.starts} | {trust.sends} | {trust.writes} |")
     return "\n".join(lines) + "\n"
 

@@ -9,14 +9,13 @@ from pathlib import Path
 
 import click
 
-from ur.cli.help import SECTIONS
-from ur.cli.help_pages import LAUNCH_GROUPS, PAGES
-from ur.cli.verbs import VERBS, load_verb
+from ur.cli.launch.options import list_groups
+from ur.cli.verbs import VERBS, list_pages, list_sections, load_verb
 
 PAGE = Path(__file__).parents[1] / "docs" / "reference" / "verbs.md"
 HEAD = """# All verbs of `ur`
 
-Made by `tools/make_verbs_page.py` from the help: edit the verbs or `src/ur/cli/help_pages.py` instead.
+Made by `tools/make_verbs_page.py` from the help: edit the verbs or their rows in `src/ur/cli/verbs/` instead.
 `ur help VERB` prints the same in a terminal, and `ur help PROGRAM` describes a program of `ur list`.
 """
 _LIMITS = re.compile(r"\s*\[[0-9.<=]*x[0-9.<>=]*\]$|; [0-9.<=]*x[0-9.<>=]*(?=\]$)")  # of a number, as click writes them
@@ -24,20 +23,15 @@ _LIMITS = re.compile(r"\s*\[[0-9.<=]*x[0-9.<>=]*\]$|; [0-9.<=]*x[0-9.<>=]*(?=\]$
 
 def make_page() -> str:
     """The page as Markdown: a table of all verbs, then each verb with its arguments, options and examples."""
-    return "\n".join([HEAD, *_list_verbs(), *(line for name in _in_order() for line in _describe(name))])
-
-
-def _in_order() -> Iterator[str]:
-    for verbs in SECTIONS.values():
-        yield from verbs
+    return "\n".join([HEAD, *_list_verbs(), *(line for name in VERBS for line in _describe(name))])
 
 
 def _list_verbs() -> Iterator[str]:
     yield "| group | verb | purpose |"
     yield "|---|---|---|"
-    for title, verbs in SECTIONS.items():
-        for name in verbs:
-            yield f"| {title} | [`ur {name}`](#ur-{name}) | {_escape(VERBS[name][1])} |"
+    for title, verbs in list_sections().items():
+        for verb in verbs:
+            yield f"| {title} | [`ur {verb.name}`](#ur-{verb.name}) | {_escape(verb.summary)} |"
     yield ""
 
 
@@ -51,7 +45,7 @@ def _describe(name: str) -> Iterator[str]:
 
 def _describe_command(command: click.Command, path: str, marks: str) -> Iterator[str]:
     context = click.Context(command, info_name=f"ur {path}")
-    page = PAGES[path]
+    page = dict(list_pages())[path]
     positional = [each for each in command.params if isinstance(each, click.Argument)]
     yield f"{marks} `ur {path}`"
     yield ""
@@ -62,7 +56,7 @@ def _describe_command(command: click.Command, path: str, marks: str) -> Iterator
     for paragraph in re.split(r"\n\s*\n", cleandoc(command.help or "").replace("\b", "").strip()):
         yield _escape(" ".join(paragraph.split()))
         yield ""
-    for each, text in zip(positional, page.arguments, strict=True):
+    for each, text in zip(positional, page.descriptions, strict=True):
         yield f"- `{each.make_metavar(context)}`: {_escape(text)}"
     if positional:
         yield ""
@@ -86,7 +80,7 @@ def _list_options(command: click.Command, context: click.Context, path: str) -> 
     yield "| option | meaning |"
     yield "|---|---|"
     if path == "launch":
-        order = [option for _, options in LAUNCH_GROUPS for option in options]
+        order = [option for options in list_groups().values() for option in options]
         rows.sort(key=lambda row: min(order.index(each) for each in row[0].opts if each in order))
     for _, (written, text) in rows:
         written = re.sub(r"(INTEGER|FLOAT)( RANGE)?", "NUMBER", written)

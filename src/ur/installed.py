@@ -16,13 +16,7 @@ from pathlib import Path
 from ur.source.project import DISTRIBUTION, package_folder, project_folder, state_folder
 
 READY = "ready-run"
-# Commands that read and write files, and need neither ROS nor the locked packages.
-_NEED_NOTHING = frozenset(
-    {
-        *("--version", "--help", "-h", "help", "__complete", "completion", "env"),
-        *("check", "docs", "explain", "find", "format", "graph", "list", "new", "package"),
-    }
-)
+_NO_VERBS = frozenset({"--version", "--help", "-h", "help", "__complete"})
 
 
 def enter_environment(arguments: Sequence[str]) -> int | None:
@@ -59,7 +53,9 @@ def is_current(environment: Path, prefix: Path) -> bool:
 
 
 def _needs_environment(arguments: Sequence[str]) -> bool:
-    if not arguments or arguments[0] in _NEED_NOTHING:
+    from ur.cli.verbs import VERBS
+
+    if not arguments or arguments[0] in _NO_VERBS or (arguments[0] in VERBS and not VERBS[arguments[0]].needs_ros):
         return False
     if arguments[0] == "launch":
         from ur.cli.fast import read_question

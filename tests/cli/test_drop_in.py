@@ -13,8 +13,8 @@ from pathlib import Path
 import pytest
 from tests.run.conftest import World, master, world  # noqa: F401 - fixtures
 
+from ur.cli.launch.options import PARAMETERS
 from ur.cli.launch.options import ROSLAUNCH as ROSLAUNCH_OPTIONS
-from ur.cli.launch.options import make_parameters
 
 ROSLAUNCH = "/usr/bin/roslaunch"
 FILES = {
@@ -198,6 +198,6 @@ def test_every_option_of_roslaunch_is_known(world: World) -> None:  # noqa: F811
         if word.startswith("-")
     }
     assert len(names) > 25
-    known = {name for param in make_parameters() for name in param.opts}
+    known = {name for param in PARAMETERS for name in param.opts}
     assert names - {"-h", "--help"} <= known
     assert {name for name in names if name.startswith("--")} == set(ROSLAUNCH_OPTIONS)

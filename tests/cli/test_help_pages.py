@@ -12,9 +12,9 @@ from pathlib import Path
 import click
 import pytest
 
-from ur.cli.help_pages import LAUNCH_GROUPS, PAGES
+from ur.cli.launch.options import list_groups
 from ur.cli.main import main
-from ur.cli.verbs import VERBS, load_verb
+from ur.cli.verbs import VERBS, list_pages, load_verb
 from ur.request.environment import PACKAGE
 from ur.request.programs import list_programs
 
@@ -28,6 +28,7 @@ def walk_verbs() -> Iterator[tuple[str, click.Command]]:
 
 
 COMMANDS = dict(walk_verbs())
+PAGES = dict(list_pages())
 
 
 @pytest.fixture(autouse=True)
@@ -53,11 +54,11 @@ def test_every_positional_argument_is_described_and_two_examples_are_given(
     name: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     positional = [each for each in COMMANDS[name].params if isinstance(each, click.Argument)]
-    assert len(PAGES[name].arguments) == len(positional)
+    assert len(PAGES[name].descriptions) == len(positional)
     assert main(["help", *name.split()]) == 0
     page = capsys.readouterr().out
     flat = re.sub(r"[\s│]+", "", page)
-    for text in PAGES[name].arguments:
+    for text in PAGES[name].descriptions:
         assert re.sub(r"\s+", "", text) in flat
     assert len(PAGES[name].examples) >= 2
     for example, _ in PAGES[name].examples:
@@ -85,7 +86,7 @@ def test_examples_use_options_and_arguments_that_the_verb_has(name: str) -> None
 
 def test_every_option_of_launch_is_in_one_group() -> None:
     shown = [each.opts for each in load_verb("launch").params if isinstance(each, click.Option) and not each.hidden]
-    grouped = [option for _, options in LAUNCH_GROUPS for option in options]
+    grouped = [option for options in list_groups().values() for option in options]
     assert len(grouped) == len(set(grouped))
     for names in shown:
         assert len(set(names) & set(grouped)) == 1, names
@@ -95,7 +96,7 @@ def test_every_option_of_launch_is_in_one_group() -> None:
 def test_launch_help_has_its_groups(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["help", "launch"]) == 0
     page = capsys.readouterr().out
-    for title, _ in LAUNCH_GROUPS:
+    for title in list_groups():
         assert f"─ {title} ─" in page
 
 

@@ -10,9 +10,10 @@ from pathlib import Path
 import click
 import pytest
 
-from ur.cli.trust import NOTHING, TRUST
-from ur.cli.verbs import VERBS, load_verb
+from ur.cli.verbs import VERBS, list_trust, load_verb
+from ur.cli.verbs.verb import NOTHING
 
+TRUST = dict(list_trust())
 ROOT = Path(__file__).parents[2]
 # Python tells its audit hooks of every program that it starts and every address that it looks up or connects to.
 WATCHED = """

@@ -13,23 +13,11 @@ import click
 from rich_click import RichCommand, RichContext, RichGroup, RichHelpConfiguration
 from rich_click.utils import CommandGroupDict, OptionGroupDict
 
-from ur.cli.help_pages import LAUNCH_GROUPS, PAGES
-from ur.cli.verbs import EPILOG, HELP, VERBS, HelpPage, load_verb
+from ur.cli.verbs import EPILOG, HELP, VERBS, list_sections, load_verb
+from ur.cli.verbs.verb import Below, Verb
 from ur.source.diagnostic import UserError, error
 from ur.source.render import shows_colour
 from ur.source.suggest import did_you_mean
-
-# Tasks, the most frequent first. Each verb is in one of them; a test checks that.
-SECTIONS = {
-    "Drive": ("run", "list", "web", "maps", "use"),
-    "Launch": ("launch", "ps", "attach", "logs", "restart", "wait", "stop"),
-    "Write": ("check", "new", "package", "format", "find", "docs", "graph", "explain"),
-    "This computer": ("setup", "get", "completion", "env", "debian"),
-    "Robots": (
-        *("robots", "robot", "image", "doctor", "devices", "wifi", "shell", "x", "boot"),
-        *("sync", "build", "mount", "unmount"),
-    ),
-}
 
 
 def show_help(argv: list[str]) -> None:
@@ -43,11 +31,11 @@ def show_help(argv: list[str]) -> None:
     if argv[0] not in VERBS or (argv[0] == "run" and len(argv) > 1 and not argv[1].startswith("-")):
         _show_program(argv[1] if argv[0] == "run" else argv[0], known_verb=argv[0] == "run")
         return
+    about: Verb | Below = VERBS[argv[0]]
     verb, path = load_verb(argv[0]), f"ur {argv[0]}"
     for name in argv[1:]:
         if isinstance(verb, click.Group) and name in verb.commands:
-            verb, path = verb.commands[name], f"{path} {name}"
-    about = PAGES[path.removeprefix("ur ")]
+            about, verb, path = VERBS[argv[0]].below[name], verb.commands[name], f"{path} {name}"
     if isinstance(verb, click.Group):
         group = _InOrder(name=verb.name, help=verb.help, options_metavar="", subcommand_metavar="VERB [ARGS]")
         for each in verb.commands.values():
@@ -86,11 +74,11 @@ def _show_program(name: str, *, known_verb: bool) -> None:
     )
 
 
-def _list_arguments(verb: click.Command, about: HelpPage) -> Iterator[tuple[str, str]]:
+def _list_arguments(verb: click.Command, about: Verb | Below) -> Iterator[tuple[str, str]]:
     """The metavariable of a positional argument, and its description."""
     positional = [each for each in verb.params if isinstance(each, click.Argument)]
     context = click.Context(verb)
-    for each, text in zip(positional, about.arguments, strict=True):
+    for each, text in zip(positional, about.descriptions, strict=True):
         yield each.make_metavar(context), text
 
 
@@ -103,15 +91,21 @@ def _overview() -> RichGroup:
     group = _InOrder(
         name="ur", help=HELP, epilog=EPILOG, options_metavar="[--version]", subcommand_metavar="VERB [ARGS]"
     )
-    for name, (_, summary) in VERBS.items():
-        group.add_command(RichCommand(name=name, help=summary, short_help=summary))
+    for verb in VERBS.values():
+        group.add_command(RichCommand(name=verb.name, help=verb.summary, short_help=verb.summary))
     group.params.append(click.Option(["--version"], is_flag=True, help="Print the version."))
     return group
 
 
-def _print(page: Any, name: str, about: HelpPage | None = None, arguments: Sequence[tuple[str, str]] = ()) -> None:
-    sections: list[CommandGroupDict] = [{"name": title, "commands": list(verbs)} for title, verbs in SECTIONS.items()]
-    groups: list[OptionGroupDict] = [{"name": title, "options": list(options)} for title, options in LAUNCH_GROUPS]
+def _print(page: Any, name: str, about: Verb | Below | None = None, arguments: Sequence[tuple[str, str]] = ()) -> None:
+    sections: list[CommandGroupDict] = [
+        {"name": title, "commands": [verb.name for verb in verbs]} for title, verbs in list_sections().items()
+    ]
+    groups: list[OptionGroupDict] = []
+    if name == "ur launch":
+        from ur.cli.launch.options import list_groups
+
+        groups = [{"name": title, "options": options} for title, options in list_groups().items()]
     frame = "ROUNDED" if os.environ.get("TERM") != "dumb" else "BLANK"
     settings = RichHelpConfiguration(
         style_options_panel_box=frame,

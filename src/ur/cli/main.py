@@ -11,10 +11,22 @@ from collections.abc import Sequence
 import click
 
 from ur.cli.usage import describe_usage_error
-from ur.cli.verbs import HELP, VERBS, VerbGroup
+from ur.cli.verbs import HELP, VERBS, load_verb
 from ur.source.diagnostic import UserError
 from ur.source.printable import OutputLost, guard_output, printable, printable_lines
 from ur.source.render import render_human, shows_colour
+
+
+class VerbGroup(click.Group):
+    """The verbs, each imported when it is used."""
+
+    def list_commands(self, ctx: click.Context) -> list[str]:  # noqa: ARG002 - click's signature
+        """The names, in the order of the help."""
+        return list(VERBS)
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:  # noqa: ARG002 - click's signature
+        """Import a verb."""
+        return load_verb(cmd_name) if cmd_name in VERBS else None
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

@@ -43,12 +43,14 @@ Source = Callable[[], Iterable[Candidate]]
 class Known:
     """The sources of names; each is asked when it is needed.
 
-    `sources` are by kind (`program`, `robot`, `run`, `node`, `base`, `selection`, `rule`, `verb`); `options` by verb;
-    `launch_file` is the launch file that a program starts; `values` those that an argument of a launch file may have;
-    `names` what a launch file with its arguments holds: parameters, arguments, remaps and nodes.
+    `sources` are by kind (`program`, `robot`, `run`, `node`, `base`, `selection`, `rule`, `verb`); `kinds` of
+    arguments, and `options`, by verb; `launch_file` is the launch file that a program starts; `values` those that an
+    argument of a launch file may have; `names` what a launch file with its arguments holds: parameters, arguments,
+    remaps and nodes.
     """
 
     sources: Mapping[str, Source] = field(default_factory=dict)
+    kinds: Callable[[str], Sequence[str]] = lambda _verb: ()
     options: Callable[[str], Sequence[Option]] = lambda _verb: ()
     launch_file: Callable[[str], str | None] = lambda _program: None
     values: Callable[[str, Mapping[str, str]], Iterable[Candidate]] = lambda _name, _given: ()

@@ -1,4 +1,8 @@
-"""The kinds of arguments that each verb takes, by position."""
+"""Candidates for the arguments of verbs, by the kind of each.
+
+`path`: any file; `files`: packages, their launch files, and paths; `launch`: all that `ur launch` takes; `explain`: the
+same, and a name that the file holds. The last kind of a list with an ellipsis is repeated.
+"""
 
 from __future__ import annotations
 
@@ -15,48 +19,6 @@ from ur.complete.launch import (
 from ur.complete.model import Candidate, Known, Line, Option
 from ur.launchfile.world.protocol import World
 from ur.request.arguments import parse_argument, split_argv
-
-# By verb: the kind of each word in turn; the last one of a list with an ellipsis is repeated.
-# `path`: any file; `files`: packages, their launch files, and paths; `launch`: all that `ur launch` takes; `explain`:
-# the same, and a name that the file holds.
-KINDS: dict[str, tuple[str, ...]] = {
-    "attach": ("run",),
-    "boot": ("boot command", "program"),
-    "build": ("robot", "..."),
-    "check": ("files", "..."),
-    "doctor": ("robot", "..."),
-    "debian": ("debian command",),
-    "devices": (),
-    "docs": ("files",),
-    "explain": ("explain",),
-    "find": ("", "files", "..."),
-    "format": ("files", "..."),
-    "get": ("files", "..."),
-    "graph": ("launch",),
-    "image": ("image command", "files"),
-    "launch": ("launch",),
-    "logs": ("node",),
-    "maps": ("maps command", "map", "..."),
-    "mount": ("robot",),
-    "new": ("new command",),
-    "package": ("files",),
-    "restart": ("node",),
-    "robot": ("robot command", "robot", "..."),
-    "robots": ("robot", "..."),
-    "run": ("program", "program arguments"),
-    "shell": ("robot",),
-    "stop": ("run",),
-    "sync": ("robot", "files", "..."),
-    "unmount": ("robot",),
-    "use": ("selection",),
-    "wait": ("run",),
-    "web": ("selection",),
-    "wifi": ("robot",),
-    "x": ("robot",),
-    "completion": ("shell",),
-    "help": ("help topic",),
-}
-
 
 # The kind of an option's value; without a verb: of every verb.
 _OPTIONS = {
@@ -102,7 +64,7 @@ def _complete(line: Line, world: World, known: Known) -> Iterator[Candidate]:
 
 
 def _positional(verb: str, words: Sequence[str], prefix: str, world: World, known: Known) -> Iterator[Candidate]:
-    kind = _kind(KINDS.get(verb, ()), words)
+    kind = _kind(known.kinds(verb), words)
     if kind == "launch":
         yield from complete_launch(words, prefix, world, known)
     elif kind == "explain":

@@ -86,6 +86,7 @@ def make_known(environment: Mapping[str, str]) -> Known:
             "shell": lambda: [Candidate(each) for each in ("bash", "zsh", "fish")],
             **{kind: _commands(module) for kind, module in _RUN_COMMANDS.items()},
         },
+        _kinds,
         _options,
         launch_file,
         lambda name, given: list_values(name, given, environment),
@@ -104,7 +105,15 @@ def _follow_selection(environment: dict[str, str]) -> dict[str, str]:
 def _verbs() -> Iterator[Candidate]:
     from ur.cli.verbs import VERBS
 
-    yield from (Candidate(name, summary) for name, (_, summary) in VERBS.items())
+    yield from (Candidate(verb.name, verb.summary) for verb in VERBS.values())
+
+
+def _kinds(verb: str) -> tuple[str, ...]:
+    from ur.cli.verbs import VERBS
+
+    if verb == "help":
+        return ("help topic",)
+    return VERBS[verb].arguments if verb in VERBS else ()
 
 
 def _options(verb: str) -> tuple[Option, ...]:

@@ -50,11 +50,11 @@ def command(context: click.Context) -> int:
 
 def _list_kinds() -> str:
     """List what can be made: the first example of each, as the help pages have it."""
-    from ur.cli.help_pages import PAGES
+    from ur.cli.verbs import VERBS
 
     lines = ["error: 'ur new' needs to know what to write, expected one of:"]
     for name, kind in command.commands.items():
-        lines += [f"  {name}: {kind.get_short_help_str(limit=200)}", f"    {PAGES[f'new {name}'].examples[0][0]}"]
+        lines += [f"  {name}: {kind.get_short_help_str(limit=200)}", f"    {VERBS['new'].below[name].examples[0][0]}"]
     return "\n".join([*lines, "  help: 'ur help new node' describes the options of one", ""])
 
 

@@ -6,7 +6,7 @@ import os
 from typing import Any
 
 from ur.cli.launch.act import act_on, explain_problem
-from ur.cli.launch.options import LaunchCommand, check_options, make_parameters
+from ur.cli.launch.options import PARAMETERS, LaunchCommand, check_options
 from ur.request.options import LaunchOptions, Query
 from ur.source.diagnostic import UserError, error
 
@@ -48,4 +48,4 @@ def launch(
         return explain_problem(problem, options.report)
 
 
-command = LaunchCommand("launch", callback=launch, params=make_parameters(), help=launch.__doc__)
+command = LaunchCommand("launch", callback=launch, params=list(PARAMETERS), help=launch.__doc__)

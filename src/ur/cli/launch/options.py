@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from itertools import chain
 from typing import Any
 
 import click
@@ -29,26 +30,49 @@ _REFUSED = {
 }
 
 
-def make_parameters() -> list[click.Parameter]:
-    """Every option and the argument, as click has them."""
+def _flag(*names: str, **more: Any) -> click.Option:
+    return click.Option(names, is_flag=True, **more)
 
-    def flag(*names: str, **more: Any) -> click.Option:
-        return click.Option(names, is_flag=True, **more)
 
-    def refuse(ctx: click.Context, param: click.Parameter, value: object) -> None:
-        if value and not ctx.resilient_parsing:
-            name = param.opts[0]
-            raise UserError(
-                error(f"{name} is not for ur launch: {_REFUSED[name]}", rule="refused-option", subject=name)
-            )
+def _refuse(ctx: click.Context, param: click.Parameter, value: object) -> None:
+    if value and not ctx.resilient_parsing:
+        name = param.opts[0]
+        raise UserError(error(f"{name} is not for ur launch: {_REFUSED[name]}", rule="refused-option", subject=name))
 
-    return [
-        flag("--screen", help="Show the output of every node."),
-        flag("--log", help="Keep the standard output of every node in log files."),
-        flag("--required", help="End the run with the first node that ends."),
+
+def make_lease_options() -> tuple[click.Option, ...]:
+    """Options for the conduct where another client drives the robot; `ur run` passes them on."""
+    return (
+        _flag("--watch", help="If somebody else drives the robot, watch."),
+        _flag("--ask", help="If somebody else drives the robot, ask to drive."),
+        _flag("--take-over", help="If somebody else drives the robot, take over."),
+        _flag("--unattended", help="Let the robot go on with its goal while this computer cannot be reached."),
+    )
+
+
+GROUPS: Mapping[str, tuple[click.Option, ...]] = {
+    "Run and output": (
+        _flag("--detach", help="Start it, and let it run on without this terminal: ur ps, attach, logs, stop."),
+        _flag("--wait", help="Wait for a master instead of starting one; with --detach: until every node is up."),
+        click.Option(
+            ["--timeout-ready"],
+            type=_SECONDS,
+            default=30.0,
+            show_default=True,
+            help="With --detach --wait: seconds that nodes get to be up.",
+        ),
+        _flag("--screen", help="Show the output of every node."),
+        _flag("--log", help="Keep the standard output of every node in log files."),
+        _flag("--plain", "--no-ui", help="Print lines, as roslaunch does, also on a terminal."),
+        _flag("--calm", help="Show one line with the state of the run, and warnings and errors."),
+        _flag("--json", help="Print everything that happens as lines of JSON."),
+        _flag("-v", "verbose", help="List files, parameters and nodes before the start."),
+        _flag("--timings", help="Print how long each step of the start took, once every node is up."),
+    ),
+    "Nodes": (
         click.Option(["--only"], multiple=True, metavar="NODE", help="Start only this node; may be repeated."),
         click.Option(["--except", "except_"], multiple=True, metavar="NODE", help="Do not start this node."),
-        flag("--no-terminal", help="Leave out nodes that need the terminal, for example with --detach."),
+        _flag("--no-terminal", help="Leave out nodes that need the terminal, for example with --detach."),
         click.Option(
             ["--prefix"], multiple=True, metavar="NODE=PREFIX", help="Put a program in front: 'talker=gdb --args'."
         ),
@@ -58,33 +82,30 @@ def make_parameters() -> list[click.Parameter]:
             metavar="NODE[=TOOL]",
             help="Start this node under a debugger: pudb, gdb or debugpy; may be repeated.",
         ),
-        flag("--local", help="Leave nodes for other computers out."),
-        # How the laptop starts what belongs to the robot: see ur.run.remote.share. NAME is this computer's there.
-        click.Option(["--part"], hidden=True, metavar="NAME"),
-        click.Option(["--runs-already"], hidden=True, multiple=True, metavar="NODE"),
-        click.Option(["--report"], hidden=True, metavar="FILE"),
-        *make_lease_options(),
-        flag("--replace", help="End nodes of other runs that have the same names, as roslaunch does."),
-        flag("--core", help="Start only a master and rosout, as roscore does."),
-        flag("-v", "verbose", help="List files, parameters and nodes before the start."),
-        flag("--detach", help="Start it, and let it run on without this terminal: ur ps, attach, logs, stop."),
-        flag("--plain", "--no-ui", help="Print lines, as roslaunch does, also on a terminal."),
-        flag("--calm", help="Show one line with the state of the run, and warnings and errors."),
-        flag("--json", help="Print everything that happens as lines of JSON."),
-        flag("--wait", help="Wait for a master instead of starting one; with --detach: until every node is up."),
-        flag("--timings", help="Print how long each step of the start took, once every node is up."),
-        click.Option(
-            ["--timeout-ready"],
-            type=_SECONDS,
-            default=30.0,
-            show_default=True,
-            help="With --detach --wait: seconds that nodes get to be up.",
-        ),
+        _flag("--required", help="End the run with the first node that ends."),
         click.Option(
             ["--respawn-limit"],
             type=click.IntRange(0),
             help="Stop respawning a node after so many quick exits (default 10); 0: never, as roslaunch.",
         ),
+        _flag("--local", help="Leave nodes for other computers out."),
+        _flag("--replace", help="End nodes of other runs that have the same names, as roslaunch does."),
+    ),
+    "Where somebody else drives the robot": make_lease_options(),
+    "Answer a question, and start nothing": (
+        _flag("--dry-run", help="Print what would be started: command, environment and machine of every node."),
+        _flag("--ros-args", help="Print the arguments of the launch file."),
+        _flag("--nodes", help="Print the names of the nodes."),
+        _flag("--files", help="Print the launch files that are read."),
+        click.Option(["--find-node"], metavar="NODE", help="Print the launch file that defines a node."),
+        click.Option(["--args"], metavar="NODE", help="Print the command line that starts a node."),
+        _flag("--dump-params", help="Print the parameters as YAML."),
+        click.Option(["--dump"], type=click.Choice(["json"]), help="Print the complete plan of the launch file."),
+        _flag("--with-origins", help="With --dump: where everything comes from."),
+        _flag("--no-commands", help="With --dump: do not run the programs of <param command>; refuse them."),
+    ),
+    "Master": (
+        _flag("--core", help="Start only a master and rosout, as roscore does."),
         click.Option(["-p", "--port"], type=click.IntRange(1, 65535), help="Port of the master that is started."),
         click.Option(["-w", "--numworkers"], type=click.IntRange(1), help="Threads of the master that is started."),
         click.Option(["-t", "--timeout"], type=_SECONDS, help="Socket timeout of the master that is started."),
@@ -93,37 +114,38 @@ def make_parameters() -> list[click.Parameter]:
             type=click.Choice(["debug", "info", "warn", "error", "fatal"]),
             help="The log level of the master that is started.",
         ),
+    ),
+    "Process": (
         click.Option(["--pid"], metavar="FILE", help="Write the process id to a file while it runs."),
         click.Option(["--sigint-timeout"], type=_SECONDS, help="Seconds from SIGINT to SIGTERM at the end."),
         click.Option(["--sigterm-timeout"], type=_SECONDS, help="Seconds from SIGTERM to SIGKILL at the end."),
-        flag("--nodes", help="Print the names of the nodes."),
-        flag("--files", help="Print the launch files that are read."),
-        click.Option(["--find-node"], metavar="NODE", help="Print the launch file that defines a node."),
-        click.Option(["--args"], metavar="NODE", help="Print the command line that starts a node."),
-        flag("--dump-params", help="Print the parameters as YAML."),
-        flag("--ros-args", help="Print the arguments of the launch file."),
-        flag("--dry-run", help="Print what would be started: command, environment and machine of every node."),
-        click.Option(["--dump"], type=click.Choice(["json"]), help="Print the complete plan of the launch file."),
-        flag("--with-origins", help="With --dump: where everything comes from."),
-        flag("--no-commands", help="With --dump: do not run the programs of <param command>; refuse them."),
-        *(flag(name, hidden=True, expose_value=False) for name in _NOTHING_TO_DO),
-        *(
-            click.Option(names, hidden=True, expose_value=False, callback=refuse)
-            for names in (["-c", "--child"], ["-u", "--server_uri"], ["--run_id"])
-        ),
-        click.Argument(["argv"], nargs=-1, required=False, metavar="[PACKAGE] FILE [ARG:=VALUE]..."),
-    ]
+    ),
+}
+"""The options that the help shows, by the title of their group; `--help` is in the last one, too."""
+
+_HIDDEN = (
+    # How the laptop starts what belongs to the robot: see ur.run.remote.share. NAME is this computer's there.
+    click.Option(["--part"], hidden=True, metavar="NAME"),
+    click.Option(["--runs-already"], hidden=True, multiple=True, metavar="NODE"),
+    click.Option(["--report"], hidden=True, metavar="FILE"),
+    *(_flag(name, hidden=True, expose_value=False) for name in _NOTHING_TO_DO),
+    *(
+        click.Option(names, hidden=True, expose_value=False, callback=_refuse)
+        for names in (["-c", "--child"], ["-u", "--server_uri"], ["--run_id"])
+    ),
+)
+PARAMETERS: tuple[click.Parameter, ...] = (
+    *chain.from_iterable(GROUPS.values()),
+    *_HIDDEN,
+    click.Argument(["argv"], nargs=-1, required=False, metavar="[PACKAGE] FILE [ARG:=VALUE]..."),
+)
 
 
-def make_lease_options() -> list[click.Option]:
-    """Options for the conduct where another client drives the robot; `ur run` passes them on."""
-    texts = {
-        "--watch": "If somebody else drives the robot, watch.",
-        "--ask": "If somebody else drives the robot, ask to drive.",
-        "--take-over": "If somebody else drives the robot, take over.",
-        "--unattended": "Let the robot go on with its goal while this computer cannot be reached.",
-    }
-    return [click.Option([name], is_flag=True, help=text) for name, text in texts.items()]
+def list_groups() -> dict[str, list[str]]:
+    """The titles of the groups, each with a name of each of its options."""
+    groups = {title: [option.opts[-1] for option in options] for title, options in GROUPS.items()}
+    groups["Process"].append("--help")
+    return groups
 
 
 def check_seconds(options: LaunchOptions) -> None:

@@ -1,0 +1,118 @@
+"""Verbs that set this computer up."""
+
+from __future__ import annotations
+
+from ur.cli.verbs.verb import Below, Trust, Verb
+
+_SECTION = "This computer"
+
+
+COMPUTER = (
+    Verb(
+        "setup",
+        "ur.cli.computer.setup",
+        "Set this computer up: shells, keys, workspace, names.",
+        _SECTION,
+        examples=(("ur setup", "Set this computer up."), ("ur setup --dry-run", "Show what that would change.")),
+        trust=Trust(
+            "your shells' files, ssh keys, the system's packages",
+            starts="`apt-get`, `usermod` and others by `sudo`, after a question",
+            sends="requests for packages, to their servers",
+            writes="a block in your shells' files, an ssh key, a workspace",
+        ),
+    ),
+    Verb(
+        "get",
+        "ur.cli.files.get",
+        "Install what launch files need.",
+        _SECTION,
+        arguments=("files", "..."),
+        descriptions=(
+            "Launch files, packages, or folders with launch files (a path with a /), and arguments of a launch file.",
+        ),
+        examples=(
+            ("ur get my_robot bringup.launch", "Install what a launch file needs."),
+            ("ur get xacro --yes", "Install a package without a question."),
+            ("ur get --missing --dry-run", "Show what the workspace needs."),
+            ("ur get --missing --ask-servers", "Also ask GitHub and others for what no index has."),
+            ("ur get --undo", "Remove what was installed."),
+        ),
+        trust=Trust(
+            "launch files, manifests and scripts of a folder, as text; the indexes of ROS",
+            starts="`git ls-remote`, `apt-get` and pip, after a question each",
+            sends="names of missing packages and owners, to GitHub, GitLab, Bitbucket, after a question; requests for "
+            "indexes and packages, to their servers",
+            writes="packages, and a record for `--undo`",
+        ),
+    ),
+    Verb(
+        "completion",
+        "ur.cli.computer.completion",
+        "Print the lines that let a shell complete `ur` with Tab.",
+        _SECTION,
+        arguments=("shell",),
+        descriptions=("bash, zsh or fish; this user's shell unless given.",),
+        examples=(
+            ('eval "$(ur completion bash)"', "Complete in this shell."),
+            ("ur completion fish", "Print the lines for another shell."),
+        ),
+        trust=Trust("the name of your shell"),
+        needs_ros=False,
+    ),
+    Verb(
+        "env",
+        "ur.cli.computer.env",
+        "Print the lines that let a shell follow the selection.",
+        _SECTION,
+        examples=(('eval "$(ur env)"', "Make this shell follow the selection."), ("ur env", "Print what that sets.")),
+        trust=Trust("the selection"),
+        needs_ros=False,
+    ),
+    Verb(
+        "debian",
+        "ur.cli.computer.debian",
+        "Inspect, change or remove the Debian root that ROS runs in.",
+        _SECTION,
+        arguments=("debian command",),
+        examples=(("ur debian status", "Print where the root is, and its size."), ("ur debian remove", "Delete it.")),
+        trust=Trust(
+            "the Debian root",
+            starts="programs of the Debian root; `install`, `update` and `remove` by `sudo`",
+            sends="requests for packages, to their servers",
+            writes="the Debian root",
+        ),
+        below={
+            "status": Below(
+                examples=(
+                    ("ur debian status", "Print where the root is, and its size."),
+                    ("ur help debian", "List the other commands."),
+                )
+            ),
+            "shell": Below(
+                descriptions=(
+                    "A program with its arguments. Without it: your shell, or bash where the root does not have it.",
+                ),
+                examples=(
+                    ("ur debian shell", "Open a shell in the root."),
+                    ("ur debian shell rosbag info drive.bag", "Run one command there."),
+                ),
+            ),
+            "install": Below(
+                descriptions=("Names of packages of Debian 13.",),
+                examples=(
+                    ("ur debian install gdb", "Install a debugger in the root."),
+                    ("ur debian install rviz rqt-graph", "Install several packages."),
+                ),
+            ),
+            "update": Below(
+                examples=(
+                    ("ur debian update", "Install newer versions of what is in the root."),
+                    ("ur help debian install", "Describe how to install other packages."),
+                )
+            ),
+            "remove": Below(
+                examples=(("ur debian remove", "Delete the root."), ("ur help debian", "List the other commands."))
+            ),
+        },
+    ),
+)

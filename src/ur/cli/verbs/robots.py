@@ -1,0 +1,158 @@
+"""Verbs that find, set up and inspect robots."""
+
+from __future__ import annotations
+
+from ur.cli.verbs.verb import SSH, Below, Trust, Verb
+
+_SECTION = "Robots"
+_ROBOT = "A robot's name, HOST or USER@HOST; the selected robot unless given."
+
+ROBOTS = (
+    Verb(
+        "robots",
+        "ur.cli.robots.robots",
+        "List the robots on the network, and those known but away.",
+        _SECTION,
+        arguments=("robot", "..."),
+        descriptions=("Names of robots; all of them unless given.",),
+        examples=(
+            ("ur robots", "List the robots."),
+            ("ur robots bob eve", "List these two as soon as they have answered."),
+        ),
+        trust=Trust(
+            "announcements of the network, answers of robots",
+            sends="zeroconf questions, to the network; a connection to ports 22 and 11311 of each robot found; a "
+            "login by key, where the host key is known",
+            writes="where each robot was seen",
+        ),
+    ),
+    Verb(
+        "robot",
+        "ur.cli.robot_setup.robot",
+        "Set robots up and change them, over the network.",
+        _SECTION,
+        arguments=("robot command", "robot", "..."),
+        examples=(
+            ("ur robot setup ubuntu@ubuntu.local", "Set a freshly flashed robot up."),
+            ("ur robot wifi bob", "Show the wireless networks of a robot."),
+        ),
+        trust=Trust(
+            "answers of the robot",
+            starts="scripts on the robot, as root after its password",
+            sends=f"settings, to {SSH}",
+            writes="settings of the robot; records of it here",
+        ),
+        below={
+            "setup": Below(
+                descriptions=("Robots as they answer now; found on the network unless given.",),
+                examples=(
+                    ("ur robot setup ubuntu@ubuntu.local --name bob --base magni", "Set one robot up."),
+                    ("ur robot setup --from robots.yaml", "Set up every robot that a file names."),
+                ),
+                trust=Trust(
+                    "answers of the robot",
+                    starts="scripts on the robot, as root after its password; ROS's packages there",
+                    sends="before the host key is known or confirmed: the user name; then your public key, files, the "
+                    "present and the new password, by ssh",
+                    writes="settings of the robot; its record and host key here",
+                ),
+            ),
+            "rename": Below(
+                descriptions=("The robot's present name.", "Its new name."),
+                examples=(
+                    ("ur robot rename bob alice", "Rename a robot."),
+                    ("ur robot rename bob alice --dry-run", "Show what that would change."),
+                ),
+            ),
+            "wifi": Below(
+                descriptions=(_ROBOT,),
+                examples=(
+                    ("ur robot wifi bob", "Show the wireless networks of a robot."),
+                    ("ur robot wifi bob --ssid Lab", "Join a network."),
+                ),
+            ),
+            "network": Below(
+                descriptions=(_ROBOT,),
+                examples=(
+                    ("ur robot network bob", "Show the network devices of a robot."),
+                    ("ur robot network bob --address 192.168.1.7/24", "Give it a fixed address."),
+                ),
+            ),
+        },
+    ),
+    Verb(
+        "image",
+        "ur.cli.robot_setup.image",
+        "Prepare images for the first boot of robots.",
+        _SECTION,
+        arguments=("image command", "files"),
+        examples=(
+            ("ur image prepare ubuntu.img --name bob", "Prepare an image file."),
+            ("ur help image prepare", "Describe every option."),
+        ),
+        trust=Trust(
+            "an image, as its partitions and file systems",
+            writes="an image that only you can read, or a device after a question; the robot's record and host key",
+        ),
+        below={
+            "prepare": Below(
+                descriptions=("An image file, or the device of a flashed card.",),
+                examples=(
+                    ("ur image prepare ubuntu.img.xz --output bob.img --name bob", "Prepare a compressed image."),
+                    ("ur image prepare /dev/sdb --name bob --ssid Lab", "Prepare a card that is flashed already."),
+                ),
+            )
+        },
+    ),
+    Verb(
+        "doctor",
+        "ur.cli.computer.doctor",
+        "Find what is wrong between this computer and a robot.",
+        _SECTION,
+        arguments=("robot", "..."),
+        descriptions=("Robots: names, HOST or USER@HOST; the selected robot unless given.",),
+        examples=(
+            ("ur doctor", "Check the selected robot and this computer."),
+            ("ur doctor bob eve", "Check two other robots, side by side."),
+            ("ur doctor --all", "Check every robot that was set up from this computer."),
+        ),
+        trust=Trust(
+            "settings of both computers, answers of the robot",
+            starts="scripts that inspect, here and on the robot; with `--fix`, commands that are marked safe",
+            sends=f"scripts, to {SSH}; a connection to the ROS master",
+        ),
+    ),
+    Verb(
+        "devices",
+        "ur.cli.robots.devices",
+        "List the devices of this computer or a robot.",
+        _SECTION,
+        examples=(
+            ("ur devices", "List what is plugged into this computer."),
+            ("ur devices --robot bob", "List the robot's, and what its base lacks."),
+            ("ur devices --robot bob --probe", "Also ask lidars which model they are."),
+        ),
+        trust=Trust(
+            "`/sys` and `/dev`; with `--probe`, answers of devices",
+            sends=f"with `--robot`, a script, to {SSH}; with `--probe`, questions to free ports",
+        ),
+    ),
+    Verb(
+        "wifi",
+        "ur.cli.robots.wifi",
+        "Measure the connection to a robot: signal of both, latency, loss.",
+        _SECTION,
+        arguments=("robot",),
+        descriptions=(_ROBOT,),
+        examples=(
+            ("ur wifi", "Measure the route to the selected robot."),
+            ("ur wifi bob", "Measure the one to another robot."),
+        ),
+        trust=Trust(
+            "wireless statistics",
+            starts="`ping`",
+            sends=f"pings, and a script, to {SSH}",
+            writes="with `--log`, a file",
+        ),
+    ),
+)
