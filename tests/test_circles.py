@@ -19,7 +19,6 @@ KNOWN = {
     ("ur.cli", "robot_setup robots"),
     ("ur.run", "master output process record run"),
     ("ur.web.server", "gate logins"),
-    ("ur_nodes", "missions teleop"),
 }
 
 Imports = Mapping[str, str]

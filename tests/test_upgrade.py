@@ -14,9 +14,9 @@ from ur.robot.discovery.record import Record, load_records, records_folder
 from ur.robot.discovery.seen import Seen, load_seen, note_seen, seen_path
 from ur.robot.selection import Selection, load_selection, selection_path
 from ur.robot.sync.memory import Pair, load_memory, memory_path
+from ur_nodes.client.waypoints import WaypointStore, name_of_map, waypoint_path
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2
-from ur_nodes.teleop.navigator.waypoints import WaypointStore, name_of_map, waypoint_path
 
 STATE = Path(__file__).parent / "data/previous_version"
 BOB, EVE = Record("bob", "ros", "magni", "lidar"), Record("eve", "pi", "loki")

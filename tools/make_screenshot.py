@@ -18,14 +18,14 @@ from scipy.ndimage import distance_transform_edt, uniform_filter1d
 from skimage.graph import route_through_array
 from textual.widgets import Input
 
+from ur_nodes.client.driver_text import DriverRequest
+from ur_nodes.client.model import GoalReport, GoalState, Snapshot
+from ur_nodes.client.mux import MuxRequest
+from ur_nodes.client.patrol_text import PatrolAction, Route
+from ur_nodes.client.waypoints import WaypointStore
 from ur_nodes.geometry.grid import Grid, load_map
 from ur_nodes.geometry.pose import Pose2
-from ur_nodes.missions.patrol_text import PatrolAction, Route
-from ur_nodes.teleop.mux.driver_text import DriverRequest
-from ur_nodes.teleop.mux.emergency import MuxRequest
 from ur_nodes.teleop.navigate.app import NavigateApp
-from ur_nodes.teleop.navigator.model import GoalReport, GoalState, Snapshot
-from ur_nodes.teleop.navigator.waypoints import WaypointStore
 
 ROOT = Path(__file__).resolve().parents[1]
 MAP = ROOT / "ubiquity_launches/n_map_server/maps/maze.yaml"

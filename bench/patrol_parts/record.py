@@ -14,7 +14,7 @@ import rospy
 from nav_msgs.msg import Odometry
 from std_msgs.msg import String
 
-from ur_nodes.missions.patrol_text import read_request, read_status
+from ur_nodes.client.patrol_text import read_request, read_status
 
 
 class Recorder:

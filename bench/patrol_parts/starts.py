@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from ur_nodes.missions.patrol_text import ACTIVE
+from ur_nodes.client.patrol_text import ACTIVE
 
 ASKED = 5.0
 """Seconds for which a request counts."""

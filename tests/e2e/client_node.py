@@ -23,9 +23,9 @@ from std_msgs.msg import Bool, Int32, String, Time
 from std_srvs.srv import Empty, Trigger
 from tests.json_client import answer_requests, claim_output, wait_until
 
+from ur_nodes.client.patrol_text import PatrolStatus, read_status
 from ur_nodes.codecs.geometry import pose3_of_transform, pose_message, pose_of_message
 from ur_nodes.geometry.pose import Pose2
-from ur_nodes.missions.patrol_text import PatrolStatus, read_status
 from ur_nodes.motion.lease.client_node import LeaseClient
 from ur_nodes.motion.obstacle_stop.report import read_report
 

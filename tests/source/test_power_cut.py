@@ -61,8 +61,8 @@ CASES = {
     ),
     "waypoints": Case(
         "mkdir w; echo 'old: [1.0, 2.0, 3.0]' >w/map.yaml",
-        "from pathlib import Path\nfrom ur_nodes.teleop.navigator.model import Pose2\n"
-        "from ur_nodes.teleop.navigator.waypoints import WaypointStore\n"
+        "from pathlib import Path\nfrom ur_nodes.client.model import Pose2\n"
+        "from ur_nodes.client.waypoints import WaypointStore\n"
         "WaypointStore(Path('w/map.yaml')).remember('desk', Pose2(1.0, 2.0, 3.0))",
         "w/map.yaml",
         "desk",

@@ -30,8 +30,8 @@ class RosGoalClient:
     def __init__(self, action: str, follower: GoalFollower, loop: Loop) -> None:
         self._goals = rospy.Publisher(f"{action}/goal", MoveBaseActionGoal, queue_size=5)
         self._cancels = rospy.Publisher(f"{action}/cancel", GoalID, queue_size=5)
-        take_states = loop.mailbox(1, lambda message: follower.take_states(tuple(map(_state, message.status_list))))
-        take_end = loop.mailbox(100, lambda message: follower.take_goal_end(_state(message.status)))
+        take_states = loop.mailbox(1, lambda message: follower.take_states(tuple(map(state_of, message.status_list))))
+        take_end = loop.mailbox(100, lambda message: follower.take_goal_end(state_of(message.status)))
         rospy.Subscriber(f"{action}/status", GoalStatusArray, take_states, queue_size=1)
         rospy.Subscriber(f"{action}/result", MoveBaseActionResult, take_end, queue_size=10)
 
@@ -54,5 +54,6 @@ class RosGoalClient:
         return min(int(self._goals.get_num_connections()), int(self._cancels.get_num_connections()))
 
 
-def _state(status: Any) -> GoalState:
+def state_of(status: Any) -> GoalState:
+    """The state in an actionlib_msgs/GoalStatus."""
     return GoalState(str(status.goal_id.id), _STATES.get(status.status, "aborted"), str(status.text))

@@ -31,17 +31,17 @@ from ur.web.wire.requests import (
     SwitchObstacleStop,
     read_request,
 )
+from ur_nodes.client.model import heading_there
 from ur_nodes.geometry.pose import Pose2
-from ur_nodes.missions.patrol_link_node import PatrolLink
 from ur_nodes.motion.challenge.freshness import REQUEST_FRESHNESS, Stamp
 from ur_nodes.motion.clock import read_steady_time
 from ur_nodes.motion.lease.text import Action, Lease, clean_computer, clean_name, is_client, read_lease, write_request
 from ur_nodes.motion.lease.text import Request as LeaseRequest
 from ur_nodes.navigation.goals.goal_claim import write_any_heading, write_goal_id
 from ur_nodes.rosio.ending import quiet_at_end
-from ur_nodes.teleop.mux.link_node import MuxLink
-from ur_nodes.teleop.navigator.model import heading_there
+from ur_nodes.teleop.navigator.mux_link_node import MuxLink
 from ur_nodes.teleop.navigator.navigation_topics_node import NavigationTopics
+from ur_nodes.teleop.navigator.patrol_link_node import PatrolLink
 from ur_nodes.web.heard import Heard, age_of_answer, hear
 from ur_nodes.web.map_changes_node import MapChanges, Reply
 from ur_nodes.web.page_lease import PageLease, may_drive, note_end, request_action, step_page, takes_part

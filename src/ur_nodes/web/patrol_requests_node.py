@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from ur.web.wire.requests import AskPatrol
-from ur_nodes.missions.patrol_link_node import PatrolLink
-from ur_nodes.missions.patrol_text import PatrolRequest, Route, Stop
+from ur_nodes.client.patrol_text import PatrolRequest, Route, Stop
+from ur_nodes.teleop.navigator.patrol_link_node import PatrolLink
 from ur_nodes.web.places import Places
 
 

@@ -8,9 +8,9 @@ from pathlib import Path
 
 import rospy
 
+from ur_nodes.client.waypoints import PlaceSettings, choose_file, read_settings
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.rosio.ending import quiet_at_end
-from ur_nodes.teleop.navigator.waypoints import PlaceSettings, choose_file, read_settings
 from ur_nodes.web.places import Places
 
 _PERIOD = 1.0  # s

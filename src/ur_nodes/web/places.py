@@ -10,8 +10,8 @@ from typing import Any
 from ur.source.diagnostic import UserError
 from ur.source.printable import printable
 from ur.web.wire.map_requests import ForgetPlace, NamePlace
+from ur_nodes.client.waypoints import WAYPOINT_NAME, WaypointStore
 from ur_nodes.geometry.pose import Pose2
-from ur_nodes.teleop.navigator.waypoints import WAYPOINT_NAME, WaypointStore
 
 MOST_PLACES = 200
 _LONGEST_NAME = 64

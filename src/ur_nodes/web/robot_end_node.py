@@ -21,11 +21,11 @@ from typing import Any
 import rospy
 
 from ur.web.wire.frames import LENGTH
-from ur_nodes.missions.patrol_link_node import PatrolLink
 from ur_nodes.motion.challenge.freshness import Stamp
 from ur_nodes.rosio.shell import run_node
-from ur_nodes.teleop.mux.link_node import MuxLink
+from ur_nodes.teleop.navigator.mux_link_node import MuxLink
 from ur_nodes.teleop.navigator.navigation_topics_node import Names, NavigationTopics
+from ur_nodes.teleop.navigator.patrol_link_node import PatrolLink
 from ur_nodes.web.drive_end_node import DriveEnd
 from ur_nodes.web.map_changes_node import MapChanges
 from ur_nodes.web.map_link_node import MapLink

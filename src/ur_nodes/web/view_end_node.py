@@ -26,14 +26,14 @@ from ur.web.wire.frames import (
     pose_frame,
     tile_frame,
 )
+from ur_nodes.client.model import GoalReport, Snapshot, distance_left
+from ur_nodes.client.mux import MuxView
+from ur_nodes.client.patrol_text import PatrolStatus, describe_patrol
 from ur_nodes.geometry.grid import Grid
-from ur_nodes.missions.patrol_link_node import PatrolLink
-from ur_nodes.missions.patrol_text import PatrolStatus, describe_patrol
 from ur_nodes.rosio.ending import quiet_at_end
-from ur_nodes.teleop.mux.emergency import MuxView
-from ur_nodes.teleop.mux.link_node import MuxLink
-from ur_nodes.teleop.navigator.model import GoalReport, Snapshot, distance_left
+from ur_nodes.teleop.navigator.mux_link_node import MuxLink
 from ur_nodes.teleop.navigator.navigation_topics_node import NavigationTopics
+from ur_nodes.teleop.navigator.patrol_link_node import PatrolLink
 from ur_nodes.web.drive_end_node import DriveEnd
 from ur_nodes.web.exploration_topic_node import ExplorationTopic
 from ur_nodes.web.layers.camera_node import CameraView

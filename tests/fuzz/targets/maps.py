@@ -13,9 +13,9 @@ from ur.robot.base import read_base
 from ur.source.diagnostic import UserError
 from ur.source.render import render_human
 from ur.worlds.world_file import read_world
+from ur_nodes.client.waypoints import WaypointStore
 from ur_nodes.geometry.grid import load_map
 from ur_nodes.pictures.decode import BadPictureError, decode_picture, read_size, unpack_picture
-from ur_nodes.teleop.navigator.waypoints import WaypointStore
 from ur_nodes.vision.fiducial_map import format_map, read_map
 
 _PACKAGE = Path(__file__).parents[3] / "ubiquity_launches"

@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 
 from ur.source.diagnostic import UserError, error
+from ur_nodes.client.driver_text import DriverRequest
+from ur_nodes.client.model import GoalReport, GoalState, Snapshot
+from ur_nodes.client.mux import MuxRequest
+from ur_nodes.client.patrol_text import Answer, PatrolAction, PatrolState, PatrolStatus, Route
+from ur_nodes.client.waypoints import WaypointStore
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2
-from ur_nodes.missions.patrol_text import Answer, PatrolAction, PatrolState, PatrolStatus, Route
-from ur_nodes.teleop.mux.driver_text import DriverRequest
-from ur_nodes.teleop.mux.emergency import MuxRequest
-from ur_nodes.teleop.navigator.model import GoalReport, GoalState, Snapshot
-from ur_nodes.teleop.navigator.waypoints import WaypointStore
 
 
 def make_grid() -> Grid:

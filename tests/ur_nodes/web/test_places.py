@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from ur.source.diagnostic import UserError
+from ur_nodes.client.waypoints import PlaceSettings, WaypointStore, choose_file, name_of_map, read_settings
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2
-from ur_nodes.teleop.navigator.waypoints import PlaceSettings, WaypointStore, choose_file, name_of_map, read_settings
 from ur_nodes.web.places import MOST_PLACES, Places
 
 GRID = Grid(np.zeros((3, 4), np.int8), 0.05, Pose2(0.0, 0.0, 0.0))

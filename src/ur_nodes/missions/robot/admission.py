@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ur_nodes.missions.patrol_text import PatrolRequest
+from ur_nodes.client.patrol_text import PatrolRequest
 from ur_nodes.motion.lease.text import Lease
 from ur_nodes.navigation.goals.attendance import LATEST, clock_time, name_of_driver
 from ur_nodes.navigation.goals.goal_claim import Challenges, age_of_answer, lag_of_answer

@@ -9,8 +9,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 
-from ur_nodes.missions.patrol_text import Answer, PatrolStatus, Route, Stop, name_stop
-from ur_nodes.teleop.navigator.model import GoalState
+from ur_nodes.client.model import GoalState
+from ur_nodes.client.patrol_text import Answer, PatrolStatus, Route, Stop, name_stop
 
 LATEST = 5.0
 """Seconds after which a goal is not sent any more, and in which navigation has to take it."""

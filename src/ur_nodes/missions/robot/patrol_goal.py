@@ -4,18 +4,16 @@ from __future__ import annotations
 
 import itertools
 
+from ur_nodes.client.goal_tracker import Tracker, report_at, track_result, track_sent, track_status
+from ur_nodes.client.model import GoalReport, GoalState, heading_there
+from ur_nodes.client.patrol_text import Stop
 from ur_nodes.geometry.pose import Pose2
-from ur_nodes.missions.patrol_text import Stop
 from ur_nodes.motion.challenge.freshness import REQUEST_FRESHNESS
 from ur_nodes.motion.lease.client import LeaseClient
 from ur_nodes.navigation.goals.goal_claim import write_any_heading, write_goal_id
 from ur_nodes.ports import actions
 from ur_nodes.ports.node import Node
 from ur_nodes.ports.values import PlacedPose
-from ur_nodes.teleop.navigator.goal_tracker import Status, Tracker, report_at, track_result, track_sent, track_status
-from ur_nodes.teleop.navigator.model import GoalReport, GoalState, heading_there
-
-_STATUS = {"pending": 0, "active": 1, "cancelled": 2, "succeeded": 3, "aborted": 4}
 
 
 class PatrolGoal:
@@ -69,7 +67,7 @@ class PatrolGoal:
     def take_states(self, states: tuple[actions.GoalState, ...]) -> None:
         """See GoalFollower."""
         if self._goal:
-            self._tracker = track_status(self._tracker, tuple(map(_status_of, states)), self._node.steady())
+            self._tracker = track_status(self._tracker, states, self._node.steady())
         for each in states:  # of a node of this name that was killed
             if each.open and each.id.startswith(self._prefix) and each.id != self._goal:
                 self._goals.cancel(each.id)
@@ -77,11 +75,7 @@ class PatrolGoal:
     def take_goal_end(self, state: actions.GoalState) -> None:
         """See GoalFollower."""
         if self._goal:
-            self._tracker = track_result(self._tracker, _status_of(state), self._node.steady())
+            self._tracker = track_result(self._tracker, state, self._node.steady())
 
     def _answer(self) -> int | None:
         return self._client.link.newest(REQUEST_FRESHNESS / 2.0)
-
-
-def _status_of(state: actions.GoalState) -> Status:
-    return Status(state.id, _STATUS[state.state], state.text)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import partial
 
-from ur_nodes.missions.patrol_text import (
+from ur_nodes.client.patrol_text import (
     Answer,
     BadPatrolError,
     PatrolRequest,

@@ -9,12 +9,12 @@ from dataclasses import replace
 from functools import partial
 
 from ur.source.diagnostic import UserError
+from ur_nodes.client.patrol_text import Route, Stop
+from ur_nodes.client.waypoints import PlaceSettings, WaypointStore, choose_file, read_settings
 from ur_nodes.geometry.grid import Grid
-from ur_nodes.missions.patrol_text import Route, Stop
 from ur_nodes.ports.node import Node, Subscription, Timer
 from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.values import Map
-from ur_nodes.teleop.navigator.waypoints import PlaceSettings, WaypointStore, choose_file, read_settings
 
 _MAP_WAIT = 2.0  # s
 NO_MAP = "expected a map, whose waypoints have names"

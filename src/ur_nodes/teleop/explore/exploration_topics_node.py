@@ -12,11 +12,11 @@ from nav_msgs.msg import Path
 from std_msgs.msg import String
 from visualization_msgs.msg import Marker, MarkerArray
 
+from ur_nodes.client.model import GoalReport, GoalState, Snapshot
 from ur_nodes.exploration.status import Status, read_status
 from ur_nodes.rosio.geometry import pose_of_message
 from ur_nodes.teleop.explore.explore_screen import FRONTIER, GIVEN_UP
 from ur_nodes.teleop.map_view.glyphs import Mark
-from ur_nodes.teleop.navigator.model import GoalReport, GoalState, Snapshot
 
 _MOST_MARKS = 1000
 

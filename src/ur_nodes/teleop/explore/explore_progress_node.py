@@ -11,17 +11,18 @@ from dataclasses import replace
 from typing import Protocol
 
 from ur.source.ansi import allows_colour, is_plain
+from ur_nodes.client.mux import Emergency
 from ur_nodes.exploration.status import Status, describe_left, describe_status
 from ur_nodes.rosio.parameters import Parameters
 from ur_nodes.teleop.explore.exploration_topics_node import ExplorationTopics, StatusTopic
 from ur_nodes.teleop.explore.explore_screen import draw_explore_screen, room_for_map
 from ur_nodes.teleop.map_view.map_feed_node import MapFeed
-from ur_nodes.teleop.mux.emergency import Emergency, mux_request_of
-from ur_nodes.teleop.mux.link_node import MuxLink
-from ur_nodes.teleop.navigator.map_saving_node import MapSaving, asks_to_save, call_save
+from ur_nodes.teleop.navigator.map_saving_node import MapSaving, call_save
+from ur_nodes.teleop.navigator.mux_link_node import MuxLink
 from ur_nodes.teleop.terminal.foreground_node import run_in_foreground
 from ur_nodes.teleop.terminal.keys import Key, decode_keys
 from ur_nodes.teleop.terminal.raw import Terminal, own_terminal
+from ur_nodes.teleop.terminal.request_keys import asks_to_save, mux_request_of
 
 _NAME = "explore_progress"
 _POLL = 0.1  # s
@@ -56,8 +57,7 @@ def _run(ended: threading.Event) -> int:
     show_map = parameters.boolean("show_map", True)
     statuses = StatusTopic()
     if show_map and sys.stdin.isatty() and sys.stdout.isatty() and not is_plain(os.environ):
-        colours = allows_colour(os.environ)
-        service = parameters.text("save_service", "")
+        colours, service = allows_colour(os.environ), parameters.text("save_service", "")
         saving = MapSaving(lambda: call_save(service), hint="") if service else None
         mux = MuxLink(parameters.text("mux", "cmd_vel_mux"))
         frames = parameters.text("map_frame", "map"), parameters.text("base_frame", "base_footprint")

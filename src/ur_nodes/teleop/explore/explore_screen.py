@@ -5,8 +5,8 @@ from __future__ import annotations
 import textwrap
 
 from ur.source.ansi import BOLD, CYAN, DIM, GREEN, RED, RESET, REVERSE, YELLOW, cut_styled
+from ur_nodes.client.mux import MuxView, describe_emergency
 from ur_nodes.exploration.status import Status, describe_blocked, describe_done, describe_left, describe_status
-from ur_nodes.teleop.mux.emergency import MuxView, describe_emergency
 
 FRONTIER, GIVEN_UP = "?", "x"
 """The characters of frontiers on the map."""

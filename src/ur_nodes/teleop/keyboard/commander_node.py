@@ -9,13 +9,13 @@ from typing import Any, Protocol
 import rospy
 from geometry_msgs.msg import Twist, TwistStamped, Vector3
 
+from ur_nodes.client.driver_text import DriverRequest, may_command
 from ur_nodes.motion.challenge.challenge_node import AdaptivePublisher, FreshPublisher
 from ur_nodes.motion.lease.client_node import LeaseClient
 from ur_nodes.motion.lease.view import Conduct, LeaseView
 from ur_nodes.rosio.parameters import Parameters
 from ur_nodes.teleop.keyboard.drive import Motion
 from ur_nodes.teleop.keyboard.drive_screen import Link
-from ur_nodes.teleop.mux.driver_text import DriverRequest, may_command
 from ur_nodes.teleop.terminal.wake import Wake
 
 _CHOICES = ("auto", "true", "false")

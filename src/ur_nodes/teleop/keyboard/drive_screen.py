@@ -7,9 +7,9 @@ import textwrap
 from dataclasses import dataclass
 
 from ur.source.ansi import BOLD, CYAN, DIM, GREEN, RED, RESET, REVERSE, STYLE, YELLOW, cut_styled, strip_styles
+from ur_nodes.client.driver_text import DriverLine
+from ur_nodes.client.mux import MuxView, describe_emergency, describe_obstacles
 from ur_nodes.teleop.keyboard.drive import DriveState, motion_of
-from ur_nodes.teleop.mux.driver_text import DriverLine
-from ur_nodes.teleop.mux.emergency import MuxView, describe_emergency, describe_obstacles
 
 _PLAIN_HELP = (
     "keyboard drive: u i o j l m , . drive while held; q z w x e c change speeds; "

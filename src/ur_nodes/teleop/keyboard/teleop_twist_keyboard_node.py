@@ -13,6 +13,14 @@ from typing import Protocol
 import rospy
 
 from ur.source.ansi import allows_colour, is_plain
+from ur_nodes.client.driver_text import (
+    clock_time,
+    describe_lost,
+    line_of,
+    may_command,
+    name_holder,
+)
+from ur_nodes.client.mux import Emergency
 from ur_nodes.rosio.parameters import Parameters
 from ur_nodes.teleop.keyboard.commander_node import (
     Commander,
@@ -24,20 +32,12 @@ from ur_nodes.teleop.keyboard.commander_node import (
 from ur_nodes.teleop.keyboard.drive import STILL, DriveSettings, start_drive, step_drive
 from ur_nodes.teleop.keyboard.drive_screen import describe_drive, draw_drive_screen, draw_map_screen, map_room
 from ur_nodes.teleop.map_view.map_feed_node import MapFeed
-from ur_nodes.teleop.mux.driver_text import (
-    clock_time,
-    describe_lost,
-    driver_request_of,
-    line_of,
-    may_command,
-    name_holder,
-)
-from ur_nodes.teleop.mux.emergency import Emergency, mux_request_of, obstacle_request_of
-from ur_nodes.teleop.mux.link_node import MuxLink
-from ur_nodes.teleop.navigator.map_saving_node import MapSaving, asks_to_save, call_save
+from ur_nodes.teleop.navigator.map_saving_node import MapSaving, call_save
+from ur_nodes.teleop.navigator.mux_link_node import MuxLink
 from ur_nodes.teleop.terminal.foreground_node import run_in_foreground
 from ur_nodes.teleop.terminal.keys import Key, KeyEvent, decode_keys
 from ur_nodes.teleop.terminal.raw import Terminal, own_terminal
+from ur_nodes.teleop.terminal.request_keys import asks_to_save, driver_request_of, mux_request_of, obstacle_request_of
 
 _NAME = "teleop_twist_keyboard"
 _PROGRAM = "keyboard_drive"

@@ -7,10 +7,10 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from ur.maps.viewport import Viewport
+from ur_nodes.client.model import GoalReport, Snapshot
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.teleop.map_view.palette import Colour, Palette
 from ur_nodes.teleop.map_view.picture import ROBOT_LENGTH, SMALL_ROBOT
-from ur_nodes.teleop.navigator.model import GoalReport, Snapshot
 
 _ARROWS = "→↗↑↖←↙↓↘"
 _NO_HEADING = "◎"

@@ -9,10 +9,10 @@ import rospy
 
 from ur.maps.viewport import Viewport
 from ur.source.diagnostic import UserError
+from ur_nodes.client.model import Snapshot
 from ur_nodes.rosio.grid_message import GridMessage, grid_of_message
 from ur_nodes.teleop.map_view.glyphs import Mark
 from ur_nodes.teleop.map_view.growing_map import GrowingMap, Zoom, draw_map_lines, follow, prepare_map, press_zoom
-from ur_nodes.teleop.navigator.model import Snapshot
 from ur_nodes.teleop.navigator.robot_state_node import RobotState
 
 _EVERY = 0.25  # s between two pictures: drawing must not keep velocities waiting

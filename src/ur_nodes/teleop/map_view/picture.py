@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ur.maps.viewport import Viewport
+from ur_nodes.client.model import Snapshot
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.teleop.map_view.palette import Colour, Palette
-from ur_nodes.teleop.navigator.model import Snapshot
 
 Pixels = NDArray[np.uint8]
 """(rows, columns, 3), red, green, blue."""

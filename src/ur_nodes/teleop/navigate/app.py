@@ -11,10 +11,12 @@ from textual.widgets import Static
 
 from ur.source.diagnostic import UserError
 from ur.source.run_users import describe_users
+from ur_nodes.client.model import GoalState, format_place
+from ur_nodes.client.mux import MuxRequest
+from ur_nodes.client.patrol_text import Route
+from ur_nodes.client.waypoints import WaypointStore
 from ur_nodes.geometry.pose import Pose2
-from ur_nodes.missions.patrol_text import Route
 from ur_nodes.teleop.map_view.widget import MapView
-from ur_nodes.teleop.mux.emergency import MuxRequest
 from ur_nodes.teleop.navigate import commands as c
 from ur_nodes.teleop.navigate.command_line import CommandLine
 from ur_nodes.teleop.navigate.message_text import REQUESTED, describe_stop
@@ -26,8 +28,6 @@ from ur_nodes.teleop.navigate.status_text import (
 )
 from ur_nodes.teleop.navigate.target import route_of, target_of
 from ur_nodes.teleop.navigate.view import NavigateView
-from ur_nodes.teleop.navigator.model import GoalState, format_place
-from ur_nodes.teleop.navigator.waypoints import WaypointStore
 
 MOST_WAITING = 60.0  # s that a goal waits for the robot to be ready
 

@@ -6,10 +6,12 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
 from ur.source.diagnostic import UserError
+from ur_nodes.client.driver_text import DriverRequest
+from ur_nodes.client.model import GoalState, Navigator, Snapshot, format_place
+from ur_nodes.client.mux import MuxRequest
+from ur_nodes.client.patrol_text import Route
+from ur_nodes.client.waypoints import WaypointStore
 from ur_nodes.geometry.pose import Pose2
-from ur_nodes.missions.patrol_text import Route
-from ur_nodes.teleop.mux.driver_text import DriverRequest
-from ur_nodes.teleop.mux.emergency import MuxRequest
 from ur_nodes.teleop.navigate.batch_text import Limits, describe_change, goal_change, reason_to_give_up, result_line
 from ur_nodes.teleop.navigate.commands import (
     NO_MAPPING,
@@ -38,8 +40,6 @@ from ur_nodes.teleop.navigate.commands import (
 )
 from ur_nodes.teleop.navigate.status_text import reason_not_to_drive, silence_line
 from ur_nodes.teleop.navigate.target import route_of, target_of
-from ur_nodes.teleop.navigator.model import GoalState, Navigator, Snapshot, format_place
-from ur_nodes.teleop.navigator.waypoints import WaypointStore
 
 _ANSWER_WAIT = 5.0  # s: for the mux
 _PATROL_DONE = {"start": "started", "pause": "paused", "resume": "goes on", "end": "ended"}

@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from ur_nodes.client.model import GoalReport, GoalState, Snapshot
 from ur_nodes.geometry.pose import wrap_angle
 from ur_nodes.teleop.navigate.status_text import silence_line
-from ur_nodes.teleop.navigator.model import GoalReport, GoalState, Snapshot
 
 
 @dataclass(frozen=True, slots=True)

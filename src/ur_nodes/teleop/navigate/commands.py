@@ -10,10 +10,10 @@ from typing import cast
 from ur.source.diagnostic import UserError, error
 from ur.source.printable import printable
 from ur.source.suggest import did_you_mean
-from ur_nodes.missions.patrol_text import LONGEST_WAIT, MOST_PLACES, PatrolAction
-from ur_nodes.teleop.mux.driver_text import DriverRequest
-from ur_nodes.teleop.mux.emergency import MuxRequest
-from ur_nodes.teleop.navigator.waypoints import WAYPOINT_NAME
+from ur_nodes.client.driver_text import DriverRequest
+from ur_nodes.client.mux import MuxRequest
+from ur_nodes.client.patrol_text import LONGEST_WAIT, MOST_PLACES, PatrolAction
+from ur_nodes.client.waypoints import WAYPOINT_NAME
 
 
 @dataclass(frozen=True, slots=True)

@@ -15,16 +15,16 @@ import rospkg
 
 from ur.source.ansi import is_plain
 from ur.source.run_users import FOLDER_VARIABLE, list_users
+from ur_nodes.client.model import Snapshot
+from ur_nodes.client.waypoints import WaypointStore, name_of_map, waypoint_path
 from ur_nodes.rosio.parameters import Parameters
 from ur_nodes.run import BROKEN_PIPE_EXIT_CODE, drop_output
 from ur_nodes.teleop.navigate.batch import BatchContext, InterruptedBatchError, run_batch, wait_until_ready
 from ur_nodes.teleop.navigate.batch_text import Limits
 from ur_nodes.teleop.navigate.line_reader import LineReader
 from ur_nodes.teleop.navigator.map_saving_node import MapSaving, call_save, save_map
-from ur_nodes.teleop.navigator.model import Snapshot
 from ur_nodes.teleop.navigator.navigation_topics_node import Names
 from ur_nodes.teleop.navigator.ros_navigator_node import RosNavigator
-from ur_nodes.teleop.navigator.waypoints import WaypointStore, name_of_map, waypoint_path
 from ur_nodes.teleop.terminal.foreground_node import run_in_foreground
 
 _NAME = "keyboard_navigate"

@@ -6,10 +6,10 @@ import math
 from collections.abc import Mapping
 from dataclasses import replace
 
+from ur_nodes.client.driver_text import DriverRequest
+from ur_nodes.client.model import GoalState, Snapshot, format_place
 from ur_nodes.geometry.pose import Pose2
-from ur_nodes.teleop.mux.driver_text import DriverRequest
 from ur_nodes.teleop.navigate.status_text import silence_line
-from ur_nodes.teleop.navigator.model import GoalState, Snapshot, format_place
 
 REQUESTED: dict[DriverRequest, str] = {
     "take": "requested to drive from this computer",

@@ -12,8 +12,8 @@ from textual.app import ComposeResult
 from textual.containers import VerticalScroll
 from textual.widgets import Static
 
+from ur_nodes.client.model import format_place
 from ur_nodes.geometry.pose import Pose2
-from ur_nodes.teleop.navigator.model import format_place
 
 _WIDEST = 200
 _FRAME = 5  # columns: border, padding, scroll bar

@@ -8,11 +8,11 @@ from rich.console import RenderableType
 from rich.table import Table
 from rich.text import Text
 
-from ur_nodes.missions.patrol_text import describe_patrol
-from ur_nodes.teleop.mux.driver_text import clock_time, describe_lost, describe_silence, name_holder
-from ur_nodes.teleop.mux.emergency import describe_emergency, describe_obstacles
+from ur_nodes.client.driver_text import clock_time, describe_lost, describe_silence, name_holder
+from ur_nodes.client.model import ROBOT, GoalState, Snapshot, distance_left, format_number
+from ur_nodes.client.mux import describe_emergency, describe_obstacles
+from ur_nodes.client.patrol_text import describe_patrol
 from ur_nodes.teleop.navigate.commands import MAP_USAGE, USAGE
-from ur_nodes.teleop.navigator.model import ROBOT, GoalState, Snapshot, distance_left, format_number
 
 _SHOWN = {
     GoalState.NONE: ("○", "dim"),

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
+from ur_nodes.client.model import Snapshot, heading_there
+from ur_nodes.client.patrol_text import Route, Stop
+from ur_nodes.client.waypoints import WaypointStore
 from ur_nodes.geometry.pose import Pose2
-from ur_nodes.missions.patrol_text import Route, Stop
 from ur_nodes.teleop.navigate.commands import AskPatrol, Go, GoTo
-from ur_nodes.teleop.navigator.model import Snapshot, heading_there
-from ur_nodes.teleop.navigator.waypoints import WaypointStore
 
 
 def target_of(command: Go | GoTo, snapshot: Snapshot, store: WaypointStore) -> tuple[Pose2, bool]:

@@ -16,8 +16,10 @@ from textual.widgets import Static
 from ur.screen.app import FullScreenApp
 from ur.screen.query import measure_terminal
 from ur.source.diagnostic import UserError
+from ur_nodes.client.model import GoalReport, GoalState, Navigator, Snapshot, format_number
+from ur_nodes.client.patrol_text import PatrolStatus, describe_patrol
+from ur_nodes.client.waypoints import WaypointStore
 from ur_nodes.geometry.pose import Pose2
-from ur_nodes.missions.patrol_text import PatrolStatus, describe_patrol
 from ur_nodes.teleop.map_view.palette import Palette, choose_palette
 from ur_nodes.teleop.map_view.widget import MapView
 from ur_nodes.teleop.navigate import commands as c
@@ -32,8 +34,6 @@ from ur_nodes.teleop.navigate.status_text import (
     waiting_line,
 )
 from ur_nodes.teleop.navigator.map_saving_node import MapSaving
-from ur_nodes.teleop.navigator.model import GoalReport, GoalState, Navigator, Snapshot, format_number
-from ur_nodes.teleop.navigator.waypoints import WaypointStore
 
 REFRESH = 1.0 / 6.0
 

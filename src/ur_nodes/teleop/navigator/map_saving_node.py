@@ -9,9 +9,7 @@ import rospy
 from std_srvs.srv import Trigger
 
 from ur.maps.names import is_map_name
-from ur_nodes.teleop.terminal.keys import Key, KeyEvent
 
-SAVE_KEY = "s"
 HINT = "s saves the map"
 _PATIENCE = 10.0  # s until a service that is not there counts as missing
 
@@ -47,11 +45,6 @@ class MapSaving:
     def _put(self, line: str) -> None:
         with self._lock:
             self._news = line
-
-
-def asks_to_save(event: KeyEvent) -> bool:
-    """Return whether a key asks to save the map."""
-    return isinstance(event, Key) and event.name == SAVE_KEY and event.action == "press" and not event.ctrl
 
 
 def call_save(service: str) -> str:

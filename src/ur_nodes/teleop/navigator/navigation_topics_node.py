@@ -18,11 +18,7 @@ from rospy.numpy_msg import numpy_msg
 from std_msgs.msg import String
 
 from ur.source.diagnostic import UserError
-from ur_nodes.geometry.pose import Pose2
-from ur_nodes.rosio.geometry import pose_message, pose_of_message
-from ur_nodes.rosio.grid_message import grid_of_message
-from ur_nodes.teleop.navigator.goal_tracker import (
-    Status,
+from ur_nodes.client.goal_tracker import (
     Tracker,
     read_hold,
     report_at,
@@ -32,7 +28,11 @@ from ur_nodes.teleop.navigator.goal_tracker import (
     track_sent,
     track_status,
 )
-from ur_nodes.teleop.navigator.model import GoalReport, Snapshot
+from ur_nodes.client.model import GoalReport, Snapshot
+from ur_nodes.geometry.pose import Pose2
+from ur_nodes.ros1.goal_client import state_of
+from ur_nodes.rosio.geometry import pose_message, pose_of_message
+from ur_nodes.rosio.grid_message import grid_of_message
 from ur_nodes.teleop.navigator.robot_state_node import RobotState
 
 _STATUS_SILENT = 3.0
@@ -172,7 +172,7 @@ class NavigationTopics:
             self._tracker = track_current(self._tracker, pose_of_message(message.pose), time.monotonic())
 
     def _on_status(self, message: Any) -> None:
-        statuses = tuple(Status(item.goal_id.id, item.status, item.text) for item in message.status_list)
+        statuses = tuple(map(state_of, message.status_list))
         with self._lock:
             self._status_at = time.monotonic()
             self._tracker = track_status(self._tracker, statuses, self._status_at)
@@ -184,6 +184,5 @@ class NavigationTopics:
                 self._tracker = track_hold(self._tracker, hold)
 
     def _on_result(self, message: Any) -> None:
-        status = Status(message.status.goal_id.id, message.status.status, message.status.text)
         with self._lock:
-            self._tracker = track_result(self._tracker, status, time.monotonic())
+            self._tracker = track_result(self._tracker, state_of(message.status), time.monotonic())

@@ -10,18 +10,18 @@ import rospy
 from std_srvs.srv import Empty
 
 from ur.source.diagnostic import UserError, error
+from ur_nodes.client.driver_text import DriverRequest, describe_silence
+from ur_nodes.client.model import ROBOT, Silence, Snapshot
+from ur_nodes.client.mux import MuxRequest
+from ur_nodes.client.patrol_text import PatrolAction, PatrolRequest, Route
 from ur_nodes.geometry.pose import Pose2
-from ur_nodes.missions.patrol_link_node import PatrolLink
-from ur_nodes.missions.patrol_text import PatrolAction, PatrolRequest, Route
 from ur_nodes.motion.challenge.freshness import REQUEST_FRESHNESS
 from ur_nodes.motion.lease.client_node import LeaseClient
 from ur_nodes.motion.lease.view import LeaseView
 from ur_nodes.navigation.goals.goal_claim import write_any_heading, write_goal_id
-from ur_nodes.teleop.mux.driver_text import DriverRequest, describe_silence
-from ur_nodes.teleop.mux.emergency import MuxRequest
-from ur_nodes.teleop.mux.link_node import MuxLink
-from ur_nodes.teleop.navigator.model import ROBOT, Silence, Snapshot
+from ur_nodes.teleop.navigator.mux_link_node import MuxLink
 from ur_nodes.teleop.navigator.navigation_topics_node import Names, NavigationTopics
+from ur_nodes.teleop.navigator.patrol_link_node import PatrolLink
 
 _SILENT = 1.0  # s without a message, after which a sender counts as silent
 _NANO = 1_000_000_000

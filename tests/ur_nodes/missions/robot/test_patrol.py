@@ -6,7 +6,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ur_nodes.missions.patrol_text import Route, Stop
+from ur_nodes.client.model import GoalState
+from ur_nodes.client.patrol_text import Route, Stop
 from ur_nodes.missions.robot.patrol import (
     LATEST,
     Commands,
@@ -18,7 +19,6 @@ from ur_nodes.missions.robot.patrol import (
     start_patrol,
     step_patrol,
 )
-from ur_nodes.teleop.navigator.model import GoalState
 
 SOFA, HALL = Stop("sofa", 1.0, 0.0), Stop("hall", 2.0, 0.0, 0.5)
 ROUTE = Route((SOFA, HALL))

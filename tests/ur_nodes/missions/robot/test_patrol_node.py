@@ -12,6 +12,7 @@ import pytest
 
 from ur.source.foreign.yaml_text import load_yaml
 from ur.source.project import launch_library
+from ur_nodes.client.waypoints import WaypointStore
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.memory.bus import Bus
@@ -25,7 +26,6 @@ from ur_nodes.ports.node import SECOND
 from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.services import Trigger
 from ur_nodes.ports.values import Map, Result, Transform
-from ur_nodes.teleop.navigator.waypoints import WaypointStore
 
 SOURCES = load_yaml((launch_library() / "n_cmd_vel_mux/params/sources.yaml").read_text(encoding="utf-8"))
 SOFA, HALL = {"name": "sofa", "x": 1.0, "y": 0.0, "yaw": 0.5}, {"name": "hall", "x": 2.0, "y": 2.0}

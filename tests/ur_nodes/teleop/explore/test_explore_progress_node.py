@@ -9,9 +9,9 @@ from dataclasses import dataclass, field
 
 import pytest
 
+from ur_nodes.client.mux import MuxRequest, MuxView
 from ur_nodes.exploration.status import Status
 from ur_nodes.teleop.explore.explore_progress_node import exit_code, show_exploration
-from ur_nodes.teleop.mux.emergency import MuxRequest, MuxView
 from ur_nodes.teleop.navigator.map_saving_node import MapSaving
 from ur_nodes.teleop.terminal.raw import own_terminal
 

@@ -5,9 +5,9 @@ import re
 import pytest
 
 from ur.source.ansi import BOLD, REVERSE
+from ur_nodes.client.mux import MuxView
 from ur_nodes.teleop.keyboard.drive import DriveSettings, start_drive, step_drive
 from ur_nodes.teleop.keyboard.drive_screen import Link, describe_drive, draw_drive_screen, draw_map_screen, map_room
-from ur_nodes.teleop.mux.emergency import MuxView
 from ur_nodes.teleop.terminal.keys import Key, KittyFlags
 
 FREE = MuxView(stopped=False)

@@ -8,12 +8,12 @@ from collections.abc import Callable, Iterator
 
 import pytest
 
+from ur_nodes.client.driver_text import DriverRequest
+from ur_nodes.client.mux import MuxRequest, MuxView
 from ur_nodes.motion.lease.view import Conduct, LeaseView
 from ur_nodes.teleop.keyboard.drive import STILL, DriveSettings, Motion
 from ur_nodes.teleop.keyboard.drive_screen import Link
 from ur_nodes.teleop.keyboard.teleop_twist_keyboard_node import drive_pipe, drive_terminal
-from ur_nodes.teleop.mux.driver_text import DriverRequest
-from ur_nodes.teleop.mux.emergency import MuxRequest, MuxView
 from ur_nodes.teleop.terminal.raw import own_terminal
 from ur_nodes.teleop.terminal.wake import Wake
 

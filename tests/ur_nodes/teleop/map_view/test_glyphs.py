@@ -6,10 +6,10 @@ from dataclasses import replace
 import pytest
 
 from ur.maps.viewport import Viewport
+from ur_nodes.client.model import GoalReport, GoalState, Snapshot
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.teleop.map_view.glyphs import Glyph, place_glyphs, scale_bar
 from ur_nodes.teleop.map_view.palette import DARK
-from ur_nodes.teleop.navigator.model import GoalReport, GoalState, Snapshot
 
 
 def rows_of(glyphs: list[Glyph], view: Viewport) -> list[str]:

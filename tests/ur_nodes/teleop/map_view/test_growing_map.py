@@ -5,10 +5,10 @@ import re
 import numpy as np
 
 from ur.source.ansi import strip_styles
+from ur_nodes.client.model import Snapshot
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.teleop.map_view.growing_map import Zoom, draw_map_lines, follow, prepare_map, press_zoom
-from ur_nodes.teleop.navigator.model import Snapshot
 
 
 def room(width: float, height: float) -> Grid:

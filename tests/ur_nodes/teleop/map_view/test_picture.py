@@ -9,11 +9,11 @@ from hypothesis import strategies as st
 from scipy.ndimage import label
 
 from ur.maps.viewport import Viewport
+from ur_nodes.client.model import Snapshot
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.teleop.map_view.palette import DARK, DARK_16, Palette
 from ur_nodes.teleop.map_view.picture import draw_map, draw_overlay, index_grid, thin_walls
-from ur_nodes.teleop.navigator.model import Snapshot
 
 
 def grid(cells: list[list[int]], resolution: float = 1.0, origin: Pose2 = Pose2(0, 0, 0)) -> Grid:  # noqa: B008 - a tuple

@@ -11,16 +11,16 @@ import pytest_asyncio
 from textual.pilot import Pilot
 from textual.widgets import Static
 
+from ur_nodes.client.model import GoalState, Snapshot
+from ur_nodes.client.mux import MuxView
+from ur_nodes.client.waypoints import WaypointStore
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.teleop.map_view.palette import LIGHT, LIGHT_16
 from ur_nodes.teleop.map_view.widget import MapView
-from ur_nodes.teleop.mux.emergency import MuxView
 from ur_nodes.teleop.navigate.app import NavigateApp
 from ur_nodes.teleop.navigate.command_line import CommandLine
 from ur_nodes.teleop.navigate.panel import Panel
 from ur_nodes.teleop.navigator.map_saving_node import MapSaving
-from ur_nodes.teleop.navigator.model import GoalState, Snapshot
-from ur_nodes.teleop.navigator.waypoints import WaypointStore
 
 
 class Screen:

@@ -11,13 +11,13 @@ import pytest_asyncio
 from tests.ur_nodes.teleop.navigate.test_app import Screen
 
 from ur.source.diagnostic import UserError, error
+from ur_nodes.client.driver_text import clock_time
+from ur_nodes.client.model import GoalReport, GoalState, Silence
+from ur_nodes.client.mux import MuxView
+from ur_nodes.client.waypoints import WaypointStore
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.motion.lease.view import LeaseView
-from ur_nodes.teleop.mux.driver_text import clock_time
-from ur_nodes.teleop.mux.emergency import MuxView
 from ur_nodes.teleop.navigate.app import NavigateApp
-from ur_nodes.teleop.navigator.model import GoalReport, GoalState, Silence
-from ur_nodes.teleop.navigator.waypoints import WaypointStore
 
 SIZES = [(80, 24), (40, 12)]
 THERE = Pose2(2.0, 3.0, 0.0)

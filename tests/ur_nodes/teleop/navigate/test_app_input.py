@@ -14,14 +14,14 @@ from textual import events
 from textual.pilot import Pilot
 from textual.widgets import Static
 
+from ur_nodes.client.mux import MuxView
+from ur_nodes.client.waypoints import WaypointStore
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.teleop.map_view import widget as map_widget
 from ur_nodes.teleop.map_view.widget import MapView
-from ur_nodes.teleop.mux.emergency import MuxView
 from ur_nodes.teleop.navigate.app import NavigateApp
 from ur_nodes.teleop.navigate.command_line import EMPTY_LINE_KEYS, CommandLine
 from ur_nodes.teleop.navigate.panel import Panel
-from ur_nodes.teleop.navigator.waypoints import WaypointStore
 
 KEYS = sorted({*EMPTY_LINE_KEYS, *"abcdefghijklmnoprstuvwxyz", "enter", "escape", "tab", "backspace", "space", "up"})
 SMALL = (40, 12)

@@ -8,15 +8,15 @@ from typing import Any
 
 import pytest
 
+from ur_nodes.client.driver_text import clock_time
+from ur_nodes.client.model import GoalReport, GoalState, Silence
+from ur_nodes.client.mux import MuxView
+from ur_nodes.client.patrol_text import Route, Stop
+from ur_nodes.client.waypoints import WaypointStore
 from ur_nodes.geometry.pose import Pose2
-from ur_nodes.missions.patrol_text import Route, Stop
 from ur_nodes.motion.lease.view import LeaseView
-from ur_nodes.teleop.mux.driver_text import clock_time
-from ur_nodes.teleop.mux.emergency import MuxView
 from ur_nodes.teleop.navigate.batch import BatchContext, InterruptedBatchError, run_batch, wait_until_ready
 from ur_nodes.teleop.navigate.batch_text import Limits
-from ur_nodes.teleop.navigator.model import GoalReport, GoalState, Silence
-from ur_nodes.teleop.navigator.waypoints import WaypointStore
 
 
 @dataclass

@@ -1,7 +1,4 @@
-"""Tracking of a goal: the client's side of actionlib, as a step function.
-
-Status numbers and their meaning: actionlib_msgs/GoalStatus.
-"""
+"""Tracking of a goal from the states that navigation sends, as a step function."""
 
 from __future__ import annotations
 
@@ -9,20 +6,19 @@ import json
 from dataclasses import dataclass, field, replace
 from typing import Final
 
+from ur_nodes.client.model import GoalReport, GoalState
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.navigation.goals.goal_claim import has_any_heading
-from ur_nodes.teleop.navigator.model import GoalReport, GoalState
+from ur_nodes.ports import actions
 
-_RUNNING: Final = {0: GoalState.WAITING, 1: GoalState.DRIVING, 6: GoalState.DRIVING, 7: GoalState.WAITING}
 _LONGEST_HOLD: Final = 4096
 _LONGEST_TEXT: Final = 500
-_OVER: Final = {
-    2: GoalState.STOPPED,
-    3: GoalState.REACHED,
-    4: GoalState.FAILED,
-    5: GoalState.FAILED,
-    8: GoalState.STOPPED,
-    9: GoalState.FAILED,
+_STATES: Final = {
+    "pending": GoalState.WAITING,
+    "active": GoalState.DRIVING,
+    "succeeded": GoalState.REACHED,
+    "cancelled": GoalState.STOPPED,
+    "aborted": GoalState.FAILED,
 }
 ANSWER_LIMIT = 5.0
 """Seconds of status lists without a goal after which move_base does not have it. It sends five lists a second."""
@@ -32,15 +28,6 @@ SILENCE = 1.0
 
 LATE = 1.0
 """Seconds after the end of a goal in which word of a goal to the same place is about that one."""
-
-
-@dataclass(frozen=True, slots=True)
-class Status:
-    """One entry of a status list."""
-
-    goal_id: str
-    status: int
-    text: str
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,10 +55,10 @@ class Tracker:
     hold: Hold = field(default_factory=Hold)
 
 
-def track_sent(tracker: Tracker, goal_id: str, place: Pose2, now: float) -> Tracker:
-    """Start to track a goal that is sent from here."""
+def track_sent(tracker: Tracker, goal_id: str, place: Pose2, now: float, number: int = 0) -> Tracker:
+    """Start to track a goal that is sent from here, with a number of its sender's or (0) the next one."""
     any_heading = has_any_heading(goal_id)
-    report = GoalReport(tracker.report.number + 1, place, GoalState.WAITING, any_heading=any_heading)
+    report = GoalReport(number or tracker.report.number + 1, place, GoalState.WAITING, any_heading=any_heading)
     return Tracker(report, goal_id, now, listed_at=now, hold=tracker.hold)
 
 
@@ -89,13 +76,13 @@ def track_current(tracker: Tracker, place: Pose2, now: float) -> Tracker:
     return Tracker(report, "", now, listed_at=now, hold=tracker.hold)
 
 
-def track_status(tracker: Tracker, statuses: tuple[Status, ...], now: float) -> Tracker:
+def track_status(tracker: Tracker, statuses: tuple[actions.GoalState, ...], now: float) -> Tracker:
     """A status list came. A followed goal that is in no list for `ANSWER_LIMIT` has failed; silence proves nothing."""
     if tracker.report.over:
         return tracker
     for status in statuses:
-        if tracker.goal_id == status.goal_id or (not tracker.goal_id and status.status in _RUNNING):
-            found = replace(tracker, goal_id=status.goal_id, listed_at=now, absent_since=None)
+        if tracker.goal_id == status.id or (not tracker.goal_id and status.open):
+            found = replace(tracker, goal_id=status.id, listed_at=now, absent_since=None)
             return _apply(found, status, now)
     if not tracker.goal_id and now - tracker.heard_at > LATE:
         # It ended before this client came.
@@ -113,9 +100,9 @@ def track_status(tracker: Tracker, statuses: tuple[Status, ...], now: float) -> 
     return replace(tracker, report=replace(tracker.report, state=GoalState.FAILED, text=reason))
 
 
-def track_result(tracker: Tracker, status: Status, now: float) -> Tracker:
+def track_result(tracker: Tracker, status: actions.GoalState, now: float) -> Tracker:
     """A result came."""
-    if tracker.report.over or (tracker.goal_id and tracker.goal_id != status.goal_id):
+    if tracker.report.over or (tracker.goal_id and tracker.goal_id != status.id):
         return tracker
     return _apply(tracker, status, now)
 
@@ -158,8 +145,8 @@ def _printable(text: str) -> str:
     return " ".join("".join(each if each.isprintable() else " " for each in text[:_LONGEST_TEXT]).split())
 
 
-def _apply(tracker: Tracker, status: Status, now: float) -> Tracker:
-    state = _OVER.get(status.status) or _RUNNING.get(status.status, tracker.report.state)
+def _apply(tracker: Tracker, status: actions.GoalState, now: float) -> Tracker:
+    state = _STATES[status.state]
     text = "" if state is GoalState.REACHED else _printable(status.text)
     if state is GoalState.FAILED and not text:
         text = "move_base gave no reason"

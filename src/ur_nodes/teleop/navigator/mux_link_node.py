@@ -9,8 +9,8 @@ import rospy
 from std_msgs.msg import Bool, String
 from std_srvs.srv import SetBool, Trigger
 
+from ur_nodes.client.mux import NO_REPORT, MuxRequest, MuxView, describe_refusal, view_of
 from ur_nodes.motion.obstacle_stop.report import read_report
-from ur_nodes.teleop.mux.emergency import NO_REPORT, MuxRequest, MuxView, describe_refusal, view_of
 
 _PATIENCE = 1.0  # s: then the same request is sent again if a person insists
 

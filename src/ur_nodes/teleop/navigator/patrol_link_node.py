@@ -9,7 +9,7 @@ from collections.abc import Callable
 import rospy
 from std_msgs.msg import String
 
-from ur_nodes.missions.patrol_text import PatrolRequest, PatrolStatus, read_status, write_request
+from ur_nodes.client.patrol_text import PatrolRequest, PatrolStatus, read_status, write_request
 from ur_nodes.rosio.ending import quiet_at_end
 
 _MOST_WAITING = 20

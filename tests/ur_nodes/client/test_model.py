@@ -6,8 +6,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from ur_nodes.client.model import GoalReport, GoalState, Snapshot, distance_left, heading_there
 from ur_nodes.geometry.pose import Pose2
-from ur_nodes.teleop.navigator.model import GoalReport, GoalState, Snapshot, distance_left, heading_there
 
 DRIVING = Snapshot(
     pose=Pose2(0.0, 0.0, 0.0),

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ur_nodes.missions.patrol_text import (
+from ur_nodes.client.patrol_text import (
     Answer,
     BadPatrolError,
     PatrolRequest,

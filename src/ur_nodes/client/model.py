@@ -10,12 +10,12 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from ur_nodes.client.driver_text import DriverRequest
+from ur_nodes.client.mux import MuxRequest, MuxView
+from ur_nodes.client.patrol_text import PatrolAction, PatrolStatus, Route
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2
-from ur_nodes.missions.patrol_text import PatrolAction, PatrolStatus, Route
 from ur_nodes.motion.lease.view import Conduct, LeaseView
-from ur_nodes.teleop.mux.driver_text import DriverRequest
-from ur_nodes.teleop.mux.emergency import MuxRequest, MuxView
 
 ROBOT = "the robot"
 """The name of what is silent when the whole robot is."""

@@ -2,32 +2,16 @@ from __future__ import annotations
 
 import pytest
 
-from ur_nodes.motion.lease.view import Conduct, LeaseView
-from ur_nodes.teleop.keyboard.drive import DIRECTIONS, SPEED_KEYS
-from ur_nodes.teleop.mux.driver_text import (
-    DRIVER_KEYS,
+from ur_nodes.client.driver_text import (
     clock_time,
     describe_driver,
-    driver_request_of,
     line_of,
     may_command,
 )
-from ur_nodes.teleop.mux.emergency import EMERGENCY_KEYS
-from ur_nodes.teleop.terminal.keys import Key
+from ur_nodes.motion.lease.view import Conduct, LeaseView
 
 SINCE = 1_800_000_000.0
 OTHER = LeaseView("held", "laptop", "keyboard_drive", SINCE, link_age=0.01)
-
-
-def test_keys_for_the_lease_are_no_driving_keys() -> None:
-    assert not set(DRIVER_KEYS) & {*DIRECTIONS, *SPEED_KEYS, *EMERGENCY_KEYS, "k"}
-
-
-def test_only_a_press_without_ctrl_requests_something() -> None:
-    assert driver_request_of(Key("d")) == "take"
-    assert driver_request_of(Key("d", "repeat")) is None
-    assert driver_request_of(Key("d", ctrl=True)) is None
-    assert driver_request_of(Key("i")) is None
 
 
 @pytest.mark.parametrize(

@@ -1,4 +1,4 @@
-"""The client that drives, as one line for a screen, and the keys that change it."""
+"""The client that drives, as one line for a screen."""
 
 from __future__ import annotations
 
@@ -8,11 +8,9 @@ from dataclasses import dataclass
 from typing import Literal
 
 from ur_nodes.motion.lease.view import Conduct, LeaseView
-from ur_nodes.teleop.terminal.keys import Key, KeyEvent
 
 DriverRequest = Literal["take", "ask", "grant"]
 
-DRIVER_KEYS: dict[str, DriverRequest] = {"d": "take", "a": "ask", "y": "grant"}
 _HINT = "d: take over, a: ask"
 
 
@@ -29,13 +27,6 @@ def line_of(view: LeaseView | None, conduct: Conduct = "drive") -> DriverLine:
     if view is None:
         return DriverLine()
     return DriverLine(describe_driver(view, conduct), view.out_of_reach or not may_command(view, conduct))
-
-
-def driver_request_of(event: KeyEvent) -> DriverRequest | None:
-    """Return the lease request of a key; None for any other key."""
-    if not isinstance(event, Key) or event.action != "press" or event.ctrl:
-        return None
-    return DRIVER_KEYS.get(event.name)
 
 
 def may_command(view: LeaseView, conduct: Conduct) -> bool:

@@ -16,9 +16,9 @@ from ur.source.diagnostic import UserError, error
 from ur.source.replace import replace_file
 from ur.source.section import read_section
 from ur.source.suggest import did_you_mean
+from ur_nodes.client.model import format_number
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2
-from ur_nodes.teleop.navigator.model import format_number
 
 WAYPOINT_NAME = re.compile(r"\w(?:[\w .-]{0,38}[\w.-])?\Z")
 """Names that a program gives: those of people who edit the file may be any text."""

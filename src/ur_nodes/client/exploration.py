@@ -1,0 +1,76 @@
+"""The topics of an exploration: its status, its frontiers, and the goal and path of navigation."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ur_nodes.client.model import GoalReport, GoalState, Snapshot
+from ur_nodes.exploration.status import Status, read_status
+from ur_nodes.ports.node import Node
+from ur_nodes.ports.values import Marker, Markers, Path, PlacedPose
+
+_MOST_FRONTIERS = 1000
+
+
+@dataclass(frozen=True, slots=True)
+class Frontier:
+    """A point of a frontier in the map, m; `blocked`: it was given up."""
+
+    x: float
+    y: float
+    blocked: bool
+
+
+class ExplorationStatus:
+    """The status of an exploration. Reads may come from any thread."""
+
+    def __init__(self, node: Node, topic: str = "status") -> None:
+        self.newest = Status()
+        """The newest status; that of an exploration that has ended stays."""
+        self._received = False
+        self._statuses = node.subscribe(topic, str, self._take)
+
+    def shown(self) -> Status | None:
+        """The newest status; None while nothing explores."""
+        there = self._received and (self.newest.ended or self._statuses.publishers())
+        return self.newest if there else None
+
+    def _take(self, text: str) -> None:
+        status = read_status(text)
+        if status is not None:
+            self.newest, self._received = status, True
+
+
+class ExplorationTopics:
+    """Frontiers, plan and goal of an exploration, for the picture of the map. Reads may come from any thread."""
+
+    def __init__(self, node: Node) -> None:
+        self.frontiers: tuple[Frontier, ...] = ()
+        self._seen = Snapshot()
+        node.subscribe("frontiers", Markers, self._take_frontiers)
+        node.subscribe("plan", Path, self._take_path)
+        node.subscribe("current_goal", PlacedPose, self._take_goal)
+
+    def add(self, snapshot: Snapshot) -> Snapshot:
+        """The snapshot with goal and path."""
+        return replace(snapshot, goal=self._seen.goal, path=self._seen.path)
+
+    def _take_frontiers(self, markers: Markers) -> None:
+        shown = [each for each in markers.markers if len(each.points)][:_MOST_FRONTIERS]
+        self.frontiers = tuple(_frontier_of(each) for each in shown)
+
+    def _take_path(self, path: Path) -> None:
+        self._seen = replace(self._seen, path=path.poses[:, :2])
+
+    def _take_goal(self, goal: PlacedPose) -> None:
+        report = GoalReport(self._seen.goal.number + 1, goal.pose, GoalState.DRIVING)
+        self._seen = replace(self._seen, goal=report)
+
+
+def _frontier_of(marker: Marker) -> Frontier:
+    """The point of a frontier that is nearest to the mean of all."""
+    points = marker.points[:, :2]
+    x, y = points[int(np.argmin(np.sum((points - points.mean(axis=0)) ** 2, axis=1)))].tolist()
+    return Frontier(x, y, blocked=marker.colour[0] > marker.colour[2])

@@ -1,0 +1,141 @@
+"""The topics of navigation: map, scan, transforms, plans and the goals of all clients, without a lease of its own."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ur_nodes.client.goal_tracker import (
+    Tracker,
+    read_hold,
+    report_at,
+    track_current,
+    track_hold,
+    track_result,
+    track_sent,
+    track_status,
+)
+from ur_nodes.client.model import GoalReport, Snapshot
+from ur_nodes.client.robot_state import RobotState
+from ur_nodes.geometry.pose import Pose2
+from ur_nodes.ports.actions import Goal, GoalId, GoalState
+from ur_nodes.ports.node import Node
+from ur_nodes.ports.values import Map, Path, PlacedPose, PoseEstimate
+
+_STATUS_SILENT = 3.0  # s
+# The spread of a pose that a person points at, for the localiser: RViz's "2D Pose Estimate" sends the same.
+_POINTED = np.diag((0.25, 0.25, (math.pi / 12) ** 2))
+
+
+@dataclass(frozen=True, slots=True)
+class Names:
+    """Frames, the topic of the global path, the node that is the mux; everything else is remapped as usual."""
+
+    map_frame: str = "map"
+    base_frame: str = "base_footprint"
+    plan_topic: str = "move_base/NavfnROS/plan"
+    mux: str = "cmd_vel_mux"
+
+
+class NavigationTopics:
+    """The topics and requests of navigation. Reads may come from any thread."""
+
+    def __init__(self, node: Node, names: Names) -> None:
+        self._node, self._names = node, names
+        self._seen = Snapshot()
+        self._tracker = Tracker()
+        self._status_at = -math.inf
+        self.robot = RobotState(node, names.map_frame, names.base_frame)
+        self._goals = node.follow_goals("move_base", self)
+        self._continues = node.publish("move_base/continue", GoalId)
+        self._poses = node.publish("initialpose", PoseEstimate)
+        node.subscribe("map", Map, self._take_map)
+        node.subscribe("amcl_pose", PoseEstimate, self._take_estimate)
+        node.subscribe(names.plan_topic, Path, self._take_plan)
+        node.subscribe("move_base/current_goal", PlacedPose, self._take_current_goal)
+        node.subscribe("move_base/hold", str, self._take_hold)
+
+    def snapshot(self) -> Snapshot:
+        """The newest state, without mux, lease and silence."""
+        seen, goal, pose = self._seen, self.goal(), self.robot.pose()
+        speed, turn = self.robot.velocity()
+        return replace(
+            seen,
+            pose=pose,
+            scan=self.robot.scan(),
+            goal=goal,
+            path=None if goal.over else seen.path,
+            speed=speed,
+            turn=turn,
+            missing=self._missing(pose),
+        )
+
+    def goal(self) -> GoalReport:
+        """The last goal."""
+        return report_at(self._tracker, self._node.steady())
+
+    def status_age(self) -> float:
+        """Seconds since navigation's last list of goals; infinite before the first."""
+        return self._node.steady() - self._status_at
+
+    def send_goal(self, goal_id: str, place: Pose2, number: int = 0) -> int:
+        """Send a goal with this id. Returns its number in `GoalReport`: the one given, or (0) the next."""
+        self._tracker = track_sent(self._tracker, goal_id, place, self._node.steady(), number)
+        self._seen = replace(self._seen, path=None)
+        self._goals.send(Goal(goal_id, PlacedPose(self._node.now(), self._names.map_frame, place)))
+        return self._tracker.report.number
+
+    def continue_goal(self, answer: int) -> None:
+        """Let the goal that is held go on; `answer` is the challenge (ns) that this request answers."""
+        self._continues.send(GoalId(self._tracker.hold.goal_id, answer))
+
+    def cancel_goals(self) -> None:
+        """Cancel the goal of any client."""
+        self._goals.cancel()
+
+    def set_pose(self, place: Pose2) -> None:
+        """Set the estimated pose of the robot."""
+        self._poses.send(PoseEstimate(self._node.now(), self._names.map_frame, place, _POINTED))
+
+    def take_states(self, states: tuple[GoalState, ...]) -> None:
+        """See GoalFollower."""
+        self._status_at = self._node.steady()
+        self._tracker = track_status(self._tracker, states, self._status_at)
+
+    def take_goal_end(self, state: GoalState) -> None:
+        """See GoalFollower."""
+        self._tracker = track_result(self._tracker, state, self._node.steady())
+
+    def _missing(self, pose: Pose2 | None) -> tuple[str, ...]:
+        """List what a goal needs and is missing."""
+        names = self._names
+        missing = []
+        if self._seen.grid is None:
+            missing.append(f"the map (topic {self._node.resolve('map')})")
+        if pose is None:
+            missing.append(f"the robot's pose (tf {names.map_frame} -> {names.base_frame})")
+        elif self.robot.silent:
+            missing.append(f"an update of the robot's pose (tf {names.map_frame} -> {names.base_frame} is silent)")
+        if not self._goals.servers() or self.status_age() > _STATUS_SILENT:
+            missing.append(f"navigation (action {self._node.resolve('move_base')})")
+        return tuple(missing)
+
+    def _take_map(self, value: Map) -> None:
+        self._seen = replace(self._seen, grid=value.grid)
+
+    def _take_estimate(self, estimate: PoseEstimate) -> None:
+        spread = math.sqrt(max(0.0, float(estimate.covariance[0, 0] + estimate.covariance[1, 1])))
+        self._seen = replace(self._seen, spread=spread)
+
+    def _take_plan(self, path: Path) -> None:
+        self._seen = replace(self._seen, path=path.poses[:, :2])
+
+    def _take_current_goal(self, goal: PlacedPose) -> None:
+        self._tracker = track_current(self._tracker, goal.pose, self._node.steady())
+
+    def _take_hold(self, text: str) -> None:
+        hold = read_hold(text)
+        if hold is not None:
+            self._tracker = track_hold(self._tracker, hold)

@@ -1,0 +1,160 @@
+"""A `Navigator`: the topics of navigation, the mux, the patrol, and this program's part in the lease."""
+
+from __future__ import annotations
+
+import itertools
+import math
+import time
+from dataclasses import replace
+
+from ur.source.diagnostic import UserError, error
+from ur_nodes.client.driver_text import DriverRequest, describe_silence
+from ur_nodes.client.model import ROBOT, GoalReport, GoalState, Silence, Snapshot
+from ur_nodes.client.mux import MuxLink, MuxRequest
+from ur_nodes.client.navigation import Names, NavigationTopics
+from ur_nodes.client.patrol_link import PatrolLink
+from ur_nodes.client.patrol_text import PatrolAction, PatrolRequest, Route
+from ur_nodes.client.wait import Wait, call_and_wait, wait_in_real_time
+from ur_nodes.geometry.pose import Pose2
+from ur_nodes.motion.challenge.freshness import REQUEST_FRESHNESS
+from ur_nodes.motion.lease.client import LeaseClient
+from ur_nodes.motion.lease.view import LeaseView
+from ur_nodes.navigation.goals.goal_claim import write_any_heading, write_goal_id
+from ur_nodes.ports.graph import Graph
+from ur_nodes.ports.node import SECOND, Node
+from ur_nodes.ports.services import Silent
+
+_SILENT = 1.0  # s without a message, after which a sender counts as silent
+
+
+class RobotNavigator:
+    """See `Navigator`. Made before the node's callbacks begin; then used by one other thread.
+
+    What has not come yet is in `Snapshot.missing`. The lease is released at the end of the node.
+    """
+
+    def __init__(self, node: Node, names: Names, program: str, wait: Wait = wait_in_real_time) -> None:
+        """`program` is shown to other users as the one that drives."""
+        self._node, self._wait = node, wait
+        self._numbers = itertools.count(1)
+        self._sent = GoalReport()
+        self.mux = MuxLink(node, names.mux)
+        self.lease = LeaseClient(node, names.mux, program)
+        self.topics = NavigationTopics(node, names)
+        self._patrol = PatrolLink(node)
+        self._lease_topic = node.resolve(f"{names.mux}/lease")
+        self._leased = True  # until it is known
+        node.read_graph(self._note_graph)
+        node.on_end(self.lease.release)
+
+    def snapshot(self) -> Snapshot:
+        """Return the newest state."""
+        seen, mux, lease = self.topics.snapshot(), self.mux.view(), self.lease.view()
+        missing = seen.missing
+        if lease.state == "unknown" and (mux.stopped is not None or self._leased):
+            # A mux of ours has to publish its lease before the first goal.
+            missing = (*missing, f"the lease of the mux (topic {self._lease_topic})")
+        if seen.goal.number < self._sent.number:  # it is on its way to the node's thread
+            seen = replace(seen, goal=self._sent, path=None)
+        return replace(
+            seen,
+            missing=missing,
+            mux=mux,
+            lease=lease,
+            conduct=self.lease.conduct,
+            silence=self._silence(lease),
+            patrol=self._patrol.status(),
+        )
+
+    def go(self, place: Pose2, *, any_heading: bool = False) -> int:
+        """See `Navigator`. The goal's id names the client that sends it and answers the mux's newest challenge."""
+        goal_id = self._make_goal_id(any_heading=any_heading)
+        number = max(self._sent.number, self.topics.goal().number) + 1
+        self._sent = GoalReport(number, place, GoalState.WAITING, any_heading=any_heading)
+        self._node.post(lambda: self._send(goal_id, place, number))
+        return number
+
+    def resume(self) -> None:
+        """Let the goal that is held go on, if this arrives in time."""
+        answer = self.lease.link.newest(REQUEST_FRESHNESS / 2.0)
+        if answer is not None:
+            self._node.post(lambda: self.topics.continue_goal(answer))
+
+    def request_lease(self, request: DriverRequest) -> None:
+        """Ask to drive, or let another drive."""
+        self._node.post(lambda: self.lease.request(request))
+
+    def ask_patrol(self, action: PatrolAction, route: Route) -> str:
+        """See `Navigator`. A request that sets the robot in motion answers the mux's newest challenge."""
+        answer, who = self.lease.link.newest(REQUEST_FRESHNESS / 2.0), self.lease.identity
+        request = PatrolRequest(
+            action,
+            route,
+            f"{who.client[:40]}-{next(self._numbers)}",
+            who.client if answer else "",
+            who.name,
+            divmod(answer, SECOND) if answer else None,
+        )
+        if not self._patrol.served():
+            expected = "expected a robot that runs it ('ur run keyboard_navigate' does)"
+            raise UserError(error(f"no node drives patrols, {expected}", rule="no-patrol"))
+        self._node.post(lambda: self._ask_patrol(request))
+        return request.id
+
+    def stop(self) -> None:
+        """Cancel the goal of any client."""
+        self._node.post(self.topics.cancel_goals)
+
+    def ask_mux(self, request: MuxRequest) -> None:
+        """Stop everything that drives, or release the emergency stop."""
+        self.mux.ask(request)
+
+    def set_pose(self, place: Pose2) -> None:
+        """Set the estimated pose of the robot."""
+        self._node.post(lambda: self.topics.set_pose(place))
+
+    def relocalise(self) -> None:
+        """Search for the robot on the whole map. Raises UserError when the localiser does not offer that."""
+        result = call_and_wait(self._node, self._wait, "global_localization", Silent())
+        if not result.success:
+            name = self._node.resolve("global_localization")
+            raise UserError(
+                error(f"service {name}: {result.text}, expected a localiser that offers it", rule="no-service")
+            )
+
+    def _note_graph(self, graph: Graph | None) -> None:
+        topic = graph.topics.get(self._lease_topic) if graph else None
+        self._leased = bool(topic and topic.publishers)
+
+    def _make_goal_id(self, *, any_heading: bool) -> str:
+        start = f"{self._node.name}-{next(self._numbers)}-{time.time():.3f}"
+        start = write_any_heading(start) if any_heading else start
+        view = self.lease.view()
+        if view.state == "unknown":
+            return start  # a mux without leases, as upstream's
+        answer = self.lease.link.newest(REQUEST_FRESHNESS / 2.0)
+        if answer is None:
+            raise UserError(error(describe_silence(ROBOT, view.link_age), rule="no-word"))
+        return write_goal_id(start, self.lease.client, answer)
+
+    def _send(self, goal_id: str, place: Pose2, number: int) -> None:
+        view = self.lease.view()
+        if view.state != "unknown" and not view.mine:
+            self.lease.acquire()
+        self.topics.send_goal(goal_id, place, number)
+
+    def _ask_patrol(self, request: PatrolRequest) -> None:
+        self._patrol.request(request)
+
+    def _silence(self, lease: LeaseView) -> Silence | None:
+        """Return the sender that was received before and is silent now: the robot when mux and navigation both are."""
+        received = [] if lease.state == "unknown" else [("the mux", lease.link_age)]
+        status_age = self.topics.status_age()
+        if status_age < math.inf:
+            received.append(("navigation", status_age))
+        silent = [Silence(*each) for each in received if each[1] > _SILENT]
+        if not silent:
+            return None
+        if len(silent) == len(received):
+            return Silence(ROBOT, min(each.seconds for each in silent))
+        return silent[0]

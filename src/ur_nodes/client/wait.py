@@ -1,0 +1,32 @@
+"""Waiting of a thread that is not the node's, and what it asks the node for meanwhile."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+
+from ur_nodes.ports.node import Node
+from ur_nodes.ports.values import Result
+
+Wait = Callable[[Callable[[], bool], float], bool]
+"""Waits until a condition is true, at most so many seconds, and returns whether it is."""
+
+_POLL = 0.01  # s
+
+
+def wait_in_real_time(condition: Callable[[], bool], seconds: float) -> bool:
+    """See `Wait`, for a node with a thread of its own."""
+    end = time.monotonic() + seconds
+    while not condition():
+        if time.monotonic() >= end:
+            return condition()
+        time.sleep(_POLL)
+    return True
+
+
+def call_and_wait(node: Node, wait: Wait, service: str, request: object, within: float = 5.0) -> Result:
+    """Ask a service, and wait for the answer. Not from the node's thread."""
+    answers: list[Result] = []
+    node.post(lambda: node.call(service, request, answers.append, within))
+    wait(lambda: bool(answers), within + 1.0)
+    return answers[0] if answers else Result(False, f"no answer of {node.resolve(service)} within {within:g} s")

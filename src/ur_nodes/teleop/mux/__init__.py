@@ -1,1 +1,0 @@
-"""The mux and its lease, as programs for people see them."""

@@ -1,0 +1,39 @@
+"""The keys that every program on a terminal has: emergency stop, obstacle stop, who drives, and to save the map."""
+
+from __future__ import annotations
+
+from ur_nodes.client.driver_text import DriverRequest
+from ur_nodes.client.mux import MuxRequest, MuxView
+from ur_nodes.teleop.terminal.keys import Key, KeyEvent
+
+EMERGENCY_KEYS: dict[str, MuxRequest] = {"space": "stop", "r": "release"}
+OBSTACLE_KEY = "g"
+DRIVER_KEYS: dict[str, DriverRequest] = {"d": "take", "a": "ask", "y": "grant"}
+SAVE_KEY = "s"
+
+
+def mux_request_of(event: KeyEvent) -> MuxRequest | None:
+    """Return the request to the mux that a key makes; None for any other key."""
+    return EMERGENCY_KEYS.get(_pressed(event))
+
+
+def obstacle_request_of(event: KeyEvent, view: MuxView) -> MuxRequest | None:
+    """Return the request that turns the obstacle stop on or off; None for any other key, or without one."""
+    if _pressed(event) != OBSTACLE_KEY or view.obstacles.state == "none":
+        return None
+    return "obstacles on" if view.obstacles.state == "off" else "obstacles off"
+
+
+def driver_request_of(event: KeyEvent) -> DriverRequest | None:
+    """Return the lease request of a key; None for any other key."""
+    return DRIVER_KEYS.get(_pressed(event))
+
+
+def asks_to_save(event: KeyEvent) -> bool:
+    """Return whether a key asks to save the map."""
+    return _pressed(event) == SAVE_KEY
+
+
+def _pressed(event: KeyEvent) -> str:
+    """The name of a key that goes down without Ctrl; '' for anything else."""
+    return event.name if isinstance(event, Key) and event.action == "press" and not event.ctrl else ""
