@@ -6,17 +6,18 @@ import math
 
 
 class Every:
-    """Work that is due at once, and then at most once in a number of seconds."""
+    """Work that is due at once, and then once in a number of seconds: a step that is late delays no later one."""
 
     def __init__(self, seconds: float) -> None:
         self._seconds = seconds
         self._next = -math.inf
 
     def due(self, now: float) -> bool:
-        """Return whether the work is to be done now, and count the seconds anew if so. `now` is time.monotonic()."""
-        if now < self._next:
+        """Return whether the work is to be done now, and count it as done if so. `now` is `Node.steady`."""
+        late = now - self._next
+        if late < 0.0:
             return False
-        self._next = now + self._seconds
+        self._next = (self._next if late < self._seconds else now) + self._seconds
         return True
 
     def hurry(self) -> None:
