@@ -18,7 +18,7 @@ from geometry_msgs.msg import PoseStamped, TransformStamped, Twist
 from nav_msgs.msg import OccupancyGrid
 from tf2_msgs.msg import TFMessage
 
-from ur_nodes.ros1.shell import run_node
+from ur_nodes.ros1.run import run_node
 
 LATCHED = ("map", "goal")
 

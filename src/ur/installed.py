@@ -1,4 +1,4 @@
-"""The environment of an installed wheel: made on first use, since the one that pipx or uv has made sees no rospy.
+"""The environment of an installed wheel: made on first use, since the one that pipx or uv has made sees nothing of ROS.
 
 Nodes need the system's Python and its ROS packages beside the locked Python packages. So the first command that starts
 something lets `tools/set_up.bash` make an environment in the user's data folder, with a copy of what the wheel holds,

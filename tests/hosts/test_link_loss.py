@@ -36,7 +36,7 @@ TALK = f"""\
 import threading, time
 import rospy
 from std_msgs.msg import Int32
-from ur_nodes.ros1.shell import run_node
+from ur_nodes.ros1.run import run_node
 
 def start():
     out = rospy.Publisher("numbers", Int32, queue_size=1)
@@ -58,7 +58,7 @@ HEAR = f"""\
 #!{REPOSITORY}/.venv/bin/python
 import rospy
 from std_msgs.msg import Int32
-from ur_nodes.ros1.shell import run_node
+from ur_nodes.ros1.run import run_node
 
 def start():
     rospy.Subscriber("numbers", Int32, lambda number: print("heard", number.data, flush=True))

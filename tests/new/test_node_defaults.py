@@ -11,6 +11,13 @@ def test_literal_defaults_of_private_parameters_are_read() -> None:
     assert read_defaults(source) == {"near": 0.7, "limits/names": ["a"]}
 
 
+def test_defaults_of_a_node_on_ports_are_read() -> None:
+    source = (
+        'own = node.parameters\nown.number("near", 0.7, minimum=0.1)\nown.text("frame", default="map")\nown.any("x")'
+    )
+    assert read_defaults(source) == {"near": 0.7, "frame": "map"}
+
+
 @pytest.mark.parametrize(
     "source",
     [

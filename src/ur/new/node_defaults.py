@@ -9,10 +9,12 @@ from dataclasses import replace
 from ur.new.model import Observed
 
 _MOST_CHARACTERS = 1_000_000
+_READERS = {"number", "integer", "text", "boolean", "texts", "points", "any"}
+"""Methods of `ur_nodes.ports.parameters.Parameters`, whose names are those below the node."""
 
 
 def read_defaults(source: str) -> Mapping[str, object]:
-    """Literal defaults of calls such as `rospy.get_param("~near", 0.7)`, by name below the node.
+    """Literal defaults of calls such as `get_param("~near", 0.7)` or `parameters.number("near", 0.7)`, by name.
 
     A default that is computed is left out, and so is a parameter that is read with two different defaults. A source
     that is not Python has none.
@@ -40,7 +42,10 @@ def add_defaults(observed: Observed, defaults: Mapping[str, object]) -> Observed
 
 def _calls(tree: ast.Module) -> Iterator[tuple[str, object]]:
     for node in ast.walk(tree):
-        if not isinstance(node, ast.Call) or _function(node.func) != "get_param":
+        if not isinstance(node, ast.Call):
+            continue
+        function = _function(node.func)
+        if function != "get_param" and function not in _READERS:
             continue
         arguments = [*node.args, *(each.value for each in node.keywords if each.arg == "default")]
         if len(arguments) != 2:
@@ -49,8 +54,9 @@ def _calls(tree: ast.Module) -> Iterator[tuple[str, object]]:
             name, value = (ast.literal_eval(each) for each in arguments)
         except (ValueError, TypeError, SyntaxError, RecursionError, MemoryError):
             continue
-        if isinstance(name, str) and name.startswith("~") and isinstance(value, (bool, int, float, str, list, dict)):
-            yield name[1:], value
+        known = isinstance(name, str) and isinstance(value, (bool, int, float, str, list, dict))
+        if known and (function in _READERS or name.startswith("~")):
+            yield name.removeprefix("~"), value
 
 
 def _function(function: ast.expr) -> str:

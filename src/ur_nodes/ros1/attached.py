@@ -17,7 +17,7 @@ from ur_nodes.ports.node import Node
 from ur_nodes.ros1.node import RosNode
 from ur_nodes.ros1.repairs.connections import bound_connections
 from ur_nodes.ros1.repairs.log_errors import report_log_errors, say_nothing
-from ur_nodes.ros1.shell import silence_terminal
+from ur_nodes.ros1.run import silence_terminal
 
 Wired = TypeVar("Wired")
 

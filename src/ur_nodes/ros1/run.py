@@ -1,12 +1,24 @@
-"""The start of a node on ROS 1."""
+"""The start of a node on ROS 1, until its end; user errors become one clear line instead of a traceback."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import contextlib
+import os
+import signal
+import sys
+import threading
+from collections.abc import Callable, Iterator
+from types import FrameType
 
+import rospy
+
+from ur.source.diagnostic import UserError
+from ur.source.render import render_human
 from ur_nodes.ports.node import Node
 from ur_nodes.ros1.node import RosNode
-from ur_nodes.ros1.shell import run_node
+from ur_nodes.ros1.repairs.connections import bound_connections
+from ur_nodes.ros1.repairs.log_errors import report_log_errors, say_nothing
+from ur_nodes.ros1.repairs.thread_failure import end_on_failure
 
 
 def run(name: str, start: Callable[[Node], object], *, own_terminal: bool = False) -> int:
@@ -22,3 +34,63 @@ def run(name: str, start: Callable[[Node], object], *, own_terminal: bool = Fals
 
     code = run_node(name, begin, own_terminal=own_terminal)
     return code or int(any(node.failed for node in nodes))
+
+
+def run_node(name: str, start: Callable[[], None], *, own_terminal: bool = False) -> int:
+    """Register with the master as `name` (remappable), call `start`, spin until shutdown.
+
+    `start` creates publishers, subscribers and timers and returns. A UserError from it ends the node with the
+    diagnostics on standard error and exit code 2, an exception that ends a thread of ours with exit code 1. With
+    `own_terminal` rospy never writes to the terminal. Returns the exit code.
+    """
+    if own_terminal:
+        os.environ.pop("ROSCONSOLE_CONFIG_FILE", None)
+    bound_connections()
+    try:
+        rospy.init_node(name, disable_signals=False)
+        report_log_errors(say_nothing if own_terminal else None)
+        if own_terminal:
+            silence_terminal()
+        failed = end_on_failure()
+        with shut_down_aside():
+            start()
+    except UserError as problem:
+        sys.stderr.write(render_human(problem.diagnostics))
+        rospy.signal_shutdown("user error")
+        return 2
+    except rospy.ROSInitException as problem:
+        sys.stderr.write(f"error: {name}: cannot start, expected a ROS master: {problem}\n")
+        return 2
+    except rospy.ROSInterruptException:
+        return 0
+    rospy.spin()
+    return int(failed.is_set())
+
+
+@contextlib.contextmanager
+def shut_down_aside() -> Iterator[None]:
+    """While a node registers with the master, have signals shut it down in a thread of its own.
+
+    rospy's handler speaks to the master on the main thread. Where that is in the middle of a call to the master it
+    waits for itself for ever: the proxy's lock is held until the call that it interrupts is done.
+    """
+
+    def shut_down(number: int, _frame: FrameType | None) -> None:
+        threading.Thread(target=rospy.signal_shutdown, args=(f"signal-{number}",), name="shutdown").start()
+
+    before = {number: signal.signal(number, shut_down) for number in (signal.SIGINT, signal.SIGTERM)}
+    try:
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+
+
+def silence_terminal() -> None:
+    """Take rospy's handlers off the terminal; its log file and /rosout keep everything."""
+    import logging
+
+    for logger in (logging.getLogger("rosout"), logging.getLogger()):
+        for handler in list(logger.handlers):
+            if type(handler).__name__ == "RosStreamHandler" or type(handler) is logging.StreamHandler:
+                logger.removeHandler(handler)

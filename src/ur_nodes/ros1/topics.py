@@ -14,6 +14,7 @@ from ur_nodes.codecs import Codec
 from ur_nodes.loop import Loop
 from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.topics import Sender
+from ur_nodes.ros1.ending import quiet_at_end
 from ur_nodes.ros1.repairs.sent import free_sent
 
 _DEPTHS: dict[Quality, int | None] = {
@@ -39,15 +40,12 @@ class RosPublisher:
                 topic, codec.message_class, queue_size=_DEPTHS[quality], latch=self._latched, tcp_nodelay=True
             )
 
+    @quiet_at_end
     def send(self, value: Any) -> None:
         """See Publisher."""
         message = self._codec.message_class() if self._latched else self._message
         self._codec.fill(message, value)
-        try:
-            self._publisher.publish(message)
-        except rospy.ROSException:  # its topics are closed at the end
-            if not (rospy.is_shutdown() or rospy.core.is_shutdown_requested()):
-                raise
+        self._publisher.publish(message)
 
     def listeners(self) -> int:
         """See Publisher. Without locks, as it may be asked before each value."""

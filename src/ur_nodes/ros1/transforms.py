@@ -10,6 +10,7 @@ from tf2_msgs.msg import TFMessage
 
 from ur_nodes.codecs.frames import fill_transforms, transforms_of
 from ur_nodes.ports.values import Transform
+from ur_nodes.ros1.ending import quiet_at_end
 
 _Take = Callable[[tuple[Transform, ...]], None]
 
@@ -31,21 +32,18 @@ class TransformTopics:
             "/tf", TFMessage, lambda message: take(transforms_of(message)), queue_size=200, tcp_nodelay=True
         )
 
+    @quiet_at_end
     def send(self, transforms: tuple[Transform, ...]) -> None:
         """Send transforms together."""
         fixed = {each.child: each for each in transforms if each.fixed}
         moving = tuple(each for each in transforms if not each.fixed)
-        try:
-            if fixed:
-                self._kept |= fixed
-                self._fixed = self._fixed or rospy.Publisher("/tf_static", TFMessage, queue_size=100, latch=True)
-                self._fixed.publish(_message(tuple(self._kept.values())))
-            if moving:
-                self._moving = self._moving or rospy.Publisher("/tf", TFMessage, queue_size=100, tcp_nodelay=True)
-                self._moving.publish(_message(moving))
-        except rospy.ROSException:  # topics are closed at the end
-            if not (rospy.is_shutdown() or rospy.core.is_shutdown_requested()):
-                raise
+        if fixed:
+            self._kept |= fixed
+            self._fixed = self._fixed or rospy.Publisher("/tf_static", TFMessage, queue_size=100, latch=True)
+            self._fixed.publish(_message(tuple(self._kept.values())))
+        if moving:
+            self._moving = self._moving or rospy.Publisher("/tf", TFMessage, queue_size=100, tcp_nodelay=True)
+            self._moving.publish(_message(moving))
 
 
 def _message(transforms: tuple[Transform, ...]) -> TFMessage:

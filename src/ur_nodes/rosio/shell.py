@@ -2,5 +2,4 @@
 
 from __future__ import annotations
 
-from ur_nodes.ros1.shell import run_node as run_node
-from ur_nodes.ros1.shell import silence_terminal as silence_terminal
+from ur_nodes.ros1.run import run_node as run_node

@@ -13,7 +13,7 @@ pytestmark = [pytest.mark.ros, pytest.mark.timeout(300)]
 
 NODE = """
 import sys, threading
-from ur_nodes.ros1.shell import run_node
+from ur_nodes.ros1.run import run_node
 
 def start():
     threading.Thread(target=TARGET, name="view", daemon=True).start()

@@ -7,7 +7,7 @@ import threading
 import pytest
 import rospy
 
-from ur_nodes.ros1.shell import shut_down_aside
+from ur_nodes.ros1.run import shut_down_aside
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
