@@ -261,14 +261,12 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
         "ur_nodes.client",
         "ur_nodes.teleop.navigator",
     ),
-    "ur_nodes.pictures": ("ur.source", "ur_nodes.memory_use", "ur_nodes.ports", "ur_nodes.rosio", "ur_nodes.run"),
+    "ur_nodes.pictures": ("ur.source", "ur_nodes.ports", "ur_nodes.run"),
     "ur_nodes.camera": (
         "ur.source",
         "ur.devices",
         "ur_nodes.pictures",
-        "ur_nodes.memory_use",
         "ur_nodes.ports",
-        "ur_nodes.rosio",
         "ur_nodes.run",
     ),
     "ur_nodes.camera.calibration": (

@@ -64,7 +64,7 @@ def test_screen_names_the_missing_camera_and_calibrates_the_one_that_is_plugged_
             terminal.wait_for("written to ")
             assert terminal.process.wait(60) == 0
     calibration = read_calibration(Path(env["ROS_HOME"], "camera_info", "camera.yaml"))
-    assert calibration.camera_matrix[0] == pytest.approx(540.0, rel=0.03)  # as the board was rendered
+    assert calibration.matrix[0] == pytest.approx(540.0, rel=0.03)  # as the board was rendered
 
 
 def test_q_leaves_the_screen_and_changes_nothing(tmp_path: Path, film: Path) -> None:

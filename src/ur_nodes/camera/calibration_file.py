@@ -1,47 +1,69 @@
-"""A camera's calibration, and its file: the YAML of ROS's camera_calibration_parsers.
+"""The file of a camera's calibration: the YAML of ROS's camera_calibration_parsers.
 
-Matrices are row by row: `camera_matrix` (3, 3) in pixels, with the centre of the first pixel at (0, 0);
-`rectification` (3, 3); `projection` (3, 4) of the rectified picture. REP 104 describes the models of distortion.
+Matrices are row by row, in pixels, with the centre of the first pixel at (0, 0). REP 104 describes the models of
+distortion.
 """
 
 from __future__ import annotations
 
 import json
+import math
 import os
 import re
 from collections.abc import Callable
-from dataclasses import dataclass
 from pathlib import Path
 from urllib.parse import unquote
+
+import rospkg
 
 from ur.source.diagnostic import UserError, error
 from ur.source.file import SourceFile
 from ur.source.read import read_source
 from ur.source.replace import replace_file
 from ur.source.section import Section, parse_section
+from ur_nodes.ports.values import Calibration
 
 MODELS = {"plumb_bob": (5,), "rational_polynomial": (8,), "equidistant": (4,)}
 _WHAT = "a calibration of a camera"
 _BARE_EXPONENT = re.compile(r"(?<=[\[, ])(-?\d+)(e[+-]?\d+)(?=[\], \n])")
 
 
-@dataclass(frozen=True, slots=True)
-class Calibration:
-    """See the module. `distortion` has as many numbers as its model needs."""
+class CalibrationStore:
+    """Keeps the calibration of the camera `name`."""
 
-    name: str
-    width: int
-    height: int
-    model: str
-    distortion: tuple[float, ...]
-    camera_matrix: tuple[float, ...]
-    rectification: tuple[float, ...]
-    projection: tuple[float, ...]
+    def __init__(self, url: str, name: str) -> None:
+        """Load the file of the URL, else that of the camera's name. Raises UserError where one cannot be read."""
+        home = Path(os.environ.get("ROS_HOME") or Path.home() / ".ros")
+        self._name = name
+        own = resolve_url(url, name, home, find_package)
+        stored = default_path(name, home)
+        named = own if own and not url.startswith("package://") else None
+        # As with camera_info_manager, what was stored for this camera is preferred to what a package holds.
+        self.path = named or stored
+        places = [each for each in (named, stored, own) if each]
+        self.found = next((each for each in places if each.is_file()), None)
+        self.calibration = read_calibration(self.found) if self.found else None
 
-    @property
-    def is_set(self) -> bool:
-        """Return whether the camera is calibrated (REP 104: K is 0 otherwise)."""
-        return self.camera_matrix[0] > 0.0 and self.camera_matrix[4] > 0.0
+    def write(self, calibration: Calibration) -> None:
+        """Write the file. Raises UserError."""
+        write_calibration(self.path, calibration, self._name)
+
+    def use(self, calibration: Calibration) -> None:
+        """Use a calibration that was written."""
+        self.calibration, self.found = calibration, self.path
+
+
+def find_problem(calibration: Calibration) -> str:
+    """The reason why a calibration cannot be one; '' where it can."""
+    known, matrix = MODELS.get(calibration.model), calibration.matrix
+    if known is None:
+        return f"distortion_model {calibration.model!r}, expected one of {', '.join(MODELS)}"
+    if len(calibration.distortion) not in known:
+        return f"{len(calibration.distortion)} numbers of distortion, expected {known[0]}"
+    numbers = (*calibration.distortion, *matrix, *calibration.rectification, *calibration.projection)
+    if not all(map(math.isfinite, numbers)) or matrix[0] <= 0.0 or matrix[4] <= 0.0:
+        return "a camera matrix K without focal lengths"
+    return ""
 
 
 def read_calibration(path: Path) -> Calibration:
@@ -55,19 +77,19 @@ def parse_calibration(text: str, path: str) -> Calibration:
     return _read(parse_section(SourceFile(path, _BARE_EXPONENT.sub(r"\1.0\2", text)), _WHAT))
 
 
-def write_calibration(path: Path, calibration: Calibration) -> None:
-    """Write a file; it is complete or stays as it was. Raises UserError."""
+def write_calibration(path: Path, calibration: Calibration, name: str) -> None:
+    """Write the file of the camera `name`; it is complete or stays as it was. Raises UserError."""
     try:
-        replace_file(path, format_calibration(calibration), parents=True)
+        replace_file(path, format_calibration(calibration, name), parents=True)
     except OSError as problem:
         reason = (problem.strerror or str(problem)).lower()
         raise UserError(error(f"{path}: {reason}, expected a file that this user can write", rule="bad-file")) from None
 
 
-def format_calibration(calibration: Calibration) -> str:
-    """The text of a file."""
+def format_calibration(calibration: Calibration, name: str) -> str:
+    """The text of the file of the camera `name`."""
     matrices = (
-        ("camera_matrix", 3, 3, calibration.camera_matrix),
+        ("camera_matrix", 3, 3, calibration.matrix),
         ("distortion_coefficients", 1, len(calibration.distortion), calibration.distortion),
         ("rectification_matrix", 3, 3, calibration.rectification),
         ("projection_matrix", 3, 4, calibration.projection),
@@ -75,12 +97,12 @@ def format_calibration(calibration: Calibration) -> str:
     lines = [
         f"image_width: {calibration.width}",
         f"image_height: {calibration.height}",
-        f"camera_name: {json.dumps(calibration.name)}",
+        f"camera_name: {json.dumps(name)}",
         f"distortion_model: {calibration.model}",
     ]
-    for name, rows, columns, data in matrices:
+    for title, rows, columns, data in matrices:
         numbers = ", ".join(repr(float(f"{value:.10g}")) for value in data)
-        lines += [f"{name}:", f"  rows: {rows}", f"  cols: {columns}", f"  data: [{numbers}]"]
+        lines += [f"{title}:", f"  rows: {rows}", f"  cols: {columns}", f"  data: [{numbers}]"]
     return "\n".join(lines) + "\n"
 
 
@@ -115,6 +137,14 @@ def resolve_url(url: str, name: str, ros_home: Path, find_package: Callable[[str
     )
 
 
+def find_package(name: str) -> str | None:
+    """The folder of a package; None where it is not installed."""
+    try:
+        return str(rospkg.RosPack().get_path(name))
+    except rospkg.ResourceNotFound:
+        return None
+
+
 def _read(top: Section) -> Calibration:
     model = top.text("distortion_model", "plumb_bob", choices=MODELS)
     numbers = _matrix(top, "distortion_coefficients", None)
@@ -124,13 +154,15 @@ def _read(top: Section) -> Calibration:
             "distortion_coefficients",
             f"distortion_coefficients: {len(numbers)} numbers, expected {expected} of the model {model}",
         )
+    top.text("camera_name", "camera")
     return Calibration(
-        name=top.text("camera_name", "camera"),
+        stamp=0,
+        frame="",
         width=top.integer("image_width", minimum=1),
         height=top.integer("image_height", minimum=1),
         model=model,
         distortion=numbers,
-        camera_matrix=_matrix(top, "camera_matrix", 9),
+        matrix=_matrix(top, "camera_matrix", 9),
         rectification=_matrix(top, "rectification_matrix", 9),
         projection=_matrix(top, "projection_matrix", 12),
     )

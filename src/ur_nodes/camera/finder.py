@@ -2,20 +2,47 @@
 
 from __future__ import annotations
 
+import subprocess
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from ur.devices.model import Device, Snapshot
+from ur.devices.observe import device_script, parse_devices
 from ur_nodes.camera.capture import V4l2Camera
 from ur_nodes.camera.choice import Choice, choose_camera, describe_choice, explain_failure
 from ur_nodes.camera.device_file import KernelDeviceFile, OpenDevice
-from ur_nodes.camera.inspection import inspect_cameras, is_raspberry
 from ur_nodes.camera.libcamera import LibcameraCamera
 from ur_nodes.camera.model import CameraError, PictureSource, Settings
 
 _INSPECT_EVERY = 10.0  # s, while the device files are the same
+_SECONDS = 20.0  # that an inspection may take
+_MODEL = Path("/proc/device-tree/model")
+
+
+def inspect_cameras() -> Snapshot:
+    """Inspect the devices of this computer; an empty snapshot where that fails."""
+    try:
+        done = subprocess.run(
+            ["sh", "-c", device_script()],
+            capture_output=True,
+            text=True,
+            errors="replace",
+            timeout=_SECONDS,
+            check=False,
+        )
+    except (OSError, subprocess.TimeoutExpired):
+        return Snapshot()
+    return parse_devices(done.stdout)
+
+
+def is_raspberry(model: Path = _MODEL) -> bool:
+    """Return whether this computer is a Raspberry Pi."""
+    try:
+        return "Raspberry Pi" in model.read_text(encoding="utf-8", errors="replace")
+    except OSError:
+        return False
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,128 +2,157 @@
 
 from __future__ import annotations
 
-import threading
-import time
 from collections.abc import Callable
-from typing import Protocol
+from functools import partial
+from typing import Generic, Protocol, TypeVar
 
 from ur_nodes.camera.model import CameraError, Frame, Mode, PictureSource
+from ur_nodes.ports.node import Node, Timer
 
 STALLED = 5.0  # s without a picture, after which the camera is opened anew
+CAMERA = "camera"
+"""The lane of all that uses the device."""
+
 _READ_SECONDS = 0.5
 _TRY_EVERY = 1.0  # s
 _REPEAT = 30.0  # s between two reports of the same reason
+_END_LIMIT = 5.0  # s: a camera that is being opened
+
+Shot = TypeVar("Shot")
+Made = TypeVar("Made")
 
 
-class Consumer(Protocol):
-    """Takes the pictures; called in the loop's thread."""
+class Consumer(Protocol[Shot]):
+    """Takes the pictures."""
 
-    @property
-    def wanted(self) -> bool:
-        """True while somebody wants pictures."""
+    def ask(self) -> tuple[bool, Callable[[Frame], Shot]]:
+        """Whether somebody wants the next picture, and how to make it ready beside the node; an empty one is, too."""
 
     def begin(self, mode: Mode) -> None:
         """A camera was opened."""
 
-    def take(self, frame: Frame) -> None:
-        """A picture has come; an empty one where none was wanted."""
+    def take(self, shot: Shot) -> None:
+        """A picture was read and made ready."""
 
     def report(self, problem: CameraError) -> None:
         """There are no pictures, for this reason."""
 
 
-class CameraLoop:
-    """Reads one camera until `ended` is set. `pause` and `resume` release it for others and take it again."""
+class CameraLoop(Generic[Shot]):
+    """Reads one camera until the node ends. `pause` and `resume` release it for others and take it again."""
 
-    def __init__(
-        self,
-        open_camera: Callable[[], PictureSource],
-        consumer: Consumer,
-        ended: threading.Event,
-        clock: Callable[[], float] = time.monotonic,
-        try_every: float = _TRY_EVERY,
-    ) -> None:
-        self._try_every = try_every
-        self._open, self._consumer, self._ended, self._clock = open_camera, consumer, ended, clock
-        self._changed = threading.Condition()
+    def __init__(self, node: Node, open_camera: Callable[[], PictureSource], consumer: Consumer[Shot]) -> None:
+        self._node, self._open, self._consumer = node, open_camera, consumer
+        self._source: PictureSource | None = None
+        self._busy = False  # a job is under way
+        self._timer: Timer | None = None
         self._paused = False
-        self._holds = False
+        self._waiting: list[Callable[[], None]] = []  # until the camera is released
         self._reported: tuple[str, float] | None = None
+        self._last = 0.0  # when a picture was read
+        node.on_end(self._end, within=_END_LIMIT)
 
-    def pause(self) -> None:
-        """Release the camera; returns when that is done."""
-        with self._changed:
-            self._paused = True
-            self._changed.notify_all()
-            self._changed.wait_for(lambda: not self._holds or self._ended.is_set(), 10.0)
+    def begin(self, first: PictureSource | CameraError) -> None:
+        """Begin with a camera that is open already, or with the reason why none is."""
+        self._take_opened(first)
+
+    def pause(self, released: Callable[[], None]) -> None:
+        """Release the camera; call when that is done."""
+        self._paused = True
+        if self._busy:
+            self._waiting.append(released)
+        else:
+            released()
 
     def resume(self) -> None:
         """Take pictures again."""
-        with self._changed:
-            self._paused = False
-            self._changed.notify_all()
+        self._paused = False
+        if not self._busy:
+            self._try()
 
-    def wake(self) -> None:
-        """Have the loop notice at once that `ended` is set."""
-        with self._changed:
-            self._changed.notify_all()
+    def _try(self) -> None:
+        if self._timer:
+            self._timer.cancel()
+        if not self._paused:
+            self._work(partial(_attempt, self._open), self._take_opened)
 
-    def run(self, first: PictureSource | None = None) -> None:
-        """Read until the end; `first` is a camera that is open already."""
-        source = first
-        while not self._ended.is_set():
-            if source is None and (self._wait_while_paused() or (source := self._try()) is None):
-                continue
-            with self._changed:
-                self._holds = True
-            try:
-                self._read(source)
-            except CameraError as problem:
-                self._report(problem)
-            finally:
-                source.close()
-                source = None
-                with self._changed:
-                    self._holds = False
-                    self._changed.notify_all()
+    def _take_opened(self, opened: PictureSource | CameraError) -> None:
+        if not isinstance(opened, CameraError):
+            self._use(opened)
+            return
+        self._report(opened)
+        self._release()
+        self._timer = self._node.after(_TRY_EVERY, self._try, steady=True)
+
+    def _use(self, source: PictureSource) -> None:
+        self._source, self._last = source, self._node.steady()
+        self._consumer.begin(source.mode)
+        self._read(source)
 
     def _read(self, source: PictureSource) -> None:
-        """Read until the end or a pause. Raises CameraError."""
-        self._consumer.begin(source.mode)
-        last = self._clock()
-        while not self._ended.is_set() and not self._paused:
-            frame = source.read(_READ_SECONDS, wanted=self._consumer.wanted)
-            now = self._clock()
-            if frame is not None:
-                self._reported, last = None, now
-                self._consumer.take(frame)
-            elif now - last >= STALLED:
-                mode = source.mode
-                raise CameraError(
-                    f"the camera {mode.camera} ({mode.path}) has sent no picture for {STALLED:.0f} s",
-                    "it is opened again; if that does not help, use another cable or port",
-                )
+        if self._paused:
+            self._close(source)
+            return
+        wanted, develop = self._consumer.ask()
 
-    def _try(self) -> PictureSource | None:
-        try:
-            return self._open()
-        except CameraError as problem:
-            self._report(problem)
-            with self._changed:
-                self._changed.wait_for(lambda: self._ended.is_set() or self._paused, self._try_every)
-            return None
+        def read() -> Shot | None:
+            frame = source.read(_READ_SECONDS, wanted=wanted)
+            return None if frame is None else develop(frame)
 
-    def _wait_while_paused(self) -> bool:
-        """Wait for the end of a pause; False where there is none."""
-        with self._changed:
-            if not self._paused:
-                return False
-            self._changed.wait_for(lambda: self._ended.is_set() or not self._paused)
-            return True
+        self._work(partial(_attempt, read), partial(self._take_read, source))
+
+    def _take_read(self, source: PictureSource, shot: Shot | CameraError | None) -> None:
+        now = self._node.steady()
+        if shot is None and now - self._last >= STALLED:
+            mode = source.mode
+            shot = CameraError(
+                f"the camera {mode.camera} ({mode.path}) has sent no picture for {STALLED:.0f} s",
+                "it is opened again; if that does not help, use another cable or port",
+            )
+        if isinstance(shot, CameraError):
+            self._report(shot)
+            self._close(source)
+            return
+        if shot is not None:
+            self._reported, self._last = None, now
+            self._consumer.take(shot)
+        self._read(source)
+
+    def _close(self, source: PictureSource) -> None:
+        self._source = None
+        self._work(source.close, self._take_closed)
+
+    def _take_closed(self, _closed: None) -> None:
+        self._release()
+        self._try()
+
+    def _release(self) -> None:
+        waiting, self._waiting = self._waiting, []
+        for call in waiting:
+            call()
+
+    def _work(self, job: Callable[[], Made], take: Callable[[Made], None]) -> None:
+        def finish(made: Made) -> None:
+            self._busy = False
+            take(made)
+
+        self._busy = True
+        self._node.work(job, finish, CAMERA)
+
+    def _end(self) -> None:
+        if self._source is not None:
+            self._node.work(self._source.close, lambda _closed: None, CAMERA)
 
     def _report(self, problem: CameraError) -> None:
-        now = self._clock()
+        now = self._node.steady()
         if self._reported and self._reported[0] == str(problem) and now - self._reported[1] < _REPEAT:
             return
         self._reported = (str(problem), now)
         self._consumer.report(problem)
+
+
+def _attempt(job: Callable[[], Made]) -> Made | CameraError:
+    try:
+        return job()
+    except CameraError as problem:
+        return problem

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from ur.source.foreign.pictures import open_picture
+from ur_nodes.ports.values import Picture
 
 Pixels = NDArray[np.uint8]
 """(rows, columns, 3), red, green, blue; rows from the top."""
@@ -58,6 +59,12 @@ def unpack_picture(data: bytes, width: int, height: int, step: int, encoding: st
         return np.repeat(pixels, 3, axis=2)
     colours = pixels[:, :, :3]
     return np.ascontiguousarray(colours[:, :, ::-1] if encoding.startswith("bgr") else colours)
+
+
+def make_picture(pixels: Pixels, stamp: int, frame: str) -> Picture:
+    """The raw picture of pixels."""
+    height, width = pixels.shape[:2]
+    return Picture(stamp, frame, width, height, "rgb8", 3 * width, pixels.tobytes())
 
 
 def fit_picture(pixels: Pixels, columns: int, rows: int) -> Pixels:

@@ -4,66 +4,59 @@ from __future__ import annotations
 
 import sys
 
-import rospy
-from sensor_msgs.msg import CompressedImage, Image
-
 from ur.source.diagnostic import UserError, error
-from ur_nodes.pictures.decode import BadPictureError, decode_picture
-from ur_nodes.rosio.shell import run_node
+from ur_nodes.pictures.decode import BadPictureError, decode_picture, make_picture
+from ur_nodes.ports.newest_work import NewestWork
+from ur_nodes.ports.node import Node, Subscription
+from ur_nodes.ports.values import PackedPicture, Picture
+from ur_nodes.run import own_arguments, run
 
-_NAME = "image_republisher"
 _EXPECTED = ["compressed", "raw"]
+_LOOK_EVERY = 0.2  # s between two looks for subscribers
 
 
 class Republisher:
     """Publishes `out` from `in/compressed`; subscribes only while it has subscribers."""
 
-    def __init__(self) -> None:
-        self._source = rospy.resolve_name("in") + "/compressed"
-        self._subscriber: rospy.Subscriber | None = None
-        self._publisher = rospy.Publisher("out", Image, subscriber_listener=self, queue_size=1)
+    def __init__(self, node: Node) -> None:
+        self._node = node
+        self._source = node.resolve("in") + "/compressed"
+        self._subscription: Subscription | None = None
+        self._publisher = node.publish("out", Picture)
+        self._work = NewestWork(node, "pictures", _unpack, self._send)
+        node.every(_LOOK_EVERY, self._look, steady=True)
 
-    def peer_subscribe(self, _topic: str, _publish: object, _peer_publish: object) -> None:
-        """Called by rospy for a new subscriber."""
-        if self._subscriber is None:
-            self._subscriber = rospy.Subscriber(
-                self._source, CompressedImage, self._pass_on, queue_size=1, buff_size=1 << 24
-            )
+    def _look(self) -> None:
+        wanted = self._publisher.listeners() > 0
+        if wanted and self._subscription is None:
+            self._subscription = self._node.subscribe(self._source, PackedPicture, self._work.ask)
+        elif self._subscription is not None and not wanted:
+            self._subscription.close()
+            self._subscription = None
 
-    def peer_unsubscribe(self, _topic: str, count: int) -> None:
-        """Called by rospy when a subscriber has gone."""
-        if count == 0 and self._subscriber is not None:
-            self._subscriber.unregister()
-            self._subscriber = None
-
-    def _pass_on(self, message: CompressedImage) -> None:
-        try:
-            pixels = decode_picture(message.data)
-        except BadPictureError as problem:
-            rospy.logwarn_throttle(10.0, f"{self._source}: {problem}")
-            return
-        height, width = pixels.shape[:2]
-        self._publisher.publish(
-            Image(
-                header=message.header,
-                height=height,
-                width=width,
-                encoding="rgb8",
-                step=3 * width,
-                data=pixels.tobytes(),
-            )
-        )
+    def _send(self, _packed: PackedPicture, picture: Picture | BadPictureError) -> None:
+        if isinstance(picture, BadPictureError):
+            self._node.log.warn(f"{self._source}: {picture}", every=10.0)
+        else:
+            self._publisher.send(picture)
 
 
-def start() -> None:
-    """Check the arguments and begin."""
-    words = rospy.myargv(sys.argv)[1:]
-    if words != _EXPECTED:
-        given = " ".join(words) or "nothing"
+def _unpack(packed: PackedPicture) -> Picture | BadPictureError:
+    try:
+        return make_picture(decode_picture(packed.data), packed.stamp, packed.frame)
+    except BadPictureError as problem:
+        return problem
+
+
+def start(node: Node) -> Republisher:
+    """Check the arguments and begin. Raises UserError."""
+    given = own_arguments(sys.argv[1:])
+    if given != _EXPECTED:
         help_ = "image_transport's own republish knows other transports: n_image_uncompress, image_uncompress_pkg"
-        raise UserError(error(f"arguments: {given}, expected {' '.join(_EXPECTED)}", rule="bad-argument", help=help_))
-    Republisher()
+        reason = f"arguments: {' '.join(given) or 'nothing'}, expected {' '.join(_EXPECTED)}"
+        raise UserError(error(reason, rule="bad-argument", help=help_))
+    return Republisher(node)
 
 
 if __name__ == "__main__":
-    sys.exit(run_node(_NAME, start))
+    sys.exit(run("image_republisher", start))

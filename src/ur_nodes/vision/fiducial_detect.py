@@ -7,11 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from ur_nodes.geometry.rigid import to_pose
-from ur_nodes.pictures.decode import BadPictureError
+from ur_nodes.pictures.decode import BadPictureError, make_picture
 from ur_nodes.ports.fiducials import FiducialCorners, FiducialPose, PlacedFiducials, SeenFiducials
 from ur_nodes.ports.values import PackedPicture, Picture, Transform
 from ur_nodes.vision.detect import CameraModel, Detection, Detector
-from ur_nodes.vision.pixels import draw_fiducials, make_picture, pack_picture, read_pixels
+from ur_nodes.vision.pixels import draw_fiducials, pack_picture, read_pixels
 
 
 @dataclass(frozen=True, slots=True)

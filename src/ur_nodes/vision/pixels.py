@@ -42,13 +42,7 @@ def draw_fiducials(pixels: Pixels, found: Iterable[Detection], camera: CameraMod
     return np.asarray(canvas, np.uint8)
 
 
-def make_picture(pixels: Pixels, stamp: int, frame: str) -> Picture:
-    """A picture of pixels (height, width, 3)."""
-    height, width = pixels.shape[:2]
-    return Picture(stamp, frame, width, height, "rgb8", 3 * width, pixels.tobytes())
-
-
 def pack_picture(pixels: Pixels, stamp: int, frame: str) -> PackedPicture:
-    """As make_picture, as a JPEG."""
+    """The JPEG of pixels (height, width, 3)."""
     data = cv2.imencode(".jpg", cv2.cvtColor(pixels, cv2.COLOR_RGB2BGR))[1].tobytes()
     return PackedPicture(stamp, frame, "jpeg", data)

@@ -119,7 +119,7 @@ ALLOWED = {
     "ur/web/server/serve.py": WRITTEN,
     "ur/web/server/static_files.py": OURS,
     "ur_nodes/camera/device_file.py": KERNEL,
-    "ur_nodes/camera/inspection.py": KERNEL,
+    "ur_nodes/camera/finder.py": KERNEL,
     "ur_nodes/motion/joystick/joy_reader.py": KERNEL,
     "ur_nodes/motion/lease/store.py": STATE,
     "ur_nodes/run.py": KERNEL,

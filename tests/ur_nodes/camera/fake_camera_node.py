@@ -25,9 +25,9 @@ HOLD = 15  # pictures that a camera takes of each file
 class Computer:
     """The cameras that are plugged in, by their paths."""
 
-    def __init__(self, count: int, rate: float, picture: str, folder: Path) -> None:
+    def __init__(self, count: int, rate: float, picture: str, folder: Path, *, patient: bool = True) -> None:
         film = [path.read_bytes() for path in list_pictures(picture) for _ in range(HOLD)] if picture else []
-        self._cameras = [FakeCamera(rate=rate if film else 0.0, film=film) for _ in range(count)]
+        self._cameras = [FakeCamera(rate=rate if film else 0.0, film=film, patient=patient) for _ in range(count)]
         self._folder = folder
         for number in range(count):
             self.plug(number)
@@ -44,9 +44,13 @@ class Computer:
         """Another program streams."""
         self._cameras[number].user = "another program"
 
-    def feed(self, message: CompressedImage) -> None:
+    def feed(self, data: bytes) -> None:
         for camera in self._cameras:
-            camera.feed(message.data)
+            camera.feed(data)
+
+    def system(self) -> System:
+        """The parts of the computer that a node needs."""
+        return System(open_device=self.open, inspect=self.inspect, is_raspberry=lambda: False, devices=self._folder)
 
     def open(self, path: str) -> FakeFile:
         return self._cameras[int(path.removeprefix("/dev/video")) // 2].open(path)
@@ -78,16 +82,17 @@ def run() -> int:
         threading.Thread(target=obey, args=(computer,), daemon=True).start()
         if topic:  # subscribed to by the node's own connection to the master, once there is one
             threading.Thread(target=subscribe, args=(topic, computer), daemon=True).start()
-        system = System(
-            open_device=computer.open, inspect=computer.inspect, is_raspberry=lambda: False, devices=Path(folder)
-        )
-        return main(system)
+        return main(computer.system())
 
 
 def subscribe(topic: str, computer: Computer) -> None:
     while not rospy.core.is_initialized():
         threading.Event().wait(0.05)
-    rospy.Subscriber(topic, CompressedImage, computer.feed, queue_size=1, buff_size=1 << 24)
+
+    def take(message: CompressedImage) -> None:
+        computer.feed(message.data)
+
+    rospy.Subscriber(topic, CompressedImage, take, queue_size=1, buff_size=1 << 24)
 
 
 if __name__ == "__main__":

@@ -37,7 +37,10 @@ def encode(pixels: Pixels) -> bytes:
 
 
 class FakeCamera:
-    """The hardware. `feed` is a picture that it takes; with `rate` and `film` it takes pictures by itself."""
+    """The hardware. `feed` is a picture that it takes; with `rate` and `film` it takes pictures by itself.
+
+    With `patient` False nobody waits for a picture: for a bus, where time passes otherwise.
+    """
 
     def __init__(
         self,
@@ -47,12 +50,14 @@ class FakeCamera:
         controls: Mapping[int, tuple[int, int, int, int]] | None = None,
         rate: float = 0.0,
         film: Sequence[bytes] = (),
+        patient: bool = True,
     ) -> None:
         self.formats = dict(formats or {"YUYV": [(640, 480)], "MJPG": [(640, 480), (320, 240)]})
         self.name = name
         self.controls = dict(controls or {})  # least, most, step, default
         self.values: dict[int, int] = {}
         self.rate, self.film = rate, film
+        self.patient = patient
         self.plugged = True
         self.user: object = None  # the file that streams, or any other program
         self.changed = threading.Condition()
@@ -129,7 +134,7 @@ class FakeFile:
         if camera.rate:
             self._film(seconds)
         with camera.changed:
-            camera.changed.wait_for(lambda: camera.pictures or self.gone, seconds)
+            camera.changed.wait_for(lambda: camera.pictures or self.gone, seconds if camera.patient else 0.0)
             self._check()
             return bool(camera.pictures)
 
@@ -237,7 +242,8 @@ class FakeFile:
         self._camera.user = self
 
     def _stop(self, _: abi.Integer) -> None:
-        self._camera.user = None
+        if self._camera.user is self:
+            self._camera.user = None
 
 
 def pick(items: Sequence[Item], index: int) -> Item:

@@ -14,7 +14,8 @@ from tests.ur_nodes.simulator.renderer import needs_renderer
 
 from ur.robot.base import load_base
 from ur.worlds.world_file import read_world
-from ur_nodes.camera.calibration_file import Calibration, write_calibration
+from ur_nodes.camera.calibration_file import write_calibration
+from ur_nodes.ports.values import Calibration
 
 ROOT = Path(__file__).resolve().parents[3]
 PACKAGE = ROOT / "ubiquity_launches"
@@ -36,7 +37,8 @@ def write_camera_info(path: Path) -> None:
     matrix = (f, 0.0, x, 0.0, f, y, 0.0, 0.0, 1.0)
     square = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
     projection = (f, 0.0, x, 0.0, 0.0, f, y, 0.0, 0.0, 0.0, 1.0, 0.0)
-    write_calibration(path, Calibration("camera", WIDTH, HEIGHT, "plumb_bob", (0.0,) * 5, matrix, square, projection))
+    found = Calibration(0, "", WIDTH, HEIGHT, "plumb_bob", (0.0,) * 5, matrix, square, projection)
+    write_calibration(path, found, "camera")
 
 
 def test_fiducial_slam_maps_with_the_pictures_of_a_real_camera(tmp_path: Path) -> None:

@@ -1,124 +1,129 @@
 from __future__ import annotations
 
-import threading
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 
 from tests.ur_nodes.camera.fake_device import FakeCamera, make_jpeg
 
 from ur_nodes.camera.capture import V4l2Camera
-from ur_nodes.camera.loop import STALLED, CameraLoop
+from ur_nodes.camera.loop import CAMERA, STALLED, CameraLoop
 from ur_nodes.camera.model import CameraError, Frame, Mode, PictureSource, Settings
+from ur_nodes.memory.bus import Bus
 
-LIMIT = 30.0  # s
+LOST = "the camera Fake Camera (/dev/video0) was unplugged"
 
 
 class Consumer:
-    """Collects what the loop passes on, and waits for it."""
-
-    wanted = True
+    """Collects what the loop passes on."""
 
     def __init__(self) -> None:
-        self.changed = threading.Condition()
         self.events: list[str] = []
 
-    def begin(self, mode: Mode) -> None:
-        self.add(f"begin {mode.width}")
+    def ask(self) -> tuple[bool, Callable[[Frame], str]]:
+        return True, lambda frame: "picture" if frame.jpeg else "empty"
 
-    def take(self, frame: Frame) -> None:
-        self.add("picture" if frame.jpeg else "empty")
+    def begin(self, mode: Mode) -> None:
+        self.events.append(f"begin {mode.width}")
+
+    def take(self, shot: str) -> None:
+        self.events.append(shot)
 
     def report(self, problem: CameraError) -> None:
-        self.add(problem.reason)
-
-    def add(self, event: str) -> None:
-        with self.changed:
-            self.events.append(event)
-            self.changed.notify_all()
-
-    def expect(self, count: int) -> list[str]:
-        with self.changed:
-            assert self.changed.wait_for(lambda: len(self.events) >= count, LIMIT), self.events
-            return list(self.events)
+        self.events.append(problem.reason)
 
 
-@contextmanager
-def running(open_camera: Callable[[], PictureSource], consumer: Consumer) -> Iterator[CameraLoop]:
-    ended = threading.Event()
-    loop = CameraLoop(open_camera, consumer, ended, try_every=0.01)
-    thread = threading.Thread(target=loop.run)
-    thread.start()
-    try:
-        yield loop
-    finally:
-        ended.set()
-        loop.wake()
-        thread.join(LIMIT)
-        assert not thread.is_alive()
+class Stage:
+    """A loop on a bus, where each use of the camera takes 0.5 s."""
 
-
-def opener(camera: FakeCamera) -> Callable[[], PictureSource]:
-    def open_camera() -> PictureSource:
+    def __init__(self, open_camera: Callable[[], PictureSource] | None = None) -> None:
+        self.bus, self.consumer = Bus(), Consumer()
+        self.camera = FakeCamera(patient=False)
+        self.bus.durations[CAMERA] = 0.5
+        self.node = self.bus.node("camera")
+        opener = open_camera or self.open
+        self.loop = CameraLoop(self.node, opener, self.consumer)
         try:
-            return V4l2Camera(camera.open("/dev/video0"), "/dev/video0", Settings())
+            self.loop.begin(opener())
+        except CameraError as problem:
+            self.loop.begin(problem)
+
+    def open(self) -> PictureSource:
+        try:
+            return V4l2Camera(self.camera.open("/dev/video0"), "/dev/video0", Settings())
         except OSError as problem:
             raise CameraError(problem.strerror or "") from None
 
-    return open_camera
+    def run(self, seconds: float) -> list[str]:
+        """What was passed on meanwhile."""
+        self.consumer.events.clear()
+        self.bus.run(seconds)
+        return list(self.consumer.events)
 
 
 def test_pictures_go_on_by_themselves_after_the_camera_was_unplugged() -> None:
-    camera, consumer = FakeCamera(), Consumer()
-    with running(opener(camera), consumer):
-        consumer.expect(1)
-        camera.feed(make_jpeg())
-        consumer.expect(2)
-        camera.unplug()
-        consumer.expect(4)
-        camera.plug()
-        consumer.expect(5)
-        camera.feed(make_jpeg())
-        events = consumer.expect(6)
-    lost = "the camera Fake Camera (/dev/video0) was unplugged"
-    assert events == ["begin 640", "picture", lost, "No such file or directory", "begin 640", "picture"]
-    assert [file.closed for file in camera.files] == [True, True]
+    stage = Stage()
+    stage.camera.feed(make_jpeg())
+    assert stage.run(2.0) == ["picture"]
+    stage.camera.unplug()
+    assert stage.run(5.0) == [LOST, "No such file or directory"]
+    stage.camera.plug()
+    assert stage.run(3.0) == ["begin 640"]
+    stage.camera.feed(make_jpeg())
+    assert stage.run(2.0) == ["picture"]
+    assert [file.closed for file in stage.camera.files] == [True, False]
 
 
-def test_same_reason_is_reported_once() -> None:
-    consumer, tries = Consumer(), []
-    enough = threading.Event()
-
+def test_same_reason_is_reported_again_after_half_a_minute_only() -> None:
     def open_camera() -> PictureSource:
-        tries.append(0)
-        if len(tries) == 3:
-            enough.set()
         raise CameraError("no camera")
 
-    with running(open_camera, consumer):
-        assert enough.wait(LIMIT)
-    assert consumer.events == ["no camera"]
+    stage = Stage(open_camera)
+    assert stage.consumer.events == ["no camera"]
+    assert stage.run(29.0) == []
+    assert stage.run(5.0) == ["no camera"]
 
 
 def test_pause_releases_the_camera_and_resume_takes_it_again() -> None:
-    camera, consumer = FakeCamera(), Consumer()
-    with running(opener(camera), consumer) as loop:
-        consumer.expect(1)
-        loop.pause()
-        assert camera.user is None
-        loop.resume()
-        consumer.expect(2)
-        assert camera.user is not None
+    stage = Stage()
+    done: list[str] = []
+    stage.loop.pause(lambda: done.append("released"))
+    assert stage.camera.user is not None
+    assert stage.run(2.0) == []
+    assert done == ["released"]
+    assert stage.camera.user is None
+    stage.loop.pause(lambda: done.append("again"))
+    assert done == ["released", "again"]
+    stage.loop.resume()
+    assert stage.run(2.0) == ["begin 640"]
+    assert stage.camera.user is not None
+
+
+def test_pause_and_resume_while_the_camera_is_away_leave_one_loop() -> None:
+    stage = Stage()
+    stage.camera.unplug()
+    stage.run(1.2)
+    done: list[str] = []
+    stage.loop.pause(lambda: done.append("released"))
+    stage.run(3.0)
+    assert done == ["released"]
+    stage.camera.plug()
+    assert stage.run(3.0) == []
+    stage.loop.resume()
+    stage.loop.resume()
+    assert stage.run(3.0) == ["begin 640"]
+    assert stage.camera.opened == 2
 
 
 def test_camera_that_falls_silent_is_opened_again() -> None:
-    camera, consumer = FakeCamera(), Consumer()
-    times = iter(range(0, 1000, round(STALLED)))
-    ended = threading.Event()
-    loop = CameraLoop(opener(camera), consumer, ended, clock=lambda: float(next(times)))
-    thread = threading.Thread(target=loop.run)
-    thread.start()
-    events = consumer.expect(3)
-    ended.set()
-    thread.join(LIMIT)
-    assert events[1] == "the camera Fake Camera (/dev/video0) has sent no picture for 5 s"
-    assert events[2] == "begin 640"
+    stage = Stage()
+    assert stage.run(STALLED + 2.0) == [
+        "the camera Fake Camera (/dev/video0) has sent no picture for 5 s",
+        "begin 640",
+    ]
+
+
+def test_camera_is_released_at_the_end_of_the_node() -> None:
+    stage = Stage()
+    stage.run(1.0)
+    stage.node.end("done")
+    assert stage.camera.user is None
+    assert stage.camera.files[0].closed

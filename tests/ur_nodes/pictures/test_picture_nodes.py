@@ -47,26 +47,6 @@ def publishing(session: RosSession) -> Iterator[None]:
         thread.join(LIMIT)
 
 
-def test_compressed_pictures_are_unpacked_while_somebody_looks(session: RosSession) -> None:
-    node = session.start(
-        *(sys.executable, "-m", "ur_nodes", "ur_nodes.pictures.republish_node"),
-        *("compressed", "in:=camera/image", "raw", "out:=camera/unpacked"),
-    )
-    seen = session.ask("look", topic="camera/unpacked", seconds=LIMIT)
-    assert (seen["frame"], seen["encoding"], seen["shape"]) == ("raspicam", "rgb8", [48, 64, 3])
-    assert seen["mean"] == pytest.approx([200, 40, 90], abs=4)
-    assert session.ask("listeners", wanted=0, seconds=LIMIT)["listeners"] == 0
-    assert session.stop(node) == ""
-
-
-def test_republish_in_other_words_is_refused_in_a_line(session: RosSession) -> None:
-    node = session.start(sys.executable, "-m", "ur_nodes", "ur_nodes.pictures.republish_node", "theora", "in:=a")
-    _, errors = node.communicate(timeout=LIMIT)
-    session.running.remove(node)
-    assert errors.startswith("error: arguments: theora, expected compressed raw")
-    assert node.returncode == 2
-
-
 def test_without_a_terminal_lines_tell_how_pictures_come(session: RosSession) -> None:
     node = session.start(
         *(sys.executable, "-m", "ur_nodes", "ur_nodes.teleop.camera.image_terminal_node", "_image:=camera/image")

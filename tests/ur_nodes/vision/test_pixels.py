@@ -3,9 +3,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from ur_nodes.pictures.decode import BadPictureError
+from ur_nodes.pictures.decode import BadPictureError, make_picture
 from ur_nodes.ports.values import PackedPicture, Picture
-from ur_nodes.vision.pixels import make_picture, pack_picture, read_pixels
+from ur_nodes.vision.pixels import pack_picture, read_pixels
 
 PICTURE = np.random.default_rng(0).integers(0, 255, (6, 8, 3)).astype(np.uint8)
 

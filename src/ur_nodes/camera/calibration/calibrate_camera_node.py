@@ -54,7 +54,7 @@ def calibrate(wired: Calibrator, ended: threading.Event) -> int:
     if not complete:
         sys.stdout.write(f"no calibration: ended after {len(session.views)} views; nothing was changed\n")
         return _INTERRUPTED if ended.is_set() else 1
-    result = solve_or_fail(session.views, session.board, "camera")
+    result = solve_or_fail(session.views, session.board)
     sys.stdout.write(describe_result(result) + "\n")
     if (answer := wired.store.keep(result.calibration, ended)) is None:
         return _INTERRUPTED

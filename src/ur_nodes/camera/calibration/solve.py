@@ -11,7 +11,7 @@ import numpy as np
 from ur.source.diagnostic import UserError, error
 from ur_nodes.camera.calibration.board import Board
 from ur_nodes.camera.calibration.coverage import View, list_tilts
-from ur_nodes.camera.calibration_file import Calibration
+from ur_nodes.ports.values import Calibration
 
 LARGEST_ERROR = 1.0  # pixels
 FEWEST_TILTS = 2
@@ -53,7 +53,7 @@ class Result:
         return ""
 
 
-def solve(views: Sequence[View], board: Board, name: str) -> Result | None:
+def solve(views: Sequence[View], board: Board) -> Result | None:
     """Calibrate from at least three views of pictures of one size; None where that has no solution.
 
     Views with an error far above that of others, as of a moved board, are left out.
@@ -78,7 +78,8 @@ def solve(views: Sequence[View], board: Board, name: str) -> Result | None:
     projection = np.zeros((3, 4))
     projection[:, :3] = cv2.getOptimalNewCameraMatrix(matrix, distortion, size, 0.0)[0]
     calibration = Calibration(
-        name,
+        0,
+        "",
         *size,
         "plumb_bob",
         tuple(map(float, distortion)),
@@ -91,9 +92,9 @@ def solve(views: Sequence[View], board: Board, name: str) -> Result | None:
     return Result(calibration, float(found[0]), deviation, len(kept), len(views), len(tilts))
 
 
-def solve_or_fail(views: Sequence[View], board: Board, name: str) -> Result:
+def solve_or_fail(views: Sequence[View], board: Board) -> Result:
     """As `solve`. Raises UserError: there is no solution, or none that should be used."""
-    result = solve(views, board, name)
+    result = solve(views, board)
     if result is None or result.problem:
         reason = result.problem if result else f"{len(views)} views have no solution: take more, all tilted"
         raise UserError(error(f"the camera is not calibrated, nothing was changed: {reason}", rule="bad-calibration"))
@@ -102,7 +103,7 @@ def solve_or_fail(views: Sequence[View], board: Board, name: str) -> Result:
 
 def describe_result(result: Result) -> str:
     """A calibration and its quality in two lines."""
-    matrix = result.calibration.camera_matrix
+    matrix = result.calibration.matrix
     return (
         f"reprojection error {result.error:.2f} pixels from {result.used} of {result.given} views;"
         f" focal length uncertain by {100 * result.deviation:.2f} %\n"

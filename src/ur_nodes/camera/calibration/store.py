@@ -5,11 +5,9 @@ from __future__ import annotations
 import threading
 
 from ur.source.diagnostic import UserError, error
-from ur_nodes.camera.calibration_file import Calibration
-from ur_nodes.ports import values
 from ur_nodes.ports.node import Node
 from ur_nodes.ports.services import UseCalibration
-from ur_nodes.ports.values import Result
+from ur_nodes.ports.values import Calibration, Result
 
 _LIMIT = 5.0  # s
 _POLL = 0.02  # s
@@ -28,7 +26,7 @@ class CalibrationStore:
 
         Not for the node's thread. Raises UserError.
         """
-        request = UseCalibration(value_of(calibration))
+        request = UseCalibration(calibration)
         self._node.post(lambda: self._node.call(self._service, request, self._take, _LIMIT))
         while (result := self._result) is None:
             if ended.wait(_POLL):
@@ -45,18 +43,3 @@ class CalibrationStore:
 
     def _take(self, result: Result) -> None:
         self._result = result
-
-
-def value_of(calibration: Calibration) -> values.Calibration:
-    """The value that carries a calibration; it belongs to no frame."""
-    return values.Calibration(
-        0,
-        "",
-        calibration.width,
-        calibration.height,
-        calibration.model,
-        calibration.distortion,
-        calibration.camera_matrix,
-        calibration.rectification,
-        calibration.projection,
-    )

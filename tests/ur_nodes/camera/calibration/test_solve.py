@@ -17,7 +17,7 @@ VIEWS = project_views(BOARD)
 def assert_good(result: Result | None) -> None:
     """Within 1 % of the true calibration."""
     assert result is not None
-    matrix = np.reshape(result.calibration.camera_matrix, (3, 3))
+    matrix = np.reshape(result.calibration.matrix, (3, 3))
     assert matrix[0, 0] == pytest.approx(MATRIX[0, 0], rel=0.01)
     assert matrix[1, 1] == pytest.approx(MATRIX[1, 1], rel=0.01)
     assert np.abs(matrix[:2, 2] - MATRIX[:2, 2]).max() < 0.01 * 640
@@ -27,7 +27,7 @@ def assert_good(result: Result | None) -> None:
 
 
 def test_calibration_is_found_within_one_percent() -> None:
-    assert_good(solve(VIEWS, BOARD, "camera"))
+    assert_good(solve(VIEWS, BOARD))
 
 
 @pytest.mark.long
@@ -40,7 +40,7 @@ def test_calibration_of_rendered_pictures_is_found_within_one_percent() -> None:
         session.look(picture)  # the board is held still
     assert session.coverage.missing_cells == frozenset()
     assert session.coverage.missing_tilts == ()
-    assert_good(solve(session.views, BOARD, "camera"))
+    assert_good(solve(session.views, BOARD))
 
 
 def test_corners_of_a_rendered_board_are_found_to_a_fraction_of_a_pixel() -> None:
@@ -70,14 +70,14 @@ def test_overlay_marks_what_is_missing_and_the_corners() -> None:
 def test_view_of_a_board_that_moved_is_left_out() -> None:
     wrong = View(VIEWS[0].corners.copy(), 640, 480)
     wrong.corners[::3] += 12.0
-    result = solve([*VIEWS, wrong], BOARD, "camera")
+    result = solve([*VIEWS, wrong], BOARD)
     assert_good(result)
     assert result is not None
     assert (result.used, result.given) == (len(VIEWS), len(VIEWS) + 1)
 
 
 def test_large_error_and_uncertainty_are_refused_with_what_to_do() -> None:
-    good = solve(VIEWS, BOARD, "camera")
+    good = solve(VIEWS, BOARD)
     assert good is not None
     assert "expected at most 1:" in Result(good.calibration, 1.4, 0.001, 15, 15, 4).problem
     assert "tilt the board more" in Result(good.calibration, 0.2, 0.05, 15, 15, 4).problem
@@ -86,14 +86,14 @@ def test_large_error_and_uncertainty_are_refused_with_what_to_do() -> None:
 def test_views_from_the_front_alone_are_refused() -> None:
     flat = BOARD.points[:, :2] / 0.5 * 540.0
     views = [View(flat + np.array([x, 150.0]), 640, 480) for x in (50.0, 150.0, 250.0)]
-    result = solve(views, BOARD, "camera")
+    result = solve(views, BOARD)
     assert result is None or "not tilted enough" in result.problem
 
 
 def test_too_few_views_have_no_solution() -> None:
-    assert solve(VIEWS[:2], BOARD, "camera") is None
+    assert solve(VIEWS[:2], BOARD) is None
     with pytest.raises(UserError, match="nothing was changed: 2 views have no solution"):
-        solve_or_fail(VIEWS[:2], BOARD, "camera")
+        solve_or_fail(VIEWS[:2], BOARD)
 
 
 def test_picture_of_another_size_begins_anew() -> None:

@@ -10,12 +10,12 @@ from tests.ur_nodes.camera.calibration.rendered_board import project_views
 from ur.source.diagnostic import UserError
 from ur_nodes.camera.calibration.board import Board
 from ur_nodes.camera.calibration.solve import describe_result, solve_or_fail
-from ur_nodes.camera.calibration.store import CalibrationStore, value_of
+from ur_nodes.camera.calibration.store import CalibrationStore
 from ur_nodes.memory.bus import Bus
 from ur_nodes.ports.services import UseCalibration
 from ur_nodes.ports.values import Result
 
-RESULT = solve_or_fail(project_views(Board()), Board(), "camera")
+RESULT = solve_or_fail(project_views(Board()), Board())
 SERVICE = "/left/set_camera_info"
 
 
@@ -40,7 +40,7 @@ def test_camera_gets_the_calibration_and_its_answer_is_returned() -> None:
         return Result(True, "written to camera.yaml")
 
     assert keep(answer) == "written to camera.yaml"
-    assert requests == [UseCalibration(value_of(RESULT.calibration))]
+    assert requests == [UseCalibration(RESULT.calibration)]
     assert describe_result(RESULT).startswith("reprojection error 0.")
 
 
