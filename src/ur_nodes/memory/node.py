@@ -6,6 +6,7 @@ from collections.abc import Callable
 from typing import Any, TypeVar
 
 from ur_nodes.memory.carrier import Carrier, Listener, Offer, Service, type_name_of
+from ur_nodes.memory.ends import MemoryPublisher, MemorySubscription, MemoryTimer
 from ur_nodes.memory.goals import MemoryGoalClient, MemoryGoalServer
 from ur_nodes.memory.raw import MemoryRaw
 from ur_nodes.memory.stores import MemoryFacts, MemoryLog, MemoryParameters
@@ -271,57 +272,6 @@ class MemoryNode:
         if topic not in self._senders:
             self._senders[topic] = self.publish(topic, tuple, quality)
         return self._senders[topic]
-
-
-class MemoryPublisher:
-    """See `ports.node.Publisher`."""
-
-    def __init__(self, bus: Carrier, topic: str, offer: Offer) -> None:
-        self.topic = topic
-        self._bus, self._offer = bus, offer
-
-    def send(self, value: Any) -> None:
-        """See Publisher."""
-        if self._offer in self._bus.topics[self.topic].offers:
-            self._bus.send(self.topic, self._offer, value)
-
-    def listeners(self) -> int:
-        """See Publisher."""
-        return len(self._bus.topics[self.topic].listeners)
-
-    def close(self) -> None:
-        """See Publisher."""
-        self._offer.latched, self._offer.greet, self._offer.kept = False, None, None
-
-
-class MemorySubscription:
-    """See `ports.node.Subscription`."""
-
-    def __init__(self, bus: Carrier, topic: str, listener: Listener, forget: Callable[[], None]) -> None:
-        self.topic = topic
-        self._bus, self._listener, self._forget = bus, listener, forget
-
-    def publishers(self) -> int:
-        """See Subscription."""
-        return len(self._bus.topics[self.topic].offers)
-
-    def close(self) -> None:
-        """See Subscription."""
-        if self._listener.open:
-            self._listener.open = False
-            self._bus.topics[self.topic].listeners.remove(self._listener)
-            self._forget()
-
-
-class MemoryTimer:
-    """See `ports.node.Timer`."""
-
-    def __init__(self) -> None:
-        self.on = True
-
-    def cancel(self) -> None:
-        """See Timer."""
-        self.on = False
 
 
 def _runtime(kind: type) -> Any:

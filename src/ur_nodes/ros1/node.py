@@ -6,7 +6,6 @@ import contextlib
 import queue
 import time
 from collections.abc import Callable
-from concurrent.futures import Future
 from functools import partial
 from http.client import HTTPException
 from typing import Any, TypeVar
@@ -18,10 +17,8 @@ import rosgraph
 import rosgraph.network
 import rospy
 
-from ur.source.diagnostic import UserError
-from ur_nodes.codecs import find_codec, find_service
-from ur_nodes.codecs.dialect import ServiceFailureError
-from ur_nodes.loop import Beat, Loop, Worker, run_aside
+from ur_nodes.codecs import find_codec
+from ur_nodes.loop import Beat, Loop, Worker
 from ur_nodes.ports.actions import GoalClient, GoalFollower, GoalTakers
 from ur_nodes.ports.graph import Graph
 from ur_nodes.ports.node import Location, Sender
@@ -31,6 +28,7 @@ from ur_nodes.ports.transforms import Transforms
 from ur_nodes.ports.values import Result
 from ur_nodes.ros1.facts import RosFacts, RosLog, RosParameters
 from ur_nodes.ros1.repairs.sent import DELAY
+from ur_nodes.ros1.services import call_service, serve_service
 from ur_nodes.ros1.topics import RosPublisher, RosSubscription, sender_of
 
 Value = TypeVar("Value")
@@ -38,7 +36,6 @@ Value = TypeVar("Value")
 _MOST_TRANSFORMS = 1000  # messages that wait while a callback takes long: a history with gaps is of no use
 _END_LIMIT = 3.0  # s, besides the time that the jobs of the end have
 _LEAVE = 0.03  # s: for what was sent last to leave
-_ANSWER_LIMIT = 60.0  # s
 
 
 class RosNode:
@@ -155,52 +152,11 @@ class RosNode:
         self, service: str, kind: type[Value], take: Callable[[Value, Callable[[Result], None]], None]
     ) -> None:
         """See Node."""
-        codec = find_service(kind)
-
-        def respond(message: Any) -> Any:
-            done: Future[Result] = Future()
-
-            def work() -> None:
-                try:
-                    request = codec.request_of(message)
-                except (ValueError, UserError) as problem:
-                    done.set_exception(rospy.ServiceException(str(problem)))
-                    return
-                try:
-                    take(request, done.set_result)
-                except Exception as problem:
-                    done.set_exception(problem)
-                    raise
-
-            self._loop.post(work)
-            try:
-                return codec.response(done.result(_ANSWER_LIMIT))
-            except ServiceFailureError as problem:
-                raise rospy.ServiceException(str(problem)) from None
-
-        rospy.Service(service, codec.service_class, respond)
+        serve_service(self._loop, service, kind, take)
 
     def call(self, service: str, request: object, take: Callable[[Result], None], within: float = 5.0) -> None:
         """See Node."""
-        codec = find_service(type(request))
-        late = Result(False, f"no answer of {self.resolve(service)} within {within:g} s")
-        waiting = [take]
-
-        def give(result: Result) -> None:
-            if waiting:
-                waiting.pop()(result)
-
-        def ask() -> None:
-            try:
-                rospy.wait_for_service(service, timeout=within)
-                answer = rospy.ServiceProxy(service, codec.service_class)(codec.request(request))
-                result = codec.result_of(answer)
-            except (rospy.ROSException, rospy.ServiceException, UserError, ValueError) as problem:
-                result = Result(False, str(problem))
-            self._loop.post(lambda: give(result))
-
-        run_aside(ask)
-        self._loop.after(within, lambda: give(late), steady=True)
+        call_service(self._loop, service, request, take, within)
 
     def serve_goals(self, action: str, takers: GoalTakers, kept: float = 5.0) -> Any:
         """See Node."""

@@ -1,0 +1,59 @@
+"""The ends of topics on a bus, and timers."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from ur_nodes.memory.carrier import Carrier, Listener, Offer
+
+
+class MemoryPublisher:
+    """See `ports.node.Publisher`."""
+
+    def __init__(self, bus: Carrier, topic: str, offer: Offer) -> None:
+        self.topic = topic
+        self._bus, self._offer = bus, offer
+
+    def send(self, value: Any) -> None:
+        """See Publisher."""
+        if self._offer in self._bus.topics[self.topic].offers:
+            self._bus.send(self.topic, self._offer, value)
+
+    def listeners(self) -> int:
+        """See Publisher."""
+        return len(self._bus.topics[self.topic].listeners)
+
+    def close(self) -> None:
+        """See Publisher."""
+        self._offer.latched, self._offer.greet, self._offer.kept = False, None, None
+
+
+class MemorySubscription:
+    """See `ports.node.Subscription`."""
+
+    def __init__(self, bus: Carrier, topic: str, listener: Listener, forget: Callable[[], None]) -> None:
+        self.topic = topic
+        self._bus, self._listener, self._forget = bus, listener, forget
+
+    def publishers(self) -> int:
+        """See Subscription."""
+        return len(self._bus.topics[self.topic].offers)
+
+    def close(self) -> None:
+        """See Subscription."""
+        if self._listener.open:
+            self._listener.open = False
+            self._bus.topics[self.topic].listeners.remove(self._listener)
+            self._forget()
+
+
+class MemoryTimer:
+    """See `ports.node.Timer`."""
+
+    def __init__(self) -> None:
+        self.on = True
+
+    def cancel(self) -> None:
+        """See Timer."""
+        self.on = False

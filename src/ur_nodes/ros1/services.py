@@ -1,0 +1,72 @@
+"""Services of ROS 1: both ends, on the node's thread."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from concurrent.futures import Future
+from typing import Any, TypeVar
+
+import rospy
+
+from ur.source.diagnostic import UserError
+from ur_nodes.codecs import find_service
+from ur_nodes.codecs.dialect import ServiceFailureError
+from ur_nodes.loop import Loop, run_aside
+from ur_nodes.ports.values import Result
+
+Value = TypeVar("Value")
+
+_ANSWER_LIMIT = 60.0  # s
+
+
+def serve_service(
+    loop: Loop, service: str, kind: type[Value], take: Callable[[Value, Callable[[Result], None]], None]
+) -> None:
+    """Answer requests of a kind; `take` gets each one, and what to call with the answer."""
+    codec = find_service(kind)
+
+    def respond(message: Any) -> Any:
+        done: Future[Result] = Future()
+
+        def work() -> None:
+            try:
+                request = codec.request_of(message)
+            except (ValueError, UserError) as problem:
+                done.set_exception(rospy.ServiceException(str(problem)))
+                return
+            try:
+                take(request, done.set_result)
+            except Exception as problem:
+                done.set_exception(problem)
+                raise
+
+        loop.post(work)
+        try:
+            return codec.response(done.result(_ANSWER_LIMIT))
+        except ServiceFailureError as problem:
+            raise rospy.ServiceException(str(problem)) from None
+
+    rospy.Service(service, codec.service_class, respond)
+
+
+def call_service(loop: Loop, service: str, request: object, take: Callable[[Result], None], within: float) -> None:
+    """Ask a service; `take` gets the answer, or a result without success after `within` s."""
+    codec = find_service(type(request))
+    late = Result(False, f"no answer of {rospy.resolve_name(service)} within {within:g} s")
+    waiting = [take]
+
+    def give(result: Result) -> None:
+        if waiting:
+            waiting.pop()(result)
+
+    def ask() -> None:
+        try:
+            rospy.wait_for_service(service, timeout=within)
+            answer = rospy.ServiceProxy(service, codec.service_class)(codec.request(request))
+            result = codec.result_of(answer)
+        except (rospy.ROSException, rospy.ServiceException, UserError, ValueError) as problem:
+            result = Result(False, str(problem))
+        loop.post(lambda: give(result))
+
+    run_aside(ask)
+    loop.after(within, lambda: give(late), steady=True)
