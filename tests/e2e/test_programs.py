@@ -39,12 +39,14 @@ def mentions(process: psutil.Process, address: str) -> bool:
     return (process.info["environ"] or {}).get("ROS_MASTER_URI") == address
 
 
-def test_piped_goals_are_driven_one_after_the_other(tmp_path: Path) -> None:
-    done = run_program(tmp_path, "keyboard_navigate", keys="g 2 3 90\ng 1.5 0 180\n")
-    first, second = done.stdout.splitlines()
-    assert first.startswith("g 2 3 90: reached, ")
+def test_piped_goals_are_driven_one_after_the_other_and_one_that_fails_makes_the_exit_code_one(tmp_path: Path) -> None:
+    done = run_program(tmp_path, "keyboard_navigate", keys="g 0.8 0 0\ng 2 x\ng 0 100\ng 1.5 0 180\n")
+    first, outside, second = done.stdout.splitlines()
+    assert first.startswith("g 0.8 0 0: reached, ")
+    assert "outside the map" in outside
     assert second.startswith("g 1.5 0 180: reached, ")
-    assert done.returncode == 0
+    assert "'x' is not a number" in done.stderr
+    assert done.returncode == 1
 
 
 def test_shell_that_has_sourced_ros_2_drives_the_robot(tmp_path: Path) -> None:
@@ -57,13 +59,6 @@ def test_shell_that_has_sourced_ros_2_drives_the_robot(tmp_path: Path) -> None:
     command = (str(ROOT / "ur"), "run", "keyboard_navigate")
     done = run_command(tmp_path, *command, keys="g 1 0.5\n", more=more)
     assert done.stdout.startswith("g 1 0.5: reached, "), done.stderr
-
-
-def test_failed_goal_and_malformed_command_make_the_exit_code_one(tmp_path: Path) -> None:
-    done = run_program(tmp_path, "keyboard_navigate", keys="g 2 x\ng 0 100\n")
-    assert "'x' is not a number" in done.stderr
-    assert "outside the map" in done.stdout
-    assert done.returncode == 1
 
 
 def test_magni_with_a_lidar_navigates_in_the_office(tmp_path: Path) -> None:
