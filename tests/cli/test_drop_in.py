@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import io
 import os
 import select
 import signal
 import subprocess
 import sys
 import time
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -15,6 +17,7 @@ from tests.run.conftest import World, master, world  # noqa: F401 - fixtures
 
 from ur.cli.launch.options import PARAMETERS
 from ur.cli.launch.options import ROSLAUNCH as ROSLAUNCH_OPTIONS
+from ur.cli.main import main
 
 ROSLAUNCH = "/usr/bin/roslaunch"
 FILES = {
@@ -80,12 +83,37 @@ def ur(*found: str) -> list[str]:
     return [sys.executable, "-m", "ur", "launch", *found]
 
 
+@pytest.fixture
+def ask(
+    world: World,  # noqa: F811 - likewise
+    monkeypatch: pytest.MonkeyPatch,
+    capfd: pytest.CaptureFixture[str],
+) -> Callable[..., tuple[int, str, str]]:
+    """`ur launch` in this process, for what starts nothing: its exit code, output and errors."""
+
+    def answer(*found: str) -> tuple[int, str, str]:
+        for name in os.environ.keys() - world.environment.keys():
+            monkeypatch.delenv(name)
+        for name, value in world.environment.items():
+            monkeypatch.setenv(name, value)
+        monkeypatch.chdir(world.folder)
+        monkeypatch.setattr(sys, "stdin", io.StringIO())
+        code = main(["launch", *found])
+        return code, *capfd.readouterr()
+
+    return answer
+
+
 @pytest.mark.parametrize("text", QUESTIONS)
-def test_question_is_answered_as_roslaunch_does(text: str, world: World) -> None:  # noqa: F811 - likewise
+def test_question_is_answered_as_roslaunch_does(
+    text: str,
+    world: World,  # noqa: F811 - likewise
+    ask: Callable[..., tuple[int, str, str]],
+) -> None:
     write_files(world)
     found = words(text, world.folder, world.port)
     expected, told, _ = run([ROSLAUNCH, *found], world)
-    code, said, errors = run(ur(*found), world)
+    code, said, errors = ask(*found)
     assert code == expected, errors
     assert said == told
     assert code == 0 or errors.startswith(("error: ", f"{world.folder}", "bad", "wrong")), errors
@@ -93,10 +121,14 @@ def test_question_is_answered_as_roslaunch_does(text: str, world: World) -> None
 
 
 @pytest.mark.parametrize("text", DIFFERENT)
-def test_named_differences_are_as_named(text: str, world: World) -> None:  # noqa: F811 - likewise
+def test_named_differences_are_as_named(
+    text: str,
+    world: World,  # noqa: F811 - likewise
+    ask: Callable[..., tuple[int, str, str]],
+) -> None:
     write_files(world)
     found = words(text, world.folder, world.port)
-    assert (run([ROSLAUNCH, *found], world)[0], run(ur(*found), world)[0]) == DIFFERENT[text]
+    assert (run([ROSLAUNCH, *found], world)[0], ask(*found)[0]) == DIFFERENT[text]
 
 
 @pytest.mark.ros
