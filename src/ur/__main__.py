@@ -18,12 +18,11 @@ def main(arguments: Sequence[str]) -> int:
         if code is not None:
             return code
     if arguments[:1] == ["launch"]:
-        from ur.cli.fast import answer_fast, launch_fast
+        from ur.cli.fast import launch_fast
 
-        for attempt in (answer_fast, launch_fast):
-            code = attempt(arguments)
-            if code is not None:
-                return code
+        code = launch_fast(arguments)
+        if code is not None:
+            return code
     if arguments[:1] == ["__complete"]:
         from ur.cli.computer.completing import answer_completion
 

@@ -58,9 +58,10 @@ def _needs_environment(arguments: Sequence[str]) -> bool:
     if not arguments or arguments[0] in _NO_VERBS or (arguments[0] in VERBS and not VERBS[arguments[0]].needs_ros):
         return False
     if arguments[0] == "launch":
-        from ur.cli.fast import read_question
+        from ur.cli.fast import read_plain
 
-        if read_question(arguments) is not None:
+        found = read_plain(arguments)
+        if found is not None and found[1] is not None:
             return False
     end = 2 if arguments[0] == "run" else len(arguments)  # what follows a program is its own
     return not any(word in ("--help", "-h") for word in arguments[1:end])

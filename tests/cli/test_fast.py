@@ -6,7 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from ur.cli.fast import launch_fast, read_question
+from ur.cli.fast import launch_fast, read_plain
+from ur.request.options import Query
 
 SOURCE = str(Path(__file__).parents[2] / "src")
 
@@ -14,10 +15,9 @@ SOURCE = str(Path(__file__).parents[2] / "src")
 @pytest.mark.parametrize(
     ("line", "question"),
     [
-        ("launch --nodes a.launch", (("nodes", None), ["a.launch"])),
-        ("launch p a.launch x:=1 --files", (("files", None), ["p", "a.launch", "x:=1"])),
-        ("launch --args /n a.launch x:=-1", (("args", "/n"), ["a.launch", "x:=-1"])),
-        ("launch a.launch", None),
+        ("launch --nodes a.launch", (["a.launch"], ("nodes", None))),
+        ("launch p a.launch x:=1 --files", (["p", "a.launch", "x:=1"], ("files", None))),
+        ("launch --args /n a.launch x:=-1", (["a.launch", "x:=-1"], ("args", "/n"))),
         ("launch --nodes", None),
         ("launch --nodes --files a.launch", None),
         ("launch --nodes -", None),
@@ -28,8 +28,8 @@ SOURCE = str(Path(__file__).parents[2] / "src")
         ("check --nodes a.launch", None),
     ],
 )
-def test_only_plain_questions_are_taken(line: str, question: object) -> None:
-    assert read_question(line.split()) == question
+def test_only_plain_questions_are_taken(line: str, question: tuple[list[str], Query] | None) -> None:
+    assert read_plain(line.split()) == question
 
 
 def _run(words: list[str], folder: Path) -> subprocess.CompletedProcess[str]:
@@ -64,7 +64,11 @@ def test_plain_launch_needs_no_click_and_says_what_is_wrong(tmp_path: Path) -> N
     assert not [line for line in done.stderr.splitlines() if line.startswith("import time:") and "click" in line]
 
 
-def test_launch_with_an_option_goes_the_usual_way() -> None:
+def test_launch_without_options_is_taken() -> None:
+    assert read_plain(["launch", "p", "a.launch", "x:=1"]) == (["p", "a.launch", "x:=1"], None)
+
+
+def test_launch_with_an_option_is_left_to_click() -> None:
     assert launch_fast(["launch", "a.launch", "--plain"]) is None
     assert launch_fast(["launch", "-"]) is None
     assert launch_fast(["launch"]) is None

@@ -1,54 +1,41 @@
-"""The way round click, for plain command lines only: importing it takes longer than reading a large launch file.
+"""`ur launch` for command lines without options, or with one that asks for nodes, files or a command line.
 
-To roslaunch's questions only good news is told here: for everything else the usual way is gone, from its start, and
-says what is wrong.
+It is the code of `ur.cli.launch.launch` without click, whose import takes longer than to read a large launch file.
 """
 
 from __future__ import annotations
 
 import gc
-import os
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
-_FLAGS = {"--nodes": "nodes", "--files": "files"}
-_WITH_NODE = {"--find-node": "find-node", "--args": "args"}
+if TYPE_CHECKING:
+    from ur.request.options import Query
 
-
-def answer_fast(argv: Sequence[str]) -> int | None:
-    """Answer `ur ARGUMENTS` when it is one plain question about launch files; else None, and nothing is printed."""
-    question = read_question(argv)
-    if question is None:
-        return None
-    gc.disable()  # nothing lives long enough to be worth collecting
-    try:
-        from ur.request.environment import current_selection
-        from ur.request.questions import answer
-
-        selection = current_selection(os.environ)
-        if not selection.base:
-            return None  # the robot itself may know it
-        return answer(question[1], selection, question[0], dict(os.environ))
-    except KeyboardInterrupt:
-        return 130
-    except Exception:  # the normal path meets it again, and explains it
-        return None
-    finally:
-        gc.enable()
+_FLAGS = ("--nodes", "--files")
+_WITH_NODE = ("--find-node", "--args")
 
 
 def launch_fast(argv: Sequence[str]) -> int | None:
-    """Run `ur launch [PACKAGE] FILE [ARG:=VALUE]...`; return None, without effects, for other commands and options."""
-    if len(argv) < 2 or argv[0] != "launch" or any(word.startswith("-") for word in argv):
+    """Run `ur launch [QUESTION] [PACKAGE] FILE [ARG:=VALUE]...`; return None, without effects, for other commands."""
+    found = read_plain(argv)
+    if found is None:
         return None
+    names, query = found
     try:
-        from ur.cli.launch.act import act_on, explain_problem
-        from ur.request.options import LaunchOptions
+        if query is not None:
+            gc.disable()  # nothing lives long enough to be worth collecting
+        from ur.cli.launch.act import act_on, ask, explain_problem
         from ur.source.diagnostic import UserError
         from ur.source.printable import guard_output
 
         with guard_output():
             try:
-                return act_on(argv[1:], LaunchOptions())
+                if query is not None:
+                    return ask(names, query)
+                from ur.request.options import LaunchOptions
+
+                return act_on(names, LaunchOptions())
             except UserError as problem:
                 return explain_problem(problem)
     except KeyboardInterrupt:
@@ -57,22 +44,22 @@ def launch_fast(argv: Sequence[str]) -> int | None:
         from ur.cli.main import explain_exception
 
         return explain_exception(problem, list(argv))
+    finally:
+        gc.enable()
 
 
-def read_question(argv: Sequence[str]) -> tuple[tuple[str, str | None], list[str]] | None:
-    """The question, and the arguments it is about: `launch --nodes FILE [ARG:=VALUE]...`, the option in any place."""
-    if len(argv) < 3 or argv[0] != "launch":
+def read_plain(argv: Sequence[str]) -> tuple[list[str], Query | None] | None:
+    """The names and arguments of a launch, and its question; None for other commands and options."""
+    names = list(argv[1:])
+    given = [each for each in names if each.startswith("-")]
+    if not names or argv[0] != "launch" or len(given) > 1:
         return None
-    rest = list(argv[1:])
-    options = [word for word in rest if word.startswith("-")]
-    if len(options) != 1:
-        return None
-    at = rest.index(options[0])
-    if options[0] in _FLAGS:
-        del rest[at]
-        return ((_FLAGS[options[0]], None), rest)
-    if options[0] in _WITH_NODE and len(rest) > at + 2:
-        node = rest[at + 1]
-        del rest[at : at + 2]
-        return ((_WITH_NODE[options[0]], node), rest)
+    if not given:
+        return names, None
+    at = names.index(given[0])
+    question, *rest = names[at:]
+    if question in _FLAGS and len(names) > 1:
+        return names[:at] + rest, (question[2:], None)
+    if question in _WITH_NODE and len(rest) > 1:
+        return names[:at] + rest[1:], (question[2:], rest[0])
     return None

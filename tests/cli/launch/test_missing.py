@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import functools
+from collections.abc import Callable
+from contextlib import ExitStack
 from pathlib import Path
 
 import pytest
 
 from ur.cli.launch import missing
-from ur.cli.launch.missing import load_with_packages
+from ur.request.launch import Launch, load_with_packages
 from ur.request.options import LaunchOptions, Reporter
+from ur.request.plan_files import Loaded
 from ur.robot.selection import Selection, load_selection
 from ur.source.diagnostic import UserError, error
 
@@ -34,6 +38,12 @@ def write(tmp_path: Path, text: str) -> str:
     return str(path)
 
 
+def load(file: str, selection: Selection, make_xacro: Callable[[], None] = missing.make_xacro) -> Loaded:
+    options = LaunchOptions()
+    offer = functools.partial(missing.offer, options)
+    return load_with_packages(Launch([file], selection, options, Reporter(), ExitStack(), make_xacro, offer))
+
+
 def make_in(packages: Path) -> None:
     folder = packages / "xacro"
     folder.mkdir(parents=True)
@@ -41,32 +51,28 @@ def make_in(packages: Path) -> None:
 
 
 def test_xacro_is_made_where_a_description_calls_it_and_no_error_is_shown(
-    tmp_path: Path, selection: Selection, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, selection: Selection, capsys: pytest.CaptureFixture[str]
 ) -> None:
     packages = tmp_path / "XDG_DATA_HOME/ubiquity_launches/packages"
-    monkeypatch.setattr(missing, "make_xacro", lambda: make_in(packages))
-    _, loaded = load_with_packages([write(tmp_path, FILE)], selection, LaunchOptions(), Reporter())
+    loaded = load(write(tmp_path, FILE), selection, lambda: make_in(packages))
     assert loaded.plan is not None
     assert loaded.plan.params[0].command.startswith(f"{packages}/xacro/xacro ")  # type: ignore[union-attr]
     assert not capsys.readouterr().err
 
 
-def test_xacro_that_cannot_be_made_is_the_only_error(
-    tmp_path: Path, selection: Selection, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_xacro_that_cannot_be_made_is_the_only_error(tmp_path: Path, selection: Selection) -> None:
     def fail() -> None:
         raise UserError(error("xacro could not be installed: no network", rule="no-package"))
 
-    monkeypatch.setattr(missing, "make_xacro", fail)
     with pytest.raises(UserError, match="no network"):
-        load_with_packages([write(tmp_path, FILE)], selection, LaunchOptions(), Reporter())
+        load(write(tmp_path, FILE), selection, fail)
 
 
 def test_command_that_gets_other_packages_is_printed_without_a_terminal(
     tmp_path: Path, selection: Selection, capsys: pytest.CaptureFixture[str]
 ) -> None:
     file = write(tmp_path, '<launch><include file="$(find rover_bringup)/all.launch"/></launch>')
-    _, loaded = load_with_packages([file], selection, LaunchOptions(), Reporter())
+    loaded = load(file, selection)
     assert loaded.plan is None
     assert "help: ur get rover_bringup prints how to get what is missing" in capsys.readouterr().err
 
@@ -88,5 +94,5 @@ def test_agreement_on_a_terminal_gets_the_packages_and_reads_the_file_again(
     monkeypatch.setattr("ur.cli.files.get.get_packages", get)
     monkeypatch.setattr("click.confirm", lambda *_words, **_more: True)
     file = write(tmp_path, '<launch><include file="$(find rover_bringup)/all.launch"/></launch>')
-    _, loaded = load_with_packages([file], selection, LaunchOptions(), Reporter())
+    loaded = load(file, selection)
     assert (loaded.plan is not None, asked) == (True, ["rover_bringup"])

@@ -5,29 +5,47 @@ from __future__ import annotations
 import os
 import sys
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 from ur.request.arguments import split_argv
 from ur.request.environment import apply_selection, current_selection
-from ur.request.options import LaunchOptions, Reporter, choose_query
 from ur.robot.selection import Selection
 from ur.source.diagnostic import Diagnostic, UserError
 
+if TYPE_CHECKING:
+    from ur.request.options import LaunchOptions, Query, Reporter
+
 # What optparse finds wrong ends roslaunch with 2, everything later with 1.
 _WRONG_ARGUMENTS = frozenset({"bad-argument", "bad-options", "refused-option"})
+# Questions about the files: no robot is asked for its base where one is selected.
+_OF_FILES = frozenset({"nodes", "files", "find-node", "args"})
+
+
+def ask(argv: Sequence[str], query: Query) -> int:
+    """Answer a question about the launch file that `argv` names, and return the exit code. Raises UserError."""
+    from ur.request.questions import answer
+
+    shell = dict(os.environ)
+    selection = current_selection(os.environ)
+    if query[0] not in _OF_FILES or not selection.base:
+        from ur.request.bases.robot_facts import know_robot
+        from ur.request.options import Reporter
+
+        selection = know_robot(selection, os.environ, split_argv(argv)[1], Reporter().report)
+    return answer(argv, selection, query, shell)
 
 
 def act_on(argv: Sequence[str], options: LaunchOptions) -> int:
     """Answer the query or launch the file that `argv` names, and return the exit code. Raises UserError."""
     from ur.request.bases.robot_facts import know_robot
+    from ur.request.options import Reporter, choose_query
 
+    query = choose_query(options.queries)
+    if query is not None and query[0] != "dry-run":
+        return ask(argv, query)
     shell = dict(os.environ)
     reporter = Reporter()
     selection = know_robot(current_selection(os.environ), os.environ, split_argv(argv)[1], reporter.report)
-    query = choose_query(options.queries)
-    if query is not None and query[0] != "dry-run":
-        from ur.request.questions import answer
-
-        return answer(argv, selection, query, shell)
     apply_selection(selection)
     if query is not None:
         return _dry_run(argv, selection, options, reporter, shell)
@@ -69,7 +87,7 @@ def _start(argv: Sequence[str], selection: Selection, options: LaunchOptions, re
 def explain_problem(problem: UserError, report: str | None = None) -> int:
     """Print errors about what a person gave, and write them to `report` too; returns the exit code."""
     if report is not None:
-        from ur.cli.launch.start import write_report
+        from ur.request.launch import write_report
 
         write_report(problem.diagnostics, report)
     _print_diagnostics(problem.diagnostics)

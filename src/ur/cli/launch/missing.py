@@ -1,62 +1,13 @@
-"""Packages that a launch file lacks, before its nodes start: xacro is made, the others are offered."""
+"""Installation of packages that a launch file lacks: xacro at once, the others after a question."""
 
 from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from pathlib import Path
-from typing import TYPE_CHECKING
 
-from ur.request.options import LaunchOptions, Reporter
-from ur.robot.selection import Selection
-from ur.source.diagnostic import Diagnostic
-
-if TYPE_CHECKING:
-    from ur.request.launch_request import LaunchRequest
-    from ur.request.plan_files import Inspect, Loaded
-
-_MADE = "xacro"  # no release of Debian has it, and many a robot_description calls it
-
-
-class _ReadAgainError(Exception):
-    """A package has been made before the errors that name it were shown."""
-
-
-def load_with_packages(
-    argv: Sequence[str], selection: Selection, options: LaunchOptions, reporter: Reporter
-) -> tuple[LaunchRequest, Loaded]:
-    """Load what `argv` names. Errors in its files are printed, but for a missing xacro, which is made.
-
-    Other missing packages are offered to a person, and without a terminal the command that gets them is printed.
-    Raises UserError, as `load_request` does, and when xacro cannot be made.
-    """
-    from ur.request.environment import apply_selection
-    from ur.request.joining.running import follow_world
-    from ur.request.launch_request import make_request
-    from ur.request.node_choice import load_chosen
-    from ur.request.plan_files import make_world
-
-    def load(inspect: Inspect | None) -> tuple[LaunchRequest, Loaded]:
-        request = follow_world(make_request(argv, make_world(), selection, options))
-        return request, load_chosen(request, reporter.report, inspect)
-
-    try:
-        request, loaded = load(_make_xacro_first)
-    except _ReadAgainError:
-        apply_selection(selection)  # its folder of packages may be new
-        request, loaded = load(None)
-    names = {each.subject for each in loaded.findings if each.rule == "unknown-package" and each.subject}
-    if loaded.plan is None and names and "-" not in argv and offer(options, names):  # standard input is read once
-        apply_selection(selection)
-        request, loaded = load(None)
-    return request, loaded
-
-
-def _make_xacro_first(findings: Iterable[Diagnostic]) -> None:
-    if any(each.rule == "unknown-package" and each.subject == _MADE for each in findings):
-        make_xacro()
-        raise _ReadAgainError
+from ur.request.options import LaunchOptions
 
 
 def make_xacro() -> None:
@@ -67,7 +18,7 @@ def make_xacro() -> None:
     from ur.request.environment import own_packages
 
     sys.stderr.write("installing xacro, once ...\n")
-    plan = GetPlan((Step(Missing(_MADE), "pypi", (_MADE,)),))
+    plan = GetPlan((Step(Missing("xacro"), "pypi", ("xacro",)),))
     install(plan, record_path(os.environ), Path(own_packages(os.environ)))
 
 

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from contextlib import ExitStack, contextmanager
-from dataclasses import replace
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import ExitStack, closing, contextmanager
 from typing import TYPE_CHECKING
 
 from ur.request.options import LaunchOptions, Reporter
@@ -35,70 +34,21 @@ def run_launch(
     """Start what a command line asks for, and return the exit code once it has ended. Raises UserError."""
     from ur.run.process.host_client import start_host  # now, not before: help and completion need none of it
 
-    host = start_host()  # its start overlaps with the reading of the launch file
-    stack = ExitStack()
-    try:
-        from ur.cli.launch.missing import load_with_packages
-        from ur.request.joining.join import Joined, join
-        from ur.request.joining.running import lock_launch, refuse_second_master
-        from ur.request.requirements.preparation import prepare_world
-        from ur.request.run_options import make_run_options
-        from ur.run.launch import run_plan
+    with ExitStack() as stack, closing(start_host()) as host:  # its start overlaps with the reading of the launch file
+        from ur.cli.launch.missing import make_xacro, offer
+        from ur.request.launch import Launch, prepare, run
 
-        lock = lock_launch(options, stack, reporter.report)
-        request, loaded = load_with_packages(argv, selection, options, reporter)
-        plan = loaded.plan
-        if plan is None:
-            _write_findings(loaded.findings, options)
-            return 1
-        if options.core:
-            refuse_second_master()
-        world = prepare_world(request.files.paths, plan, loaded.world, complete=options.part is None)
-        restart_share = None
-        client = os.urandom(8).hex()
-        joined = Joined(plan, {})
-        if options.part is None:
-            found = join(loaded, client, reporter.report)
-            if found is None:
-                return 0
-            joined = found
-            plan = joined.plan
-            if not selection.simulated:
-                from ur.run.remote.own_clients import clients_folder, hold_client
-
-                stack.enter_context(hold_client(client, clients_folder(os.environ, os.getuid())))
-        if loaded.robot and any(node.machine == loaded.robot for node in plan.nodes):
-            from ur.request.remote.on_robot import start_there  # ssh, and what comes with it: only where it is needed
-
-            part = stack.enter_context(start_there(replace(loaded, plan=plan), client, reporter.report))
-            plan, restart_share = part.here, part.again.start
-            if not plan.nodes:
-                lock.release()
-                return part.follow()
-        if options.debug:
-            from ur.request import debugging
-
-            terminal = not (options.detach or options.json) and debugging.has_terminal()
-            plan, lines = debugging.debug_nodes(plan, options.debug, world, terminal=terminal)
-            if lines:
-                reporter.report("warning", "\n".join(lines))
-        with _pid_file(options.pid), _viewer(plan, options, reporter) as viewer:
+        launch = Launch(argv, selection, options, reporter, stack, make_xacro, lambda names: offer(options, names))
+        staged = prepare(launch)
+        if staged.end is not None:
+            return staged.end()
+        with _pid_file(options.pid), _viewer(staged.plan, options, reporter) as viewer:
             console = _make_console(viewer)
             try:
-                run_options = replace(
-                    make_run_options(request, _call_started(console, detach)),
-                    environment=joined.environment,
-                    restart_share=restart_share,
-                    owners=joined.owners,
-                    call_registered=lock.release,
-                    viewer=viewer.link if viewer is not None else None,
-                )
-                return run_plan(plan, world, host, console, run_options)
+                link = viewer.link if viewer is not None else None
+                return run(staged, host, console, link, _call_started(console, detach))
             finally:
                 console.finish(1.0)
-    finally:
-        host.close()
-        stack.close()
 
 
 def _call_started(console: Console, detach: Detach | None) -> Callable[[RunEntry], None] | None:
@@ -112,31 +62,6 @@ def _call_started(console: Console, detach: Detach | None) -> Callable[[RunEntry
         detach(entry)
 
     return leave
-
-
-def _write_findings(findings: Sequence[Diagnostic], options: LaunchOptions) -> None:
-    if options.report is not None:
-        write_report(findings, options.report)
-
-
-def write_report(diagnostics: Iterable[Diagnostic], path: str) -> None:
-    """Write errors to a file, for the laptop that has asked for this run."""
-    import json
-    from contextlib import suppress
-    from pathlib import Path
-
-    errors = [each for each in diagnostics if each.severity is Severity.ERROR]
-    fields = [
-        {
-            "message": each.message,
-            "help": each.help or "",
-            "rule": each.rule,
-            "place": str(each.span) if each.span else "",
-        }
-        for each in errors
-    ]
-    with suppress(OSError):
-        Path(path).write_text(json.dumps(fields), encoding="utf-8")
 
 
 def _make_console(viewer: Viewer | None) -> Console:

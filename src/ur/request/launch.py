@@ -1,0 +1,279 @@
+"""The stages of `ur launch`: load, join, place, debug, run. Each but the last returns the plan as it is after it.
+
+The imports of a stage stand in it: most launches need few of them, and a start is to be fast.
+"""
+
+from __future__ import annotations
+
+import os
+import socket
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from contextlib import ExitStack, suppress
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from ur.launchfile.plan.model import Plan
+from ur.request.launch_request import LaunchRequest, make_request
+from ur.request.options import LaunchOptions, Reporter
+from ur.robot.selection import Selection
+from ur.source.diagnostic import Diagnostic, Severity
+
+if TYPE_CHECKING:
+    from ur.launchfile.world.protocol import World
+    from ur.request.plan_files import Inspect, Loaded
+    from ur.run.options import Options
+    from ur.run.output.console import Console
+    from ur.run.process.host_client import ProcessHost
+    from ur.run.record.entry import RunEntry
+    from ur.run.startup.timings import Timings
+    from ur.run.supervisor.model import Limits
+
+_MADE = "xacro"  # no release of Debian has it, and many a robot_description calls it
+_NO_PLAN = Plan((), (), (), (), (), ())
+
+
+@dataclass(frozen=True, slots=True)
+class Launch:
+    """A command line on its way to a run. `client` is the id of that run; `stack` is to be closed at its end.
+
+    `make_xacro` makes the ROS package xacro. `offer` offers to install packages, by their names, and returns whether
+    one was installed.
+    """
+
+    argv: Sequence[str]
+    selection: Selection
+    options: LaunchOptions
+    reporter: Reporter
+    stack: ExitStack
+    make_xacro: Callable[[], None]
+    offer: Callable[[Iterable[str]], bool]
+    client: str = field(default_factory=lambda: os.urandom(8).hex())
+
+
+@dataclass(frozen=True, slots=True)
+class Staged:
+    """The plan of a launch after a stage, in its world. `release` lets other launches at the same master go on.
+
+    `environment` is laid over that of the nodes, `owners` are the runs whose nodes this one uses, and `restart_share`
+    has the robot start its nodes again. `end` takes the place of a run, and returns the exit code.
+    """
+
+    loaded: Loaded
+    plan: Plan
+    world: World
+    release: Callable[[], None]
+    environment: Mapping[str, str] = field(default_factory=dict)
+    owners: tuple[RunEntry, ...] = ()
+    restart_share: Callable[[], str] | None = None
+    end: Callable[[], int] | None = None
+
+
+def prepare(launch: Launch) -> Staged:
+    """Do everything before the run. Raises UserError, as the stages do."""
+    staged = load(launch)
+    for stage in (join, place, debug):
+        if staged.end is None:
+            staged = stage(launch, staged)
+    return staged
+
+
+def load(launch: Launch) -> Staged:
+    """Load the plan, in a world that has what its nodes need. Errors in the files are printed, and end the launch.
+
+    Raises UserError: the arguments do not suit the files, or something is missing that cannot be installed.
+    """
+    from ur.request.joining.running import lock_launch, refuse_second_master
+    from ur.request.requirements.preparation import prepare_world
+
+    options = launch.options
+    release = lock_launch(options, launch.stack, launch.reporter.report).release
+    loaded = load_with_packages(launch)
+    if loaded.plan is None:
+        if options.report is not None:
+            write_report(loaded.findings, options.report)
+        return Staged(loaded, _NO_PLAN, loaded.world, release, end=lambda: 1)
+    if options.core:
+        refuse_second_master()
+    paths = loaded.request.files.paths
+    world = prepare_world(paths, loaded.plan, loaded.world, complete=options.part is None)
+    return Staged(loaded, loaded.plan, world, release)
+
+
+def join(launch: Launch, staged: Staged) -> Staged:
+    """Leave out what runs already, and claim what this run drives; not so for a robot's share of a run.
+
+    Raises UserError: everything runs already, or another client drives and there is no terminal to ask at.
+    """
+    if launch.options.part is not None:
+        return staged
+    from ur.request.joining import join as joining
+
+    joined = joining.join(staged.loaded, launch.client, launch.reporter.report)
+    if joined is None:  # the user does not want to go on
+        return replace(staged, end=lambda: 0)
+    if not launch.selection.simulated:
+        from ur.run.remote.own_clients import clients_folder, hold_client
+
+        launch.stack.enter_context(hold_client(launch.client, clients_folder(os.environ, os.getuid())))
+    return replace(staged, plan=joined.plan, environment=joined.environment, owners=joined.owners)
+
+
+def place(launch: Launch, staged: Staged) -> Staged:
+    """Start the nodes of the robot on the robot. Raises UserError: it cannot be reached, or cannot start them."""
+    robot = staged.loaded.robot
+    if not robot or not any(node.machine == robot for node in staged.plan.nodes):
+        return staged
+    from ur.request.remote.on_robot import start_there  # ssh, and what comes with it: only where it is needed
+
+    started = start_there(replace(staged.loaded, plan=staged.plan), launch.client, launch.reporter.report)
+    part = launch.stack.enter_context(started)
+    if part.here.nodes:
+        return replace(staged, plan=part.here, restart_share=part.again.start)
+    staged.release()
+    return replace(staged, plan=part.here, end=part.follow)
+
+
+def debug(launch: Launch, staged: Staged) -> Staged:
+    """Put the debuggers in front that options ask for. Raises UserError: an unknown node or debugger."""
+    options = launch.options
+    if not options.debug:
+        return staged
+    from ur.request.debugging import debug_nodes, has_terminal
+
+    terminal = not (options.detach or options.json) and has_terminal()
+    plan, lines = debug_nodes(staged.plan, options.debug, staged.world, terminal=terminal)
+    if lines:
+        launch.reporter.report("warning", "\n".join(lines))
+    return replace(staged, plan=plan)
+
+
+def run(
+    staged: Staged,
+    host: ProcessHost,
+    console: Console,
+    viewer: socket.socket | None,
+    call_started: Callable[[RunEntry], None] | None,
+) -> int:
+    """Run the plan to its end, and return the exit code. Raises UserError before anything is started.
+
+    `viewer` is the connection of the interface; `call_started` is that of a detached run.
+    """
+    from ur.run.launch import run_plan
+
+    options = replace(
+        make_run_options(staged.loaded.request, call_started),
+        environment=staged.environment,
+        restart_share=staged.restart_share,
+        owners=staged.owners,
+        call_registered=staged.release,
+        viewer=viewer,
+    )
+    return run_plan(staged.plan, staged.world, host, console, options)
+
+
+class _ReadAgainError(Exception):
+    """A package has been made before the errors that name it were shown."""
+
+
+def load_with_packages(launch: Launch) -> Loaded:
+    """Load what the command line names. Errors in its files are printed, but for a missing xacro, which is made.
+
+    Other missing packages are offered. Raises UserError, as `load_request` does, and when xacro cannot be made.
+    """
+    from ur.request.environment import apply_selection
+    from ur.request.joining.running import follow_world
+    from ur.request.node_choice import load_chosen
+    from ur.request.plan_files import make_world
+
+    def load(inspect: Inspect | None) -> Loaded:
+        request = follow_world(make_request(launch.argv, make_world(), launch.selection, launch.options))
+        return load_chosen(request, launch.reporter.report, inspect)
+
+    def make_xacro_first(findings: Iterable[Diagnostic]) -> None:
+        if any(each.rule == "unknown-package" and each.subject == _MADE for each in findings):
+            launch.make_xacro()
+            raise _ReadAgainError
+
+    try:
+        loaded = load(make_xacro_first)
+    except _ReadAgainError:
+        apply_selection(launch.selection)  # its folder of packages may be new
+        loaded = load(None)
+    names = {each.subject for each in loaded.findings if each.rule == "unknown-package" and each.subject}
+    if loaded.plan is None and names and "-" not in launch.argv and launch.offer(names):  # standard input is read once
+        apply_selection(launch.selection)
+        loaded = load(None)
+    return loaded
+
+
+def write_report(diagnostics: Iterable[Diagnostic], path: str) -> None:
+    """Write errors to a file, for the laptop that has asked for this run."""
+    import json
+
+    errors = [
+        {
+            "message": each.message,
+            "help": each.help or "",
+            "rule": each.rule,
+            "place": str(each.span) if each.span else "",
+        }
+        for each in diagnostics
+        if each.severity is Severity.ERROR
+    ]
+    with suppress(OSError):
+        Path(path).write_text(json.dumps(errors), encoding="utf-8")
+
+
+def make_run_options(request: LaunchRequest, call_started: Callable[[RunEntry], None] | None = None) -> Options:
+    """The options of the run that a request asks for. `call_started` is that of a detached run."""
+    from ur.run.options import Options
+
+    options, selection, values = request.options, request.selection, request.values
+    assert selection is not None
+    base = values.get("robot_base", selection.base)
+    return Options(
+        limits=make_limits(options),
+        force_screen=options.screen,
+        force_log=options.log,
+        force_required=options.required,
+        wait_for_master=options.wait and not options.detach,
+        port=options.port,
+        workers=options.numworkers,
+        master_words=make_master_arguments(options),
+        base=base,
+        variant=values.get("robot_variant", selection.variant if base == selection.base else ""),
+        events=1 if options.json else None,
+        timings=_begin_timings() if options.timings else None,
+        call_started=call_started,
+    )
+
+
+def make_limits(options: LaunchOptions) -> Limits:
+    """Times and counts, those of `Limits` where no option changes them."""
+    from ur.run.supervisor.model import Limits
+
+    defaults = Limits()
+    return Limits(
+        interrupt=options.sigint_timeout or defaults.interrupt,
+        terminate=options.sigterm_timeout or defaults.terminate,
+        quick_deaths=defaults.quick_deaths if options.respawn_limit is None else options.respawn_limit,
+    )
+
+
+def make_master_arguments(options: LaunchOptions) -> tuple[str, ...]:
+    """The arguments of rosmaster that options choose."""
+    found: list[str] = []
+    if options.timeout is not None:
+        found += ["-t", str(options.timeout)]
+    if options.master_logger_level is not None:
+        found += ["--master-logger-level", options.master_logger_level]
+    return tuple(found)
+
+
+def _begin_timings() -> Timings:
+    from ur.run.startup.timings import begin_timings
+
+    timings = begin_timings()
+    timings.mark("launch file")
+    return timings
