@@ -37,10 +37,10 @@ def inspect_cameras() -> Snapshot:
     return parse_devices(done.stdout)
 
 
-def is_raspberry(model: Path = _MODEL) -> bool:
+def is_raspberry() -> bool:
     """Return whether this computer is a Raspberry Pi."""
     try:
-        return "Raspberry Pi" in model.read_text(encoding="utf-8", errors="replace")
+        return "Raspberry Pi" in _MODEL.read_text(encoding="utf-8", errors="replace")
     except OSError:
         return False
 

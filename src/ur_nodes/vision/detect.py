@@ -18,6 +18,9 @@ from ur_nodes.geometry.rigid import Floats, make_rigid, skew
 from ur_nodes.ports.values import Calibration
 from ur_nodes.vision.corners import refine_corners
 
+PIXEL_NOISE = 0.5
+"""How well corners are found: their standard deviation, px."""
+
 DICTIONARIES: tuple[str, ...] = tuple(sorted(name[5:] for name in dir(cv2.aruco) if name.startswith("DICT_")))
 
 
@@ -85,15 +88,14 @@ class Sizes:
 
 
 class Detector:
-    """Finds fiducials of one dictionary (a name in DICTIONARIES). `pixel_noise` is how well corners are found."""
+    """Finds fiducials of one dictionary (a name in DICTIONARIES)."""
 
-    def __init__(self, dictionary: str, sizes: Sizes, *, pixel_noise: float = 0.5) -> None:
+    def __init__(self, dictionary: str, sizes: Sizes) -> None:
         parameters = cv2.aruco.DetectorParameters()
         parameters.cornerRefinementMethod = cv2.aruco.CORNER_REFINE_NONE  # see ur_nodes.vision.corners
         known = cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, f"DICT_{dictionary}"))
         self._detector: Any = cv2.aruco.ArucoDetector(known, parameters)
         self._sizes = sizes
-        self._noise = pixel_noise
 
     def detect(self, image: npt.NDArray[np.uint8], camera: CameraModel | None) -> tuple[Detection, ...]:
         """The fiducials in a grey or colour image, by number. Without a camera they have no poses."""
@@ -104,7 +106,7 @@ class Detector:
             if number not in self._sizes.ignored:
                 size = self._sizes.of(number)
                 points = refine_corners(grey, np.asarray(corners, np.float64).reshape(4, 2))
-                poses = estimate_poses(points, size, camera, self._noise) if camera else ()
+                poses = estimate_poses(points, size, camera) if camera else ()
                 found.append(Detection(int(number), points, size, poses))
         return tuple(sorted(found, key=lambda each: each.id))
 
@@ -115,8 +117,8 @@ def corner_points(size: float) -> Floats:
     return np.array([[-half, half, 0.0], [half, half, 0.0], [half, -half, 0.0], [-half, -half, 0.0]])
 
 
-def estimate_poses(corners: Floats, size: float, camera: CameraModel, noise: float = 0.5) -> tuple[Candidate, ...]:
-    """The possible poses of a square from its corners (4, 2), the better one first; `noise` is that of corners, pixels.
+def estimate_poses(corners: Floats, size: float, camera: CameraModel) -> tuple[Candidate, ...]:
+    """The possible poses of a square from its corners (4, 2), the better one first.
 
     Collins and Bartoli, Infinitesimal Plane-Based Pose Estimation (2014), gives both; each is then refined.
     """
@@ -132,12 +134,12 @@ def estimate_poses(corners: Floats, size: float, camera: CameraModel, noise: flo
         if pose[2, 3] > 0.0:
             expected = cv2.projectPoints(points, refined_turn, refined_shift, matrix, distortion)[0].reshape(4, 2)
             error = float(np.sqrt(np.mean(np.sum((expected - corners) ** 2, axis=1))))
-            found.append(Candidate(pose, error, pose_covariance(pose, size, camera, noise)))
+            found.append(Candidate(pose, error, pose_covariance(pose, size, camera)))
     return tuple(sorted(found, key=lambda each: each.error))
 
 
-def pose_covariance(pose: Floats, size: float, camera: CameraModel, noise: float) -> Floats:
-    """Propagate the noise of corners (pixels) to a pose, to first order; see Candidate.covariance. Shape (6, 6)."""
+def pose_covariance(pose: Floats, size: float, camera: CameraModel) -> Floats:
+    """Propagate the noise of corners to a pose, to first order; see Candidate.covariance. Shape (6, 6)."""
     fx, fy = camera.matrix[0, 0], camera.matrix[1, 1]
     rows = []
     for point in corner_points(size):
@@ -146,6 +148,6 @@ def pose_covariance(pose: Floats, size: float, camera: CameraModel, noise: float
         motion = pose[:3, :3] @ np.hstack([-skew(point), np.eye(3)])
         rows.append(projection @ motion)
     jacobian = np.vstack(rows)
-    information = jacobian.T @ jacobian / noise**2
+    information = jacobian.T @ jacobian / PIXEL_NOISE**2
     inverse: Floats = np.linalg.inv(information + 1e-9 * np.trace(information) * np.eye(6))
     return inverse

@@ -14,13 +14,12 @@ from ur_nodes.geometry.rigid import Floats, from_pose
 from ur_nodes.ports.fiducials import FiducialCorners, SeenFiducials
 from ur_nodes.ports.values import PoseEstimate
 from ur_nodes.vision.detect import CameraModel, Sizes, estimate_poses
+from ur_nodes.vision.estimation.localise import Localiser
+from ur_nodes.vision.estimation.mapping import Mapper
+from ur_nodes.vision.estimation.observation import Observation, make_observation
+from ur_nodes.vision.estimation.search import without_twins
 from ur_nodes.vision.fiducial_map import MapEntry
-from ur_nodes.vision.localise import Localiser
-from ur_nodes.vision.mapping import Mapper
-from ur_nodes.vision.observation import Observation, make_observation
-from ur_nodes.vision.search import without_twins
 
-_PIXEL_NOISE = 0.5
 _WRONG = 20  # pictures in which something is wrong with a fiducial, before it is logged
 _PLANAR = (3, 4, 2)  # x, y, heading among rotation and translation
 
@@ -123,9 +122,8 @@ class FiducialSlam:
         number = fiducial.number
         if number in self._sizes.ignored:
             return None
-        found = estimate_poses(fiducial.corners, self._sizes.of(number), camera, _PIXEL_NOISE)
-        poses = [(each.pose, each.error, each.covariance) for each in found]
-        return make_observation(number, mount, poses, _PIXEL_NOISE) if poses else None
+        found = estimate_poses(fiducial.corners, self._sizes.of(number), camera)
+        return make_observation(number, mount, found) if found else None
 
     def _name(self, numbers: Collection[int], what: str) -> Iterator[str]:
         """A line for each fiducial with which something has been wrong for long, once."""

@@ -9,10 +9,10 @@ from ur.source.diagnostic import UserError, error
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.ports.parameters import Parameters
 from ur_nodes.vision.detect import Sizes
+from ur_nodes.vision.estimation.localise import Localiser
+from ur_nodes.vision.estimation.mapping import Mapper
 from ur_nodes.vision.fiducial_map import read_map
 from ur_nodes.vision.fiducial_slam import FiducialSlam
-from ur_nodes.vision.localise import Localiser
-from ur_nodes.vision.mapping import Mapper
 
 
 @dataclass(frozen=True, slots=True)

@@ -28,7 +28,7 @@ INNER: dict[tuple[type[ctypes.Structure], str], str] = {
     (abi.CaptureParameters, "denominator"): "timeperframe.denominator",
 }
 REQUESTS = ["QUERYCAP", "ENUM_FMT", "S_FMT", "REQBUFS", "QUERYBUF", "QBUF", "DQBUF", "STREAMON", "STREAMOFF", "S_PARM"]
-REQUESTS += ["G_CTRL", "S_CTRL", "QUERYCTRL", "ENUM_FRAMESIZES"]
+REQUESTS += ["S_CTRL", "QUERYCTRL", "ENUM_FRAMESIZES"]
 CONSTANTS = {
     "V4L2_BUF_TYPE_VIDEO_CAPTURE": abi.CAPTURE,
     "V4L2_MEMORY_MMAP": abi.MMAP,

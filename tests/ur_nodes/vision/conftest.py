@@ -8,7 +8,8 @@ from pathlib import Path
 import pytest
 
 MISSING = [name for name in ("cv2", "gtsam") if find_spec(name) is None]
-collect_ignore = [path.name for path in Path(__file__).parent.glob("test_*.py")] if MISSING else []
+HERE = Path(__file__).parent
+collect_ignore = [str(path.relative_to(HERE)) for path in HERE.rglob("test_*.py")] if MISSING else []
 if MISSING:
     collect_ignore.remove("test_requirements.py")
 

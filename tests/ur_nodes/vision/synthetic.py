@@ -12,7 +12,7 @@ import numpy as np
 from ur_nodes.geometry.pose import Pose2, wrap_angle
 from ur_nodes.geometry.rigid import Floats, from_angles, from_planar, invert
 from ur_nodes.vision.detect import CameraModel, corner_points, estimate_poses
-from ur_nodes.vision.observation import Observation, make_observation
+from ur_nodes.vision.estimation.observation import Observation, make_observation
 
 WIDTH, HEIGHT, FOCAL = 640, 480, 531.0
 CAMERA = CameraModel(
@@ -53,8 +53,7 @@ def look(robot: Pose2, markers: Iterable[Marker], random: np.random.Generator, n
         if corners is None:
             continue
         poses = estimate_poses(corners + random.normal(0.0, noise, (4, 2)), marker.size, CAMERA)
-        candidates = [(each.pose, each.error, each.covariance) for each in poses]
-        seen.append(make_observation(marker.id, MOUNT, candidates, 0.5))
+        seen.append(make_observation(marker.id, MOUNT, poses))
     return seen
 
 

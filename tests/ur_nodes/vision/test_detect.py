@@ -12,7 +12,15 @@ from tests.ur_nodes.vision.synthetic import CAMERA, HEIGHT, WIDTH
 
 from ur_nodes.geometry.rigid import Floats, angle_between, from_angles
 from ur_nodes.ports.values import Calibration
-from ur_nodes.vision.detect import CameraModel, Detector, Sizes, camera_model, corner_points, estimate_poses
+from ur_nodes.vision.detect import (
+    PIXEL_NOISE,
+    CameraModel,
+    Detector,
+    Sizes,
+    camera_model,
+    corner_points,
+    estimate_poses,
+)
 
 SIZE = 0.2
 FRONT = from_angles((0.1, -0.05, 1.0), (math.pi + 0.5, 0.2, 0.3))
@@ -91,9 +99,9 @@ def test_covariance_is_that_of_repeated_measurements() -> None:
     random, offs = np.random.default_rng(1), []
     exact = corners_of(FRONT)
     for _ in range(300):
-        best = estimate_poses(exact + random.normal(0.0, 0.3, (4, 2)), SIZE, CAMERA, 0.3)[0]
+        best = estimate_poses(exact + random.normal(0.0, 0.3, (4, 2)), SIZE, CAMERA)[0]
         off = gtsam.Pose3.Logmap(gtsam.Pose3(FRONT).between(gtsam.Pose3(best.pose)))
-        offs.append(off @ np.linalg.solve(best.covariance, off))
+        offs.append(off @ np.linalg.solve(best.covariance * (0.3 / PIXEL_NOISE) ** 2, off))
     assert np.mean(offs) == pytest.approx(6.0, abs=0.8)  # chi squared with six degrees of freedom
 
 

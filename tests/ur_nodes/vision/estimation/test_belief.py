@@ -4,14 +4,13 @@ import math
 
 import numpy as np
 import pytest
+from tests.ur_nodes.vision.estimation.test_mapping import markers
+from tests.ur_nodes.vision.estimation.test_robustness import known
 from tests.ur_nodes.vision.synthetic import drift, drive, look
-from tests.ur_nodes.vision.test_mapping import markers
-from tests.ur_nodes.vision.test_robustness import known
 
 from ur_nodes.geometry.pose import Pose2
-from ur_nodes.vision.belief import UNKNOWN_ERRORS, Belief, guess
-from ur_nodes.vision.graph import DEFAULT_NOISE
-from ur_nodes.vision.localise import Localiser
+from ur_nodes.vision.estimation.belief import UNKNOWN_ERRORS, Belief, guess
+from ur_nodes.vision.estimation.localise import Localiser
 
 HERE = Pose2(0.0, 0.0, 0.0)
 EXACT = np.diag(np.square([0.001, 0.001, 0.001]))
@@ -19,12 +18,12 @@ EXACT = np.diag(np.square([0.001, 0.001, 0.001]))
 
 def ahead(belief: Belief, steps: int, said: Pose2) -> Belief:
     for _ in range(steps):
-        belief = belief.predict(said, DEFAULT_NOISE)
+        belief = belief.predict(said)
     return belief
 
 
 def test_motion_is_added_in_the_robots_frame() -> None:
-    turned = Belief(Pose2(1.0, 2.0, math.pi / 2), EXACT, UNKNOWN_ERRORS).predict(Pose2(0.5, 0.0, 0.1), DEFAULT_NOISE)
+    turned = Belief(Pose2(1.0, 2.0, math.pi / 2), EXACT, UNKNOWN_ERRORS).predict(Pose2(0.5, 0.0, 0.1))
     assert np.allclose(turned.pose, (1.0, 2.5, math.pi / 2 + 0.1))
 
 
@@ -48,7 +47,7 @@ def test_errors_of_the_wheels_are_told_by_where_the_robot_turns_out_to_be() -> N
     assert turn_per_rad == pytest.approx(0.0, abs=1e-6)  # nothing was turned
     assert np.diag(told.errors.covariance)[1] < np.diag(belief.errors.covariance)[1]
     assert np.linalg.eigvalsh(told.errors.covariance).min() > 0.0
-    straight = told.predict(Pose2(0.5, 0.0, 0.0), DEFAULT_NOISE).pose
+    straight = told.predict(Pose2(0.5, 0.0, 0.0)).pose
     assert straight.yaw < -0.03
 
 

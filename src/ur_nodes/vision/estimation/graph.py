@@ -3,38 +3,25 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import gtsam
 import numpy as np
 
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.geometry.rigid import Floats, from_planar, invert, make_rigid
-from ur_nodes.vision.observation import Sighting
+from ur_nodes.vision.estimation.observation import Sighting
 
 _FREE = 1e3  # m or rad: no knowledge
 _LEVEL = (0.005, 0.005, _FREE, _FREE, _FREE, 0.005)  # how well the floor holds roll, pitch and height
+_SHIFT_PER_M, _TURN_PER_RAD, _TURN_PER_M = 0.03, 0.03, 0.02  # of odometry: m per m, rad per rad, rad per m
+_LEAST_SHIFT, _LEAST_TURN = 0.003, 0.003  # m, rad: of any motion
 _HUBER = 1.345  # standard deviations beyond which an observation counts less; 95 % efficient for normal noise
 
 
-@dataclass(frozen=True, slots=True)
-class OdometryNoise:
-    """Standard deviations of odometry over a motion: m per m, rad per rad, rad per m, and a least of each."""
-
-    shift_per_m: float = 0.03
-    turn_per_rad: float = 0.03
-    turn_per_m: float = 0.02
-    least_shift: float = 0.003
-    least_turn: float = 0.003
-
-    def sigmas(self, motion: Pose2) -> tuple[float, float]:
-        """Of position (m) and heading (rad) after a motion."""
-        way, turn = math.hypot(motion.x, motion.y), abs(motion.yaw)
-        shift = self.least_shift + self.shift_per_m * way
-        return shift, self.least_turn + self.turn_per_rad * turn + self.turn_per_m * way
-
-
-DEFAULT_NOISE = OdometryNoise()
+def odometry_sigmas(motion: Pose2) -> tuple[float, float]:
+    """The standard deviations of position (m) and heading (rad) by odometry after a motion."""
+    way, turn = math.hypot(motion.x, motion.y), abs(motion.yaw)
+    return _LEAST_SHIFT + _SHIFT_PER_M * way, _LEAST_TURN + _TURN_PER_RAD * turn + _TURN_PER_M * way
 
 
 def robot_key(number: int) -> int:
@@ -67,9 +54,9 @@ def planar_factor(number: int, pose: Floats, covariance: Floats) -> gtsam.Nonlin
     return gtsam.PriorFactorPose3(robot_key(number), gtsam.Pose3(pose), gtsam.noiseModel.Gaussian.Covariance(whole))
 
 
-def odometry_factor(before: int, after: int, motion: Pose2, noise: OdometryNoise) -> gtsam.NonlinearFactor:
+def odometry_factor(before: int, after: int, motion: Pose2) -> gtsam.NonlinearFactor:
     """Add a motion of the robot, measured by its wheels."""
-    shift, turn = noise.sigmas(motion)
+    shift, turn = odometry_sigmas(motion)
     sigmas = np.array([0.01, 0.01, turn, shift, shift, 0.01])
     model = gtsam.noiseModel.Diagonal.Sigmas(sigmas)
     return gtsam.BetweenFactorPose3(robot_key(before), robot_key(after), gtsam.Pose3(from_planar(motion)), model)

@@ -11,9 +11,9 @@ import numpy as np
 
 from ur_nodes.geometry.pose import Pose2, wrap_angle
 from ur_nodes.geometry.rigid import Floats, invert, to_planar
+from ur_nodes.vision.estimation.graph import robot_from
+from ur_nodes.vision.estimation.observation import CLEAR, Observation, Sighting
 from ur_nodes.vision.fiducial_map import MapEntry
-from ur_nodes.vision.graph import robot_from
-from ur_nodes.vision.observation import CLEAR, Observation, Sighting
 
 GATE = 60.0
 """Chi squared (six degrees of freedom) beyond which a sighting contradicts what is believed."""

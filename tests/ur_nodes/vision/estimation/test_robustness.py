@@ -8,16 +8,16 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from tests.ur_nodes.vision.estimation.test_mapping import markers
 from tests.ur_nodes.vision.synthetic import Marker, drift, drive, look
-from tests.ur_nodes.vision.test_mapping import markers
 
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.geometry.rigid import Floats, from_angles
+from ur_nodes.vision.estimation.localise import Localiser
+from ur_nodes.vision.estimation.mapping import Mapper
+from ur_nodes.vision.estimation.observation import Observation
+from ur_nodes.vision.estimation.search import find_robot, without_twins
 from ur_nodes.vision.fiducial_map import MapEntry
-from ur_nodes.vision.localise import Localiser
-from ur_nodes.vision.mapping import Mapper
-from ur_nodes.vision.observation import Observation
-from ur_nodes.vision.search import find_robot, without_twins
 
 HERE = Pose2(0.0, 0.0, 0.0)
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ur_nodes.geometry.rigid import Floats, angle_between, invert
-from ur_nodes.vision.observation import CLEAR, Observation, Sighting, choose_sighting, misfit
+from ur_nodes.vision.estimation.observation import CLEAR, Observation, Sighting, choose_sighting, misfit
 
 _KEPT = 12  # views of a fiducial
 _SAME = 0.15  # rad by which two guesses at one pose differ

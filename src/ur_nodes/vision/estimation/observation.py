@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ur_nodes.geometry.rigid import Floats, angle_between
+from ur_nodes.vision.detect import PIXEL_NOISE, Candidate
 
 # Beside the noise of corners: calibration, size of the print, mounting of the camera, rolling of the base.
 _TURN_FLOOR = 0.01  # rad
@@ -58,17 +59,15 @@ def misfit(sighting: Sighting, expected: Floats) -> float:
     return float(angle_between(sighting.pose, expected) ** 2 / tolerance + sighting.cost)
 
 
-def make_observation(
-    number: int, base_from_camera: Floats, poses: Sequence[tuple[Floats, float, Floats]], noise: float
-) -> Observation:
-    """Transform sightings from the camera to the robot: pose (4, 4), error and covariance (6, 6) of each candidate.
+def make_observation(number: int, base_from_camera: Floats, candidates: Sequence[Candidate]) -> Observation:
+    """Transform the candidates of a fiducial, at least one, from the camera to the robot.
 
-    Errors (rms) and `noise` (that of corners) are in pixels. What detection cannot know is added to the covariances.
+    What detection cannot know is added to the covariances.
     """
     sightings = []
-    for pose, error, covariance in poses:
-        shift = _SHIFT_FLOOR + _SHIFT_SHARE * float(np.linalg.norm(pose[:3, 3]))
+    for each in candidates:
+        shift = _SHIFT_FLOOR + _SHIFT_SHARE * float(np.linalg.norm(each.pose[:3, 3]))
         floor = np.diag([_TURN_FLOOR**2] * 3 + [shift**2] * 3)
-        cost = 4.0 * (error**2 - poses[0][1] ** 2) / noise**2  # of four corners
-        sightings.append(Sighting(base_from_camera @ pose, covariance + floor, cost))
+        cost = 4.0 * (each.error**2 - candidates[0].error ** 2) / PIXEL_NOISE**2  # of four corners
+        sightings.append(Sighting(base_from_camera @ each.pose, each.covariance + floor, cost))
     return Observation(number, tuple(sightings))

@@ -9,7 +9,7 @@ import numpy as np
 
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.geometry.rigid import Floats
-from ur_nodes.vision.graph import OdometryNoise
+from ur_nodes.vision.estimation.graph import odometry_sigmas
 
 _VAGUE = np.diag(np.square([0.5, 0.5, 0.5]))  # m, m, rad: of a first guess
 _ERRORS = np.diag(np.square([0.02, 0.02, 0.02]))  # of a wheel base that has not been calibrated
@@ -43,7 +43,7 @@ class Belief:
         """The standard deviation of the place, m."""
         return math.sqrt(float(self.covariance[0, 0] + self.covariance[1, 1]))
 
-    def predict(self, measured: Pose2, noise: OdometryNoise) -> Belief:
+    def predict(self, measured: Pose2) -> Belief:
         """Return the belief after a motion that odometry has `measured`."""
         distance = math.hypot(measured.x, measured.y)
         if distance < 1e-4 and abs(measured.yaw) < 1e-4:
@@ -58,7 +58,7 @@ class Belief:
         # The adjoint of the inverse motion: errors before it, as seen after it.
         carry = np.array([[c, s, s * motion.x - c * motion.y], [-s, c, c * motion.x + s * motion.y], [0, 0, 1.0]])
         effect = np.array([[measured.x, 0.0, 0.0], [0.0, 0.0, 0.0], [0.0, measured.x, measured.yaw]])
-        shift, turn = noise.sigmas(motion)
+        shift, turn = odometry_sigmas(motion)
         together, errors = carry @ self.errors.together, self.errors.covariance
         mixed = together @ effect.T
         covariance = carry @ self.covariance @ carry.T + mixed + mixed.T + effect @ errors @ effect.T

@@ -10,22 +10,21 @@ import numpy as np
 
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.geometry.rigid import Floats, from_planar, invert, to_planar
-from ur_nodes.vision.fiducial_map import MapEntry
-from ur_nodes.vision.graph import (
-    DEFAULT_NOISE,
-    OdometryNoise,
+from ur_nodes.vision.estimation.graph import (
     fiducial_key,
     known_factor,
     level_factor,
     odometry_factor,
+    odometry_sigmas,
     robot_from,
     robot_key,
     sighting_factor,
     start_factor,
 )
-from ur_nodes.vision.observation import Observation, Sighting, choose_sighting
-from ur_nodes.vision.search import GATE, deviation
-from ur_nodes.vision.unsettled import Unsettled, View
+from ur_nodes.vision.estimation.observation import Observation, Sighting, choose_sighting
+from ur_nodes.vision.estimation.search import GATE, deviation
+from ur_nodes.vision.estimation.unsettled import Unsettled, View
+from ur_nodes.vision.fiducial_map import MapEntry
 
 _STEP, _TURN = 0.15, 0.15  # m, rad: how far apart moments of the graph are where something is seen
 _LONG_STEP, _LONG_TURN = 0.6, 0.8  # and where nothing is
@@ -45,10 +44,8 @@ class Mapper:
         known: Iterable[MapEntry] = (),
         *,
         start: Pose2 | None = _ORIGIN,
-        noise: OdometryNoise = DEFAULT_NOISE,
     ) -> None:
         """`start` is the first pose of the robot; None: estimated from the first `known` fiducial that is seen."""
-        self._noise = noise
         self._start = start
         self._isam = gtsam.ISAM2()
         self._graph = gtsam.NonlinearFactorGraph()
@@ -172,7 +169,7 @@ class Mapper:
         values.insert(robot_key(self._count), gtsam.Pose3(guess))
         factors.push_back(level_factor(self._count, guess))
         if self._count:
-            factors.push_back(odometry_factor(self._count - 1, self._count, self._motion(odometry), self._noise))
+            factors.push_back(odometry_factor(self._count - 1, self._count, self._motion(odometry)))
         elif self._start is not None:
             factors.push_back(start_factor(0, guess, 1e-3, 1e-3))
 
@@ -208,7 +205,7 @@ class Mapper:
         off = deviation(guess, known, sighting)
         if np.linalg.norm(off[3:]) < _NEARBY and np.linalg.norm(off[:3]) < _NEARLY:
             return False
-        shift, turn = self._noise.sigmas(self._motion(odometry))
+        shift, turn = odometry_sigmas(self._motion(odometry))
         strayed = self.covariance() + np.diag(np.square([0.0, 0.0, turn, shift, shift, 0.0]))
         carry = gtsam.Pose3(invert(known) @ guess).AdjointMap()
         placed = np.asarray(self._isam.marginalCovariance(fiducial_key(number)))

@@ -11,11 +11,11 @@ from tests.ur_nodes.vision.synthetic import Marker, drift, drive, look
 from ur.worlds.world_file import read_world
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.geometry.rigid import angle_between, from_angles
+from ur_nodes.vision.estimation.localise import Localiser
+from ur_nodes.vision.estimation.mapping import Mapper
 from ur_nodes.vision.fiducial_map import MapEntry
-from ur_nodes.vision.localise import Localiser
-from ur_nodes.vision.mapping import Mapper
 
-OFFICE = Path(__file__).resolve().parents[3] / "ubiquity_launches" / "n_simulator" / "worlds" / "office.yaml"
+OFFICE = Path(__file__).resolve().parents[4] / "ubiquity_launches" / "n_simulator" / "worlds" / "office.yaml"
 LAP = [(0.0, 0.0), (8.5, 0.0), (8.5, 2.5), (5.0, 2.0), (4.5, -2.0), (1.0, -1.5), (0.0, 0.0), (2.0, 0.0)]
 
 

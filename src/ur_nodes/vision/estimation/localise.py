@@ -10,19 +10,17 @@ import numpy as np
 
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.geometry.rigid import Floats, from_planar, invert, to_planar
-from ur_nodes.vision.belief import UNKNOWN_ERRORS, Belief, Errors, guess
-from ur_nodes.vision.fiducial_map import MapEntry
-from ur_nodes.vision.graph import (
-    DEFAULT_NOISE,
-    OdometryNoise,
+from ur_nodes.vision.estimation.belief import UNKNOWN_ERRORS, Belief, Errors, guess
+from ur_nodes.vision.estimation.graph import (
     fiducial_key,
     known_factor,
     planar_factor,
     robot_key,
     sighting_factor,
 )
-from ur_nodes.vision.observation import Observation, Sighting, choose_sighting
-from ur_nodes.vision.search import GATE, disagreement, find_robot
+from ur_nodes.vision.estimation.observation import Observation, Sighting, choose_sighting
+from ur_nodes.vision.estimation.search import GATE, disagreement, find_robot
+from ur_nodes.vision.fiducial_map import MapEntry
 
 _CONTRADICTIONS = 5  # pictures in a row in which several fiducials contradict: then the robot was moved by hand
 _LONE_CONTRADICTIONS = 30  # the same with one fiducial only: that may have been moved itself
@@ -46,7 +44,6 @@ class Localiser:
         known: Iterable[MapEntry],
         *,
         start: Pose2 | None = None,
-        noise: OdometryNoise = DEFAULT_NOISE,
         spread_limit: float = math.inf,
     ) -> None:
         """`start` is the robot's initial pose; None: it is found from the first sightings.
@@ -54,7 +51,6 @@ class Localiser:
         `spread_limit` (m) is the standard deviation of the place beyond which the robot is lost.
         """
         self._known = {entry.id: entry for entry in known}
-        self._noise = noise
         self._limit = spread_limit
         self._odometry: Pose2 | None = None
         self._contradictions = 0
@@ -119,7 +115,7 @@ class Localiser:
 
     def _predict(self, odometry: Pose2) -> None:
         if self._odometry is not None and self._belief is not None:
-            self._belief = self._belief.predict(self._odometry.inverse().compose(odometry), self._noise)
+            self._belief = self._belief.predict(self._odometry.inverse().compose(odometry))
         self._odometry = odometry
 
     def _correct(self, belief: Belief, seen: tuple[Observation, ...]) -> bool:
