@@ -8,6 +8,7 @@ import signal
 import sys
 import threading
 from collections.abc import Callable, Sequence
+from contextlib import AbstractContextManager
 from typing import TypeVar
 
 from ur_nodes.ports.node import Node
@@ -70,6 +71,19 @@ def run_foreground(name: str, start: Callable[[Node], Wired], body: Callable[[Wi
         report = write_crash_report(problem, name, [backend.log_folder()])
         sys.stderr.write(describe_crash(problem, name, report) + "\n")
         return EXIT_CODE
+
+
+def attach(
+    name: str, start: Callable[[Node], Wired], end: Callable[[], None]
+) -> AbstractContextManager[tuple[Wired, Node]]:
+    """Run a node in a program of a user's, with callbacks on a thread of the node's own, as long as the context.
+
+    `start` wires it up; `end` is called on any thread when the middleware ends the node. Signals stay the program's.
+    Raises UserError on entering: no middleware runs.
+    """
+    from ur_nodes.ros1 import attached as backend
+
+    return backend.attach(name, start, end)
 
 
 def drop_output() -> None:

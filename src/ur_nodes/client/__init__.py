@@ -1,5 +1,23 @@
 """Drive and show a robot: what the terminal, the page, scripts and users' programs share.
 
-Reads give frozen values and may come from any thread. Requests are made on the node's thread, unless they say that any
-thread may make them.
+Programs of users begin with `from ur_nodes.client import Robot`. For the rest: reads give frozen values and may come
+from any thread; requests are made on the node's thread, unless they say that any thread may make them.
 """
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from ur_nodes.client.errors import Lost, Refused, RobotError, TakenOver
+    from ur_nodes.client.robot import Robot
+
+__all__ = ["Lost", "Refused", "Robot", "RobotError", "TakenOver"]
+
+
+def __getattr__(name: str) -> Any:
+    """Load the public names when they are used: nodes that need one module of the package need no more."""
+    if name not in __all__:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return getattr(import_module(f"{__name__}.{'robot' if name == 'Robot' else 'errors'}"), name)

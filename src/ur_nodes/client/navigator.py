@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 import time
+from collections.abc import Callable
 from dataclasses import replace
 
 from ur.source.diagnostic import UserError, error
@@ -33,13 +34,20 @@ class RobotNavigator:
     What has not come yet is in `Snapshot.missing`. The lease is released at the end of the node.
     """
 
-    def __init__(self, node: Node, names: Names, program: str, wait: Wait = wait_in_real_time) -> None:
+    def __init__(
+        self,
+        node: Node,
+        names: Names,
+        program: str,
+        wait: Wait = wait_in_real_time,
+        on_challenge: Callable[[], None] | None = None,
+    ) -> None:
         """`program` is shown to other users as the one that drives."""
         self._node, self._wait = node, wait
         self._numbers = itertools.count(1)
         self._sent = GoalReport()
         self.mux = MuxLink(node, names.mux)
-        self.lease = LeaseClient(node, names.mux, program)
+        self.lease = LeaseClient(node, names.mux, program, on_challenge=on_challenge)
         self.topics = NavigationTopics(node, names)
         self._patrol = PatrolLink(node)
         self._lease_topic = node.resolve(f"{names.mux}/lease")

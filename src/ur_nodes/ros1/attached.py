@@ -29,6 +29,8 @@ def attach(name: str, start: Callable[[Node], Wired], end: Callable[[], None]) -
     `end` is called on any thread when the master or another node ends this one. Signals stay the program's, and
     nothing is written on the terminal. Leaving the context ends the node. Raises UserError: no master.
     """
+    if rospy.core.is_initialized():
+        raise UserError(error(f"{name}: a program is one node, expected no other in it", rule="second-node"))
     bound_connections()
     if not rosgraph.is_master_online():
         uri = os.environ.get("ROS_MASTER_URI", "(ROS_MASTER_URI is not set)")

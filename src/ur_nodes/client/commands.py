@@ -1,0 +1,59 @@
+"""Velocities of a client: sent while they are wanted, and no longer than was said when they began."""
+
+from __future__ import annotations
+
+from ur_nodes.motion.challenge.link import FreshPublisher
+from ur_nodes.motion.lease.client import LeaseClient
+from ur_nodes.ports.node import Node, Timer
+from ur_nodes.ports.values import Twist
+
+STILL = Twist(0.0, 0.0)
+
+
+class Commands:
+    """Answers each challenge of the mux with the velocity that is wanted. Works on the node's thread.
+
+    So commands are as young as can be, and they end in time when the thread that asked for them hangs.
+    """
+
+    def __init__(self, node: Node, topic: str) -> None:
+        """`topic` is the one of plain velocities; the stamped ones are beside it."""
+        self._node, self._topic = node, topic
+        self._twist: Twist | None = None
+        self._end: Timer | None = None
+
+    def connect(self, lease: LeaseClient) -> None:
+        """Send as this client of the lease."""
+        self._lease = lease
+        self._publisher = FreshPublisher(self._topic, lease.link, lease.client)
+
+    def listeners(self) -> int:
+        """The number of nodes that take the velocities."""
+        return self._publisher.listeners()
+
+    @property
+    def on(self) -> bool:
+        """Return whether a velocity is sent."""
+        return self._twist is not None
+
+    def begin(self, twist: Twist, seconds: float) -> None:
+        """Drive at a velocity for so long, in place of the one before."""
+        self.end(stop=False)
+        if not self._lease.view().mine:
+            self._lease.acquire()
+        self._twist = twist
+        self._end = self._node.after(seconds, self.end, steady=True)
+        self.answer()
+
+    def end(self, *, stop: bool = True) -> None:
+        """Drive no more; with `stop` at once, where this client drives."""
+        if self._end is not None:
+            self._end.cancel()
+        if stop and self._twist is not None and self._lease.view().mine:
+            self._publisher.send(STILL)
+        self._twist = self._end = None
+
+    def answer(self) -> None:
+        """Send the velocity that is wanted: a challenge has arrived."""
+        if self._twist is not None and not self._lease.view().other:
+            self._publisher.send(self._twist)

@@ -1,0 +1,19 @@
+"""Errors of requests to a robot."""
+
+from __future__ import annotations
+
+
+class RobotError(Exception):
+    """A request that was not carried out; the text says why, for people."""
+
+
+class Refused(RobotError):  # noqa: N818 - named as users say it
+    """The robot's side does not do it: no way there, an emergency stop, another client drives, no such sensor."""
+
+
+class Lost(RobotError):  # noqa: N818
+    """Nothing arrives from the robot, or from a part of it that is needed."""
+
+
+class TakenOver(RobotError):  # noqa: N818
+    """Another client has taken over; the robot obeys that one now."""
