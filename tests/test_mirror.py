@@ -30,7 +30,6 @@ ELSEWHERE = {
     "ur/docs/repository": "whole documents: tests/docs/ and tests/docs/site/",
     "ur_nodes/memory": "the contract of all backends: tests/ur_nodes/ports/",
     "ur_nodes/slam/gmapping": "the node on a bus: tests/ur_nodes/slam/test_slam_gmapping_node.py",
-    "ur_nodes/codecs": "the contract of all backends: tests/ur_nodes/ports/",
 }
 
 TEST_FILES = sorted(TESTS.rglob("test_*.py"))

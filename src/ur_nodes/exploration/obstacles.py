@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 from numpy.typing import NDArray
 
-from ur_nodes.geometry.grid import Grid
+from ur_nodes.ports.kept_map import KeptMap
 from ur_nodes.ports.node import Node
 from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.values import Map, MapUpdate
@@ -21,30 +19,24 @@ class Obstacles:
 
     def __init__(self, node: Node, costmap: str, updates: str) -> None:
         self._log = node.log
-        self._costs: Grid | None = None  # its values are our own
+        self._costs = KeptMap()
         self._found: NDArray[np.floating] | None = None
         node.subscribe(updates, MapUpdate, self._take_update, Quality.EVERY)
         node.subscribe(costmap, Map, self._take_costmap)
 
     def points(self) -> NDArray[np.floating] | None:
         """The middles (n, 2) of the cells with an obstacle, in m; None while there is no costmap."""
-        if self._found is None and self._costs is not None:
-            self._found = self._costs.points_of_cells(np.argwhere(self._costs.values == _LETHAL))
+        if self._found is None and self._costs.map is not None:
+            grid = self._costs.map.grid
+            self._found = grid.points_of_cells(np.argwhere(grid.values == _LETHAL))
         return self._found
 
     def _take_costmap(self, given: Map) -> None:
-        self._costs, self._found = replace(given.grid, values=given.grid.values.copy()), None
+        self._costs.take(given)
+        self._found = None
 
     def _take_update(self, update: MapUpdate) -> None:
-        if self._costs is None:
-            return
-        values = self._costs.values
-        rows, columns = update.values.shape
-        fits = update.row + rows <= values.shape[0] and update.column + columns <= values.shape[1]
-        if not fits or update.row < 0 or update.column < 0:  # as after a change of the map's size
-            height, width = values.shape
-            expected = f"expected cells inside the grid of {width} x {height}"
-            self._log.warn(f"an update reaches beyond the costmap, {expected}", every=_LOGGED_EVERY)
-            return
-        values[update.row : update.row + rows, update.column : update.column + columns] = update.values
-        self._found = None
+        if problem := self._costs.take_update(update):
+            self._log.warn(f"costmap: {problem}", every=_LOGGED_EVERY)
+        else:
+            self._found = None

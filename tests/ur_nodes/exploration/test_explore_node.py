@@ -154,4 +154,4 @@ def test_change_that_does_not_fit_the_costmap_is_left_out_and_logged() -> None:
     world.bus.run(1.0)
     world.changes.send(MapUpdate(world.bus.now, "map", 1000, 0, np.zeros((2, 2), np.int8)))
     world.bus.run(1.0)
-    assert any("an update reaches beyond the costmap" in text for _, text in world.explore.lines)
+    assert any("expected cells inside the grid" in text for _, text in world.explore.lines)
