@@ -51,14 +51,3 @@ class GridUpdate(genpy.Message):  # type: ignore[misc]  # genpy has no types
         except (struct.error, ValueError) as problem:
             raise genpy.DeserializationError(problem) from problem
         return self
-
-
-def update_message(values: NDArray[np.int8], row: int, column: int, frame: str, stamp: Any) -> GridUpdate:
-    """A message with new values (height, width) of the cells from (row, column) on."""
-    message = GridUpdate()
-    message.header.frame_id = frame
-    message.header.stamp = stamp
-    message.x, message.y = column, row
-    message.height, message.width = values.shape
-    message.data = values.ravel()
-    return message

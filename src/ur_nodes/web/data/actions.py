@@ -29,7 +29,7 @@ from ur_nodes.web.data.forms import BadValueError, make_template, read_fields, r
 from ur_nodes.web.data.guard import refuse_parameter, refuse_service
 from ur_nodes.web.data.publishing import Publishing
 from ur_nodes.web.messages.definition import read_definition
-from ur_nodes.web.scene.scene_node import describe_mesh, describe_model
+from ur_nodes.web.scene.model import describe_mesh, describe_model
 
 _MOST_CALLS = 4  # that have no answer yet
 _LONGEST_TEXT = 20_000
@@ -109,9 +109,9 @@ class Actions:
                 raise refuse_uninstalled(request.kind)
             return {"value": make_template(read_definition(request.kind, schema)), "kind": request.kind}
         if isinstance(request, DescribeModel):
-            return describe_model()
+            return describe_model(self._parameters.any("robot_description"))
         assert isinstance(request, DescribeMesh), "the others are no questions of this sort"
-        return describe_mesh(request.address)
+        return describe_mesh(request.address, self._parameters.any("robot_description"))
 
     def _call(self, request: Call, finish: Answer) -> None:
         refusal = refuse_service(request.service)

@@ -13,7 +13,7 @@ from ur_nodes.web.data.actions import Actions
 from ur_nodes.web.data.answers import Fields
 from ur_nodes.web.data.topics import TopicWatch
 from ur_nodes.web.layers.pacing import Every
-from ur_nodes.web.scene.scene_node import SceneFeed
+from ur_nodes.web.scene.feed import SceneFeed
 from ur_nodes.web.server_link import Outlet
 from ur_nodes.web.status.feed import StatusFeed
 
@@ -31,7 +31,7 @@ class DataEnd:
         self._asking = False
         self._graph_every = Every(_GRAPH_EVERY)
         send = outlet.send_frame
-        self._topics, self._status, self._scene = TopicWatch(node, send), StatusFeed(node, send), SceneFeed(send)
+        self._topics, self._status, self._scene = TopicWatch(node, send), StatusFeed(node, send), SceneFeed(node, send)
         self._actions = Actions(node)
         send(pack_json(ALL, "hello", {"t": "hello"}))
         node.every(_TICK, self._step, steady=True)
@@ -74,7 +74,7 @@ class DataEnd:
         if self._graph is not None or not self._shows:
             graph = self._graph or Graph()
             self._topics.step(self._shows, graph)
-            self._scene.step(self._node.steady(), self._shows, graph)
+            self._scene.step(self._shows, dict(graph.published()))
 
     def _take_graph(self, graph: Graph | None) -> None:
         self._asking = False

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from ur.web.wire.frames import TILE, GridFrame
+from ur.web.wire.frames import TILE, GridFrame, Layer, grid_frame, tile_frame
 from ur_nodes.geometry.grid import UNKNOWN, Grid
 from ur_nodes.geometry.pose import Pose2
 
@@ -42,6 +42,34 @@ def cut_tiles(before: Tiles, grid: Grid) -> tuple[Tiles, tuple[Index, ...]]:
         tiles[index] = blank
     changed = tuple(index for index, tile in tiles.items() if index not in old or not np.array_equal(old[index], tile))
     return Tiles(frame, tiles), changed
+
+
+class GridFrames:
+    """Makes the frames of a layer that is a grid, of what has changed since the last ones."""
+
+    def __init__(self, layer: Layer) -> None:
+        self._layer = layer
+        self._tiles = Tiles()
+
+    def show(self, grid: Grid) -> list[bytes]:
+        """The frames that turn what was shown into this grid."""
+        self._tiles, changed = cut_tiles(self._tiles, grid)
+        frame = self._tiles.frame
+        assert frame is not None, "made from a grid"
+        tiles = self._tiles.tiles
+        return [
+            grid_frame(self._layer, frame),
+            *(tile_frame(self._layer, frame.generation, *index, tiles[index].tobytes()) for index in changed),
+        ]
+
+    def clear(self) -> list[bytes]:
+        """The frames that have pages forget what was shown."""
+        before = self._tiles.frame
+        if before is None:
+            return []
+        empty = GridFrame(before.generation + 1, before.resolution, before.origin, 0, 0, 0, 0)
+        self._tiles = Tiles(empty)
+        return [grid_frame(self._layer, empty)]
 
 
 def _cut(values: NDArray[np.int8], column: int, row: int) -> dict[Index, NDArray[np.int8]]:

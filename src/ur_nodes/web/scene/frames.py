@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from ur_nodes.ports.values import Transform
+
 _MOST = 400  # frames
 _OLD = 30.0  # s after which a moving frame is left out
 
@@ -15,16 +17,13 @@ class FrameTree:
     def __init__(self) -> None:
         self._known: dict[str, tuple[float, list[Any]]] = {}
 
-    def take(self, transform: Any, now: float, *, fixed: bool) -> None:
-        """Take a geometry_msgs/TransformStamped; one that is malformed is left out. `fixed`: it does not grow old."""
-        child = str(transform.child_frame_id).lstrip("/")[:100]
-        parent = str(transform.header.frame_id).lstrip("/")[:100]
-        move, turn = transform.transform.translation, transform.transform.rotation
-        numbers = [move.x, move.y, move.z, turn.x, turn.y, turn.z, turn.w]
-        good = all(math.isfinite(each) and abs(each) < 1e6 for each in numbers) and math.hypot(*numbers[3:]) > 0.5
+    def take(self, transform: Transform, now: float, *, fixed: bool) -> None:
+        """Take a transform; one that is malformed is left out. `fixed`: it does not grow old."""
+        child, parent, pose = transform.child[:100], transform.parent[:100], transform.pose
+        good = all(math.isfinite(each) and abs(each) < 1e6 for each in pose) and math.hypot(*pose.rotation) > 0.5
         if not child or child == parent or not good or (child not in self._known and len(self._known) >= _MOST):
             return
-        self._known[child] = (math.inf if fixed else now), [child, parent, *(round(each, 5) for each in numbers)]
+        self._known[child] = (math.inf if fixed else now), [child, parent, *(round(each, 5) for each in pose)]
 
     def describe(self, now: float) -> list[list[Any]]:
         """Rows of child, parent, x, y, z in m, and the quaternion x, y, z, w."""

@@ -1,54 +1,42 @@
-"""Markers of visualization_msgs as bounded plain values."""
+"""Markers as bounded JSON."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 from ur.source.printable import printable
+from ur_nodes.ports.values import MarkerChange
 
-ADD, DELETE, DELETE_ALL = 0, 2, 3
-"""Actions of a marker."""
-
-_KINDS = {
-    0: "arrow",
-    1: "cube",
-    2: "sphere",
-    3: "cylinder",
-    4: "line_strip",
-    5: "line_list",
-    6: "cube_list",
-    7: "sphere_list",
-    8: "points",
-    9: "text",
-    11: "triangles",
-}
 _MOST = 300  # markers of one topic
 _MOST_POINTS = 3000  # of one marker
 _MOST_POINTS_OF_ALL = 12_000
 _FARTHEST = 1e5  # m
 
 
-class Markers:
+class ShownMarkers:
     """The markers of one topic by namespace and id. Times are seconds of any steady clock."""
 
     def __init__(self) -> None:
         self._known: dict[tuple[str, int], tuple[float, dict[str, Any]]] = {}
         self.changed = False
 
-    def take(self, marker: Any, now: float) -> None:
-        """Take a message of the type Marker; one that is malformed is left out."""
-        key = str(marker.ns)[:200], int(marker.id)
-        if marker.action == DELETE_ALL:
+    def take(self, change: MarkerChange, now: float) -> None:
+        """Take a change; a marker that is malformed is left out."""
+        key = change.marker.namespace[:200], change.marker.number
+        if change.action == "clear":
             self._known.clear()
-        elif marker.action == DELETE:
+        elif change.action == "delete":
             self._known.pop(key, None)
-        elif marker.action == ADD:
-            found = describe_marker(marker)
+        else:
+            found = describe_marker(change)
             if found is None or (key not in self._known and len(self._known) >= _MOST):
                 return
-            life = marker.lifetime.to_sec()
-            self._known[key] = (now + life if life > 0 else math.inf), found
+            self._known[key] = (now + change.lifetime if change.lifetime > 0 else math.inf), found
         self.changed = True
 
     def describe(self, now: float) -> list[dict[str, Any]]:
@@ -68,38 +56,33 @@ class Markers:
         return any(until <= now for until, _ in self._known.values())
 
 
-def describe_marker(marker: Any) -> dict[str, Any] | None:
+def describe_marker(change: MarkerChange) -> dict[str, Any] | None:
     """A marker as JSON: frame, kind, pose, scale, colour, points and text; None where it cannot be shown."""
-    kind = _KINDS.get(marker.type)
-    place, turn = marker.pose.position, marker.pose.orientation
-    pose = [place.x, place.y, place.z, turn.x, turn.y, turn.z, turn.w]
-    scale = [marker.scale.x, marker.scale.y, marker.scale.z]
-    colour = [marker.color.r, marker.color.g, marker.color.b, marker.color.a]
-    if kind is None or not _good([*pose, *scale, *colour]):
+    marker = change.marker
+    if not _good((*marker.pose, *marker.size, *marker.colour)):
         return None
     found: dict[str, Any] = {
-        "frame": str(marker.header.frame_id).lstrip("/")[:100],
-        "kind": kind,
-        "pose": _round(pose),
-        "scale": _round(scale),
-        "color": _round(colour),
+        "frame": change.frame[:100],
+        "kind": marker.shape,
+        "pose": _round(marker.pose),
+        "scale": _round(marker.size),
+        "color": _round(marker.colour),
     }
-    points = [number for each in marker.points[:_MOST_POINTS] for number in (each.x, each.y, each.z)]
+    points, colours = marker.points[:_MOST_POINTS], marker.colours[:_MOST_POINTS, :3]
     if not _good(points):
         return None
-    if points:
-        found["points"] = _round(points)
-        colours = [number for each in marker.colors[:_MOST_POINTS] for number in (each.r, each.g, each.b)]
+    if len(points):
+        found["points"] = points.round(4).ravel().tolist()
         if len(colours) == len(points) and _good(colours):
-            found["colors"] = _round(colours)
-    if kind == "text":
-        found["text"] = printable(str(marker.text)[:200])
+            found["colors"] = colours.round(4).ravel().tolist()
+    if marker.shape == "text":
+        found["text"] = printable(marker.text[:200])
     return found
 
 
-def _good(numbers: list[float]) -> bool:
-    return all(math.isfinite(each) and abs(each) < _FARTHEST for each in numbers)
+def _good(numbers: Sequence[float] | NDArray[np.float64]) -> bool:
+    return bool((np.abs(numbers) < _FARTHEST).all())
 
 
-def _round(numbers: list[float]) -> list[float]:
+def _round(numbers: Sequence[float]) -> list[float]:
     return [round(each, 4) for each in numbers]

@@ -1,20 +1,27 @@
-"""The shapes that a robot's description (URDF) shows, as plain values; meshes by the address that it names."""
+"""The shapes that a robot's description (URDF) shows, as plain values, and its meshes by the address that it names."""
 
 from __future__ import annotations
 
+import base64
 import math
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 from xml.etree.ElementTree import Element
 
+import numpy as np
+import rospkg
+
+from ur.robot.description.mesh_file import read_mesh
 from ur.source.foreign.xml_text import parse_xml
 
 LONGEST = 1 << 21
 """Characters of a description."""
 
 _MOST = 400  # shapes
+_MOST_TRIANGLES = 30_000
+_LARGEST_MESH = 20_000_000  # bytes
 _ADDRESS = re.compile(r"package://([A-Za-z][\w-]{0,99})/([\w./ +-]{1,300})", re.ASCII)
 _MESHES = (".stl", ".dae", ".obj")
 
@@ -100,3 +107,34 @@ def package_of(address: str) -> str:
     """The package that the address of a mesh names; "" for none."""
     match = _ADDRESS.fullmatch(address)
     return match[1] if match else ""
+
+
+def describe_model(description: object) -> Mapping[str, Any]:
+    """The answer to the question for the robot's model: the shapes of the parameter /robot_description."""
+    if not isinstance(description, str):
+        return {"ok": False, "text": "no description of the robot: the parameter /robot_description is not set"}
+    try:
+        return {"value": read_model(description)}
+    except BadModelError as problem:
+        return {"ok": False, "text": str(problem)[:300]}
+
+
+def describe_mesh(address: str, description: object) -> Mapping[str, Any]:
+    """The answer to the question for a mesh that the description names: its triangles, or its extent."""
+    shapes = describe_model(description).get("value", [])
+    if not any(each.get("mesh") == address for each in shapes):
+        return {"ok": False, "text": f"{address}: the robot's description does not name it"}
+    try:
+        path = find_mesh(address, rospkg.RosPack().get_path(package_of(address)))
+    except rospkg.ResourceNotFound:
+        return {"ok": False, "text": f"{address}: the package is not installed on this computer"}
+    if path is None or not path.is_file() or path.stat().st_size > _LARGEST_MESH:
+        return {"ok": False, "text": f"{address}: no mesh of at most {_LARGEST_MESH} bytes within its package"}
+    points = read_mesh(path)
+    if not len(points):
+        return {"ok": False, "text": f"{address}: no points in it"}
+    extent = [points.min(axis=0).tolist(), points.max(axis=0).tolist()]
+    if path.suffix.lower() != ".stl" or len(points) > 3 * _MOST_TRIANGLES:
+        return {"value": {"extent": extent}}
+    data = base64.b64encode(points.astype(np.float32).tobytes()).decode()
+    return {"value": {"extent": extent, "triangles": data}}

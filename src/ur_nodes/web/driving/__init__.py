@@ -1,0 +1,1 @@
+"""Driving from pages: each request is checked, answered, and passed on."""

@@ -1,0 +1,121 @@
+"""The mux as requests of pages reach it: velocities, lease requests, and the challenges that bound their age.
+
+The mux checks the age of each command itself, by its own clock. The check here comes before it, so that a page learns
+at once that its press is over.
+"""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+from ur_nodes.motion.challenge.freshness import REQUEST_FRESHNESS, Stamp
+from ur_nodes.motion.lease.text import Action, Lease, Request, read_lease, write_request
+from ur_nodes.ports.node import SECOND, Node
+from ur_nodes.ports.qualities import Quality
+from ur_nodes.ports.values import StampedTwist, Time, Twist
+from ur_nodes.web.driving.page_lease import PageLease
+
+VELOCITIES = "web_vel_stamped"
+_PROGRAM = "web"
+
+
+@dataclass(frozen=True, slots=True)
+class Heard:
+    """Challenges with the time of their arrival, oldest first; `newest` is None before the first."""
+
+    at: OrderedDict[Stamp, float] = field(default_factory=OrderedDict)
+    newest: Stamp | None = None
+
+
+def hear(heard: Heard, challenge: Stamp, now: float) -> Heard:
+    """A challenge has arrived."""
+    kept = OrderedDict((each, at) for each, at in heard.at.items() if now - at <= REQUEST_FRESHNESS)
+    kept[challenge] = now
+    return Heard(kept, challenge)
+
+
+def age_of_answer(heard: Heard, answer: Stamp, now: float) -> float | None:
+    """Seconds since the challenge arrived here; None for one that did not arrive within the last second."""
+    at = heard.at.get(answer)
+    return max(0.0, now - at) if at is not None and now - at <= REQUEST_FRESHNESS else None
+
+
+class DriverLink:
+    """`limits` are the highest velocities that are passed on, m/s and rad/s."""
+
+    def __init__(
+        self, node: Node, mux: str, limits: tuple[float, float], on_challenge: Callable[[Stamp], None]
+    ) -> None:
+        """`on_challenge` is called with each challenge."""
+        self.lease: Lease | None = None
+        """The lease; None before the mux has sent one."""
+        self._node, self._limits, self._on_challenge = node, limits, on_challenge
+        self._heard = Heard()
+        self._heard_at = float("-inf")
+        self._velocities = node.publish(VELOCITIES, StampedTwist)
+        self._speed_limit = node.publish(f"{mux}/speed_limit", float)
+        self._requests = node.publish(f"{mux}/lease_request", str, Quality.EVERY)
+        node.subscribe(f"{mux}/lease", str, self._take_lease, Quality.LATCHED)
+        node.subscribe(f"{mux}/challenge", Time, self._take_challenge)
+
+    @property
+    def newest(self) -> Stamp | None:
+        """The newest challenge; None before the first."""
+        return self._heard.newest
+
+    @property
+    def connected(self) -> bool:
+        """Return whether a mux takes velocities."""
+        return self._velocities.listeners() > 0
+
+    def link_age(self) -> float:
+        """Return the seconds since the mux's last challenge; infinite before the first."""
+        return self._node.steady() - self._heard_at
+
+    def age_of(self, answer: Stamp) -> float | None:
+        """Return the age of an answer in s; None for a challenge that did not arrive within the last second."""
+        return age_of_answer(self._heard, answer, self._node.steady())
+
+    def is_late(self, answer: Stamp) -> bool:
+        """Return whether a request that sets something in motion is too old, where there is a mux that tells."""
+        age = self.age_of(answer)
+        told = self.lease is not None or self.newest is not None
+        return told and (age is None or age > REQUEST_FRESHNESS)
+
+    def drive(self, page: PageLease, answer: Stamp, forward: float, turn: float) -> None:
+        """Pass a velocity on, m/s and rad/s."""
+        fastest, sharpest = self._limits
+        twist = Twist(max(-fastest, min(fastest, forward)), max(-sharpest, min(sharpest, turn)))
+        self._velocities.send(StampedTwist(number_of(answer), page.client, twist))
+
+    def stop(self, page: PageLease) -> None:
+        """Pass a velocity of zero on at once; the mux would stop a moment later by itself."""
+        if self.newest is not None:
+            self.drive(page, self.newest, 0.0, 0.0)
+
+    def request(self, page: PageLease, name: str, action: Action, answer: Stamp) -> None:
+        """Ask for the lease, in the name of a page."""
+        request = Request(page.client, name, _PROGRAM, action, True, answer, page.computer)
+        self._requests.send(write_request(request))
+
+    def limit_speed(self, percent: float) -> None:
+        """Limit the speed of all who drive."""
+        self._speed_limit.send(float(percent))
+
+    def _take_lease(self, text: str) -> None:
+        lease = read_lease(text)
+        if lease is not None:
+            self.lease = lease
+
+    def _take_challenge(self, challenge: Time) -> None:
+        stamp = divmod(challenge.stamp, SECOND)
+        self._heard_at = self._node.steady()
+        self._heard = hear(self._heard, stamp, self._heard_at)
+        self._on_challenge(stamp)
+
+
+def number_of(answer: Stamp) -> int:
+    """A challenge in ns, as values carry it."""
+    return answer[0] * SECOND + answer[1]

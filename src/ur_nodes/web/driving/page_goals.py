@@ -1,0 +1,103 @@
+"""Pages that may drive, and their goals and poses: requests that set something in motion, or change where it goes."""
+
+from __future__ import annotations
+
+import itertools
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+
+from ur.web.wire.requests import Goal, GoTo, InitialPose, Resume
+from ur_nodes.client.model import heading_there
+from ur_nodes.client.navigation import NavigationTopics
+from ur_nodes.geometry.pose import Pose2
+from ur_nodes.motion.challenge.freshness import Stamp
+from ur_nodes.navigation.goals.goal_claim import write_any_heading, write_goal_id
+from ur_nodes.ports.node import Node
+from ur_nodes.web.driving.driver_link import DriverLink, number_of
+from ur_nodes.web.driving.page_lease import PageLease, may_drive, note_end, request_action
+from ur_nodes.web.driving.stick import StickState
+
+Refuse = Callable[[str, str], None]
+"""Refuses a request, by its name, for a reason."""
+
+_WHAT = {Goal: "goal", GoTo: "go_to", InitialPose: "pose", Resume: "resume"}
+
+
+@dataclass(frozen=True, slots=True)
+class Page:
+    """A page: `once` it has left, it cannot come again; `goal` is the number of its last goal.
+
+    The number is 0 where it has sent none, or its end is known.
+    """
+
+    name: str
+    lease: PageLease
+    stick: StickState = field(default_factory=StickState)
+    once: bool = False
+    goal: int = 0
+
+
+class PageGoals:
+    """Passes them on to navigation. Requests that are late, or of pages that may not drive, are refused."""
+
+    def __init__(
+        self, node: Node, topics: NavigationTopics, link: DriverLink, find_place: Callable[[str], Pose2 | None]
+    ) -> None:
+        self._node, self._topics, self._link, self._find_place = node, topics, link, find_place
+        self._numbers = itertools.count(1)
+
+    def cancel(self) -> None:
+        """Cancel the goal, whichever client has sent it."""
+        self._topics.cancel_goals()
+
+    def note(self, page: Page) -> Page:
+        """Note when the goal of a page has ended."""
+        goal = self._topics.goal()
+        if page.goal and (goal.number != page.goal or goal.over):
+            return replace(page, goal=0, lease=note_end(page.lease, self._node.steady()))
+        return page
+
+    def take(self, page: Page, request: Goal | GoTo | InitialPose | Resume, refuse: Refuse) -> Page:
+        """Take a request of a page. One that is refused hands the lease back, unless its page drives to a goal."""
+        why = ""
+        if isinstance(request, GoTo):
+            place = self._find_place(request.place)
+            if place is None:
+                why = "no place"
+            else:
+                return self.take(page, Goal(request.answers, *place), refuse)
+        elif self._link.is_late(request.answers):
+            why = "late"
+        elif not may_drive(page.lease, self._link.lease):
+            why = "driver"
+        if why:
+            refuse(_WHAT[type(request)], why)
+            return page if page.goal else replace(page, lease=note_end(page.lease, self._node.steady()))
+        if isinstance(request, Resume):
+            self._topics.continue_goal(number_of(request.answers))
+        elif isinstance(request, InitialPose):
+            self._topics.set_pose(Pose2(request.x, request.y, request.yaw))
+        elif isinstance(request, Goal):
+            return self._go(page, request)
+        return page
+
+    def _go(self, page: Page, goal: Goal) -> Page:
+        goal_id, yaw = f"{self._node.name}-{next(self._numbers)}-{time.time():.3f}", goal.yaw
+        if yaw is None:
+            goal_id = write_any_heading(goal_id)
+            yaw = heading_there(self._topics.robot.pose(), goal.x, goal.y)
+        if self._link.lease is not None:
+            page = self.acquire(page, goal.answers)
+            goal_id = write_goal_id(goal_id, page.lease.client, number_of(goal.answers))
+        number = self._topics.send_goal(goal_id, Pose2(goal.x, goal.y, yaw))
+        return replace(page, goal=number, lease=replace(page.lease, ended_at=None))
+
+    def acquire(self, page: Page, answer: Stamp) -> Page:
+        """Ask for the lease for a page that begins to drive, unless it has it."""
+        lease = self._link.lease
+        if lease is None or lease.client == page.lease.client:
+            return page
+        page = replace(page, lease=request_action(page.lease, "acquire", self._node.steady()))
+        self._link.request(page.lease, page.name, "acquire", answer)
+        return page

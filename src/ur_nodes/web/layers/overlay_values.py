@@ -1,0 +1,102 @@
+"""Overlays of the map as JSON for pages: from the newest values of their topics, in the map frame."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import numpy as np
+
+from ur.source.printable import printable
+from ur.web.wire.frames import Layer
+from ur_nodes.geometry.pose import Pose2
+from ur_nodes.ports.fiducials import MappedFiducials
+from ur_nodes.ports.values import Markers, Odometry, PoseEstimate, Range
+
+_MOST_MARKS = 500
+_MOST_FRONTIERS, _MOST_CELLS = 200, 60  # of a frontier, evenly
+
+Place = Callable[[str], "Pose2 | None"]
+"""Gives the pose of a frame in the map frame; None: it is not known."""
+
+
+def _describe_sonars(found: Mapping[str, Range], place: Place) -> dict[str, Any]:
+    """Cones in the map frame: x, y (m), yaw, range (m), field of view (rad), 1 for an echo."""
+    cones = []
+    for sonar in found.values():
+        mount = place(sonar.frame)
+        if mount is None or not math.isfinite(sonar.range_max):
+            continue
+        echo = sonar.range_min <= sonar.range < sonar.range_max
+        reach = sonar.range if echo else sonar.range_max
+        cones.append([*_round(*mount, reach, sonar.field_of_view), int(echo)])
+    return {"cones": cones}
+
+
+def _describe_covariance(found: Mapping[str, PoseEstimate], place: Place) -> dict[str, Any]:
+    """The newest pose of the localiser with its spread: x, y (m), xx, xy, yy (m^2)."""
+    for estimate in found.values():
+        frame = place(estimate.frame)
+        if frame is not None:
+            own = frame.compose(estimate.pose)
+            cos, sin = math.cos(frame.yaw), math.sin(frame.yaw)
+            turn = np.array([(cos, -sin), (sin, cos)])
+            spread = turn @ estimate.covariance[:2, :2] @ turn.T
+            shown = (spread[0, 0], spread[0, 1], spread[1, 1])
+            if all(map(math.isfinite, (*own, *shown))):
+                return {"at": _round(own.x, own.y), "spread": [round(float(each), 6) for each in shown]}
+    return {}
+
+
+def _describe_fiducials(found: Mapping[str, MappedFiducials], _place: Place) -> dict[str, Any]:
+    """Fiducials of the map: id, x, y (m)."""
+    marks = [
+        [each.number, *_round(*each.place[:2])]
+        for fiducials in found.values()
+        for each in fiducials.fiducials[:_MOST_MARKS]
+        if all(map(math.isfinite, each.place[:2]))
+    ]
+    return {"marks": marks}
+
+
+def _describe_robots(found: Mapping[str, PoseEstimate | Odometry], place: Place) -> dict[str, Any]:
+    """Other robots by name: x, y (m), yaw. A localiser's pose counts before the one that a simulator knows."""
+    robots: dict[str, list[float]] = {}
+    for name, value in sorted(found.items(), key=lambda item: item[0], reverse=True):  # amcl_pose comes last
+        frame = place(value.frame)
+        if frame is None:
+            continue
+        here = frame.compose(value.pose)
+        if all(map(math.isfinite, here)):
+            robots[printable(name.rpartition("/")[0].strip("/"))[:40]] = _round(*here)
+    return {"robots": robots}
+
+
+def _describe_frontiers(found: Mapping[str, Markers], place: Place) -> dict[str, Any]:
+    """Frontiers of an exploration: 1 for one that was given up, then x, y, x, y, ... (m)."""
+    frontiers = []
+    for shown in found.values():
+        frame = place(shown.frame)
+        if frame is None:
+            continue
+        for marker in [each for each in shown.markers if len(each.points)][:_MOST_FRONTIERS]:
+            points = frame.transform_points(marker.points[:: 1 + len(marker.points) // _MOST_CELLS, :2])
+            if np.isfinite(points).all():
+                blocked = marker.colour[0] > marker.colour[2]
+                frontiers.append([int(blocked), *(round(each, 2) for each in points.ravel().tolist())])
+    return {"frontiers": frontiers}
+
+
+def _round(*numbers: float) -> list[float]:
+    return [round(each, 3) if math.isfinite(each) else 0.0 for each in numbers]
+
+
+DESCRIBE: Mapping[Layer, Callable[[Mapping[str, Any], Place], dict[str, Any]]] = {
+    Layer.SONARS: _describe_sonars,
+    Layer.COVARIANCE: _describe_covariance,
+    Layer.FIDUCIALS: _describe_fiducials,
+    Layer.ROBOTS: _describe_robots,
+    Layer.FRONTIERS: _describe_frontiers,
+}
+"""The description of each layer, from the newest values of its topics by name."""

@@ -1,0 +1,118 @@
+"""Sonars, fiducials, other robots, frontiers, the spread of the pose, subscribed to while a page shows them; bumpers.
+
+They are found by the types and names of their topics, since each robot has others.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Mapping, Sequence
+from functools import partial
+from typing import Any
+
+from ur.source.printable import printable
+from ur.web.wire.frames import Kind, Layer, json_frame
+from ur_nodes.ports.fiducials import MappedFiducials
+from ur_nodes.ports.node import Node, Subscription
+from ur_nodes.ports.values import Markers, Odometry, PoseEstimate, Range
+from ur_nodes.web.layers.overlay_values import DESCRIBE, Place
+from ur_nodes.web.layers.pacing import Every
+
+_EVERY = 0.2  # s between two frames of a layer
+_MOST = 64  # topics of a layer
+
+Topic = tuple[str, str]
+
+_POSE, _ODOMETRY = "geometry_msgs/PoseWithCovarianceStamped", "nav_msgs/Odometry"
+_KINDS: Mapping[str, type] = {
+    "sensor_msgs/Range": Range,
+    _POSE: PoseEstimate,
+    _ODOMETRY: Odometry,
+    "fiducial_msgs/FiducialMapEntryArray": MappedFiducials,
+    "std_msgs/Bool": bool,
+    "visualization_msgs/MarkerArray": Markers,
+}
+_OWN = {Layer.COVARIANCE: "amcl_pose", Layer.FRONTIERS: "explore/frontiers"}
+_ROBOTS = {("amcl_pose", _POSE), ("base_pose_ground_truth", _ODOMETRY)}
+
+
+def choose_topics(layer: Layer, topics: Sequence[Topic], resolve: Callable[[str], str]) -> list[Topic]:
+    """The topics of a layer among all topics (full name, type), at most 64; `resolve` gives full names.
+
+    Bumpers are `.../bumper/NAME`. Another robot has a namespace, and in it `amcl_pose`, or, where it is simulated and
+    has no localiser, `base_pose_ground_truth`.
+    """
+    own = resolve(_OWN[layer]) if layer in _OWN else ""
+
+    def belongs(name: str, kind: str) -> bool:
+        *above, last = name.split("/")
+        if own:
+            return name == own
+        if layer == Layer.ROBOTS:
+            return len(above) > 1 and (last, kind) in _ROBOTS
+        if layer == Layer.NONE:
+            return kind == "std_msgs/Bool" and above[-1:] == ["bumper"]
+        return _KINDS.get(kind) is {Layer.SONARS: Range, Layer.FIDUCIALS: MappedFiducials}[layer]
+
+    return [topic for topic in sorted(topics) if belongs(*topic)][:_MOST]
+
+
+class Overlays:
+    """Sends the layers that are wanted, and notes bumpers. `place` gives the pose of a frame in the map frame."""
+
+    def __init__(self, node: Node, place: Place, send: Callable[[bytes], None]) -> None:
+        self._node, self._place, self._send = node, place, send
+        self._topics: Sequence[Topic] = ()
+        self._stale = False  # what is wanted, or the topics, have changed
+        self._wanted: frozenset[Layer] = frozenset()
+        self._watched = False
+        self._subscriptions: dict[tuple[Layer, str], Subscription] = {}
+        self._newest: dict[tuple[Layer, str], Any] = {}
+        self._sent: dict[Layer, dict[str, Any]] = {}
+        self._send_every = Every(_EVERY)
+
+    def want(self, layers: Collection[int], *, watched: bool) -> None:
+        """Have these layers sent; `watched`: a page is open, and is to know the bumpers."""
+        wanted = frozenset(layer for layer in DESCRIBE if layer in layers)
+        self._stale = self._stale or (wanted, watched) != (self._wanted, self._watched)
+        self._wanted, self._watched = wanted, watched
+
+    def take_topics(self, topics: Sequence[Topic]) -> None:
+        """Take the names and types of all topics."""
+        self._topics, self._stale = topics, True
+
+    def pressed(self) -> list[str]:
+        """Return the names of the bumpers that are pressed."""
+        names = {name for (layer, name), value in self._newest.items() if layer == Layer.NONE and value}
+        return sorted(printable(name.rpartition("/")[2])[:40] for name in names)
+
+    def step(self, now: float) -> None:
+        """Subscribe to what is wanted, and send what has changed; to be called often. `now` is `Node.steady`."""
+        if self._stale:
+            self._stale = False
+            self._follow()
+        if not self._send_every.due(now):
+            return
+        for layer in self._wanted:
+            found = {name: value for (each, name), value in self._newest.items() if each == layer}
+            self._show(layer, DESCRIBE[layer](found, self._place))
+
+    def _follow(self) -> None:
+        layers = {*self._wanted, *((Layer.NONE,) if self._watched else ())}
+        resolve = self._node.resolve
+        wanted = {(layer, *topic) for layer in layers for topic in choose_topics(layer, self._topics, resolve)}
+        for key in self._subscriptions.keys() - {(layer, name) for layer, name, _ in wanted}:
+            self._subscriptions.pop(key).close()
+            self._newest.pop(key, None)
+        for layer, name, kind in wanted:
+            key = layer, name
+            if key not in self._subscriptions and kind in _KINDS:
+                take = partial(self._newest.__setitem__, key)
+                self._subscriptions[key] = self._node.subscribe(name, _KINDS[kind], take)
+        for layer in self._sent.keys() - self._wanted:  # what a page gets that wants the layer again is old
+            self._show(layer, {})
+            del self._sent[layer]
+
+    def _show(self, layer: Layer, value: dict[str, Any]) -> None:
+        if value != self._sent.get(layer, {}):
+            self._sent[layer] = value
+            self._send(json_frame(Kind.OVERLAY, value, layer))

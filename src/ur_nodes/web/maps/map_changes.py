@@ -1,0 +1,63 @@
+"""Requests of pages about the map: places, zones and walls are changed by whom they belong to, and the page is told."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from ur.web.wire.map_requests import (
+    DeleteZone,
+    DrawWalls,
+    ForgetPlace,
+    MapRequest,
+    NamePlace,
+    PutZone,
+    RestoreWalls,
+    SaveMap,
+)
+from ur_nodes.web.maps.map_link import MapLink
+from ur_nodes.web.maps.place_file import PlaceFile
+from ur_nodes.web.maps.zone_link import ZoneLink
+
+Reply = Callable[[str, Mapping[str, Any]], None]
+"""Sends an answer to a page, by its client id."""
+
+_WHAT: Mapping[type, str] = {
+    PutZone: "put_zone",
+    DeleteZone: "delete_zone",
+    DrawWalls: "draw_walls",
+    RestoreWalls: "restore_walls",
+}
+
+
+class MapChanges:
+    """Passes requests on; the answer to each is sent by `reply`, maybe later."""
+
+    def __init__(self, places: PlaceFile, zones: ZoneLink, maps: MapLink, reply: Reply) -> None:
+        self._places, self._zones, self._maps, self._reply = places, zones, maps, reply
+
+    def take(self, client: str, request: MapRequest) -> None:
+        """Take a request of a page that may drive."""
+        if isinstance(request, NamePlace | ForgetPlace):
+            self._places.change(request, lambda answer: self._reply(client, answer))
+        elif isinstance(request, SaveMap):
+            self._save_map(client)
+        else:
+            what = _WHAT[type(request)]
+
+            def answer(problem: str) -> None:
+                result = {"t": "refused", "why": problem} if problem else {"t": "done"}
+                self._reply(client, {**result, "what": what})
+
+            if isinstance(request, DrawWalls | RestoreWalls):
+                if not self._maps.walls.change(request, answer):
+                    answer("no walls")
+            elif not self._zones.change(request, answer):
+                answer("no zones")
+
+    def _save_map(self, client: str) -> None:
+        def answer(name: str, problem: str) -> None:
+            what = {"t": "done", "name": name} if name else {"t": "refused", "why": problem}
+            self._reply(client, {**what, "what": "save_map"})
+
+        self._maps.save(answer)

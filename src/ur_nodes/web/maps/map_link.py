@@ -1,0 +1,104 @@
+"""The stored map of the robot's programs, for pages: its name, and the service that saves one that is being made."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
+from typing import Any
+
+from ur.maps.names import is_map_name
+from ur.source.printable import printable
+from ur_nodes.client.map_saving import read_saved
+from ur_nodes.ports.graph import Graph
+from ur_nodes.ports.node import Node
+from ur_nodes.ports.services import Trigger
+from ur_nodes.ports.values import Result
+from ur_nodes.web.maps.wall_link import WallLink
+
+_SERVICE_NAME = re.compile(r"/?[A-Za-z][\w/]{0,200}", re.ASCII)
+_KEEPER = "keyboard_navigate"
+_SERVER = "static_map"  # the service of the map server, which runs where the keeper is left out, too
+_SAVERS = (_KEEPER, "teleop_twist_keyboard", "explore")  # nodes with the parameter `save_service`
+_PERIOD = 3.0  # s
+_SAVING = 60.0  # s that a map may take to be saved
+_LANE = "map"
+
+Done = Callable[[str, str], None]
+
+
+class MapLink:
+    """Follows the parameters of programs."""
+
+    def __init__(self, node: Node) -> None:
+        self.walls = WallLink(node)
+        self._node = node
+        self._name, self._service = "", ""  # of the map, and of the service that saves it
+        self._asking = self._saving = False
+        node.after(0.0, self._ask, steady=True)
+        node.every(_PERIOD, self._ask, steady=True)
+
+    def describe(self) -> Mapping[str, Any]:
+        """Describe it for a page: `name` of the stored map in use, "" for none; `saves`: one is being made; `walls`."""
+        made = {"name": "", "restorable": False, "why": "made"}
+        return {
+            "name": self._name,
+            "saves": self._service != "",
+            "walls": made if self._service else self.walls.describe(),
+        }
+
+    def save(self, done: Done) -> None:
+        """Save the map that is being made; `done` is called with its name, or with "" and what is wrong."""
+        if not self._service:
+            done("", "no map")
+        elif self._saving:
+            done("", "busy")
+        else:
+            self._saving = True
+            self._node.call(self._service, Trigger(), partial(self._take_saved, done), _SAVING)
+
+    def _take_saved(self, done: Done, result: Result) -> None:
+        self._saving = False
+        name, problem = read_saved(result)
+        done(name, "" if name else printable(problem)[:300] or "the service gives no reason")
+
+    def _ask(self) -> None:
+        if not self._asking:
+            self._asking = True
+            self._node.read_graph(self._take_graph)
+
+    def _take_graph(self, graph: Graph | None) -> None:
+        if graph is None:  # a master that does not answer has changed nothing
+            self._asking = False
+        else:
+            self._node.work(lambda: self._read_names(graph), self._take_names, _LANE)
+
+    def _read_names(self, graph: Graph) -> tuple[str, str] | None:
+        """The name of the map and the service that saves it; None while the parameters cannot be read."""
+        parameters, resolve = self._node.parameters, self._node.resolve
+        try:
+            service = choose_service([parameters.of(each).any("save_service", "") for each in _SAVERS])
+            service = resolve(service) if service else ""
+            if service not in graph.services:  # parameters stay when their node has ended
+                service = ""
+            name = choose_name(parameters.of(_KEEPER).any("map_name", ""), made=service != "")
+        except Exception as problem:
+            self._node.log.debug(f"map link: {problem}")
+            return None
+        return name if resolve(_SERVER) in graph.services else "", service
+
+    def _take_names(self, found: tuple[str, str] | None) -> None:
+        self._asking = False
+        if found is not None:
+            self._name, self._service = found
+
+
+def choose_service(values: Sequence[object]) -> str:
+    """The first of these values of parameters that is the name of a service; "": none is."""
+    names = (each for each in values if isinstance(each, str) and _SERVICE_NAME.fullmatch(each))
+    return next(names, "")
+
+
+def choose_name(value: object, *, made: bool) -> str:
+    """The name of the stored map that a program navigates on; "" for a file, and for a map that is being `made`."""
+    return value if isinstance(value, str) and is_map_name(value) and not made else ""

@@ -1,0 +1,64 @@
+"""State of another node that pages show, and requests to change it, whose answers come back with the state."""
+
+from __future__ import annotations
+
+import itertools
+import json
+from collections.abc import Callable, Mapping
+from typing import Any, Generic, TypeVar
+
+from ur.source.printable import printable
+from ur_nodes.ports.node import Node
+from ur_nodes.ports.qualities import Quality
+
+Done = Callable[[str], None]
+"""Called with what is wrong, or ''."""
+
+State = TypeVar("State")
+
+_LONGEST = 2_000_000  # characters of a state
+_MOST_WAITING = 100
+
+
+class RequestTopic(Generic[State]):
+    """Publishes requests as JSON with an `id`, on the topic NAME_request; `state` is the newest of the topic NAMEs."""
+
+    def __init__(self, node: Node, name: str, read: Callable[[Mapping[str, Any]], State], first: State) -> None:
+        """`read` makes a state of JSON. It raises ValueError, TypeError or KeyError where that is malformed."""
+        self.state = first
+        self._node, self._read = node, read
+        self._numbers = itertools.count(1)
+        self._waiting: dict[str, Done] = {}
+        self._requests = node.publish(f"{name}_request", str, Quality.EVERY)
+        self._states = node.subscribe(f"{name}s", str, self._take, Quality.LATCHED)
+
+    def served(self) -> bool:
+        """Return whether a node takes requests."""
+        return self._requests.listeners() > 0
+
+    def ask(self, request: Mapping[str, Any], done: Done) -> bool:
+        """Send a request. Return False: no node takes it, and `done` is not called."""
+        if not self.served():
+            return False
+        key = f"{self._node.name}-{next(self._numbers)}"
+        self._waiting[key] = done
+        while len(self._waiting) > _MOST_WAITING:
+            del self._waiting[next(iter(self._waiting))]
+        self._requests.send(json.dumps({"id": key, **request}))
+        return True
+
+    def _take(self, text: str) -> None:
+        """Take a state; the answer in it counts once."""
+        try:
+            if len(text) > _LONGEST:
+                raise ValueError("too long")
+            found = json.loads(text)
+            state, answer = self._read(found), found["answer"]
+            id, problem = ("", "") if answer is None else (str(answer["id"]), printable(str(answer["problem"]))[:300])
+        except (ValueError, TypeError, KeyError, RecursionError):
+            self._node.log.warn(f"{self._states.topic}: not what a map server publishes; it is ignored", every=10.0)
+            return
+        self.state = state
+        done = self._waiting.pop(id, None)
+        if done is not None:
+            done(problem)

@@ -1,0 +1,74 @@
+"""The robot's end of the page: what pages see of the robot, and what they ask of it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, Protocol
+
+from ur_nodes.client.exploration import ExplorationStatus
+from ur_nodes.client.mux import MuxLink
+from ur_nodes.client.navigation import Names, NavigationTopics
+from ur_nodes.client.patrol_link import PatrolLink
+from ur_nodes.motion.challenge.freshness import Stamp
+from ur_nodes.ports.node import Node
+from ur_nodes.web.driving.drive_end import DriveEnd, Robot
+from ur_nodes.web.driving.driver_link import DriverLink
+from ur_nodes.web.driving.page_goals import PageGoals
+from ur_nodes.web.layers.frame_sender import FrameOutlet
+from ur_nodes.web.maps.map_changes import MapChanges
+from ur_nodes.web.maps.map_link import MapLink
+from ur_nodes.web.maps.place_file import PlaceFile
+from ur_nodes.web.maps.zone_link import ZoneLink
+from ur_nodes.web.robot_facts import RobotFacts
+from ur_nodes.web.view_end import Shown, ViewEnd
+
+
+class LineOutlet(Protocol):
+    """Sends JSON to the server without letting the node wait."""
+
+    def send_line(self, value: Mapping[str, Any]) -> None:
+        """Send a line of JSON."""
+
+
+class RobotEnd:
+    """Joins the robot to the server: frames leave by `view`, answers to pages by `drive`."""
+
+    def __init__(self, node: Node, view: FrameOutlet, drive: LineOutlet) -> None:
+        names, facts, self._outlet = Names(), RobotFacts(node), drive
+        topics, mux, patrol = NavigationTopics(node, names), MuxLink(node, names.mux), PatrolLink(node)
+        places, zones, maps = PlaceFile(node), ZoneLink(node), MapLink(node)
+        link = DriverLink(node, names.mux, facts.limits, self._take_challenge)
+        changes = MapChanges(places, zones, maps, self._reply)
+        robot = Robot(mux, PageGoals(node, topics, link, places.find), places, patrol, changes)
+        self._drives = DriveEnd(node, link, robot, self._reply)
+        exploration = ExplorationStatus(node, "explore/status")
+        shown = Shown(facts, topics, mux, link, patrol, exploration, places, zones, maps)
+        self._views = ViewEnd(node, names.mux, shown, view)
+
+    def take_view(self, message: dict[str, Any]) -> None:
+        """Take what pages show."""
+        layers, plots = message.get("layers", []), message.get("plots", [])
+        self._views.look(int(message.get("viewers", 0)), layers, plots, message.get("camera", ""))
+
+    def take_drive(self, message: dict[str, Any]) -> None:
+        """Take what a page that may drive does."""
+        page, drives = str(message.get("page", "")), self._drives
+        match message.get("do"):
+            case "come":
+                name, computer = str(message.get("name", "")), str(message.get("computer", ""))
+                drives.come(page, name, computer, once=message.get("once") is True)
+            case "name":
+                drives.rename(page, str(message.get("name", "")))
+            case "leave":
+                drives.leave(page)
+            case "stop":
+                drives.emergency()
+            case _:
+                drives.take(page, str(message.get("m", "")))
+
+    def _reply(self, page: str, answer: Mapping[str, Any]) -> None:
+        self._outlet.send_line({"page": page, "m": answer})
+
+    def _take_challenge(self, challenge: Stamp) -> None:
+        self._outlet.send_line({"n": challenge})
+        self._drives.expire()

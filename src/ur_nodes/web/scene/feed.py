@@ -1,0 +1,140 @@
+"""Frames, markers and point clouds, sent while a page shows them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from functools import partial
+from typing import Any
+
+from ur.web.wire.data_frames import pack_frame, pack_json
+from ur.web.wire.data_requests import Show
+from ur_nodes.ports.node import Node, Subscription
+from ur_nodes.ports.qualities import Quality
+from ur_nodes.ports.values import MarkerChange, MarkerChanges, PointCloud, Transform
+from ur_nodes.web.layers.pacing import Every
+from ur_nodes.web.scene.clouds import pack_cloud, thin_cloud
+from ur_nodes.web.scene.frames import FrameTree
+from ur_nodes.web.scene.markers import ShownMarkers
+
+_FRAMES_EVERY = 0.1  # s
+_LIST_EVERY = 2.0  # s
+_CLOUD_EVERY = 0.2  # s
+_MARKERS_EVERY = 0.2  # s
+_MOST_TOPICS = 6  # of all pages
+_MOST_OFFERED = 100
+_MOST_TRANSFORMS, _MOST_MARKERS = 400, 1000  # of one message
+_CLOUD, _MARKER, _MARKERS = "sensor_msgs/PointCloud2", "visualization_msgs/Marker", "visualization_msgs/MarkerArray"
+
+Send = Callable[[bytes], None]
+
+
+class SceneFeed:
+    """Sends what pages show; on the node's thread. `send` does not block."""
+
+    def __init__(self, node: Node, send: Send) -> None:
+        self._node, self._send = node, send
+        self._tree = FrameTree()
+        self._frames: list[list[Any]] = []
+        self._frame_topics: list[Subscription] = []
+        self._topics: dict[str, tuple[str, Subscription]] = {}
+        self._markers: dict[str, ShownMarkers] = {}
+        self._clouds: dict[str, Every] = {}
+        self._pages: dict[int, tuple[str, ...]] = {}
+        self._new: set[int] = set()
+        self._frames_every, self._list_every, self._markers_every = map(
+            Every, (_FRAMES_EVERY, _LIST_EVERY, _MARKERS_EVERY)
+        )
+
+    def step(self, shows: Mapping[int, Show], kinds: Mapping[str, str]) -> None:
+        """Subscribe to what pages show, and send it; to be called often.
+
+        `kinds` are the types of the topics that are published, by name.
+        """
+        now = self._node.steady()
+        pages = {page: each.scene for page, each in shows.items() if each.scene is not None}
+        self._new = {page for page in pages if pages[page] != self._pages.get(page)}
+        self._pages = pages
+        self._follow_frames(bool(pages))
+        if not pages:
+            self._follow_topics({})
+            return
+        if self._new:
+            for every in (self._list_every, self._frames_every, self._markers_every):
+                every.hurry()
+        if self._list_every.due(now):
+            shown = (_CLOUD, _MARKER, _MARKERS)
+            offered = sorted((name, kind) for name, kind in kinds.items() if kind in shown)[:_MOST_OFFERED]
+            wanted = sorted({name for each in pages.values() for name in each} & dict(offered).keys())[:_MOST_TOPICS]
+            self._follow_topics({name: kinds[name] for name in wanted})
+            for page in pages:
+                self._send(pack_json(page, "scene", {"t": "scene", "topics": [list(each) for each in offered]}))
+        if self._frames_every.due(now):
+            self._send_frames(now)
+        if self._markers_every.due(now):
+            self._send_markers(now)
+
+    def _follow_frames(self, wanted: bool) -> None:
+        if wanted and not self._frame_topics:
+            self._frame_topics = [
+                self._node.subscribe(topic, tuple, partial(self._take_frames, fixed=fixed), Quality.EVERY)
+                for topic, fixed in (("/tf", False), ("/tf_static", True))
+            ]
+        elif not wanted and self._frame_topics:
+            for each in self._frame_topics:
+                each.close()
+            self._frame_topics, self._tree, self._frames = [], FrameTree(), []
+
+    def _follow_topics(self, wanted: Mapping[str, str]) -> None:
+        for name in [name for name, (kind, _) in self._topics.items() if wanted.get(name) != kind]:
+            self._topics.pop(name)[1].close()
+            self._markers.pop(name, None)
+            self._clouds.pop(name, None)
+        for name, kind in wanted.items():
+            if name not in self._topics:
+                self._topics[name] = kind, self._subscribe(name, kind)
+
+    def _subscribe(self, name: str, kind: str) -> Subscription:
+        if kind == _CLOUD:
+            self._clouds[name] = Every(_CLOUD_EVERY)
+            return self._node.subscribe(name, PointCloud, partial(self._take_cloud, name))
+        self._markers[name] = ShownMarkers()
+        if kind == _MARKER:
+            return self._node.subscribe(
+                name, MarkerChange, lambda change: self._take_markers(name, (change,)), Quality.EVERY
+            )
+        return self._node.subscribe(
+            name, MarkerChanges, lambda found: self._take_markers(name, found.changes[:_MOST_MARKERS]), Quality.EVERY
+        )
+
+    def _send_frames(self, now: float) -> None:
+        frames = self._tree.describe(now)
+        changed, self._frames = frames != self._frames, frames
+        for page in self._pages if changed else self._new:
+            self._send(pack_json(page, "tf", {"t": "tf", "frames": frames}))
+
+    def _send_markers(self, now: float) -> None:
+        for name, markers in self._markers.items():
+            if not (markers.changed or markers.expires(now) or self._new):
+                continue
+            value = {"t": "markers", "topic": name, "markers": markers.describe(now)}
+            for page in self._showing(name):
+                self._send(pack_json(page, f"markers:{name}"[:200], value))
+
+    def _showing(self, topic: str) -> list[int]:
+        return [page for page, wanted in self._pages.items() if topic in wanted]
+
+    def _take_frames(self, transforms: tuple[Transform, ...], *, fixed: bool) -> None:
+        now = self._node.steady()
+        for each in transforms[:_MOST_TRANSFORMS]:
+            self._tree.take(each, now, fixed=fixed)
+
+    def _take_markers(self, name: str, changes: Iterable[MarkerChange]) -> None:
+        now = self._node.steady()
+        for each in changes:
+            self._markers[name].take(each, now)
+
+    def _take_cloud(self, name: str, cloud: PointCloud) -> None:
+        if self._clouds[name].due(self._node.steady()):
+            body = pack_cloud(name, cloud.frame, *thin_cloud(cloud.points))
+            for page in self._showing(name):
+                self._send(pack_frame(page, f"cloud:{name}"[:200], body))

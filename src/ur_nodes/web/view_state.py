@@ -1,0 +1,90 @@
+"""The state of the robot as JSON for pages."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from ur.source.printable import printable
+from ur_nodes.client.model import GoalReport
+from ur_nodes.client.mux import MuxView
+from ur_nodes.client.patrol_text import PatrolStatus, describe_patrol
+from ur_nodes.exploration.status import Status, describe_status
+from ur_nodes.motion.lease.text import Lease
+from ur_nodes.ports.values import Battery
+
+_LONGEST_LINE = 500  # characters
+
+
+def list_sources(topics: object) -> list[str]:
+    """The names of a mux's sources from its parameter `topics`, the most urgent first; none where it is malformed."""
+    if not isinstance(topics, list) or not all(isinstance(each, dict) for each in topics):
+        return []
+    known = [(each.get("priority"), each.get("name")) for each in topics[:20]]
+    good = [(urgency, name) for urgency, name in known if isinstance(urgency, int) and isinstance(name, str)]
+    return [printable(name)[:40] for _, name in sorted(good, key=lambda each: -each[0])]
+
+
+def describe_goal(goal: GoalReport, left: float | None) -> dict[str, Any]:
+    """The last goal; `left` is the distance to it in m."""
+    place: list[float | None] | None = None if goal.place is None else [round(each, 3) for each in goal.place]
+    if place is not None and goal.any_heading:
+        place[2] = None
+    rest = None if left is None or goal.over else round(left, 1)
+    return {"number": goal.number, "place": place, "state": goal.state.name.lower(), "text": goal.text, "left": rest}
+
+
+def describe_lease(lease: Lease | None) -> dict[str, Any] | None:
+    """The lease; None before the mux has sent one."""
+    if lease is None:
+        return None
+    return {
+        "state": lease.state,
+        "client": lease.client,
+        "name": lease.name,
+        "program": lease.program,
+        "since": lease.since,
+        "until": lease.until,
+        "asking": [{"client": each.client, "name": each.name} for each in lease.asking],
+        "takenFrom": lease.taken_from.client if lease.taken_from else None,
+    }
+
+
+def describe_patrol_state(status: PatrolStatus | None) -> dict[str, Any] | None:
+    """The patrol of the robot; None where no node drives one. `line` is empty before the first."""
+    if status is None:
+        return None
+    return {
+        "state": status.state,
+        "line": describe_patrol(status),
+        "stops": [[each.name, each.x, each.y] for each in status.route.stops],
+        "index": status.index,
+        "loop": status.route.loop,
+    }
+
+
+def describe_exploration(status: Status | None) -> dict[str, Any] | None:
+    """The exploration: its state, and the line that a terminal shows; None while nothing explores."""
+    if status is None:
+        return None
+    return {"state": status.state, "line": printable(describe_status(status))[:_LONGEST_LINE]}
+
+
+def describe_mux(view: MuxView) -> dict[str, Any]:
+    """The mux: whether it is stopped, its source, what has been asked of it, and obstacles."""
+    return {
+        "stopped": view.stopped,
+        "active": printable(view.active)[:40],
+        "asked": view.asked,
+        "problem": printable(view.problem)[:300],
+        "obstacles": {"state": view.obstacles.state, "text": view.obstacles.text},
+    }
+
+
+def describe_battery(battery: Battery) -> dict[str, Any]:
+    """The battery: `share` of its charge from 0 to 1, `volts`; None where they are not known."""
+    return {
+        "share": round(battery.fraction, 2) if 0.0 <= battery.fraction <= 1.0 else None,
+        "volts": round(battery.voltage, 1) if math.isfinite(battery.voltage) else None,
+        "charging": battery.charging,
+    }
