@@ -14,6 +14,7 @@ from hypothesis import settings
 settings.register_profile("project", deadline=None, derandomize=True, database=None)
 settings.load_profile("project")
 
+NODES = Path(__file__).parent / "ur_nodes"
 MEASUREMENT = pytest.StashKey[Any]()
 
 # A shell without job control starts background jobs with these ignored, and programs under test would inherit that.
@@ -61,6 +62,13 @@ def _leave_unmeasured(request: pytest.FixtureRequest) -> Iterator[None]:
     measurement.stop()
     yield
     measurement.start()
+
+
+def pytest_report_collectionfinish(items: list[pytest.Item]) -> str | None:
+    """Print the share of the tests of nodes that need no master, for those that are to run."""
+    nodes = [item for item in items if item.path.is_relative_to(NODES)]
+    alone = sum(item.get_closest_marker("ros") is None for item in nodes)
+    return f"tests/ur_nodes: {alone} of {len(nodes)} ({alone / len(nodes):.1%}) need no master" if nodes else None
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
