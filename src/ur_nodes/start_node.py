@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import importlib
+import runpy
 import sys
 from importlib.util import find_spec
 
@@ -18,7 +18,7 @@ _NAMES = {"cv2": "OpenCV (opencv-python-headless)", "gtsam": "gtsam"}
 
 
 def main(arguments: list[str]) -> int:
-    """Returns the exit code: that of the node, or 2 when it cannot run here."""
+    """Run the node as a program, which raises SystemExit. Returns 2 when it cannot run here."""
     name = arguments[0] if arguments else ""
     if name not in _NEEDS:
         sys.stderr.write(f"error: start_node: {name!r}, expected one of {', '.join(_NEEDS)}\n")
@@ -31,9 +31,8 @@ def main(arguments: list[str]) -> int:
             f"  help: {sys.executable} -I -m pip install --require-hashes -r {lock}\n"
         )
         return 2
-    node = importlib.import_module(f"ur_nodes.{package}.{name}_node")
-    code: int = node.main()
-    return code
+    runpy.run_module(f"ur_nodes.{package}.{name}_node", run_name="__main__")
+    return 0
 
 
 if __name__ == "__main__":

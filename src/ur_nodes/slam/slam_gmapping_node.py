@@ -78,10 +78,5 @@ class SlamGmappingNode:
             self._node.transforms.send(Transform(stamp, self._settings.map_frame, self._child, pose))
 
 
-def main() -> int:
-    """Run until shutdown; exit code 2 when a parameter cannot be used."""
-    return run("slam_gmapping", SlamGmappingNode)
-
-
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(run("slam_gmapping", SlamGmappingNode))

@@ -69,10 +69,5 @@ class FiducialDetect:
             self._jpegs.send(answer.packed)
 
 
-def main() -> int:
-    """Run the node. Returns the exit code."""
-    return run("fiducial_detect", FiducialDetect)
-
-
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(run("fiducial_detect", FiducialDetect))

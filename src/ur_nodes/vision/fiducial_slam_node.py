@@ -60,10 +60,5 @@ class FiducialSlamNode:
             self._work.ask(Moment(seen, camera, mount, odometry))
 
 
-def main() -> int:
-    """Run the node. Returns the exit code."""
-    return run("fiducial_slam", FiducialSlamNode)
-
-
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(run("fiducial_slam", FiducialSlamNode))
