@@ -4,9 +4,9 @@ import pytest
 from tests.tui.fake import RUN, line
 
 from ur.run.clients.protocol import NodeChanged, NodeReadiness, NodeStats, RunEvent, RunStopping, StatsSampled
+from ur.tui.node_table import describe_run
 from ur.tui.palette import DARK
 from ur.tui.run_state import NodeRow, RunState, apply_events
-from ur.tui.texts import describe_run
 
 
 @pytest.mark.parametrize(("changed", "mood", "word"), [

@@ -7,7 +7,7 @@ import re
 from collections.abc import Iterable, Iterator, Mapping
 
 from ur.devices.model import Device, Holder, Kind, Snapshot
-from ur.source.numbers import parse_integer
+from ur.source.foreign.numbers import parse_integer
 
 RULES_FILE = "/etc/udev/rules.d/70-ubiquity.rules"
 MOST_DEVICES = 200

@@ -21,10 +21,9 @@ from ur.source.printable import printable
 from ur.tui.journal import Journal
 from ur.tui.keys import describe_foot
 from ur.tui.log_view import LogView
-from ur.tui.node_table import NodeTable
+from ur.tui.node_table import NodeTable, describe_filter, describe_run
 from ur.tui.palette import DARK, LIGHT
 from ur.tui.run_state import NodeRow, RunState, apply_events, begin_state
-from ur.tui.texts import describe_filter, describe_run
 
 PAUSE = 0.05  # s between two updates of the screen: faster events are drawn together
 RANKS = ((0, "everything"), (2, "warnings"), (3, "errors"))

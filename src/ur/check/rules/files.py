@@ -1,11 +1,159 @@
-"""Rules about files and includes that reading and resolving a launch file reports."""
+"""Rules about files: YAML, and what reading and resolving a launch file reports of files and includes."""
 
 from __future__ import annotations
 
-from ur.check.model import Group, Rule, launch_example
-from ur.source.diagnostic import Severity
+from collections.abc import Iterable, Iterator
+from typing import Any
+
+import yaml
+
+from ur.check.model import Example, Found, Group, Rule, YamlView, launch_example
+from ur.source.diagnostic import Note, Severity
+from ur.source.file import SourceFile, Span
+from ur.source.foreign.yaml_text import check_depth
+
+_Loader: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+
+
+def _find_bad_yaml(view: YamlView) -> Iterable[Found]:
+    source = view.source
+    if not is_plain_yaml(source):
+        return
+    try:
+        compose_documents(source)
+    except yaml.MarkedYAMLError as problem:
+        if _python_reads(source.text):
+            return
+        mark = problem.problem_mark or problem.context_mark
+        message = " ".join(part for part in (problem.context, problem.problem) if part)
+        help_ = (
+            "indent with spaces" if "\\t" in message else "check the indentation, quotes and brackets above this place"
+        )
+        begun = problem.context_mark
+        place = span_at(source, mark)
+        notes = (Note("what is read there begins here", span_at(source, begun)),) if begun is not None else ()
+        yield Found(place, f"not valid YAML: {message}", help_, notes if notes and notes[0].span != place else ())
+    except yaml.YAMLError as problem:
+        yield Found(Span(source, 0, 1), f"not valid YAML: {str(problem).splitlines()[0]}")
+
+
+def _python_reads(text: str) -> bool:
+    # roslaunch uses the parser in Python, which accepts a little more than libyaml, and is ten times as slow.
+    try:
+        list(yaml.compose_all(text, Loader=yaml.SafeLoader))
+    except (yaml.YAMLError, RecursionError):
+        return False
+    return True
+
+
+def _find_duplicate_keys(view: YamlView) -> Iterable[Found]:
+    if not is_plain_yaml(view.source):
+        return
+    try:
+        documents = compose_documents(view.source)
+    except yaml.YAMLError:
+        return  # bad-yaml speaks of it
+    for mapping in (mapping for document in documents for mapping in mappings_in(document)):
+        first: dict[str, yaml.Node] = {}
+        for key, _ in mapping.value:
+            if not isinstance(key, yaml.ScalarNode) or key.value == "<<":
+                continue
+            name = str(key.value)
+            if name in first:
+                place = span_at(view.source, first[name].start_mark, first[name].end_mark)
+                yield Found(
+                    span_at(view.source, key.start_mark, key.end_mark),
+                    f"key '{name}' is given twice, expected once: only the last value counts",
+                    "remove one of the two",
+                    (Note(f"the first '{name}' is here", place),),
+                )
+            first.setdefault(name, key)
+
+
+_YAML_RULES = (
+    Rule(
+        id="bad-yaml",
+        group=Group.YAML,
+        severity=Severity.ERROR,
+        summary="A text is not valid YAML.",
+        explanation="""
+YAML files of the package, and YAML inside `<rosparam>`. Files that are templates (`{{`, `{%`), and OpenCV's own format,
+are left alone.
+""",
+        bad=(
+            Example({"params/magni.yaml": "speed: [0.3, 0.5\nradius«:» 0.1\n"}),
+            launch_example("""
+<launch>
+  <rosparam>
+    speed: [0.3, 0.5
+  «<»/rosparam>
+</launch>
+"""),
+        ),
+        good=(Example({"params/magni.yaml": "speed: [0.3, 0.5]\nradius: 0.1\n"}),),
+        yaml_file=_find_bad_yaml,
+    ),
+    Rule(
+        id="duplicate-key",
+        group=Group.YAML,
+        severity=Severity.WARNING,
+        summary="A mapping in YAML has the same key twice.",
+        explanation="""
+YAML readers take the last value and say nothing, so whoever changes the first one wonders why nothing happens.
+""",
+        bad=(Example({"params/magni.yaml": "speed: 0.3\nradius: 0.1\n«speed»: 0.5\n"}),),
+        good=(Example({"params/magni.yaml": "left: {speed: 0.3}\nright: {speed: 0.5}\n"}),),
+        yaml_file=_find_duplicate_keys,
+    ),
+)
+
+
+def compose_documents(source: SourceFile) -> list[yaml.Node]:
+    """The documents of a text. Raises yaml.YAMLError."""
+    check_depth(source.text)
+    return [node for node in yaml.compose_all(source.text, Loader=_Loader) if node is not None]
+
+
+def is_plain_yaml(source: SourceFile) -> bool:
+    """Return whether a text is meant to be YAML as it stands: not a template, not OpenCV's own format."""
+    return not source.text.startswith("%YAML:") and "{{" not in source.text and "{%" not in source.text
+
+
+def span_at(source: SourceFile, mark: Any, end: Any = None) -> Span:
+    """The place of a mark of PyYAML; up to the mark `end` where that is in the same line."""
+    start = _offset(source, mark)
+    if end is not None and end.line == mark.line:
+        return Span(source, start, _offset(source, end))
+    return Span(source, start, min(start + 1, len(source.text)))
+
+
+def mappings_in(top: yaml.Node) -> Iterator[yaml.MappingNode]:
+    """Every mapping in a tree, each once."""
+    stack, seen = [top], {id(top)}
+    while stack:
+        node = stack.pop()
+        inner: list[yaml.Node] = []
+        if isinstance(node, yaml.MappingNode):
+            yield node
+            inner = [part for pair in node.value for part in pair]
+        elif isinstance(node, yaml.SequenceNode):
+            inner = list(node.value)
+        for part in inner:
+            if id(part) not in seen:
+                seen.add(id(part))
+                stack.append(part)
+
+
+def _offset(source: SourceFile, mark: Any) -> int:
+    # libyaml counts bytes in `index` but characters in `column`; lines are safe in both.
+    offset = 0
+    for _ in range(mark.line):
+        offset = source.text.find("\n", offset) + 1
+    return int(min(offset + mark.column, len(source.text)))
+
 
 RULES = (
+    *_YAML_RULES,
     Rule(
         id="broken-package",
         group=Group.FILES,

@@ -57,7 +57,7 @@ def command(
     """
     from ur.check.cache.program import digest_program
     from ur.check.cache.store import cache_folder, load_recall, name_cache, store_recall
-    from ur.check.catalogue import choose_rules, find_rule, list_rules, load_rules
+    from ur.check.catalogue import choose_rules, find_rule, list_rules
     from ur.check.computer import make_world
     from ur.check.links import describe_left_out
     from ur.check.render.pages import render_rule_page
@@ -86,19 +86,24 @@ def command(
 
     report = check()
     if fix:
-        from ur.check.findings.fix import plan_repairs
-        from ur.cli.output import replace_file
-
-        repairs = plan_repairs(report.findings, load_rules())
-        for repair in repairs:
-            replace_file(repair.path, repair.text, "repaired")
-        repaired = sum(len(repair.findings) for repair in repairs)
-        click.echo(f"repaired {repaired} finding{'' if repaired == 1 else 's'} in {len(repairs)} files", err=True)
+        _repair(report)
         report = check()
     _show(report, form)
     if note := describe_left_out(report.left_out):
         click.echo(note, err=True)
     return 1 if report.errors or (strict and report.findings) else 0
+
+
+def _repair(report: Report) -> None:
+    from ur.check.catalogue import load_rules
+    from ur.check.findings.fix import plan_repairs
+    from ur.cli.output import replace_file
+
+    repairs = plan_repairs(report.findings, load_rules())
+    for repair in repairs:
+        replace_file(repair.path, repair.text, "repaired")
+    repaired = sum(len(repair.findings) for repair in repairs)
+    click.echo(f"repaired {repaired} finding{'' if repaired == 1 else 's'} in {len(repairs)} files", err=True)
 
 
 def _words(given: tuple[str, ...]) -> list[str]:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from ur.robot.boot.units import FOLDER, PREFIX
 from ur.robot.ssh.shell import quote
 from ur.source.diagnostic import UserError, error
-from ur.source.numbers import parse_integer
+from ur.source.foreign.numbers import parse_integer
 
 LAST_LINES = 3
 _PROPERTIES = (

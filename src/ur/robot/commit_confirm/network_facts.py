@@ -9,7 +9,7 @@ import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from ur.source.numbers import parse_integer
+from ur.source.foreign.numbers import parse_integer
 
 _MARK = "\x1e"
 # Profiles and passwords are for root alone; whoever asks over ssh says which address that leads to.

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from ur.robot.ssh.shell import quote
 from ur.source.diagnostic import UserError, error
-from ur.source.numbers import parse_integer
+from ur.source.foreign.numbers import parse_integer
 
 WORKSPACE = "catkin_ws"
 # g++ -O2 takes 333 MB for a node of five lines with ros/ros.h (Debian 12, 64 bits); larger ones take more. With

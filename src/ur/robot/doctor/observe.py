@@ -10,7 +10,7 @@ from ur.robot.doctor.side import Disk, Setting, Side, Unit
 from ur.robot.doctor.wifi import WIFI_SCRIPT, parse_wifi
 from ur.robot.ssh.public_key import parse_public_key
 from ur.robot.ssh.shell import quote
-from ur.source.numbers import parse_decimal, parse_integer
+from ur.source.foreign.numbers import parse_decimal, parse_integer
 from ur.system.releases import parse_os_release
 
 _AVAHI = "org.freedesktop.Avahi"
@@ -111,7 +111,6 @@ def parse_side(output: str) -> Side:
     loss = re.search(r"([\d.]{1,20})% packet loss", ping)
     times = re.search(r"= [\d.]{1,20}/([\d.]{1,20})/", ping)
     lost = _scale(re.search(r"([\d.]{1,20})% packet loss", parts.get("frame", "")), 0.01)
-    rows = (line.split() for line in parts.get("packages", "").splitlines())
     memory = re.search(r"(\d{1,15}) kB", parts.get("memory", ""))
     throttled = re.search(r"0x([0-9a-fA-F]{1,16})\b", parts.get("throttled", ""))
     announced = re.search(r'"(.*)"', parts.get("announced", ""))
@@ -153,7 +152,7 @@ def parse_side(output: str) -> Side:
         full_frames=None if lost is None else lost < 1,
         firewall=parts.get("firewall", "").strip(),
         throttled=int(throttled[1], 16) if throttled else 0,
-        packages={row[1]: row[2] for row in rows if len(row) == 3 and row[0] == "installed"},
+        packages=_packages(line.split() for line in parts.get("packages", "").splitlines()),
         messages=parse_messages(parts.get("messages", "")),
         built=bool(parts.get("built", "").strip()),
         workspace=frozenset(re.findall(r"([^/\n]{1,255})/package\.xml", parts.get("workspace", ""))),
@@ -162,6 +161,10 @@ def parse_side(output: str) -> Side:
         release=parse_os_release(parts["release"]) if parts.get("release", "").strip() else None,
         wifi=parse_wifi(parts.get("wifi", "")),
     )
+
+
+def _packages(rows: Iterable[list[str]]) -> dict[str, str]:
+    return {row[1]: row[2] for row in rows if len(row) == 3 and row[0] == "installed"}
 
 
 def _scale(found: re.Match[str] | None, factor: float) -> float | None:

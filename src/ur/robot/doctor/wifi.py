@@ -8,7 +8,7 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 
-from ur.source.numbers import parse_decimal
+from ur.source.foreign.numbers import parse_decimal
 
 # What belongs to each wireless device, after a line that names it; nothing where there is none.
 WIFI_SCRIPT = """\
