@@ -12,16 +12,13 @@ MODULES = {path.relative_to(SOURCE).as_posix(): path.read_text(encoding="utf-8")
 LONG_FUNCTIONS = {
     "cli/robot_setup/image.py prepare": 71,
     "cli/robot_setup/robot.py setup": 80,
-    "cli/robots/sync.py command": 68,
     "run/launch.py run_plan": 72,
-    "web/server/serve.py serve": 64,
 }
 LONG_MODULES = {
     "cli/computer/doctor.py": 309,
     "devices/supported.py": 337,
     "launchfile/plan/tags/nodes.py": 310,
     "launchfile/plan/values/expression.py": 372,
-    "request/joining/running.py": 302,
     "robot/description/reading.py": 322,
     "run/loop.py": 327,
     "web/server/application.py": 313,

@@ -8,7 +8,7 @@ import os
 import socket
 import sys
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -67,10 +67,7 @@ def command(
     """
     if every and robot is not None:
         paths, robot = (robot, *paths), None
-    if only_to and only_from:
-        raise click.UsageError("--to and --from cannot be used together; without them both directions are synced")
-    if take and not paths:
-        raise click.UsageError("--take is for the conflicts of PATHs, expected at least one ('.' is everything)")
+    _check_options(paths, take, both=only_to and only_from)
     chosen = choose_robots([robot] if robot else [], every=every)
     if is_fleet(chosen, every=every):
         flags = (("--to", only_to), ("--from", only_from), ("--dry-run", dry_run))
@@ -83,14 +80,10 @@ def command(
     only = [_inside(path, root) for path in paths]
     memory_file = memory_path(name, os.environ)
     with _alone(memory_file), connect_robot(address) as shell:
-        last = load_memory(memory_file)
         with show_progress(f"listing the workspaces here and on {name}"):
-            look = look_at(shell, root, last)
+            look = look_at(shell, root, load_memory(memory_file))
         agreed = look.last.agreed if look.last else {}
-        known = {*look.here.files, *look.there.files, *agreed}
-        for path, typed in zip(only, paths, strict=True):
-            if path and path not in known and not any(each.startswith(f"{path}/") for each in known):
-                raise _problem(f"{typed}: nothing of this name is in {root}, here or on {name}", "ur sync --dry-run")
+        _check_paths(dict(zip(paths, only, strict=True)), {*look.here.files, *look.there.files, *agreed}, root, name)
         sides: Sequence[Side] = ["there"] if only_to else ["here"] if only_from else SIDES
         plan = compare(look.here, look.there, agreed, to=sides, take=take, only=only if "" not in only else [])
         click.echo("\n".join(map(printable, [*describe_plan(plan, name), summarise(plan, name)])))
@@ -102,14 +95,32 @@ def command(
             plan,
             look.pair,
             shell,
-            # Each robot has a folder of its own here, since several may be synced at once.
-            name=f"{socket.gethostname().split('.')[0]}-{getpass.getuser()}-{name}",
+            name=_own_name(name),
             stamp=time.strftime("%Y-%m-%d-%H%M%S"),
             progress=sys.stdout.isatty(),
             report=click.echo,
         )
         store_memory(memory_file, outcome.memory)
     return _finish(plan, outcome)
+
+
+def _check_options(paths: Sequence[str], take: Side | None, *, both: bool) -> None:
+    if both:
+        raise click.UsageError("--to and --from cannot be used together; without them both directions are synced")
+    if take and not paths:
+        raise click.UsageError("--take is for the conflicts of PATHs, expected at least one ('.' is everything)")
+
+
+def _check_paths(paths: Mapping[str, str], known: Collection[str], root: Path, robot: str) -> None:
+    """Raise UserError for a path, by what was typed, that is neither here nor there."""
+    for typed, path in paths.items():
+        if path and path not in known and not any(each.startswith(f"{path}/") for each in known):
+            raise _problem(f"{typed}: nothing of this name is in {root}, here or on {robot}", "ur sync --dry-run")
+
+
+def _own_name(robot: str) -> str:
+    # Each robot has a folder of its own here, since several may be synced at once.
+    return f"{socket.gethostname().split('.')[0]}-{getpass.getuser()}-{robot}"
 
 
 def _finish(plan: SyncPlan, outcome: Outcome) -> int:

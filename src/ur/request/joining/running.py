@@ -270,14 +270,8 @@ def _explain_nothing_left(decision: Decision) -> UserError:
     runs = [run for run in dict.fromkeys(each.run for each in decision.joined) if run]
     names = ", ".join(each.name for each in decision.joined)
     if not runs:
-        return UserError(
-            error(
-                f"{names} run already, expected a node to start",
-                rule="node-runs-already",
-                help="rosnode list",
-                subject=names,
-            )
-        )
+        message = f"{names} run already, expected a node to start"
+        return UserError(error(message, rule="node-runs-already", help="rosnode list", subject=names))
     return UserError(
         error(
             f"everything of this runs already, in {', '.join(runs)}: {names}",

@@ -113,15 +113,7 @@ async def serve(
         elif options.service:
             report(f"serves the page on port {port}; a link to it: ur boot link")
         else:
-
-            def print_link() -> str:
-                """Print a link for one more login, and return it."""
-                link = make_link(address, port, gate.invite(options.role))
-                if options.phone:
-                    report(draw_code(link, colours=sys.stdout.isatty() and allows_colour(os.environ)))
-                report(f"open {link}")
-                return link
-
+            print_link = partial(_print_link, options, gate, address, port, report)
             link = print_link()
             enter = "Enter prints another one, " if stack.enter_context(call_on_enter(print_link)) else ""
             report(f"the link is good for one login within an hour; {enter}Ctrl-C ends the server")
@@ -135,6 +127,15 @@ async def serve(
                 opened = _open(folder / f"open-{os.getpid()}.html", link)
                 stack.callback(opened.unlink, missing_ok=True)
         await _wait_first(ended.wait, *((until,) if until is not None else ()))
+
+
+def _print_link(options: Options, gate: Gate, address: str, port: int, report: Callable[[str], None]) -> str:
+    """Print a link for one more login, and return it."""
+    link = make_link(address, port, gate.invite(options.role))
+    if options.phone:
+        report(draw_code(link, colours=sys.stdout.isatty() and allows_colour(os.environ)))
+    report(f"open {link}")
+    return link
 
 
 def _make_robots(options: Options, gate: Gate, log: Callable[[str], None]) -> Robots | None:
