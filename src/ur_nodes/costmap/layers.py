@@ -58,8 +58,6 @@ def trace_beams(
     beams: Beams,
     reach: Ranges,
     *,
-    clear: bool = True,
-    mark: bool = True,
     ignore: Callable[[NDArray[np.intp]], NDArray[np.bool_]] | None = None,
 ) -> tuple[slice, slice] | None:
     """Clear the cells that rays pass through, then mark those they end in. Changes `occupied` (height, width).
@@ -72,19 +70,18 @@ def trace_beams(
     bearing = beams.angles + sensor.yaw
     directions = np.stack((np.cos(bearing), np.sin(bearing)), axis=-1)
     flat = occupied.reshape(-1)
-    cleared = marked = np.empty(0, np.intp)
-    if clear and len(bearing):
+    cleared = np.empty(0, np.intp)
+    if len(bearing):
         cleared = _find_passed(
             flat, frame, sensor, directions, np.minimum(beams.ranges - frame.resolution / 2, reach.raytrace)
         )
-    if mark:
-        near = beams.hits & (beams.ranges <= reach.obstacle)
-        points = (sensor.x, sensor.y) + beams.ranges[near, None] * directions[near]
-        cells = frame.cells_of_points(points)
-        cells = cells[frame.contains(cells)]
-        if ignore is not None:
-            cells = cells[~ignore(cells)]
-        marked = cells[:, 0] * width + cells[:, 1]
+    near = beams.hits & (beams.ranges <= reach.obstacle)
+    points = (sensor.x, sensor.y) + beams.ranges[near, None] * directions[near]
+    cells = frame.cells_of_points(points)
+    cells = cells[frame.contains(cells)]
+    if ignore is not None:
+        cells = cells[~ignore(cells)]
+    marked = cells[:, 0] * width + cells[:, 1]
     new = marked[~flat[marked]]
     flat[cleared] = False
     flat[marked] = True

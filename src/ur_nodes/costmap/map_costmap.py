@@ -25,18 +25,15 @@ from ur_nodes.geometry.sparse_array import sparse_twins, sparse_zeros
 
 _STRIP = 1 << 17  # cells that are looked at together
 _FORBIDDEN = 100  # in a mask
+# What the scan sees this near (m) to an obstacle of the map is that obstacle, seen from a pose that is not quite right,
+# and is not marked.
+_KNOWN = 0.12
 
 
 class MapCostmap:
-    """Costs over a whole map, kept up to date where something changes: a byte a cell, and another where it does.
+    """Costs over a whole map, kept up to date where something changes: a byte a cell, and another where it does."""
 
-    `known` (m): what the scan sees this near to an obstacle of the map is that obstacle, seen from a pose that is
-    not quite right, and is not marked.
-    """
-
-    def __init__(
-        self, grid: Grid, reach: Ranges, inflation: Inflation, *, lethal: int, track_unknown: bool, known: float = 0.12
-    ) -> None:
+    def __init__(self, grid: Grid, reach: Ranges, inflation: Inflation, *, lethal: int, track_unknown: bool) -> None:
         self._reach = reach
         self._inflation = inflation
         costs = costs_of_grid(grid, lethal=lethal, track_unknown=track_unknown)
@@ -47,7 +44,7 @@ class MapCostmap:
         self._zone_box: Box | None = None  # holds all of the zones
         self._occupied: NDArray[np.bool_] = sparse_zeros(costs.shape, bool)
         self._marked: Box | None = None  # holds all of _occupied
-        self._near = _disc(known / grid.resolution)
+        self._near = _disc(_KNOWN / grid.resolution)
         self._changed: Box | None = None
         self.changes = 0
 

@@ -20,6 +20,8 @@ BIN_RADIANS = math.radians(10.0)
 
 DrawPoses = Callable[[int], NDArray[np.float64]]
 
+_RADIUS, _ANGLE = 0.6, 0.6  # m, rad: of a cluster
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Particles:
@@ -160,16 +162,16 @@ def bins_of_poses(poses: NDArray[np.float64], metres: float, radians: float) -> 
     return numbers
 
 
-def find_best_cluster(particles: Particles, radius: float = 0.6, angle: float = 0.6) -> Cluster:
-    """The heap of particles with the most weight: all within `radius` m and `angle` rad of its mean."""
+def find_best_cluster(particles: Particles) -> Cluster:
+    """The heap of particles with the most weight: all within _RADIUS and _ANGLE of its mean."""
     poses, weights = particles.poses, particles.weights
-    _, member = np.unique(bins_of_poses(poses, radius, angle), return_inverse=True)
+    _, member = np.unique(bins_of_poses(poses, _RADIUS, _ANGLE), return_inverse=True)
     heaviest = int(np.argmax(np.bincount(member, weights)))
     inside = member == heaviest
     for _ in range(3):
         mean = _mean(poses[inside], weights[inside])
-        near = (np.square(poses[:, :2] - mean[:2]).sum(axis=1) <= radius * radius) & (
-            np.abs(wrap_angle(poses[:, 2] - mean[2])) <= angle
+        near = (np.square(poses[:, :2] - mean[:2]).sum(axis=1) <= _RADIUS * _RADIUS) & (
+            np.abs(wrap_angle(poses[:, 2] - mean[2])) <= _ANGLE
         )
         if not near.any() or np.array_equal(near, inside):
             break

@@ -15,6 +15,8 @@ from ur_nodes.navigation.local_plan import sweep_is_free
 from ur_nodes.navigation.rollout import Motion
 from ur_nodes.navigation.speed_profile import Limits, approach
 
+_BACK_OFF = 0.3  # m
+
 
 class Behaviour(Enum):
     """One thing to try."""
@@ -77,9 +79,8 @@ def move_to_recover(
     footprint: Footprint,
     limits: Limits,
     period: float,
-    distance: float = 0.3,
 ) -> RecoveryMotion:
-    """One control step of ROTATE (once round) or BACK_OFF (`distance` m).
+    """One control step of ROTATE (once round) or BACK_OFF (0.3 m).
 
     Ends early, at rest, where it would touch something within half a second.
     """
@@ -91,7 +92,7 @@ def move_to_recover(
     else:
         done = math.hypot(motion.pose.x - began.x, motion.pose.y - began.y)
         speed, turn = find_escape(motion, costmap, footprint, limits)
-        over = done >= distance
+        over = done >= _BACK_OFF
     state = replace(recovery, began=began, done=done, last=motion.pose)
     trial = Motion(motion.pose, speed, turn)
     if over or not sweep_is_free(trial, 0.5, costmap, footprint):

@@ -24,6 +24,7 @@ _TURN_BRAKING = 0.7  # likewise, of turns on the spot
 _LAST_POINTS = 8  # too coarse to stop by: there the distance itself counts
 _SPARE_POINTS = 3  # beyond those that the robot can pass in a step, in the search for the nearest
 _NEAREST_SQUARED = 1e-4  # m2: bounds the curvature to a point that the robot is on
+_OVERRUN = 0.6  # m: a path goes on straight beyond its end, for what is predicted
 _STRAIGHT = 1e-6  # 1/m: smaller curvatures limit no speed
 
 
@@ -71,11 +72,11 @@ class Motion:
     turn: float
 
 
-def make_reference(points: Points, limits: Limits, shares: Floats | None = None, overrun: float = 0.6) -> ReferencePath:
+def make_reference(points: Points, limits: Limits, shares: Floats | None = None) -> ReferencePath:
     """Make a path of evenly spaced points (n, 2), n >= 2; `shares` (n) of the speed limit are allowed at them."""
     spacing = float(np.hypot(*(points[1] - points[0])))
     angle = float(headings(points)[max(0, len(points) - 4)])
-    extra = np.arange(1, math.ceil(overrun / max(spacing, 0.01)) + 1)[:, None] * spacing
+    extra = np.arange(1, math.ceil(_OVERRUN / max(spacing, 0.01)) + 1)[:, None] * spacing
     longer = np.concatenate((points, points[-1] + extra * (math.cos(angle), math.sin(angle))))
     angles = headings(longer)
     speeds = np.concatenate((speed_profile(points, limits, shares), np.zeros(len(extra))))

@@ -121,9 +121,7 @@ def test_rolling_costmap_without_a_scan_shows_the_map_where_the_localiser_says_i
 def test_map_costmap_takes_a_wall_seen_from_a_wrong_pose_for_the_wall() -> None:
     values = np.zeros((60, 60), np.int8)
     values[:, 40] = 100
-    costmap = MapCostmap(
-        Grid(values, 0.05, HERE), Ranges(2.5, 3.0), INFLATION, lethal=65, track_unknown=True, known=0.12
-    )
+    costmap = MapCostmap(Grid(values, 0.05, HERE), Ranges(2.5, 3.0), INFLATION, lethal=65, track_unknown=True)
     assert not costmap.update(Pose2(1.0, 1.5, 0.0), one_beam(0.0, 0.92))
     assert costmap.update(Pose2(1.0, 1.5, 0.0), one_beam(0.0, 0.5))
     assert costmap.costmap.costs_at(np.array((1.5, 1.501))) == LETHAL

@@ -17,6 +17,7 @@ Weights = NDArray[np.float64]
 
 _SMALL = 300_000  # cells of a map that is worked out whole
 _TILE = 64  # cells a side
+_REACH = 12.0  # m: of a straight piece that is tried
 _AROUND = 5  # cells round a tile that its values depend on
 
 
@@ -29,10 +30,10 @@ class Bending:
     rounds: int = 60
 
 
-def pull_straight(points: Points, costmap: Costmap, weights: Weights, reach: float = 12.0) -> Points:
+def pull_straight(points: Points, costmap: Costmap, weights: Weights) -> Points:
     """Return the path (n, 2) without the detours of its grid.
 
-    Made of straight pieces of at most about `reach` m each that cost no more than what they replace.
+    Made of straight pieces of at most about 12 m each that cost no more than what they replace.
     """
     along = arc_lengths(points)
     each = _weights_at(points, costmap, weights)
@@ -42,7 +43,7 @@ def pull_straight(points: Points, costmap: Costmap, weights: Weights, reach: flo
     kept = [0]
     while kept[-1] < len(points) - 1:
         here = kept[-1]
-        last = max(here + 1, int(np.searchsorted(along, along[here] + reach)))
+        last = max(here + 1, int(np.searchsorted(along, along[here] + _REACH)))
         ends = np.unique(np.append(np.arange(here + 1, min(last, len(points) - 1) + 1, 3), min(last, len(points) - 1)))
         lines = _line_costs(np.repeat(points[here][None], len(ends), axis=0), points[ends], costmap, weights)
         gains = np.where(lines <= total[ends] - total[here] + 1e-9, ends, here + 1)

@@ -20,6 +20,8 @@ _CLUMPED = 0.2  # how much a point without a line counts, in each direction
 _TILT = 0.04  # rad: error of a normal; what it feigns to know along a wall is taken off
 _LEVER = 3.0  # m: makes rad comparable with m
 _LEAST_NOISE = 0.004  # m
+_MOST_ITERATIONS = 12
+_OUTLIER = 0.06  # m from a line, from which a point counts less and less
 _DEPENDENT = 4.0  # neighbouring beams err alike: so many count as one
 _HUGE = 10.0  # m or rad: no knowledge, against what moves between two scans
 _DAMPING = np.diag((1e-3, 1e-3, 1e-3))  # 1/m2, 1/rad2: keeps the equations solvable without points and prior
@@ -28,14 +30,6 @@ _CONVERGED = (2e-4, 1e-4)  # m, rad: a smaller step is the last one
 _NOISE_AT_FIRST = 0.02  # m
 _SIGMA_OF_MEDIAN = 1.48  # a normal distribution's standard deviation over its median absolute deviation
 _LEAST_RESIDUALS = 10  # points whose residuals tell the noise
-
-
-@dataclass(frozen=True, slots=True)
-class MatchSettings:
-    """`iterations` at most, and the distance (m) from a line from which a point counts less and less."""
-
-    iterations: int = 12
-    outlier: float = 0.06
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -52,22 +46,15 @@ class Match:
     noise: float
 
 
-def match_surface(
-    target: LocalMap,
-    surface: Surface,
-    guess: Pose2,
-    prior: Floats | None = None,
-    settings: MatchSettings | None = None,
-) -> Match:
+def match_surface(target: LocalMap, surface: Surface, guess: Pose2, prior: Floats | None = None) -> Match:
     """Find the pose near `guess` at which a surface lies on the map; `prior` is the covariance (3, 3) of the guess."""
-    settings = settings or MatchSettings()
     information = np.zeros((3, 3)) if prior is None else np.linalg.inv(prior)
     pose, start = np.array(guess, dtype=np.float64), np.array(guess, dtype=np.float64)
     known = np.zeros((3, 3))
     noise, agreement = _NOISE_AT_FIRST, 0.0
-    for iteration in range(settings.iterations):
+    for iteration in range(_MOST_ITERATIONS):
         reach = _REACHES[min(iteration, len(_REACHES) - 1)]
-        hessian, gradient, noise, agreement = _normal_equations(target, surface, pose, reach, settings.outlier, noise)
+        hessian, gradient, noise, agreement = _normal_equations(target, surface, pose, reach, _OUTLIER, noise)
         known, share = _without_feigned(hessian)
         offset = pose - start
         offset[2] = wrap_angle(offset[2])

@@ -23,6 +23,7 @@ RECENT = 12
 
 _NEAR = 2.5  # m: keyframes so near see the same things, as a rule
 _GROUP = 7  # keyframes
+_MOST_GROUPS = 2
 _SURE = 0.12  # m: with less uncertainty the scan is matched from where it is
 _WIDEST = Window(8.0, 0.5)
 _POINTS = 150  # of a scan, in a search
@@ -56,9 +57,7 @@ class Link:
     correction: Pose2
 
 
-def find_groups(
-    poses: Sequence[Pose2], number: int, spread: NDArray[np.float64], last: int, most: int = 2
-) -> list[Group]:
+def find_groups(poses: Sequence[Pose2], number: int, spread: NDArray[np.float64], last: int) -> list[Group]:
     """Choose groups of the keyframes before `last` that keyframe `number` may see, the nearest first.
 
     `spread` (n) is how uncertain their places are relative to it, m; those with inf are left out.
@@ -77,7 +76,7 @@ def find_groups(
         nearest = int(run[np.argmin(gaps[run])])
         members = run[np.argsort(np.abs(run - nearest))[:_GROUP]]
         groups.append((float(gaps[nearest]), Group(tuple(sorted(members.tolist())), nearest, float(spread[nearest]))))
-    return [group for _, group in sorted(groups, key=lambda each: each[0])[:most]]
+    return [group for _, group in sorted(groups, key=lambda each: each[0])[:_MOST_GROUPS]]
 
 
 def verify_group(group: Group, number: int, poses: Sequence[Pose2], scans: Sequence[Scan]) -> Work[Link | None]:
