@@ -7,7 +7,7 @@ import os
 import signal
 import sys
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -116,27 +116,17 @@ def setup(
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     described = bool(name or base or variant)
     _check_robots(hosts, file, every=every, described=described, name=name, host_key=host_key)
-    fingerprints: dict[str, str] = {}
+    fingerprints: Mapping[str, str] = {}
     if file:
         tasks, fingerprints = read_tasks(Path(file))
-    elif every:
-        tasks = list_known_tasks()
     else:
-        tasks = [ask_task(host, name, base, variant) for host in hosts]
-        if host_key:
-            fingerprints = {tasks[0].robot.name: read_fingerprint(host_key)}
+        tasks = list_known_tasks() if every else [ask_task(host, name, base, variant) for host in hosts]
+    if host_key:
+        fingerprints = {tasks[0].robot.name: read_fingerprint(host_key)}
     check_names(tasks)
     here = LocalShell()
     viewer = prepare_viewer(here, getpass.getuser())
-    met: list[Task] = []
-
-    def meet(task: Task) -> int:
-        wanted = fingerprints.get(task.robot.name, "")
-        met.append(confirm_host_key(task, fingerprint=wanted, yes=yes, new_host_key=new_host_key))
-        return 0
-
-    # One after the other: there is one terminal for questions. A refused robot does not stop the others.
-    refused = max(_guard(task, meet) for task in tasks)
+    met, refused = _meet(tasks, fingerprints, yes=yes, new_host_key=new_host_key)
     if not met:
         return refused
     tasks = met if dry_run else decide_robot_login(met, robot_login)
@@ -148,21 +138,40 @@ def setup(
             return make_argv(task, master=master, programs=programs, new_host_key=new_host_key)
 
         return max(refused, set_up_each(tasks, make, given))
+    tasks = [replace(task, current=current, new=new) for task in _equip(tasks, master=master, programs=programs)]
+    if dry_run:
+        return max(refused, *(_guard(task, lambda task: _preview(task, viewer)) for task in tasks))
+    return max(refused, _guard(tasks[0], lambda task: _set_up(task, here, viewer, alone=not one_of_several)))
+
+
+def _meet(
+    tasks: Iterable[Task], fingerprints: Mapping[str, str], *, yes: bool, new_host_key: bool
+) -> tuple[list[Task], int]:
+    """The tasks whose robots have a host key that is known or confirmed, and an exit code for the others."""
+    met: list[Task] = []
+
+    def meet(task: Task) -> int:
+        wanted = fingerprints.get(task.robot.name, "")
+        met.append(confirm_host_key(task, fingerprint=wanted, yes=yes, new_host_key=new_host_key))
+        return 0
+
+    # One after the other: there is one terminal for questions. A refused robot does not stop the others.
+    refused = max(_guard(task, meet) for task in tasks)
+    return met, refused
+
+
+def _equip(tasks: Iterable[Task], *, master: bool, programs: bool) -> list[Task]:
+    """The tasks with what is sent to their robots, and the devices of their bases."""
     library, environment = read_repository(), read_programs()
-    tasks = [
+    return [
         replace(
             task,
             robot=replace(task.robot, master=task.robot.master and master, programs=task.robot.programs and programs),
             library=(library, environment) if task.robot.programs and programs else (library,),
-            current=current,
-            new=new,
             devices=expected_devices(load_base(PACKAGE, task.robot.base, task.robot.variant)),
         )
         for task in tasks
     ]
-    if dry_run:
-        return max(refused, *(_guard(task, lambda task: _preview(task, viewer)) for task in tasks))
-    return max(refused, _guard(tasks[0], lambda task: _set_up(task, here, viewer, alone=not one_of_several)))
 
 
 def _check_robots(
