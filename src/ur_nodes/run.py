@@ -9,6 +9,7 @@ import sys
 import threading
 from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager
+from pathlib import Path
 from typing import TypeVar
 
 from ur_nodes.ports.node import Node
@@ -91,6 +92,13 @@ def drop_output() -> None:
     nothing = os.open(os.devnull, os.O_WRONLY)
     os.dup2(nothing, 1)
     os.close(nothing)
+
+
+def log_folder() -> Path:
+    """The folder of the log files of nodes."""
+    from ur_nodes.ros1 import attached as backend
+
+    return backend.log_folder()
 
 
 def own_arguments(arguments: Sequence[str]) -> list[str]:

@@ -23,6 +23,8 @@ class MapSaving:
         """The line about the last call that has ended."""
         self.name = ""
         """The name of the map that was saved last."""
+        self.count = 0
+        """The number of calls that have ended."""
 
     def ask(self) -> None:
         """Begin to save, unless a call is under way."""
@@ -44,6 +46,7 @@ class MapSaving:
         name, problem = read_saved(result)
         self._busy, self.name = False, name or self.name
         self.line = self._news = f"map '{name}' saved" if name else f"the map was not saved: {problem}"
+        self.count += 1
 
     def _forget(self, news: str) -> None:
         if self._news == news:

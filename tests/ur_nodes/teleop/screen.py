@@ -1,4 +1,4 @@
-"""A pseudo-terminal for a user interface that runs in this process."""
+"""A pseudo-terminal for a user interface that runs in this process, and a bus beside it."""
 
 from __future__ import annotations
 
@@ -6,9 +6,10 @@ import contextlib
 import os
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from types import TracebackType
 
+from ur_nodes.memory.bus import Bus
 from ur_nodes.teleop.terminal.raw import Terminal, own_terminal
 
 LIMIT = 60.0  # s
@@ -67,3 +68,21 @@ class Screen:
         with contextlib.suppress(OSError):  # the terminal was closed: the end
             while data := os.read(self._user, 65536):
                 self.text += data.decode(errors="replace")
+
+
+@contextlib.contextmanager
+def running(bus: Bus) -> Iterator[None]:
+    """Let a bus run beside a user interface, about as fast as real time."""
+    over = threading.Event()
+
+    def run() -> None:
+        while not over.wait(0.01):
+            bus.run(0.01)
+
+    thread = threading.Thread(target=run)
+    thread.start()
+    try:
+        yield
+    finally:
+        over.set()
+        thread.join(LIMIT)

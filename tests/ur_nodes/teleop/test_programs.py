@@ -45,7 +45,7 @@ def environment(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Environmen
     }
     commands = (
         ["rosmaster", "--core", "-p", str(port)],
-        [sys.executable, str(Path(__file__).with_name("fake_robot_node.py"))],
+        [sys.executable, str(Path(__file__).with_name("fake_robot.py"))],
     )
     quiet = subprocess.DEVNULL
     started: list[subprocess.Popen[bytes]] = []
@@ -64,27 +64,6 @@ def run_piped(program: Path, text: str, env: Environment, *arguments: str) -> su
     return subprocess.run([program, *arguments], input=text, env=env, text=True, capture_output=True, timeout=120)
 
 
-def test_piped_goals_are_driven_and_reported(environment: Environment) -> None:
-    done = run_piped(NAVIGATE, "g 2 3 90\nw corner\ng 0 0 0\nm corner\n", environment, "_map_name:=test")
-    assert done.stderr == ""
-    assert done.returncode == 0
-    lines = done.stdout.splitlines()
-    assert lines[0].startswith("g 2 3 90: reached, 0.0")
-    assert lines[1] == "w corner: saved at 2.00 3.00 90"
-    assert lines[3].startswith("m corner: reached")
-    assert (Path(environment["XDG_DATA_HOME"]) / "ubiquity_launches/waypoints/test.yaml").is_file()
-
-
-def test_failed_goal_and_malformed_line_exit_with_1(environment: Environment) -> None:
-    done = run_piped(NAVIGATE, "g 2 x\ng 90 90\ng 1 1\n", environment)
-    assert done.returncode == 1
-    assert done.stderr == "error: g 2 x: 'x' is not a number, expected: g X Y [ANGLE]\n"
-    failed, reached = done.stdout.splitlines()
-    assert failed.startswith("g 90 90: failed after")
-    assert failed.endswith(": the goal is off the map")
-    assert reached.startswith("g 1 1: reached")
-
-
 def test_end_of_the_reader_ends_the_batch_without_a_word(environment: Environment) -> None:
     reader, output = os.pipe()
     os.close(reader)
@@ -97,12 +76,6 @@ def test_end_of_the_reader_ends_the_batch_without_a_word(environment: Environmen
         os.close(output)
     assert done.stderr == ""
     assert done.returncode == 128 + signal.SIGPIPE
-
-
-def test_what_does_not_come_is_named_after_the_limit(environment: Environment) -> None:
-    done = run_piped(NAVIGATE, "g 1 1\n", environment, "map:=nowhere", "move_base/status:=no", "_start_timeout:=2.0")
-    assert done.returncode == 2
-    assert "still waiting for the map (topic /nowhere) and navigation (action /move_base) after 2 s" in done.stderr
 
 
 def test_bad_parameter_is_one_clear_line(environment: Environment) -> None:
@@ -119,26 +92,6 @@ def test_no_master_is_one_clear_line(environment: Environment, program: Path) ->
     assert done.returncode == 2
     assert done.stderr.startswith("error: ")
     assert "no ROS master at http://localhost:" in done.stderr
-
-
-def test_keys_of_a_pipe_drive(environment: Environment) -> None:
-    listener = "import sys, rospy\nfrom geometry_msgs.msg import Twist\nrospy.init_node('listener')\n"
-    listener += "rospy.Subscriber('keys', Twist, lambda m: print(m.linear.x, m.angular.z, flush=True))\nrospy.spin()"
-    with subprocess.Popen(
-        [sys.executable, "-c", listener], env=environment, stdout=subprocess.PIPE, text=True
-    ) as heard:
-        try:
-            done = run_piped(DRIVE, "io", environment, "cmd_vel:=keys", "_speed:=0.25", "_turn:=0.5")
-            assert (done.returncode, done.stderr) == (0, "")
-            assert heard.stdout is not None
-            lines = [heard.stdout.readline().strip()]
-            while lines[-1] not in ("0.0 0.0", ""):
-                lines.append(heard.stdout.readline().strip())
-        finally:
-            heard.terminate()
-    assert lines[0] == "0.25 0.0"
-    assert "0.25 -0.5" in lines
-    assert lines[-1] == "0.0 0.0"
 
 
 @pytest.mark.parametrize("program", [NAVIGATE, DRIVE], ids=lambda path: path.name)
@@ -201,11 +154,13 @@ class OnTerminal:
 
 
 def crash_in(where: str) -> list[str | Path]:
-    """A program that owns the screen and fails there."""
+    """A program that owns the screen and fails there, or in a callback of its node."""
     lines = [
-        "import sys, threading",
+        "import sys",
         "from ur_nodes.run import run_foreground",
         "from ur_nodes.teleop.terminal.raw import own_terminal",
+        "def fail():",
+        "    {}['gone']",
         "def body(node, ended):",
         "    with own_terminal(0, 1):",
         f"        {where}",
@@ -215,15 +170,7 @@ def crash_in(where: str) -> list[str | Path]:
     return [sys.executable, "-c", "\n".join(lines)]
 
 
-@pytest.mark.parametrize(
-    "where",
-    [
-        "{}['gone']",
-        "thread = threading.Thread(target=lambda: {}['gone']); thread.start(); thread.join()",
-        "node.post(lambda: {}['gone']); ended.wait(60)",
-    ],
-    ids=["main thread", "other thread", "callback"],
-)
+@pytest.mark.parametrize("where", ["fail()", "node.post(fail); ended.wait(60)"], ids=["user interface", "node"])
 def test_exception_leaves_the_terminal_as_it_was_and_one_line_that_names_the_traceback(
     environment: Environment, where: str
 ) -> None:

@@ -1,4 +1,4 @@
-"""Keys to velocities: a step function without clock or terminal.
+"""Keys to velocities: a step function without clock or terminal, and its settings.
 
 The layout is that of teleop_twist_keyboard, plus the arrows. How a key's end is known differs by terminal:
 
@@ -13,6 +13,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
+from ur_nodes.ports.parameters import Parameters
 from ur_nodes.teleop.terminal.keys import KITTY_RELEASE_FLAGS, FocusLost, Key, KeyEvent, KittyFlags
 
 FIRST_HOLD = 0.6
@@ -202,3 +203,18 @@ def _change_speeds(state: DriveState, speed_factor: float, turn_factor: float) -
         turn=min(max(turn, 0.01), limits.turn_limit),
         note="; ".join(over),
     )
+
+
+def read_settings(parameters: Parameters) -> tuple[DriveSettings, float]:
+    """The settings of a node, and its commands per second. Raises UserError."""
+    speed_limit = parameters.number("speed_limit", 1000.0, minimum=0.0)
+    turn_limit = parameters.number("turn_limit", 1000.0, minimum=0.0)
+    settings = DriveSettings(
+        speed=parameters.number("speed", min(0.5, speed_limit), minimum=0.0),
+        turn=parameters.number("turn", min(1.0, turn_limit), minimum=0.0),
+        speed_limit=speed_limit,
+        turn_limit=turn_limit,
+        key_timeout=parameters.number("key_timeout", 0.0, minimum=0.0, maximum=10.0),
+    )
+    rate = parameters.number("repeat_rate", 30.0, minimum=0.0, maximum=200.0)
+    return settings, max(rate, 10.0) if rate else 30.0  # the mux ignores commands that are older than 0.15 s

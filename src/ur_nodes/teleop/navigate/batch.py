@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from ur.source.diagnostic import UserError
 from ur_nodes.client.driver_text import DriverRequest
+from ur_nodes.client.map_saving import MapSaving
 from ur_nodes.client.model import GoalState, Navigator, Snapshot, format_place
 from ur_nodes.client.mux import MuxRequest
 from ur_nodes.client.patrol_text import Route
@@ -60,8 +61,8 @@ class BatchContext:
     sleep: Callable[[float], bool]
     urgent: Callable[[], Command | None] | None = None
     """Return a command that was typed meanwhile and must not wait; None where nobody is there to type one."""
-    save: Callable[[], str] | None = None
-    """Save the map that is being made and return a line about it; None where none is being made."""
+    saving: MapSaving | None = None
+    """Saves the map that is being made; None where none is being made."""
 
 
 class InterruptedBatchError(Exception):
@@ -117,10 +118,7 @@ class _Batch:
             case AskMux():
                 return self._ask_mux(command.request, text)
             case SaveMap():
-                if self._around.save is None:
-                    raise bad_command_error(NO_MAPPING)
-                self._around.out(f"{text}: {self._around.save()}")
-                return True
+                return self._save_map(text)
             case _:
                 self._around.out(self._do_at_once(command, text))
                 return True
@@ -128,6 +126,18 @@ class _Batch:
     def _sleep(self, seconds: float) -> None:
         if self._around.sleep(seconds):
             raise InterruptedBatchError
+
+    def _save_map(self, text: str) -> bool:
+        """Have the map that is being made saved. Raises UserError: none is being made."""
+        saving = self._around.saving
+        if saving is None:
+            raise bad_command_error(NO_MAPPING)
+        before = saving.count
+        saving.ask()
+        while saving.count == before:
+            self._sleep(0.05)
+        self._around.out(f"{text}: {saving.line}")
+        return True
 
     def _ask_mux(self, request: MuxRequest, text: str) -> bool:
         """Send a request to the mux and return whether it took effect; an emergency stop ends the goal, too."""

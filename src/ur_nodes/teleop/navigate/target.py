@@ -1,12 +1,63 @@
-"""The poses that a command asks for."""
+"""The poses that a command asks for, and the file of waypoints that they are in."""
 
 from __future__ import annotations
 
+import os
+from dataclasses import dataclass
+from pathlib import Path
+
+from ur_nodes.client.map_saving import MapSaving
 from ur_nodes.client.model import Snapshot, heading_there
 from ur_nodes.client.patrol_text import Route, Stop
-from ur_nodes.client.waypoints import WaypointStore
+from ur_nodes.client.waypoints import WaypointStore, name_of_map, waypoint_path
 from ur_nodes.geometry.pose import Pose2
+from ur_nodes.ports.node import Node
 from ur_nodes.teleop.navigate.commands import AskPatrol, Go, GoTo
+
+_SAVE_AGAIN = 2.0  # s until the name of a map that could not be saved is asked for again
+
+
+@dataclass(frozen=True, slots=True)
+class StoreChoice:
+    """The file of waypoints: `file` where one is given, else that of the map, by its name, or by its content.
+
+    `growing` saves a map that is being made, whose content changes: its name is the one that it is saved under.
+    """
+
+    file: str = ""
+    map_name: str = ""
+    growing: MapSaving | None = None
+
+    @property
+    def title(self) -> str:
+        """The name of the map, for a screen."""
+        return Path(self.map_name).stem
+
+    def store_for(self, snapshot: Snapshot) -> WaypointStore | None:
+        """The waypoints, once the map has arrived; None while it has no name."""
+        if self.file:
+            return WaypointStore(Path(self.file).expanduser())
+        if self.map_name or self.growing:
+            name = self.map_name or (self.growing.name if self.growing else "")
+        else:
+            assert snapshot.grid is not None, "asked for once the map has arrived"
+            name = name_of_map(snapshot.grid)
+        return WaypointStore(waypoint_path(name, os.environ)) if name else None
+
+
+def name_growing_map(node: Node, service: str) -> MapSaving:
+    """Have the map that is being made saved until it has a name."""
+    saving = MapSaving(node, service, hint="")
+
+    def ask() -> None:
+        if saving.name:
+            timer.cancel()
+        else:
+            saving.ask()
+
+    timer = node.every(_SAVE_AGAIN, ask, steady=True)
+    saving.ask()
+    return saving
 
 
 def target_of(command: Go | GoTo, snapshot: Snapshot, store: WaypointStore) -> tuple[Pose2, bool]:

@@ -16,6 +16,7 @@ from textual.widgets import Static
 from ur.screen.app import FullScreenApp
 from ur.screen.query import measure_terminal
 from ur.source.diagnostic import UserError
+from ur_nodes.client.map_saving import MapSaving
 from ur_nodes.client.model import GoalReport, GoalState, Navigator, Snapshot, format_number
 from ur_nodes.client.patrol_text import PatrolStatus, describe_patrol
 from ur_nodes.client.waypoints import WaypointStore
@@ -33,7 +34,6 @@ from ur_nodes.teleop.navigate.status_text import (
     status_line,
     waiting_line,
 )
-from ur_nodes.teleop.navigator.map_saving_node import MapSaving
 
 REFRESH = 1.0 / 6.0
 

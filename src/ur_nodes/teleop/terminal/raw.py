@@ -33,14 +33,9 @@ class Terminal:
         self._size = (0, 0)
         self._rest = b""
 
-    def read(self, timeout: float, wake: int | None = None) -> bytes | None:
-        """Bytes that came within `timeout` seconds (b'' for none); None when the terminal is gone.
-
-        Returns early when the descriptor `wake` can be read.
-        """
-        sources = [self._source] if wake is None else [self._source, wake]
-        ready, _, _ = select.select(sources, [], [], max(0.0, timeout))
-        if self._source not in ready:
+    def read(self, timeout: float) -> bytes | None:
+        """Bytes that arrived within `timeout` seconds (b'' for none); None when the terminal is closed."""
+        if not select.select([self._source], [], [], max(0.0, timeout))[0]:
             return b""
         try:
             return os.read(self._source, 1024) or None

@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 import pytest_asyncio
-from tests.ur_nodes.teleop.navigate.test_app import Screen
+from tests.ur_nodes.teleop.navigate.app_screen import Screen, open_app
 
 from ur.source.diagnostic import UserError, error
 from ur_nodes.client.driver_text import clock_time
@@ -17,7 +17,6 @@ from ur_nodes.client.mux import MuxView
 from ur_nodes.client.waypoints import WaypointStore
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.motion.lease.view import LeaseView
-from ur_nodes.teleop.navigate.app import NavigateApp
 
 SIZES = [(80, 24), (40, 12)]
 THERE = Pose2(2.0, 3.0, 0.0)
@@ -28,18 +27,14 @@ LOST = Silence("the robot", 1.2)
 
 @pytest_asyncio.fixture(params=SIZES, ids=str)
 async def screen(request: Any, navigator: Any, store: WaypointStore) -> AsyncIterator[Screen]:
-    app = NavigateApp(navigator, lambda _: store, title="maze")
-    async with app.run_test(size=request.param) as pilot:
-        await pilot.pause()
-        yield Screen(app, pilot)
+    async with open_app(navigator, store, request.param) as shown:
+        yield shown
 
 
 @pytest_asyncio.fixture
 async def wide(navigator: Any, store: WaypointStore) -> AsyncIterator[Screen]:
-    app = NavigateApp(navigator, lambda _: store, title="maze")
-    async with app.run_test(size=(100, 30)) as pilot:
-        await pilot.pause()
-        yield Screen(app, pilot)
+    async with open_app(navigator, store, (100, 30)) as shown:
+        yield shown
 
 
 def show(navigator: Any, **changes: Any) -> None:

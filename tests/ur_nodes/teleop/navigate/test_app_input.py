@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 import pytest_asyncio
-from tests.ur_nodes.teleop.navigate.test_app import Screen
+from tests.ur_nodes.teleop.navigate.app_screen import Screen, open_app
 from textual import events
 from textual.pilot import Pilot
 from textual.widgets import Static
@@ -28,19 +28,9 @@ SMALL = (40, 12)
 
 
 @pytest_asyncio.fixture
-async def screen(navigator: Any, store: WaypointStore) -> AsyncIterator[Screen]:
-    app = NavigateApp(navigator, lambda _: store, title="maze")
-    async with app.run_test(size=(100, 36)) as pilot:
-        await pilot.pause()
-        yield Screen(app, pilot)
-
-
-@pytest_asyncio.fixture
 async def small(navigator: Any, store: WaypointStore) -> AsyncIterator[Screen]:
-    app = NavigateApp(navigator, lambda _: store, title="maze")
-    async with app.run_test(size=SMALL) as pilot:
-        await pilot.pause()
-        yield Screen(app, pilot)
+    async with open_app(navigator, store, SMALL) as shown:
+        yield shown
 
 
 def press_at_once(app: NavigateApp, keys: list[str]) -> None:

@@ -1,7 +1,6 @@
 from __future__ import annotations
 
 import math
-import threading
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from typing import Any
@@ -189,18 +188,6 @@ def test_waiting_has_a_limit_and_says_what_is_missing(navigator: Any) -> None:
     missing = wait_until_ready(navigator, Limits(start=30.0), world.around())
     assert missing == "the map (topic /map) and navigation (action /move_base)"
     assert world.now == pytest.approx(30.0, abs=0.2)
-
-
-def test_program_that_is_interrupted_before_a_goal_says_nothing(
-    navigator: Any, store: WaypointStore, capsys: pytest.CaptureFixture[str]
-) -> None:
-    from ur_nodes.teleop.navigate.keyboard_navigate_node import _run_batch  # a node shell: it needs ROS
-
-    navigator.seen = replace(navigator.seen, missing=("the map (topic /map)",))
-    ended = threading.Event()
-    ended.set()
-    assert _run_batch(navigator, lambda _: store, Limits(), ended) == 130
-    assert capsys.readouterr() == ("", "")
 
 
 def test_held_goal_is_noted_once_and_reported_by_its_end(navigator: Any, store: WaypointStore) -> None:

@@ -1,0 +1,99 @@
+"""Drive by keys that a user presses: what they do to the robot, on the node's thread."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+
+from ur_nodes.client.driver_text import DriverLine, line_of
+from ur_nodes.client.map_saving import MapSaving
+from ur_nodes.client.mux import Emergency, MuxView
+from ur_nodes.ports.node import Node
+from ur_nodes.teleop.keyboard.commander import Commander
+from ur_nodes.teleop.keyboard.drive import STILL, DriveSettings, DriveState, start_drive, step_drive
+from ur_nodes.teleop.keyboard.drive_screen import Link
+from ur_nodes.teleop.terminal.keys import KeyEvent
+from ur_nodes.teleop.terminal.request_keys import (
+    asks_to_save,
+    driver_request_of,
+    mux_request_of,
+    obstacle_request_of,
+)
+
+
+@dataclass(frozen=True, slots=True)
+class DriveView:
+    """The drive at one moment, for a screen."""
+
+    state: DriveState
+    link: Link
+    mux: MuxView
+    driver: DriverLine
+
+
+class KeyDriver:
+    """Sends velocities while keys are held. `press` and `view` may be used by any thread.
+
+    While a key drives, a command is also sent whenever a challenge has arrived, so that it is as young as can be. With
+    `saving`, one key saves the map; it stops the robot as every other key does. At the end of the node the robot is
+    stopped and the lease released.
+    """
+
+    def __init__(
+        self,
+        node: Node,
+        settings: DriveSettings,
+        rate: float,
+        commander: Commander,
+        mux: Emergency,
+        saving: MapSaving | None = None,
+    ) -> None:
+        """`rate` is the number of commands per second, besides answers to challenges."""
+        self._node, self._commander, self._mux, self._saving = node, commander, mux, saving
+        self._state = start_drive(settings)
+        commander.watch(self._answer)
+        node.every(1.0 / rate, self._step, steady=True)
+        node.on_end(self._end)
+
+    def press(self, events: Iterable[KeyEvent]) -> None:
+        """Have keys take effect, in their order."""
+        for event in events:
+            self._node.post(lambda event=event: self._take(event))  # type: ignore[misc]  # mypy infers no default
+
+    def view(self) -> DriveView:
+        """Return the newest state."""
+        commander = self._commander
+        driver = line_of(commander.view(), commander.conduct)
+        return DriveView(self._state, commander.link(), self._mux.view(), driver)
+
+    def _take(self, event: KeyEvent) -> None:
+        self._pass_on(event)
+        was_moving = self._state.moving
+        self._state, motion = step_drive(self._state, event, self._node.steady())
+        if motion is not None and self._state.moving != was_moving:
+            self._commander.send(motion)  # starts and stops are not kept waiting
+
+    def _pass_on(self, event: KeyEvent) -> None:
+        """Ask others for what a key means besides driving."""
+        for mux_request in (mux_request_of(event), obstacle_request_of(event, self._mux.view())):
+            if mux_request is not None:
+                self._mux.ask(mux_request)
+        if (request := driver_request_of(event)) is not None:
+            self._commander.request(request)
+        if self._saving and asks_to_save(event):
+            self._saving.ask()
+
+    def _answer(self) -> None:
+        if self._state.moving:
+            self._step()
+
+    def _step(self) -> None:
+        if self._saving and (news := self._saving.take_news()):
+            self._state = replace(self._state, note=news)
+        self._state, motion = step_drive(self._state, None, self._node.steady())
+        if motion is not None:
+            self._commander.send(motion)
+
+    def _end(self) -> None:
+        self._commander.send(STILL)
+        self._commander.close()

@@ -1,0 +1,78 @@
+"""`keyboard_navigate` with commands from a pipe, or from a terminal that takes lines only."""
+
+from __future__ import annotations
+
+import signal
+import sys
+import threading
+import time
+
+from ur_nodes.client.map_saving import MapSaving
+from ur_nodes.client.model import Navigator
+from ur_nodes.run import BROKEN_PIPE_EXIT_CODE, drop_output
+from ur_nodes.teleop.navigate.batch import BatchContext, InterruptedBatchError, run_batch, wait_until_ready
+from ur_nodes.teleop.navigate.batch_text import Limits
+from ur_nodes.teleop.navigate.line_reader import LineReader
+from ur_nodes.teleop.navigate.target import StoreChoice
+
+
+def run_lines(
+    name: str,
+    navigator: Navigator,
+    stores: StoreChoice,
+    limits: Limits,
+    saving: MapSaving | None,
+    ended: threading.Event,
+    *,
+    attended: bool,
+    source: int = 0,
+) -> int:
+    """Run commands line by line; `attended`: a user types them on a terminal that cannot draw. Returns the exit code.
+
+    Whoever reads the output may end: the batch ends then, and with it a goal that is driven to.
+    """
+    lines, output = LineReader(source, ended), _Output(ended)
+    urgent = lines.take_urgent if attended else None
+    around = BatchContext(output.write, _write_err, time.monotonic, ended.wait, urgent, saving)
+    if attended:
+        around.out(f"{name}: one command a line; ? lists them, s stops, e is the emergency stop, q quits")
+    try:
+        try:
+            missing = wait_until_ready(navigator, limits, around)
+        except InterruptedBatchError:
+            return 128 + signal.SIGINT  # there was no goal yet
+        if missing is not None:
+            around.err(f"error: {name}: still waiting for {missing} after {limits.start:g} s")
+            around.err("  help: 'ur run keyboard_navigate' starts all of it; parameter ~start_timeout sets the limit")
+            return 2
+        while (store := stores.store_for(navigator.snapshot())) is None:
+            if ended.wait(0.1):
+                return 128 + signal.SIGINT
+        code = run_batch(lines, navigator, store, limits, around)
+        return BROKEN_PIPE_EXIT_CODE if output.lost else code
+    except InterruptedBatchError as interrupt:
+        if output.lost:
+            return BROKEN_PIPE_EXIT_CODE
+        around.err(f"error: {name}: interrupted{f', {interrupt}' if str(interrupt) else ''}")
+        return 1
+
+
+class _Output:
+    """Standard output. When its reader has ended, `ended` is set."""
+
+    def __init__(self, ended: threading.Event) -> None:
+        self._ended = ended
+        self.lost = False
+
+    def write(self, line: str) -> None:
+        try:
+            sys.stdout.write(line + "\n")
+            sys.stdout.flush()
+        except BrokenPipeError:
+            self.lost = True
+            drop_output()
+            self._ended.set()
+
+
+def _write_err(line: str) -> None:
+    sys.stderr.write(line + "\n")

@@ -1,0 +1,64 @@
+"""`keyboard_navigate` on a terminal that can draw."""
+
+from __future__ import annotations
+
+import asyncio
+import os
+import sys
+import threading
+from collections.abc import Callable
+
+from ur.screen.query import ask_background, is_light, typed_text
+from ur.source.run_users import FOLDER_VARIABLE, list_users
+from ur_nodes.client.map_saving import MapSaving
+from ur_nodes.client.model import Navigator
+from ur_nodes.run import log_folder
+from ur_nodes.teleop.navigate.app import NavigateApp
+from ur_nodes.teleop.navigate.target import StoreChoice
+from ur_nodes.teleop.terminal.textual_screen import own_screen
+
+
+def run_screen(
+    name: str, navigator: Navigator, stores: StoreChoice, saving: MapSaving | None, ended: threading.Event
+) -> int:
+    """Show the map and obey commands until `q`, Ctrl-C or `ended`; a goal that was sent is then cancelled.
+
+    Returns the exit code. Raises the UserError that ended the screen.
+    """
+    answer = ask_background(0, 1)
+    folder = os.environ.get(FOLDER_VARIABLE, "")
+    with own_screen(log_folder() / f"{name}-stderr.log") as driver:
+        app = NavigateApp(
+            navigator,
+            stores.store_for,
+            title=stores.title,
+            light=is_light(os.environ, answer),
+            driver_class=driver,
+            saving=saving,
+            typed=typed_text(answer),
+            list_users=lambda: list_users(folder) if folder else (),
+        )
+        try:
+            asyncio.run(_run(app, ended))
+        finally:
+            silence = app.cancel_own_goal()
+    if silence:
+        sys.stderr.write(f"warning: {name}: the goal may not be cancelled: {silence}\n")
+        sys.stderr.write("  help: the robot stops and holds a goal when nothing arrives from this computer for 3 s\n")
+    if app.problem is not None:
+        raise app.problem
+    return app.return_code or 0
+
+
+async def _run(app: NavigateApp, ended: threading.Event) -> None:
+    ending = asyncio.create_task(_end_with(app.exit, ended))
+    try:
+        await app.run_async()
+    finally:
+        ending.cancel()
+
+
+async def _end_with(end: Callable[[], None], ended: threading.Event) -> None:
+    while not ended.is_set():
+        await asyncio.sleep(0.1)
+    end()
