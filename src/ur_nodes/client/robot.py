@@ -6,7 +6,6 @@ import math
 import os
 import re
 import sys
-import threading
 from collections.abc import Callable, Iterable
 from contextlib import ExitStack
 from pathlib import Path
@@ -60,7 +59,7 @@ class Robot:
         self._name = name or re.sub(r"\W", "_", Path(sys.argv[0]).stem, flags=re.ASCII) or "script"
         self._names, self._given, self._wait = names or Names(), node, wait
         self._closing = ExitStack()
-        self._ended = threading.Event()
+        self._ended = False
         self._values: dict[str, tuple[Any, float]] = {}
         self._goal = 0
 
@@ -69,7 +68,7 @@ class Robot:
             self._connect(self._given)
         else:
             try:
-                attached = attach(f"{self._name}_{os.getpid()}", self._connect, self._ended.set)
+                attached = attach(f"{self._name}_{os.getpid()}", self._connect, self._note_end)
                 self._closing.enter_context(attached)
             except UserError as problem:
                 raise Lost(str(problem)) from None
@@ -217,6 +216,9 @@ class Robot:
         self._commands.connect(self._navigator.lease)
         self._exploration = ExplorationStatus(node, "explore/status")
 
+    def _note_end(self) -> None:
+        self._ended = True
+
     def _on_node(self, call: Callable[[], None]) -> None:
         """Make a call on the node's thread, and wait until it is made; after the end of the node it is not."""
         done: list[bool] = []
@@ -228,12 +230,12 @@ class Robot:
                 done.append(True)
 
         self._node.post(make)
-        self._wait(lambda: bool(done) or self._ended.is_set(), 2.0)
+        self._wait(lambda: bool(done) or self._ended, 2.0)
 
     def _until(self, condition: Callable[[], bool], seconds: float) -> bool:
         """Wait; raises Lost when the node has ended."""
-        found = self._wait(lambda: self._ended.is_set() or condition(), seconds)
-        if self._ended.is_set():
+        found = self._wait(lambda: self._ended or condition(), seconds)
+        if self._ended:
             raise Lost("the connection to the robot has ended")
         return found
 

@@ -70,7 +70,9 @@ def test_patrol_is_asked_and_answers_once(bus: Bus) -> None:
     request = PatrolRequest("end", Route(), "screen-1", "", "laptop", None)
     assert not link.request(request)
     assert link.status() is None
-    patrol, received, answers = bus.node("patrol"), [], []
+    patrol = bus.node("patrol")
+    received: list[str] = []
+    answers: list[str] = []
     statuses = patrol.publish("~status", str, Quality.LATCHED)
     patrol.subscribe("~request", str, received.append, Quality.EVERY)
     assert link.request(request, answers.append)

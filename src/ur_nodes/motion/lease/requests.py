@@ -7,7 +7,9 @@ from dataclasses import dataclass, replace
 from ur_nodes.motion.lease.text import Action, Lease
 from ur_nodes.motion.lease.view import Conduct, LeaseView, first_action, is_settled, view_lease
 
-_PATIENCE = 2.0  # s: then a request that has not taken effect is given up
+PATIENCE = 2.0
+"""Seconds after which a request that has not taken effect is given up."""
+
 _START_PATIENCE = 4.5  # s: likewise at the start; by then a holder that was killed just before is lost
 
 
@@ -41,7 +43,7 @@ class Requests:
 
 def want(state: Requests, action: Action, now: float) -> Requests:
     """The state in which an action is requested from now (s) on, until it has taken effect."""
-    return replace(state, begun=True, silent=False, intent=action, give_up_at=now + _PATIENCE)
+    return replace(state, begun=True, silent=False, intent=action, give_up_at=now + PATIENCE)
 
 
 def take_lease(state: Requests, lease: Lease) -> Requests:

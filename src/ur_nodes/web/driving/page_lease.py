@@ -8,11 +8,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
+from ur_nodes.motion.lease.requests import PATIENCE, Requests, step_requests
 from ur_nodes.motion.lease.text import Action, Lease
-from ur_nodes.motion.lease.view import is_settled
-
-PATIENCE = 2.0
-"""Seconds after which a request that has not taken effect is given up."""
 
 HAND_BACK = 3.0
 """Seconds after the end of a page's goal after which its lease is released."""
@@ -47,13 +44,13 @@ def step_page(page: PageLease, lease: Lease | None, now: float) -> tuple[PageLea
     """The request to send now that the page has proved to be there; None for none: it only watches."""
     if lease is None:
         return page, None
-    if page.wanted and (now > page.until or is_settled(page.wanted, lease, page.client)):
-        page = replace(page, wanted=None)
-    if page.wanted:
-        return page, page.wanted
-    if page.ended_at is not None and now - page.ended_at >= HAND_BACK and lease.client == page.client:
+    state = Requests(page.client, "watch", lease, intent=page.wanted, give_up_at=page.until, begun=True)
+    state, action = step_requests(state, now, linked=True)
+    page = replace(page, wanted=state.intent)
+    over = page.wanted is None and page.ended_at is not None and now - page.ended_at >= HAND_BACK
+    if over and lease.client == page.client:
         return request_action(page, "release", now), "release"
-    return page, "renew" if takes_part(page, lease) else None
+    return page, action
 
 
 def takes_part(page: PageLease, lease: Lease) -> bool:

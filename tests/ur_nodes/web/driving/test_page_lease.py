@@ -2,10 +2,10 @@ from __future__ import annotations
 
 import pytest
 
+from ur_nodes.motion.lease.requests import PATIENCE
 from ur_nodes.motion.lease.text import FREE, Lease, Person
 from ur_nodes.web.driving.page_lease import (
     HAND_BACK,
-    PATIENCE,
     PageLease,
     may_drive,
     note_end,
