@@ -14,7 +14,7 @@ from typing import Any, TypeVar
 
 from ur.source.diagnostic import UserError
 from ur_nodes.client.commands import Commands
-from ur_nodes.client.driver_text import describe_driver
+from ur_nodes.client.driver_text import describe_driver, describe_silence
 from ur_nodes.client.errors import Lost, Refused, TakenOver
 from ur_nodes.client.exploration import ExplorationStatus
 from ur_nodes.client.model import GoalReport, GoalState, Snapshot, heading_there
@@ -24,6 +24,7 @@ from ur_nodes.client.navigator import RobotNavigator
 from ur_nodes.client.wait import Wait, wait_in_real_time
 from ur_nodes.exploration.status import Status, describe_status
 from ur_nodes.geometry.pose import Pose2
+from ur_nodes.geometry.scan import angles_of_beams, classify_ranges
 from ur_nodes.ports.node import Node
 from ur_nodes.ports.values import Battery, Map, PackedPicture, Scan, Twist
 from ur_nodes.run import attach
@@ -68,8 +69,7 @@ class Robot:
             self._connect(self._given)
         else:
             try:
-                attached = attach(f"{self._name}_{os.getpid()}", self._connect, self._note_end)
-                self._closing.enter_context(attached)
+                self._closing.enter_context(attach(f"{self._name}_{os.getpid()}", self._connect, self._note_end))
             except UserError as problem:
                 raise Lost(str(problem)) from None
         return self
@@ -105,8 +105,6 @@ class Robot:
 
         inf where nothing is in reach. Raises Lost.
         """
-        from ur_nodes.geometry.scan import angles_of_beams, classify_ranges
-
         scan = self.scan()
         angles = angles_of_beams(len(scan.ranges), scan.angle_min, scan.angle_increment)
         about = abs((angles + math.pi) % (2.0 * math.pi) - math.pi) <= math.radians(width) / 2.0
@@ -244,8 +242,7 @@ class Robot:
         if topic not in self._values:
             self._values[topic] = (None, -math.inf)
             self._on_node(lambda: self._listen(topic, kind))
-        recent = self._until(lambda: self._node.steady() - self._values[topic][1] <= fresh, _PATIENCE)
-        if not recent:
+        if not self._until(lambda: self._node.steady() - self._values[topic][1] <= fresh, _PATIENCE):
             raise Lost(f"no {kind.__name__.lower()} on {self._node.resolve(topic)}; does the robot publish it?")
         value: Value = self._values[topic][0]
         return value
@@ -267,7 +264,7 @@ class Robot:
         snapshot = self._navigator.snapshot()
         lease = snapshot.lease
         if snapshot.silence is not None:
-            return Lost(_describe_silence(snapshot))
+            return Lost(describe_silence(snapshot.silence.who, snapshot.silence.seconds))
         if snapshot.mux.stopped:
             return Refused("the emergency stop is on, expected it to be released first")
         if lease.other or lease.lost_by_other:
@@ -294,11 +291,6 @@ class Robot:
         self._commands.end()
         if self._goal and self._navigator.topics.goal().number == self._goal:
             self._navigator.topics.cancel_goals()
-
-
-def _describe_silence(snapshot: Snapshot) -> str:
-    silence = snapshot.silence
-    return f"nothing from {silence.who} for {silence.seconds:.0f} s" if silence else ""
 
 
 def _check(**numbers: float) -> None:

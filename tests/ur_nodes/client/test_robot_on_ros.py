@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import subprocess
+import time
+import xmlrpc.client
 from pathlib import Path
+from typing import Any
 from urllib.parse import urlsplit
 
 import pytest
@@ -34,6 +37,18 @@ def run_script(folder: Path, environment: dict[str, str]) -> subprocess.Complete
     return subprocess.run(command, env=environment, capture_output=True, text=True, timeout=120, check=False)
 
 
+def wait_for_topics(master: str, topics: set[str]) -> None:
+    """Wait until all of them are published: a script itself waits for 10 s only."""
+    deadline = time.monotonic() + 120.0
+    with xmlrpc.client.ServerProxy(master) as server:
+        published: set[str] = set()
+        while not topics <= published:
+            assert time.monotonic() < deadline, topics - published
+            time.sleep(0.1)
+            answer: Any = server.getPublishedTopics("/test", "")
+            published = {name for name, _ in answer[2]}
+
+
 @pytest.mark.timeout(300)
 def test_script_drives_a_launched_robot_and_ends(tmp_path: Path) -> None:
     environment = make_environment(tmp_path)
@@ -49,6 +64,7 @@ def test_script_drives_a_launched_robot_and_ends(tmp_path: Path) -> None:
         )
     try:
         wait_for_port(urlsplit(environment["ROS_MASTER_URI"]).port or 11311)
+        wait_for_topics(environment["ROS_MASTER_URI"], {"/scan", "/cmd_vel_mux/challenge"})
         done = run_script(tmp_path, environment)
     finally:
         end(launch)
