@@ -11,7 +11,7 @@ MODULES = {path.relative_to(SOURCE).as_posix(): path.read_text(encoding="utf-8")
 # What is larger still, each with its size, which may only fall. Remove a line once its size is within the limit.
 LONG_FUNCTIONS = {
     "cli/robot_setup/image.py prepare": 71,
-    "run/launch.py run_plan": 72,
+    "run/launch.py run_plan": 65,
 }
 LONG_MODULES = {
     "cli/computer/doctor.py": 309,

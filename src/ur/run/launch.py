@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
 from ur.launchfile.plan.model import NodeSpec, ParamValue, Plan
@@ -20,6 +20,7 @@ from ur.run.paths import make_home, make_run_folder, new_run_id
 from ur.run.process.command import Program, find_programs, number_logs
 from ur.run.process.host_client import HostLost, ProcessHost
 from ur.run.process.terminal import find_terminal, ignore_background_write
+from ur.run.record.entry import RunEntry
 from ur.run.record.presence import claim, list_joined_runs, plan_clients, register
 from ur.run.record.registry import unregister_run
 from ur.run.run import Run
@@ -56,9 +57,7 @@ def run_plan(plan: Plan, world: World, host: ProcessHost, console: Console, opti
         extra |= {"/ur/base_name": options.base, "/ur/variant": options.variant} if options.base else {}
     commands = start_commands(plan.params, environment)
     if not programs and not own_master:
-        done = upload_parameters(plan, master, extra, commands)
-        if isinstance(done, SetupFailed):
-            raise UserError(error(done.reason, rule="setup-failed"))
+        _require_success(upload_parameters(plan, master, extra, commands))
         console.inform("parameters are set; there is no node to start")
         console.finish(1.0)
         return 0
@@ -67,15 +66,10 @@ def run_plan(plan: Plan, world: World, host: ProcessHost, console: Console, opti
             plan, master, folder, environment, console, detached=options.call_started is not None
         )
         claim(entry, nodes, plan, options)
-        try:
-            keep_terminal = any(node.terminal for node in nodes)
-            if keep_terminal:  # such a program tells its user who else uses the robot; others see what roslaunch gives
-                environment[FOLDER_VARIABLE] = entry.folder
-            host.begin(environment, keep_terminal=keep_terminal)
-        except HostLost:
-            unregister_run(entry)
-            message = "the process host was killed before anything was started"
-            raise UserError(error(message, rule="no-process-host", help="start it once more")) from None
+        keep_terminal = any(node.terminal for node in nodes)
+        if keep_terminal:  # such a program tells its user who else uses the robot; others see what roslaunch gives
+            environment[FOLDER_VARIABLE] = entry.folder
+        _begin(host, environment, entry, keep_terminal=keep_terminal)
         terminal = find_terminal() if options.call_started is None else None
         ignore_background_write()
         _announce(console, master, own_master=own_master, folder=folder, nodes=len(programs))
@@ -103,6 +97,20 @@ def run_plan(plan: Plan, world: World, host: ProcessHost, console: Console, opti
             unregister_run(entry)
     finally:
         commands.stop()
+
+
+def _require_success(done: Event) -> None:
+    if isinstance(done, SetupFailed):
+        raise UserError(error(done.reason, rule="setup-failed"))
+
+
+def _begin(host: ProcessHost, environment: Mapping[str, str], entry: RunEntry, *, keep_terminal: bool) -> None:
+    try:
+        host.begin(environment, keep_terminal=keep_terminal)
+    except HostLost:
+        unregister_run(entry)
+        message = "the process host was killed before anything was started"
+        raise UserError(error(message, rule="no-process-host", help="start it once more")) from None
 
 
 def _find_nodes(
