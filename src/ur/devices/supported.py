@@ -42,7 +42,7 @@ _DRIVERS = Trial("simulator", "the same topics as its drivers, by their launch f
 _URDF = "a description of this kind, written for the test, is read"
 _FAULTS = "tests/ur_nodes/drivers/test_device_faults.py"
 _JOYSTICK = "tests/ur_nodes/motion/joystick/test_joystick_nodes.py"
-_PICTURES = "tests/ur_nodes/camera/test_raspicam_node.py::test_pictures_are_passed_on_unplugged_and_back_and_paused"
+_CAMERA = "tests/ur_nodes/camera/test_raspicam_node.py"
 _NO_HARDWARE = "the device itself; its driver"
 
 SUPPORTED: tuple[Supported, ...] = (
@@ -265,11 +265,20 @@ SUPPORTED: tuple[Supported, ...] = (
         ("logitech-camera", "ps-eye"),
         (),
         (
-            Trial("stand-in", "V4L2: unplugged and back, paused", _PICTURES),
+            Trial(
+                "stand-in",
+                "V4L2: unplugged and back",
+                f"{_CAMERA}::test_pictures_go_on_after_the_camera_was_unplugged",
+            ),
+            Trial(
+                "stand-in",
+                "V4L2: paused for other programs",
+                f"{_CAMERA}::test_camera_that_is_not_captured_is_free_for_other_programs",
+            ),
             Trial(
                 "stand-in",
                 "two cameras",
-                "tests/ur_nodes/camera/test_raspicam_node.py::test_two_nodes_of_two_cameras_publish_side_by_side",
+                f"{_CAMERA}::test_two_nodes_of_two_cameras_publish_side_by_side",
             ),
             Trial(
                 "stand-in",
