@@ -31,7 +31,6 @@ ELSEWHERE = {
     "ur_nodes/memory": "the contract of all backends: tests/ur_nodes/ports/",
     "ur_nodes/rosio": "names of ros1 and of codecs, for nodes that are still written against rospy: their tests",
     "ur_nodes/slam/gmapping": "the node on a bus: tests/ur_nodes/slam/test_slam_gmapping_node.py",
-    "ur_nodes/teleop/navigator": "the robot's end of the page, its last user: tests/ur_nodes/web/",
 }
 
 TEST_FILES = sorted(TESTS.rglob("test_*.py"))

@@ -1,1 +1,0 @@
-"""A robot that is sent to places."""
