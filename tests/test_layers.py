@@ -46,7 +46,6 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
     "ur_nodes.geometry": ("ur.source", "ur.worlds"),
     "ur_nodes.ports": ("ur.source", "ur_nodes.geometry"),
     "ur_nodes.memory": ("ur_nodes.ports",),
-    "ur_nodes.rosio": ("ur.source", "ur_nodes.geometry", "ur_nodes.ports", "ur_nodes.codecs", "ur_nodes.ros1"),
     "ur_nodes.ros1": ("ur.source", "ur_nodes.geometry", "ur_nodes.loop", "ur_nodes.ports", "ur_nodes.codecs"),
     "ur_nodes.ros1.repairs": ("ur.source", "ur.robot.addresses"),
     "ur_nodes.loop": (),
@@ -59,7 +58,6 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
         "ur.robot.base",
         "ur_nodes.memory_use",
         "ur_nodes.ports",
-        "ur_nodes.rosio",
         "ur_nodes.run",
     ),
     "ur_nodes.drivers": ("ur.source", "ur.robot.base", "ur_nodes.geometry", "ur_nodes.ports", "ur_nodes.run"),
@@ -86,7 +84,6 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
         "ur_nodes.geometry",
         "ur_nodes.memory_use",
         "ur_nodes.ports",
-        "ur_nodes.rosio",
         "ur_nodes.run",
     ),
     "ur_nodes.localisation": (
@@ -94,7 +91,6 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
         "ur_nodes.geometry",
         "ur_nodes.memory_use",
         "ur_nodes.ports",
-        "ur_nodes.rosio",
         "ur_nodes.run",
     ),
     "ur_nodes.slam": ("ur.source", "ur.maps", "ur_nodes.geometry", "ur_nodes.ports", "ur_nodes.run"),
@@ -107,7 +103,6 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
         "ur_nodes.motion.lease",
         "ur_nodes.memory_use",
         "ur_nodes.ports",
-        "ur_nodes.rosio",
         "ur_nodes.run",
     ),
     "ur_nodes.costmap": (
@@ -244,12 +239,10 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
         "ur_nodes.teleop.terminal",
     ),
     "ur_nodes.motion.ramp": ("ur.robot.base",),
-    "ur_nodes.motion.challenge": ("ur_nodes.ports", "ur_nodes.codecs", "ur_nodes.ros1"),
+    "ur_nodes.motion.challenge": ("ur_nodes.ports",),
     "ur_nodes.motion.lease": (
         "ur.source",
         "ur_nodes.ports",
-        "ur_nodes.codecs",
-        "ur_nodes.ros1",
         "ur_nodes.motion.challenge",
     ),
     "ur_nodes.motion.admission": (
@@ -287,6 +280,7 @@ ROS = {
     "rosgraph_msgs", "roslaunch", "roslib", "rospy", "sensor_msgs", "std_msgs", "std_srvs", "tf2_msgs", "tf2_py",
     "tf2_ros", "visualization_msgs",
 }  # fmt: skip
+BACKENDS = ("ur_nodes.ros1", "ur_nodes.codecs")
 
 MODULES = {
     ".".join(path.relative_to(SRC).with_suffix("").parts).removesuffix(".__init__"): path
@@ -323,15 +317,10 @@ def test_module_imports_only_from_layers_below(module: str) -> None:
 
 
 @pytest.mark.parametrize("module", MODULES)
-def test_only_node_shells_import_ros(module: str) -> None:
-    used = {name.split(".")[0] for name in imports_of(MODULES[module])} & ROS
-    if module.startswith(("ur_nodes.rosio", "ur_nodes.ros1", "ur_nodes.codecs")) or module.endswith("_node"):
-        return
-    if module.endswith("_message"):
-        used -= {name for name in used if name.endswith("_msgs")}
-    assert not used, (
-        f"{module} imports {', '.join(used)}, expected ROS only in *_node.py, *_message.py, rosio, ros1 and codecs"
-    )
+def test_only_the_backends_import_ros(module: str) -> None:
+    if not any(module == each or module.startswith(each + ".") for each in BACKENDS):
+        used = {name.split(".")[0] for name in imports_of(MODULES[module])} & ROS
+        assert not used, f"{module} imports {', '.join(used)}, expected ROS only in {', '.join(BACKENDS)}"
 
 
 def test_every_module_that_is_imported_exists() -> None:

@@ -29,7 +29,6 @@ ELSEWHERE = {
     "ur/docs/launch": "whole documents: tests/docs/ and tests/docs/site/",
     "ur/docs/repository": "whole documents: tests/docs/ and tests/docs/site/",
     "ur_nodes/memory": "the contract of all backends: tests/ur_nodes/ports/",
-    "ur_nodes/rosio": "names of ros1 and of codecs, for nodes that are still written against rospy: their tests",
     "ur_nodes/slam/gmapping": "the node on a bus: tests/ur_nodes/slam/test_slam_gmapping_node.py",
 }
 

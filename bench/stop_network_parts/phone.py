@@ -8,45 +8,62 @@ from __future__ import annotations
 import os
 import select
 import sys
+import threading
 import time
 import tty
+from functools import partial
 
-import rospy
-from geometry_msgs.msg import Twist
-
-from ur_nodes.motion.challenge.challenge_node import FreshPublisher
-from ur_nodes.motion.lease.client_node import LeaseClient
+from ur_nodes.motion.challenge.link import FreshPublisher
+from ur_nodes.motion.lease.client import LeaseClient
 from ur_nodes.motion.lease.view import LeaseView
+from ur_nodes.ports.node import Node
+from ur_nodes.ports.values import Twist
+from ur_nodes.run import run_foreground
 
 _HOLD = 0.2  # s
 _PERIOD = 0.033  # s
 
 
-def main() -> int:
-    """Run until Ctrl-C or shutdown. Returns the exit code."""
+class Phone:
+    """Takes part in the lease, and sends commands whoever drives: the mux has to decide."""
+
+    def __init__(self, node: Node) -> None:
+        self.node = node
+        self.speed = node.parameters.number("turn", 1.0)
+        self.lease = LeaseClient(node, "cmd_vel_mux", "phone")
+        self.commands = FreshPublisher("cmd_vel", self.lease.link, self.lease.client)
+        node.on_end(self.lease.release)
+
+    def turn(self, speed: float) -> None:
+        """Send a command."""
+        self.commands.send(Twist(0.0, speed))
+
+
+def drive(phone: Phone, ended: threading.Event) -> int:
+    """Obey keys until Ctrl-C or the end of the node. Returns the exit code."""
     tty.setraw(0)
-    rospy.init_node("phone")
-    lease = LeaseClient("cmd_vel_mux", "phone")
-    publisher = FreshPublisher("cmd_vel", lease.link, lease.client)
-    turn, until, speed = 0.0, 0.0, rospy.get_param("~turn", 1.0)
+    node, lease = phone.node, phone.lease
+    turn, until = 0.0, 0.0
     ask = {"d": lease.take, "a": lease.ask, "y": lease.grant}
-    while not rospy.is_shutdown():
+    while not ended.is_set():
         keys = os.read(0, 64).decode(errors="replace") if select.select([0], [], [], _PERIOD)[0] else ""
         for key in keys:
             if key in ask:
-                ask[key]()
+                node.post(ask[key])
             elif key in "jl":
-                turn, until = speed if key == "j" else -speed, time.monotonic() + _HOLD
+                turn, until = phone.speed if key == "j" else -phone.speed, time.monotonic() + _HOLD
         if "\x03" in keys:
             break
         if time.monotonic() < until:
-            message = Twist()
-            message.angular.z = turn
-            publisher.publish(message)  # whoever drives: the mux has to decide
+            node.post(partial(phone.turn, turn))
         sys.stdout.write(f"\x1b[H\x1b[J\x1b[1;1H{describe(lease.view())}\x1b[K")
         sys.stdout.flush()
-    lease.release()
     return 0
+
+
+def main() -> int:
+    """Run until Ctrl-C or shutdown. Returns the exit code."""
+    return run_foreground("phone", Phone, drive)
 
 
 def describe(view: LeaseView) -> str:

@@ -26,8 +26,9 @@ from tests.json_client import answer_requests, claim_output, wait_until
 from ur_nodes.client.patrol_text import PatrolStatus, read_status
 from ur_nodes.codecs.geometry import pose3_of_transform, pose_message, pose_of_message
 from ur_nodes.geometry.pose import Pose2
-from ur_nodes.motion.lease.client_node import LeaseClient
+from ur_nodes.motion.lease.client import LeaseClient
 from ur_nodes.motion.obstacle_stop.report import read_report
+from ur_nodes.ros1.node import RosNode
 
 _STATES = {value: name for name, value in vars(GoalStatus).items() if name.isupper()}
 
@@ -51,7 +52,9 @@ class Client:
         self.listener = tf2_ros.TransformListener(self.buffer)
         self.key_vel = rospy.Publisher("key_vel", Twist, queue_size=1)
         self.initial_pose = rospy.Publisher("initialpose", PoseWithCovarianceStamped, queue_size=1)
-        self.lease = LeaseClient("cmd_vel_mux", "test", conduct="watch")
+        self.node = RosNode()
+        self.lease = LeaseClient(self.node, "cmd_vel_mux", "test", conduct="watch")
+        self.node.begin()
         self.action = actionlib.SimpleActionClient("move_base", MoveBaseAction)
         rospy.Subscriber("base_pose_ground_truth", Odometry, self._set_truth)
         rospy.Subscriber("amcl_pose", PoseWithCovarianceStamped, self._set_localised)
@@ -154,9 +157,9 @@ class Client:
         """Take the lease, as a person would after a program that was killed, and let others have it."""
         wait_until(lambda: self.lease.view().state != "unknown", seconds, "the lease of the mux")
         if self.lease.view().state != "free":
-            self.lease.take()
+            self.node.ask(self.lease.take)
             wait_until(lambda: self.lease.view().mine, seconds, "the lease")
-            self.lease.release(final=False)
+            self.node.ask(lambda: self.lease.release(final=False))
             wait_until(lambda: not self.lease.view().mine, seconds, "the release of the lease")
         return {}
 

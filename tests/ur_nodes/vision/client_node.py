@@ -16,8 +16,8 @@ from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import MarkerArray
 
 from ur_nodes.codecs.genpy.fiducials import message_classes
+from ur_nodes.codecs.geometry import transform_message
 from ur_nodes.geometry.rigid import to_pose
-from ur_nodes.rosio.geometry import transform_message
 
 
 def main() -> None:

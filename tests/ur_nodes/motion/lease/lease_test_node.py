@@ -10,18 +10,22 @@ from dataclasses import replace
 from typing import Any
 
 import rospy
-from geometry_msgs.msg import Twist, Vector3
+from geometry_msgs.msg import Twist
 from std_msgs.msg import String, Time
 from tests.json_client import answer_requests, claim_output, wait_until
 
-from ur_nodes.motion.challenge.challenge_node import FreshPublisher
-from ur_nodes.motion.lease.client_node import LeaseClient
+from ur_nodes.motion.challenge.link import FreshPublisher
+from ur_nodes.motion.lease.client import LeaseClient
+from ur_nodes.ports import values
+from ur_nodes.ros1.node import RosNode
 
-AHEAD = Twist(Vector3(0.3, 0.0, 0.0), Vector3())
+AHEAD = values.Twist(0.3, 0.0)
 
 
 class Clients:
     def __init__(self) -> None:
+        self.node = RosNode()
+        self.node.begin()
         self.clients: dict[str, LeaseClient] = {}
         self.fresh: dict[str, FreshPublisher] = {}
         self.speeds: list[float] = []
@@ -42,12 +46,16 @@ class Clients:
         if client in self.clients:
             self.vanish(client)
         os.environ |= {"UR_CLIENT": client, "UR_CLIENT_NAME": f"{client}-host", "UR_LEASE": conduct}
-        self.clients[client] = joined = LeaseClient("cmd_vel_mux", "test")
-        self.fresh[client] = FreshPublisher("key_vel", joined.link, client)
+        self.node.ask(lambda: self.add(client))
+        joined = self.clients[client]
         wait_until(lambda: bool(self.fresh[client].listeners()) and joined.view().state != "unknown", 60.0, "the mux")
         if conduct == "drive":
-            joined.acquire()
+            self.node.ask(joined.acquire)
         return self.view(client)
+
+    def add(self, client: str) -> None:
+        self.clients[client] = joined = LeaseClient(self.node, "cmd_vel_mux", "test")
+        self.fresh[client] = FreshPublisher("key_vel", joined.link, client)
 
     def view(self, client: str) -> dict[str, Any]:
         seen = self.clients[client].view()
@@ -65,24 +73,31 @@ class Clients:
         return self.view(client)
 
     def request(self, client: str, action: str) -> None:
-        getattr(self.clients[client], action)()
+        self.node.ask(getattr(self.clients[client], action))
 
     def leave(self, client: str) -> None:
         """The client releases what it has and is silent from now on."""
-        self.clients[client].release()
+        self.node.ask(self.clients[client].release)
 
     def vanish(self, client: str) -> None:
         """The client is silent from now on, like one that was killed."""
         own = self.clients[client]
-        own._requests = replace(own._requests, silent=True)
+
+        def fall_silent() -> None:
+            own._requests = replace(own._requests, silent=True)
+
+        self.node.ask(fall_silent)
 
     def drive(self, client: str, count: int) -> list[float]:
         """Fresh commands of a client; what came of them."""
         del self.speeds[:]
         for _ in range(count):
-            self.fresh[client].publish(AHEAD)
+            self.node.ask(lambda: self.send_ahead(client))
             time.sleep(1.0 / 30.0)
         return self.rest()
+
+    def send_ahead(self, client: str) -> None:
+        self.fresh[client].send(AHEAD)
 
     def rest(self) -> list[float]:
         """Once nothing is commanded any more: what was."""
@@ -106,7 +121,7 @@ class Clients:
 
         subscriber = rospy.Subscriber("cmd_vel_mux/lease", String, on_lease, queue_size=1, tcp_nodelay=True)
         wait_until(lambda: subscriber.get_num_connections() > 0, 60.0, "the mux")
-        self.clients[client].take()
+        self.node.ask(self.clients[client].take)
         wait_until(lambda: bool(announced), 60.0, "the lease")
         subscriber.unregister()
         rospy.set_param("/ur/lease", "")  # the mirror may have been late
