@@ -45,12 +45,17 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
     "ur": ("ur",),
     "ur_nodes.geometry": ("ur.source", "ur.worlds"),
     "ur_nodes.ports": ("ur.source", "ur_nodes.geometry"),
-    "ur_nodes.memory": ("ur_nodes.ports",),
+    "ur_nodes.memory": ("ur_nodes.goal_topics", "ur_nodes.ports"),
     "ur_nodes.ros1": ("ur.source", "ur_nodes.geometry", "ur_nodes.loop", "ur_nodes.ports", "ur_nodes.codecs"),
     "ur_nodes.ros1.repairs": ("ur.source", "ur.robot.addresses"),
     "ur_nodes.loop": (),
     "ur_nodes.codecs": ("ur.source", "ur_nodes.geometry", "ur_nodes.ports"),
     "ur_nodes.codecs.genpy": (),
+    "ur_nodes.goal_topics": ("ur_nodes.ports",),
+    "ur_nodes.ros2": (
+        *("ur.source", "ur_nodes.geometry", "ur_nodes.goal_topics"),
+        *("ur_nodes.loop", "ur_nodes.ports", "ur_nodes.codecs"),
+    ),
     "ur_nodes.memory_use": (),
     "ur_nodes.run": ("ur.source", "ur_nodes.ports", "ur_nodes.ros1"),
     "ur_nodes.motion": (
@@ -278,9 +283,9 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
 ROS = {
     "actionlib", "actionlib_msgs", "genpy", "geometry_msgs", "map_msgs", "move_base_msgs", "nav_msgs", "rosgraph",
     "rosgraph_msgs", "roslaunch", "roslib", "rospy", "sensor_msgs", "std_msgs", "std_srvs", "tf2_msgs", "tf2_py",
-    "tf2_ros", "visualization_msgs",
+    "tf2_ros", "visualization_msgs", "rclpy", "rcl_interfaces", "action_msgs", "builtin_interfaces",
 }  # fmt: skip
-BACKENDS = ("ur_nodes.ros1", "ur_nodes.codecs")
+BACKENDS = ("ur_nodes.ros1", "ur_nodes.ros2", "ur_nodes.codecs")
 
 MODULES = {
     ".".join(path.relative_to(SRC).with_suffix("").parts).removesuffix(".__init__"): path

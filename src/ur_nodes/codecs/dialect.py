@@ -16,10 +16,12 @@ ROS_2: bool = hasattr(_Time(), "nanosec")
 _SECOND = 1_000_000_000
 
 if ROS_2:
+    from builtin_interfaces.msg import Duration as DurationMessage
     from builtin_interfaces.msg import Time as TimeMessage
     from geometry_msgs.msg import PoseArray as PosesMessage
     from nav_msgs.msg import OccupancyGrid as GridMessage
     from nav_msgs.srv import GetMap as GridService
+    from rcl_interfaces.msg import Log as LogMessage
     from sensor_msgs.msg import LaserScan as ScanMessage
 
     from ur_nodes.codecs import bare
@@ -33,6 +35,8 @@ if ROS_2:
     except ImportError:
         Transforms = bare.Transforms
 else:
+    from genpy import Duration as DurationMessage
+    from rosgraph_msgs.msg import Log as LogMessage
     from std_msgs.msg import Time as TimeMessage
     from tf2_msgs.msg import TFMessage as Transforms
 
@@ -46,6 +50,7 @@ __all__ = [
     "GridMessage",
     "GridService",
     "GridUpdate",
+    "LogMessage",
     "PosesMessage",
     "ScanMessage",
     "TimeMessage",
@@ -60,9 +65,20 @@ def time_of(stamp: int) -> Any:
     return _Time(sec=seconds, nanosec=rest) if ROS_2 else _Time(seconds, rest)
 
 
+def duration_of(seconds: float) -> Any:
+    """A time span as a message has it."""
+    whole, rest = divmod(round(seconds * _SECOND), _SECOND)
+    return DurationMessage(sec=whole, nanosec=rest) if ROS_2 else DurationMessage(whole, rest)
+
+
 def stamp_of(time: Any) -> int:
     """The stamp (ns) of a message's time."""
     return int(time.sec) * _SECOND + int(time.nanosec) if ROS_2 else int(time.secs) * _SECOND + int(time.nsecs)
+
+
+def seconds_of(span: Any) -> float:
+    """A message's time span in s."""
+    return stamp_of(span) / 1e9
 
 
 def number_of(message: Any) -> int:

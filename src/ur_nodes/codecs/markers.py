@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import Any
 
-import genpy
 import numpy as np
 from geometry_msgs.msg import Point
 from std_msgs.msg import ColorRGBA
@@ -12,7 +11,7 @@ from visualization_msgs.msg import Marker as MarkerMessage
 from visualization_msgs.msg import MarkerArray
 
 from ur_nodes.codecs.codec import Codec, fill_header, frame_of
-from ur_nodes.codecs.dialect import stamp_of
+from ur_nodes.codecs.dialect import duration_of, seconds_of, stamp_of
 from ur_nodes.geometry.pose import Pose3
 from ur_nodes.ports.values import Marker, MarkerChange, MarkerChanges, Markers
 
@@ -87,7 +86,7 @@ def _marker_of(message: Any) -> Marker:
 def _fill_change(message: Any, value: MarkerChange) -> None:
     _fill_marker(message, value.marker, value.stamp, value.frame)
     message.action = _ACTIONS[value.action]
-    message.lifetime = genpy.Duration.from_sec(value.lifetime)
+    message.lifetime = duration_of(value.lifetime)
 
 
 def _is_known(message: Any) -> bool:
@@ -98,7 +97,7 @@ def _is_known(message: Any) -> bool:
 def _change_of(message: Any) -> MarkerChange:
     if not _is_known(message):
         raise ValueError(f"marker of type {message.type} with action {message.action}, expected known ones")
-    action, life = _ACTION_OF[message.action], message.lifetime.to_sec()
+    action, life = _ACTION_OF[message.action], seconds_of(message.lifetime)
     return MarkerChange(stamp_of(message.header.stamp), frame_of(message), action, _marker_of(message), life)
 
 

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from rosgraph_msgs.msg import Clock, Log
+from rosgraph_msgs.msg import Clock
 from std_msgs.msg import Bool, Empty, Float32, Float64, Int32, String
 
 from ur_nodes.codecs.codec import Codec
-from ur_nodes.codecs.dialect import ROS_2, TimeMessage, stamp_of, time_of
+from ur_nodes.codecs.dialect import ROS_2, LogMessage, TimeMessage, stamp_of, time_of
 from ur_nodes.ports.values import ClockTime, Level, LogLine, Number, Signal, Time
 
 
@@ -48,14 +48,16 @@ def _line_of(message: Any) -> LogLine:
     return LogLine(message.name, level, message.msg)
 
 
-_LEVELS: dict[Level, int] = {"error": Log.ERROR, "warn": Log.WARN, "info": Log.INFO, "debug": Log.DEBUG}
+_LEVELS: dict[Level, int] = (
+    {"error": 40, "warn": 30, "info": 20, "debug": 10} if ROS_2 else {"error": 8, "warn": 4, "info": 2, "debug": 1}
+)
 
 CODECS = {
     str: _data(String, str),
     bool: _data(Bool, bool),
     float: _data(Float32, float),
     int: _data(Int32, int),
-    LogLine: Codec(Log, _fill_line, _line_of),
+    LogLine: Codec(LogMessage, _fill_line, _line_of),
     Number: Codec(Float64, _fill_number, lambda message: Number(message.data)),
     Signal: Codec(Empty, lambda _message, _value: None, lambda _message: Signal()),
     Time: Codec(TimeMessage, _fill_time, _time_of),

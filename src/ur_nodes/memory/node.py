@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any, TypeVar
 
+from ur_nodes.goal_topics import TopicGoalClient, TopicGoalServer
 from ur_nodes.memory.carrier import Carrier, Listener, Offer, Service, type_name_of
 from ur_nodes.memory.ends import MemoryPublisher, MemorySubscription, MemoryTimer
-from ur_nodes.memory.goals import MemoryGoalClient, MemoryGoalServer
 from ur_nodes.memory.raw import MemoryRaw
 from ur_nodes.memory.stores import MemoryFacts, MemoryLog, MemoryParameters
 from ur_nodes.ports.actions import GoalFollower, GoalTakers
@@ -156,13 +156,13 @@ class MemoryNode:
 
         self._bus.at(self._bus.now, ask)
 
-    def serve_goals(self, action: str, takers: GoalTakers, kept: float = 5.0) -> MemoryGoalServer:
+    def serve_goals(self, action: str, takers: GoalTakers, kept: float = 5.0) -> TopicGoalServer:
         """See Node."""
-        return MemoryGoalServer(self, action, takers, kept)
+        return TopicGoalServer(self, action, takers, kept)
 
-    def follow_goals(self, action: str, follower: GoalFollower) -> MemoryGoalClient:
+    def follow_goals(self, action: str, follower: GoalFollower) -> TopicGoalClient:
         """See Node."""
-        return MemoryGoalClient(self, action, follower)
+        return TopicGoalClient(self, action, follower)
 
     def every(self, seconds: float, call: Callable[[], None], *, steady: bool = False) -> MemoryTimer:  # noqa: ARG002
         """See Node. Both times are the bus's."""

@@ -41,6 +41,13 @@ class GoalState:
         return self.state in ("pending", "active")
 
 
+@dataclass(frozen=True, slots=True)
+class GoalStates:
+    """The states of all goals that a server knows."""
+
+    goals: tuple[GoalState, ...] = ()
+
+
 class GoalHandle(Protocol):
     """A goal that has arrived. It is accepted or refused once, and ends once."""
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Protocol
 
 
@@ -19,3 +20,23 @@ class Log(Protocol):
 
     def error(self, text: str, *, every: float = 0.0) -> None:
         """Log a line on something that is wrong."""
+
+
+class Throttle:
+    """Lets a line through at most once in so many seconds of `read`."""
+
+    def __init__(self, read: Callable[[], float]) -> None:
+        self._read = read
+        self._last: dict[str, float] = {}
+
+    def lets(self, text: str, every: float) -> bool:
+        """Return whether the line is due; 0: always."""
+        if not every:
+            return True
+        now = self._read()
+        if 0.0 <= now - self._last.get(text, -every) < every:
+            return False
+        if len(self._last) > 100:
+            self._last.clear()
+        self._last[text] = now
+        return True

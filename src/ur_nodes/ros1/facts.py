@@ -6,6 +6,8 @@ from typing import Any
 
 import rospy
 
+from ur_nodes.ports.log import Throttle
+
 _FACTS = {"run_id": "/run_id"}  # the others are below /ur
 
 
@@ -52,7 +54,7 @@ class RosLog:
     """See `ports.log.Log`."""
 
     def __init__(self) -> None:
-        self._last: dict[str, float] = {}
+        self._throttle = Throttle(rospy.get_time)
 
     def debug(self, text: str) -> None:
         """See Log."""
@@ -64,21 +66,10 @@ class RosLog:
 
     def warn(self, text: str, *, every: float = 0.0) -> None:
         """See Log."""
-        if self._is_due(text, every):
+        if self._throttle.lets(text, every):
             rospy.logwarn("%s", text)
 
     def error(self, text: str, *, every: float = 0.0) -> None:
         """See Log."""
-        if self._is_due(text, every):
+        if self._throttle.lets(text, every):
             rospy.logerr("%s", text)
-
-    def _is_due(self, text: str, every: float) -> bool:
-        if not every:
-            return True
-        now = rospy.get_time()
-        if 0.0 <= now - self._last.get(text, -every) < every:
-            return False
-        if len(self._last) > 100:
-            self._last.clear()
-        self._last[text] = now
-        return True

@@ -25,15 +25,16 @@ from ur_nodes.ports.values import Map, Result, Transform, Twist
 def check_value_of_each_kind_arrives_as_it_was_sent(stage: Stage) -> None:
     got: dict[int, object] = {}
     publishers = []
-    for index, value in enumerate(VALUES):
+    sent = [value for value in VALUES if type(value) not in stage.unknown_kinds]
+    for index, value in enumerate(sent):
         kind: type[Any] = type(value)
-        stage.other.subscribe(f"values/{index}", kind, partial(got.__setitem__, index))
-        publishers.append(stage.one.publish(f"values/{index}", kind, Quality.LATCHED))
+        stage.other.subscribe(f"values/v{index}", kind, partial(got.__setitem__, index), Quality.LATCHED)
+        publishers.append(stage.one.publish(f"values/v{index}", kind, Quality.LATCHED))
     stage.begin()
-    for publisher, value in zip(publishers, VALUES, strict=True):
+    for publisher, value in zip(publishers, sent, strict=True):
         publisher.send(value)
-    stage.until(lambda: len(got) == len(VALUES))
-    for index, value in enumerate(VALUES):
+    stage.until(lambda: len(got) == len(sent))
+    for index, value in enumerate(sent):
         assert type(got[index]) is type(value)
         assert fields_of(got[index]) == fields_of(value)
 
@@ -91,13 +92,12 @@ def check_latched_topic_gives_its_last_value_to_who_comes_later(stage: Stage) ->
     publisher = stage.one.publish("kept", str, Quality.LATCHED)
     publisher.send("old")
     publisher.send("new")
-    stage.other.subscribe_from("kept", str, lambda value, sender: got.append((value, sender)))
+    stage.other.subscribe_from("kept", str, lambda value, sender: got.append((value, sender)), Quality.LATCHED)
     stage.begin()
     stage.until(lambda: bool(got))
     assert [value for value, _ in got] == ["new"]
     sender = got[0][1]
-    assert sender is not None
-    assert sender.name == stage.one.name
+    assert sender is None if stage.senders_unknown else sender is not None and sender.name == stage.one.name
 
 
 def check_who_begins_to_listen_is_greeted(stage: Stage) -> None:
@@ -174,8 +174,11 @@ def check_failure_of_a_silent_service_reaches_its_client(stage: Stage) -> None:
     stage.begin()
     stage.one.call("scatter", Silent(), got.append)
     stage.until(lambda: bool(got))
-    assert not got[0].success
-    assert "there is no map" in got[0].text
+    if stage.silent_services_hide_failures:
+        assert got[0].success
+    else:
+        assert not got[0].success
+        assert "there is no map" in got[0].text
 
 
 def check_missing_service_is_a_result(stage: Stage) -> None:
@@ -264,12 +267,13 @@ def check_answer_may_come_later(stage: Stage) -> None:
     )
     stage.other.serve_later("never", Trigger, lambda _request, _give: None)
     stage.begin()
-    stage.one.call("never", Trigger(), got.append, 0.3)
+    given_up: list[Result] = []
+    stage.one.call("never", Trigger(), given_up.append, 0.3)
     stage.one.call("slow", Trigger(), got.append)
-    stage.until(lambda: len(got) == 2)
-    assert got[0] == Result(True, "done")
-    assert not got[1].success
-    assert "never" in got[1].text
+    stage.until(lambda: bool(got and given_up))
+    assert got == [Result(True, "done")]
+    assert not given_up[0].success
+    assert "never" in given_up[0].text
 
 
 def check_jobs_of_the_end_are_done(stage: Stage) -> None:

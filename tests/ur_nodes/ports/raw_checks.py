@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from tests.ur_nodes.ports.stage import STRING, Stage
+from tests.ur_nodes.ports.stage import Stage
 
 from ur_nodes.ports.graph import Graph
 from ur_nodes.ports.qualities import Quality
@@ -11,27 +11,28 @@ from ur_nodes.ports.raw import RawMessage, ServiceAnswer, ServiceType
 from ur_nodes.ports.services import Trigger
 from ur_nodes.ports.values import Result
 
-WIRE = b"\x05\x00\x00\x00hello"
-
 
 def check_raw_message_has_bytes_type_schema_and_sender(stage: Stage) -> None:
     got: list[RawMessage] = []
-    publisher = stage.one.raw.publish("raw", STRING, Quality.LATCHED)
-    publisher.send(WIRE)
+    publisher = stage.one.raw.publish("raw", stage.string_type, Quality.LATCHED)
+    publisher.send(stage.wire)
     stage.other.raw.subscribe("raw", got.append)
     stage.begin()
     stage.until(lambda: bool(got))
     (message,) = got
-    assert (message.type_name, message.data) == (STRING, WIRE)
+    assert (message.type_name, message.data) == (stage.string_type, stage.wire)
     assert "string data" in message.schema
-    assert message.sender is not None
-    assert message.sender.name == stage.one.name
-    assert message.sender.kept
+    if stage.senders_unknown:
+        assert message.sender is None
+    else:
+        assert message.sender is not None
+        assert message.sender.name == stage.one.name
+        assert message.sender.kept
 
 
 def check_raw_message_is_made_of_fields(stage: Stage) -> None:
     got: list[RawMessage] = []
-    publisher = stage.one.raw.publish("fields", STRING)
+    publisher = stage.one.raw.publish("fields", stage.string_type)
     stage.other.raw.subscribe("fields", got.append, Quality.EVERY)
     stage.begin()
     stage.until(lambda: publisher.listeners() == 1)
@@ -44,7 +45,7 @@ def check_raw_message_is_made_of_fields(stage: Stage) -> None:
 
 
 def check_raw_type_must_be_installed(stage: Stage) -> None:
-    assert "string data" in (stage.one.raw.find_schema(STRING) or "")
+    assert "string data" in (stage.one.raw.find_schema(stage.string_type) or "")
     assert stage.one.raw.find_schema("no_such_package/Sensor") is None
     with pytest.raises(LookupError):
         stage.one.raw.publish("uninstalled", "no_such_package/Sensor")
@@ -67,10 +68,10 @@ def check_topic_is_heard_raw_and_by_its_kind(stage: Stage) -> None:
 def check_closed_raw_subscription_hears_nothing(stage: Stage) -> None:
     got: list[RawMessage] = []
     heard: list[RawMessage] = []
-    publisher = stage.one.raw.publish("raw_closed", STRING, Quality.LATCHED)
+    publisher = stage.one.raw.publish("raw_closed", stage.string_type, Quality.LATCHED)
     stage.other.raw.subscribe("raw_closed", heard.append).close()
     stage.begin()
-    publisher.send(WIRE)
+    publisher.send(stage.wire)
     stage.until(lambda: publisher.listeners() == 0)
     stage.other.raw.subscribe("raw_closed", got.append)
     stage.until(lambda: bool(got))
@@ -113,7 +114,7 @@ def check_missing_raw_service_is_a_result(stage: Stage) -> None:
 
 def check_graph_has_both_ends_of_topics_and_services(stage: Stage) -> None:
     got: list[Graph | None] = []
-    stage.one.raw.publish("drawn", STRING)
+    stage.one.raw.publish("drawn", stage.string_type)
     stage.other.subscribe("drawn", str, print)
     stage.other.subscribe("drawn_only_heard", str, print)
     stage.other.serve("drawn_service", Trigger, lambda _request: Result(True))
@@ -123,9 +124,13 @@ def check_graph_has_both_ends_of_topics_and_services(stage: Stage) -> None:
     graph = got[0]
     assert graph is not None
     topic = graph.topics["/drawn"]
-    assert (topic.kind, topic.publishers, topic.subscribers) == (STRING, (stage.one.name,), (stage.other.name,))
+    assert (topic.kind, topic.publishers, topic.subscribers) == (
+        stage.string_type,
+        (stage.one.name,),
+        (stage.other.name,),
+    )
     assert graph.topics["/drawn_only_heard"].publishers == ()
-    assert ("/drawn", STRING) in graph.published()
+    assert ("/drawn", stage.string_type) in graph.published()
     assert "/drawn_only_heard" not in dict(graph.published())
     assert graph.services["/drawn_service"] == (stage.other.name,)
     assert {stage.one.name, stage.other.name} <= set(graph.nodes)

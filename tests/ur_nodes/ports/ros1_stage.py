@@ -73,6 +73,12 @@ class ActionlibClient:
 class RosStage:
     """One node of ROS 1, for both ends."""
 
+    senders_unknown = False
+    silent_services_hide_failures = False
+    unknown_kinds: frozenset[type] = frozenset()
+    string_type = "std_msgs/String"
+    wire = b"\x05\x00\x00\x00hello"
+
     def __init__(self) -> None:
         from ur_nodes.ros1.node import RosNode
 

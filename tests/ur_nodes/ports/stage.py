@@ -6,13 +6,12 @@ from collections.abc import Callable
 from typing import Protocol
 
 from ur_nodes.geometry.pose import Pose2
-from ur_nodes.ports.actions import GoalHandle, GoalState
+from ur_nodes.ports.actions import Goal, GoalHandle, GoalId, GoalState
 from ur_nodes.ports.node import Node
+from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.values import PlacedPose
 
 STAMP = 1_700_000_000_123_456_789
-STRING = "std_msgs/String"
-"""A type that is installed."""
 TARGET = PlacedPose(STAMP, "map", Pose2(1.0, 2.0, 0.5))
 
 
@@ -21,6 +20,16 @@ class Stage(Protocol):
 
     one: Node
     other: Node
+    senders_unknown: bool
+    """The middleware does not tell who has sent a value."""
+    silent_services_hide_failures: bool
+    """The answer of a service without a result is the same where it failed."""
+    unknown_kinds: frozenset[type]
+    """Kinds of values for which no messages are installed."""
+    string_type: str
+    """The middleware's name of the type of a text."""
+    wire: bytes
+    """The text 'hello' as it travels."""
 
     def begin(self) -> None:
         """Start."""
@@ -84,3 +93,44 @@ class Takers:
 
     def has_cancelled(self, count: int) -> bool:
         return len(self.cancelled) == count
+
+
+class TopicGoalClient:
+    """See GoalClient. `wait` lets some of the backend's time pass."""
+
+    def __init__(self, node: Node, action: str, wait: Callable[[], None]) -> None:
+        self._node, self._wait = node, wait
+        self._goals = node.publish(f"{action}/goal", Goal, Quality.EVERY)
+        self._cancels = node.publish(f"{action}/cancel", GoalId, Quality.EVERY)
+        self._between: list[int] = []  # ns: before each goal, when those before it have arrived
+        self._states: dict[str, GoalState] = {}
+        self._heard: PlacedPose | None = None
+        node.subscribe(
+            f"{action}/state", GoalState, lambda state: self._states.update({state.id: state}), Quality.EVERY
+        )
+        node.subscribe(f"{action}/feedback", PlacedPose, self._take_feedback)
+
+    def is_connected(self) -> bool:
+        return min(self._goals.listeners(), self._cancels.listeners()) > 0
+
+    def send(self, target: PlacedPose) -> str:
+        self._between.append(self._node.now())
+        self._wait()
+        self._goals.send(Goal(str(len(self._between)), target))
+        return str(len(self._between))
+
+    def cancel(self, id: str) -> None:
+        self._cancels.send(GoalId(id))
+
+    def cancel_sent_before(self, id: str) -> None:
+        self._cancels.send(GoalId(stamp=self._between[int(id)]))
+
+    def state(self, id: str) -> tuple[str, str]:
+        state = self._states.get(id, GoalState(id, "pending", ""))
+        return state.state, state.text
+
+    def report(self) -> PlacedPose | None:
+        return self._heard
+
+    def _take_feedback(self, pose: PlacedPose) -> None:
+        self._heard = pose

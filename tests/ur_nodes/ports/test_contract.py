@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import os
+import subprocess
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -10,19 +12,24 @@ from pathlib import Path
 import pytest
 from tests.ros_session import RosSession
 from tests.ur_nodes.ports.contract import CHECKS
-from tests.ur_nodes.ports.stage import STRING, GoalClient
+from tests.ur_nodes.ports.stage import GoalClient, TopicGoalClient
 
 from ur_nodes.memory.bus import Bus
-from ur_nodes.ports.actions import Goal, GoalId, GoalState
 from ur_nodes.ports.node import Node
-from ur_nodes.ports.qualities import Quality
-from ur_nodes.ports.values import PlacedPose
+
+ROOT = Path(__file__).parents[3]
 
 
 class MemoryStage:
+    senders_unknown = False
+    silent_services_hide_failures = False
+    unknown_kinds: frozenset[type] = frozenset()
+    string_type = "std_msgs/String"
+    wire = b"hello"
+
     def __init__(self) -> None:
         self._bus = Bus()
-        self._bus.schemas[STRING] = "string data"
+        self._bus.schemas[self.string_type] = "string data"
         self.one: Node = self._bus.node("one")
         self.other: Node = self._bus.node("other")
 
@@ -36,46 +43,7 @@ class MemoryStage:
         self._bus.spoil(f"/{topic}", "map with resolution 0, expected more than 0 m")
 
     def client(self, action: str) -> GoalClient:
-        return MemoryClient(self._bus, action)
-
-
-class MemoryClient:
-    """See GoalClient."""
-
-    def __init__(self, bus: Bus, action: str) -> None:
-        node = bus.node("client")
-        self._bus = bus
-        self._goals = node.publish(f"{action}/goal", Goal, Quality.EVERY)
-        self._cancels = node.publish(f"{action}/cancel", GoalId, Quality.EVERY)
-        self._sent: list[int] = []
-        self._states: dict[str, GoalState] = {}
-        self._heard: PlacedPose | None = None
-        node.subscribe(
-            f"{action}/state", GoalState, lambda state: self._states.update({state.id: state}), Quality.EVERY
-        )
-        node.subscribe(f"{action}/feedback", PlacedPose, self._take_feedback)
-
-    def send(self, target: PlacedPose) -> str:
-        self._bus.run(0.01)
-        self._sent.append(self._bus.now)
-        self._goals.send(Goal(str(len(self._sent)), target))
-        return str(len(self._sent))
-
-    def cancel(self, id: str) -> None:
-        self._cancels.send(GoalId(id))
-
-    def cancel_sent_before(self, id: str) -> None:
-        self._cancels.send(GoalId(stamp=self._sent[int(id) - 1]))
-
-    def state(self, id: str) -> tuple[str, str]:
-        state = self._states.get(id, GoalState(id, "pending", ""))
-        return state.state, state.text
-
-    def report(self) -> PlacedPose | None:
-        return self._heard
-
-    def _take_feedback(self, pose: PlacedPose) -> None:
-        self._heard = pose
+        return TopicGoalClient(self._bus.node("client"), action, lambda: self._bus.run(0.01))
 
 
 @pytest.mark.parametrize("name", CHECKS)
@@ -95,6 +63,35 @@ def failures_on_ros1(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]
     assert output, errors
     failures: dict[str, str] = json.loads(output.splitlines()[-1])
     return failures
+
+
+@pytest.fixture(scope="module")
+def failures_on_ros2(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
+    """The failures by name, of the checks of values that ROS 2 has messages for."""
+    python = ROOT / ".ros2/bin/python"
+    if not python.exists():
+        pytest.skip("no wheels of ROS 2 for this processor")
+    folder = tmp_path_factory.mktemp("contract2")
+    environment = {
+        **os.environ,
+        "AMENT_PREFIX_PATH": str(ROOT / ".ros2"),
+        "PYTHONPATH": str(ROOT),
+        "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
+        "ROS_DOMAIN_ID": str(1 + os.getpid() % 100),
+        "ROS_LOG_DIR": str(folder),
+        "UR_FACTS": str(folder / "facts.json"),
+    }
+    command = [str(python), str(Path(__file__).with_name("ros2_stage.py")), *CHECKS]
+    program = subprocess.run(command, env=environment, capture_output=True, text=True, timeout=240, check=False)
+    assert program.stdout, program.stderr
+    failures: dict[str, str] = json.loads(program.stdout.splitlines()[-1])
+    return failures
+
+
+@pytest.mark.timeout(300)
+@pytest.mark.parametrize("name", CHECKS)
+def test_ros2_keeps(name: str, failures_on_ros2: dict[str, str]) -> None:
+    assert name not in failures_on_ros2, failures_on_ros2[name]
 
 
 @pytest.mark.ros

@@ -1,11 +1,15 @@
-"""Goals on a bus: `serve_goals`, and what its clients send and receive."""
+"""Goals over topics: for a middleware that has no action, or whose action's type is not installed.
+
+ACTION/goal a Goal, ACTION/cancel a GoalId, ACTION/state each change of a goal, ACTION/status all goals, five times a
+second, ACTION/feedback the place of the robot.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from typing import Literal
 
-from ur_nodes.ports.actions import Goal, GoalFollower, GoalId, GoalState, GoalTakers
+from ur_nodes.ports.actions import Goal, GoalFollower, GoalId, GoalState, GoalStates, GoalTakers
 from ur_nodes.ports.node import Node
 from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.values import PlacedPose
@@ -13,7 +17,7 @@ from ur_nodes.ports.values import PlacedPose
 _STATUS_PERIOD = 0.2  # s, as actionlib
 
 
-class MemoryGoalHandle:
+class TopicGoalHandle:
     """See `ports.actions.GoalHandle`."""
 
     def __init__(
@@ -65,17 +69,17 @@ class MemoryGoalHandle:
         self._tell(self.state)
 
 
-class MemoryGoalServer:
-    """See `ports.actions.GoalServer`. Topics: ACTION/goal, /cancel, /state, /status and /feedback."""
+class TopicGoalServer:
+    """See `ports.actions.GoalServer`."""
 
     def __init__(self, node: Node, action: str, takers: GoalTakers, kept: float) -> None:
         self._node = node
         self._takers = takers
         self._kept = round(kept * 1e9)
-        self._handles: dict[str, MemoryGoalHandle] = {}
+        self._handles: dict[str, TopicGoalHandle] = {}
         self._ended: dict[str, int] = {}  # ns
         self._states = node.publish(f"{action}/state", GoalState, Quality.EVERY)
-        self._status = node.publish(f"{action}/status", tuple)
+        self._status = node.publish(f"{action}/status", GoalStates)
         self._feedback = node.publish(f"{action}/feedback", PlacedPose)
         node.subscribe(f"{action}/goal", Goal, self._take_goal, Quality.EVERY)
         node.subscribe(f"{action}/cancel", GoalId, self._take_cancel, Quality.EVERY)
@@ -89,11 +93,11 @@ class MemoryGoalServer:
                 del self._handles[id], self._ended[id]
             else:
                 self._states.send(handle.state)
-        self._status.send(tuple(each.state for each in self._handles.values()))
+        self._status.send(GoalStates(tuple(each.state for each in self._handles.values())))
 
     def _take_goal(self, goal: Goal) -> None:
         if goal.id not in self._handles:
-            handle = MemoryGoalHandle(goal, self._node.now(), self._states.send, self._feedback.send)
+            handle = TopicGoalHandle(goal, self._node.now(), self._states.send, self._feedback.send)
             self._handles[goal.id] = handle
             self._takers.take_goal(handle)
 
@@ -104,13 +108,13 @@ class MemoryGoalServer:
                 self._takers.take_cancel(handle)
 
 
-class MemoryGoalClient:
+class TopicGoalClient:
     """See `ports.actions.GoalClient`."""
 
     def __init__(self, node: Node, action: str, follower: GoalFollower) -> None:
         self._goals = node.publish(f"{action}/goal", Goal, Quality.EVERY)
         self._cancels = node.publish(f"{action}/cancel", GoalId, Quality.EVERY)
-        node.subscribe(f"{action}/status", tuple, follower.take_states)
+        node.subscribe(f"{action}/status", GoalStates, lambda states: follower.take_states(states.goals))
         node.subscribe(
             f"{action}/state", GoalState, lambda state: None if state.open else self._end(state), Quality.EVERY
         )

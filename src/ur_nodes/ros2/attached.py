@@ -1,0 +1,48 @@
+"""A node of ROS 2 in a program whose main thread is its own."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import sys
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import TypeVar
+
+import rclpy
+from rclpy.signals import SignalHandlerOptions
+
+from ur_nodes.ports.node import Node
+from ur_nodes.ros2.names import arguments_of
+from ur_nodes.ros2.node import RosNode
+
+Wired = TypeVar("Wired")
+
+
+@contextlib.contextmanager
+def attach(
+    name: str, start: Callable[[Node], Wired], end: Callable[[], None], *, quiet: bool = True
+) -> Iterator[tuple[Wired, RosNode]]:
+    """Enter the graph as `name` (remappable), call `start`, then let callbacks come on a thread of the node's own.
+
+    `end` is called on any thread when the node ends itself. Signals stay the program's; with `quiet` nothing is written
+    on the terminal. Leaving the context ends the node.
+    """
+    arguments = arguments_of(sys.argv[1:])
+    if quiet:
+        arguments += [*([] if "--ros-args" in arguments else ["--ros-args"]), "--disable-stdout-logs"]
+    rclpy.init(args=[name, *arguments], signal_handler_options=SignalHandlerOptions.NO)
+    node = RosNode(name)
+    node.ended = lambda _reason: end()
+    try:
+        wired = start(node)
+        node.begin()
+        yield wired, node
+    finally:
+        node.close()
+        rclpy.try_shutdown()
+
+
+def log_folder() -> Path:
+    """The folder of the log files of nodes."""
+    return Path(os.environ.get("ROS_LOG_DIR") or Path(os.environ.get("ROS_HOME") or Path.home() / ".ros", "log"))

@@ -1,0 +1,73 @@
+"""The ends of topics: of messages that are installed, and of those that travel as bytes. See `codecs.bare`."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from rclpy.event_handler import PublisherEventCallbacks
+from rclpy.qos import QoSProfile
+
+from ur_nodes.ros2.bare_type import bare_class
+
+
+class Sender:
+    """Sends messages; `on_listener` is called, on any thread, when a node begins to listen."""
+
+    def __init__(
+        self,
+        node: Any,
+        message_class: Any,
+        topic: str,
+        profile: QoSProfile,
+        on_listener: Callable[[], None] | None = None,
+    ) -> None:
+        def matched(event: Any) -> None:
+            if on_listener is not None and event.current_count_change > 0:
+                on_listener()
+
+        callbacks = PublisherEventCallbacks(matched=matched) if on_listener is not None else None
+        self._bare = hasattr(message_class, "BARE")
+        kind = bare_class(*message_class.BARE) if self._bare else message_class
+        self._node = node
+        self._publisher = node.create_publisher(kind, topic, profile, event_callbacks=callbacks)
+
+    def send(self, message: Any) -> None:
+        """Send a message."""
+        self._publisher.publish(message.write() if self._bare else message)
+
+    def listeners(self) -> int:
+        """The number of listeners."""
+        return int(self._publisher.get_subscription_count())
+
+    def close(self) -> None:
+        """Send no more."""
+        self._node.destroy_publisher(self._publisher)
+
+
+class Receiver:
+    """Receives messages, on the thread that spins. What is no message is reported and dropped."""
+
+    def __init__(
+        self, node: Any, message_class: Any, topic: str, profile: QoSProfile, take: Callable[[Any], None]
+    ) -> None:
+        def read(data: bytes) -> None:
+            try:
+                message = message_class.read(data)
+            except ValueError as problem:
+                node.get_logger().error(f"{topic}: {problem}", throttle_duration_sec=10.0)
+            else:
+                take(message)
+
+        bare = hasattr(message_class, "BARE")
+        kind = bare_class(*message_class.BARE) if bare else message_class
+        self._node = node
+        self._subscription = node.create_subscription(kind, topic, read if bare else take, profile, raw=bare)
+
+    def publishers(self) -> int:
+        """The number of publishers."""
+        return int(self._node.count_publishers(self._subscription.topic_name))
+
+    def close(self) -> None:
+        """Hear no more."""
+        self._node.destroy_subscription(self._subscription)

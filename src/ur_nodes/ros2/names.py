@@ -1,0 +1,40 @@
+"""Names of `ports` as ROS 2 has them, and what a launch file says about names and parameters."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+
+def name_of(name: str) -> str:
+    """A name of `ports.node` as ROS 2 writes it: '~goal' is '~/goal'."""
+    return f"~/{name[1:].lstrip('/')}" if name.startswith("~") else name
+
+
+def full_name(namespace: str, name: str) -> str:
+    """The full name of a node."""
+    return f"{namespace.rstrip('/')}/{name}"
+
+
+def arguments_of(arguments: Iterable[str]) -> list[str]:
+    """The command line of a node (`__name:=N`, `__ns:=N`, `_parameter:=V`, `topic:=other`) in ROS 2's form.
+
+    Arguments after `--ros-args` are in that form already. Arguments that are the program's own are left out.
+    """
+    given = list(arguments)
+    own = given.index("--ros-args") if "--ros-args" in given else len(given)
+    made: list[str] = []
+    for each in given[:own]:
+        name, assigned, value = each.partition(":=")
+        if not assigned:
+            continue
+        if name == "__name":
+            made += ["-r", f"__node:={value}"]
+        elif name == "__ns":
+            made += ["-r", f"__ns:=/{value.strip('/')}"]
+        elif name.startswith("__"):
+            continue
+        elif name.startswith("_"):
+            made += ["-p", f"{name[1:].replace('/', '.')}:={value}"]
+        else:
+            made += ["-r", f"{name_of(name)}:={name_of(value)}"]
+    return [*(["--ros-args", *made, "--"] if made else []), *given[own:]]

@@ -1,0 +1,403 @@
+"""A node of ROS 2."""
+
+from __future__ import annotations
+
+import queue
+import threading
+import time
+from collections.abc import Callable
+from functools import partial
+from typing import Any, TypeVar
+
+import rclpy.node
+from rclpy.callback_groups import ReentrantCallbackGroup
+from rclpy.executors import SingleThreadedExecutor
+
+from ur.source.diagnostic import UserError
+from ur_nodes.codecs import Codec, find_codec, find_service
+from ur_nodes.codecs.dialect import ServiceFailureError, parts_of
+from ur_nodes.loop import Beat, Loop, Worker
+from ur_nodes.ports.actions import GoalClient, GoalFollower, GoalTakers
+from ur_nodes.ports.graph import Graph
+from ur_nodes.ports.node import Location, Sender
+from ur_nodes.ports.parameters import Parameters
+from ur_nodes.ports.qualities import Quality
+from ur_nodes.ports.raw import Raw
+from ur_nodes.ports.transforms import Transforms
+from ur_nodes.ports.values import Result
+from ur_nodes.ros2 import ends
+from ur_nodes.ros2.facts import FileFacts, RosLog
+from ur_nodes.ros2.names import full_name, name_of
+from ur_nodes.ros2.parameters import RosParameters
+from ur_nodes.ros2.qualities import offered, requested
+
+Value = TypeVar("Value")
+
+_DEPTHS: dict[Quality, int | None] = {Quality.NEWEST: 1, Quality.LATCHED: 1, Quality.LOSSLESS: None}
+_QUEUE = 100
+_MOST_TRANSFORMS = 1000  # messages that wait while a callback takes long: a history with gaps is of no use
+_LOOK_FOR_SERVICE = 0.02  # s
+_END_LIMIT = 3.0  # s, besides the time that the jobs of the end have
+_LEAVE = 0.05  # s: for what was sent last to leave
+
+
+class RosNode:
+    """See `ports.node.Node`. Made after rclpy.init; `begin` starts its threads."""
+
+    def __init__(self, name: str) -> None:
+        self._node = rclpy.node.Node(
+            name, automatically_declare_parameters_from_overrides=True, allow_undeclared_parameters=True
+        )
+        self.name = self._node.get_fully_qualified_name()
+        self.parameters = Parameters(RosParameters(self._node))
+        self.facts = FileFacts(simulated_time=self._node.get_parameter("use_sim_time").value is True)
+        self.log = RosLog(self._node.get_logger(), self._seconds)
+        self.failed = False
+        self.replaced = False  # ROS 2 lets nodes share a name
+        self.ended: Callable[[str], None] = lambda _reason: None
+        self._simulated = self.facts.simulated_time
+        self._clock = self._node.get_clock()
+        self._transforms: Transforms | None = None
+        self._loop = Loop(self._seconds if self._simulated else time.monotonic, steady=not self._simulated)
+        self._executor = SingleThreadedExecutor(context=self._node.context)
+        self._executor.add_node(self._node)
+        self._receiver = threading.Thread(target=self._executor.spin, name="executor", daemon=True)
+        self._services = ReentrantCallbackGroup()  # a request that is answered later holds up no other
+        self._clients: dict[tuple[str, type], Any] = {}
+        self._workers: dict[str, Worker] = {}
+        self._at_end: list[Callable[[], None]] = []
+        self._ending = False
+        self._end_limit = 0.0  # s for the jobs of the end
+        self._unfinished = 0  # of these
+        self._results: queue.SimpleQueue[Callable[[], None]] = queue.SimpleQueue()  # of these
+
+    def begin(self) -> None:
+        """Let callbacks come."""
+        self._loop.start()
+        self._receiver.start()
+
+    def close(self) -> None:
+        """Make the calls of the end, and leave the graph."""
+        self._loop.end(self._finish, _END_LIMIT + self._end_limit)
+        self._executor.shutdown(_END_LIMIT)
+        if self._receiver.is_alive():
+            self._receiver.join(_END_LIMIT)
+        self._node.destroy_node()
+
+    @property
+    def transforms(self) -> Transforms:
+        """See Node."""
+        if self._transforms is None:
+            from ur_nodes.ros2.transforms import TransformTopics
+
+            topics = TransformTopics(self._node)
+            self._transforms = tree = Transforms(topics.send)
+            topics.listen(self._loop.mailbox(_MOST_TRANSFORMS, tree.take), self._loop.mailbox(None, tree.take))
+        return self._transforms
+
+    def publish(
+        self,
+        topic: str,
+        kind: type[Value],
+        quality: Quality = Quality.NEWEST,
+        greet: Callable[[], Value | None] | None = None,
+    ) -> RosPublisher:
+        """See Node."""
+
+        def answer() -> None:
+            if greet is not None and (value := greet()) is not None:
+                publisher.send(value)
+
+        on_listener = None if greet is None else lambda: self._loop.post(answer)
+        publisher = RosPublisher(self._node, topic, find_codec(kind), quality, on_listener)
+        return publisher
+
+    def subscribe(
+        self,
+        topic: str,
+        kind: type[Value],
+        take: Callable[[Value], None],
+        quality: Quality = Quality.NEWEST,
+        unreadable: Callable[[str], None] | None = None,
+    ) -> RosSubscription:
+        """See Node."""
+        return self._listen(topic, kind, find_codec(kind), quality, take, unreadable)
+
+    def subscribe_from(
+        self,
+        topic: str,
+        kind: type[Value],
+        take: Callable[[Value, Sender | None], None],
+        quality: Quality = Quality.NEWEST,
+    ) -> RosSubscription:
+        """See Node. DDS does not tell who has sent a message: the sender is None."""
+        return self._listen(topic, kind, find_codec(kind), quality, lambda value: take(value, None))
+
+    def subscribe_fields(
+        self, topic: str, type_name: str, fields: tuple[str, ...], take: Callable[[tuple[Any, ...]], None]
+    ) -> RosSubscription:
+        """See Node."""
+        from ur_nodes.codecs.foreign import find_foreign
+
+        return self._listen(topic, tuple, find_foreign(type_name, fields), Quality.EVERY, take)
+
+    def serve(self, service: str, kind: type[Value], answer: Callable[[Value], Result]) -> None:
+        """See Node."""
+        self.serve_later(service, kind, lambda request, give: give(answer(request)))
+
+    def serve_later(
+        self, service: str, kind: type[Value], take: Callable[[Value, Callable[[Result], None]], None]
+    ) -> None:
+        """See Node."""
+        codec = find_service(kind)
+
+        async def respond(message: Any, _response: Any) -> Any:
+            done = rclpy.Future(executor=self._executor)
+
+            def give(result: Result) -> None:
+                try:
+                    response = codec.response(result)
+                except ServiceFailureError as problem:  # ROS 2 has no way to say it
+                    self.log.error(f"{self.resolve(service)}: {problem}")
+                    response = parts_of(codec.service_class)[1]()
+                done.set_result(response)
+                self._executor.wake()
+
+            def work() -> None:
+                try:
+                    request = codec.request_of(message)
+                except (ValueError, UserError) as problem:
+                    give(Result(False, str(problem)))
+                    return
+                take(request, give)
+
+            self._loop.post(work)
+            return await done
+
+        self._node.create_service(codec.service_class, name_of(service), respond, callback_group=self._services)
+
+    def call(self, service: str, request: object, take: Callable[[Result], None], within: float = 5.0) -> None:
+        """See Node."""
+        codec = find_service(type(request))
+        key = (service, type(request))
+        if key not in self._clients:
+            self._clients[key] = self._node.create_client(codec.service_class, name_of(service))
+        client = self._clients[key]
+        waiting = [take]
+
+        def give(result: Result) -> None:
+            if waiting:
+                waiting.pop()(result)
+
+        def take_answer(future: Any) -> None:
+            try:
+                result = codec.result_of(future.result())
+            except (UserError, ValueError, RuntimeError) as problem:
+                result = Result(False, str(problem))
+            self._loop.post(lambda: give(result))
+
+        def ask() -> None:
+            if not waiting:
+                return
+            if client.service_is_ready():
+                client.call_async(codec.request(request)).add_done_callback(take_answer)
+            else:
+                self._loop.after(_LOOK_FOR_SERVICE, ask, steady=True)
+
+        ask()
+        late = Result(False, f"no answer of {self.resolve(service)} within {within:g} s")
+        self._loop.after(within, lambda: give(late), steady=True)
+
+    def serve_goals(self, action: str, takers: GoalTakers, kept: float = 5.0) -> Any:
+        """See Node."""
+        from ur_nodes.goal_topics import TopicGoalServer
+
+        return TopicGoalServer(self, action, takers, kept)
+
+    def follow_goals(self, action: str, follower: GoalFollower) -> GoalClient:
+        """See Node."""
+        from ur_nodes.goal_topics import TopicGoalClient
+
+        return TopicGoalClient(self, action, follower)
+
+    def every(self, seconds: float, call: Callable[[], None], *, steady: bool = False) -> Beat:
+        """See Node."""
+        return self._loop.every(seconds, call, steady=steady)
+
+    def after(self, seconds: float, call: Callable[[], None], *, steady: bool = False) -> Beat:
+        """See Node."""
+        return self._loop.after(seconds, call, steady=steady)
+
+    def work(self, job: Callable[[], Value], take: Callable[[Value], None], lane: str = "") -> None:
+        """See Node."""
+        self._unfinished += self._ending
+        post = self._results.put if self._ending else self._loop.post
+
+        def carry_out() -> None:
+            try:
+                result = job()
+            except Exception as problem:  # the node fails where it runs: the jobs of its end can still be done
+                post(partial(_fail, problem))
+            else:
+                post(lambda: take(result))
+
+        self._workers.setdefault(lane, Worker(f"work {lane}".strip())).add(carry_out)
+
+    def post(self, call: Callable[[], None]) -> None:
+        """See Node."""
+        self._loop.post(call)
+
+    def read_graph(self, take: Callable[[Graph | None], None]) -> None:
+        """See Node."""
+        from ur_nodes.ros2.graph import read_graph
+
+        self.work(lambda: read_graph(self._node), take, "graph")
+
+    def publishers_of(self, topic: str) -> tuple[str, ...] | None:
+        """See Node."""
+        found = self._node.get_publishers_info_by_topic(self.resolve(topic))
+        return tuple(sorted({full_name(each.node_namespace, each.node_name) for each in found}))
+
+    @property
+    def raw(self) -> Raw:
+        """See Node."""
+        from ur_nodes.ros2.raw import RosRaw
+
+        return RosRaw(self._node, self._loop)
+
+    def now(self) -> int:
+        """See Node."""
+        return int(self._clock.now().nanoseconds) if self._simulated else time.time_ns()
+
+    def steady(self) -> float:
+        """See Node."""
+        return time.clock_gettime(time.CLOCK_BOOTTIME)
+
+    def locate(self, name: str) -> Location | None:
+        """See Node. The graph does not tell computers: nodes of the domain are those of this one."""
+        namespace, _, own = name.rpartition("/")
+        known = (own, namespace or "/") in self._node.get_node_names_and_namespaces()
+        return Location("localhost", here=True) if known else None
+
+    def resolve(self, name: str) -> str:
+        """See Node."""
+        return str(self._node.resolve_topic_name(name_of(name)))
+
+    def on_end(self, call: Callable[[], None], within: float = 2.0) -> None:
+        """See Node."""
+        self._at_end.append(call)
+        self._end_limit = max(self._end_limit, within)
+
+    def end(self, reason: str, *, failed: bool = False) -> None:
+        """See Node."""
+        self.failed = self.failed or failed
+        self.ended(reason)
+
+    def _seconds(self) -> float:
+        return self.now() / 1e9
+
+    def _listen(
+        self,
+        topic: str,
+        kind: type,
+        codec: Codec,
+        quality: Quality,
+        take: Callable[[Any], None],
+        unreadable: Callable[[str], None] | None = None,
+    ) -> RosSubscription:
+        return RosSubscription(self._node, topic, kind, codec, quality, self._loop, take, unreadable)
+
+    def _finish(self) -> None:
+        for worker in self._workers.values():
+            worker.drop()
+        self._ending = True
+        for call in self._at_end:
+            call()
+        end = time.monotonic() + self._end_limit
+        while self._unfinished:
+            try:
+                take = self._results.get(timeout=max(0.0, end - time.monotonic()))
+            except queue.Empty:
+                break
+            self._unfinished -= 1
+            try:
+                take()
+            except Exception as problem:  # the others are done all the same
+                self.failed = True
+                self.log.error(repr(problem))
+        if self._at_end:
+            time.sleep(_LEAVE)
+
+
+class RosPublisher:
+    """See `ports.node.Publisher`. One message is filled again for each value."""
+
+    def __init__(
+        self, node: Any, topic: str, codec: Codec, quality: Quality, on_listener: Callable[[], None] | None
+    ) -> None:
+        self.topic = str(node.resolve_topic_name(name_of(topic)))
+        self._codec = codec
+        self._message = codec.message_class()
+        self._sender = ends.Sender(node, codec.message_class, self.topic, offered(quality), on_listener)
+
+    def send(self, value: Any) -> None:
+        """See Publisher."""
+        self._codec.fill(self._message, value)
+        self._sender.send(self._message)
+
+    def listeners(self) -> int:
+        """See Publisher."""
+        return self._sender.listeners()
+
+    def close(self) -> None:
+        """See Publisher."""
+        self._sender.close()
+
+
+class RosSubscription:
+    """See `ports.node.Subscription`. Messages are decoded on the node's thread: what is dropped costs nothing more."""
+
+    def __init__(
+        self,
+        node: Any,
+        topic: str,
+        kind: type,
+        codec: Codec,
+        quality: Quality,
+        loop: Loop,
+        take: Callable[[Any], None],
+        unreadable: Callable[[str], None] | None,
+    ) -> None:
+        self.topic = str(node.resolve_topic_name(name_of(topic)))
+        self._node = node
+        self._codec = codec
+        self._take = take
+        self._unreadable = unreadable or self._report
+        self._reported = False
+        put = loop.mailbox(_DEPTHS.get(quality, _QUEUE), self._deliver)
+        self._receiver = ends.Receiver(node, codec.message_class, self.topic, requested(quality, kind), put)
+
+    def publishers(self) -> int:
+        """See Subscription."""
+        return self._receiver.publishers()
+
+    def close(self) -> None:
+        """See Subscription."""
+        self._receiver.close()
+
+    def _deliver(self, message: Any) -> None:
+        try:
+            value = self._codec.value_of(message)
+        except (ValueError, UserError) as problem:
+            self._unreadable(str(problem))
+            return
+        self._take(value)
+
+    def _report(self, reason: str) -> None:
+        if not self._reported:
+            self._reported = True
+            self._node.get_logger().error(f"{self.topic}: {reason}")
+
+
+def _fail(problem: Exception) -> None:
+    raise problem

@@ -1,0 +1,66 @@
+"""Parameters of a node of ROS 2. Those of other nodes are out of reach: each node keeps its own."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from rclpy.parameter import Parameter
+
+
+class RosParameters:
+    """See `ports.parameters.ParameterStore`. '~a/b' and '/name/of/node/a/b' are the parameter 'a.b' of the node."""
+
+    def __init__(self, node: Any) -> None:
+        self._node = node
+        self._prefix = f"{node.get_fully_qualified_name()}/"
+
+    def resolve(self, name: str) -> str:
+        """See ParameterStore."""
+        return self._prefix + name[1:] if name.startswith("~") else name
+
+    def has(self, name: str) -> bool:
+        """See ParameterStore."""
+        own = self._own(name)
+        return own is not None and bool(self._node.has_parameter(own) or self._node.get_parameters_by_prefix(own))
+
+    def get(self, name: str) -> Any:
+        """See ParameterStore."""
+        own = self._own(name)
+        if own is not None and self._node.has_parameter(own):
+            return _plain(self._node.get_parameter(own).value)
+        below = {} if own is None else self._node.get_parameters_by_prefix(own)
+        if not below:
+            raise KeyError(name)
+        tree: dict[str, Any] = {}
+        for path, parameter in below.items():
+            *folders, last = path.split(".")
+            place = tree
+            for folder in folders:
+                place = place.setdefault(folder, {})
+            place[last] = _plain(parameter.value)
+        return tree
+
+    def set(self, name: str, value: Any) -> None:
+        """See ParameterStore. Raises ValueError: it is another node's."""
+        own = self._own(name)
+        if own is None:
+            raise ValueError(f"{name}: a parameter of another node, which ROS 2 does not let this one set")
+        if isinstance(value, dict):
+            for key, each in value.items():
+                self.set(f"{name}/{key}", each)
+        else:
+            self._node.set_parameters([Parameter(own, value=value)])
+
+    def names(self) -> list[str]:
+        """See ParameterStore."""
+        return sorted(self._prefix + name.replace(".", "/") for name in self._node.get_parameters_by_prefix(""))
+
+    def _own(self, name: str) -> str | None:
+        full = self.resolve(name)
+        if not full.startswith(self._prefix):
+            return None
+        return full.removeprefix(self._prefix).strip("/").replace("/", ".")
+
+
+def _plain(value: Any) -> Any:
+    return value.tolist() if hasattr(value, "typecode") else value

@@ -1,0 +1,53 @@
+"""The qualities of `ports` as the QoS of ROS 2, such that Nav2's and RViz 2's nodes are understood.
+
+| quality | publisher | subscriber |
+|---|---|---|
+| NEWEST | reliable, last 1 | best effort, last 1 |
+| LATCHED | reliable, transient local, last 1 | reliable, transient local, last 1 |
+| EVERY | reliable, last 100 | best effort for what sensors send, else reliable; last 100 |
+| COMMAND | reliable, last 1, lifespan 0.3 s | best effort, last 100 |
+| LOSSLESS | reliable, all | reliable, all |
+
+A reliable publisher is heard by all; a best effort subscriber hears all.
+"""
+
+from __future__ import annotations
+
+from rclpy.duration import Duration
+from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
+
+from ur_nodes.ports import values
+from ur_nodes.ports.qualities import Quality
+
+COMMAND_LIFESPAN = 0.3  # s: an older command is of no use
+_QUEUE = 100
+
+_SENT_BY_SENSORS: frozenset[type] = frozenset(
+    {values.Scan, values.Range, values.Imu, values.Odometry, values.DriverOdometry, values.Battery, values.Joints}
+    | {values.Picture, values.PackedPicture, values.Calibration, values.Joystick}
+)
+_LATCHED = QoSProfile(depth=1, reliability=ReliabilityPolicy.RELIABLE, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+_ALL = QoSProfile(history=HistoryPolicy.KEEP_ALL, reliability=ReliabilityPolicy.RELIABLE)
+
+
+def offered(quality: Quality) -> QoSProfile:
+    """The profile of a publisher."""
+    if quality is Quality.LATCHED:
+        return _LATCHED
+    if quality is Quality.LOSSLESS:
+        return _ALL
+    if quality is Quality.COMMAND:
+        lifespan = Duration(seconds=COMMAND_LIFESPAN)
+        return QoSProfile(depth=1, reliability=ReliabilityPolicy.RELIABLE, lifespan=lifespan)
+    return QoSProfile(depth=1 if quality is Quality.NEWEST else _QUEUE, reliability=ReliabilityPolicy.RELIABLE)
+
+
+def requested(quality: Quality, kind: type) -> QoSProfile:
+    """The profile of a subscriber to values of a kind."""
+    if quality is Quality.LATCHED:
+        return _LATCHED
+    if quality is Quality.LOSSLESS:
+        return _ALL
+    loose = quality in (Quality.NEWEST, Quality.COMMAND) or kind in _SENT_BY_SENSORS
+    reliability = ReliabilityPolicy.BEST_EFFORT if loose else ReliabilityPolicy.RELIABLE
+    return QoSProfile(depth=1 if quality is Quality.NEWEST else _QUEUE, reliability=reliability)

@@ -1,0 +1,285 @@
+"""Messages of any type on ROS 2: CDR bytes, and rclpy's classes by name.
+
+A type that is not installed is heard all the same: its publisher tells its name and hash, see `bare_type`.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterable, Mapping
+from importlib import import_module
+from pathlib import Path
+from typing import Any, Literal
+
+from rclpy.qos import QoSProfile
+from rclpy.serialization import serialize_message
+
+from ur_nodes.loop import Loop
+from ur_nodes.ports.qualities import Quality
+from ur_nodes.ports.raw import Fields, RawMessage, ServiceAnswer, ServiceType
+from ur_nodes.ports.values import Result
+from ur_nodes.ros2 import ends
+from ur_nodes.ros2.bare_type import bare_class
+from ur_nodes.ros2.names import name_of
+from ur_nodes.ros2.qualities import offered, requested
+
+_LOOK = 0.2  # s between two looks for a publisher
+_MOST_WAITING = 20  # messages, each of which may be large
+_FIND = 2.0  # s: a node discovers what there is a moment after it has begun
+_DEEPEST = 20  # types within types
+_SEPARATOR = "\n" + "=" * 80 + "\n"
+
+
+class RosRaw:
+    """See `ports.raw.Raw`."""
+
+    def __init__(self, node: Any, loop: Loop) -> None:
+        self._node, self._loop = node, loop
+
+    def find_schema(self, type_name: str) -> str | None:
+        """See Raw."""
+        return find_schema(type_name, "msg")
+
+    def subscribe(
+        self, topic: str, take: Callable[[RawMessage], None], quality: Quality = Quality.NEWEST
+    ) -> RawSubscription:
+        """See Raw."""
+        return RawSubscription(self._node, self._loop, topic, take, quality)
+
+    def publish(self, topic: str, type_name: str, quality: Quality = Quality.EVERY) -> RawPublisher:
+        """See Raw."""
+        found = find_class(type_name, "msg")
+        if found is None:
+            raise LookupError(type_name)
+        return RawPublisher(self._node, topic, found, offered(quality))
+
+    def find_service(self, service: str, take: Callable[[Result], None]) -> None:
+        """See Raw."""
+        self._find(service, lambda result: take(_service_type(result)))
+
+    def call(self, service: str, fields: Fields, take: Callable[[Result], None]) -> None:
+        """See Raw."""
+
+        def ask(found: Result) -> None:
+            if not found.success:
+                take(found)
+                return
+            value: Any = found.value
+            kind, service_class = value
+            try:
+                request = make_message(service_class.Request, fields, self._node)
+            except ValueError as problem:
+                take(Result(False, f"value: {problem}"))
+                return
+            client = self._node.create_client(service_class, name_of(service))
+
+            def answer(future: Any) -> None:
+                fields = fields_of(future.result())
+                self._loop.post(lambda: take(Result(True, str(fields), ServiceAnswer(kind, fields))))
+                self._loop.post(lambda: self._node.destroy_client(client))
+
+            client.call_async(request).add_done_callback(answer)
+
+        self._find(service, ask)
+
+    def _find(self, service: str, take: Callable[[Result], None], left: float = _FIND) -> None:
+        """Find a service; the result has the name of its type and its class."""
+        full = str(self._node.resolve_service_name(name_of(service)))
+        kind = next((types[0] for name, types in self._node.get_service_names_and_types() if name == full), None)
+        if kind is None:
+            if left > 0.0:
+                self._loop.after(_LOOK, lambda: self._find(service, take, left - _LOOK), steady=True)
+            else:
+                take(Result(False, f"{full}: no node offers it now"))
+        elif (found := find_class(kind, "srv")) is None:
+            take(Result(False, f"{full}: {kind} is not installed on this computer, expected its package"))
+        else:
+            take(Result(True, value=(kind, found)))
+
+
+class RawPublisher:
+    """See `ports.node.Publisher`."""
+
+    def __init__(self, node: Any, topic: str, message_class: Any, profile: QoSProfile) -> None:
+        self.topic = str(node.resolve_topic_name(name_of(topic)))
+        self._node, self._class = node, message_class
+        self._sender = ends.Sender(node, message_class, self.topic, profile)
+
+    def send(self, value: Fields | bytes) -> None:
+        """See Publisher."""
+        self._sender.send(value if isinstance(value, bytes) else make_message(self._class, value, self._node))
+
+    def listeners(self) -> int:
+        """See Publisher."""
+        return self._sender.listeners()
+
+    def close(self) -> None:
+        """See Publisher."""
+        self._sender.close()
+
+
+class RawSubscription:
+    """See `ports.node.Subscription`. It begins with the first publisher, which tells the type."""
+
+    def __init__(self, node: Any, loop: Loop, topic: str, take: Callable[[RawMessage], None], quality: Quality) -> None:
+        self.topic = str(node.resolve_topic_name(name_of(topic)))
+        self._node, self._loop, self._take, self._quality = node, loop, take, quality
+        self._subscription: Any = None
+        self._open = True
+        self._look()
+
+    def publishers(self) -> int:
+        """See Subscription."""
+        return int(self._node.count_publishers(self.topic))
+
+    def close(self) -> None:
+        """See Subscription."""
+        self._open = False
+        if self._subscription is not None:
+            self._node.destroy_subscription(self._subscription)
+
+    def _look(self) -> None:
+        if not self._open:
+            return
+        found = self._node.get_publishers_info_by_topic(self.topic)
+        if not found:
+            self._loop.after(_LOOK, self._look, steady=True)
+            return
+        kind = str(found[0].topic_type)
+        message_class = find_class(kind, "msg") or _bare_class_of(found[0])
+        schema = find_schema(kind, "msg") or ""
+        put = self._loop.mailbox(
+            1 if self._quality is Quality.NEWEST else _MOST_WAITING,
+            lambda data: self._take(RawMessage(kind, schema, bytes(data))) if self._open else None,
+        )
+        latched = all(each.qos_profile.durability.name == "TRANSIENT_LOCAL" for each in found)
+        profile = requested(Quality.LATCHED if latched else self._quality, object)
+        self._subscription = self._node.create_subscription(message_class, self.topic, put, profile, raw=True)
+
+
+def find_class(type_name: str, part: Literal["msg", "srv"]) -> Any:
+    """The class of a type, 'package/Name' or 'package/msg/Name'; None where it is not installed."""
+    package, name = _split(type_name)
+    if not package or _definition_file(package, name, part) is None:
+        return None  # nothing is imported that a name from the network invents
+    try:
+        return getattr(import_module(f"{package}.{part}"), name, None)
+    except Exception:  # a package of a workspace raises anything
+        return None
+
+
+def find_schema(type_name: str, part: Literal["msg", "srv"]) -> str | None:
+    """The definition of a type and of those that it holds; of a service that of its requests. None: not installed."""
+    package, name = _split(type_name)
+    file = _definition_file(package, name, part) if package else None
+    if file is None:
+        return None
+    text = file.read_text(encoding="utf-8").partition("\n---")[0]
+    parts, known, waiting = [text], set[str](), list(_types_in(text, package))
+    while waiting and len(known) < _DEEPEST:
+        each = waiting.pop(0)
+        below = _definition_file(*_split(each), "msg")
+        if each in known or below is None:
+            continue
+        known.add(each)
+        inner = below.read_text(encoding="utf-8")
+        parts.append(f"MSG: {each}\n{inner}")
+        waiting += _types_in(inner, _split(each)[0])
+    return _SEPARATOR.join(parts)
+
+
+def make_message(message_class: Any, fields: Fields, node: Any) -> Any:
+    """A message with fields; a header's stamp that is not given becomes now. Raises ValueError."""
+    message = message_class()
+    _fill(message, fields, "")
+    header: Any = getattr(message, "header", None)
+    if hasattr(header, "stamp") and header.stamp.sec == header.stamp.nanosec == 0:
+        header.stamp = node.get_clock().now().to_msg()
+    try:
+        serialize_message(message)
+    except (AssertionError, TypeError, SystemError, OverflowError) as problem:
+        raise ValueError(str(problem)) from None
+    return message
+
+
+def fields_of(value: Any) -> Any:
+    """A message as fields; arrays of numbers as they are."""
+    if hasattr(value, "get_fields_and_field_types"):
+        if set(value.get_fields_and_field_types()) == {"sec", "nanosec"}:
+            return {"secs": value.sec, "nsecs": value.nanosec}
+        return {name: fields_of(getattr(value, name)) for name in value.get_fields_and_field_types()}
+    if isinstance(value, list) and value and hasattr(value[0], "get_fields_and_field_types"):
+        return [fields_of(each) for each in value]
+    return value
+
+
+def _fill(message: Any, fields: Mapping[str, Any], path: str) -> None:
+    known = message.get_fields_and_field_types()
+    for name, value in fields.items():
+        own = {"secs": "sec", "nsecs": "nanosec"}.get(name, name)
+        if own not in known:
+            raise ValueError(f"{path}{name}: no such field, expected one of {', '.join(known)}")
+        now = getattr(message, own)
+        if isinstance(value, Mapping):
+            if not hasattr(now, "get_fields_and_field_types"):
+                raise ValueError(f"{path}{name}: a mapping, expected {known[own]}")
+            _fill(now, value, f"{path}{name}.")
+        elif isinstance(value, list) and "/" in known[own]:
+            setattr(message, own, [_part(known[own], each, f"{path}{name}.") for each in value])
+        else:
+            try:
+                setattr(message, own, float(value) if isinstance(now, float) and type(value) is int else value)
+            except (AssertionError, TypeError, OverflowError) as problem:
+                raise ValueError(f"{path}{name}: {problem}") from None
+
+
+def _part(kind: str, fields: Any, path: str) -> Any:
+    found = find_class(kind.removeprefix("sequence<").partition(">")[0].partition("[")[0].partition(",")[0], "msg")
+    if found is None or not isinstance(fields, Mapping):
+        raise ValueError(f"{path}: expected fields of {kind}")
+    message = found()
+    _fill(message, fields, path)
+    return message
+
+
+def _service_type(found: Result) -> Result:
+    if not found.success:
+        return found
+    value: Any = found.value
+    kind = value[0]
+    return Result(True, value=ServiceType(kind, find_schema(kind, "srv") or ""))
+
+
+def _bare_class_of(publisher: Any) -> Any:
+    package, name = _split(str(publisher.topic_type))
+    return bare_class(package, name, bytes(publisher.topic_type_hash.value).hex())
+
+
+def _split(type_name: str) -> tuple[str, str]:
+    parts = type_name.split("/")
+    if len(parts) not in (2, 3) or not all(each.isidentifier() for each in parts):
+        return "", ""
+    return parts[0], parts[-1]
+
+
+def _definition_file(package: str, name: str, part: str) -> Path | None:
+    if not package:
+        return None
+    for prefix in os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep):
+        file = Path(prefix, "share", package, part, f"{name}.{part}")
+        if prefix and file.is_file():
+            return file
+    return None
+
+
+def _types_in(text: str, package: str) -> Iterable[str]:
+    """The types of the fields of a definition that are messages themselves."""
+    for line in text.splitlines():
+        words = line.partition("#")[0].split()
+        if not words or not words[0][:1].isalpha():
+            continue
+        kind = words[0].partition("[")[0].partition("<")[0]
+        if "/" in kind:
+            yield kind
+        elif kind[0].isupper():
+            yield f"{package}/{kind}"

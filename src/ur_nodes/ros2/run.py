@@ -1,0 +1,35 @@
+"""The start of a node on ROS 2."""
+
+from __future__ import annotations
+
+import signal
+import sys
+import threading
+from collections.abc import Callable
+
+from ur.source.diagnostic import UserError
+from ur.source.render import render_human
+from ur_nodes.ports.node import Node
+from ur_nodes.ros2.attached import attach
+
+
+def run(name: str, start: Callable[[Node], object], *, own_terminal: bool = False) -> int:
+    """Run a node until it ends; see `ur_nodes.run.run`."""
+    ended = threading.Event()
+    failures: list[threading.ExceptHookArgs] = []
+
+    def fail(details: threading.ExceptHookArgs) -> None:
+        threading.__excepthook__(details)
+        failures.append(details)
+        ended.set()
+
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, lambda _number, _frame: ended.set())
+    threading.excepthook = fail
+    try:
+        with attach(name, start, ended.set, quiet=own_terminal) as (_wired, node):
+            ended.wait()
+        return int(node.failed or bool(failures))
+    except UserError as problem:
+        sys.stderr.write(render_human(problem.diagnostics))
+        return 2

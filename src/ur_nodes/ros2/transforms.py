@@ -1,0 +1,54 @@
+"""The topics /tf and /tf_static. Their messages are written and read as bytes: tf2_msgs need not be installed."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+
+from ur_nodes.codecs.dialect import Transforms
+from ur_nodes.codecs.frames import fill_transforms, transforms_of
+from ur_nodes.ports.values import Transform
+from ur_nodes.ros2.ends import Receiver, Sender
+
+_Take = Callable[[tuple[Transform, ...]], None]
+
+_MOVING = QoSProfile(depth=100, reliability=ReliabilityPolicy.RELIABLE)
+_FIXED = QoSProfile(depth=1, reliability=ReliabilityPolicy.RELIABLE, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+_FIXED_HEARD = QoSProfile(
+    depth=100, reliability=ReliabilityPolicy.RELIABLE, durability=DurabilityPolicy.TRANSIENT_LOCAL
+)
+
+
+class TransformTopics:
+    """Sends and receives transforms. Publishers are made with the first transform of their sort."""
+
+    def __init__(self, node: Any) -> None:
+        self._node = node
+        self._moving: Sender | None = None
+        self._fixed: Sender | None = None
+        self._kept: dict[str, Transform] = {}  # a latched topic keeps one message: all fixed ones go together
+
+    def listen(self, take: _Take, take_fixed: _Take) -> None:
+        """Have all transforms given to a function, on any thread; fixed ones come once, and must not be lost."""
+        Receiver(self._node, Transforms, "/tf_static", _FIXED_HEARD, lambda m: take_fixed(transforms_of(m, fixed=True)))
+        Receiver(self._node, Transforms, "/tf", _MOVING, lambda message: take(transforms_of(message)))
+
+    def send(self, transforms: tuple[Transform, ...]) -> None:
+        """Send transforms together."""
+        fixed = {each.child: each for each in transforms if each.fixed}
+        moving = tuple(each for each in transforms if not each.fixed)
+        if fixed:
+            self._kept |= fixed
+            self._fixed = self._fixed or Sender(self._node, Transforms, "/tf_static", _FIXED)
+            self._fixed.send(_message(tuple(self._kept.values())))
+        if moving:
+            self._moving = self._moving or Sender(self._node, Transforms, "/tf", _MOVING)
+            self._moving.send(_message(moving))
+
+
+def _message(transforms: tuple[Transform, ...]) -> Any:
+    message = Transforms()
+    fill_transforms(message, transforms)
+    return message
