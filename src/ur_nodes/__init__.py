@@ -1,1 +1,1 @@
-"""ROS nodes of our own: thin rospy shells (`node.py`) over pure, ROS-free modules."""
+"""Nodes of our own: wiring (`*_node.py`) over pure modules, written against `ports`; `ros1` runs them on ROS."""
