@@ -15,7 +15,7 @@ LONG_FUNCTIONS = {
 }
 LONG_MODULES = {
     "cli/computer/doctor.py": 309,
-    "devices/supported.py": 337,
+    "devices/supported.py": 346,
     "launchfile/plan/tags/nodes.py": 310,
     "launchfile/plan/values/expression.py": 372,
     "robot/description/reading.py": 322,

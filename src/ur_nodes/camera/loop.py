@@ -26,7 +26,10 @@ class Consumer(Protocol[Shot]):
     """Takes the pictures."""
 
     def ask(self) -> tuple[bool, Callable[[Frame], Shot]]:
-        """Whether somebody wants the next picture, and how to make it ready beside the node; an empty one is, too."""
+        """Return whether the next picture is wanted, and the function that makes it ready beside the node.
+
+        An empty picture is made ready, too.
+        """
 
     def begin(self, mode: Mode) -> None:
         """A camera was opened."""

@@ -124,7 +124,7 @@ class Robot:
         return self._newest(topic, PackedPicture, _FRESH)
 
     def events(self) -> tuple[str, ...]:
-        """Why the robot does not drive for this program now, as lines for people; () when it may."""
+        """The reasons, as lines for people, for which the robot does not drive for this program now; () when it may."""
         snapshot = self._navigator.snapshot()
         silence = (
             f"nothing from {snapshot.silence.who} for {snapshot.silence.seconds:.0f} s" if snapshot.silence else ""
@@ -260,7 +260,7 @@ class Robot:
             raise problem
 
     def _hindrance(self, *, started: bool = True) -> Lost | Refused | TakenOver | None:
-        """What keeps this program from driving. `started`: it drives already."""
+        """The reasons that keep this program from driving. `started`: it drives already."""
         snapshot = self._navigator.snapshot()
         lease = snapshot.lease
         if snapshot.silence is not None:

@@ -1,4 +1,4 @@
-"""What differs between the messages of ROS 1 and of ROS 2. Both have the same packages: a process knows one of them."""
+"""Differences between the messages of ROS 1 and ROS 2. Packages have the same names: a process knows one of both."""
 
 from __future__ import annotations
 

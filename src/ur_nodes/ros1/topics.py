@@ -147,7 +147,7 @@ def unpack(message: Any, message_class: Any) -> Any:
 
 
 def header_of(message: Any) -> Mapping[str, str]:
-    """What the publisher of a message said of itself when it was connected."""
+    """The header that the publisher of a message sent when it was connected."""
     return getattr(message, "_connection_header", None) or {}
 
 

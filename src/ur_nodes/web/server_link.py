@@ -91,7 +91,7 @@ class Outlet:
         self._node, self._connection = node, connection
         self._waiting = bytearray()
         self.busy = False
-        """Whether the server has not taken all that was sent: what can be left out now should be."""
+        """Return whether the server has not taken all that was sent: what can be left out now should be."""
 
     def send_frame(self, frame: bytes) -> None:
         """Send a frame, with its length before it."""

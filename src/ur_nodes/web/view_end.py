@@ -52,7 +52,7 @@ _MOST_POINTS = 2000
 
 @dataclass(frozen=True, slots=True)
 class Shown:
-    """What pages show of a robot."""
+    """The end of the page that shows a robot."""
 
     facts: RobotFacts
     topics: NavigationTopics

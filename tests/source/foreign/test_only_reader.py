@@ -31,6 +31,8 @@ USER = "a file or descriptor that its user has named for secrets, which may be a
 
 # Module, and why it opens a file by itself.
 ALLOWED = {
+    "ur_nodes/ros2/facts.py": STATE,
+    "ur_nodes/ros2/raw.py": OURS,
     "ur/check/cache/program.py": OURS,
     "ur/check/cache/store.py": STATE,
     "ur/cli/computer/completing.py": OURS,

@@ -39,7 +39,7 @@ _MOST_PAGES = 100
 
 @dataclass(frozen=True, slots=True)
 class Robot:
-    """What pages drive: the mux, navigation, places, patrols and the map."""
+    """The end of the page that drives: mux, navigation, places, patrols and the map."""
 
     mux: MuxLink
     goals: PageGoals

@@ -17,7 +17,7 @@ class FrameOutlet(Protocol):
     """Sends frames without letting the node wait."""
 
     busy: bool
-    """Whether the server has not taken all that was sent: what can be left out now should be."""
+    """Return whether the server has not taken all that was sent: what can be left out now should be."""
 
     def send_frame(self, frame: bytes) -> None:
         """Send a frame."""
