@@ -6,6 +6,7 @@ import contextlib
 import heapq
 import itertools
 import queue
+import sys
 import threading
 import time
 from collections import deque
@@ -88,8 +89,9 @@ class Loop:
         self._closing = False  # the last call is on its way
         self._ended = False
 
-    def start(self) -> None:
-        """Begin; what was posted before comes first."""
+    def start(self, on_failure: Callable[[], None] = lambda: None) -> None:
+        """Begin; what was posted before comes first. `on_failure` is called when an exception ends the thread."""
+        self._on_failure = on_failure
         self._thread = threading.Thread(target=self._run, name="node", daemon=True)
         self._thread.start()
 
@@ -141,7 +143,10 @@ class Loop:
         return (self._steady_beats if steady else self._beats).add(Beat(seconds, call, once=True))
 
     def end(self, last: Callable[[], None], within: float) -> None:
-        """Make a last call on the loop's thread, drop what waits, and wait until it is done, at most `within` s."""
+        """Make a last call on the loop's thread, drop what waits, and wait until it is done, at most `within` s.
+
+        Where an exception has ended the thread, the call is made here.
+        """
 
         def finish() -> None:
             self._ended = True
@@ -153,8 +158,17 @@ class Loop:
         self._closing = True
         self._calls.put(finish)
         self._thread.join(within)
+        if not self._thread.is_alive() and not self._ended:
+            finish()
 
     def _run(self) -> None:
+        try:
+            self._work()
+        except BaseException:
+            threading.excepthook(threading.ExceptHookArgs((*sys.exc_info(), threading.current_thread())))
+            self._on_failure()  # after it is known why
+
+    def _work(self) -> None:
         while not self._ended:
             for beats in self._all_beats:
                 if (beat := beats.take()) is not None:

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import threading
 import time
+
+import pytest
 
 from ur_nodes.loop import Beat, Beats, Loop
 
@@ -81,3 +84,18 @@ def test_what_is_asked_of_a_loop_is_done_before_and_after_its_end() -> None:
     loop.end(lambda: done.append("last"), 60.0)
     loop.ask(lambda: done.append("afterwards"), 60.0)
     assert done == ["while it runs", "last", "afterwards"]
+
+
+def test_last_call_is_made_when_an_exception_has_ended_the_thread(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(threading, "excepthook", lambda _details: None)
+    loop, calls = Loop(time.monotonic, steady=True), list[str]()
+    failed = threading.Event()
+    loop.start(failed.set)
+
+    def fail() -> None:
+        raise ValueError("a callback fails")
+
+    loop.post(fail)
+    assert failed.wait(10.0)
+    loop.end(lambda: calls.append("stop the robot"), 10.0)
+    assert calls == ["stop the robot"]

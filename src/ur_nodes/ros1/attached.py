@@ -26,8 +26,9 @@ Wired = TypeVar("Wired")
 def attach(name: str, start: Callable[[Node], Wired], end: Callable[[], None]) -> Iterator[tuple[Wired, AttachedNode]]:
     """Register as `name` (remappable), call `start`, then let callbacks come on a thread of the node's own.
 
-    `end` is called on any thread when the master or another node ends this one. Signals stay the program's, and
-    nothing is written on the terminal. Leaving the context ends the node. Raises UserError: no master.
+    `end` is called on any thread when the master or another node ends this one, and when a callback has failed. Signals
+    stay the program's, and nothing is written on the terminal. Leaving the context ends the node. Raises UserError: no
+    master.
     """
     if rospy.core.is_initialized():
         raise UserError(error(f"{name}: a program is one node, expected no other in it", rule="second-node"))
@@ -53,7 +54,7 @@ def attach(name: str, start: Callable[[Node], Wired], end: Callable[[], None]) -
 
         rospy.core.add_preshutdown_hook(take)
         wired = start(node)
-        node.begin()
+        node.begin(end)
         yield wired, node
     finally:
         rospy.signal_shutdown("the program ended")

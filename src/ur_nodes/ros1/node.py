@@ -59,9 +59,9 @@ class RosNode:
         self._results: queue.SimpleQueue[Callable[[], None]] = queue.SimpleQueue()  # of these
         rospy.on_shutdown(lambda: self._loop.end(self._finish, _END_LIMIT + self._end_limit))
 
-    def begin(self) -> None:
-        """Let callbacks come."""
-        self._loop.start()
+    def begin(self, on_failure: Callable[[], None] = lambda: None) -> None:
+        """Let callbacks come. `on_failure` is called when one of them has failed, after which there are no more."""
+        self._loop.start(on_failure)
 
     def ask(self, call: Callable[[], None]) -> None:
         """Have a call made on the node's thread: for code that has threads of its own, once the node has begun."""
@@ -238,19 +238,23 @@ class RosNode:
             worker.drop()
         self._ending = True
         for call in self._at_end:
-            call()
+            self._attempt(call)
         end = time.monotonic() + self._end_limit
         with contextlib.suppress(queue.Empty):
             while self._unfinished:
                 take = self._results.get(timeout=max(0.0, end - time.monotonic()))
                 self._unfinished -= 1
-                try:
-                    take()
-                except Exception as problem:  # the others are done all the same
-                    self.failed = True
-                    rospy.logerr("%r", problem)
+                self._attempt(take)
         if self._at_end:
             time.sleep(_LEAVE)
+
+    def _attempt(self, call: Callable[[], None]) -> None:
+        """Make a call of the end; where it fails, the others are made all the same."""
+        try:
+            call()
+        except Exception as problem:
+            self.failed = True
+            rospy.logerr("%r", problem)
 
 
 def _fail(problem: Exception) -> None:

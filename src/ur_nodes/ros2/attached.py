@@ -25,8 +25,8 @@ def attach(
 ) -> Iterator[tuple[Wired, RosNode]]:
     """Enter the graph as `name` (remappable), call `start`, then let callbacks come on a thread of the node's own.
 
-    `end` is called on any thread when the node ends itself. Signals stay the program's; with `quiet` nothing is written
-    on the terminal. Leaving the context ends the node.
+    `end` is called on any thread when the node ends itself, and when a callback has failed. Signals stay the program's;
+    with `quiet` nothing is written on the terminal. Leaving the context ends the node.
     """
     arguments = arguments_of(sys.argv[1:])
     if quiet:
@@ -36,7 +36,7 @@ def attach(
     node.ended = lambda _reason: end()
     try:
         wired = start(node)
-        node.begin()
+        node.begin(end)
         yield wired, node
     finally:
         node.close()

@@ -71,9 +71,9 @@ class RosNode:
         self._unfinished = 0  # of these
         self._results: queue.SimpleQueue[Callable[[], None]] = queue.SimpleQueue()  # of these
 
-    def begin(self) -> None:
-        """Let callbacks come."""
-        self._loop.start()
+    def begin(self, on_failure: Callable[[], None] = lambda: None) -> None:
+        """Let callbacks come. `on_failure` is called when one of them has failed, after which there are no more."""
+        self._loop.start(on_failure)
         self._receiver.start()
 
     def close(self) -> None:
@@ -312,7 +312,7 @@ class RosNode:
             worker.drop()
         self._ending = True
         for call in self._at_end:
-            call()
+            self._attempt(call)
         end = time.monotonic() + self._end_limit
         while self._unfinished:
             try:
@@ -320,13 +320,17 @@ class RosNode:
             except queue.Empty:
                 break
             self._unfinished -= 1
-            try:
-                take()
-            except Exception as problem:  # the others are done all the same
-                self.failed = True
-                self.log.error(repr(problem))
+            self._attempt(take)
         if self._at_end:
             time.sleep(_LEAVE)
+
+    def _attempt(self, call: Callable[[], None]) -> None:
+        """Make a call of the end; where it fails, the others are made all the same."""
+        try:
+            call()
+        except Exception as problem:
+            self.failed = True
+            self.log.error(repr(problem))
 
 
 class RosPublisher:
