@@ -49,7 +49,7 @@ def read_size(data: bytes) -> tuple[int, int]:
 def unpack_picture(data: bytes, width: int, height: int, step: int, encoding: str) -> Pixels:
     """The picture in a sensor_msgs/Image: `step` is the length of a row in bytes. Raises BadPictureError."""
     channels = _CHANNELS.get(encoding)
-    if channels is None or step < width * channels or len(data) < step * height:
+    if channels is None or not width or not height or step < width * channels or len(data) < step * height:
         raise BadPictureError(
             f"{len(data)} bytes, {width} x {height}, in encoding {encoding!r}; expected one of {', '.join(_CHANNELS)}"
         )

@@ -21,7 +21,10 @@ def read_pixels(picture: Picture | PackedPicture, *, grey: bool = False) -> Pixe
     if isinstance(picture, Picture):
         return unpack_picture(picture.data, picture.width, picture.height, picture.step, picture.encoding)
     data = np.frombuffer(picture.data, np.uint8)
-    found = cv2.imdecode(data, cv2.IMREAD_GRAYSCALE if grey else cv2.IMREAD_COLOR) if data.size else None
+    try:
+        found = cv2.imdecode(data, cv2.IMREAD_GRAYSCALE if grey else cv2.IMREAD_COLOR) if data.size else None
+    except cv2.error:  # more pixels than OpenCV allows
+        found = None
     if found is None:
         raise BadPictureError(f"a compressed image of {data.size} bytes ({picture.format!r}), expected JPEG or PNG")
     return np.asarray(found if grey else cv2.cvtColor(found, cv2.COLOR_BGR2RGB), np.uint8)

@@ -1,5 +1,9 @@
 from __future__ import annotations
 
+import struct
+import zlib
+
+import cv2
 import numpy as np
 import pytest
 
@@ -25,3 +29,13 @@ def test_pictures_that_cannot_be_read_are_refused() -> None:
         read_pixels(PackedPicture(0, "camera", "jpeg", b"nothing"))
     with pytest.raises(BadPictureError, match="of 0 bytes"):
         read_pixels(PackedPicture(0, "camera", "jpeg", b""))
+    with pytest.raises(BadPictureError, match="0 bytes, 0 x 0"):
+        read_pixels(Picture(0, "camera", 0, 0, "rgb8", 0, b""))
+
+
+def test_packed_picture_with_more_pixels_than_opencv_allows_is_refused() -> None:
+    small = cv2.imencode(".png", PICTURE)[1].tobytes()
+    head = small[12:16] + struct.pack(">II", 100_000, 100_000) + small[24:29]
+    png = small[:12] + head + struct.pack(">I", zlib.crc32(head)) + small[33:]
+    with pytest.raises(BadPictureError, match="expected JPEG or PNG"):
+        read_pixels(PackedPicture(0, "camera", "png", png))

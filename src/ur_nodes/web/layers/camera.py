@@ -31,7 +31,7 @@ _LANE = "camera"
 class CameraView:
     """Sends the newest picture of one camera: JPEG passes through, raw pictures are compressed beside the node.
 
-    Pictures that arrive while one is on its way are dropped.
+    Of pictures that arrive while one is on its way, or the server is busy, the newest is sent next.
     """
 
     def __init__(self, node: Node, outlet: FrameOutlet) -> None:
@@ -43,6 +43,7 @@ class CameraView:
         self._cameras: dict[str, str] = {}
         self._subscription: Subscription | None = None
         self._due = float("-inf")
+        self._newest: PackedPicture | Picture | None = None  # that is not on its way yet
 
     def want(self, topic: str, *, wanted: bool) -> None:
         """Have pictures sent, or none: those of `topic` while it is a camera's, else those of another camera."""
@@ -58,7 +59,11 @@ class CameraView:
         return {"topic": self._topic, "topics": list(self._cameras)}
 
     def step(self) -> None:
-        """Subscribe to what is wanted; to be called often."""
+        """Subscribe to what is wanted, and send a picture that had to wait; to be called often."""
+        self._follow()
+        self._begin()
+
+    def _follow(self) -> None:
         stale, self._stale = self._stale, False
         if not self._wanted:
             self._drop()
@@ -79,13 +84,17 @@ class CameraView:
     def _drop(self) -> None:
         if self._subscription is not None:
             self._subscription.close()
-            self._subscription = None
+            self._subscription = self._newest = None
             self._topic = ""
 
     def _take(self, picture: PackedPicture | Picture) -> None:
-        now = self._node.steady()
-        if self._wanted and not self._busy and not self._outlet.busy and now >= self._due:
-            self._due, self._busy = max(self._due + _EVERY, now), True
+        self._newest = picture
+        self._begin()
+
+    def _begin(self) -> None:
+        now, picture = self._node.steady(), self._newest
+        if picture is not None and not self._busy and not self._outlet.busy and now >= self._due:
+            self._due, self._busy, self._newest = max(self._due + _EVERY, now), True, None
             self._node.work(lambda: make_frame(picture), partial(self._pass_on, self._topic), _LANE)
 
     def _pass_on(self, topic: str, made: bytes | BadPictureError) -> None:
@@ -94,6 +103,7 @@ class CameraView:
             self._node.log.warn(f"camera: {made}", every=10.0)
         elif made and topic == self._topic:
             self._outlet.send_frame(made)
+        self._begin()
 
 
 def list_cameras(topics: Iterable[tuple[str, str]]) -> dict[str, str]:
@@ -130,5 +140,8 @@ def compress(picture: Picture) -> bytes:
     pixels = unpack_picture(picture.data, picture.width, picture.height, picture.step, picture.encoding)
     step = max(1, -(-picture.width // _WIDEST))
     buffer = io.BytesIO()
-    Image.fromarray(pixels[::step, ::step]).save(buffer, "JPEG", quality=_QUALITY)
+    try:
+        Image.fromarray(pixels[::step, ::step]).save(buffer, "JPEG", quality=_QUALITY)
+    except (OSError, ValueError) as problem:  # JPEG has 65,500 rows at most
+        raise BadPictureError(f"{picture.width} x {picture.height} pixels that are no JPEG: {problem}") from None
     return buffer.getvalue()

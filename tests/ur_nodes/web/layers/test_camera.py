@@ -127,6 +127,45 @@ def test_pictures_are_left_out_while_the_server_is_slow_and_when_they_are_no_jpe
     assert 13 <= len(robot.frames) <= 16
 
 
+def test_picture_that_arrives_while_the_server_is_busy_is_sent_once_it_is_not() -> None:
+    robot = Robot()
+    robot.step("/b/compressed")
+    robot.busy = True
+    robot.send("/b/compressed", b"\xff\xd8 old")
+    robot.send("/b/compressed", b"\xff\xd8 new")
+    robot.step("/b/compressed")
+    assert robot.frames == []
+    robot.busy = False
+    robot.step("/b/compressed")
+    assert [each.endswith(b"new") for each in robot.frames] == [True]
+
+
+def test_newest_picture_is_sent_after_the_one_that_is_on_its_way() -> None:
+    robot = Robot()
+    robot.bus.durations["camera"] = 0.5
+    robot.step("/b/compressed")
+    for data in (b"\xff\xd8 1", b"\xff\xd8 2", b"\xff\xd8 3"):
+        robot.send("/b/compressed", data)
+        robot.bus.run(0.1)
+    robot.bus.run(2.0)
+    assert [each[-1:] for each in robot.frames] == [b"1", b"3"]
+
+
+@pytest.mark.parametrize(("width", "height"), [(0, 0), (0, 2), (5, 0), (1, 70_000)])
+def test_raw_picture_of_an_odd_size_is_reported_and_the_next_one_is_shown(width: int, height: int) -> None:
+    robot = Robot()
+    raw = robot.cameras.publish("/raw", Picture)
+    robot.view.want("", wanted=True)
+    robot.view.take_topics([("/raw", RAW)])
+    robot.view.step()
+    raw.send(Picture(0, "camera", width, height, "rgb8", 3 * width, bytes(3 * width * height)))
+    robot.bus.run(1.0)
+    assert any(f"{width} x {height}" in text for _, text in robot.node.lines)
+    raw.send(Picture(0, "camera", 4, 4, "rgb8", 12, bytes(48)))
+    robot.bus.run(1.0)
+    assert len(robot.frames) == 1
+
+
 def test_raw_pictures_become_small_jpegs() -> None:
     pixels = np.zeros((720, 1280, 3), np.uint8)
     pixels[:, :640] = (200, 30, 30)
