@@ -118,9 +118,11 @@ class RawPublisher:
         if isinstance(value, bytes):
             self._publisher.send(RawMessage(self._type_name, self._schema, value))
             return
-        for name in value:
+        for name, each in value.items():
             if name not in self._schema:
                 raise ValueError(f"No field name [{name}]")
+            if f"string {name}" in self._schema and not isinstance(each, str):
+                raise ValueError(f"{name}: {type(each).__name__}, expected a text")
         fields = TypedFields(value)
         fields.type_name = self._type_name
         self._publisher.send(fields)

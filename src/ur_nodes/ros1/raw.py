@@ -9,7 +9,7 @@ from typing import Any, Literal
 import genpy
 import rospy
 from roslib.message import get_message_class, get_service_class
-from rosservice import ROSServiceException, get_service_type
+from rosservice import get_service_type
 
 from ur_nodes.codecs import Codec
 from ur_nodes.loop import Loop, run_aside
@@ -56,7 +56,7 @@ class RosRaw:
             try:
                 kind, found = _find_service(full)
                 result = Result(True, value=ServiceType(kind, str(found._request_class._full_text)))  # noqa: SLF001
-            except (ROSServiceException, LookupError) as problem:
+            except Exception as problem:  # master and service are programs of others, which answer anything
                 result = Result(False, str(problem))
             self._loop.post(lambda: take(result))
 
@@ -74,7 +74,7 @@ class RosRaw:
                 result = Result(True, str(answer), ServiceAnswer(kind, _fields_of(answer)))
             except ValueError as problem:
                 result = Result(False, f"value: {problem}")
-            except (ROSServiceException, LookupError, rospy.ServiceException, rospy.ROSException, OSError) as problem:
+            except Exception as problem:  # likewise
                 result = Result(False, str(problem))
             self._loop.post(lambda: take(result))
 
@@ -92,7 +92,7 @@ def _find_class(type_name: str, part: Literal["msg", "srv"]) -> Any:
 
 
 def _find_service(service: str) -> tuple[str, Any]:
-    """The type of a service and its class. Raises LookupError and ROSServiceException."""
+    """The type of a service and its class. Raises LookupError, and what master and service make rosservice raise."""
     kind = get_service_type(service)
     if kind is None:
         raise LookupError(f"{service}: no node offers it now")
@@ -123,7 +123,7 @@ def _make(found: Any, fields: Fields) -> Any:
         if isinstance(getattr(header, "stamp", None), genpy.Time) and header.stamp.is_zero():
             header.stamp = rospy.Time.now()
         message.serialize(io.BytesIO())
-    except (genpy.MessageException, KeyError, TypeError) as problem:
+    except (genpy.MessageException, KeyError, TypeError, AttributeError) as problem:  # genpy calls methods of any value
         raise ValueError(str(problem)) from None
     return message
 

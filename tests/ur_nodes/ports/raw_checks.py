@@ -38,6 +38,9 @@ def check_raw_message_is_made_of_fields(stage: Stage) -> None:
     stage.until(lambda: publisher.listeners() == 1)
     with pytest.raises(ValueError, match="colour"):
         publisher.send({"colour": 1})
+    for wrong in ([1], {"data": "hello"}, 1):
+        with pytest.raises(ValueError, match=r"str|text|encode|int"):
+            publisher.send({"data": wrong})
     publisher.send({"data": "hello"})
     publisher.send({"data": "again"})
     stage.until(lambda: len(got) == 2)
