@@ -78,6 +78,7 @@ _PARAMETERS = ("/ur", "/run_id", "/roslaunch", "/rosdistro", "/rosversion", "/us
 
 def refuse_topic(topic: str, kind: str, subscribers: Collection[str] = ()) -> str | None:
     """The reason why a page may not publish on a topic; None if it may. `subscribers` are names of nodes."""
+    kind = kind.replace("/msg/", "/")  # as ROS 2 names it
     if kind in _KINDS:
         return f"{topic}: {kind} is not published from here: {_KINDS[kind]}"
     if kind.endswith(("ActionGoal", "ActionResult", "ActionFeedback")) or kind.startswith("actionlib_msgs/"):

@@ -12,6 +12,7 @@ from ur_nodes.web.data.guard import refuse_parameter, refuse_service, refuse_top
     [
         ("/cmd_vel", "geometry_msgs/Twist"),
         ("/harmless", "geometry_msgs/Twist"),
+        ("/harmless", "geometry_msgs/msg/Twist"),
         ("/web_vel_stamped", "geometry_msgs/TwistStamped"),
         ("/bob/left_wheel", "std_msgs/Float64"),
         ("/motor_power", "std_msgs/Bool"),
