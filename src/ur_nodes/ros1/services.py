@@ -50,7 +50,10 @@ def serve_service(
 
 
 def call_service(loop: Loop, service: str, request: object, take: Callable[[Result], None], within: float) -> None:
-    """Ask a service; `take` gets the answer, or a result without success after `within` s."""
+    """Ask a service; `take` gets the answer, or a result without success after `within` s.
+
+    What has been reported as failed is not sent any more, so that no late release ends an emergency stop.
+    """
     codec = find_service(type(request))
     late = Result(False, f"no answer of {rospy.resolve_name(service)} within {within:g} s")
     waiting = [take]
@@ -62,10 +65,12 @@ def call_service(loop: Loop, service: str, request: object, take: Callable[[Resu
     def ask() -> None:
         try:
             rospy.wait_for_service(service, timeout=within)
+            if not waiting:
+                return
             answer = rospy.ServiceProxy(service, codec.service_class)(codec.request(request))
             result = codec.result_of(answer)
-        except (rospy.ROSException, rospy.ServiceException, UserError, ValueError) as problem:
-            result = Result(False, str(problem))
+        except Exception as problem:  # a server or a master that ends meanwhile fails in many ways
+            result = Result(False, str(problem) or type(problem).__name__)
         loop.post(lambda: give(result))
 
     run_aside(ask)
