@@ -14,6 +14,7 @@ MuxRequest = Literal["stop", "release", "obstacles on", "obstacles off"]
 
 NO_REPORT = Report()
 _WITHIN = 2.0  # s for an answer
+_STOP_WITHIN = 60.0  # s: a stop takes effect late rather than not at all
 _PATIENCE = 1.0  # s: then a request that is made again is sent again
 _IDLE = "idle"
 _REFUSALS: dict[MuxRequest, str] = {
@@ -82,19 +83,34 @@ class MuxLink:
         number, emergency = self._number, request in ("stop", "release")
         service = f"{self._mux}/{request if emergency else 'set_obstacle_stop'}"
         value = Trigger() if emergency else Switch(request == "obstacles on")
-        self._node.call(service, value, lambda result: self._take_answer(number, request, service, result), _WITHIN)
+        within = _STOP_WITHIN if request == "stop" else _WITHIN
+        self._node.call(service, value, lambda result: self._take_answer(number, request, service, result), within)
+        if request == "stop":
+            self._node.after(_WITHIN, lambda: self._report_silence(number, service), steady=True)
+
+    def _report_silence(self, number: int, service: str) -> None:
+        """Report that a stop is not answered; it is sent on all the same."""
+        if number == self._number and self._view.asked == "stop":
+            self._view = replace(
+                self._view,
+                asked=None,
+                problem=self._describe_failure("stop", service, f"no answer within {_WITHIN:g} s"),
+            )
+
+    def _describe_failure(self, request: MuxRequest, service: str, text: str) -> str:
+        reason = f": {text}" if self._stopped.publishers() else " does not answer: is the robot running?"
+        return describe_refusal(request, f"service {self._node.resolve(service)}{reason}")
 
     def _take_answer(self, number: int, request: MuxRequest, service: str, result: Result) -> None:
         if number != self._number:
             return  # asked for something else since
         if not result.success:
-            reason = f": {result.text}" if self._stopped.publishers() else " does not answer: is the robot running?"
-            problem = describe_refusal(request, f"service {self._node.resolve(service)}{reason}")
+            problem = self._describe_failure(request, service, result.text)
             self._view = replace(self._view, asked=None, problem=problem)
         elif request in ("stop", "release"):
-            self._view = replace(self._view, asked=None, stopped=request == "stop")
+            self._view = replace(self._view, asked=None, problem="", stopped=request == "stop")
         else:
-            self._view = replace(self._view, asked=None)
+            self._view = replace(self._view, asked=None, problem="")
 
     def _take_stopped(self, stopped: bool) -> None:
         self._view = replace(self._view, stopped=stopped)

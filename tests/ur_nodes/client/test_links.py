@@ -65,6 +65,22 @@ def test_mux_that_does_not_answer_is_reported(bus: Bus) -> None:
     assert link.view().problem == ("NOT STOPPED: service /cmd_vel_mux/stop does not answer: is the robot running?")
 
 
+def test_stop_takes_effect_when_the_mux_is_back_and_a_release_does_not(bus: Bus) -> None:
+    link, asked = MuxLink(bus.node("screen"), "cmd_vel_mux"), list[str]()
+    link.ask("release")
+    bus.run(0.1)
+    link.ask("stop")
+    bus.run(5.0)
+    assert link.view().problem.startswith("NOT STOPPED")
+    mux = bus.node("cmd_vel_mux")
+    mux.publish("~stopped", bool, Quality.LATCHED).send(False)
+    for name in ("stop", "release"):
+        mux.serve(f"~{name}", Trigger, lambda _, name=name: asked.append(name) or Result(True))  # type: ignore[func-returns-value, misc]
+    bus.run(0.5)
+    assert asked == ["stop"]
+    assert link.view() == MuxView(stopped=True)
+
+
 def test_patrol_is_asked_and_answers_once(bus: Bus) -> None:
     link = PatrolLink(bus.node("screen"))
     request = PatrolRequest("end", Route(), "screen-1", "", "laptop", None)
