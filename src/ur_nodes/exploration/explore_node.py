@@ -7,34 +7,29 @@ import sys
 from ur_nodes.exploration.explorer import Explorer
 from ur_nodes.exploration.explorer_step import Inputs, Outputs
 from ur_nodes.exploration.map_saver import MapSaver
-from ur_nodes.exploration.markers import mark_frontiers
 from ur_nodes.exploration.navigation import Navigation
 from ur_nodes.exploration.obstacles import Obstacles
 from ur_nodes.exploration.settings import read_settings
-from ur_nodes.exploration.status import Status, describe_status, write_status
+from ur_nodes.exploration.status import Status
+from ur_nodes.exploration.status_output import StatusOutput
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.ports.node import SECOND, Node
-from ur_nodes.ports.qualities import Quality
-from ur_nodes.ports.values import Map, Markers
+from ur_nodes.ports.values import Map
 from ur_nodes.run import run
 
 _POLL = 0.1  # s between two looks at what has happened
-_SHOWN_EVERY = 10.0  # s between two lines in the log
 
 
 class ExploreNode:
     """Wires an Explorer up. Ends nothing: the last status stays published."""
 
     def __init__(self, node: Node) -> None:
-        self._node = node
-        self._settings = read_settings(node.parameters)
+        self._node, self._settings = node, read_settings(node.parameters)
         self._explorer = Explorer(self._settings.explorer)
         self._grid: Grid | None = None
         self._version = 0
         self._due, self._paused, self._busy = 0.0, "", False
-        self._told = ("", -_SHOWN_EVERY)
-        self._status = node.publish("~status", str, Quality.LATCHED)
-        self._markers = node.publish("~frontiers", Markers, Quality.LATCHED)
+        self._output = StatusOutput(node, self._settings.map_frame)
         self._navigation = Navigation(node, self._settings)
         self._saver = MapSaver(node, self._settings.save_service)
         self._obstacles = Obstacles(node, self._settings.costmap, self._settings.costmap_updates)
@@ -45,11 +40,11 @@ class ExploreNode:
         settings, now = self._settings, self._node.now() / SECOND
         robot = self._node.transforms.find_planar(settings.map_frame, settings.base_frame)
         if self._grid is None:
-            self._publish(Status(reason=f"no map on {self._node.resolve('map')}; is a mapping node running?"))
+            self._output.publish(Status(reason=f"no map on {self._node.resolve('map')}; is a mapping node running?"))
         elif robot is None:
-            self._publish(Status(reason=f"no transform from {settings.base_frame} to {settings.map_frame}"))
+            self._output.publish(Status(reason=f"no transform from {settings.base_frame} to {settings.map_frame}"))
         elif not self._navigation.ready():
-            self._publish(Status(reason=f"no action {self._node.resolve(settings.navigation)}"))
+            self._output.publish(Status(reason=f"no action {self._node.resolve(settings.navigation)}"))
         elif not self._busy:
             if now < self._due - settings.period:  # time has begun anew
                 self._due = now
@@ -69,33 +64,17 @@ class ExploreNode:
             self._navigation.clear()
         if out.goal is not None:
             self._navigation.send(out.goal)
-        floor = self._explorer.floor
-        if floor is not None and self._markers.listeners():
-            markers = mark_frontiers(floor, out.frontiers, out.blocked)
-            self._markers.send(Markers(self._node.now(), self._settings.map_frame, markers))
+        self._output.draw(self._explorer, out)
         if out.status.ended:
             self._poll.cancel()
-            self._saver.save_last(lambda saved: self._publish(out.status.with_map(saved)))
+            self._saver.save_last(lambda saved: self._output.publish(out.status.with_map(saved)))
         else:
-            self._publish(out.status.with_map(self._saver.save_once()))
-
-    def _publish(self, status: Status) -> None:
-        now, (before, told_at) = self._node.now() / SECOND, self._told
-        kind = f"{status.state} {status.reason if status.state != 'paused' else ''}"
-        if kind != before or not 0.0 <= now - told_at < _SHOWN_EVERY:
-            self._told = (kind, now)
-            self._node.log.info(describe_status(status))
-        self._status.send(write_status(status))
+            self._output.publish(out.status.with_map(self._saver.save_once()))
 
     def _take_map(self, given: Map) -> None:
         self._grid = given.grid
         self._version += 1
 
 
-def main() -> int:
-    """Run the node until it ends."""
-    return run("explore", ExploreNode)
-
-
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(run("explore", ExploreNode))

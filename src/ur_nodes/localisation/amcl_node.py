@@ -8,11 +8,12 @@ from ur_nodes.geometry.pose import Pose2
 from ur_nodes.localisation.amcl import Amcl
 from ur_nodes.localisation.amcl_output import Outputs
 from ur_nodes.localisation.amcl_settings import read_settings
+from ur_nodes.localisation.map_source import MapSource
 from ur_nodes.memory_use import return_large_arrays
 from ur_nodes.ports.node import Node
 from ur_nodes.ports.qualities import Quality
-from ur_nodes.ports.scan_feed import SILENCE, ScanFeed
-from ur_nodes.ports.services import AskMap, Silent, UseMap
+from ur_nodes.ports.scan_feed import ScanFeed
+from ur_nodes.ports.services import Silent, UseMap
 from ur_nodes.ports.values import Map, PoseEstimate, Result, Scan
 from ur_nodes.run import run
 
@@ -25,37 +26,17 @@ class AmclNode:
         self._settings = settings = read_settings(node.parameters)
         self._amcl = Amcl(settings, node.log)
         self._outputs = Outputs(node, settings)
-        self._asking = False
         node.transforms.ignore((settings.odom_frame,))
         self._feed = ScanFeed(node, settings.odom_frame, settings.base_frame, self._use_scan)
         node.subscribe("initialpose", PoseEstimate, self._place, Quality.EVERY)
         node.serve("global_localization", Silent, lambda _request: self._amcl.scatter())
         node.serve("request_nomotion_update", Silent, lambda _request: self._amcl.request_update())
         node.serve("set_map", UseMap, self._set_map)
-        if settings.use_map_topic:
-            node.subscribe("map", Map, self._take_map, Quality.LATCHED)
-        else:
-            self._timer = node.every(1.0, self._fetch_map)
-            self._fetch_map()
+        self._source = MapSource(node, self._take_map, topic=settings.use_map_topic)
 
     def _take_map(self, given: Map) -> None:
         if not (self._settings.first_map_only and self._amcl.has_map):
             self._amcl.use_map(given)
-
-    def _fetch_map(self) -> None:
-        """Ask the service until it returns a map."""
-        if not (self._amcl.has_map or self._asking):
-            self._asking = True
-            self._node.call("static_map", AskMap(), self._take_answer, 120.0)  # large maps take long over WiFi
-
-    def _take_answer(self, answer: Result) -> None:
-        self._asking = False
-        if isinstance(answer.value, Map):
-            self._timer.cancel()
-            self._take_map(answer.value)
-        else:
-            service = self._node.resolve("static_map")
-            self._node.log.warn(f"no map from service {service} yet: {answer.text}", every=SILENCE)
 
     def _set_map(self, request: UseMap) -> Result:
         self._amcl.use_map(request.map)

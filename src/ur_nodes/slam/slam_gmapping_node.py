@@ -34,8 +34,7 @@ class SlamGmappingNode:
         self._child = settings.odom_frame or settings.base_frame
         self._entropy = node.publish("~entropy", Number, Quality.LATCHED)
         self._output = MapOutput(node, settings, self._slam)
-        storage = MapStorage(node, stored, self._output) if stored else None
-        if storage:
+        if storage := MapStorage(node, stored, self._output) if stored else None:
             storage.begin(self._slam)
         self._reports = Reports(node, self._output.describe, lost=bool(storage and storage.continues))
         node.transforms.ignore((self._child,))
@@ -73,8 +72,7 @@ class SlamGmappingNode:
     def _send_transform(self) -> None:
         """Send the transform from the map as of the last scan, which holds for a while."""
         if self._correction is not None:
-            stamp = self._node.now() + round(self._settings.tf_delay * SECOND)
-            pose = self._correction.in_space()
+            stamp, pose = self._node.now() + round(self._settings.tf_delay * SECOND), self._correction.in_space()
             self._node.transforms.send(Transform(stamp, self._settings.map_frame, self._child, pose))
 
 
