@@ -12,13 +12,16 @@ from ur_nodes.ports.node import Node
 from ur_nodes.teleop.keyboard.commander import Commander
 from ur_nodes.teleop.keyboard.drive import STILL, DriveSettings, DriveState, start_drive, step_drive
 from ur_nodes.teleop.keyboard.drive_screen import Link
-from ur_nodes.teleop.terminal.keys import KeyEvent
+from ur_nodes.teleop.terminal.keys import FocusLost, KeyEvent
 from ur_nodes.teleop.terminal.request_keys import (
     asks_to_save,
     driver_request_of,
     mux_request_of,
     obstacle_request_of,
 )
+
+HUNG_AFTER = 0.3
+"""Seconds without a call of `press` after which the user interface hangs, and keys drive no more."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,6 +36,9 @@ class DriveView:
 
 class KeyDriver:
     """Sends velocities while keys are held. `press` and `view` may be used by any thread.
+
+    A key counts from when it was pressed, however late the node comes to it, and only as long as `press` is called
+    again and again: with no keys it is the sign of life of a user interface that waits for some.
 
     While a key drives, a command is also sent whenever a challenge has arrived, so that it is as young as can be. With
     `saving`, one key saves the map; it stops the robot as every other key does. At the end of the node the robot is
@@ -51,14 +57,16 @@ class KeyDriver:
         """`rate` is the number of commands per second, besides answers to challenges."""
         self._node, self._commander, self._mux, self._saving = node, commander, mux, saving
         self._state = start_drive(settings)
+        self._alive_at = node.steady()
         commander.watch(self._answer)
         node.every(1.0 / rate, self._step, steady=True)
         node.on_end(self._end)
 
     def press(self, events: Iterable[KeyEvent]) -> None:
         """Have keys take effect, in their order."""
+        self._alive_at = now = self._node.steady()
         for event in events:
-            self._node.post(lambda event=event: self._take(event))  # type: ignore[misc]  # mypy infers no default
+            self._node.post(lambda event=event: self._take(event, now))  # type: ignore[misc]  # mypy infers no default
 
     def view(self) -> DriveView:
         """Return the newest state."""
@@ -66,10 +74,13 @@ class KeyDriver:
         driver = line_of(commander.view(), commander.conduct)
         return DriveView(self._state, commander.link(), self._mux.view(), driver)
 
-    def _take(self, event: KeyEvent) -> None:
+    def _take(self, event: KeyEvent, pressed_at: float) -> None:
+        """Obey a key that was pressed at a time (s)."""
         self._pass_on(event)
         was_moving = self._state.moving
-        self._state, motion = step_drive(self._state, event, self._node.steady())
+        self._state, motion = step_drive(self._state, event, pressed_at)
+        if self._state.moving:  # it may have driven for long enough by now
+            self._state, motion = step_drive(self._state, None, self._node.steady())
         if motion is not None and self._state.moving != was_moving:
             self._commander.send(motion)  # starts and stops are not kept waiting
 
@@ -90,7 +101,11 @@ class KeyDriver:
     def _step(self) -> None:
         if self._saving and (news := self._saving.take_news()):
             self._state = replace(self._state, note=news)
-        self._state, motion = step_drive(self._state, None, self._node.steady())
+        now = self._node.steady()
+        hangs = self._state.moving and now - self._alive_at > HUNG_AFTER
+        self._state, motion = step_drive(self._state, FocusLost() if hangs else None, now)
+        if hangs:
+            self._state = replace(self._state, note="stopped: the terminal does not take the screen")
         if motion is not None:
             self._commander.send(motion)
 

@@ -17,6 +17,7 @@ from ur_nodes.teleop.terminal.keys import decode_keys
 
 SETTINGS = DriveSettings(speed=0.4, turn=0.8, speed_limit=0.5, turn_limit=1.0)
 RATE = 20.0
+_WAIT = 0.05  # s
 AHEAD, LEFT, STILL = Twist(0.4, 0.0), Twist(0.0, 0.8), Twist(0.0, 0.0)
 
 
@@ -48,10 +49,13 @@ class Driving(Rig):
         self._rest = b""
 
     def press(self, data: bytes, seconds: float = 0.0) -> None:
-        """Let a terminal send bytes, and time pass."""
+        """Let a terminal send bytes, and time pass, in which the user interface waits for more."""
         events, self._rest = decode_keys(self._rest + data, final=True)
         self.driver.press(events)
-        self.bus.run(seconds)
+        while seconds > 0.0:
+            self.bus.run(min(seconds, _WAIT))
+            self.driver.press(())
+            seconds -= _WAIT
 
 
 class FakeMux:

@@ -66,6 +66,27 @@ def test_release_stops_where_the_terminal_reports_it_and_so_does_its_silence() -
     assert rig.driver.view().state.note == "stopped: the terminal does not answer"
 
 
+def test_robot_stops_when_the_user_interface_hangs_while_a_key_is_held() -> None:
+    rig = Driving()
+    rig.press(KITTY + UP, 0.5)
+    rig.bus.run(0.35)  # the terminal does not take the screen
+    assert rig.sent[-1] == STILL
+    rig.bus.run(1.0)
+    assert rig.changes == [AHEAD, STILL]
+    assert rig.driver.view().state.note == "stopped: the terminal does not take the screen"
+    rig.press(UP, 0.1)
+    assert rig.sent[-1] == AHEAD
+
+
+def test_key_that_the_node_takes_late_does_not_drive(monkeypatch: pytest.MonkeyPatch) -> None:
+    rig = Driving()
+    busy = 700_000_000  # ns, longer than a tap drives
+    monkeypatch.setattr(rig.node, "post", lambda call: rig.bus.at(rig.bus.now + busy, call))
+    rig.press(b"i", 2.0)
+    assert rig.driver.view().state.last_key == "i"
+    assert AHEAD not in rig.sent
+
+
 def test_space_stops_the_mux_and_r_releases_it_on_any_terminal() -> None:
     rig = Driving()
     mux = FakeMux(rig.bus)
@@ -122,7 +143,7 @@ def test_commands_answer_each_challenge_of_the_mux(home: Path) -> None:
     rig.bus.run(0.5)
     rig.press(KITTY + UP, 0.2)
     robot.person.subscribe("cmd_vel_mux/challenge", Time, lambda time: challenges.append(time.stamp))
-    rig.bus.run(0.5)
+    rig.press(b"", 0.5)
     assert len(challenges) > 5
     assert set(challenges[:-1]) <= set(stamps)
 
