@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+import time
 from typing import Any
 
 from geometry_msgs.msg import TransformStamped
@@ -10,6 +12,8 @@ from ur_nodes.codecs.codec import Codec, fill_header
 from ur_nodes.codecs.dialect import Transforms, stamp_of
 from ur_nodes.codecs.geometry import pose3_of_transform
 from ur_nodes.ports.values import Transform
+
+_YOUNG = 1.0  # s
 
 
 def fill_transforms(message: Any, value: tuple[Transform, ...]) -> None:
@@ -36,6 +40,22 @@ def transforms_of(message: Any, *, fixed: bool = False) -> tuple[Transform, ...]
         )
         for each in message.transforms
     )
+
+
+class Newest:
+    """The moving transforms that were sent last, for nodes that begin to listen: nobody hears a publisher's first."""
+
+    def __init__(self) -> None:
+        self._sent: tuple[float, tuple[Transform, ...]] = (-math.inf, ())
+
+    def note(self, transforms: tuple[Transform, ...]) -> None:
+        """Note what is sent now."""
+        self._sent = time.monotonic(), transforms
+
+    def get(self) -> tuple[Transform, ...]:
+        """What was sent in the last second; on any thread. Older ones must not look as if they held still."""
+        sent, transforms = self._sent
+        return transforms if time.monotonic() - sent < _YOUNG else ()
 
 
 CODECS = {tuple: Codec(Transforms, fill_transforms, transforms_of)}

@@ -8,7 +8,7 @@ from typing import Any
 import rospy
 from tf2_msgs.msg import TFMessage
 
-from ur_nodes.codecs.frames import fill_transforms, transforms_of
+from ur_nodes.codecs.frames import Newest, fill_transforms, transforms_of
 from ur_nodes.ports.values import Transform
 from ur_nodes.ros1.ending import quiet_at_end
 
@@ -20,6 +20,7 @@ class TransformTopics:
 
     def __init__(self) -> None:
         self._moving: Any = None
+        self._newest = Newest()
         self._fixed: Any = None
         self._kept: dict[str, Transform] = {}  # a latched topic keeps one message: all fixed ones go together
 
@@ -42,8 +43,31 @@ class TransformTopics:
             self._fixed = self._fixed or rospy.Publisher("/tf_static", TFMessage, queue_size=100, latch=True)
             self._fixed.publish(_message(tuple(self._kept.values())))
         if moving:
-            self._moving = self._moving or rospy.Publisher("/tf", TFMessage, queue_size=100, tcp_nodelay=True)
+            self._newest.note(moving)
+            self._moving = self._moving or self._offer()
             self._moving.publish(_message(moving))
+
+    def _offer(self) -> Any:
+        publisher = rospy.Publisher("/tf", TFMessage, queue_size=100, tcp_nodelay=True)
+        publisher.impl.add_subscriber_listener(_Greeter(publisher.impl, self._newest))
+        return publisher
+
+
+class _Greeter(rospy.SubscribeListener):  # type: ignore[misc]  # rospy has no types
+    """Sends the newest moving transforms to each new subscriber, and to no other one, on a thread of rospy's."""
+
+    def __init__(self, implementation: Any, newest: Newest) -> None:
+        super().__init__()
+        self._implementation, self._newest = implementation, newest
+
+    def peer_subscribe(self, _name: str, _send_all: object, send: Callable[[TFMessage], None]) -> None:
+        """See rospy."""
+        if transforms := self._newest.get():
+            self._implementation.acquire()  # as rospy does for messages that it has latched
+            try:
+                send(_message(transforms))
+            finally:
+                self._implementation.release()
 
 
 def _message(transforms: tuple[Transform, ...]) -> TFMessage:

@@ -8,7 +8,7 @@ from typing import Any
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
 from ur_nodes.codecs.dialect import Transforms
-from ur_nodes.codecs.frames import fill_transforms, transforms_of
+from ur_nodes.codecs.frames import Newest, fill_transforms, transforms_of
 from ur_nodes.ports.values import Transform
 from ur_nodes.ros2.ends import Receiver, Sender
 
@@ -27,6 +27,7 @@ class TransformTopics:
     def __init__(self, node: Any) -> None:
         self._node = node
         self._moving: Sender | None = None
+        self._newest = Newest()
         self._fixed: Sender | None = None
         self._kept: dict[str, Transform] = {}  # a latched topic keeps one message: all fixed ones go together
 
@@ -44,8 +45,14 @@ class TransformTopics:
             self._fixed = self._fixed or Sender(self._node, Transforms, "/tf_static", _FIXED)
             self._fixed.send(_message(tuple(self._kept.values())))
         if moving:
-            self._moving = self._moving or Sender(self._node, Transforms, "/tf", _MOVING)
+            self._newest.note(moving)
+            self._moving = self._moving or Sender(self._node, Transforms, "/tf", _MOVING, self._greet)
             self._moving.send(_message(moving))
+
+    def _greet(self) -> None:
+        """Send the newest moving transforms again: to all, of whom those who have them ignore them."""
+        if self._moving is not None and (transforms := self._newest.get()):
+            self._moving.send(_message(transforms))
 
 
 def _message(transforms: tuple[Transform, ...]) -> Any:

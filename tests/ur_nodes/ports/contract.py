@@ -326,6 +326,14 @@ def check_facts_are_known_to_all_nodes(stage: Stage) -> None:
     assert stage.other.facts.get("contract_fact") == "known"
 
 
+def check_first_transform_reaches_nodes_that_listen(stage: Stage) -> None:
+    tree = stage.other.transforms
+    stage.begin()
+    moved = Pose3(1.0, 2.0, 0.0, 0.0, 0.0, 0.0, 1.0)
+    stage.one.post(lambda: stage.one.transforms.send(Transform(STAMP, "first_map", "first_odom", moved)))
+    stage.until(lambda: tree.find("first_map", "first_odom") is not None)
+
+
 def check_transforms_reach_other_nodes(stage: Stage) -> None:
     tree = stage.other.transforms
     mount = Pose3(0.25, 0.0, 0.5, 0.0, 0.0, 0.0, 1.0)
