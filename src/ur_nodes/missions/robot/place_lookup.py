@@ -17,6 +17,9 @@ from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.values import Map
 
 _MAP_WAIT = 2.0  # s
+_MOST_WAITING = 10  # routes
+TOO_MANY = "expected fewer requests at once"
+NO_ANSWER = "expected a parameter server that answers"
 NO_MAP = "expected a map, whose waypoints have names"
 NO_NAME = "expected a map that has been saved under a name, whose waypoints have names"
 
@@ -35,10 +38,17 @@ class PlaceLookup:
         self._late: Timer | None = None
 
     def find(self, route: Route, take: Take) -> None:
-        """Have the places of a route looked up, after those of earlier ones: requests keep their order."""
+        """Have the places of a route looked up, after those of earlier ones: requests keep their order.
+
+        Of more than _MOST_WAITING that wait, the oldest is given up.
+        """
         self._waiting.append((route, take))
         if len(self._waiting) == 1:
             self._begin()
+        elif len(self._waiting) > 1 + _MOST_WAITING:
+            _, give_up = self._waiting[1]
+            del self._waiting[1]
+            give_up(TOO_MANY)
 
     def _begin(self) -> None:
         route, _ = self._waiting[0]
@@ -47,13 +57,19 @@ class PlaceLookup:
             return
         keeper = self._node.parameters.of(self._keeper)
 
-        def read() -> PlaceSettings:
+        def read() -> PlaceSettings | str:
             names = ("map_name", "waypoints_file", "save_service")
-            return read_settings({name: keeper.any(name) for name in names})
+            try:
+                return read_settings({name: keeper.any(name) for name in names})
+            except Exception:  # a parameter server may answer anything, or nothing
+                return NO_ANSWER
 
         self._node.work(read, self._take_settings, "places")
 
-    def _take_settings(self, settings: PlaceSettings) -> None:
+    def _take_settings(self, settings: PlaceSettings | str) -> None:
+        if isinstance(settings, str):
+            self._finish(settings)
+            return
         if settings.file or settings.map_name:
             self._look_up(settings, None)
             return

@@ -16,6 +16,7 @@ from ur_nodes.client.waypoints import WaypointStore
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.memory.bus import Bus
+from ur_nodes.memory.stores import MemoryParameters
 from ur_nodes.missions.robot.patrol_node import start
 from ur_nodes.motion import cmd_vel_mux_node
 from ur_nodes.motion.lease.client import LeaseClient
@@ -311,3 +312,28 @@ def test_requests_keep_their_order_while_places_are_looked_up(stage: Stage) -> N
     assert list(dict.fromkeys(ids)) == ["start", "end"]
     assert stage.status["state"] == "driving"
     assert stage.status["answer"]["id"] == "start"
+
+
+def test_flood_of_requests_does_not_grow_and_the_newest_still_counts(stage: Stage) -> None:
+    for number in range(50):
+        stage._requests.send(json.dumps({"do": "start", "id": f"{number}", "places": ["kitchen"]}))
+        stage.bus.run(0.01)
+    stage._requests.send(json.dumps({"do": "end", "id": "last"}))
+    stage.bus.run(25.0)
+    answers = {each["answer"]["id"]: each["answer"]["problem"] for each in stage.statuses if each["answer"]}
+    assert answers["1"] == "expected fewer requests at once"
+    assert answers["49"] == "expected a map, whose waypoints have names"
+    assert answers["last"] == ""
+
+
+def test_parameters_that_cannot_be_read_refuse_a_request_and_the_patrol_goes_on(
+    stage: Stage, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fail(_self: object, _name: str) -> object:
+        raise ConnectionResetError("the master was restarted")
+
+    with monkeypatch.context() as patch:
+        patch.setattr(MemoryParameters, "get", fail)
+        assert stage.ask("start", ["kitchen"]) == "expected a parameter server that answers"
+    assert stage.ask("start", [SOFA]) == ""
+    assert stage.reaches("driving")
