@@ -187,8 +187,13 @@ class ViewEnd:
     def _take_limit(self, percent: float) -> None:
         self._limit = round(percent) if 0.0 < percent <= 100.0 else None
         if not self._sources:  # the mux has its parameters by now
-            parameters = self._node.parameters.of(self._mux_name)
-            self._node.work(lambda: list_sources(parameters.any("topics")), self._take_sources)
+            self._node.work(self._read_sources, self._take_sources)
+
+    def _read_sources(self) -> list[str]:
+        try:
+            return list_sources(self._node.parameters.of(self._mux_name).any("topics"))
+        except Exception:  # a parameter server that does not answer: they are asked for again
+            return []
 
     def _take_sources(self, sources: list[str]) -> None:
         self._sources = sources

@@ -7,14 +7,16 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from tests.ur_nodes.web.robot_world import Page, World
+from tests.ur_nodes.web.robot_world import Outlet, Page, World
 
 from ur.web.wire.frames import Kind, Layer, key_of
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2
+from ur_nodes.memory.stores import MemoryParameters
 from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.values import Battery, Map, Range, Scan, Transform
 from ur_nodes.ports.values import Path as PathValue
+from ur_nodes.web.robot_end import RobotEnd
 from ur_nodes.web.view_state import list_sources
 
 HERE = Pose2(0.0, 0.0, 0.0).in_space()
@@ -137,6 +139,22 @@ def test_layers_that_pages_show_are_found_by_the_types_of_their_topics(world: Wo
     world.bus.run(1.0)
     assert world.view.newest(Kind.OVERLAY, Layer.SONARS) == {}
     assert sonars.listeners() == 0
+
+
+def test_sources_that_cannot_be_read_are_asked_for_again(world: World, monkeypatch: pytest.MonkeyPatch) -> None:
+    def fail(_self: object, _name: str) -> object:
+        raise ConnectionResetError("the master was restarted")
+
+    frames = Outlet()
+    end = RobotEnd(world.bus.node("web_again"), frames, Outlet())
+    end.take_view({"viewers": 1})
+    with monkeypatch.context() as patch:
+        patch.setattr(MemoryParameters, "get", fail)
+        world.bus.run(1.0)
+    assert frames.newest(Kind.STATE)["sources"] == []
+    world.robot.publish("cmd_vel_mux/speed_limit_in_force", float).send(60.0)
+    world.bus.run(1.0)
+    assert frames.newest(Kind.STATE)["sources"][0] == "joystick"
 
 
 def test_sources_are_listed_by_urgency_and_what_is_no_source_is_left_out() -> None:
