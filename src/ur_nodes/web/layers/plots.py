@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from functools import partial
 
 from ur.web.wire.frames import Kind, Layer, json_frame
@@ -31,7 +31,7 @@ class PlotFeed:
 
     def __init__(self, node: Node, send: Callable[[bytes], None], list_topics: Callable[[], Sequence[Topic]]) -> None:
         self._node, self._send, self._list_topics = node, send, list_topics
-        self._open = self._asking = False
+        self._open = self._asking = self._sampling = False
         self._plots: frozenset[str] = frozenset()
         self._subscriptions: dict[str, Subscription] = {}
         self._newest: dict[str, RawMessage] = {}
@@ -52,13 +52,14 @@ class PlotFeed:
             self._look()
         if not self._send_every.due(now):
             return
-        newest, self._newest = self._newest, {}
-        values = {}
-        for plot in self._plots:
-            topic, path = split_plot(plot)
-            number = sample(newest[topic], path) if topic in newest else None
-            if number is not None:
-                values[plot] = number
+        if self._newest and not self._sampling:
+            self._sampling = True
+            job = partial(sample_all, self._plots, self._newest)
+            self._newest = {}
+            self._node.work(job, partial(self._pass_on, now), "plots")
+
+    def _pass_on(self, now: float, values: dict[str, float]) -> None:
+        self._sampling = False
         if values:
             self._send(json_frame(Kind.VALUES, {"t": round(now, 3), "v": values}, Layer.PLOTS))
 
@@ -123,6 +124,17 @@ def _walk(definition: Definition, kind: str, before: str, deepest: int) -> Itera
             yield f"{before}{field.name}"
         elif field.kind in definition.fields:
             yield from _walk(definition, field.kind, f"{before}{field.name}.", deepest - 1)
+
+
+def sample_all(plots: Iterable[str], newest: Mapping[str, RawMessage]) -> dict[str, float]:
+    """The numbers of plots, of the newest message of each topic."""
+    values = {}
+    for plot in plots:
+        topic, path = split_plot(plot)
+        number = sample(newest[topic], path) if topic in newest else None
+        if number is not None:
+            values[plot] = number
+    return values
 
 
 def sample(message: RawMessage, path: str) -> float | None:

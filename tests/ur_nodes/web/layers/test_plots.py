@@ -115,6 +115,18 @@ def test_plots_are_sampled_while_they_are_wanted() -> None:
     assert plots.odometry.listeners() == 0
 
 
+def test_messages_that_take_long_to_read_are_read_beside_the_node_one_sample_at_a_time() -> None:
+    plots = Plots()
+    plots.bus.durations["plots"] = 0.35
+    plots.feed.want([SPEED], shown=False)
+    plots.bus.run(0.5)
+    plots.bus.node("base").every(0.02, lambda: plots.odometry.send(odometry(0.1)))
+    plots.bus.run(0.3)
+    assert plots.frames == []
+    plots.bus.run(1.2)
+    assert len(plots.frames) == 3
+
+
 def test_message_of_another_type_than_the_field_has_no_numbers() -> None:
     plots = Plots()
     plots.feed.want(["/cmd_vel:twist.linear.x"], shown=False)
