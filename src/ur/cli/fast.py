@@ -27,8 +27,9 @@ def launch_fast(argv: Sequence[str]) -> int | None:
             gc.disable()  # nothing lives long enough to be worth collecting
         from ur.cli.launch.act import act_on, ask, explain_problem
         from ur.source.diagnostic import UserError
-        from ur.source.printable import guard_output
+        from ur.source.printable import guard_output, open_closed_streams
 
+        open_closed_streams()
         with guard_output():
             try:
                 if query is not None:

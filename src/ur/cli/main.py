@@ -13,7 +13,7 @@ import click
 from ur.cli.usage import describe_usage_error
 from ur.cli.verbs import HELP, VERBS, load_verb
 from ur.source.diagnostic import UserError
-from ur.source.printable import OutputLost, guard_output, printable, printable_lines
+from ur.source.printable import OutputLost, guard_output, open_closed_streams, printable, printable_lines
 from ur.source.render import render_human, shows_colour
 
 
@@ -96,18 +96,6 @@ def _version_option() -> click.Option:
     return click.Option(
         ["--version"], is_flag=True, expose_value=False, is_eager=True, callback=show, help="Print the version."
     )
-
-
-def open_closed_streams() -> None:
-    """Put something in place of standard output and error that are closed: else files that are opened take it."""
-    for number, name, flags in ((1, "stdout", os.O_RDONLY), (2, "stderr", os.O_WRONLY)):
-        if getattr(sys, name) is None:
-            opened = os.open(os.devnull, flags)
-            if opened != number:
-                os.dup2(opened, number)
-                os.close(opened)
-            # What is written to standard output is refused, as on a full disk; nobody could be told of errors.
-            setattr(sys, name, os.fdopen(number, "w", encoding="utf-8", closefd=False))
 
 
 _REFUSALS = {  # of the system, which are no defect of this program

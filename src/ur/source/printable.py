@@ -84,6 +84,18 @@ class GuardedStream:
         return getattr(self._stream, name)
 
 
+def open_closed_streams() -> None:
+    """Put something in place of standard output and error that are closed: else files that are opened take it."""
+    for number, name, flags in ((1, "stdout", os.O_RDONLY), (2, "stderr", os.O_WRONLY)):
+        if getattr(sys, name) is None:
+            opened = os.open(os.devnull, flags)
+            if opened != number:
+                os.dup2(opened, number)
+                os.close(opened)
+            # What is written to standard output is refused, as on a full disk; nobody could be told of errors.
+            setattr(sys, name, os.fdopen(number, "w", encoding="utf-8", closefd=False))
+
+
 @contextmanager
 def guard_output() -> Iterator[None]:
     """Guard standard output and standard error of this process."""

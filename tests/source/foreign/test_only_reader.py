@@ -38,7 +38,6 @@ ALLOWED = {
     "ur/cli/computer/completing.py": OURS,
     "ur/cli/computer/doctor.py": WRITTEN,
     "ur/cli/files/new_things.py": OURS,
-    "ur/cli/main.py": KERNEL,
     "ur/cli/robot_setup/answers.py": USER,
     "ur/cli/robot_setup/image.py": KERNEL,
     "ur/cli/robot_setup/image_answers.py": USER,

@@ -85,6 +85,12 @@ class RobotClient:
         wait_until(lambda: self.command[0] > 0.2, seconds, "a robot that moves")
         return self._place()
 
+    def do_pursued(self, name: str, seconds: float) -> dict[str, Any]:
+        """Wait until a goal is accepted: one that is cancelled before is recalled, not preempted."""
+        handle = self.goals[name]
+        wait_until(lambda: handle.get_comm_state() == actionlib.CommState.ACTIVE, seconds, f"goal {name} in hand")
+        return {}
+
     def do_cancel(self, name: str) -> dict[str, Any]:
         self.goals[name].cancel()
         return {}

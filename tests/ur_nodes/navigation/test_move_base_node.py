@@ -82,6 +82,7 @@ def test_move_base_serves_clients_of_upstream(robot: Client) -> None:
     robot.ask("simple_goal", x=-0.8, y=-1.0)
     robot.ask("moving", seconds=60.0)
     robot.ask("goal", name="b", x=-1.0, y=-1.0)
+    robot.ask("pursued", name="b", seconds=60.0)
     robot.ask("cancel", name="b")
     assert robot.ask("end", name="b", seconds=60.0)["state"] == "PREEMPTED"
     robot.ask("goal", name="c", x=0.5, y=0.0, norm=0.0)
