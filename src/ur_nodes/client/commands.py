@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 from ur_nodes.motion.challenge.link import FreshPublisher
 from ur_nodes.motion.lease.client import LeaseClient
 from ur_nodes.ports.node import Node, Timer
@@ -13,12 +15,14 @@ STILL = Twist(0.0, 0.0)
 class Commands:
     """Answers each challenge of the mux with the velocity that is wanted. Works on the node's thread.
 
-    So commands are as young as can be, and they end in time when the thread that asked for them hangs.
+    So commands are as young as can be. They end when the thread that asked for them `hangs`.
     """
 
-    def __init__(self, node: Node, topic: str) -> None:
+    def __init__(self, node: Node, topic: str, hangs: Callable[[], bool]) -> None:
         """`topic` is the one of plain velocities; the stamped ones are beside it."""
-        self._node, self._topic = node, topic
+        self._node, self._topic, self._hangs = node, topic, hangs
+        self.hung = False
+        """True when the newest velocity has ended early, because the thread hung."""
         self._twist: Twist | None = None
         self._end: Timer | None = None
 
@@ -41,7 +45,7 @@ class Commands:
         self.end(stop=False)
         if not self._lease.view().mine:
             self._lease.acquire()
-        self._twist = twist
+        self._twist, self.hung = twist, False
         self._end = self._node.after(seconds, self.end, steady=True)
         self.answer()
 
@@ -55,5 +59,8 @@ class Commands:
 
     def answer(self) -> None:
         """Send the velocity that is wanted: a challenge has arrived."""
+        if self._twist is not None and self._hangs():
+            self.hung = True
+            self.end()
         if self._twist is not None and not self._lease.view().other:
             self._publisher.send(self._twist)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 
 class RobotError(Exception):
     """A request that was not carried out; the text says why, for people."""
@@ -17,3 +19,10 @@ class Lost(RobotError):  # noqa: N818
 
 class TakenOver(RobotError):  # noqa: N818
     """Another client has taken over; the robot obeys that one now."""
+
+
+def check_finite(**numbers: float) -> None:
+    """Raise ValueError: a number is not finite."""
+    for name, value in numbers.items():
+        if not math.isfinite(value):
+            raise ValueError(f"{name}: {value}, expected a finite number")

@@ -41,13 +41,14 @@ class RobotNavigator:
         program: str,
         wait: Wait = wait_in_real_time,
         on_challenge: Callable[[], None] | None = None,
+        hangs: Callable[[], bool] = lambda: False,
     ) -> None:
-        """`program` is shown to other users as the one that drives."""
+        """`program` is shown to other users as the one that drives; for `hangs` see LeaseClient."""
         self._node, self._wait = node, wait
         self._numbers = itertools.count(1)
         self._sent = GoalReport()
         self.mux = MuxLink(node, names.mux)
-        self.lease = LeaseClient(node, names.mux, program, on_challenge=on_challenge)
+        self.lease = LeaseClient(node, names.mux, program, on_challenge=on_challenge, hangs=hangs)
         self.topics = NavigationTopics(node, names)
         self._patrol = PatrolLink(node)
         self._lease_topic = node.resolve(f"{names.mux}/lease")

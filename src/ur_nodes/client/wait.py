@@ -12,6 +12,7 @@ Wait = Callable[[Callable[[], bool], float], bool]
 """Waits until a condition is true, at most so many seconds, and returns whether it is."""
 
 _POLL = 0.01  # s
+_HUNG_AFTER = 0.5  # s
 
 
 def wait_in_real_time(condition: Callable[[], bool], seconds: float) -> bool:
@@ -22,6 +23,27 @@ def wait_in_real_time(condition: Callable[[], bool], seconds: float) -> bool:
             return condition()
         time.sleep(_POLL)
     return True
+
+
+class WatchedWait:
+    """A `Wait` of a thread that others watch."""
+
+    def __init__(self, node: Node, wait: Wait) -> None:
+        self._node, self._wait = node, wait
+        self._seen_at = node.steady()
+
+    def __call__(self, condition: Callable[[], bool], seconds: float) -> bool:
+        """See `Wait`."""
+
+        def look() -> bool:
+            self._seen_at = self._node.steady()
+            return condition()
+
+        return self._wait(look, seconds)
+
+    def hangs(self) -> bool:
+        """Return whether the thread has not looked after its condition for half a second. From any thread."""
+        return self._node.steady() - self._seen_at > _HUNG_AFTER
 
 
 def call_and_wait(node: Node, wait: Wait, service: str, request: object, within: float = 5.0) -> Result:

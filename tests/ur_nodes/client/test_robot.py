@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from functools import partial
 from pathlib import Path
 
 import pytest
@@ -15,7 +16,6 @@ from ur_nodes.motion.lease.client import LeaseClient
 from ur_nodes.motion.lease.view import Identity
 from ur_nodes.motion.ramp import axes_of
 from ur_nodes.ports.services import Trigger
-from ur_nodes.ports.values import Twist
 
 
 @pytest.fixture
@@ -77,15 +77,44 @@ def test_drive_ends_in_time_and_leaves_the_robot_at_rest(stage: FirstDrive, robo
 
 
 def test_velocity_ends_when_the_program_hangs(stage: FirstDrive) -> None:
-    robot = connect(stage)
-    robot.__enter__()
-    stage.bus.run(0.5)
-    commands = robot._commands
-    robot._on_node(lambda: commands.begin(Twist(0.0, 0.5), 0.5))
-    stage.bus.run(0.4)
-    assert speed(stage) > 0.1
-    stage.bus.run(0.7)
-    assert speed(stage) < 0.01
+    speeds: list[float] = []
+
+    def hang(condition: Callable[[], bool], seconds: float) -> bool:
+        stage.bus.run_until(lambda: condition() or speed(stage) > 0.1, seconds)
+        if speed(stage) > 0.1 and not speeds:
+            stage.bus.run(1.1)
+            speeds.append(speed(stage))
+        return stage.bus.run_until(condition, seconds)
+
+    with Robot("script", node=stage.bus.node("script"), wait=hang) as robot, pytest.raises(Lost, match="hung"):
+        robot.drive(0.0, 0.5, 30.0)
+    assert speeds[0] < 0.01
+
+
+def test_goal_is_held_when_the_program_hangs(stage: FirstDrive) -> None:
+    speeds: list[float] = []
+
+    def hang(condition: Callable[[], bool], seconds: float) -> bool:
+        stage.bus.run_until(lambda: condition() or speed(stage) > 0.1, seconds)
+        if speed(stage) > 0.1 and not speeds:
+            stage.bus.run(4.5)
+            speeds.append(speed(stage))
+        return stage.bus.run_until(condition, seconds)
+
+    with Robot("script", node=stage.bus.node("script"), wait=hang) as robot:
+        here = robot.pose()
+        with pytest.raises(Refused):
+            robot.go_to(here.x + 3.0, here.y)
+    assert speeds[0] < 0.01
+
+
+def test_goal_of_a_robot_that_falls_silent_is_lost(stage: FirstDrive, robot: Robot) -> None:
+    here = robot.pose()
+    for name in ("/move_base", "/cmd_vel_mux"):
+        end = partial(stage.bus.nodes[name].end, "the robot is switched off")
+        stage.bus.at(stage.bus.now + 1_000_000_000, end)
+    with pytest.raises(Lost, match="no word from the robot for"):
+        robot.go_to(here.x + 0.8, here.y)
 
 
 def test_limits_of_the_base_hold_for_programs(stage: FirstDrive, robot: Robot) -> None:

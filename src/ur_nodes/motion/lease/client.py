@@ -35,12 +35,16 @@ class LeaseClient:
         identity: Identity | None = None,
         link: ChallengeLink | None = None,
         on_challenge: Callable[[], None] | None = None,
+        hangs: Callable[[], bool] = lambda: False,
     ) -> None:
-        """`mux` is the node that has the lease; `conduct` overrides UR_LEASE, `identity` the environment."""
+        """`mux` is the node that has the lease; `conduct` overrides UR_LEASE, `identity` the environment.
+
+        While the program `hangs` nothing is renewed: the mux then holds its goal as if the client were out of reach.
+        """
         self.identity = identity or identify(os.environ, program or node.name.strip("/"))
         self.conduct: Conduct = conduct or self.identity.conduct
         self.link = link or ChallengeLink(node, mux, on_challenge)
-        self._node = node
+        self._node, self._hangs = node, hangs
         self._requests = Requests(self.client, self.conduct)
         self._publisher = node.publish(f"{mux}/lease_request", str, Quality.EVERY)
         node.subscribe(f"{mux}/lease", str, self._take_lease)
@@ -89,6 +93,8 @@ class LeaseClient:
             self._send("release")
 
     def _step(self) -> None:
+        if self._hangs():
+            return
         linked = self.link.newest(REQUEST_FRESHNESS / 2.0) is not None and self._publisher.listeners() > 0
         self._requests, action = step_requests(self._requests, self._node.steady(), linked=linked)
         if action:
