@@ -126,7 +126,8 @@ class NavigationTopics:
         self._seen = replace(self._seen, grid=value.grid)
 
     def _take_estimate(self, estimate: PoseEstimate) -> None:
-        spread = math.sqrt(max(0.0, float(estimate.covariance[0, 0] + estimate.covariance[1, 1])))
+        variance = float(estimate.covariance[0, 0] + estimate.covariance[1, 1])
+        spread = math.sqrt(max(0.0, variance)) if math.isfinite(variance) else None
         self._seen = replace(self._seen, spread=spread)
 
     def _take_plan(self, path: Path) -> None:

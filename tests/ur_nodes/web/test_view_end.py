@@ -14,7 +14,7 @@ from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.memory.stores import MemoryParameters
 from ur_nodes.ports.qualities import Quality
-from ur_nodes.ports.values import Battery, Map, Range, Scan, Transform
+from ur_nodes.ports.values import Battery, Map, PoseEstimate, Range, Scan, Transform
 from ur_nodes.ports.values import Path as PathValue
 from ur_nodes.web.robot_end import RobotEnd
 from ur_nodes.web.view_state import list_sources
@@ -139,6 +139,15 @@ def test_layers_that_pages_show_are_found_by_the_types_of_their_topics(world: Wo
     world.bus.run(1.0)
     assert world.view.newest(Kind.OVERLAY, Layer.SONARS) == {}
     assert sonars.listeners() == 0
+
+
+@pytest.mark.parametrize(("variance", "spread"), [(0.02, 0.2), (float("inf"), None), (float("nan"), None)])
+def test_spread_of_the_pose_is_sent_where_it_is_a_number(world: World, variance: float, spread: float | None) -> None:
+    world.end.take_view({"viewers": 1})
+    poses = world.robot.publish("amcl_pose", PoseEstimate)
+    poses.send(PoseEstimate(0, "map", Pose2(0.0, 0.0, 0.0), np.diag([variance, variance, 0.1])))
+    world.bus.run(1.0)
+    assert world.view.newest(Kind.STATE)["spread"] == spread
 
 
 def test_sources_that_cannot_be_read_are_asked_for_again(world: World, monkeypatch: pytest.MonkeyPatch) -> None:
