@@ -6,6 +6,7 @@ of the camera is the optical one (REP 103). Pixels are counted from the centre o
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
@@ -33,8 +34,9 @@ class CameraModel:
 
 
 def camera_model(calibration: Calibration) -> CameraModel | None:
-    """The camera of a calibration; None when it is not calibrated (REP 104: K is 0)."""
-    if calibration.matrix[0] <= 0.0 or calibration.matrix[4] <= 0.0:
+    """The camera of a calibration; None when it is not calibrated (REP 104: K is 0, or is not finite)."""
+    lengths = calibration.matrix[0], calibration.matrix[4]
+    if not all(map(math.isfinite, (*calibration.matrix, *calibration.distortion))) or min(lengths) <= 0.0:
         return None
     known = len(calibration.distortion) in (4, 5, 8, 12, 14)
     distortion = np.asarray(calibration.distortion, np.float64) if known else np.zeros(5)

@@ -21,6 +21,7 @@ from ur_nodes.vision.estimation.search import without_twins
 from ur_nodes.vision.fiducial_map import MapEntry
 
 _WRONG = 20  # pictures in which something is wrong with a fiducial, before it is logged
+_FARTHEST = 1e5  # pixels of a corner that a camera may see
 _PLANAR = (3, 4, 2)  # x, y, heading among rotation and translation
 
 
@@ -120,7 +121,7 @@ class FiducialSlam:
 
     def _observe(self, fiducial: FiducialCorners, camera: CameraModel, mount: Floats) -> Observation | None:
         number = fiducial.number
-        if number in self._sizes.ignored:
+        if number in self._sizes.ignored or number < 0 or not (np.abs(fiducial.corners) < _FARTHEST).all():
             return None
         found = estimate_poses(fiducial.corners, self._sizes.of(number), camera)
         return make_observation(number, mount, found) if found else None

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import cv2
@@ -16,7 +17,7 @@ from ur.source.diagnostic import UserError
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.geometry.rigid import from_angles, from_planar, invert, to_pose
 from ur_nodes.memory.bus import Bus
-from ur_nodes.ports.fiducials import MappedFiducials, PlacedFiducials, SeenFiducials
+from ur_nodes.ports.fiducials import FiducialCorners, MappedFiducials, PlacedFiducials, SeenFiducials
 from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.services import Silent, Trigger
 from ur_nodes.ports.values import (
@@ -337,3 +338,35 @@ def test_detection_refuses_parameters_that_cannot_be(name: str, value: object, m
     bus.load_parameters("/detect", {name: value})
     with pytest.raises(UserError, match=message):
         FiducialDetect(bus.node("detect"))
+
+
+@pytest.mark.parametrize("wrong", [math.nan, math.inf, 1e300])
+def test_what_no_camera_can_see_is_overlooked_and_the_map_goes_on(tmp_path: Path, wrong: float) -> None:
+    robot = Robot()
+    robot.listen(fiducial_pose=PoseEstimate)
+    build_map(robot, tmp_path / "map.txt")
+    corners = np.array([(300.0, 220.0), (340.0, 220.0), (340.0, 260.0), (300.0, wrong)])
+    seen = robot.world.publish("fiducial_vertices", SeenFiducials)
+    far = robot.world.transforms
+    for number, where in ((7, 1.0), (-1, 1.0), (8, wrong)):
+        far.send(Transform(robot.bus.now, "odom", "base_footprint", Pose2(where, 0.0, 0.0).in_space()))
+        found = FiducialCorners(number, corners)
+        seen.send(
+            SeenFiducials(robot.bus.now, "raspicam", 0, (found, FiducialCorners(-1, corners[:1] + np.zeros((4, 2)))))
+        )
+        robot.bus.run(0.5)
+    robot.newest.clear()
+    robot.drive([Pose2(0.8, 0.0, 0.0), Pose2(1.0, 0.0, 0.0)])
+    assert robot.newest
+    assert robot.ask("save_map", Trigger()).success
+
+
+@pytest.mark.parametrize("wrong", [math.nan, math.inf])
+def test_camera_whose_calibration_is_not_finite_counts_as_uncalibrated(wrong: float) -> None:
+    robot = Robot(replace(CALIBRATION, matrix=(wrong, *CALIBRATION.matrix[1:])))
+    robot.listen(fiducial_vertices=SeenFiducials, fiducial_transforms=PlacedFiducials)
+    node = robot.bus.node("detect")
+    FiducialDetect(node)
+    robot.drive(PATH[:1])
+    assert set(robot.newest) == {"fiducial_vertices"}
+    assert any("not calibrated" in text for _, text in node.lines)
