@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 
 from ur.maps.viewport import Viewport
 from ur_nodes.client.model import Snapshot
-from ur_nodes.client.robot_state import RobotState
+from ur_nodes.client.navigation import RobotState
 from ur_nodes.ports.newest_work import NewestWork
 from ur_nodes.ports.node import Node
 from ur_nodes.ports.values import Map
