@@ -27,9 +27,12 @@ if __name__ == "__main__":
     signal.signal(signal.SIGINT, _leave)
     import runpy
 
-    from ur_nodes.ros1.repairs.log_link import leave_log_link
+    from ur_nodes.run import backend_name
 
-    leave_log_link()
+    if backend_name() == "ros1":
+        from ur_nodes.ros1.repairs.log_link import leave_log_link
+
+        leave_log_link()
     if sys.flags.isolated:
         sys.path += list_message_folders(os.environ.get("PYTHONPATH", ""))
     del sys.argv[0]

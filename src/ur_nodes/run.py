@@ -27,7 +27,7 @@ def run(name: str, start: Callable[[Node], object], *, own_terminal: bool = Fals
     diagnostics on standard error and exit code 2, an exception in a callback with exit code 1. With `own_terminal`
     nothing else writes to the terminal.
     """
-    backend = import_module(f"ur_nodes.{_backend()}.run")  # ROS is loaded for nodes that run
+    backend = import_module(f"ur_nodes.{backend_name()}.run")  # ROS is loaded for nodes that run
     code: int = backend.run(name, start, own_terminal=own_terminal)
     return code
 
@@ -47,7 +47,7 @@ def run_foreground(name: str, start: Callable[[Node], Wired], body: Callable[[Wi
     from ur.source.diagnostic import UserError
     from ur.source.render import render_human
 
-    backend = import_module(f"ur_nodes.{_backend()}.attached")
+    backend = import_module(f"ur_nodes.{backend_name()}.attached")
     ended = threading.Event()
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
         signal.signal(number, lambda _number, _frame: ended.set())
@@ -83,7 +83,7 @@ def attach(
     `start` wires it up; `end` is called on any thread when the middleware ends the node. Signals stay the program's.
     Raises UserError on entering: no middleware runs.
     """
-    backend = import_module(f"ur_nodes.{_backend()}.attached")
+    backend = import_module(f"ur_nodes.{backend_name()}.attached")
     attached: AbstractContextManager[tuple[Wired, Any]] = backend.attach(name, start, end)
     return attached
 
@@ -97,11 +97,11 @@ def drop_output() -> None:
 
 def log_folder() -> Path:
     """The folder of the log files of nodes."""
-    folder: Path = import_module(f"ur_nodes.{_backend()}.attached").log_folder()
+    folder: Path = import_module(f"ur_nodes.{backend_name()}.attached").log_folder()
     return folder
 
 
-def _backend() -> str:
+def backend_name() -> str:
     """The middleware whose environment was set up last: its set-up file says so in ROS_VERSION."""
     return "ros2" if os.environ.get("ROS_VERSION") == "2" else "ros1"
 

@@ -1,7 +1,8 @@
 """The sources and locks of a mux, from parameters with twist_mux's names: `name`, `topic`, `timeout`, `priority`.
 
-Ours may set two more: `zeros_hold: true` for sources that are silent when idle and mean it when they send zeros, and
-`avoids_obstacles: true` for programs that look at sensors themselves, whose commands the obstacle stop lets pass.
+On ROS 2 they are mappings by name. Ours may set two more: `zeros_hold: true` for sources that are silent when idle and
+mean it when they send zeros, and `avoids_obstacles: true` for programs that look at sensors themselves, whose commands
+the obstacle stop lets pass.
 """
 
 from __future__ import annotations
@@ -105,6 +106,8 @@ class _Item:
 
 
 def _list(value: object, where: str) -> list[Any]:
+    if isinstance(value, Mapping):  # the form of twist_mux on ROS 2, which has no lists of mappings
+        return [{"name": name, **each} if isinstance(each, Mapping) else each for name, each in value.items()]
     if not isinstance(value, list):
         _fail(where, f"{value!r}, expected a list of mappings with name, topic, timeout and priority")
     return value

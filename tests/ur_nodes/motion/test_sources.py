@@ -24,12 +24,18 @@ def test_sources_are_read_with_the_names_of_twist_mux() -> None:
     assert read_locks([], "t") == ()
 
 
+def test_sources_may_be_a_mapping_by_name() -> None:
+    unnamed = {key: value for key, value in GOOD.items() if key != "name"}
+    assert read_sources({"keyboard": unnamed}, "t") == read_sources([GOOD], "t")
+
+
 @pytest.mark.parametrize(
     ("value", "message"),
     [
         (None, "parameter /mux/topics: None, expected a list"),
         ([], "parameter /mux/topics: no sources, expected at least one"),
         ([3], "parameter /mux/topics, item 1: 3, expected a mapping"),
+        ({"keyboard": 3}, "parameter /mux/topics, item 1: 3, expected a mapping"),
         ([GOOD, {"name": "x"}], "item 2: topic is missing, expected a text"),
         ([GOOD | {"timeout": 0.0}], "timeout: 0.0, expected a number of seconds from 0.01 to 1"),
         ([GOOD | {"timeout": float("nan")}], "timeout: nan, expected"),
