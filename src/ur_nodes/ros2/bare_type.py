@@ -48,6 +48,19 @@ class _Callbacks(ctypes.Structure):
     )
 
 
+def reset_error() -> None:
+    """Forget what the middleware noted on this thread when it took a bare type, whose fields it does not find.
+
+    What fails next would report both.
+    """
+    _load_utilities().rcutils_reset_error()
+
+
+@cache
+def _load_utilities() -> ctypes.CDLL:
+    return ctypes.CDLL("librcutils.so")
+
+
 @cache
 def bare_class(package: str, name: str, hash: str) -> Any:
     """A class of messages for rclpy, `raw` on both ends. `hash` is RIHS01 in hex, of 32 bytes.

@@ -8,7 +8,7 @@ from typing import Any
 from rclpy.event_handler import PublisherEventCallbacks
 from rclpy.qos import QoSProfile
 
-from ur_nodes.ros2.bare_type import bare_class
+from ur_nodes.ros2.bare_type import bare_class, reset_error
 
 
 class Sender:
@@ -31,6 +31,8 @@ class Sender:
         kind = bare_class(*message_class.BARE) if self._bare else message_class
         self._node = node
         self._publisher = node.create_publisher(kind, topic, profile, event_callbacks=callbacks)
+        if self._bare:
+            reset_error()
 
     def send(self, message: Any) -> None:
         """Send a message."""
@@ -63,6 +65,8 @@ class Receiver:
         kind = bare_class(*message_class.BARE) if bare else message_class
         self._node = node
         self._subscription = node.create_subscription(kind, topic, read if bare else take, profile, raw=bare)
+        if bare:
+            reset_error()
 
     def publishers(self) -> int:
         """The number of publishers."""

@@ -19,7 +19,7 @@ from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.raw import Fields, RawMessage, ServiceAnswer, ServiceType
 from ur_nodes.ports.values import Result
 from ur_nodes.ros2 import ends
-from ur_nodes.ros2.bare_type import bare_class
+from ur_nodes.ros2.bare_type import bare_class, reset_error
 from ur_nodes.ros2.names import name_of
 from ur_nodes.ros2.qualities import offered, requested
 
@@ -155,6 +155,7 @@ class RawSubscription:
         latched = all(each.qos_profile.durability.name == "TRANSIENT_LOCAL" for each in found)
         profile = requested(Quality.LATCHED if latched else self._quality, object)
         self._subscription = self._node.create_subscription(message_class, self.topic, put, profile, raw=True)
+        reset_error()
 
 
 def find_class(type_name: str, part: Literal["msg", "srv"]) -> Any:

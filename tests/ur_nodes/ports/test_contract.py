@@ -84,6 +84,7 @@ def failures_on_ros2(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]
     command = [str(python), str(Path(__file__).with_name("ros2_stage.py")), *CHECKS]
     program = subprocess.run(command, env=environment, capture_output=True, text=True, timeout=240, check=False)
     assert program.stdout, program.stderr
+    assert "rcutils" not in program.stderr
     failures: dict[str, str] = json.loads(program.stdout.splitlines()[-1])
     return failures
 
