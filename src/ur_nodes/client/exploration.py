@@ -9,6 +9,7 @@ import numpy as np
 from ur_nodes.client.model import GoalReport, GoalState, Snapshot
 from ur_nodes.exploration.status import Status, read_status
 from ur_nodes.ports.node import Node
+from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.values import Marker, Markers, Path, PlacedPose
 
 _MOST_FRONTIERS = 1000
@@ -30,7 +31,7 @@ class ExplorationStatus:
         self.newest = Status()
         """The newest status; that of an exploration that has ended stays."""
         self._received = False
-        self._statuses = node.subscribe(topic, str, self._take)
+        self._statuses = node.subscribe(topic, str, self._take, Quality.LATCHED)
 
     def shown(self) -> Status | None:
         """The newest status; None while nothing explores."""
@@ -49,9 +50,9 @@ class ExplorationTopics:
     def __init__(self, node: Node) -> None:
         self.frontiers: tuple[Frontier, ...] = ()
         self._seen = Snapshot()
-        node.subscribe("frontiers", Markers, self._take_frontiers)
+        node.subscribe("frontiers", Markers, self._take_frontiers, Quality.LATCHED)
         node.subscribe("plan", Path, self._take_path)
-        node.subscribe("current_goal", PlacedPose, self._take_goal)
+        node.subscribe("current_goal", PlacedPose, self._take_goal, Quality.LATCHED)
 
     def add(self, snapshot: Snapshot) -> Snapshot:
         """The snapshot with goal and path."""

@@ -7,6 +7,7 @@ from typing import Literal, Protocol
 
 from ur_nodes.motion.obstacle_stop.report import Report, read_report
 from ur_nodes.ports.node import Node
+from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.services import Switch, Trigger
 from ur_nodes.ports.values import Result
 
@@ -60,9 +61,9 @@ class MuxLink:
         self._view = MuxView()
         self._asked_at = 0.0
         self._number = 0
-        self._stopped = node.subscribe(f"{mux}/stopped", bool, self._take_stopped)
-        node.subscribe(f"{mux}/active", str, self._take_active)
-        node.subscribe(f"{mux}/obstacle_stop", str, self._take_obstacles)
+        self._stopped = node.subscribe(f"{mux}/stopped", bool, self._take_stopped, Quality.LATCHED)
+        node.subscribe(f"{mux}/active", str, self._take_active, Quality.LATCHED)
+        node.subscribe(f"{mux}/obstacle_stop", str, self._take_obstacles, Quality.LATCHED)
 
     def view(self) -> MuxView:
         """Return the newest state."""

@@ -23,6 +23,7 @@ from ur_nodes.geometry.pose import Pose2
 from ur_nodes.geometry.scan import mount_of_pose, points_of_scan
 from ur_nodes.ports.actions import Goal, GoalId, GoalState
 from ur_nodes.ports.node import Node
+from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.values import Map, Path, PlacedPose, PoseEstimate, Scan
 
 SILENT = 3.0
@@ -110,11 +111,11 @@ class NavigationTopics:
         self._goals = node.follow_goals("move_base", self)
         self._continues = node.publish("move_base/continue", GoalId)
         self._poses = node.publish("initialpose", PoseEstimate)
-        node.subscribe("map", Map, self._take_map)
-        node.subscribe("amcl_pose", PoseEstimate, self._take_estimate)
+        node.subscribe("map", Map, self._take_map, Quality.LATCHED)
+        node.subscribe("amcl_pose", PoseEstimate, self._take_estimate, Quality.LATCHED)
         node.subscribe(names.plan_topic, Path, self._take_plan)
-        node.subscribe("move_base/current_goal", PlacedPose, self._take_current_goal)
-        node.subscribe("move_base/hold", str, self._take_hold)
+        node.subscribe("move_base/current_goal", PlacedPose, self._take_current_goal, Quality.LATCHED)
+        node.subscribe("move_base/hold", str, self._take_hold, Quality.LATCHED)
 
     def snapshot(self) -> Snapshot:
         """The newest state, without mux, lease and silence."""

@@ -21,7 +21,7 @@ class PatrolLink:
         self._status = PatrolStatus()
         self._waiting: OrderedDict[str, Callable[[str], None]] = OrderedDict()
         self._requests = node.publish(f"{patrol}/request", str, Quality.EVERY)
-        self._statuses = node.subscribe(f"{patrol}/status", str, self._take)
+        self._statuses = node.subscribe(f"{patrol}/status", str, self._take, Quality.LATCHED)
 
     def status(self) -> PatrolStatus | None:
         """Return the newest status; None where no node drives patrols."""

@@ -26,6 +26,7 @@ from ur_nodes.exploration.status import Status, describe_status
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.geometry.scan import angles_of_beams, classify_ranges
 from ur_nodes.ports.node import Node
+from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.values import Battery, Map, PackedPicture, Scan, Twist
 from ur_nodes.run import attach
 
@@ -114,7 +115,7 @@ class Robot:
 
     def map(self) -> Map:
         """The newest map; its grid has the resolution in m. Raises Lost."""
-        return self._newest("map", Map, _FOREVER)
+        return self._newest("map", Map, _FOREVER, Quality.LATCHED)
 
     def battery(self) -> Battery:
         """The newest state of the battery: V, A, Ah, a fraction of 0 to 1; NaN where not measured. Raises Lost."""
@@ -241,21 +242,21 @@ class Robot:
             raise Lost("the connection to the robot has ended")
         return found
 
-    def _newest(self, topic: str, kind: type[Value], fresh: float) -> Value:
+    def _newest(self, topic: str, kind: type[Value], fresh: float, quality: Quality = Quality.NEWEST) -> Value:
         """The newest value of a topic, at most `fresh` s old; listens from the first time on."""
         if topic not in self._values:
             self._values[topic] = (None, -math.inf)
-            self._on_node(lambda: self._listen(topic, kind))
+            self._on_node(lambda: self._listen(topic, kind, quality))
         if not self._until(lambda: self._node.steady() - self._values[topic][1] <= fresh, _PATIENCE):
             raise Lost(f"no {kind.__name__.lower()} on {self._node.resolve(topic)}; does the robot publish it?")
         value: Value = self._values[topic][0]
         return value
 
-    def _listen(self, topic: str, kind: type[Any]) -> None:
+    def _listen(self, topic: str, kind: type[Any], quality: Quality) -> None:
         def take(value: Any) -> None:
             self._values[topic] = (value, self._node.steady())
 
-        self._node.subscribe(topic, kind, take)
+        self._node.subscribe(topic, kind, take, quality)
 
     def _require_permission(self) -> None:
         """Raise what keeps this program from driving; wait while the state of the lease is not settled."""

@@ -14,6 +14,7 @@ from ur_nodes.exploration.status import Status
 from ur_nodes.exploration.status_output import StatusOutput
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.ports.node import SECOND, Node
+from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.values import Map
 from ur_nodes.run import run
 
@@ -27,13 +28,12 @@ class ExploreNode:
         self._node, self._settings = node, read_settings(node.parameters)
         self._explorer = Explorer(self._settings.explorer)
         self._grid: Grid | None = None
-        self._version = 0
-        self._due, self._paused, self._busy = 0.0, "", False
+        self._version, self._due, self._paused, self._busy = 0, 0.0, "", False
         self._output = StatusOutput(node, self._settings.map_frame)
         self._navigation = Navigation(node, self._settings)
         self._saver = MapSaver(node, self._settings.save_service)
         self._obstacles = Obstacles(node, self._settings.costmap, self._settings.costmap_updates)
-        node.subscribe("map", Map, self._take_map)
+        node.subscribe("map", Map, self._take_map, Quality.LATCHED)
         self._poll = node.every(_POLL, self._look)
 
     def _look(self) -> None:

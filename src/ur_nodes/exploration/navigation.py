@@ -12,6 +12,7 @@ from ur_nodes.geometry.pose import Pose2
 from ur_nodes.motion.lease.text import read_lease
 from ur_nodes.ports.actions import Goal, GoalState
 from ur_nodes.ports.node import SECOND, Node
+from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.services import Silent
 from ur_nodes.ports.values import PlacedPose, Result
 
@@ -29,9 +30,9 @@ class Navigation:
         self._alive = False
         self._start = f"{node.name}-{uuid.uuid4().hex[:8]}-"  # of our goals' ids
         self._goals = node.follow_goals(settings.navigation, self)
-        node.subscribe(f"{settings.mux}/stopped", bool, self._take_stopped)
-        node.subscribe(f"{settings.mux}/active", str, self._take_active)
-        node.subscribe(f"{settings.mux}/lease", str, self._take_lease)
+        node.subscribe(f"{settings.mux}/stopped", bool, self._take_stopped, Quality.LATCHED)
+        node.subscribe(f"{settings.mux}/active", str, self._take_active, Quality.LATCHED)
+        node.subscribe(f"{settings.mux}/lease", str, self._take_lease, Quality.LATCHED)
 
     def ready(self) -> bool:
         """Return whether the action is there."""

@@ -9,6 +9,7 @@ from ur.source.diagnostic import UserError
 from ur.source.render import render_human
 from ur_nodes.mapping.save import save_map
 from ur_nodes.ports.node import Node
+from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.values import Map
 
 PATIENCE = 15.0  # s until the log says that there is no map, and again after as long
@@ -26,7 +27,7 @@ class MapSaver:
         self._came = self._told = self._busy = False
         self._newest: Map | str | None = None  # that came while another one was being saved
         self.failed = True
-        node.subscribe("map", Map, self._take, unreadable=self._take)
+        node.subscribe("map", Map, self._take, Quality.LATCHED, unreadable=self._take)
         node.every(PATIENCE, self._explain_silence, steady=True)
 
     def _take(self, given: Map | str) -> None:

@@ -14,22 +14,22 @@ from ur_nodes.ports.graph import Graph, make_graph
 from ur_nodes.ports.qualities import Quality
 
 DEPTH = 100
-"""The number of values of quality EVERY or COMMAND that may wait."""
+"""The number of values that may wait where each counts."""
 
-_DEPTHS = {Quality.NEWEST: 1, Quality.LATCHED: 1, Quality.EVERY: DEPTH, Quality.COMMAND: DEPTH} | {
-    Quality.LOSSLESS: sys.maxsize
-}
+_DEPTHS = {Quality.NEWEST: 1, Quality.LATCHED: 1, Quality.LOSSLESS: sys.maxsize}
+_LATCHED = (Quality.LATCHED, Quality.LATCHED_EVERY)
 
 
 @dataclass(eq=False, slots=True)
 class Listener:
     """A subscription: `deliver` gets a value, the name of its sender, and whether it had been kept.
 
-    `unreadable` gets the reason why a value could not be read.
+    It is `latched`, or not, or, None, as the publisher is. `unreadable` gets the reason why a value could not be read.
     """
 
     node: str
     kind: type
+    latched: bool | None
     depth: int
     deliver: Callable[[Any, str, bool], None]
     unreadable: Callable[[str], None]
@@ -145,13 +145,14 @@ class Carrier:
         unreadable: Callable[[str], None],
     ) -> Listener:
         """Begin to listen to a topic."""
-        listener = Listener(node, kind, _DEPTHS[quality], deliver, unreadable)
+        latched = None if kind is object else quality in _LATCHED
+        listener = Listener(node, kind, latched, _DEPTHS.get(quality, DEPTH), deliver, unreadable)
         entry = self.topics.setdefault(topic, Topic())
         entry.listeners.append(listener)
         for offer in entry.offers:
             if offer.greet is not None:
                 self.at(self.now, offer.greet)
-            if offer.latched and offer.kept is not None:
+            if offer.latched and offer.kept is not None and listener.latched is not False:
                 self._carry(topic, listener, (offer.kept, offer.sender, True))
         return listener
 
@@ -162,7 +163,8 @@ class Carrier:
         if offer.latched:
             offer.kept = value
         for listener in self.topics[topic].listeners:
-            self._carry(topic, listener, (value, offer.sender, False))
+            if offer.latched or not listener.latched:
+                self._carry(topic, listener, (value, offer.sender, False))
 
     def spoil(self, topic: str, reason: str) -> None:
         """Have a value arrive that nobody can read, as from a program that makes a mistake."""

@@ -52,8 +52,8 @@ class MemoryNode:
         """See Node."""
         if self._transforms is None:
             self._transforms = tree = Transforms(self._send_transforms)
-            for topic in (FIXED_TRANSFORMS, TRANSFORMS):
-                self.subscribe(topic, tuple, tree.take, Quality.EVERY)
+            self.subscribe(FIXED_TRANSFORMS, tuple, tree.take, Quality.LATCHED_EVERY)
+            self.subscribe(TRANSFORMS, tuple, tree.take, Quality.EVERY)
         return self._transforms
 
     def publish(

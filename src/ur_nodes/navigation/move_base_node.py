@@ -18,7 +18,8 @@ def start(node: Node) -> None:
     """Take goals, and beat."""
     settings = read_settings(node.parameters)
     move_base = MoveBase(node, settings, read_watch_settings(node.parameters, settings.mux))
-    node.subscribe(f"{settings.mux}/stopped", bool, move_base.take_stop, Quality.EVERY)  # one that ended counts, too
+    stopped = f"{settings.mux}/stopped"
+    node.subscribe(stopped, bool, move_base.take_stop, Quality.LATCHED_EVERY)  # one that ended counts, too
     node.serve_later("~make_plan", AskPath, move_base.make_plan)
     node.serve("~clear_costmaps", Silent, move_base.clear_costmaps)
     node.every(settings.navigator.period / settings.repeats, move_base.beat)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from ur_nodes.motion.challenge.link import ChallengeLink, FreshPublisher
+from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.values import Twist
 
 
@@ -18,7 +19,7 @@ class VelocityOutput:
     def __init__(self, link: ChallengeLink, mux: str, *, stamped: bool) -> None:
         """`stamped` false: plain commands always."""
         self.share = 1.0
-        link.node.subscribe(f"{mux}/speed_limit_in_force", float, self._take_limit)
+        link.node.subscribe(f"{mux}/speed_limit_in_force", float, self._take_limit, Quality.LATCHED)
         self._plain = link.node.publish("cmd_vel", Twist)
         self._stamped = FreshPublisher("cmd_vel", link) if stamped else None
         self._to_mux = False

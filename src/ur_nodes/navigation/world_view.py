@@ -61,7 +61,7 @@ class WorldView:
         self._laid = False
         self.zones = ZoneMasks(node, settings.keep_out_topic, settings.speed_topic, self._forbid)
         self._new_maps = NewestWork(node, "maps", self._make_costmap, self._use_costmap)
-        node.subscribe(settings.map_topic, Map, self._take_map, unreadable=self._refuse_map)
+        node.subscribe(settings.map_topic, Map, self._take_map, Quality.LATCHED, unreadable=self._refuse_map)
         self._ranges: deque[Range] = deque(maxlen=_WAITING)
         if settings.local.scan:
             node.subscribe(settings.local.scan.topic, Scan, self._take_scan)

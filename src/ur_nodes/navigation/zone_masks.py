@@ -6,6 +6,7 @@ from collections.abc import Callable
 
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.ports.node import Node
+from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.values import Map
 
 
@@ -18,9 +19,9 @@ class ZoneMasks:
         self.speed: Grid | None = None
         self._forbid = forbid
         if keep_out_topic:
-            node.subscribe(keep_out_topic, Map, self._take_keep_out)
+            node.subscribe(keep_out_topic, Map, self._take_keep_out, Quality.LATCHED)
         if speed_topic:
-            node.subscribe(speed_topic, Map, self._take_speed)
+            node.subscribe(speed_topic, Map, self._take_speed, Quality.LATCHED)
 
     def _take_keep_out(self, mask: Map) -> None:
         self.keep_out = mask.grid

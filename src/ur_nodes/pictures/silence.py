@@ -50,7 +50,7 @@ class SilenceMonitor:
         """Return the reason as far as it is known by now; empty at first."""
         now = self._node.steady()
         if self._log is None:
-            self._log = self._node.subscribe(_LOG, LogLine, self._take_line, Quality.EVERY)
+            self._log = self._node.subscribe(_LOG, LogLine, self._take_line, Quality.LATCHED_EVERY)
             self._asked_at = now - _ASK_EVERY
         if not self._asking and now - self._asked_at >= _ASK_EVERY:
             self._asked_at, self._asking = now, True

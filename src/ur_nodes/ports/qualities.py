@@ -1,4 +1,10 @@
-"""The ways in which the values of a topic travel."""
+"""The ways in which the values of a topic travel.
+
+A topic is LATCHED on both of its ends, or it keeps nothing: on ROS 2 a subscriber of another quality does not get the
+value that was sent before it listened, and a LATCHED subscriber hears nothing of a publisher that is not LATCHED. A
+topic that nodes of others may publish either way has two subscribers, one of each quality. Raw subscriptions follow
+the publisher.
+"""
 
 from __future__ import annotations
 
@@ -12,7 +18,10 @@ class Quality(Enum):
     """Only the newest counts: one that is still waiting is replaced."""
 
     LATCHED = "latched"
-    """As NEWEST, and who listens later gets the last one that was sent."""
+    """As NEWEST, and a LATCHED subscriber that listens later gets the last one that was sent."""
+
+    LATCHED_EVERY = "latched every"
+    """For a subscriber to what is LATCHED: each counts, in order, also the last ones of several publishers."""
 
     EVERY = "every"
     """Each counts, in order; of more than 100 that wait the oldest goes."""

@@ -20,6 +20,7 @@ from ur_nodes.ros1.repairs.sent import free_sent
 _DEPTHS: dict[Quality, int | None] = {
     Quality.NEWEST: 1,
     Quality.LATCHED: 1,
+    Quality.LATCHED_EVERY: 100,
     Quality.EVERY: 100,
     Quality.COMMAND: 100,
     Quality.LOSSLESS: None,  # rospy then sends at once, and waits until each connection has taken it

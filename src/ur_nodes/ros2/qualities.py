@@ -4,6 +4,7 @@
 |---|---|---|
 | NEWEST | reliable, last 1 | best effort, last 1 |
 | LATCHED | reliable, transient local, last 1 | reliable, transient local, last 1 |
+| LATCHED_EVERY | | reliable, transient local, last 100 |
 | EVERY | reliable, last 100 | best effort for what sensors send, else reliable; last 100 |
 | COMMAND | reliable, last 1, lifespan 0.3 s | best effort, last 100 |
 | LOSSLESS | reliable, all | reliable, all |
@@ -27,6 +28,9 @@ _SENT_BY_SENSORS: frozenset[type] = frozenset(
     | {values.Picture, values.PackedPicture, values.Calibration, values.Joystick}
 )
 _LATCHED = QoSProfile(depth=1, reliability=ReliabilityPolicy.RELIABLE, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+_EACH_LATCHED = QoSProfile(
+    depth=_QUEUE, reliability=ReliabilityPolicy.RELIABLE, durability=DurabilityPolicy.TRANSIENT_LOCAL
+)
 _ALL = QoSProfile(history=HistoryPolicy.KEEP_ALL, reliability=ReliabilityPolicy.RELIABLE)
 
 
@@ -46,6 +50,8 @@ def requested(quality: Quality, kind: type) -> QoSProfile:
     """The profile of a subscriber to values of a kind."""
     if quality is Quality.LATCHED:
         return _LATCHED
+    if quality is Quality.LATCHED_EVERY:
+        return _EACH_LATCHED
     if quality is Quality.LOSSLESS:
         return _ALL
     loose = quality in (Quality.NEWEST, Quality.COMMAND) or kind in _SENT_BY_SENSORS

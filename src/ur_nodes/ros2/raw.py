@@ -153,7 +153,7 @@ class RawSubscription:
             lambda data: self._take(RawMessage(kind, schema, bytes(data))) if self._open else None,
         )
         latched = all(each.qos_profile.durability.name == "TRANSIENT_LOCAL" for each in found)
-        profile = requested(Quality.LATCHED if latched else self._quality, object)
+        profile = requested(Quality.LATCHED_EVERY if latched else self._quality, object)
         self._subscription = self._node.create_subscription(message_class, self.topic, put, profile, raw=True)
         reset_error()
 
@@ -199,7 +199,8 @@ def make_message(message_class: Any, fields: Fields, node: Any) -> Any:
     try:
         serialize_message(message)
     except (AssertionError, TypeError, SystemError, OverflowError) as problem:
-        raise ValueError(str(problem)) from None
+        known = ", ".join(f"{name}: {kind}" for name, kind in message.get_fields_and_field_types().items())
+        raise ValueError(f"{problem}, expected {known}") from None
     return message
 
 

@@ -33,9 +33,9 @@ def started(**parameters: Any) -> Bus:
     return bus
 
 
-def heard(bus: Bus, topic: str, kind: type[Any]) -> list[Any]:
+def heard(bus: Bus, topic: str, kind: type[Any], quality: Quality = Quality.EVERY) -> list[Any]:
     got: list[Any] = []
-    bus.node(f"listener_{len(bus.nodes)}").subscribe(topic, kind, got.append, Quality.EVERY)
+    bus.node(f"listener_{len(bus.nodes)}").subscribe(topic, kind, got.append, quality)
     return got
 
 
@@ -93,7 +93,7 @@ def test_bumpers_of_neato_become_latched_topics_of_the_base() -> None:
     names = {"Left_Side_Bumper": "left_side", "Left_Bumper": "left_front"}
     bus = started(base="botvac", kind="neato_node/Sensor", bumper_names=names)
     bus.run(0.2)
-    left, right = heard(bus, "bumper/left_front", bool), heard(bus, "bumper/right_front", bool)
+    left, right = (heard(bus, f"bumper/{side}_front", bool, Quality.LATCHED_EVERY) for side in ("left", "right"))
     sensor = bus.node("driver").publish("driver/bumpers", dict, Quality.EVERY)
     sensor.send({"value": True, "name": "Left_Bumper"})
     sensor.send({"value": True, "name": "Roof"})

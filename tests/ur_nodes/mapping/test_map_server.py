@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -25,6 +26,10 @@ ZONE = {"name": "hall", "kind": "keep-out", "points": [[0.5, 0.5], [1.5, 0.5], [
 STROKE = {"kind": "wall", "points": [[0.5, 1.0], [2.5, 1.0]], "width": 0.2}
 
 
+def _add_json(texts: list[dict[str, Any]], text: str) -> None:
+    texts.append(json.loads(text))
+
+
 class Stage:
     """The node, and a client that listens to all that it publishes."""
 
@@ -39,9 +44,9 @@ class Stage:
             name: self.client.publish(name, str, Quality.EVERY) for name in ("zone_request", "wall_request")
         }
         for topic in ("map", "keepout_filter_mask", "speed_filter_mask"):
-            self.client.subscribe(topic, Map, lambda value, topic=topic: self.maps.update({topic: value}))  # type: ignore[misc]
+            self.client.subscribe(topic, Map, partial(self.maps.__setitem__, topic), Quality.LATCHED)
         for topic, texts in self.states.items():
-            self.client.subscribe(topic, str, lambda text, texts=texts: texts.append(json.loads(text)))  # type: ignore[misc]
+            self.client.subscribe(topic, str, partial(_add_json, texts), Quality.LATCHED)
         self.bus.run(0.1)
 
     @property
@@ -73,7 +78,7 @@ def stage(store: MapStore) -> Stage:
 def test_map_is_published_and_given_on_request(stage: Stage) -> None:
     infos: list[MapInfo] = []
     answers: list[Result] = []
-    stage.client.subscribe("map_metadata", MapInfo, infos.append)
+    stage.client.subscribe("map_metadata", MapInfo, infos.append, Quality.LATCHED)
     stage.client.call("static_map", AskMap(), answers.append)
     stage.bus.run(0.1)
     assert (infos[0].width, infos[0].height, infos[0].resolution) == (30, 20, 0.1)

@@ -81,7 +81,7 @@ class Robot:
 
     def newest(self, topic: str, kind: type[Any]) -> Any:
         got: list[Any] = []
-        heard = self.person.subscribe(f"cmd_vel_mux/{topic}", kind, got.append)
+        heard = self.person.subscribe(f"cmd_vel_mux/{topic}", kind, got.append, Quality.LATCHED)
         self.bus.run(0.001)
         heard.close()
         return got[-1]

@@ -100,6 +100,39 @@ def check_latched_topic_gives_its_last_value_to_who_comes_later(stage: Stage) ->
     assert sender is None if stage.senders_unknown else sender is not None and sender.name == stage.one.name
 
 
+def check_latched_topic_keeps_values_where_both_ends_are_latched(stage: Stage) -> None:
+    late: list[str] = []
+    each: list[str] = []
+    unmatched: list[str] = []
+    kept = stage.one.publish("kept_once", str, Quality.LATCHED)
+    plain = stage.one.publish("not_kept", str, Quality.EVERY)
+    kept.send("old")
+    stage.other.subscribe("kept_once", str, late.append, Quality.EVERY)
+    stage.other.subscribe("not_kept", str, each.append, Quality.EVERY)
+    stage.other.subscribe("not_kept", str, unmatched.append, Quality.LATCHED)
+    stage.begin()
+    stage.until(lambda: min(kept.listeners(), plain.listeners()) > 0)
+    stage.one.every(0.05, lambda: kept.send("new"))
+    stage.one.every(0.05, lambda: plain.send("new"))
+    stage.until(lambda: "new" in late and len(each) > 2)
+    if not stage.keeps_for_all:
+        assert set(late) == {"new"}
+        assert not unmatched
+
+
+def check_latched_value_comes_first_where_each_counts(stage: Stage) -> None:
+    got: list[int] = []
+    publisher = stage.one.publish("kept_and_each", int, Quality.LATCHED)
+    publisher.send(0)
+    stage.other.subscribe("kept_and_each", int, got.append, Quality.LATCHED_EVERY)
+    stage.begin()
+    stage.until(lambda: len(got) == 1)
+    for number in range(1, 4):
+        publisher.send(number)
+        stage.until(lambda count=number + 1: len(got) == count)  # type: ignore[misc]
+    assert got == [0, 1, 2, 3]
+
+
 def check_who_begins_to_listen_is_greeted(stage: Stage) -> None:
     got: list[float] = []
     stage.one.publish("greeted", float, greet=lambda: 0.5)

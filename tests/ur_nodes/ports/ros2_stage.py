@@ -27,6 +27,7 @@ class RosStage:
 
     senders_unknown = True
     silent_services_hide_failures = True
+    keeps_for_all = False
     unknown_kinds: frozenset[type] = frozenset({SeenFiducials, PlacedFiducials, MappedFiducials})
     string_type = "std_msgs/msg/String"
     wire = b"\x00\x01\x00\x00\x06\x00\x00\x00hello\x00"

@@ -24,6 +24,8 @@ class Stage(Protocol):
     """The middleware does not tell who has sent a value."""
     silent_services_hide_failures: bool
     """The answer of a service without a result is the same where it failed."""
+    keeps_for_all: bool
+    """What a LATCHED topic has kept is given to all subscribers, and a LATCHED subscriber hears all publishers."""
     unknown_kinds: frozenset[type]
     """Kinds of values for which no messages are installed."""
     string_type: str

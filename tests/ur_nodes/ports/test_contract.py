@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import json
-import os
-import subprocess
 import sys
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from tests.ros2_session import PYTHON, Ros2Session
 from tests.ros_session import RosSession
 from tests.ur_nodes.ports.contract import CHECKS
 from tests.ur_nodes.ports.stage import GoalClient, TopicGoalClient
@@ -17,12 +16,11 @@ from tests.ur_nodes.ports.stage import GoalClient, TopicGoalClient
 from ur_nodes.memory.bus import Bus
 from ur_nodes.ports.node import Node
 
-ROOT = Path(__file__).parents[3]
-
 
 class MemoryStage:
     senders_unknown = False
     silent_services_hide_failures = False
+    keeps_for_all = False
     unknown_kinds: frozenset[type] = frozenset()
     string_type = "std_msgs/String"
     wire = b"hello"
@@ -68,21 +66,10 @@ def failures_on_ros1(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]
 @pytest.fixture(scope="module")
 def failures_on_ros2(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
     """The failures by name, of the checks of values that ROS 2 has messages for."""
-    python = ROOT / ".ros2/bin/python"
-    if not python.exists():
+    if not PYTHON.exists():
         pytest.skip("no wheels of ROS 2 for this processor")
-    folder = tmp_path_factory.mktemp("contract2")
-    environment = {
-        **os.environ,
-        "AMENT_PREFIX_PATH": str(ROOT / ".ros2"),
-        "PYTHONPATH": str(ROOT),
-        "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
-        "ROS_DOMAIN_ID": str(1 + os.getpid() % 100),
-        "ROS_LOG_DIR": str(folder),
-        "UR_FACTS": str(folder / "facts.json"),
-    }
-    command = [str(python), str(Path(__file__).with_name("ros2_stage.py")), *CHECKS]
-    program = subprocess.run(command, env=environment, capture_output=True, text=True, timeout=240, check=False)
+    session = Ros2Session(tmp_path_factory.mktemp("contract2"))
+    program = session.run(str(Path(__file__).with_name("ros2_stage.py")), *CHECKS, within=240.0)
     assert program.stdout, program.stderr
     assert "rcutils" not in program.stderr
     failures: dict[str, str] = json.loads(program.stdout.splitlines()[-1])

@@ -8,6 +8,7 @@ import pytest
 from tests.ur_nodes.first_drive.stage import Stage
 from tests.ur_nodes.simulator.conftest import PACKAGE
 
+from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.values import Battery, Imu, Joints, Range
 
 
@@ -54,7 +55,7 @@ def test_inertial_unit_battery_and_wheels_publish_as_the_base_says() -> None:
 
 def test_bumpers_tell_newcomers_and_change_when_the_robot_runs_into_something() -> None:
     stage = Stage()
-    front, back = stage.record("bumper/front", bool), stage.record("bumper/back", bool)
+    front, back = (stage.record(f"bumper/{side}", bool, Quality.LATCHED_EVERY) for side in ("front", "back"))
     stage.bus.run(0.1)
     assert (front, back) == ([False], [False])
     assert stage.place(0.5, 0.0, name="obstacle_1").success
@@ -69,7 +70,7 @@ def test_cliff_sensors_report_a_drop_while_the_robot_is_before_it(tmp_path: Path
     world = tmp_path / "stair.yaml"
     world.write_text(f"floor_plan: {maze}\ndrops:\n  - {{pose: [0.7, 0.5, 0.0], size: [0.4, 1.0]}}\n", "utf-8")
     stage = Stage(world, base="botvac")
-    left, right = stage.record("cliff/left", bool), stage.record("cliff/right", bool)
+    left, right = (stage.record(f"cliff/{side}", bool, Quality.LATCHED_EVERY) for side in ("left", "right"))
     stage.bus.run(0.1)
     assert (left, right) == ([False], [False])
     assert stage.drive_until(lambda: len(left) == 2, 0.2, 0.0, 20.0)

@@ -14,6 +14,7 @@ from tests.ur_nodes.simulator.renderer import needs_renderer
 from ur.source.diagnostic import UserError
 from ur.source.render import render_human
 from ur_nodes.ports import values
+from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.services import Silent, Switch, Trigger
 from ur_nodes.ports.values import ClockTime, Joints, Odometry, PackedPicture, Picture, Scan, Transform
 
@@ -107,7 +108,7 @@ def simulated_time(stage: Stage) -> float:
 
 def test_node_places_robot_and_obstacles_and_counts_collisions() -> None:
     stage = Stage()
-    scans, collisions = stage.record("scan", Scan), stage.record("simulator/collisions", int)
+    scans, collisions = stage.record("scan", Scan), stage.record("simulator/collisions", int, Quality.LATCHED_EVERY)
     assert stage.place(2.0, 0.0).success
     stage.bus.run(0.1)
     assert stage.truth.pose.x == pytest.approx(2.0)

@@ -28,7 +28,7 @@ class FakeRobot:
         self._node = node
         self._scan = node.publish("scan", Scan)
         self._plan = node.publish("move_base/NavfnROS/plan", Path)
-        self._current = node.publish("move_base/current_goal", PlacedPose)
+        self._current = node.publish("move_base/current_goal", PlacedPose, Quality.LATCHED)
         node.publish("map", Map, Quality.LATCHED).send(Map(0, "map", make_grid()))
         node.subscribe("cmd_vel", Twist, lambda _: None)
         self._goal: GoalHandle | None = None

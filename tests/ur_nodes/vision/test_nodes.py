@@ -71,17 +71,18 @@ class Robot:
         self.count = 0
         self.transforms: dict[tuple[str, str], Transform] = {}
         self._pictures = self.world.publish("camera/compressed", PackedPicture)
-        self._info = self.world.publish("camera_info", Calibration, Quality.LATCHED)
-        self._info.send(calibration)
+        self._info, self._calibration = self.world.publish("camera_info", Calibration), calibration
         self.world.transforms.send(Transform(0, "base_footprint", "raspicam", to_pose(MOUNT), fixed=True))
         self.world.subscribe("/tf", tuple, self._take_transforms, Quality.EVERY)
 
     def listen(self, **topics: type) -> None:
         for topic, kind in topics.items():
-            self.world.subscribe(topic, kind, functools.partial(self.newest.__setitem__, topic))
+            quality = Quality.LATCHED if kind in (Markers, MappedFiducials) else Quality.NEWEST
+            self.world.subscribe(topic, kind, functools.partial(self.newest.__setitem__, topic), quality)
 
     def send(self, data: bytes) -> None:
         self.count += 1
+        self._info.send(self._calibration)
         self._pictures.send(PackedPicture(self.bus.now, "raspicam", "jpeg", data, self.count))
         self.bus.run(0.2)
 

@@ -47,7 +47,7 @@ class LeaseClient:
         self._node, self._hangs = node, hangs
         self._requests = Requests(self.client, self.conduct)
         self._publisher = node.publish(f"{mux}/lease_request", str, Quality.EVERY)
-        node.subscribe(f"{mux}/lease", str, self._take_lease)
+        node.subscribe(f"{mux}/lease", str, self._take_lease, Quality.LATCHED)
         node.every(_PERIOD, self._step, steady=True)
 
     @property

@@ -63,7 +63,8 @@ class ObstacleStop:
         if base.sonars and sonars:
             node.subscribe(base.sonars.topic, Range, self._take_range, Quality.EVERY)  # all of a base come together
         for contact, topic in contact_topics(base).items():
-            node.subscribe(topic, bool, partial(self._take_contact, contact))
+            for quality in (Quality.LATCHED, Quality.NEWEST):  # a driver of others may not latch its contacts
+                node.subscribe(topic, bool, partial(self._take_contact, contact), quality)
         node.serve_later("~set_obstacle_stop", Switch, self._choose)
 
     def note(self, verdict: Verdict | None, wanted: tuple[float, float], output: tuple[float, float]) -> None:

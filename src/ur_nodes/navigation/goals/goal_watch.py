@@ -46,7 +46,7 @@ class GoalWatch:
         self._hold = node.publish("~hold", str, Quality.LATCHED)
         self._publish_hold("", Verdict(Act.DRIVE))
         self.link = ChallengeLink(node, mux, self._take_challenge)
-        node.subscribe(f"{mux}/lease", str, self._take_lease)
+        node.subscribe(f"{mux}/lease", str, self._take_lease, Quality.LATCHED)
         node.subscribe("~continue", GoalId, self._continue)
 
     def accept(self, goal_id: str) -> str:

@@ -9,6 +9,7 @@ from ur_nodes.client.model import Snapshot
 from ur_nodes.client.navigation import RobotState
 from ur_nodes.ports.newest_work import NewestWork
 from ur_nodes.ports.node import Node
+from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.values import Map
 from ur_nodes.teleop.map_view.glyphs import Mark
 from ur_nodes.teleop.map_view.growing_map import GrowingMap, Zoom, draw_map_lines, follow, prepare_map, press_zoom
@@ -33,7 +34,7 @@ class MapFeed:
         self._shown: tuple[float, tuple[int, int], list[str]] = (0.0, (0, 0), [])
         self._robot = RobotState(node, map_frame, base_frame)
         work: NewestWork[Map, GrowingMap] = NewestWork(node, "map", lambda map: prepare_map(map.grid), self._take)
-        node.subscribe("map", Map, work.ask)
+        node.subscribe("map", Map, work.ask, Quality.LATCHED)
 
     def lines(self, columns: int, rows: int, now: float) -> list[str]:
         """The map as it was at most a quarter of a second before `now` (s), on so many characters."""

@@ -61,7 +61,7 @@ class ExtraLayers:
 
     def _subscribe(self, layer: Layer) -> list[Subscription]:
         if layer == Layer.PARTICLES:
-            return [self._node.subscribe("particlecloud", Poses, self._take_particles)]
+            return [self._node.subscribe("particlecloud", Poses, self._take_particles, Quality.LATCHED)]
         topic = _COSTMAPS[layer]
         found = [self._node.subscribe(topic, Map, partial(self._take_costmap, layer))]
         if layer == Layer.GLOBAL:

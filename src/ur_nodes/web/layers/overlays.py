@@ -13,6 +13,7 @@ from ur.source.printable import printable
 from ur.web.wire.frames import Kind, Layer, json_frame
 from ur_nodes.ports.fiducials import MappedFiducials
 from ur_nodes.ports.node import Node, Subscription
+from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.values import Markers, Odometry, PoseEstimate, Range
 from ur_nodes.web.layers.overlay_values import DESCRIBE, Place
 from ur_nodes.web.layers.pacing import Every
@@ -31,6 +32,7 @@ _KINDS: Mapping[str, type] = {
     "std_msgs/Bool": bool,
     "visualization_msgs/MarkerArray": Markers,
 }
+_LATCHED = (PoseEstimate, MappedFiducials, bool, Markers)
 _OWN = {Layer.COVARIANCE: "amcl_pose", Layer.FRONTIERS: "explore/frontiers"}
 _ROBOTS = {("amcl_pose", _POSE), ("base_pose_ground_truth", _ODOMETRY)}
 
@@ -107,7 +109,8 @@ class Overlays:
             key = layer, name
             if key not in self._subscriptions and kind in _KINDS:
                 take = partial(self._newest.__setitem__, key)
-                self._subscriptions[key] = self._node.subscribe(name, _KINDS[kind], take)
+                quality = Quality.LATCHED if _KINDS[kind] in _LATCHED else Quality.NEWEST
+                self._subscriptions[key] = self._node.subscribe(name, _KINDS[kind], take, quality)
         for layer in self._sent.keys() - self._wanted:  # what a page gets that wants the layer again is old
             self._show(layer, {})
             del self._sent[layer]

@@ -75,9 +75,10 @@ class SceneFeed:
 
     def _follow_frames(self, wanted: bool) -> None:
         if wanted and not self._frame_topics:
+            fixed, moving = (partial(self._take_frames, fixed=each) for each in (True, False))
             self._frame_topics = [
-                self._node.subscribe(topic, tuple, partial(self._take_frames, fixed=fixed), Quality.EVERY)
-                for topic, fixed in (("/tf", False), ("/tf_static", True))
+                self._node.subscribe("/tf_static", tuple, fixed, Quality.LATCHED_EVERY),
+                self._node.subscribe("/tf", tuple, moving, Quality.EVERY),
             ]
         elif not wanted and self._frame_topics:
             for each in self._frame_topics:

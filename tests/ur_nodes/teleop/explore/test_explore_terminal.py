@@ -96,14 +96,16 @@ def test_ctrl_c_ends_the_screen(run: Run) -> None:
 
 
 def test_end_of_the_exploration_ends_the_screen(run: Run) -> None:
-    run.bus.node("explore").publish("status", str).send(write_status(Status("complete", known=20.0, saved="flat")))
+    run.bus.node("explore").publish("status", str, Quality.LATCHED).send(
+        write_status(Status("complete", known=20.0, saved="flat"))
+    )
     run.screen.wait_end()
 
 
 def test_lines_are_printed_for_each_state_and_at_the_end(capsys: pytest.CaptureFixture[str]) -> None:
     bus = Bus()
     statuses = ExplorationStatus(bus.node("explore_progress"))
-    publisher = bus.node("explore").publish("status", str)
+    publisher = bus.node("explore").publish("status", str, Quality.LATCHED)
     thread = threading.Thread(target=print_exploration, args=(statuses, 100.0, threading.Event()))
     thread.start()
     out = ""

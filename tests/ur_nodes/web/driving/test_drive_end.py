@@ -10,6 +10,7 @@ from tests.ur_nodes.web.robot_world import Page, World
 
 from ur_nodes.motion.lease.text import read_lease
 from ur_nodes.navigation.goals.goal_claim import read_claim
+from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.values import StampedTwist, Twist
 from ur_nodes.web.driving.stick import GAP
 
@@ -251,6 +252,6 @@ def test_pages_are_bounded_and_names_are_printable(world: World) -> None:
 
 def test_lease_that_is_no_text_of_a_mux_changes_nothing(world: World) -> None:
     before = lease_of(world)
-    world.bus.node("rogue").publish("cmd_vel_mux/lease", str).send("{")
+    world.bus.node("rogue").publish("cmd_vel_mux/lease", str, Quality.LATCHED).send("{")
     assert read_lease("{") is None
     assert lease_of(world) == before

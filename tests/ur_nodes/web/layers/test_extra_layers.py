@@ -9,6 +9,7 @@ from ur.web.wire.frames import Kind, Layer, generation_of, key_of
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.memory.bus import Bus
+from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.values import Map, MapUpdate, Poses
 from ur_nodes.web.layers.extra_layers import ExtraLayers
 
@@ -26,7 +27,7 @@ class World:
         self.layers = ExtraLayers(self.node, PLACES.get, lambda make: self.sent.extend(make()))
         self.local, self.whole = robot.publish(LOCAL, Map), robot.publish(GLOBAL, Map)
         self.updates = robot.publish(f"{GLOBAL}_updates", MapUpdate)
-        self.particles = robot.publish("particlecloud", Poses)
+        self.particles = robot.publish("particlecloud", Poses, Quality.LATCHED)
 
     def want(self, *layers: int) -> None:
         self.layers.want(layers)

@@ -12,6 +12,7 @@ from ur.web.wire.frames import Kind, Layer, key_of
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.memory.bus import Bus
 from ur_nodes.ports.fiducials import MappedFiducial, MappedFiducials
+from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.values import Marker, Markers, Odometry, PoseEstimate, Range, Twist
 from ur_nodes.web.layers.overlays import Overlays, choose_topics
 
@@ -51,7 +52,8 @@ class Scene:
 
     def publish(self, topic: str, value: Any) -> None:
         if topic not in self.publishers:
-            self.publishers[topic] = self.robot.publish(topic, type(value))
+            quality = Quality.NEWEST if isinstance(value, (Range, Odometry)) else Quality.LATCHED
+            self.publishers[topic] = self.robot.publish(topic, type(value), quality)
         self.publishers[topic].send(value)
 
     def subscribed(self) -> list[str]:

@@ -17,6 +17,7 @@ from ur.maps.store import MapStore
 from ur.web.wire.frames import TILE, Kind, Layer, key_of
 from ur_nodes.geometry.grid import load_map
 from ur_nodes.mapping.map_server import MapServer
+from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.services import AskMap, Trigger
 from ur_nodes.ports.values import Result
 from ur_nodes.web.maps.map_link import choose_name, choose_service
@@ -150,7 +151,7 @@ def test_zones_are_shown_changed_and_refused_where_no_map_server_has_them(world:
 
 @pytest.mark.parametrize("topic", ["zones", "walls"])
 def test_state_that_is_not_that_of_a_map_server_is_reported_and_ignored(world: MapWorld, topic: str) -> None:
-    texts = world.robot.publish(topic, str)
+    texts = world.robot.publish(topic, str, Quality.LATCHED)
     for text in ("{", "[]", '{"answer": 3}', "x" * 2_000_001):
         texts.send(text)
         world.bus.run(0.1)
