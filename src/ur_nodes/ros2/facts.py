@@ -18,7 +18,7 @@ class FileFacts:
 
     def __init__(self, *, simulated_time: bool, file: Path | None = None) -> None:
         self.simulated_time = simulated_time
-        self._file = file or _file_of_run()
+        self._file = file or file_of_run()
 
     def get(self, name: str, default: Any = None) -> Any:
         """See Facts."""
@@ -41,7 +41,8 @@ class FileFacts:
         return {}
 
 
-def _file_of_run() -> Path:
+def file_of_run() -> Path:
+    """The file of the facts of this run."""
     if given := os.environ.get("UR_FACTS"):
         return Path(given)
     folder = os.environ.get("XDG_RUNTIME_DIR") or Path.home() / ".cache"

@@ -1,4 +1,7 @@
-"""Parameters of a node of ROS 2. Those of other nodes are out of reach: each node keeps its own."""
+"""Parameters of a node of ROS 2. Those of other nodes are out of reach: each node keeps its own.
+
+Those that a node sets are in a file of the run, too, and outlive the node: an emergency stop is among them.
+"""
 
 from __future__ import annotations
 
@@ -6,13 +9,22 @@ from typing import Any
 
 from rclpy.parameter import Parameter
 
+from ur_nodes.ros2.facts import FileFacts, file_of_run
+
+_SET = "parameters"
+
 
 class RosParameters:
     """See `ports.parameters.ParameterStore`. '~a/b' and '/name/of/node/a/b' are the parameter 'a.b' of the node."""
 
     def __init__(self, node: Any) -> None:
         self._node = node
-        self._prefix = f"{node.get_fully_qualified_name()}/"
+        name = node.get_fully_qualified_name()
+        self._prefix = f"{name}/"
+        run = file_of_run()
+        self._file = FileFacts(simulated_time=False, file=run.with_name(f"{run.stem}{name.replace('/', '.')}.json"))
+        for own, value in self._file.get(_SET, {}).items():
+            node.set_parameters([Parameter(own, value=value)])
 
     def resolve(self, name: str) -> str:
         """See ParameterStore."""
@@ -41,7 +53,7 @@ class RosParameters:
         return tree
 
     def set(self, name: str, value: Any) -> None:
-        """See ParameterStore. Raises ValueError: it is another node's."""
+        """See ParameterStore. Raises ValueError: it is another node's; OSError: the file cannot be written."""
         own = self._own(name)
         if own is None:
             raise ValueError(f"{name}: a parameter of another node, which ROS 2 does not let this one set")
@@ -50,6 +62,7 @@ class RosParameters:
                 self.set(f"{name}/{key}", each)
         else:
             self._node.set_parameters([Parameter(own, value=value)])
+            self._file.set(_SET, self._file.get(_SET, {}) | {own: value})
 
     def names(self) -> list[str]:
         """See ParameterStore."""
