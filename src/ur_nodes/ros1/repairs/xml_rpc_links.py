@@ -12,12 +12,13 @@ import socket
 import time
 import xmlrpc.client
 from collections.abc import Callable
-from typing import Any
+from typing import Any, cast
 
 from ur.robot.addresses import Addresses
 from ur_nodes.ros1.repairs.sockets import CONNECT_LIMIT, is_link_trouble, is_remote, limit_sending, watch_peer
 
 ANSWER_LIMIT = 30.0  # s that a peer which the network reaches may take: a busy master is slow
+END_LIMIT = 2.0  # s likewise at the end of a node, which asks for nothing: the master has the request all the same
 PATIENCE = 10.0  # s for which a call is tried again while the network does not reach the peer
 PAUSE = 0.2  # s between two tries
 
@@ -42,6 +43,12 @@ class BoundedConnection(http.client.HTTPConnection):
             limit_sending(sock)
         sock.settimeout(self._answer_limit)
         self.sock = sock
+
+    def limit_answer(self, seconds: float) -> None:
+        """Wait so long for the next answer."""
+        self._answer_limit = seconds
+        if self.sock is not None:
+            self.sock.settimeout(seconds)
 
 
 class BoundedTransport(xmlrpc.client.Transport):
@@ -68,11 +75,13 @@ class BoundedTransport(xmlrpc.client.Transport):
 
     def make_connection(self, host: Any) -> http.client.HTTPConnection:
         """A bounded connection, kept for the next call as the standard library keeps it."""
+        limit = min(self._answer_limit, END_LIMIT) if self._is_ending() else self._answer_limit
         if self._connection[1] and host == self._connection[0]:
-            kept: http.client.HTTPConnection = self._connection[1]
+            kept = cast("BoundedConnection", self._connection[1])
+            kept.limit_answer(limit)
             return kept
         name, self._extra_headers, _ = self.get_host_info(host)
-        connection = BoundedConnection(name, self._addresses, self._answer_limit)
+        connection = BoundedConnection(name, self._addresses, limit)
         self._connection = host, connection
         return connection
 
@@ -85,5 +94,7 @@ class BoundedTransport(xmlrpc.client.Transport):
             except OSError as problem:
                 lost = is_link_trouble(problem) and problem.errno is not None
                 if not lost or self._is_ending() or time.monotonic() + PAUSE > end:
+                    if isinstance(problem, TimeoutError) and problem.errno is None:  # rospy expects a number
+                        raise TimeoutError(errno.ETIMEDOUT, "no answer in time") from None
                     raise
             time.sleep(PAUSE)

@@ -3,6 +3,7 @@ from __future__ import annotations
 import errno
 import socket
 import threading
+import time
 import xmlrpc.client
 from collections.abc import Iterator
 from typing import Any
@@ -41,6 +42,17 @@ def test_call_that_nobody_answers_ends() -> None:
         proxy = make_proxy(silent.getsockname()[1], answer_limit=0.05)
         with proxy, pytest.raises(TimeoutError):
             proxy.getPid()
+
+
+def test_node_that_ends_does_not_wait_long_for_a_busy_master() -> None:
+    with socket.create_server(("127.0.0.1", 0)) as silent:
+        transport = BoundedTransport(Addresses(), lambda: True)
+        address = f"http://127.0.0.1:{silent.getsockname()[1]}"
+        began = time.monotonic()
+        with xmlrpc.client.ServerProxy(address, transport=transport) as proxy, pytest.raises(TimeoutError) as problem:
+            proxy.unregisterPublisher("/node", "/topic", "uri")
+    assert time.monotonic() - began < 10.0
+    assert problem.value.errno == errno.ETIMEDOUT  # rospy unpacks number and text
 
 
 def test_refused_call_is_not_tried_again() -> None:
