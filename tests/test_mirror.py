@@ -29,6 +29,7 @@ ELSEWHERE = {
     "ur/docs/launch": "whole documents: tests/docs/ and tests/docs/site/",
     "ur/docs/repository": "whole documents: tests/docs/ and tests/docs/site/",
     "ur_nodes/memory": "the contract of all backends: tests/ur_nodes/ports/",
+    "ur_nodes/ports/values": "values have no behaviour: the contract of all backends carries each of them",
     "ur_nodes/slam/gmapping": "the node on a bus: tests/ur_nodes/slam/test_slam_gmapping_node.py",
 }
 

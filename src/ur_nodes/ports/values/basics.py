@@ -1,0 +1,60 @@
+"""Values of no frame: signals, numbers, lines of the log, moments, and answers."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+Level = Literal["debug", "info", "warn", "error"]
+"""The level of a line of the log."""
+
+
+NO_MATRIX: NDArray[np.float64] = np.zeros((0, 0))
+"""Stands for a covariance that nobody gave."""
+
+
+@dataclass(frozen=True, slots=True)
+class Signal:
+    """Says that something is to happen; carries nothing."""
+
+
+@dataclass(frozen=True, slots=True)
+class Number:
+    """A number in double precision; a `float` travels in single."""
+
+    value: float
+
+
+@dataclass(frozen=True, slots=True)
+class LogLine:
+    """A line that a node has logged; `node` is its full name."""
+
+    node: str
+    level: Level
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
+class Time:
+    """A moment, ns."""
+
+    stamp: int
+
+
+@dataclass(frozen=True, slots=True)
+class ClockTime:
+    """The time of all nodes, ns, as their clock sends it."""
+
+    stamp: int
+
+
+@dataclass(frozen=True, slots=True)
+class Result:
+    """A service's answer: whether it was done, a text for people, and `value`, what was asked for."""
+
+    success: bool
+    text: str = ""
+    value: object = None
