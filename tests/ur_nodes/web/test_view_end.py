@@ -144,7 +144,7 @@ def test_layers_that_pages_show_are_found_by_the_types_of_their_topics(world: Wo
 @pytest.mark.parametrize(("variance", "spread"), [(0.02, 0.2), (float("inf"), None), (float("nan"), None)])
 def test_spread_of_the_pose_is_sent_where_it_is_a_number(world: World, variance: float, spread: float | None) -> None:
     world.end.take_view({"viewers": 1})
-    poses = world.robot.publish("amcl_pose", PoseEstimate)
+    poses = world.robot.publish("amcl_pose", PoseEstimate, Quality.LATCHED)
     poses.send(PoseEstimate(0, "map", Pose2(0.0, 0.0, 0.0), np.diag([variance, variance, 0.1])))
     world.bus.run(1.0)
     assert world.view.newest(Kind.STATE)["spread"] == spread
@@ -161,7 +161,7 @@ def test_sources_that_cannot_be_read_are_asked_for_again(world: World, monkeypat
         patch.setattr(MemoryParameters, "get", fail)
         world.bus.run(1.0)
     assert frames.newest(Kind.STATE)["sources"] == []
-    world.robot.publish("cmd_vel_mux/speed_limit_in_force", float).send(60.0)
+    world.robot.publish("cmd_vel_mux/speed_limit_in_force", float, Quality.LATCHED).send(60.0)
     world.bus.run(1.0)
     assert frames.newest(Kind.STATE)["sources"][0] == "joystick"
 
