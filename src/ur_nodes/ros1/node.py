@@ -27,7 +27,7 @@ from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.transforms import Transforms
 from ur_nodes.ports.values import Result
 from ur_nodes.ros1.facts import RosFacts, RosLog, RosParameters
-from ur_nodes.ros1.repairs.sent import DELAY
+from ur_nodes.ros1.repairs.sent import DELAY, wait_until_taken
 from ur_nodes.ros1.services import call_service, serve_service
 from ur_nodes.ros1.topics import RosPublisher, RosSubscription, sender_of
 
@@ -35,7 +35,8 @@ Value = TypeVar("Value")
 
 _MOST_TRANSFORMS = 1000  # messages that wait while a callback takes long: a history with gaps is of no use
 _END_LIMIT = 3.0  # s, besides the time that the jobs of the end have
-_LEAVE = 0.03  # s: for what was sent last to leave
+_TAKEN_LIMIT = 0.5  # s: for threads of a busy computer to take what was sent last
+_LEAVE = 0.03  # s: and for it to leave
 
 
 class RosNode:
@@ -246,6 +247,8 @@ class RosNode:
                 self._unfinished -= 1
                 self._attempt(take)
         if self._at_end:
+            publishers = tuple(rospy.topics.get_topic_manager().pubs.values())
+            wait_until_taken((each for one in publishers for each in tuple(one.connections)), _TAKEN_LIMIT)
             time.sleep(_LEAVE)
 
     def _attempt(self, call: Callable[[], None]) -> None:

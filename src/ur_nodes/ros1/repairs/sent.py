@@ -1,7 +1,8 @@
-"""Memory of large messages that were sent: rospy keeps the last one for each subscriber until it sends another."""
+"""Messages that were sent: rospy keeps the last one for each subscriber, and drops those that wait at its end."""
 
 from __future__ import annotations
 
+import time
 from collections.abc import Iterable
 from typing import Any
 
@@ -9,6 +10,8 @@ from rospy.impl.tcpros_pubsub import QueuedConnection
 
 DELAY = 2.0
 """s after which a message was sent, or is being sent, so that `free_sent` can free it."""
+
+_POLL = 0.002  # s
 
 
 def free_sent(connections: Iterable[Any]) -> None:
@@ -20,3 +23,11 @@ def free_sent(connections: Iterable[Any]) -> None:
             if not connection._queue:  # noqa: SLF001 - else a message waits, and takes the place of the last one
                 connection._queue.append(b"")  # noqa: SLF001
                 connection._cond_data_available.notify()  # noqa: SLF001
+
+
+def wait_until_taken(connections: Iterable[Any], seconds: float) -> None:
+    """Wait until the threads of connections have taken all messages that wait, at most so long in all."""
+    end = time.monotonic() + seconds
+    for connection in connections:
+        while getattr(connection, "_queue", None) and not connection.done and time.monotonic() < end:
+            time.sleep(_POLL)
