@@ -53,7 +53,7 @@ class Newest:
         self._sent = time.monotonic(), transforms
 
     def get(self) -> tuple[Transform, ...]:
-        """What was sent in the last second; on any thread. Older ones must not look as if they held still."""
+        """The transforms sent in the last second, on any thread: older ones would look as if they held still."""
         sent, transforms = self._sent
         return transforms if time.monotonic() - sent < _YOUNG else ()
 

@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-import contextlib
-import queue
 import time
 from collections.abc import Callable
-from functools import partial
 from http.client import HTTPException
 from typing import Any, TypeVar
 from urllib.parse import urlsplit
@@ -18,7 +15,8 @@ import rosgraph.network
 import rospy
 
 from ur_nodes.codecs import find_codec
-from ur_nodes.loop import Beat, Loop, Worker
+from ur_nodes.loop import Loop
+from ur_nodes.node_base import LoopNode
 from ur_nodes.ports.actions import GoalClient, GoalFollower, GoalTakers
 from ur_nodes.ports.graph import Graph
 from ur_nodes.ports.node import Location, Sender
@@ -34,31 +32,21 @@ from ur_nodes.ros1.topics import RosPublisher, RosSubscription, sender_of
 Value = TypeVar("Value")
 
 _MOST_TRANSFORMS = 1000  # messages that wait while a callback takes long: a history with gaps is of no use
-_END_LIMIT = 3.0  # s, besides the time that the jobs of the end have
 _TAKEN_LIMIT = 0.5  # s: for threads of a busy computer to take what was sent last
 _LEAVE = 0.03  # s: and for it to leave
 
 
-class RosNode:
+class RosNode(LoopNode):
     """See `ports.node.Node`. Made after rospy.init_node; `begin` starts its thread."""
 
     def __init__(self) -> None:
         self.name: str = rospy.get_name()
         self.facts = RosFacts()
         self.parameters = Parameters(RosParameters())
-        self.log = RosLog()
-        self.failed = False
+        simulated = self.facts.simulated_time
+        super().__init__(Loop(rospy.get_time if simulated else time.monotonic, steady=not simulated), RosLog())
         self._transforms: Transforms | None = None
-        self._loop = Loop(
-            rospy.get_time if self.facts.simulated_time else time.monotonic, steady=not self.facts.simulated_time
-        )
-        self._workers: dict[str, Worker] = {}
-        self._at_end: list[Callable[[], None]] = []
-        self._ending = False
-        self._end_limit = 0.0  # s for the jobs of the end
-        self._unfinished = 0  # of these
-        self._results: queue.SimpleQueue[Callable[[], None]] = queue.SimpleQueue()  # of these
-        rospy.on_shutdown(lambda: self._loop.end(self._finish, _END_LIMIT + self._end_limit))
+        rospy.on_shutdown(lambda: self.finish(_leave))
 
     def begin(self, on_failure: Callable[[], None] = lambda: None) -> None:
         """Let callbacks come. `on_failure` is called when one of them has failed, after which there are no more."""
@@ -171,40 +159,9 @@ class RosNode:
 
         return RosGoalClient(action, follower, self._loop)
 
-    def every(self, seconds: float, call: Callable[[], None], *, steady: bool = False) -> Beat:
-        """See Node."""
-        return self._loop.every(seconds, call, steady=steady)
-
-    def after(self, seconds: float, call: Callable[[], None], *, steady: bool = False) -> Beat:
-        """See Node."""
-        return self._loop.after(seconds, call, steady=steady)
-
-    def work(self, job: Callable[[], Value], take: Callable[[Value], None], lane: str = "") -> None:
-        """See Node."""
-        self._unfinished += self._ending
-        post = self._results.put if self._ending else self._loop.post
-
-        def carry_out() -> None:
-            try:
-                result = job()
-            except Exception as problem:  # the node fails where it runs: the jobs of its end can still be done
-                post(partial(_fail, problem))
-            else:
-                post(lambda: take(result))
-
-        self._workers.setdefault(lane, Worker(f"work {lane}".strip())).add(carry_out)
-
-    def post(self, call: Callable[[], None]) -> None:
-        """See Node."""
-        self._loop.post(call)
-
     def now(self) -> int:
         """See Node."""
         return int(rospy.Time.now().to_nsec())
-
-    def steady(self) -> float:
-        """See Node."""
-        return time.clock_gettime(time.CLOCK_BOOTTIME)
 
     def read_graph(self, take: Callable[[Graph | None], None]) -> None:
         """See Node."""
@@ -224,41 +181,14 @@ class RosNode:
         """See Node."""
         return str(rospy.resolve_name(name))
 
-    def on_end(self, call: Callable[[], None], within: float = 2.0) -> None:
-        """See Node."""
-        self._at_end.append(call)
-        self._end_limit = max(self._end_limit, within)
-
     def end(self, reason: str, *, failed: bool = False) -> None:
         """See Node."""
         self.failed = self.failed or failed
         rospy.signal_shutdown(reason)
 
-    def _finish(self) -> None:
-        for worker in self._workers.values():
-            worker.drop()
-        self._ending = True
-        for call in self._at_end:
-            self._attempt(call)
-        end = time.monotonic() + self._end_limit
-        with contextlib.suppress(queue.Empty):
-            while self._unfinished:
-                take = self._results.get(timeout=max(0.0, end - time.monotonic()))
-                self._unfinished -= 1
-                self._attempt(take)
-        if self._at_end:
-            publishers = tuple(rospy.topics.get_topic_manager().pubs.values())
-            wait_until_taken((each for one in publishers for each in tuple(one.connections)), _TAKEN_LIMIT)
-            time.sleep(_LEAVE)
 
-    def _attempt(self, call: Callable[[], None]) -> None:
-        """Make a call of the end; where it fails, the others are made all the same."""
-        try:
-            call()
-        except Exception as problem:
-            self.failed = True
-            rospy.logerr("%r", problem)
-
-
-def _fail(problem: Exception) -> None:
-    raise problem
+def _leave() -> None:
+    """Let what was sent last leave."""
+    publishers = tuple(rospy.topics.get_topic_manager().pubs.values())
+    wait_until_taken((each for one in publishers for each in tuple(one.connections)), _TAKEN_LIMIT)
+    time.sleep(_LEAVE)

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import queue
 import threading
 import time
 from collections.abc import Callable
-from functools import partial
 from typing import Any, TypeVar
 
 import rclpy.node
@@ -16,7 +14,8 @@ from rclpy.executors import SingleThreadedExecutor
 from ur.source.diagnostic import UserError
 from ur_nodes.codecs import Codec, find_codec, find_service
 from ur_nodes.codecs.dialect import ServiceFailureError, parts_of
-from ur_nodes.loop import Beat, Loop, Worker
+from ur_nodes.loop import Loop
+from ur_nodes.node_base import LoopNode
 from ur_nodes.ports.actions import GoalClient, GoalFollower, GoalTakers
 from ur_nodes.ports.graph import Graph
 from ur_nodes.ports.node import Location, Sender
@@ -25,23 +24,20 @@ from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.raw import Raw
 from ur_nodes.ports.transforms import Transforms
 from ur_nodes.ports.values import Result
-from ur_nodes.ros2 import ends
 from ur_nodes.ros2.facts import FileFacts, RosLog
 from ur_nodes.ros2.names import full_name, name_of
 from ur_nodes.ros2.parameters import RosParameters
-from ur_nodes.ros2.qualities import offered, requested
+from ur_nodes.ros2.topics import RosPublisher, RosSubscription
 
 Value = TypeVar("Value")
 
-_DEPTHS: dict[Quality, int | None] = {Quality.NEWEST: 1, Quality.LATCHED: 1, Quality.LOSSLESS: None}
-_QUEUE = 100
 _MOST_TRANSFORMS = 1000  # messages that wait while a callback takes long: a history with gaps is of no use
 _LOOK_FOR_SERVICE = 0.02  # s
-_END_LIMIT = 3.0  # s, besides the time that the jobs of the end have
+_END_LIMIT = 3.0  # s for the executor to end
 _LEAVE = 0.05  # s: for what was sent last to leave
 
 
-class RosNode:
+class RosNode(LoopNode):
     """See `ports.node.Node`. Made after rclpy.init; `begin` starts its threads."""
 
     def __init__(self, name: str) -> None:
@@ -51,25 +47,18 @@ class RosNode:
         self.name = self._node.get_fully_qualified_name()
         self.parameters = Parameters(RosParameters(self._node))
         self.facts = FileFacts(simulated_time=self._node.get_parameter("use_sim_time").value is True)
-        self.log = RosLog(self._node.get_logger(), self._seconds)
-        self.failed = False
         self.replaced = False  # ROS 2 lets nodes share a name
         self.ended: Callable[[str], None] = lambda _reason: None
         self._simulated = self.facts.simulated_time
         self._clock = self._node.get_clock()
         self._transforms: Transforms | None = None
-        self._loop = Loop(self._seconds if self._simulated else time.monotonic, steady=not self._simulated)
+        loop = Loop(self._seconds if self._simulated else time.monotonic, steady=not self._simulated)
+        super().__init__(loop, RosLog(self._node.get_logger(), self._seconds))
         self._executor = SingleThreadedExecutor(context=self._node.context)
         self._executor.add_node(self._node)
         self._receiver = threading.Thread(target=self._executor.spin, name="executor", daemon=True)
         self._services = ReentrantCallbackGroup()  # a request that is answered later holds up no other
         self._clients: dict[tuple[str, type], Any] = {}
-        self._workers: dict[str, Worker] = {}
-        self._at_end: list[Callable[[], None]] = []
-        self._ending = False
-        self._end_limit = 0.0  # s for the jobs of the end
-        self._unfinished = 0  # of these
-        self._results: queue.SimpleQueue[Callable[[], None]] = queue.SimpleQueue()  # of these
 
     def begin(self, on_failure: Callable[[], None] = lambda: None) -> None:
         """Let callbacks come. `on_failure` is called when one of them has failed, after which there are no more."""
@@ -78,7 +67,7 @@ class RosNode:
 
     def close(self) -> None:
         """Make the calls of the end, and leave the graph."""
-        self._loop.end(self._finish, _END_LIMIT + self._end_limit)
+        self.finish(lambda: time.sleep(_LEAVE))
         self._executor.shutdown(_END_LIMIT)
         if self._receiver.is_alive():
             self._receiver.join(_END_LIMIT)
@@ -220,33 +209,6 @@ class RosNode:
 
         return TopicGoalClient(self, action, follower)
 
-    def every(self, seconds: float, call: Callable[[], None], *, steady: bool = False) -> Beat:
-        """See Node."""
-        return self._loop.every(seconds, call, steady=steady)
-
-    def after(self, seconds: float, call: Callable[[], None], *, steady: bool = False) -> Beat:
-        """See Node."""
-        return self._loop.after(seconds, call, steady=steady)
-
-    def work(self, job: Callable[[], Value], take: Callable[[Value], None], lane: str = "") -> None:
-        """See Node."""
-        self._unfinished += self._ending
-        post = self._results.put if self._ending else self._loop.post
-
-        def carry_out() -> None:
-            try:
-                result = job()
-            except Exception as problem:  # the node fails where it runs: the jobs of its end can still be done
-                post(partial(_fail, problem))
-            else:
-                post(lambda: take(result))
-
-        self._workers.setdefault(lane, Worker(f"work {lane}".strip())).add(carry_out)
-
-    def post(self, call: Callable[[], None]) -> None:
-        """See Node."""
-        self._loop.post(call)
-
     def read_graph(self, take: Callable[[Graph | None], None]) -> None:
         """See Node."""
         from ur_nodes.ros2.graph import read_graph
@@ -269,10 +231,6 @@ class RosNode:
         """See Node."""
         return int(self._clock.now().nanoseconds) if self._simulated else time.time_ns()
 
-    def steady(self) -> float:
-        """See Node."""
-        return time.clock_gettime(time.CLOCK_BOOTTIME)
-
     def locate(self, name: str) -> Location | None:
         """See Node. The graph does not tell computers: nodes of the domain are those of this one."""
         namespace, _, own = name.rpartition("/")
@@ -282,11 +240,6 @@ class RosNode:
     def resolve(self, name: str) -> str:
         """See Node."""
         return str(self._node.resolve_topic_name(name_of(name)))
-
-    def on_end(self, call: Callable[[], None], within: float = 2.0) -> None:
-        """See Node."""
-        self._at_end.append(call)
-        self._end_limit = max(self._end_limit, within)
 
     def end(self, reason: str, *, failed: bool = False) -> None:
         """See Node."""
@@ -306,102 +259,3 @@ class RosNode:
         unreadable: Callable[[str], None] | None = None,
     ) -> RosSubscription:
         return RosSubscription(self._node, topic, kind, codec, quality, self._loop, take, unreadable)
-
-    def _finish(self) -> None:
-        for worker in self._workers.values():
-            worker.drop()
-        self._ending = True
-        for call in self._at_end:
-            self._attempt(call)
-        end = time.monotonic() + self._end_limit
-        while self._unfinished:
-            try:
-                take = self._results.get(timeout=max(0.0, end - time.monotonic()))
-            except queue.Empty:
-                break
-            self._unfinished -= 1
-            self._attempt(take)
-        if self._at_end:
-            time.sleep(_LEAVE)
-
-    def _attempt(self, call: Callable[[], None]) -> None:
-        """Make a call of the end; where it fails, the others are made all the same."""
-        try:
-            call()
-        except Exception as problem:
-            self.failed = True
-            self.log.error(repr(problem))
-
-
-class RosPublisher:
-    """See `ports.node.Publisher`. One message is filled again for each value."""
-
-    def __init__(
-        self, node: Any, topic: str, codec: Codec, quality: Quality, on_listener: Callable[[], None] | None
-    ) -> None:
-        self.topic = str(node.resolve_topic_name(name_of(topic)))
-        self._codec = codec
-        self._message = codec.message_class()
-        self._sender = ends.Sender(node, codec.message_class, self.topic, offered(quality), on_listener)
-
-    def send(self, value: Any) -> None:
-        """See Publisher."""
-        self._codec.fill(self._message, value)
-        self._sender.send(self._message)
-
-    def listeners(self) -> int:
-        """See Publisher."""
-        return self._sender.listeners()
-
-    def close(self) -> None:
-        """See Publisher."""
-        self._sender.close()
-
-
-class RosSubscription:
-    """See `ports.node.Subscription`. Messages are decoded on the node's thread: what is dropped costs nothing more."""
-
-    def __init__(
-        self,
-        node: Any,
-        topic: str,
-        kind: type,
-        codec: Codec,
-        quality: Quality,
-        loop: Loop,
-        take: Callable[[Any], None],
-        unreadable: Callable[[str], None] | None,
-    ) -> None:
-        self.topic = str(node.resolve_topic_name(name_of(topic)))
-        self._node = node
-        self._codec = codec
-        self._take = take
-        self._unreadable = unreadable or self._report
-        self._reported = False
-        put = loop.mailbox(_DEPTHS.get(quality, _QUEUE), self._deliver)
-        self._receiver = ends.Receiver(node, codec.message_class, self.topic, requested(quality, kind), put)
-
-    def publishers(self) -> int:
-        """See Subscription."""
-        return self._receiver.publishers()
-
-    def close(self) -> None:
-        """See Subscription."""
-        self._receiver.close()
-
-    def _deliver(self, message: Any) -> None:
-        try:
-            value = self._codec.value_of(message)
-        except (ValueError, UserError) as problem:
-            self._unreadable(str(problem))
-            return
-        self._take(value)
-
-    def _report(self, reason: str) -> None:
-        if not self._reported:
-            self._reported = True
-            self._node.get_logger().error(f"{self.topic}: {reason}")
-
-
-def _fail(problem: Exception) -> None:
-    raise problem

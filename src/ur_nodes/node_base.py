@@ -1,0 +1,100 @@
+"""The part of a node that is the same on every middleware with threads: its loop, its jobs and its end."""
+
+from __future__ import annotations
+
+import queue
+import time
+from collections.abc import Callable
+from functools import partial
+from typing import TypeVar
+
+from ur_nodes.loop import Beat, Loop, Worker
+from ur_nodes.ports.log import Log
+
+Value = TypeVar("Value")
+
+_END_LIMIT = 3.0  # s, besides the time that the jobs of the end have
+
+
+class LoopNode:
+    """See `ports.node.Node` for the methods. `failed`: a call of the end has failed."""
+
+    def __init__(self, loop: Loop, log: Log) -> None:
+        self.log = log
+        self.failed = False
+        self._loop = loop
+        self._workers: dict[str, Worker] = {}
+        self._at_end: list[Callable[[], None]] = []
+        self._ending = False
+        self._end_limit = 0.0  # s for the jobs of the end
+        self._unfinished = 0  # of these
+        self._results: queue.SimpleQueue[Callable[[], None]] = queue.SimpleQueue()  # of these
+
+    def every(self, seconds: float, call: Callable[[], None], *, steady: bool = False) -> Beat:
+        """See Node."""
+        return self._loop.every(seconds, call, steady=steady)
+
+    def after(self, seconds: float, call: Callable[[], None], *, steady: bool = False) -> Beat:
+        """See Node."""
+        return self._loop.after(seconds, call, steady=steady)
+
+    def post(self, call: Callable[[], None]) -> None:
+        """See Node."""
+        self._loop.post(call)
+
+    def work(self, job: Callable[[], Value], take: Callable[[Value], None], lane: str = "") -> None:
+        """See Node."""
+        self._unfinished += self._ending
+        post = self._results.put if self._ending else self._loop.post
+
+        def carry_out() -> None:
+            try:
+                result = job()
+            except Exception as problem:  # the node fails where it runs: the jobs of its end can still be done
+                post(partial(_fail, problem))
+            else:
+                post(lambda: take(result))
+
+        self._workers.setdefault(lane, Worker(f"work {lane}".strip())).add(carry_out)
+
+    def steady(self) -> float:
+        """See Node."""
+        return time.clock_gettime(time.CLOCK_BOOTTIME)
+
+    def on_end(self, call: Callable[[], None], within: float = 2.0) -> None:
+        """See Node."""
+        self._at_end.append(call)
+        self._end_limit = max(self._end_limit, within)
+
+    def finish(self, leave: Callable[[], None]) -> None:
+        """Make the calls of the end on the node's thread; after them `leave`, which lets what was sent last leave."""
+        self._loop.end(lambda: self._finish(leave), _END_LIMIT + self._end_limit)
+
+    def _finish(self, leave: Callable[[], None]) -> None:
+        for worker in self._workers.values():
+            worker.drop()
+        self._ending = True
+        for call in self._at_end:
+            self._attempt(call)
+        end = time.monotonic() + self._end_limit
+        while self._unfinished:
+            try:
+                take = self._results.get(timeout=max(0.0, end - time.monotonic()))
+            except queue.Empty:
+                break
+            self._unfinished -= 1
+            self._attempt(take)
+        if self._at_end:
+            leave()
+
+    def _attempt(self, call: Callable[[], None]) -> None:
+        """Make a call of the end; where it fails, the others are made all the same."""
+        try:
+            call()
+        except Exception as problem:
+            self.failed = True
+            self.log.error(repr(problem))
+
+
+def _fail(problem: Exception) -> None:
+    raise problem

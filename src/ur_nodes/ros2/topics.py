@@ -1,0 +1,87 @@
+"""The ends of topics as nodes have them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from ur.source.diagnostic import UserError
+from ur_nodes.codecs import Codec
+from ur_nodes.loop import Loop
+from ur_nodes.ports.qualities import Quality
+from ur_nodes.ros2 import ends
+from ur_nodes.ros2.names import name_of
+from ur_nodes.ros2.qualities import offered, requested
+
+_DEPTHS: dict[Quality, int | None] = {Quality.NEWEST: 1, Quality.LATCHED: 1, Quality.LOSSLESS: None}
+_QUEUE = 100
+
+
+class RosPublisher:
+    """See `ports.node.Publisher`. One message is filled again for each value."""
+
+    def __init__(
+        self, node: Any, topic: str, codec: Codec, quality: Quality, on_listener: Callable[[], None] | None
+    ) -> None:
+        self.topic = str(node.resolve_topic_name(name_of(topic)))
+        self._codec = codec
+        self._message = codec.message_class()
+        self._sender = ends.Sender(node, codec.message_class, self.topic, offered(quality), on_listener)
+
+    def send(self, value: Any) -> None:
+        """See Publisher."""
+        self._codec.fill(self._message, value)
+        self._sender.send(self._message)
+
+    def listeners(self) -> int:
+        """See Publisher."""
+        return self._sender.listeners()
+
+    def close(self) -> None:
+        """See Publisher."""
+        self._sender.close()
+
+
+class RosSubscription:
+    """See `ports.node.Subscription`. Messages are decoded on the node's thread: what is dropped costs nothing more."""
+
+    def __init__(
+        self,
+        node: Any,
+        topic: str,
+        kind: type,
+        codec: Codec,
+        quality: Quality,
+        loop: Loop,
+        take: Callable[[Any], None],
+        unreadable: Callable[[str], None] | None,
+    ) -> None:
+        self.topic = str(node.resolve_topic_name(name_of(topic)))
+        self._node = node
+        self._codec = codec
+        self._take = take
+        self._unreadable = unreadable or self._report
+        self._reported = False
+        put = loop.mailbox(_DEPTHS.get(quality, _QUEUE), self._deliver)
+        self._receiver = ends.Receiver(node, codec.message_class, self.topic, requested(quality, kind), put)
+
+    def publishers(self) -> int:
+        """See Subscription."""
+        return self._receiver.publishers()
+
+    def close(self) -> None:
+        """See Subscription."""
+        self._receiver.close()
+
+    def _deliver(self, message: Any) -> None:
+        try:
+            value = self._codec.value_of(message)
+        except (ValueError, UserError) as problem:
+            self._unreadable(str(problem))
+            return
+        self._take(value)
+
+    def _report(self, reason: str) -> None:
+        if not self._reported:
+            self._reported = True
+            self._node.get_logger().error(f"{self.topic}: {reason}")
