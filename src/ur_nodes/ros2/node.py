@@ -25,7 +25,7 @@ from ur_nodes.ports.raw import Raw
 from ur_nodes.ports.transforms import Transforms
 from ur_nodes.ports.values import Result
 from ur_nodes.ros2.facts import FileFacts, RosLog
-from ur_nodes.ros2.names import full_name, name_of
+from ur_nodes.ros2.names import name_of
 from ur_nodes.ros2.parameters import RosParameters
 from ur_nodes.ros2.topics import RosPublisher, RosSubscription
 
@@ -214,11 +214,6 @@ class RosNode(LoopNode):
         from ur_nodes.ros2.graph import read_graph
 
         self.work(lambda: read_graph(self._node), take, "graph")
-
-    def publishers_of(self, topic: str) -> tuple[str, ...] | None:
-        """See Node."""
-        found = self._node.get_publishers_info_by_topic(self.resolve(topic))
-        return tuple(sorted({full_name(each.node_namespace, each.node_name) for each in found}))
 
     @property
     def raw(self) -> Raw:

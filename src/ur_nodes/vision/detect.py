@@ -20,7 +20,7 @@ from ur_nodes.ports.values import Calibration
 from ur_nodes.vision.corners import refine_corners
 
 PIXEL_NOISE = 0.5
-"""How well corners are found: their standard deviation, px."""
+"""Standard deviation of the corners that are found, px."""
 
 DICTIONARIES: tuple[str, ...] = tuple(sorted(name[5:] for name in dir(cv2.aruco) if name.startswith("DICT_")))
 
