@@ -19,7 +19,7 @@ OTHERS = {
     "hosts": "tests of several computers together",
     "ur_nodes/first_drive": "nodes together on a bus, from the simulator to the goal",
     "launchfile/fuzz": "broken launch files, also beside roslaunch",
-    "tools": "tests of the programs in tools/",
+    "tools": "tests of the programs in tools/; its folders are those of src/ur/tools/",
     "web/static": "modules of the page, which Node.js runs",
 }
 # Packages without a test file of their own, each with the place of its tests.
@@ -28,6 +28,7 @@ ELSEWHERE = {
     "ur/cli/runs": "commands are tested as programs: tests/cli/ and tests/run/",
     "ur/docs/launch": "whole documents: tests/docs/ and tests/docs/site/",
     "ur/docs/repository": "whole documents: tests/docs/ and tests/docs/site/",
+    "ur_nodes/codecs": "the contract of all backends: tests/ur_nodes/ports/",
     "ur_nodes/memory": "the contract of all backends: tests/ur_nodes/ports/",
     "ur_nodes/ports/values": "values have no behaviour: the contract of all backends carries each of them",
     "ur_nodes/slam/gmapping": "the node on a bus: tests/ur_nodes/slam/test_slam_gmapping_node.py",

@@ -26,7 +26,7 @@ from ur.robot.base import load_base
 from ur.robot.discovery.listing import Answer, Row
 from ur.robot.discovery.seen import Seen
 from ur.worlds.world_file import read_world
-from ur_nodes.simulator.camera_process import CameraProcess
+from ur_nodes.simulator.camera.camera_process import CameraProcess
 from ur_nodes.simulator.simulation import Simulation
 
 ROOT = Path(__file__).resolve().parents[1]

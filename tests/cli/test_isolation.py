@@ -188,7 +188,9 @@ def test_helper_processes_import_nothing_of_the_current_folder(trap: Trap) -> No
         f"{pip}; need_all(['no_such'], 'none.lock', 'nothing', folder=Path(sys.argv[1]))",
         str(lock.parents[1]),
     )
-    camera = "from ur_nodes.simulator.camera_process import _start; p = _start('egl', dict()); p.communicate(b'{')"
+    camera = (
+        "from ur_nodes.simulator.camera.camera_process import _start; p = _start('egl', dict()); p.communicate(b'{')"
+    )
     trap.run(PYTHON, "-I", "-c", camera)
     trap.run(PYTHON, "-I", debug_pane.__file__, "--attach", "0", "true")
 

@@ -54,7 +54,7 @@ CASES = {
     "ur package": Case(PACKAGE, run_ur("package", "--write", "p"), "p/CMakeLists.txt", "catkin_package"),
     "new files": Case(
         ":",
-        "from pathlib import Path\nfrom ur.new.model import NewFile\nfrom ur.new.write import write_files\n"
+        "from pathlib import Path\nfrom ur.tools.new.model import NewFile\nfrom ur.tools.new.write import write_files\n"
         "write_files(Path(), [NewFile('n_a/launch/a', 'new'), NewFile('b', 'new')])",
         "n_a/launch/a",
         "new",

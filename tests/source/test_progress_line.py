@@ -17,13 +17,13 @@ from tests.terminal import Terminal
 from ur.check.run import check_paths
 from ur.docs.build import describe_repository
 from ur.docs.repository.collect import collect_repository
-from ur.find.search import find_name
 from ur.launchfile.world import World
 from ur.launchfile.world.memory import MemoryWorld
-from ur.package.uses import find_used_packages
 from ur.source.diagnostic import UserError
 from ur.source.progress import Progress, counted
 from ur.source.progress_line import PLAIN_PERIOD, ProgressLine, show_progress
+from ur.tools.find.search import find_name
+from ur.tools.package.uses import find_used_packages
 
 ERASE = "\r\x1b[K"
 

@@ -7,11 +7,11 @@ import shlex
 from collections.abc import Mapping
 from pathlib import Path
 
-from ur.debian.root import find_root
 from ur.robot.selection import Selection, load_selection, parse_selection, selection_path
 from ur.source.diagnostic import UserError
 from ur.source.project import launch_library, project_folder
 from ur.source.user_folders import user_folder
+from ur.system.debian_root import find_root
 
 REPOSITORY = project_folder()
 PACKAGE = launch_library()

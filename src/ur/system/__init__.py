@@ -1,1 +1,1 @@
-"""The computer's own system: releases of Linux distributions and the Debian packages that ROS 1 consists of."""
+"""The computer's own system: releases of Linux distributions, the packages of ROS 1, the Debian root."""

@@ -37,8 +37,8 @@ def _watch_fully(
 ) -> tuple[str, int]:
     from textual.drivers.linux_driver import LinuxDriver
 
-    from ur.screen.query import ask_background, is_light
     from ur.tui.app import WatchApp
+    from ur.tui.screen.query import ask_background, is_light
     from ur.tui.services import SystemServices
 
     light = is_light(environment, ask_background(1, 1))

@@ -19,8 +19,8 @@ from ur_nodes.navigation.navigator import Navigator
 from ur_nodes.navigation.navigator_step import Ending, Inputs, Outputs, Phase, PlanAnswer
 from ur_nodes.navigation.plan_request import PlanRequest, answer_request
 from ur_nodes.navigation.planning.global_plan import path_is_free
-from ur_nodes.navigation.recovery import Behaviour
-from ur_nodes.navigation.rollout import FollowSettings
+from ur_nodes.navigation.steering.recovery import Behaviour
+from ur_nodes.navigation.steering.rollout import FollowSettings
 from ur_nodes.navigation.velocity_output import VelocityOutput
 from ur_nodes.navigation.world_view import WorldView
 from ur_nodes.ports.actions import GoalHandle

@@ -10,7 +10,7 @@ from ur_nodes.costmap.footprint_parameters import read_footprint
 from ur_nodes.costmap.layers import Ranges
 from ur_nodes.navigation.navigator_step import NavigatorSettings
 from ur_nodes.navigation.planning.global_plan import PlanSettings
-from ur_nodes.navigation.speed_profile import Limits
+from ur_nodes.navigation.steering.speed_profile import Limits
 from ur_nodes.ports.parameters import Parameters
 
 _SONARS = Ranges(1.2, 1.2)

@@ -9,12 +9,12 @@ from ur_nodes.costmap.costmap import Costmap
 from ur_nodes.costmap.footprint import Footprint
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2, wrap_angle
-from ur_nodes.navigation.local_plan import follow_reference, sweep_is_free
 from ur_nodes.navigation.navigator_step import Ending, Inputs, NavigatorSettings, Outputs, Phase, PlanAnswer
 from ur_nodes.navigation.planning.path_geometry import Points, nearest_index
-from ur_nodes.navigation.recovery import Behaviour, Recovery, move_to_recover
-from ur_nodes.navigation.rollout import FollowSettings, Motion, ReferencePath, make_reference
-from ur_nodes.navigation.speed_profile import Limits, approach, limit_speeds, speed_shares, turn_rate
+from ur_nodes.navigation.steering.local_plan import follow_reference, sweep_is_free
+from ur_nodes.navigation.steering.recovery import Behaviour, Recovery, move_to_recover
+from ur_nodes.navigation.steering.rollout import FollowSettings, Motion, ReferencePath, make_reference
+from ur_nodes.navigation.steering.speed_profile import Limits, approach, limit_speeds, speed_shares, turn_rate
 
 
 @dataclass(slots=True)

@@ -9,8 +9,8 @@ from ur_nodes.costmap.costmap import Costmap
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.navigation.planning.path_geometry import Points
-from ur_nodes.navigation.recovery import Behaviour
-from ur_nodes.navigation.rollout import Motion
+from ur_nodes.navigation.steering.recovery import Behaviour
+from ur_nodes.navigation.steering.rollout import Motion
 
 
 class Phase(Enum):

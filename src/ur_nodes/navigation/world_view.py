@@ -16,7 +16,7 @@ from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.geometry.transform_tree import ExtrapolationError, TransformError
 from ur_nodes.navigation.move_base_settings import MoveBaseSettings
-from ur_nodes.navigation.rollout import Motion
+from ur_nodes.navigation.steering.rollout import Motion
 from ur_nodes.navigation.zone_masks import ZoneMasks
 from ur_nodes.ports.newest_work import NewestWork
 from ur_nodes.ports.node import Node

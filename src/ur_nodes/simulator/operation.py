@@ -6,7 +6,7 @@ from ur.source.diagnostic import UserError
 from ur_nodes.ports.node import SECOND, Node, Timer
 from ur_nodes.ports.services import Place, Silent, Switch, Trigger
 from ur_nodes.ports.values import ClockTime, Result
-from ur_nodes.simulator.camera_topics import CameraTopics
+from ur_nodes.simulator.camera.camera_topics import CameraTopics
 from ur_nodes.simulator.pacing import Pacer
 from ur_nodes.simulator.robot_topics import RobotTopics
 from ur_nodes.simulator.sensor_topics import SensorTopics

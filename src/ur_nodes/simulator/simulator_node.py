@@ -10,7 +10,7 @@ from ur.worlds.world_file import World, read_world
 from ur_nodes.ports.node import Node
 from ur_nodes.ports.parameters import Parameters
 from ur_nodes.run import run
-from ur_nodes.simulator.camera_topics import CameraTopics
+from ur_nodes.simulator.camera.camera_topics import CameraTopics
 from ur_nodes.simulator.operation import Operation
 from ur_nodes.simulator.settings import list_prefixes, read_camera, read_settings
 from ur_nodes.simulator.simulation import Simulation

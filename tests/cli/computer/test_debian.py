@@ -7,11 +7,11 @@ from pathlib import Path
 import pytest
 
 from ur.cli.main import main
-from ur.debian.root import DebianRoot
 from ur.request.environment import REPOSITORY, environment_changes
 from ur.request.requirements.debian_packages import install_debian
 from ur.robot.selection import parse_selection
 from ur.source.diagnostic import UserError
+from ur.system.debian_root import DebianRoot
 
 SCRIPT = REPOSITORY / "tools" / "debian_root.bash"
 

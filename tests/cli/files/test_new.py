@@ -15,10 +15,10 @@ from ur.cli.files.new_parts import find_target
 from ur.cli.files.new_things import describe_observed
 from ur.cli.main import main
 from ur.cli.verbs import load_verb
-from ur.new.model import Observed, Topic
 from ur.request.environment import PACKAGE as LIBRARY
 from ur.robot.base import load_base, read_base
 from ur.robot.base.search import find_base_package
+from ur.tools.new.model import Observed, Topic
 
 PACKAGE = ["new", "package", "my_robot", "--summary", "Mine.", "--maintainer", "A & B", "--email", "a@b.invalid"]
 

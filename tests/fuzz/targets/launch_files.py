@@ -11,9 +11,9 @@ from tests.launchfile.fuzz.survive import CORPUS, WORDS, check_survives, read_co
 
 from ur.check.render.text import render_text
 from ur.check.run import check_paths
-from ur.format.run import format_file
 from ur.launchfile import SystemWorld
 from ur.source.diagnostic import UserError
+from ur.tools.format.run import format_file
 
 _ENVIRONMENT = {"PATH": os.defpath, "HOME": "/home/robot", "ROS_PACKAGE_PATH": str(CORPUS), "LC_ALL": "C.UTF-8"}
 

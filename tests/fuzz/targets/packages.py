@@ -8,13 +8,13 @@ from pathlib import Path
 from tests.fuzz.target import Target
 
 from ur.launchfile.world.packages import package_name_in
-from ur.package.cmake import put_block, write_block
-from ur.package.manifest import add_run_dependencies, read_optional
 from ur.robot.image.content import describe_other, identify_filesystem, identify_packing
 from ur.robot.image.partitions import read_partitions
 from ur.run.debugger.core_dump import belongs_to
 from ur.run.master.tcpros import read_frames
 from ur.source.diagnostic import UserError
+from ur.tools.package.cmake import put_block, write_block
+from ur.tools.package.manifest import add_run_dependencies, read_optional
 
 _XML_WORDS = (
     *(b"<package>", b"</package>", b'<package format="2">', b"<name>", b"</name>", b"<export>", b"<metapackage/>"),

@@ -20,9 +20,9 @@ from ur_nodes.geometry.pose import Pose2
 from ur_nodes.navigation.navigator import Navigator
 from ur_nodes.navigation.navigator_step import Ending, Inputs, NavigatorSettings, PlanAnswer
 from ur_nodes.navigation.planning.global_plan import NoPathError, PlanSettings, path_is_free, plan_path
-from ur_nodes.navigation.recovery import Behaviour
-from ur_nodes.navigation.rollout import FollowSettings, Motion
-from ur_nodes.navigation.speed_profile import Limits
+from ur_nodes.navigation.steering.recovery import Behaviour
+from ur_nodes.navigation.steering.rollout import FollowSettings, Motion
+from ur_nodes.navigation.steering.speed_profile import Limits
 
 STAGE = (
     (0.20, 0.15),

@@ -12,9 +12,9 @@ from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2, wrap_angle
 from ur_nodes.navigation.navigator import Navigator
 from ur_nodes.navigation.navigator_step import Ending, Inputs, NavigatorSettings, Outputs, Phase, PlanAnswer
-from ur_nodes.navigation.recovery import SEQUENCE, Behaviour
-from ur_nodes.navigation.rollout import FollowSettings, Motion
-from ur_nodes.navigation.speed_profile import Limits, limit_speeds
+from ur_nodes.navigation.steering.recovery import SEQUENCE, Behaviour
+from ur_nodes.navigation.steering.rollout import FollowSettings, Motion
+from ur_nodes.navigation.steering.speed_profile import Limits, limit_speeds
 
 STRAIGHT = np.stack((np.arange(0.0, 3.01, 0.05), np.zeros(61)), axis=-1)
 HOME = Pose2(0.0, 0.0, 0.0)

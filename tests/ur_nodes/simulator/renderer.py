@@ -12,7 +12,7 @@ from ur.robot.base import Camera
 from ur.source.diagnostic import UserError
 from ur.worlds.map_file import MapFile, MapImage
 from ur.worlds.world_file import World
-from ur_nodes.simulator.camera_process import CameraProcess
+from ur_nodes.simulator.camera.camera_process import CameraProcess
 
 
 @functools.cache

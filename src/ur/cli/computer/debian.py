@@ -6,9 +6,9 @@ import os
 
 import click
 
-from ur.debian.root import MARK
 from ur.request.environment import REPOSITORY
 from ur.source.diagnostic import UserError, error
+from ur.system.debian_root import MARK
 
 
 @click.group("debian", invoke_without_command=True)
@@ -60,7 +60,7 @@ def remove() -> None:
 
 def _change(*words: str) -> None:
     """Run a command of the script that changes the root. Raises UserError inside the root."""
-    if os.path.exists(MARK):  # noqa: PTH110 - as in ur.debian.root
+    if os.path.exists(MARK):  # noqa: PTH110 - as in ur.system.debian_root
         raise UserError(
             error(
                 f"'ur debian {words[0]}' cannot run inside the Debian root, expected a shell of this computer",

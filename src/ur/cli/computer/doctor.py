@@ -15,7 +15,6 @@ import click
 
 from ur.cli.computer.doctor_report import Report, print_json, print_report, print_seen
 from ur.cli.robots.fleet import ALL, ask_passwords, choose_robots, is_fleet, print_json_of_each, run_for_each
-from ur.debian.root import describe_system, find_root
 from ur.devices.model import Expected
 from ur.request.environment import PACKAGE, current_selection
 from ur.request.remote.connection import connect_robot, robot_address
@@ -35,6 +34,7 @@ from ur.robot.ssh.secret import Secret
 from ur.robot.ssh.shell import LocalShell, Shell
 from ur.source.diagnostic import UserError
 from ur.source.progress_line import show_progress
+from ur.system.debian_root import describe_system, find_root
 
 FIX_SECONDS = 600.0  # packages may have to be fetched
 Apply = Callable[[Sequence[tuple[str, Command]]], list[Finding]]

@@ -14,11 +14,11 @@ import click
 
 from ur.cli.files.new_parts import Target, find_target
 from ur.cli.files.new_things import FIGURES
-from ur.new.model import NewFile
 from ur.source.diagnostic import UserError, error, error_about
 from ur.source.foreign.files import MAX_MANIFEST, read_file, refuse_file
 from ur.source.read import read_source
 from ur.source.suggest import did_you_mean
+from ur.tools.new.model import NewFile
 
 if TYPE_CHECKING:
     from ur.robot.description.load import Loaded

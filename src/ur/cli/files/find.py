@@ -13,9 +13,9 @@ from ur.source.printable import printable
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from ur.find.model import Occurrence
+    from ur.tools.find.model import Occurrence
 
-_KINDS = ("arg", "node", "topic", "param", "file")  # as ur.find.model has them; a test compares
+_KINDS = ("arg", "node", "topic", "param", "file")  # as ur.tools.find.model has them; a test compares
 
 
 @click.command("find")
@@ -33,10 +33,10 @@ def command(name: str, paths: tuple[str, ...], kinds: tuple[str, ...], as_json: 
     Exit code: 0 when something is found, 1 when nothing is.
     """
     from ur.check.computer import make_world
-    from ur.find.model import KINDS
-    from ur.find.search import find_name
     from ur.request.environment import add_own_package
     from ur.source.progress_line import show_progress
+    from ur.tools.find.model import KINDS
+    from ur.tools.find.search import find_name
 
     places = list(paths) or ["."]
     with show_progress("finding launch files") as progress:

@@ -15,8 +15,8 @@ from ur.source.printable import printable, printable_lines
 if TYPE_CHECKING:
     from ur.check.collect import Targets
     from ur.check.worlds import CachedWorld
-    from ur.format.run import Formatted
     from ur.source.progress import Progress
+    from ur.tools.format.run import Formatted
 
 _STANDARD_INPUT = "-"
 
@@ -59,10 +59,10 @@ def _format_files(
 ) -> tuple[int, int]:
     """Format the launch files, and return the numbers of those that change and of those with errors."""
     from ur.cli.output import replace_file
-    from ur.format.run import format_file
     from ur.source.diagnostic import UserError
     from ur.source.progress import counted
     from ur.source.render import render_human, shows_colour
+    from ur.tools.format.run import format_file
 
     changed = broken = 0
     for path in counted(targets.launch_files, "formatting", "launch files", progress):
@@ -85,8 +85,8 @@ def _format_files(
 
 def _format_input() -> int:
     from ur.check.computer import make_world
-    from ur.format.run import format_file
     from ur.request.environment import add_own_package
+    from ur.tools.format.run import format_file
 
     data = sys.stdin.buffer.read()
     path = str(Path.cwd() / "<standard input>")

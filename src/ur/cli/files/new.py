@@ -77,7 +77,7 @@ def new_node(
     The node is started with a master of its own, and the topics, services and parameters that it has to do with become
     arguments, remaps and a parameter file.
     """
-    from ur.new.node import plan_node
+    from ur.tools.new.node import plan_node
 
     target = show_done.target(package)
     source = ask(source, "--from-package", "Package of the node")
@@ -98,7 +98,7 @@ def new_multi(
     name: str | None, summary: str | None, package: str | None, includes: tuple[str, ...], program: bool
 ) -> int:
     """Write a launch file m_NAME that includes others, and a program that starts it."""
-    from ur.new.group import plan_multi, plan_program
+    from ur.tools.new.group import plan_multi, plan_program
 
     target = show_done.target(package)
     name = ask(name, "NAME", "Name of the directory, without m_")
@@ -121,7 +121,7 @@ def new_rviz(
     name: str | None, summary: str | None, package: str | None, frame: str, topics: tuple[str, ...], program: bool
 ) -> int:
     """Write a view rviz_NAME: a launch file, a configuration of RViz, and a program that starts it."""
-    from ur.new.group import plan_program, plan_rviz
+    from ur.tools.new.group import plan_program, plan_rviz
 
     target = show_done.target(package)
     shown = read_topics(topics)
@@ -140,7 +140,7 @@ def new_rviz(
 @click.option("--launch", metavar="FILE", help="The launch file of this package that it starts.")
 def new_program(name: str | None, summary: str | None, package: str | None, launch: str | None) -> int:
     """Write a program bin/ur_NAME that starts a launch file."""
-    from ur.new.group import plan_program
+    from ur.tools.new.group import plan_program
 
     target = show_done.target(package)
     name = ask(name, "NAME", "Name of the program, without ur_")
@@ -180,8 +180,8 @@ def new_base(
     ARG:=VALUE are arguments of the xacro file.
     """
     from ur.cli.files.base_from import check_source, describe_base, next_step, refuse_arguments, target_of
-    from ur.new.model import NewFile
-    from ur.new.package import write_base
+    from ur.tools.new.model import NewFile
+    from ur.tools.new.package import write_base
 
     if source is not None:
         check_source(Path(source))
@@ -209,7 +209,7 @@ def new_package(
     name: str | None, summary: str | None, maintainer: str | None, email: str | None, license_name: str
 ) -> int:
     """Write a package for launch files: a folder NAME here."""
-    from ur.new.package import plan_package
+    from ur.tools.new.package import plan_package
 
     name = ask(name, "NAME", "Name of the package")
     summary = ask(summary, "--summary", "What it is for, in one line")

@@ -10,9 +10,9 @@ from pathlib import Path
 
 import click
 
-from ur.new.model import NewFile
 from ur.source.diagnostic import UserError, error
 from ur.source.foreign.files import MAX_MANIFEST, read_text
+from ur.tools.new.model import NewFile
 
 SUMMARY = click.option("--summary", help="One line that says what it does.")
 in_package = click.option(
@@ -32,7 +32,7 @@ class _Done:
     """Write files, and print their names and the next steps."""
 
     def __call__(self, target: Target, files: Sequence[NewFile], then: str) -> int:
-        from ur.new.write import write_files
+        from ur.tools.new.write import write_files
 
         files = [_formatted(target, file) for file in files]
         write_files(target.folder, files)
@@ -91,8 +91,8 @@ def _formatted(target: Target, file: NewFile) -> NewFile:
     from dataclasses import replace
 
     from ur.check.computer import make_world
-    from ur.format.run import format_file
     from ur.request.environment import add_own_package
+    from ur.tools.format.run import format_file
 
     path = str(target.folder / file.path)
     return replace(

@@ -15,10 +15,10 @@ from typing import TYPE_CHECKING
 import click
 
 from ur.cli.files.new_parts import Target
-from ur.new.model import BaseRequest, NewFile, NodeRequest, Observed, Part
 from ur.source.diagnostic import UserError, error
 from ur.source.read import read_source
 from ur.source.suggest import did_you_mean
+from ur.tools.new.model import BaseRequest, NewFile, NodeRequest, Observed, Part
 
 if TYPE_CHECKING:
     from ur.launchfile.world.protocol import World
@@ -64,9 +64,9 @@ def node_request(
     observed = Observed()
     program = find_program(package, kind)
     if seconds is not None:
-        from ur.new.node_defaults import add_defaults, read_defaults
-        from ur.new.observe import observe_node
         from ur.source.progress_line import show_progress
+        from ur.tools.new.node_defaults import add_defaults, read_defaults
+        from ur.tools.new.observe import observe_node
 
         with show_progress(f"waiting for {kind} to register its topics and services"):
             observed = observe_node([program, *arguments], os.environ, seconds, lambda text: click.echo(text, err=True))
@@ -209,7 +209,7 @@ def check_launch_file(target: Target, launch: str) -> None:
 
 def read_topics(topics: Sequence[str]) -> list[tuple[str, str]]:
     """Names and message types from `NAME:TYPE`. Raises UserError for a type that no display of RViz shows."""
-    from ur.new.group import DISPLAYS
+    from ur.tools.new.group import DISPLAYS
 
     read = []
     for each in topics:

@@ -19,9 +19,9 @@ from ur.maps.drawing import FREE_PIXEL, WALL_PIXEL, look_at
 from ur.maps.editing import EditSession
 from ur.maps.record import Zone
 from ur.maps.viewport import Viewport, fit_viewport, show_point, zoom_viewport
-from ur.screen.app import FullScreenApp
-from ur.screen.query import ask_background, is_light
 from ur.source.diagnostic import UserError
+from ur.tui.screen.app import FullScreenApp
+from ur.tui.screen.query import ask_background, is_light
 from ur.worlds.map_file import MapImage
 
 _HELP = (

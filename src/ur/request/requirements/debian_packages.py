@@ -6,9 +6,9 @@ import os
 import sys
 from collections.abc import Sequence
 
-from ur.debian.root import find_root, install_command
 from ur.request.requirements.python_packages import DiskFullError, run_installer
 from ur.source.diagnostic import UserError, error
+from ur.system.debian_root import find_root, install_command
 
 _APT = ("apt-get", "-q", "-o", "DPkg::Lock::Timeout=300")
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ur.debian.root import install_command
 from ur.run.debugger.choice import PACKAGES, DebugTools, Target, choose_terminal, gdb_prefix, python_prefix
+from ur.system.debian_root import install_command
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-from ur.debian.root import install_command
 from ur.source.diagnostic import UserError, error
+from ur.system.debian_root import install_command
 
 Tool = Literal["pudb", "gdb", "debugpy"]
 Kind = Literal["python", "module", "binary", "script"]

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from ur.debian.root import install_command
 from ur.source.suggest import get_command
+from ur.system.debian_root import install_command
 
 OS_RELEASE = Path("/etc/os-release")
 # Debian and Ubuntu split some ROS packages: the program is in one, what makes it known as a package in another.

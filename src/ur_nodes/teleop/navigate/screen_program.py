@@ -8,8 +8,8 @@ import sys
 import threading
 from collections.abc import Callable
 
-from ur.screen.query import ask_background, is_light, typed_text
 from ur.source.run_users import FOLDER_VARIABLE, list_users
+from ur.tui.screen.query import ask_background, is_light, typed_text
 from ur_nodes.client.map_saving import MapSaving
 from ur_nodes.client.model import Navigator
 from ur_nodes.run import log_folder

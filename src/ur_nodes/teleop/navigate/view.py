@@ -13,9 +13,9 @@ from textual.driver import Driver
 from textual.geometry import Size
 from textual.widgets import Static
 
-from ur.screen.app import FullScreenApp
-from ur.screen.query import measure_terminal
 from ur.source.diagnostic import UserError
+from ur.tui.screen.app import FullScreenApp
+from ur.tui.screen.query import measure_terminal
 from ur_nodes.client.map_saving import MapSaving
 from ur_nodes.client.model import GoalReport, GoalState, Navigator, Snapshot, format_number
 from ur_nodes.client.patrol_text import PatrolStatus, describe_patrol

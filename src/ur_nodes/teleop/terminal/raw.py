@@ -9,8 +9,8 @@ import termios
 from collections.abc import Iterator, Sequence
 from typing import Any
 
-from ur.screen.query import measure_terminal
 from ur.source.ansi import RESET, strip_colours
+from ur.tui.screen.query import measure_terminal
 from ur_nodes.teleop.terminal.keys import KITTY_FLAGS, KeyEvent, decode_keys
 
 _ESCAPE_WAIT = 0.05  # s: the bytes of a sequence arrive together; ESC that stays alone is the key

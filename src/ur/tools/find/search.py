@@ -1,0 +1,136 @@
+"""Going through launch files and programs for everything that has a name."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import suppress
+
+from ur.check.cases import resolve_cases
+from ur.check.collect import Targets, collect_targets
+from ur.check.model import LaunchView
+from ur.check.survey import find_uses, survey_launch_file, walk_elements
+from ur.check.worlds import CachedWorld, has_marker
+from ur.launchfile.plan.model import ParamSpec, Plan, RemapStep, TraceStep
+from ur.launchfile.world import World
+from ur.source.diagnostic import UserError
+from ur.source.file import SourceFile, Span
+from ur.source.progress import Progress, counted, no_progress
+from ur.tools.find.model import KINDS, Kind, Occurrence, Wanted
+
+_PIECE = re.compile(r"\$\([^)]*\)")
+_FILE_ATTRIBUTES = ("file", "textfile", "binfile")
+
+
+def find_name(
+    name: str,
+    paths: Sequence[str],
+    world: World,
+    kinds: Iterable[Kind] = KINDS,
+    progress: Progress = no_progress,
+) -> tuple[Occurrence, ...]:
+    """Every definition and use of a name, sorted by kind, name and place, definitions first.
+
+    `paths` are files, folders and packages. Launch files are resolved for every base and variant, so names that depend
+    on arguments are found; what depends on arguments that nobody gave is not. Raises UserError for a bad path.
+    """
+    cached = CachedWorld(world)
+    targets = collect_targets(paths, cached)
+    _refuse_ros2(paths, targets, cached)
+    wanted = Wanted(name)
+    found: dict[tuple[object, ...], Occurrence] = {}
+    for each in _everything(targets, cached, frozenset(kinds), wanted, progress):
+        if wanted.matches(each.name) and not has_marker(each.name):
+            found.setdefault((each.kind, each.name, each.defines, str(each.span)), each)
+    return tuple(sorted(found.values(), key=_rank))
+
+
+def _refuse_ros2(paths: Sequence[str], targets: Targets, world: CachedWorld) -> None:
+    for path in {world.absolute(path) for path in paths} & {*targets.launch_files}:
+        with suppress(OSError):
+            found = survey_launch_file(path, targets.package_of(path), world).tree.diagnostics
+            if any(each.rule == "wrong-ros-version" for each in found):
+                raise UserError(*found)
+
+
+def _rank(each: Occurrence) -> tuple[object, ...]:
+    return KINDS.index(each.kind), each.name, not each.defines, each.span.file.path, each.span.start
+
+
+def _everything(
+    targets: Targets, world: CachedWorld, kinds: frozenset[Kind], wanted: Wanted, progress: Progress
+) -> Iterator[Occurrence]:
+    views = [*_views(targets, world, progress)]
+    if "file" in kinds:
+        paths = (*targets.launch_files, *targets.yaml_files, *targets.programs)
+        files = [path for path in paths if wanted.matches(path)]
+        yield from (Occurrence("file", path, True, Span(SourceFile(path, ""), 0, 0)) for path in files)
+        for view in views:
+            yield from _files(view, files)
+    for view in counted(views, "searching", "launch files", progress):
+        if "arg" in kinds:
+            yield from _arguments(view)
+        if kinds & {"node", "topic", "param"}:
+            yield from _resolved(view, world, kinds)
+    if "arg" in kinds:
+        for path in targets.programs:
+            yield from _in_program(path, world)
+
+
+def _views(targets: Targets, world: CachedWorld, progress: Progress) -> Iterator[LaunchView]:
+    for path in counted(targets.launch_files, "reading", "launch files", progress):
+        with suppress(OSError):  # `ur check` says it
+            yield survey_launch_file(path, targets.package_of(path), world)
+
+
+def _arguments(view: LaunchView) -> Iterator[Occurrence]:
+    for element, parent in walk_elements(view.tree.launch):
+        for name, span in find_uses(element):
+            yield Occurrence("arg", name, False, span)
+        if element.name == "arg" and (name := element.attributes.get("name", "")):
+            passed = parent is not None and parent.name == "include"
+            yield Occurrence("arg", name, not passed, element.value_span("name"), "handed on" if passed else "")
+
+
+def _in_program(path: str, world: World) -> Iterator[Occurrence]:
+    try:
+        source = SourceFile(path, world.read_bytes(path).decode("utf-8", "replace"))
+    except OSError:
+        return
+    for match in re.finditer(r"\b([A-Za-z]\w*):=", source.text):
+        yield Occurrence("arg", match.group(1), False, Span(source, *match.span(1)), "given")
+
+
+def _files(view: LaunchView, files: Sequence[str]) -> Iterator[Occurrence]:
+    # What is substituted may be anything, so what is written may mean several files.
+    for element, _ in walk_elements(view.tree.launch):
+        for attribute, value in element.attributes.items():
+            written = _PIECE.split(value)
+            if not any("/" in part for part in written) and not (attribute in _FILE_ATTRIBUTES and any(written)):
+                continue
+            pattern = re.compile(".*".join(map(re.escape, written)) + r"\Z")
+            for path in files:
+                if path != view.path and pattern.search(path):
+                    yield Occurrence("file", path, False, element.value_span(attribute), f"<{element.name}>")
+
+
+def _resolved(view: LaunchView, world: CachedWorld, kinds: frozenset[Kind]) -> Iterator[Occurrence]:
+    trace: list[TraceStep] = []
+    for resolved in resolve_cases(view, world, trace=trace):
+        if "node" in kinds:
+            yield from (Occurrence("node", node.full_name, True, node.origin.span) for node in resolved.plan.nodes)
+        if "topic" in kinds:
+            yield from _waited_for(resolved.plan)
+    for step in trace:
+        if isinstance(step, ParamSpec) and "param" in kinds:
+            yield Occurrence("param", step.name, True, step.origin.span)
+        elif isinstance(step, RemapStep) and "topic" in kinds:
+            yield Occurrence("topic", step.target, True, step.origin.span, f"remapped from {step.source}")
+            yield Occurrence("topic", step.source, False, step.origin.span, f"remapped to {step.target}")
+
+
+def _waited_for(plan: Plan) -> Iterator[Occurrence]:
+    for node in plan.nodes:
+        for condition in node.ready:
+            if condition.kind == "topic":
+                yield Occurrence("topic", condition.name, False, node.origin.span, "the node waits for it")

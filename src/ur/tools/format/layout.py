@@ -1,0 +1,102 @@
+"""Pieces to text: two blanks a level, attributes in one order, one blank line at most."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+from ur.tools.format.pieces import Note, Piece, Tag
+
+WIDTH = 120
+MANY = 4  # attributes that stand on one line at most
+_STEP = "  "
+# The other attributes follow in the order of the alphabet, conditions at the end.
+_FIRST = {
+    "arg": ("name", "value", "default"),
+    "env": ("name", "value"),
+    "group": ("ns",),
+    "include": ("file",),
+    "machine": ("name", "address"),
+    "param": ("name", "type", "value"),
+    "remap": ("from", "to"),
+    "rosparam": ("command", "file"),
+}
+_LAST = ("if", "unless")
+
+
+def lay_out(tag: Tag, depth: int = 0) -> Iterator[str]:
+    """The lines of a tag and what stands inside it. Laying out its own result changes nothing."""
+    indent = _STEP * depth
+    opening = [*_opening(tag, indent)]
+    closing = f"</{tag.name}>"
+    if tag.verbatim is not None:
+        yield from opening[:-1]
+        yield f"{opening[-1]}>{tag.verbatim}{closing}"
+    elif tag.inside:
+        yield from opening[:-1]
+        yield f"{opening[-1]}>"
+        yield from _inside(tag.inside, depth + 1)
+        yield indent + closing
+    else:
+        yield from opening[:-1]
+        yield f"{opening[-1]}/>"
+
+
+def lay_out_note(note: Note, indent: str) -> str:
+    """A comment at an indentation: its further lines move with the first."""
+    first, *others = note.text.split("\n")
+    shift = len(indent) - note.column if note.column is not None else 0
+    return "\n".join([first.rstrip() if others else first, *(_moved(line, shift) for line in others)])
+
+
+def _inside(pieces: Sequence[Piece], depth: int) -> Iterator[str]:
+    indent = _STEP * depth
+    line = ""
+    for number, piece in enumerate(pieces):
+        before = pieces[number - 1].what if number else None
+        if isinstance(piece.what, Note) and piece.same_line and isinstance(before, Tag):
+            line += f" {lay_out_note(piece.what, indent)}"
+            continue
+        if number:
+            yield line
+        if piece.blank_before and number:
+            yield ""
+        if isinstance(piece.what, Tag):
+            *done, line = lay_out(piece.what, depth)
+            yield from done
+        elif isinstance(piece.what, Note):
+            line = indent + lay_out_note(piece.what, indent)
+        else:
+            line = indent + piece.what.text
+    yield line
+
+
+def _opening(tag: Tag, indent: str) -> Iterator[str]:
+    # Without the bracket that closes it.
+    words = [f"{name}={value}" for name, value in sort_attributes(tag.name, tag.attributes)]
+    line = " ".join([f"{indent}<{tag.name}", *words])
+    if len(words) > MANY or (len(words) > 1 and (len(line) > WIDTH or "\n" in line)):
+        yield f"{indent}<{tag.name} {words[0]}"
+        yield from (f"{indent}{_STEP}{word}" for word in words[1:])
+    else:
+        yield line
+
+
+def sort_attributes(tag: str, attributes: Sequence[tuple[str, str]]) -> list[tuple[str, str]]:
+    """Attributes in conventional order."""
+    first = _FIRST.get(tag, ())
+
+    def rank(attribute: tuple[str, str]) -> tuple[int, str]:
+        name = attribute[0]
+        if name in first:
+            return first.index(name), ""
+        return (len(first) + 1, str(_LAST.index(name))) if name in _LAST else (len(first), name)
+
+    return sorted(attributes, key=rank)
+
+
+def _moved(line: str, shift: int) -> str:
+    text = line.strip()
+    if not text:
+        return ""
+    width = len(line[: len(line) - len(line.lstrip())].expandtabs(4))
+    return " " * max(width + shift, 0) + text

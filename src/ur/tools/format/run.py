@@ -1,0 +1,167 @@
+"""Formatting a launch file: read, lay out, order, prove."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, fields, is_dataclass
+from typing import Any
+
+from ur.check.cases import resolve_cases
+from ur.check.model import Package
+from ur.check.survey import survey_launch_file
+from ur.check.worlds import CachedWorld
+from ur.launchfile.plan.model import Origin, Plan
+from ur.launchfile.syntax import Comment, Element, LaunchFile, parse_launch_file
+from ur.launchfile.syntax.decode import decode_text
+from ur.launchfile.world import World
+from ur.source.diagnostic import UserError, error, error_about
+from ur.tools.format.layout import lay_out
+from ur.tools.format.order import is_title, sort_pieces
+from ur.tools.format.pieces import Tag, end_of, read_pieces
+
+
+@dataclass(frozen=True, slots=True)
+class Formatted:
+    """A launch file laid out. `kept`: what is left as it was, although it is not conventional, and why."""
+
+    path: str
+    before: str
+    text: str
+    kept: str | None = None
+
+    @property
+    def changed(self) -> bool:
+        """Return whether anything is different."""
+        return self.text != self.before
+
+
+def format_file(path: str, data: bytes, world: World, package: Package | None = None) -> Formatted:
+    """A launch file in conventional layout and order, as far as that changes no plan.
+
+    `path` is absolute. Raises UserError with what is wrong for a file that cannot be parsed, or is not UTF-8. Lines end
+    as on Linux afterwards.
+    """
+    before, encoding = decode_text(data)
+    if encoding not in ("ascii", "utf-8") or not data.endswith(before.encode()):
+        raise UserError(
+            error_about(path, "not written in UTF-8, expected that", rule="not-utf-8", help="save it as UTF-8 first")
+        )
+    tree = _parse(path, before.removeprefix("\ufeff").replace("\r\n", "\n").replace("\r", "\n"))
+    assert tree.root is not None
+    pieces = read_pieces(tree.root)
+    plain = _write(tree, pieces)
+    ordered = _write(tree, sort_pieces(pieces))
+    for text, kept in ((ordered, None), (plain, "the order of its arguments"), (before, "its layout")):
+        if text is ordered and text != plain and not _may_move(tree):
+            continue
+        if text == before or same_plans(path, data, _checked(tree, text).encode(), package, world):
+            why = f"{kept} stays: the usual one would change the meaning of the file"
+            return Formatted(path, before, text, why if kept and text != ordered else None)
+    raise AssertionError("the text itself is the last that is tried")
+
+
+def _parse(path: str, text: str) -> LaunchFile:
+    tree = parse_launch_file(path, text.encode())
+    if tree.diagnostics:
+        raise UserError(*tree.diagnostics)
+    return tree
+
+
+def _write(tree: LaunchFile, pieces: Tag) -> str:
+    assert tree.root is not None
+    text = tree.source.text
+    before, after = text[: tree.root.start].rstrip(), text[end_of(tree.root) :].strip()
+    parts = (before, "\n".join(lay_out(pieces)), after)
+    return "\n".join(part for part in parts if part) + "\n"
+
+
+def _checked(tree: LaunchFile, text: str) -> str:
+    # A defect here must not cost anybody a line of a launch file.
+    after = parse_launch_file(tree.source.path, text.encode())
+    if after.diagnostics or not same_content(tree, after):
+        message = f"{tree.source.path}: cannot be laid out without a change of its content; it is left as it is"
+        raise UserError(error(message, rule="not-formatted", help="please report it with the file"))
+    return text
+
+
+def _may_move(tree: LaunchFile) -> bool:
+    # What pass_all_args hands over depends on which arguments stand before it, and may matter on another computer only.
+    assert tree.root is not None
+    return not any("pass_all_args" in element.attributes for element in tree.root.elements)
+
+
+class EditedWorld:
+    """A world in which one file says something else."""
+
+    def __init__(self, world: World, path: str, data: bytes) -> None:
+        self._world = world
+        self._path = path
+        self._data = data
+
+    def read_bytes(self, path: str) -> bytes:
+        """See World."""
+        return self._data if self._world.absolute(path) == self._path else self._world.read_bytes(path)
+
+    @property
+    def environment(self) -> Mapping[str, str]:
+        """See World."""
+        return self._world.environment
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._world, name)
+
+
+def same_content(before: LaunchFile, after: LaunchFile) -> bool:
+    """Return whether two files hold the same tags, comments and texts; those directly in `<launch>` in whatever order.
+
+    Comments that title a group of arguments do not count, nor blanks in comments.
+    """
+    first, second = before.root, after.root
+    if first is None or second is None:
+        return first is second
+    return (
+        (first.name, first.attributes) == (second.name, second.attributes)
+        and Counter(map(_content, _told(first))) == Counter(map(_content, _told(second)))
+        and [_content(each) for each in before.comments] == [_content(each) for each in after.comments]
+    )
+
+
+def same_plans(path: str, data: bytes, new: bytes, package: Package | None, world: World) -> bool:
+    """Return whether a launch file resolves to the same plans, for each base, variant and option."""
+    before = _plans(path, package, EditedWorld(world, path, data))
+    after = _plans(path, package, EditedWorld(world, path, new))
+    return all(first == second for first, second in zip(before, after, strict=True))
+
+
+def _plans(path: str, package: Package | None, world: World) -> Iterator[object]:
+    cached = CachedWorld(world)
+    for resolved in resolve_cases(survey_launch_file(path, package, cached), cached):
+        yield resolved.case, _meaning(resolved.plan)
+
+
+def _meaning(plan: Plan) -> object:
+    said = Counter((found.severity, found.rule, found.message) for found in plan.diagnostics)
+    return said, [
+        _plain(getattr(plan, field.name)) for field in fields(plan) if field.name not in ("diagnostics", "files")
+    ]
+
+
+def _plain(value: object) -> object:
+    """A value of a plan without the places it came from."""
+    if is_dataclass(value) and not isinstance(value, type):
+        return [_plain(getattr(value, f.name)) for f in fields(value) if not isinstance(getattr(value, f.name), Origin)]
+    if isinstance(value, tuple | list):
+        return [_plain(each) for each in value]
+    return repr(value) if isinstance(value, float) else value
+
+
+def _told(element: Element) -> Iterable[Element | Comment]:
+    return (each for each in element.children if not (isinstance(each, Comment) and is_title(each.span.text)))
+
+
+def _content(each: Element | Comment) -> object:
+    if isinstance(each, Comment):
+        return " ".join(each.text.split())
+    inside = tuple(_content(child) for child in each.children)
+    return each.name, tuple(sorted(each.attributes.items())), each.text, inside

@@ -1,0 +1,67 @@
+"""The text of a launch file that follows the conventions of `ur check`."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from textwrap import fill
+from xml.sax.saxutils import escape, quoteattr
+
+from ur.tools.new.model import Argument
+
+_WIDTH = 118
+LOCALHOST = (
+    "<!-- roslaunch knows no machine by itself, not even this one; saying it twice does no harm. -->",
+    '<machine name="localhost" address="localhost"/>',
+)
+MACHINE = Argument("machine", "Where the node runs.", default="localhost")
+
+
+def write_launch(summary: str, overview: str, arguments: Sequence[Argument], body: Iterable[str]) -> str:
+    """Summary, Overview, arguments by kind with their documentation, and the lines of the rest."""
+    lines = ["<launch>", f"  <!--Summary: {say(summary)}-->"]
+    paragraph = fill(say(overview), _WIDTH - 4, break_long_words=False, break_on_hyphens=False)
+    lines += ["  <!--Overview:", *(f"    {line}" for line in paragraph.splitlines()), "  -->"]
+    for title, kind in (("Required", "required"), ("Convenience", "value"), ("Optional", "default")):
+        chosen = [each for each in arguments if _kind(each) == kind]
+        if chosen:
+            lines += [
+                "",
+                f"  <!-- {title} arguments -->",
+                *(f"  {line}" for each in chosen for line in _argument(each)),
+            ]
+    lines += ["", *(f"  {line}" for line in body), "</launch>", ""]
+    return "\n".join(lines)
+
+
+def attribute(name: str, value: str) -> str:
+    """`name="value"`, escaped."""
+    return f"{name}={quoteattr(value)}"
+
+
+def say(text: str) -> str:
+    """A text as it may stand in a comment: in one line, without two dashes in a row."""
+    words = " ".join(text.split())
+    while "--" in words:
+        words = words.replace("--", "-")
+    return words.removesuffix("-")
+
+
+def hand_on(names: Iterable[tuple[str, str]]) -> Iterator[str]:
+    """The `<arg>` tags of an include, which hand on arguments (theirs, ours)."""
+    yield from (f'  <arg name="{theirs}" value="$(arg {ours})"/>' for theirs, ours in names)
+
+
+def _kind(argument: Argument) -> str:
+    if argument.value is not None:
+        return "value"
+    return "required" if argument.default is None else "default"
+
+
+def _argument(argument: Argument) -> Iterator[str]:
+    given = ""
+    if argument.value is not None:
+        given = " " + attribute("value", argument.value)
+    elif argument.default is not None:
+        given = " " + attribute("default", argument.default)
+    yield f'<arg name="{escape(argument.name)}"{given}/>'
+    yield f"<!--{argument.name}: {say(argument.doc)}-->"

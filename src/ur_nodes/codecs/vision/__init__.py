@@ -1,0 +1,1 @@
+"""Messages of what cameras and viewers show: pictures, fiducials, clouds, markers."""

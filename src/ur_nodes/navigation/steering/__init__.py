@@ -1,0 +1,1 @@
+"""Motion along a path: variants simulated ahead, speeds, recovery."""

@@ -1,0 +1,105 @@
+"""The next command: a steering law that follows the path, simulated ahead before its command is used.
+
+The first choice is the plain law. Variants of it (slower, to the left or right of the path) matter only when its
+footprint would touch something.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ur_nodes.costmap.costmap import FREE, LETHAL, Costmap
+from ur_nodes.costmap.footprint import Footprint
+from ur_nodes.geometry.pose import Pose2
+from ur_nodes.navigation.steering.rollout import Floats, FollowSettings, Motion, ReferencePath, roll_out
+from ur_nodes.navigation.steering.speed_profile import Limits
+
+# Variants of the steering law: the share of the speed limit, the offset to the left of the path (m).
+_PLAIN = np.array(((1.0, 0.0),))
+_VARIANTS = np.array([(s, o) for s in (0.7, 0.4, 0.2, 0.08, 0.0) for o in (0.0, 0.1, -0.1, 0.2, -0.2)])
+_OFFSET_COST = 0.5  # m of progress that a metre beside the path costs
+_LEAST_GAIN, _LEAST_TURN = 0.02, 0.05  # m, rad/s: a variant with less of both gets the robot nowhere
+_SAMPLED = 0.1  # s between two poses of a sweep
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Step:
+    """The next command: speed (m/s) and turn (rad/s). `ahead` (t, 3) are the poses that this leads to.
+
+    `hindered`: an obstacle blocks the plain law, another variant was taken. `blocked`: every variant would
+    touch something, the command is to stop.
+    """
+
+    speed: float
+    turn: float
+    ahead: Floats
+    hindered: bool = False
+    blocked: bool = False
+
+
+def follow_reference(
+    reference: ReferencePath,
+    index: int,
+    motion: Motion,
+    costmap: Costmap,
+    footprint: Footprint,
+    limits: Limits,
+    settings: FollowSettings,
+    period: float,
+) -> Step:
+    """Return the next command for a robot near point `index` of the path; `period` is its duration (s).
+
+    The command differs from the present motion by no more than the accelerations allow in `period`.
+    """
+    plain = roll_out(reference, index, motion, _PLAIN, limits, settings, period)
+    if not _touches(plain.poses, motion.pose, costmap, footprint)[:, 0].any():
+        return Step(float(plain.speeds[0, 0]), float(plain.turns[0, 0]), plain.poses[:, 0])
+    others = roll_out(reference, index, motion, _VARIANTS, limits, settings, period)
+    touching = _touches(others.poses, motion.pose, costmap, footprint)
+    free = ~touching.any(axis=0)
+    if not free.any():
+        return _stop(motion, limits, settings, period)
+    gains = (others.indices[-1] - index) * reference.spacing - _OFFSET_COST * np.abs(_VARIANTS[:, 1])
+    best = int(np.argmax(np.where(free, gains, -np.inf)))
+    if gains[best] <= _LEAST_GAIN and abs(others.turns[:, best]).max() < _LEAST_TURN:
+        return _stop(motion, limits, settings, period)
+    return Step(float(others.speeds[0, best]), float(others.turns[0, best]), others.poses[:, best], hindered=True)
+
+
+def sweep_is_free(motion: Motion, seconds: float, costmap: Costmap, footprint: Footprint) -> bool:
+    """Return True when keeping the speed and turn for a while touches nothing (more than the robot does already)."""
+    times = np.linspace(0.0, seconds, max(2, math.ceil(seconds / _SAMPLED) + 1))
+    yaws = motion.pose.yaw + motion.turn * times
+    steps = np.diff(times, prepend=0.0) * motion.speed
+    xs = motion.pose.x + np.cumsum(steps * np.cos(yaws))
+    ys = motion.pose.y + np.cumsum(steps * np.sin(yaws))
+    return not bool(_touches(np.stack((xs, ys, yaws), axis=-1)[:, None], motion.pose, costmap, footprint).any())
+
+
+def _touches(poses: Floats, start: Pose2, costmap: Costmap, footprint: Footprint) -> NDArray[np.bool_]:
+    """Mark the poses (t, k, 3) that put more of the footprint on obstacles than there is of it already at `start`.
+
+    So a robot that something has come too near to may still move away. What lies beyond the costmap counts as free.
+    """
+    deeper: NDArray[np.bool_] = _overlaps(poses, costmap, footprint) > _overlaps(np.array(start), costmap, footprint)
+    return deeper
+
+
+def _overlaps(poses: Floats, costmap: Costmap, footprint: Footprint) -> NDArray[np.intp]:
+    """Count the samples of the footprint that lie on obstacles at each pose (..., 3)."""
+    c, s = np.cos(poses[..., 2, None]), np.sin(poses[..., 2, None])
+    fx, fy = footprint.samples.T
+    points = np.stack((poses[..., 0, None] + c * fx - s * fy, poses[..., 1, None] + s * fx + c * fy), axis=-1)
+    counts: NDArray[np.intp] = (costmap.costs_at(points, outside=FREE) == LETHAL).sum(axis=-1)
+    return counts
+
+
+def _stop(motion: Motion, limits: Limits, settings: FollowSettings, period: float) -> Step:
+    speed = max(0.0, motion.speed - limits.acceleration * period) if motion.speed > 0 else 0.0
+    turn = math.copysign(max(0.0, abs(motion.turn) - limits.turn_acceleration * period), motion.turn)
+    here = np.array(motion.pose)[None]
+    return Step(speed, turn, np.repeat(here, math.ceil(settings.horizon / settings.step), axis=0), blocked=True)

@@ -1,0 +1,109 @@
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from tests.ur_nodes.navigation.closed_loop import LIMITS, STAGE
+
+from ur_nodes.costmap.costmap import LETHAL, Costmap
+from ur_nodes.costmap.footprint import footprint_of_outline
+from ur_nodes.geometry.pose import Pose2
+from ur_nodes.navigation.planning.path_geometry import nearest_index, resample
+from ur_nodes.navigation.steering.local_plan import follow_reference, sweep_is_free
+from ur_nodes.navigation.steering.rollout import FollowSettings, Motion, make_reference
+from ur_nodes.navigation.steering.speed_profile import speed_profile, turn_rate
+
+FOOTPRINT = footprint_of_outline(STAGE, 0.05, 0.01)
+CORNER = resample(np.array([(0.0, 0.0), (1.5, 0.0), (1.5, 1.5)]), 0.05)
+
+
+def window(*boxes: tuple[float, float, float]) -> Costmap:
+    """6 m x 6 m round (1, 0) with square boxes (x, y, side)."""
+    costmap = Costmap(np.zeros((120, 120), np.uint8), 0.05, Pose2(-2.0, -3.0, 0.0))
+    centres = costmap.points_of_cells(np.moveaxis(np.indices((120, 120)), 0, -1))
+    for x, y, side in boxes:
+        costmap.costs[(abs(centres - (x, y)) < side / 2).all(axis=-1)] = LETHAL
+    return costmap
+
+
+@settings(max_examples=60)
+@given(
+    st.floats(-0.3, 1.8),
+    st.floats(-0.4, 1.8),
+    st.floats(-math.pi, math.pi),
+    st.floats(0.0, 0.5),
+    st.floats(-1.0, 1.0),
+)
+def test_follow_way_obeys_limits_from_any_state(x: float, y: float, yaw: float, speed: float, turn: float) -> None:
+    reference = make_reference(CORNER, LIMITS)
+    motion = Motion(Pose2(x, y, yaw), speed, turn)
+    index = nearest_index(reference.points, x, y, 0, reference.end + 1)
+    step = follow_reference(reference, index, motion, window((0.8, 0.6, 0.3)), FOOTPRINT, LIMITS, FollowSettings(), 0.1)
+    assert 0.0 <= step.speed <= LIMITS.speed + 1e-9
+    assert abs(step.turn) <= LIMITS.turn + 1e-9
+    assert abs(step.speed - speed) <= LIMITS.acceleration * 0.1 + 1e-9
+    assert abs(step.turn - turn) <= LIMITS.turn_acceleration * 0.1 + 1e-9
+
+
+def test_follow_way_drives_at_full_speed_along_a_straight_way() -> None:
+    reference = make_reference(resample(np.array([(0.0, 0.0), (4.0, 0.0)]), 0.05), LIMITS)
+    step = follow_reference(
+        reference, 10, Motion(Pose2(0.5, 0.0, 0.0), 0.5, 0.0), window(), FOOTPRINT, LIMITS, FollowSettings(), 0.1
+    )
+    assert step.speed > 0.499
+    assert abs(step.turn) < 0.01
+
+
+def test_follow_way_turns_on_the_spot_when_the_way_is_behind() -> None:
+    reference = make_reference(resample(np.array([(0.0, 0.0), (4.0, 0.0)]), 0.05), LIMITS)
+    step = follow_reference(
+        reference, 0, Motion(Pose2(0.0, 0.0, 3.0), 0.0, 0.0), window(), FOOTPRINT, LIMITS, FollowSettings(), 0.1
+    )
+    assert step.speed == 0.0
+    assert step.turn < -0.2
+
+
+def test_follow_way_slows_down_before_an_obstacle_and_stops_where_nothing_helps() -> None:
+    reference = make_reference(resample(np.array([(0.0, 0.0), (4.0, 0.0)]), 0.05), LIMITS)
+    wall = window(*((1.2, y, 0.2) for y in np.arange(-1.0, 1.1, 0.1)))
+    moving = Motion(Pose2(0.4, 0.0, 0.0), 0.5, 0.0)
+    step = follow_reference(reference, 8, moving, wall, FOOTPRINT, LIMITS, FollowSettings(), 0.1)
+    assert step.hindered
+    assert step.speed < 0.5
+    near = Motion(Pose2(0.87, 0.0, 0.0), 0.0, 0.0)
+    assert follow_reference(reference, 17, near, wall, FOOTPRINT, LIMITS, FollowSettings(), 0.1).blocked
+
+
+def test_follow_way_never_foresees_a_touch() -> None:
+    reference = make_reference(CORNER, LIMITS)
+    costmap = window((0.9, 0.3, 0.2), (1.9, 0.6, 0.2))
+    motion = Motion(Pose2(0.2, 0.0, 0.0), 0.3, 0.0)
+    step = follow_reference(reference, 4, motion, costmap, FOOTPRINT, LIMITS, FollowSettings(), 0.1)
+    for x, y, yaw in step.ahead:
+        c, s = math.cos(yaw), math.sin(yaw)
+        points = FOOTPRINT.samples @ np.array(((c, s), (-s, c))) + (x, y)
+        assert not (costmap.costs_at(points) == LETHAL).any()
+
+
+def test_sweep_is_free_lets_a_robot_leave_what_it_touches() -> None:
+    costmap = window((0.26, 0.0, 0.2))
+    touching = Pose2(0.0, 0.0, 0.0)
+    assert not sweep_is_free(Motion(touching, 0.2, 0.0), 0.5, costmap, FOOTPRINT)
+    assert sweep_is_free(Motion(touching, -0.2, 0.0), 0.5, costmap, FOOTPRINT)
+
+
+def test_speed_profile_ends_at_rest_and_can_be_braked() -> None:
+    speeds = speed_profile(CORNER, LIMITS)
+    assert speeds[-1] == 0.0
+    assert speeds.max() <= LIMITS.speed + 1e-9
+    braking = (speeds[:-1] ** 2 - speeds[1:] ** 2) / (2 * 0.05)
+    assert braking.max() <= LIMITS.acceleration + 1e-6
+
+
+def test_turn_rate_can_be_braked_from_any_error() -> None:
+    for error in np.linspace(-3.0, 3.0, 61):
+        rate = turn_rate(float(error), LIMITS)
+        assert rate**2 / (2 * LIMITS.turn_acceleration) <= abs(error) + 1e-9
+        assert rate * error >= 0.0

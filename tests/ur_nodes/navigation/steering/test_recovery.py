@@ -1,0 +1,81 @@
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from tests.ur_nodes.navigation.closed_loop import LIMITS, STAGE
+
+from ur_nodes.costmap.costmap import LETHAL, Costmap
+from ur_nodes.costmap.footprint import footprint_of_outline
+from ur_nodes.geometry.pose import Pose2, wrap_angle
+from ur_nodes.navigation.steering.recovery import SEQUENCE, Behaviour, Recovery, find_escape, move_to_recover
+from ur_nodes.navigation.steering.rollout import Motion
+
+FOOTPRINT = footprint_of_outline(STAGE, 0.05, 0.01)
+
+
+def window(*rows_columns: tuple[slice, slice]) -> Costmap:
+    costs = np.zeros((80, 80), np.uint8)
+    for box in rows_columns:
+        costs[box] = LETHAL
+    return Costmap(costs, 0.05, Pose2(-2.0, -2.0, 0.0))
+
+
+def play(behaviour: Behaviour, costmap: Costmap, steps: int = 400) -> tuple[Motion, float, float]:
+    """The last motion, how far it turned and how far it went, of a behaviour played to its end."""
+    recovery = Recovery(SEQUENCE.index(behaviour))
+    motion, turned, went = Motion(Pose2(0.0, 0.0, 0.0), 0.0, 0.0), 0.0, 0.0
+    for _ in range(steps):
+        move = move_to_recover(recovery, motion, costmap, FOOTPRINT, LIMITS, 0.1)
+        recovery = move.recovery
+        if move.finished:
+            return motion, turned, went
+        x, y, yaw = motion.pose
+        pose = Pose2(
+            x + 0.1 * move.speed * math.cos(yaw),
+            y + 0.1 * move.speed * math.sin(yaw),
+            wrap_angle(yaw + 0.1 * move.turn),
+        )
+        turned, went = turned + 0.1 * abs(move.turn), went + 0.1 * abs(move.speed)
+        motion = Motion(pose, move.speed, move.turn)
+    raise AssertionError(f"{behaviour} does not end")
+
+
+def test_rotate_turns_once_round() -> None:
+    _, turned, went = play(Behaviour.ROTATE, window())
+    assert 6.2 < turned < 6.6
+    assert went == 0.0
+
+
+def test_rotate_ends_where_there_is_no_room_to_turn() -> None:
+    walls = window((slice(44, 46), slice(0, 80)), (slice(34, 36), slice(0, 80)))
+    _, turned, _ = play(Behaviour.ROTATE, walls)
+    assert turned < 0.5
+
+
+def test_back_off_goes_back_and_stays_in_reach() -> None:
+    motion, _, went = play(Behaviour.BACK_OFF, window((slice(30, 50), slice(45, 47))))
+    assert 0.25 < went < 0.4
+    assert motion.pose.x < -0.2
+
+
+def test_back_off_does_not_run_into_what_is_behind() -> None:
+    motion, _, _ = play(Behaviour.BACK_OFF, window((slice(30, 50), slice(45, 47)), (slice(30, 50), slice(33, 34))))
+    assert motion.pose.x > -0.16
+
+
+def test_find_way_out_goes_ahead_when_something_is_close_behind() -> None:
+    speed, _ = find_escape(
+        Motion(Pose2(0.0, 0.0, 0.0), 0.0, 0.0), window((slice(30, 50), slice(34, 36))), FOOTPRINT, LIMITS
+    )
+    assert speed > 0.0
+
+
+def test_recovery_begins_anew_once_the_robot_has_come_away() -> None:
+    stuck = Recovery(3, began=Pose2(0.0, 0.0, 0.0))
+    assert stuck.forgotten(Pose2(0.3, 0.0, 0.0), 0.5).tried == 3
+    assert stuck.forgotten(Pose2(0.6, 0.0, 0.0), 0.5).tried == 0
+
+
+def test_recovery_runs_out_of_behaviours() -> None:
+    assert [Recovery(n).behaviour for n in range(len(SEQUENCE) + 1)] == [*SEQUENCE, None]
