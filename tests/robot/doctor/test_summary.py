@@ -5,10 +5,11 @@ from __future__ import annotations
 from dataclasses import replace
 
 from tests.robot.doctor.pairs import LAPTOP, NOBODY, PAIR, ROBOT, WIFI
+from tests.robot.doctor.rules.ros2.cases import RUNNING
 
 from ur.robot.doctor.model import Advertised
 from ur.robot.doctor.side import Side
-from ur.robot.doctor.summary import compare_packages, summarize
+from ur.robot.doctor.summary import compare_packages, describe_ros2, summarize
 
 
 def test_everything_that_was_seen_is_shown_for_both() -> None:
@@ -25,6 +26,14 @@ def test_everything_that_was_seen_is_shown_for_both() -> None:
     assert rows["full frames"] == ["yes (wlan0, MTU 1500)"] * 2
     assert rows["set up by ur"] == ["", "0.1.0"]
     assert rows["node /x at nobody"] == ["nothing", "nothing"]
+
+
+def test_ros2_of_a_computer_is_described() -> None:
+    assert describe_ros2(RUNNING) == [
+        "ROS 2 Jazzy in /opt/ros/jazzy",
+        "2 processes of ROS 2 in domain 7, rmw_fastrtps_cpp (base.service, lidar.service)",
+        "4 nodes, 3 topics",
+    ]
 
 
 def test_what_was_not_seen_is_shown_as_such() -> None:

@@ -73,8 +73,7 @@ class ActionlibClient:
 class RosStage:
     """One node of ROS 1, for both ends."""
 
-    raw_senders_unknown = False
-    moments_known = False
+    senders_unknown = False
     silent_services_hide_failures = False
     keeps_for_all = True
     unknown_kinds: frozenset[type] = frozenset()

@@ -18,8 +18,7 @@ from ur_nodes.ports.node import Node
 
 
 class MemoryStage:
-    raw_senders_unknown = False
-    moments_known = False
+    senders_unknown = False
     silent_services_hide_failures = False
     keeps_for_all = False
     unknown_kinds: frozenset[type] = frozenset()

@@ -12,7 +12,8 @@ import click
 from ur.cli.output import plain_text
 from ur.robot.doctor.model import Finding, Pair
 from ur.robot.doctor.route import Step
-from ur.robot.doctor.summary import compare_packages, summarize
+from ur.robot.doctor.side import Side
+from ur.robot.doctor.summary import compare_packages, describe_ros2, summarize
 from ur.source.printable import printable, printable_lines
 from ur.source.render import shows_colour
 
@@ -31,6 +32,14 @@ class Report:
     steps: Sequence[Step] = ()
     fixed: list[tuple[str, str]] = field(default_factory=list)
     for_robot: Sequence[Finding] = ()
+
+
+def print_alone(side: Side, ros1: str) -> None:
+    """The computer that is examined, and its ROS; `ros1` describes its ROS 1."""
+    click.echo(f"a simulated robot is selected: this computer alone ({side.name})")
+    click.echo(ros1)
+    for line in describe_ros2(side.ros2):
+        click.echo(printable(line))
 
 
 def print_report(report: Report, *, fixable: str = "") -> None:

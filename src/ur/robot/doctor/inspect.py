@@ -12,7 +12,8 @@ from ur.devices.model import Expected
 from ur.robot.devices import inspect_devices
 from ur.robot.discovery.ask import clock_offset
 from ur.robot.doctor.model import Advertised, Owner, Pair, Where
-from ur.robot.doctor.observe import STRICT, observe_script, parse_side
+from ur.robot.doctor.observe import SHELL_FILES, STRICT, observe_script, parse_side
+from ur.robot.doctor.ros2.observe import hear_other, inspect_ros2
 from ur.robot.doctor.side import Side
 from ur.robot.ssh.openssh import SshShell
 from ur.robot.ssh.shell import Shell, quote
@@ -44,8 +45,10 @@ class Node:
 
 def inspect_computer(here: Shell) -> Side:
     """Inspect this computer by itself."""
-    side = parse_side(here.run(observe_script(""), timeout=LOOK_SECONDS).out)
-    return _with_journals(here, side)
+    with ThreadPoolExecutor(2) as pool:
+        ros2 = pool.submit(inspect_ros2, here, SHELL_FILES)
+        side = parse_side(here.run(observe_script(""), timeout=LOOK_SECONDS).out)
+    return _with_journals(here, replace(side, ros2=ros2.result()))
 
 
 def inspect_pair(
@@ -65,7 +68,8 @@ def inspect_pair(
     """
     mine = socket.gethostname().split(".")[0]
     other = read_name(there)
-    with ThreadPoolExecutor(8) as pool:
+    with ThreadPoolExecutor(10) as pool:
+        newer = [pool.submit(inspect_ros2, shell, SHELL_FILES) for shell in (here, there)]
         left = pool.submit(here.run, observe_script(f"{other}.local"), timeout=LOOK_SECONDS)
         right = pool.submit(there.run, observe_script(f"{mine}.local"), timeout=LOOK_SECONDS)
         twins = {name: pool.submit(_resolve, here, f"{name}-2.local", TWIN_SECONDS) for name in (mine, other)}
@@ -74,6 +78,12 @@ def inspect_pair(
         devices = pool.submit(inspect_devices, there)
         advertised = pool.submit(_advertised, here, there, nodes)
         sides = parse_side(left.result().out), parse_side(right.result().out)
+        ros2 = newer[0].result(), newer[1].result()
+        if ros2[0].present and ros2[1].present:
+            ends = ((here, mine, other), (there, other, mine))
+            heard = [pool.submit(hear_other, *end) for end in ends]
+            ros2 = replace(ros2[0], heard=heard[0].result()), replace(ros2[1], heard=heard[1].result())
+        sides = replace(sides[0], ros2=ros2[0]), replace(sides[1], ros2=ros2[1])
     back = there.run(f"{STRICT} {quote(f'{sides[0].user}@{mine}.local')} true")
     return Pair(
         here=_with_journals(here, sides[0]),

@@ -15,7 +15,7 @@ from ur.system.releases import parse_os_release
 
 _AVAHI = "org.freedesktop.Avahi"
 _MARK = "\x1e"
-UNITS = ("ssh.service", "ssh.socket", "avahi-daemon.service", "chrony.service")
+UNITS = ("ssh.service", "ssh.socket", "avahi-daemon.service", "chrony.service", "systemd-timesyncd.service")
 SSH_PATHS = (".", ".ssh", ".ssh/authorized_keys", ".ssh/id_ed25519")
 PLACES = ("/", "/tmp", "/var", "/var/log", "/var/cache/apt")  # noqa: S108 - looked at, nothing is written there
 LARGE = ("~/.ros/log", "~/.cache", "/var/log/journal", "/var/cache/apt")

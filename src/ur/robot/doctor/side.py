@@ -6,8 +6,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from ur.robot.doctor.messages import Message
+from ur.robot.doctor.ros2.model import Ros2
 from ur.robot.doctor.wifi import Wifi
 from ur.system.releases import System
+
+ROS_1 = ("python3-roslaunch", "ros-noetic-roslaunch", "ros-one-roslaunch")  # packages that show it
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,7 +50,7 @@ class Side:
     name, '' when that worked. `large` are folders that may be emptied, with their sizes. `packages` are Debian's, with
     their versions, `workspace` those below ~/catkin_ws/src, which is `built` or not; `ur` is the version that set
     a robot up. `device` leads to the other
-    computer.
+    computer. `ros2` is its ROS 2.
     """
 
     name: str
@@ -84,3 +87,9 @@ class Side:
     release: System | None = None
     ur: str = ""
     wifi: tuple[Wifi, ...] = ()
+    ros2: Ros2 = field(default_factory=Ros2)
+
+    @property
+    def only_ros2(self) -> bool:
+        """Return whether it has ROS 2, and no ROS 1."""
+        return self.ros2.present and not any(name in self.packages for name in ROS_1)

@@ -6,6 +6,7 @@ import re
 from collections.abc import Mapping
 
 from ur.robot.doctor.model import Pair
+from ur.robot.doctor.ros2.model import NAMES, Ros2, domain_of, middleware_of
 from ur.robot.doctor.side import Side
 
 _ROS = re.compile(
@@ -42,6 +43,7 @@ _TITLES = (
         "tool for the firewall",
         "X11 over ssh",
         "ROS",
+        "ROS 2",
         "set up by ur",
         "workspace",
     ),
@@ -68,9 +70,29 @@ def _cells(side: Side) -> list[str]:
         side.firewall or "none",
         _yes(side.x11),
         side.packages.get("python3-roslaunch", "none"),
+        "; ".join(describe_ros2(side.ros2)) or "none",
         side.ur,
         f"{len(side.workspace)} packages{', built' if side.built else ''}",
     ]
+
+
+def describe_ros2(ros2: Ros2) -> list[str]:
+    """Lines about ROS 2 on a computer: what is installed, what runs, and where; none where there is no ROS 2."""
+    lines = [f"ROS 2 {NAMES.get(each.distro, each.distro)} in {each.folder}" for each in ros2.installations]
+    if ros2.processes:
+        where = f"domain {domain_of(ros2.variables)}, {middleware_of(ros2.variables)}"
+        units = sorted({each.unit for each in ros2.processes if each.unit})
+        by = f" ({', '.join(units)})" if units else ""
+        lines.append(f"{_count(len(ros2.processes), 'process', 'processes')} of ROS 2 in {where}{by}")
+    if ros2.graph:
+        lines.append(
+            f"{_count(len(ros2.graph.nodes), 'node', 'nodes')}, {_count(len(ros2.graph.topics), 'topic', 'topics')}"
+        )
+    return lines
+
+
+def _count(number: int, one: str, many: str) -> str:
+    return f"{number} {one if number == 1 else many}"
 
 
 def compare_packages(pair: Pair) -> list[tuple[str, str, str]]:

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 from tests.robot.doctor.pairs import BOB, LAPTOP, NOBODY, PAIR, ROBOT, WIFI
+from tests.robot.doctor.rules.ros2.cases import CASES as ROS2_CASES
 
 from ur.devices.model import Device, Expected, Holder, Snapshot
 from ur.robot.doctor.messages import Message
@@ -99,7 +100,7 @@ def test_one_difference_is_one_finding_with_something_to_do(rule: str, pair: Pai
 
 
 def test_every_kind_of_finding_is_tried_here_and_explained_to_users() -> None:
-    assert {rule for rule, _ in CASES} == set(KINDS)
+    assert {rule for rule, _ in [*CASES, *ROS2_CASES]} == set(KINDS)
     page = Path(__file__).parents[4] / "docs" / "how-to" / "two-computers.md"
     assert set(KINDS) <= set(re.findall(r"`([a-z0-9-]+)`", page.read_text(encoding="utf-8")))
 

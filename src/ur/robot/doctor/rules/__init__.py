@@ -13,6 +13,7 @@ from ur.robot.doctor.rules import (
     network,
     nodes,
     packages,
+    ros2,
     services,
     wifi,
 )
@@ -32,6 +33,7 @@ RULES: tuple[Rule, ...] = (
     *services.RULES,
     *devices.RULES,
     *packages.RULES,
+    *ros2.RULES,
 )
 KINDS = {kind: meaning for rule in RULES for kind, meaning in rule.kinds.items()}
 
@@ -42,6 +44,8 @@ def diagnose(pair: Pair) -> list[Finding]:
     """All findings about two computers; empty for a healthy pair."""
     found: list[Finding] = []
     for rule in RULES:
+        if rule.ros1 and pair.there.only_ros2:
+            continue
         if isinstance(rule, SideRule):
             found += [finding for where, side, _ in pair.sides() for finding in rule.check(where, side)]
         else:
@@ -52,4 +56,4 @@ def diagnose(pair: Pair) -> list[Finding]:
 def diagnose_alone(side: Side, *, simulation: bool = False) -> list[Finding]:
     """All findings about this computer by itself; with `simulation`, those that matter for a simulated robot."""
     rules = [rule for rule in RULES if isinstance(rule, SideRule) and (rule.simulation or not simulation)]
-    return [finding for rule in rules for finding in rule.check("here", side)]
+    return [finding for rule in rules if not (rule.ros1 and side.only_ros2) for finding in rule.check("here", side)]

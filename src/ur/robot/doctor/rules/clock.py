@@ -28,6 +28,8 @@ def check_offset(pair: Pair) -> Iterator[Finding]:
 def check_daemon(where: Where, side: Side) -> Iterator[Finding]:
     """Check for a running clock synchronisation."""
     state = side.active.get("chrony.service")
+    if side.only_ros2 and side.active.get("systemd-timesyncd.service") == "active":
+        return  # as Ubuntu has it
     if state not in ("active", None) and not any(unit.name == "chrony.service" for unit in side.failing):
         installed = not side.packages or "chrony" in side.packages
         line = "systemctl enable --now chrony" if installed else "apt-get install -y chrony"

@@ -111,5 +111,6 @@ RULES: tuple[Rule, ...] = (
             "wrong-ros-hostname": "nodes tell a name that others do not know",
         },
         lambda pair: [*check_robot(pair), *check_viewer(pair)],
+        ros1=True,
     ),
 )

@@ -85,6 +85,7 @@ def check_keys(pair: Pair) -> Iterator[Finding]:
     if (
         not pair.way_back
         or not pair.robot_login
+        or pair.there.only_ros2  # nothing of ROS 2 logs in
         or not there.resolves
         or "active" not in (here.active.get("ssh.service"), here.active.get("ssh.socket"))
     ):
@@ -144,6 +145,8 @@ RULES: tuple[Rule, ...] = (
         },
         check_keys,
     ),
-    SideRule({"no-login-to-itself": "a computer cannot log in to itself, as roslaunch does"}, check_own_login),
+    SideRule(
+        {"no-login-to-itself": "a computer cannot log in to itself, as roslaunch does"}, check_own_login, ros1=True
+    ),
     SideRule({"x11-off": "the robot's ssh server shows no windows here"}, check_x11),
 )

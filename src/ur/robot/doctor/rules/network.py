@@ -97,7 +97,9 @@ def _lost_frames(pair: Pair, side: Side) -> Finding:
 
 RULES: tuple[Rule, ...] = (
     SideRule({"no-network": "a computer is in no network"}, check_address),
-    PairRule({"closed-port": "a firewall keeps connections out; ROS nodes use any port above 1024"}, check_ports),
+    PairRule(
+        {"closed-port": "a firewall keeps connections out; ROS nodes use any port above 1024"}, check_ports, ros1=True
+    ),
     PairRule(
         {
             "mtu": "large messages are lost, small ones are not",

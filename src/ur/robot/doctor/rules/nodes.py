@@ -54,6 +54,8 @@ def _explain(node: Advertised, takes: str, pair: Pair) -> Finding:
 
 RULES: tuple[Rule, ...] = (
     PairRule(
-        {"unresolvable-node": "a running node advertises a name that one of the two does not know"}, check_advertised
+        {"unresolvable-node": "a running node advertises a name that one of the two does not know"},
+        check_advertised,
+        ros1=True,
     ),
 )

@@ -108,7 +108,11 @@ def _path(folder: str) -> str:
 
 
 RULES: tuple[Rule, ...] = (
-    SideRule({"unsupported-release": "the system does not package ROS 1"}, check_release, simulation=True),
-    SideRule({"missing-package": "something that one of the two needs is not installed"}, check_missing),
-    PairRule({"different-messages": "both know a message, but not as the same: topics do not connect"}, check_messages),
+    SideRule({"unsupported-release": "the system does not package ROS 1"}, check_release, simulation=True, ros1=True),
+    SideRule({"missing-package": "something that one of the two needs is not installed"}, check_missing, ros1=True),
+    PairRule(
+        {"different-messages": "both know a message, but not as the same: topics do not connect"},
+        check_messages,
+        ros1=True,
+    ),
 )

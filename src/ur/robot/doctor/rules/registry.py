@@ -14,19 +14,22 @@ class SideRule:
     """A rule about one computer by itself. `kinds`: the id of each finding, and its description.
 
     `simulation`: it matters for a simulated robot, too; the others are about what a real robot needs.
+    `ros1`: it matters for ROS 1 only.
     """
 
     kinds: Mapping[str, str]
     check: Callable[[Where, Side], Iterable[Finding]]
     simulation: bool = False
+    ros1: bool = False
 
 
 @dataclass(frozen=True, slots=True)
 class PairRule:
-    """A rule about two computers. `kinds` as in SideRule."""
+    """A rule about two computers. `kinds` and `ros1` as in SideRule."""
 
     kinds: Mapping[str, str]
     check: Callable[[Pair], Iterable[Finding]]
+    ros1: bool = False
 
 
 Rule = SideRule | PairRule

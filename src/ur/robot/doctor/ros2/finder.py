@@ -1,0 +1,246 @@
+"""Finds ROS 2 on a computer: a program of one file that needs the standard library alone.
+
+It reads a request as JSON from standard input: `variables` to read, `files` that shells read, and `graph`, the text of
+the program that reads the graph. It prints the answer as JSON. `ur` sends it to robots that have nothing of this
+project.
+"""
+
+# A program for small computers, which run it before anything of ours is there.
+# ruff: noqa: PTH111, PTH112, PTH113, PTH116, PTH119, PTH120, PTH123, PTH207, PTH208
+
+from __future__ import annotations
+
+import glob
+import json
+import os
+import pwd
+import re
+import shlex
+import subprocess
+import sys
+from typing import Any
+
+MOST_PROCESSES = 200
+_IFF_UP, _IFF_LOOPBACK, _IFF_MULTICAST = 0x1, 0x8, 0x1000
+_LISTENING = {"tcp": "0A", "udp": "07"}
+_KEPT = ("AMENT_PREFIX_PATH", "PYTHONPATH", "LD_LIBRARY_PATH", "_ROS_WHEELS_BOOTSTRAP_COMPLETE")
+_RELEASE = re.compile(r"/opt/ros/([a-z]{1,20})/")
+GRAPH_SECONDS = 30
+SHELL_SECONDS = 10
+
+
+def read(path: str) -> str:
+    """The text of a file, '' where it cannot be read."""
+    try:
+        with open(path, errors="replace") as file:
+            return file.read()
+    except OSError:
+        return ""
+
+
+def find_installations() -> list[dict[str, Any]]:
+    """Find the releases below /opt/ros. Those of ROS 1 have no ament index."""
+    found = []
+    for setup in sorted(glob.glob("/opt/ros/*/setup.bash")):
+        folder = os.path.dirname(setup)
+        index = f"{folder}/share/ament_index/resource_index"
+        if os.path.isdir(index):
+            kinds = glob.glob(f"{index}/rmw_typesupport/rmw_*")
+            middlewares = sorted({os.path.basename(each) for each in kinds} - {"rmw_implementation"})
+            found.append({"distro": os.path.basename(folder), "folder": folder, "middlewares": middlewares})
+    return found
+
+
+def find_processes(variables: list[str]) -> list[dict[str, Any]]:
+    """Find processes that have the client library of ROS 2 loaded, or whose command line shows it."""
+    found: list[dict[str, Any]] = []
+    for entry in sorted(os.listdir("/proc"), key=lambda name: int(name) if name.isdigit() else 0):
+        if not entry.isdigit() or int(entry) == os.getpid() or len(found) >= MOST_PROCESSES:
+            continue
+        argv = read(f"/proc/{entry}/cmdline").replace("\0", " ").strip()
+        maps = read(f"/proc/{entry}/maps")
+        if not argv or not ("/librcl.so" in maps if maps else ("--ros-args" in argv or "/opt/ros/" in argv)):
+            continue
+        environment = read_environment(entry)
+        unit = find_unit(entry)
+        shown = environment if environment is not None else read_unit_environment(unit)
+        release = _RELEASE.search(maps or argv) or _RELEASE.search((shown or {}).get("AMENT_PREFIX_PATH", "") + "/")
+        found.append(
+            {
+                "pid": int(entry),
+                "user": owner(entry),
+                "argv": argv[:300],
+                "distro": release[1] if release else (shown or {}).get("ROS_DISTRO", ""),
+                "unit": unit,
+                "variables": {name: (shown or {})[name] for name in variables if (shown or {}).get(name)},
+                "readable": shown is not None,
+                "environment": shown or {},
+            }
+        )
+    return found
+
+
+def owner(entry: str) -> str:
+    """The name of the user of a process."""
+    try:
+        return pwd.getpwuid(os.stat(f"/proc/{entry}").st_uid).pw_name
+    except (OSError, KeyError):
+        return ""
+
+
+def read_environment(entry: str) -> dict[str, str] | None:
+    """The variables of a process; None where they may not be read."""
+    try:
+        with open(f"/proc/{entry}/environ", errors="replace") as file:
+            pairs = (each.partition("=") for each in file.read().split("\0"))
+    except OSError:
+        return None
+    return {name: value for name, _, value in pairs if name}
+
+
+def find_unit(entry: str) -> str:
+    """The unit of the system that a process belongs to, '' where it is none."""
+    found = re.search(r"/system\.slice/(?:[^\n]*/)?([^/\n]{1,200}\.service)", read(f"/proc/{entry}/cgroup"))
+    return found[1] if found else ""
+
+
+def read_unit_environment(unit: str) -> dict[str, str] | None:
+    """The variables that a unit sets."""
+    if not unit:
+        return None
+    shown = run(["systemctl", "show", "-p", "Environment", "--value", unit], 5)
+    pairs = (each.partition("=") for each in shlex.split(shown))
+    return {name: value for name, _, value in pairs if name} or None
+
+
+def run(command: list[str], seconds: float, **more: Any) -> str:
+    """The output of a command, an empty one where it fails."""
+    try:
+        done = subprocess.run(
+            command,
+            stdin=more.pop("stdin", subprocess.DEVNULL),
+            capture_output=True,
+            timeout=seconds,
+            check=False,
+            **more,
+        )
+    except (OSError, subprocess.TimeoutExpired):
+        return ""
+    return str(done.stdout, errors="replace")
+
+
+def read_shell(variables: list[str]) -> dict[str, str]:
+    """The variables in a new terminal."""
+    shell = os.environ.get("SHELL") or pwd.getpwuid(os.getuid()).pw_shell or "/bin/sh"
+    clean = {name: os.environ[name] for name in ("HOME", "USER", "LOGNAME", "LANG", "PATH") if name in os.environ}
+    shown = run([shell, "-ic", "env"], SHELL_SECONDS, env=clean, start_new_session=True)
+    pairs = (line.partition("=") for line in shown.splitlines())
+    return {name: value for name, _, value in pairs if name in variables and value}
+
+
+def find_settings(files: list[str], variables: list[str]) -> list[list[str]]:
+    """Find lines of shell files that set one of the variables."""
+    pattern = re.compile(rf"^\s*(?:export\s+)?({'|'.join(variables)})=", re.M)
+    return [[file, name] for file in files for name in sorted(set(pattern.findall(read(os.path.expanduser(file)))))]
+
+
+def find_files(environments: list[dict[str, str]]) -> dict[str, bool]:
+    """Find the settings files of middlewares that variables name, and whether they exist."""
+    found: dict[str, bool] = {}
+    for variables in environments:
+        for name in ("FASTRTPS_DEFAULT_PROFILES_FILE", "FASTDDS_DEFAULT_PROFILES_FILE", "CYCLONEDDS_URI"):
+            value = variables.get(name, "")
+            if value and not value.lstrip().startswith("<"):
+                path = value.removeprefix("file://")
+                found[path] = os.path.isfile(path)
+    return found
+
+
+def find_ports() -> list[int]:
+    """Find the ports at which something listens."""
+    found = set()
+    for kind, state in _LISTENING.items():
+        for line in (read(f"/proc/net/{kind}") + read(f"/proc/net/{kind}6")).splitlines():
+            row = line.split()
+            if len(row) > 3 and row[3] == state and ":" in row[1]:
+                found.add(int(row[1].rpartition(":")[2], 16))
+    return sorted(found)
+
+
+def find_no_multicast() -> list[str]:
+    """Find network interfaces that are up, no loopback, and without multicast."""
+    found = []
+    for folder in sorted(glob.glob("/sys/class/net/*")):
+        text = read(f"{folder}/flags").strip()
+        flags = int(text, 16) if re.fullmatch(r"0x[0-9a-f]{1,8}", text) else _IFF_LOOPBACK
+        if flags & _IFF_UP and not flags & (_IFF_LOOPBACK | _IFF_MULTICAST):
+            found.append(os.path.basename(folder))
+    return found
+
+
+def read_graph(program: str, installations: Any, processes: Any, shell: dict[str, str], variables: Any) -> Any:
+    """Run the program that reads the graph with the Python of a release, in the domain of its processes."""
+    readable = [each for each in processes if each["readable"]]
+    settings = [json.dumps(each["variables"], sort_keys=True) for each in readable]
+    chosen = max(settings, key=settings.count) if settings else ""
+    leader = readable[settings.index(chosen)] if settings else None
+    base = {name: os.environ[name] for name in ("HOME", "PATH", "LANG", "USER") if name in os.environ}
+    # A shell of its own user sets these, too, where no process is there to be asked.
+    base.update(leader["variables"] if leader else {name: shell[name] for name in variables if name in shell})
+    folders = [each["folder"] for each in installations]
+    wanted = f"/opt/ros/{leader['distro']}" if leader else ""
+    folder = wanted if wanted in folders else folders[-1] if folders else ""
+    if folder:
+        line = f". {shlex.quote(folder + '/setup.bash')} >/dev/null 2>&1; exec python3 -"
+        command = ["bash", "-c", line]
+    elif leader and os.path.basename(leader["argv"].split(" ")[0]).startswith("python"):
+        base.update({name: leader["environment"][name] for name in _KEPT if name in leader["environment"]})
+        command = [leader["argv"].split(" ")[0], "-"]
+    else:
+        return None, "no Python with rclpy was found"
+    try:
+        done = subprocess.run(
+            command, input=program.encode(), env=base, capture_output=True, timeout=GRAPH_SECONDS, check=False
+        )
+    except subprocess.TimeoutExpired:
+        return None, f"its nodes did not answer within {GRAPH_SECONDS} s"
+    except OSError as problem:
+        return None, str(problem)
+    lines = done.stdout.decode(errors="replace").splitlines()
+    try:
+        return json.loads(lines[-1]), ""
+    except (IndexError, ValueError):
+        said = done.stderr.decode(errors="replace").strip().splitlines()
+        return None, said[-1][:300] if said else f"the program ended with exit code {done.returncode}"
+
+
+def find(request: dict[str, Any]) -> dict[str, Any]:
+    """Find everything; see `model.Ros2`."""
+    variables: list[str] = request["variables"]
+    installations = find_installations()
+    processes = find_processes(variables)
+    if not installations and not processes:
+        return {}
+    shell = read_shell(variables)
+    called = {name: os.environ[name] for name in variables if os.environ.get(name)}
+    graph, problem = None, ""
+    if request["graph"]:
+        graph, problem = read_graph(request["graph"], installations, processes, shell, variables)
+    for each in processes:
+        del each["environment"]
+    return {
+        "installations": installations,
+        "processes": processes,
+        "shell": shell,
+        "called": called,
+        "settings": find_settings(request["files"], variables),
+        "files": find_files([*(each["variables"] for each in processes), shell]),
+        "ports": find_ports(),
+        "no_multicast": find_no_multicast(),
+        "graph": graph,
+        "problem": problem,
+    }
+
+
+if __name__ == "__main__":
+    json.dump(find(json.load(sys.stdin)), sys.stdout)

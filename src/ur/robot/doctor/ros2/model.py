@@ -1,0 +1,164 @@
+"""Values about ROS 2 on a computer. Values only."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+DEFAULT_MIDDLEWARE = "rmw_fastrtps_cpp"  # of every release from Humble to Lyrical
+# Their graphs have no type hashes; nodes of newer releases raise exceptions when they discover one of these.
+OLD_RELEASES = ("foxy", "galactic", "humble")
+NAMES = {"humble": "Humble", "iron": "Iron", "jazzy": "Jazzy", "kilted": "Kilted", "lyrical": "Lyrical"}
+
+
+@dataclass(frozen=True, slots=True)
+class Installation:
+    """A release: its name such as jazzy, its folder, and the middlewares that it has."""
+
+    distro: str
+    folder: str
+    middlewares: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Process:
+    """A process of ROS 2: number, user, command line, release, systemd unit ('': none), and its variables of ROS 2.
+
+    `readable` is False where its variables could not be read, since it belongs to another user.
+    """
+
+    pid: int
+    user: str
+    argv: str
+    distro: str = ""
+    unit: str = ""
+    variables: Mapping[str, str] = field(default_factory=dict)
+    readable: bool = True
+
+
+@dataclass(frozen=True, slots=True)
+class Qos:
+    """The qualities of a publisher or subscriber that decide about a match. Times in s."""
+
+    reliable: bool = True
+    latched: bool = False
+    deadline: float = math.inf
+    lease: float = math.inf
+    manual: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class End:
+    """A publisher or subscriber: full name of the node, type, and hash of the type's definition ('': unknown)."""
+
+    node: str
+    kind: str
+    hash: str = ""
+    qos: Qos = Qos()
+
+
+@dataclass(frozen=True, slots=True)
+class Topic:
+    """A topic and its ends."""
+
+    name: str
+    publishers: tuple[End, ...] = ()
+    subscribers: tuple[End, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Received:
+    """Number of messages received on a topic while it was listened to, and the age of the newest stamp (s)."""
+
+    messages: int
+    age: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Frame:
+    """A frame of tf: the nodes that send its pose, and the frames in which they send it."""
+
+    senders: tuple[str, ...]
+    parents: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Graph:
+    """The graph as a node on the computer sees it. By node: `simulated` time, and lifecycle `states`.
+
+    By topic: scans that arrived, and the charge of batteries (0..1).
+    """
+
+    nodes: tuple[str, ...] = ()
+    topics: tuple[Topic, ...] = ()
+    simulated: Mapping[str, bool] = field(default_factory=dict)
+    states: Mapping[str, str] = field(default_factory=dict)
+    scans: Mapping[str, Received] = field(default_factory=dict)
+    charge: Mapping[str, float] = field(default_factory=dict)
+    frames: Mapping[str, Frame] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True)
+class Ros2:
+    """ROS 2 on one computer. `shell`: variables of a new terminal; `called`: of the shell that asked.
+
+    `settings` are pairs (file, variable) of lines that set one. `files` are settings files that variables name, and
+    whether they exist. `ports` are the numbers at which a program listens, UDP and TCP. `no_multicast` are network
+    interfaces that are up and do not take part in multicast. `graph` is None where it could not be read; `problem` is
+    the reason. `heard`: multicast packets of the other computer arrived; None where that was not tried.
+    """
+
+    installations: tuple[Installation, ...] = ()
+    processes: tuple[Process, ...] = ()
+    shell: Mapping[str, str] = field(default_factory=dict)
+    called: Mapping[str, str] = field(default_factory=dict)
+    settings: tuple[tuple[str, str], ...] = ()
+    files: Mapping[str, bool] = field(default_factory=dict)
+    ports: frozenset[int] = frozenset()
+    no_multicast: tuple[str, ...] = ()
+    graph: Graph | None = None
+    problem: str = ""
+    heard: bool | None = None
+
+    @property
+    def present(self) -> bool:
+        """Return whether ROS 2 is installed or runs there."""
+        return bool(self.installations or self.processes)
+
+    @property
+    def variables(self) -> Mapping[str, str]:
+        """The variables that most processes have; those of a new terminal where none can be read."""
+        known = [tuple(sorted(each.variables.items())) for each in self.processes if each.readable]
+        return dict(Counter(known).most_common(1)[0][0]) if known else self.shell
+
+    @property
+    def distro(self) -> str:
+        """The release that most processes have; else the newest that is installed; '' where none is known."""
+        running = [each.distro for each in self.processes if each.distro]
+        if running:
+            return Counter(running).most_common(1)[0][0]
+        return max((each.distro for each in self.installations), default="")
+
+
+def domain_of(variables: Mapping[str, str]) -> str:
+    """The domain id as its text; ROS 2 takes 0 where there is none."""
+    return variables.get("ROS_DOMAIN_ID", "").strip() or "0"
+
+
+def middleware_of(variables: Mapping[str, str]) -> str:
+    """The name of the middleware."""
+    return variables.get("RMW_IMPLEMENTATION", "").strip() or DEFAULT_MIDDLEWARE
+
+
+def range_of(variables: Mapping[str, str]) -> str:
+    """The discovery range: SUBNET, LOCALHOST, OFF or SYSTEM_DEFAULT."""
+    if variables.get("ROS_LOCALHOST_ONLY", "").strip() == "1":
+        return "LOCALHOST"
+    return variables.get("ROS_AUTOMATIC_DISCOVERY_RANGE", "").strip().upper() or "SUBNET"
+
+
+def peers_of(variables: Mapping[str, str]) -> tuple[str, ...]:
+    """The computers that are asked without multicast."""
+    return tuple(each.strip() for each in variables.get("ROS_STATIC_PEERS", "").split(";") if each.strip())

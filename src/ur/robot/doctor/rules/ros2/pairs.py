@@ -1,0 +1,126 @@
+"""Discovery between the nodes of two computers that both have ROS 2."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+
+from ur.robot.doctor.model import Command, Finding, Pair
+from ur.robot.doctor.ros2.model import NAMES, OLD_RELEASES, domain_of, middleware_of, peers_of, range_of
+from ur.robot.doctor.rules.registry import PairRule, Rule
+from ur.robot.doctor.side import Side
+from ur.robot.ssh.shell import quote
+
+_FOLLOW = "of a shell that follows the robot: "
+_LINK = "the page, the keys and 'ur' itself need none of this: they use the ssh connection"
+
+
+def check_both(pair: Pair) -> Iterator[Finding]:
+    """Check the settings of this shell against those of the robot's nodes, where the robot is selected."""
+    here, there = pair.here, pair.there
+    if not (here.ros2.present and there.ros2.present and pair.selected):
+        return
+    mine, theirs = _here(here), there.ros2.variables
+    yield from _check_releases(here, there)
+    if (own := domain_of(mine)) != (other := domain_of(theirs)):
+        message = f"ROS_DOMAIN_ID in this shell is {own}, and {other} for the nodes of {there.name}"
+        yield _set_here("ros2-domain", message, here, "ROS_DOMAIN_ID", other)
+    if (own := middleware_of(mine)) != (other := middleware_of(theirs)):
+        message = f"RMW_IMPLEMENTATION in this shell is {own}, and {other} for the nodes of {there.name}"
+        installed = {each for release in here.ros2.installations for each in release.middlewares}
+        package = f"ros-{here.ros2.distro}-{other.replace('_', '-')}"
+        lack = f"; first: sudo apt-get install {package}" if installed and other not in installed else ""
+        yield _set_here("ros2-middleware", message + lack, here, "RMW_IMPLEMENTATION", other)
+        return  # what follows is about one middleware
+    yield from _check_servers(pair, mine, theirs)
+    yield from _check_range(pair, mine, theirs)
+
+
+def _here(side: Side) -> Mapping[str, str]:
+    return side.ros2.called or side.ros2.shell
+
+
+def _check_releases(here: Side, there: Side) -> Iterator[Finding]:
+    mine, theirs = here.ros2.distro, there.ros2.distro
+    if mine != theirs and (mine in OLD_RELEASES) != (theirs in OLD_RELEASES):
+        names = [NAMES.get(each, each) for each in (mine, theirs)]
+        yield Finding(
+            "ros2-release-mix",
+            f"{here.name} has ROS 2 {names[0]} and {there.name} {names[1]}: nodes of the two raise exceptions when "
+            "they discover one another, and their topics do not connect",
+            f"keep them apart (another ROS_DOMAIN_ID here), or have one release on both; {_LINK}",
+        )
+
+
+def _check_servers(pair: Pair, mine: Mapping[str, str], theirs: Mapping[str, str]) -> Iterator[Finding]:
+    own, other = (each.get("ROS_DISCOVERY_SERVER", "") for each in (mine, theirs))
+    if bool(own) != bool(other):
+        if other:
+            shown = other.replace("127.0.0.1", f"{pair.there.name}.local").replace(
+                "localhost", f"{pair.there.name}.local"
+            )
+            message = f"the nodes of {pair.there.name} use the discovery server {other}, and this shell none"
+            yield _set_here("ros2-discovery-server", message, pair.here, "ROS_DISCOVERY_SERVER", shown)
+        else:
+            yield Finding(
+                "ros2-discovery-server",
+                f"this shell uses the discovery server {own}, and the nodes of {pair.there.name} use none",
+                "start the robot's nodes with the same ROS_DISCOVERY_SERVER, or use none here:",
+                (Command("here", "unset ROS_DISCOVERY_SERVER"),),
+            )
+
+
+def _check_range(pair: Pair, mine: Mapping[str, str], theirs: Mapping[str, str]) -> Iterator[Finding]:
+    here, there = pair.here, pair.there
+    if mine.get("ROS_DISCOVERY_SERVER") and theirs.get("ROS_DISCOVERY_SERVER"):
+        return
+    for where, side, variables, other in (("here", here, mine, there), ("there", there, theirs, here)):
+        if range_of(variables) in ("LOCALHOST", "OFF"):
+            name = (
+                "ROS_LOCALHOST_ONLY" if variables.get("ROS_LOCALHOST_ONLY") == "1" else "ROS_AUTOMATIC_DISCOVERY_RANGE"
+            )
+            new = "0" if name == "ROS_LOCALHOST_ONLY" else "SUBNET"
+            files = [file for file, variable in side.ros2.settings if variable == name]
+            help = f"start its nodes with {name}={new}" + (f"; it is set in {', '.join(files)}" if files else "")
+            commands = (Command("here", f"export {name}={new}"),) if where == "here" else ()
+            yield Finding(
+                "ros2-local-only",
+                f"{side.name}: {name} is {variables[name]}, so nodes of {other.name} are not discovered",
+                f"{help}; {_LINK}",
+                commands,
+            )
+            return
+    silent = [side for _, side, _ in pair.sides() if side.ros2.heard is False]
+    known = {f"{there.name}.local", there.name, *there.addresses}
+    if silent and not known & {*peers_of(mine)}:
+        names = " and ".join(side.name for side in silent)
+        yield Finding(
+            "ros2-no-multicast",
+            f"multicast packets do not arrive at {names}: nodes of the two do not discover one another",
+            f"the access point or a guest network drops them; name the peers instead (Jazzy and later), as 'ur env' "
+            f"does, or a discovery server on the robot; {_LINK}",
+            (
+                Command("here", f"export ROS_STATIC_PEERS={quote(f'{there.name}.local')}"),
+                Command("there", f"export ROS_STATIC_PEERS={quote(f'{here.name}.local')}"),
+            ),
+        )
+
+
+def _set_here(rule: str, message: str, side: Side, variable: str, value: str) -> Finding:
+    files = [file for file, name in side.ros2.settings if name == variable]
+    help = f"it is set in {', '.join(files)}; " if files else ""
+    return Finding(rule, message, f"{help}{_FOLLOW}", (Command("here", f"export {variable}={quote(value)}"),))
+
+
+RULES: tuple[Rule, ...] = (
+    PairRule(
+        {
+            "ros2-release-mix": "one of the two has Humble or older, the other a newer release",
+            "ros2-domain": "the two are in different domains",
+            "ros2-middleware": "the two use different middlewares",
+            "ros2-discovery-server": "one of the two uses a discovery server",
+            "ros2-local-only": "nodes of one computer are hidden from the other",
+            "ros2-no-multicast": "the network drops multicast, which discovery needs",
+        },
+        check_both,
+    ),
+)

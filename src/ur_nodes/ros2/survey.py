@@ -1,0 +1,227 @@
+"""Survey of a graph for `ur doctor`: a program of one file that needs rclpy and the messages of its release alone.
+
+`ur` sends it to robots where nothing of this project is; it prints JSON (see `ur.robot.doctor.ros2.model.Graph`). It
+publishes nothing and changes nothing.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import sys
+import time
+from collections.abc import Callable
+from functools import partial
+from typing import Any
+
+import rclpy
+from rclpy.qos import QoSProfile, ReliabilityPolicy
+
+SETTLE = (1.5, 6.0)  # s: the least and most that discovery is waited for
+LISTEN = 2.5  # s
+ANSWER = 3.0  # s for parameters and states
+MOST = 500  # topics, and nodes
+_NEVER = 2**62  # ns
+_GID = 16  # bytes of the id of a publisher
+_OWN = ("/rosout", "/parameter_events")
+_LOOSE = QoSProfile(depth=20, reliability=ReliabilityPolicy.BEST_EFFORT)
+_SCAN, _BATTERY, _TF = "sensor_msgs/msg/LaserScan", "sensor_msgs/msg/BatteryState", "tf2_msgs/msg/TFMessage"
+
+
+def survey(node: Any) -> dict[str, Any]:
+    """Wait for discovery, then ask and listen."""
+    wait_until_settled(node)
+    nodes = [full_name(space, name) for name, space in node.get_node_names_and_namespaces()][:MOST]
+    nodes.remove(full_name(node.get_namespace(), node.get_name()))
+    kinds = {name: types[0] for name, types in node.get_topic_names_and_types() if name not in _OWN}
+    kinds = dict(list(kinds.items())[:MOST])
+    topics = [[name, *read_ends(node, name)] for name in sorted(kinds)]
+    topics = [each for each in topics if each[1] or each[2]]
+    services = {name: types[0] for name, types in node.get_service_names_and_types()}
+    simulated: dict[str, bool] = {}
+    states: dict[str, str] = {}
+    ask_nodes(
+        node,
+        [each for each in sorted(set(nodes)) if not each.rpartition("/")[2].startswith("_")],
+        services,
+        simulated,
+        states,
+    )
+    listener = Listener(node, kinds)
+    end = time.monotonic() + LISTEN
+    while time.monotonic() < end:
+        rclpy.spin_once(node, timeout_sec=0.1)
+    return {
+        "nodes": sorted(each for each in nodes if not each.rpartition("/")[2].startswith("_")),
+        "topics": topics,
+        "simulated": simulated,
+        "states": states,
+        "scans": listener.scans,
+        "charge": listener.charge,
+        "frames": listener.frames,
+    }
+
+
+def full_name(namespace: str, name: str) -> str:
+    """The full name of a node."""
+    return f"{namespace.rstrip('/')}/{name}"
+
+
+def wait_until_settled(node: Any) -> None:
+    """Wait until no more nodes are discovered."""
+    begin = time.monotonic()
+    known, since = -1, begin
+    while time.monotonic() - begin < SETTLE[1]:
+        rclpy.spin_once(node, timeout_sec=0.1)
+        seen = len(node.get_node_names_and_namespaces())
+        if seen != known:
+            known, since = seen, time.monotonic()
+        if time.monotonic() - since >= SETTLE[0]:
+            return
+
+
+def read_ends(node: Any, topic: str) -> list[list[list[Any]]]:
+    """The publishers and subscribers of a topic: node, type, hash, and qualities."""
+    own = node.get_name()
+    return [
+        sorted(describe_end(each) for each in ends if each.node_name != own)
+        for ends in (node.get_publishers_info_by_topic(topic), node.get_subscriptions_info_by_topic(topic))
+    ]
+
+
+def describe_end(end: Any) -> list[Any]:
+    """One of them; times in s, null for never."""
+    qos = end.qos_profile
+    number = getattr(end, "topic_type_hash", None)
+    text = str(number) if number is not None else ""
+    return [
+        full_name(end.node_namespace, end.node_name),
+        str(end.topic_type),
+        text if text.startswith("RIHS") else "",
+        qos.reliability.name != "BEST_EFFORT",
+        qos.durability.name == "TRANSIENT_LOCAL",
+        seconds(qos.deadline),
+        seconds(qos.liveliness_lease_duration),
+        qos.liveliness.name == "MANUAL_BY_TOPIC",
+    ]
+
+
+def seconds(duration: Any) -> float | None:
+    """A duration in s, None where it never ends."""
+    return None if not 0 < duration.nanoseconds < _NEVER else duration.nanoseconds / 1e9
+
+
+def ask_nodes(
+    node: Any, names: list[str], services: dict[str, str], simulated: dict[str, bool], states: dict[str, str]
+) -> None:
+    """Ask all nodes at once whether their time is simulated, and managed nodes for their state."""
+    from lifecycle_msgs.srv import GetState
+    from rcl_interfaces.srv import GetParameters
+
+    waiting: list[Any] = []
+
+    def take_time(name: str, answer: Any) -> None:
+        if answer.values and answer.values[0].type == 1:
+            simulated[name] = bool(answer.values[0].bool_value)
+
+    def take_state(name: str, answer: Any) -> None:
+        states[name] = str(answer.current_state.label)
+
+    def ask(service: str, kind: Any, request: Any, take: Callable[[Any], None]) -> None:
+        waiting.append([node.create_client(kind, service), request, take, None])
+
+    for name in names:
+        if services.get(f"{name}/get_parameters") == "rcl_interfaces/srv/GetParameters":
+            request = GetParameters.Request(names=["use_sim_time"])
+            ask(f"{name}/get_parameters", GetParameters, request, partial(take_time, name))
+        if services.get(f"{name}/get_state") == "lifecycle_msgs/srv/GetState":
+            ask(f"{name}/get_state", GetState, GetState.Request(), partial(take_state, name))
+    end = time.monotonic() + ANSWER
+    while waiting and time.monotonic() < end:
+        for each in list(waiting):
+            client, request, take, future = each
+            if future is None and client.service_is_ready():
+                each[3] = client.call_async(request)
+            elif future is not None and future.done():
+                take(future.result())
+                waiting.remove(each)
+        rclpy.spin_once(node, timeout_sec=0.05)
+
+
+class Listener:
+    """Listens to scans, batteries and tf. By topic or frame, lists as they are printed."""
+
+    def __init__(self, node: Any, kinds: dict[str, str]) -> None:
+        self.scans: dict[str, list[Any]] = {}
+        self.charge: dict[str, float] = {}
+        self._frames: dict[str, tuple[set[str], set[str]]] = {}
+        self._owners: dict[bytes, str] = {}
+        self._node = node
+        for name, kind in kinds.items():
+            if kind == _SCAN and node.count_publishers(name):
+                self._hear_scans(name)
+            elif kind == _BATTERY:
+                self._hear_battery(name)
+            elif kind == _TF and name == "/tf":
+                self._hear_transforms(name)
+
+    @property
+    def frames(self) -> dict[str, list[list[str]]]:
+        """By frame: the nodes that send it, and its parents."""
+        return {child: [sorted(senders), sorted(parents)] for child, (senders, parents) in self._frames.items()}
+
+    def _hear_scans(self, topic: str) -> None:
+        from sensor_msgs.msg import LaserScan
+
+        row = self.scans[topic] = [0, None]
+
+        def take(message: Any) -> None:
+            stamp = message.header.stamp
+            row[:] = [row[0] + 1, time.time() - (stamp.sec + stamp.nanosec / 1e9)]
+
+        self._node.create_subscription(LaserScan, topic, take, _LOOSE)
+
+    def _hear_battery(self, topic: str) -> None:
+        from sensor_msgs.msg import BatteryState
+
+        def take(message: Any) -> None:
+            if math.isfinite(message.percentage):
+                self.charge[topic] = message.percentage
+
+        self._node.create_subscription(BatteryState, topic, take, _LOOSE)
+
+    def _hear_transforms(self, topic: str) -> None:
+        try:
+            from tf2_msgs.msg import TFMessage
+        except ImportError:  # ROS 2 from wheels has none
+            return
+        for end in self._node.get_publishers_info_by_topic(topic):
+            self._owners[bytes(end.endpoint_gid)[:_GID]] = full_name(end.node_namespace, end.node_name)
+        profile = QoSProfile(depth=200, reliability=ReliabilityPolicy.BEST_EFFORT)
+        self._node.create_subscription(TFMessage, topic, self._take_transforms, profile)
+
+    def _take_transforms(self, message: Any, details: Any) -> None:
+        number = details.get("publisher_gid") if isinstance(details, dict) else None
+        data = number.get("data", b"") if isinstance(number, dict) else b""
+        sender = self._owners.get(bytes(data)[:_GID], "")  # "" where the release does not tell it
+        for each in message.transforms:
+            senders, parents = self._frames.setdefault(each.child_frame_id.lstrip("/"), (set(), set()))
+            parents.add(each.header.frame_id.lstrip("/"))
+            senders.update([sender] if sender else [])
+
+
+def main() -> None:
+    """Survey, and print the result."""
+    rclpy.init(args=["ur_doctor", "--ros-args", "--disable-stdout-logs", "--disable-rosout-logs"])
+    node = rclpy.create_node(
+        "ur_doctor", enable_rosout=False, start_parameter_services=False, enable_logger_service=False
+    )
+    found = survey(node)
+    sys.stdout.write(json.dumps(found) + "\n")
+    sys.stdout.flush()
+    node.destroy_node()
+    rclpy.try_shutdown()
+
+
+if __name__ == "__main__":
+    main()
