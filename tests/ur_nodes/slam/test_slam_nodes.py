@@ -57,7 +57,10 @@ def test_map_of_a_node_that_is_killed_is_whole_and_continued(ros: RosSession, tm
     slam.wait(timeout=60)
     assert store.latest() == "flat"
     poses, edges, scans = load_poses(store.path("flat"), store.record("flat"))
-    assert len(poses) == len(scans) == len(edges) + 1
+    assert len(poses) == len(scans) > 1
+    # Each keyframe is tied to one before it; the slower the drive, the more edges between neighbours come on top.
+    assert [edge.after for edge in edges if not edge.robust] == [*range(1, len(poses))]
+    assert all(max(edge.before, edge.after) < len(poses) for edge in edges)
     assert load_map(store.picture("flat")).width > 50
     second = ros.start(str(SLAM), "__name:=second", "_store:=true", "_map_name:=flat")
     with store.claim("flat"):
