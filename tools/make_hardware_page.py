@@ -1,21 +1,24 @@
 """Make docs/reference/hardware.md: robots and sensors, what one command brings, and how it was tried.
 
-From `src/ur/devices/supported.py`, the table of known devices and the bases. A test compares the committed page.
+From `tools/hardware.yaml`, the table of known devices and the bases. A test compares the committed page.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
+import yaml
+
 from ur.devices.known import find_rows
-from ur.devices.supported import SUPPORTED, Supported
 
 ROOT = Path(__file__).resolve().parents[1]
+TABLE = ROOT / "tools" / "hardware.yaml"
 PAGE = ROOT / "docs" / "reference" / "hardware.md"
 _HEAD = """# Robots and sensors
 
-Made by `tools/make_hardware_page.py`: edit `src/ur/devices/supported.py` or the table of known devices instead.
+Made by `tools/make_hardware_page.py`: edit `tools/hardware.yaml` or the table of known devices instead.
 
 Nobody has tried any of this on the hardware itself.
 *Stand-in* means that, in a test, a program speaks the device's public protocol or stands for its interface.
@@ -30,16 +33,47 @@ See [find devices](../how-to/devices.md) for their names, and [get packages](../
 """
 
 
+@dataclass(frozen=True, slots=True)
+class Trial:
+    """Something that was tried: in which way, and the test that does it, as FILE::FUNCTION of the repository."""
+
+    way: str
+    subject: str
+    test: str
+
+
+@dataclass(frozen=True, slots=True)
+class Supported:
+    """A robot or sensor; the table explains the fields."""
+
+    name: str
+    command: str
+    brings: str
+    by_hand: str
+    untried: str
+    devices: tuple[str, ...] = ()
+    bases: tuple[str, ...] = ()
+    trials: tuple[Trial, ...] = ()
+    drives: str = ""
+
+
+def read_table() -> list[Supported]:
+    """The table of robots and sensors."""
+    rows = yaml.safe_load(TABLE.read_text(encoding="utf-8"))
+    return [Supported(**{**row, "trials": tuple(Trial(**each) for each in row.get("trials", ()))}) for row in rows]
+
+
 def make_page() -> str:
     """The page as Markdown."""
+    supported = read_table()
     rows = [
-        (each.name, each.command, each.brings, each.by_hand, _tell_trials(each), each.untried) for each in SUPPORTED
+        (each.name, each.command, each.brings, each.by_hand, _tell_trials(each), each.untried) for each in supported
     ]
     heads = ("robot or sensor", "command", "what it brings", "left to do by hand", "tried", "not tried")
-    known = [(each.name, _list_bases(each), _list_devices(each)) for each in SUPPORTED if each.devices or each.bases]
+    known = [(each.name, _list_bases(each), _list_devices(each)) for each in supported if each.devices or each.bases]
     tests = [
         (each.name, trial.way, trial.subject, f"`{trial.test.replace('::', '` `')}`")
-        for each in SUPPORTED
+        for each in supported
         for trial in each.trials
     ]
     parts = [_HEAD, _table(heads, rows), "\n## How they are known\n\n"]

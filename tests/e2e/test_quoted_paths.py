@@ -16,20 +16,25 @@ HOSTILE = "lab' sh -c 'touch PWN' '.yaml"  # in a quotation of a launch-prefix, 
 
 
 def make_lab(folder: Path) -> tuple[Path, dict[str, str]]:
-    """A folder `o'brien lab` with a world of a hostile name, and an environment with a display and an RViz."""
+    """Return a folder `o'brien lab` with a world of a hostile name, and an environment with a display and an RViz.
+
+    That RViz is in a catkin workspace, so it is started in place of the one that Debian may have installed.
+    """
     lab = folder / "o'brien lab"
     lab.mkdir()
     maps = LIBRARY / "n_map_server" / "maps"
     shutil.copy(maps / "maze.png", lab)
     shutil.copy(maps / "maze.yaml", lab / HOSTILE)
-    rviz = folder / "stub" / "rviz"
-    rviz.mkdir(parents=True)
-    (rviz / "package.xml").write_text("<package><name>rviz</name></package>", encoding="utf-8")
-    (rviz / "rviz").write_text('#!/bin/sh\nprintf "%s\\n" "$@" >"$HOME/rviz.started"\nexec sleep 300\n')
-    (rviz / "rviz").chmod(0o755)
+    share, lib = folder / "stub" / "share" / "rviz", folder / "stub" / "lib" / "rviz"
+    share.mkdir(parents=True)
+    lib.mkdir(parents=True)
+    (folder / "stub" / ".catkin").touch()
+    (share / "package.xml").write_text("<package><name>rviz</name></package>", encoding="utf-8")
+    (lib / "rviz").write_text('#!/bin/sh\nprintf "%s\\n" "$@" >"$HOME/rviz.started"\nexec sleep 300\n')
+    (lib / "rviz").chmod(0o755)
     env = make_environment(folder)
-    env["ROS_PACKAGE_PATH"] += f":{rviz.parent}"
-    return lab, env | {"DISPLAY": ":97"}
+    env["ROS_PACKAGE_PATH"] = f"{share.parent}:{env['ROS_PACKAGE_PATH']}"
+    return lab, env | {"DISPLAY": ":97", "CMAKE_PREFIX_PATH": str(folder / "stub")}
 
 
 def run(lab: Path, env: dict[str, str], *command: str) -> str:
@@ -59,7 +64,7 @@ def test_roslaunch_starts_a_library_below_a_folder_with_an_apostrophe(tmp_path: 
     library = lab / "ubiquity_launches"
     shutil.copytree(LIBRARY, library, symlinks=True)
     (library / "lib" / "repository").write_text(f"{ROOT}\n", encoding="utf-8")
-    env["ROS_PACKAGE_PATH"] = f"{library}:{tmp_path / 'stub'}:/usr/share"
+    env["ROS_PACKAGE_PATH"] = f"{library}:{tmp_path / 'stub' / 'share'}:/usr/share"
     words = ("robot_base:=stage", f"world:={lab / HOSTILE}", f"map_file:={lab / HOSTILE}")
     run(lab, env, "roslaunch", "ubiquity_launches", "m_keyboard_navigate.launch.xml", *words)
     assert read_rviz(env)[:2] == ["-d", str(tmp_path / "home" / ".ros" / "rviz" / "navigation.rviz")]

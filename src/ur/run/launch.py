@@ -49,28 +49,23 @@ def run_plan(plan: Plan, world: World, host: ProcessHost, console: Console, opti
     master_programs = find_master_programs(master, world, options) if own_master else ()
     programs = number_logs(programs, 2 if own_master else 1)  # as roslaunch, whose rosout is the first
     environment["ROS_MASTER_URI"] = master.uri
-    folder = make_run_folder(environment, run_id or new_run_id())
-    home = make_home(environment)
+    folder, home = make_run_folder(environment, run_id or new_run_id()), make_home(environment)
     extra: dict[str, ParamValue] = {} if run_id else {"/run_id": Path(folder).name}
     if own_master:
-        extra |= roscore_parameters(world, environment)
-        extra |= {"/ur/base_name": options.base, "/ur/variant": options.variant} if options.base else {}
+        extra |= _master_parameters(world, environment, options)
     commands = start_commands(plan.params, environment)
     if not programs and not own_master:
-        _require_success(upload_parameters(plan, master, extra, commands))
-        console.inform("parameters are set; there is no node to start")
-        console.finish(1.0)
-        return 0
+        return _set_parameters_only(upload_parameters(plan, master, extra, commands), console)
     try:
-        entry, listener = register(
-            plan, master, folder, environment, console, detached=options.call_started is not None
-        )
+        detached = options.call_started is not None
+        entry, listener = register(plan, master, folder, environment, console, detached=detached)
         claim(entry, nodes, plan, options)
-        keep_terminal = any(node.terminal for node in nodes)
-        if keep_terminal:  # such a program tells its user who else uses the robot; others see what roslaunch gives
+        if keep_terminal := any(
+            node.terminal for node in nodes
+        ):  # such a program tells its user who else uses the robot; others see what roslaunch gives
             environment[FOLDER_VARIABLE] = entry.folder
         _begin(host, environment, entry, keep_terminal=keep_terminal)
-        terminal = find_terminal() if options.call_started is None else None
+        terminal = None if detached else find_terminal()
         ignore_background_write()
         _announce(console, master, own_master=own_master, folder=folder, nodes=len(programs))
         run = Run(
@@ -99,9 +94,17 @@ def run_plan(plan: Plan, world: World, host: ProcessHost, console: Console, opti
         commands.stop()
 
 
-def _require_success(done: Event) -> None:
+def _master_parameters(world: World, environment: Mapping[str, str], options: Options) -> dict[str, ParamValue]:
+    base = {"/ur/base_name": options.base, "/ur/variant": options.variant} if options.base else {}
+    return {**roscore_parameters(world, environment), **base}
+
+
+def _set_parameters_only(done: Event, console: Console) -> int:
     if isinstance(done, SetupFailed):
         raise UserError(error(done.reason, rule="setup-failed"))
+    console.inform("parameters are set; there is no node to start")
+    console.finish(1.0)
+    return 0
 
 
 def _begin(host: ProcessHost, environment: Mapping[str, str], entry: RunEntry, *, keep_terminal: bool) -> None:

@@ -9,7 +9,7 @@ import time
 
 from ur.run.clients.monitor import Monitor
 from ur.run.inbox import Inbox
-from ur.run.master.monitor import watch_any
+from ur.run.master.monitor import start_watch
 from ur.run.output.console import Console
 from ur.run.output.log_rotation import LogRotation
 from ur.run.output.reporter import Reporter
@@ -38,9 +38,7 @@ from ur.run.supervisor.events import (
     Begin,
     Event,
     Exited,
-    MasterAnswered,
     NothingLeft,
-    ParametersSet,
     RestartWanted,
     Started,
     StartFailed,
@@ -149,7 +147,7 @@ class _Loop:
         self._console.release()
         self._console.finish(1.0)
         self._over.set()
-        self._record_end()
+        self._reporter.record_end(self._exit_code, self._cause or self._state.cause or "")
         self._progress.close()
         if self._master_watch is not None:
             self._master_watch.set()
@@ -236,58 +234,24 @@ class _Loop:
     def _post_event(self, event: Event) -> None:
         self._inbox.post(lambda: self._handle_event(event))
 
-    def _notify_joined(self) -> None:
-        if self._run.list_joined is None:
-            return
-        from ur.run.join.owner import describe_joined
-
-        if text := describe_joined(self._run.list_joined()):
-            self._reporter.warn(text)
-
-    def _record_end(self) -> None:
-        record = self._run.clients.record_end
-        if record is None:
-            return
-        logs = {each.unit.name: self._outputs.find_path(each) for each in self._run.programs if not each.unit.terminal}
-        code = 1 if self._exit_code is None else self._exit_code
-        record(code, self._cause or self._state.cause or "", tuple(self._reporter.last_lines), logs)
-
     def _handle_event(self, event: Event) -> None:
         now = time.monotonic()
         was_going = is_before(self._state, Phase.STOPPING_NODES)
         self._state, actions = step(self._state, event, now)
         self._monitor.note_state(self._state, now)
         if was_going and not is_before(self._state, Phase.STOPPING_NODES):
-            self._notify_joined()
-        self._note_progress(event)
+            self._reporter.report_joined()
+        self._progress.note(event, self._state)
         self._carry_out(actions)
         running = self._state.phase is Phase.RUNNING
         if running and self._master_watch is None:
-            self._master_watch = self._watch_master()
+            self._master_watch = start_watch(None if self._run.own_master else self._run.master, self._post_event)
         if running and self._call_started is not None and not self._is_starting():
             self._call_started()
             self._call_started = None
 
     def _is_starting(self) -> bool:
         return any(each.status is Status.STARTING for each in self._state.units)
-
-    def _note_progress(self, event: Event) -> None:
-        if isinstance(event, MasterAnswered):
-            self._progress.mark("master")
-        elif isinstance(event, ParametersSet):
-            self._progress.mark("parameters")
-        self._progress.follow(self._state)
-        if isinstance(event, Started) and not self._programs[event.name].unit.core:
-            self._progress.note_started(event.name, event.pid, time.monotonic())
-            self._progress.follow(self._state)
-
-    def _watch_master(self) -> threading.Event:
-        over = threading.Event()
-        master = self._run.master
-        if master is not None and not self._run.own_master:
-            arguments = (master, self._post_event, over)
-            threading.Thread(target=watch_any, args=arguments, daemon=True).start()
-        return over
 
     def _carry_out(self, actions: tuple[Action, ...]) -> None:
         for action in actions:

@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterable
 from contextlib import ExitStack
 from pathlib import Path
 from types import TracebackType
-from typing import Any, TypeVar
+from typing import Any, TypeVar, cast
 
 from ur.source.diagnostic import UserError
 from ur_nodes.client.commands import Commands
@@ -249,8 +249,7 @@ class Robot:
             self._on_node(lambda: self._listen(topic, kind, quality))
         if not self._until(lambda: self._node.steady() - self._values[topic][1] <= fresh, _PATIENCE):
             raise Lost(f"no {kind.__name__.lower()} on {self._node.resolve(topic)}; does the robot publish it?")
-        value: Value = self._values[topic][0]
-        return value
+        return cast(Value, self._values[topic][0])
 
     def _listen(self, topic: str, kind: type[Any], quality: Quality) -> None:
         def take(value: Any) -> None:

@@ -16,7 +16,7 @@ from ur_nodes.ports.qualities import Quality
 DEPTH = 100
 """The number of values that may wait where each counts."""
 
-_DEPTHS = {Quality.NEWEST: 1, Quality.LATCHED: 1, Quality.LOSSLESS: sys.maxsize}
+_DEPTHS = {Quality.NEWEST: 1, Quality.FRESH: 1, Quality.LATCHED: 1, Quality.LOSSLESS: sys.maxsize}
 _LATCHED = (Quality.LATCHED, Quality.LATCHED_EVERY)
 
 

@@ -17,12 +17,17 @@ from ur_nodes.ports.node import Node
 from ur_nodes.ports.qualities import Quality
 from ur_nodes.run import run
 
+_OUTPUT = "cmd_vel_out"
+
 
 def start(node: Node) -> None:
     """Read the parameters and connect. Raises UserError."""
     settings = read_settings(node.parameters)
     if settings.stopped:
         node.log.warn(f"emergency stop is still on; call {node.resolve('~release')} to end it")
+    for source in settings.mux.sources:
+        if source.foreign and node.resolve(source.topic) == node.resolve(_OUTPUT):
+            node.parameters.fail("takes_over", source.topic, f"another topic than that of the base, {_OUTPUT}")
     active = node.publish("~active", str, Quality.LATCHED)
     stopped = node.publish("~stopped", bool, Quality.LATCHED)
 
@@ -35,7 +40,7 @@ def start(node: Node) -> None:
         obstacle_stop.note(state.verdict, (wanted.forward, wanted.turn), (output.forward, output.turn))
 
     first = start_mux(settings.mux, stopped=settings.stopped, share=settings.share)
-    runner = MuxRunner(node, first, "cmd_vel_out", publish_state, report_output)
+    runner = MuxRunner(node, first, _OUTPUT, publish_state, report_output)
     writes = Writes(node)
     obstacle_stop = ObstacleStop(
         node,

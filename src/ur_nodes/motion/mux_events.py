@@ -15,7 +15,8 @@ _SLOWEST = 1e-4  # m/s, rad/s: less is rounding, not a command to move
 class Source:
     """A topic that velocity commands come from. Higher priority wins; `timeout` (s) is its age limit.
 
-    `avoids_obstacles`: its commands come from a program that looks at sensors itself, and are not guarded.
+    `avoids_obstacles`: its commands come from a program that looks at sensors itself, and are not guarded. `foreign`:
+    programs of others send to the topic as if it were the base's, Twist or TwistStamped with a stamp of any meaning.
     """
 
     name: str
@@ -24,6 +25,7 @@ class Source:
     timeout: float
     zeros_hold: bool = False
     avoids_obstacles: bool = False
+    foreign: bool = False
 
 
 @dataclass(frozen=True, slots=True)

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+from ur_nodes.motion.base_output import BaseOutput
 from ur_nodes.motion.mux import MuxState, step
 from ur_nodes.motion.mux_events import STILL, Event, Velocity
 from ur_nodes.motion.mux_time import read_mux_time
 from ur_nodes.ports.node import Node, Timer
-from ur_nodes.ports.values import Twist
 
 _END_ZEROS = 3
 
@@ -33,7 +33,7 @@ class MuxRunner:
         self._on_change, self._on_output = on_change, on_output
         self._timer: Timer | None = None
         self._timer_at = state.next_at
-        self._publisher = node.publish(topic, Twist, greet=self._greet)
+        self._output = BaseOutput(node, topic, self._greet)
         node.on_end(self._end)
         on_change(state)
 
@@ -42,7 +42,7 @@ class MuxRunner:
         before = self._state
         self._state, output = step(before, event, read_mux_time(self._node))
         if output is not None:
-            self._publisher.send(twist_of(output))
+            self._output.send(output)
             self._on_output(self._state)
         if (before.active, before.stopped) != (self._state.active, self._state.stopped):
             self._on_change(self._state)
@@ -63,16 +63,11 @@ class MuxRunner:
         self._timer_at = float("nan")  # the timer is used up
         self.handle(None)
 
-    def _greet(self) -> Twist | None:
+    def _greet(self) -> Velocity | None:
         """A stop for each new subscriber: some drivers keep the last command of a mux that died."""
-        return twist_of(STILL) if self._state.output.still else None
+        return STILL if self._state.output.still else None
 
     def _end(self) -> None:
         if not self._state.output.still:
             for _ in range(_END_ZEROS):
-                self._publisher.send(twist_of(STILL))
-
-
-def twist_of(velocity: Velocity) -> Twist:
-    """The value."""
-    return Twist(velocity.forward, velocity.turn)
+                self._output.send(STILL)

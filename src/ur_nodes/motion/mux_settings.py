@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from ur.robot.base import Base, load_base
 from ur.source.project import launch_library
 from ur_nodes.motion.challenge.freshness import FRESHNESS
-from ur_nodes.motion.mux_events import MuxSettings
+from ur_nodes.motion.mux_events import MuxSettings, Source
 from ur_nodes.motion.ramp import axes_of
 from ur_nodes.motion.sources import read_locks, read_sources
 from ur_nodes.ports.parameters import Parameters
@@ -15,6 +15,9 @@ from ur_nodes.ports.parameters import Parameters
 STOPPED = "emergency_stop"  # on the parameter server, so that an emergency outlives the process
 LIMIT = "speed_limit_percent"  # likewise
 LEAST_LIMIT = 5.0  # percent
+FOREIGN = "program"  # the source whose topic is taken over
+_FOREIGN_PRIORITY = 5
+_FOREIGN_TIMEOUT = 0.2  # s
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,10 +42,11 @@ def read_settings(own: Parameters) -> MuxNodeSettings:
     """Raises UserError."""
     base = load_base(own.text("package", str(launch_library())), own.text("base"), own.text("variant", ""))
     forward, turn = axes_of(base.limits)
+    sources = read_sources(own.any("topics"), own.name("topics"))
     return MuxNodeSettings(
         base,
         MuxSettings(
-            read_sources(own.any("topics"), own.name("topics")),
+            (*sources, *_read_foreign(own, sources)),
             forward,
             turn,
             read_locks(own.any("locks", []), own.name("locks")),
@@ -58,6 +62,14 @@ def read_settings(own: Parameters) -> MuxNodeSettings:
         freshness=own.number("freshness", FRESHNESS, minimum=0.05, maximum=0.5),
         lease_timeout=own.number("lease_timeout", 3.0, minimum=1.0, maximum=60.0),
     )
+
+
+def _read_foreign(own: Parameters, sources: tuple[Source, ...]) -> tuple[Source, ...]:
+    """The source of the commands that programs of others send to a base, whose topic the mux takes over."""
+    topic = own.text("takes_over", "")
+    if topic in (source.topic for source in sources) or FOREIGN in (source.name for source in sources):
+        own.fail("takes_over", topic, f"a topic that is none of the sources, and no source named {FOREIGN}")
+    return (Source(FOREIGN, topic, _FOREIGN_PRIORITY, _FOREIGN_TIMEOUT, foreign=True),) if topic else ()
 
 
 def read_share(percent: object) -> float | None:

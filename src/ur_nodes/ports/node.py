@@ -144,6 +144,9 @@ class Node(Protocol):
     def read_graph(self, take: Callable[[Graph | None], None]) -> None:
         """Ask for the nodes, topics and services of now; `take` gets None where there is no answer."""
 
+    def kinds_taken(self, topic: str, kinds: tuple[type, ...]) -> frozenset[type] | None:
+        """Those of the kinds that other nodes listen to on a topic now; None where the middleware does not tell."""
+
     def locate(self, name: str) -> Location | None:
         """Find out where a node runs; None: it is not known. It may wait: for `work`."""
 

@@ -29,5 +29,8 @@ class Quality(Enum):
     COMMAND = "command"
     """As EVERY, and sent without waiting for more to send with it."""
 
+    FRESH = "fresh"
+    """As NEWEST, and of no use when it is late: what is lost is not sent again. Its subscribers are not LOSSLESS."""
+
     LOSSLESS = "lossless"
     """As EVERY, and none is lost: sending waits for who listens. For a source that can be slowed down."""

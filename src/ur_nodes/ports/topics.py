@@ -10,10 +10,17 @@ Sent = TypeVar("Sent", contravariant=True)
 
 @dataclass(frozen=True, slots=True)
 class Sender:
-    """The sender of a value: the name of a node, and whether the value is one that the topic had kept (LATCHED)."""
+    """The sender of a value: the name of a node, and whether the value is one that the topic had kept (LATCHED).
+
+    `id` tells publishers apart, also those of one name. `sent` is the moment (ns) at which the value was sent, by the
+    clock of the sender's computer, and `arrived` when it arrived (s), by `Node.steady`; None: it is not known.
+    """
 
     name: str
     kept: bool = False
+    id: str = ""
+    sent: int | None = None
+    arrived: float | None = None
 
 
 class Publisher(Protocol[Sent]):

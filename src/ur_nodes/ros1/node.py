@@ -169,6 +169,10 @@ class RosNode(LoopNode):
 
         self.work(lambda: read_graph(self.name), take, "graph")
 
+    def kinds_taken(self, topic: str, kinds: tuple[type, ...]) -> frozenset[type] | None:  # noqa: ARG002
+        """See Node. The master knows the types of publishers only."""
+        return None
+
     def locate(self, name: str) -> Location | None:
         """See Node."""
         try:

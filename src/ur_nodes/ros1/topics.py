@@ -23,6 +23,7 @@ _DEPTHS: dict[Quality, int | None] = {
     Quality.LATCHED_EVERY: 100,
     Quality.EVERY: 100,
     Quality.COMMAND: 100,
+    Quality.FRESH: 1,
     Quality.LOSSLESS: None,  # rospy then sends at once, and waits until each connection has taken it
 }
 

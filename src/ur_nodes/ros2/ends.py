@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any
 
 from rclpy.event_handler import PublisherEventCallbacks
@@ -48,10 +48,19 @@ class Sender:
 
 
 class Receiver:
-    """Receives messages, on the thread that spins. What is no message is reported and dropped."""
+    """Receives messages, on the thread that spins. What is no message is reported and dropped.
+
+    `take_from` gets messages with what the middleware writes beside them, instead of `take`.
+    """
 
     def __init__(
-        self, node: Any, message_class: Any, topic: str, profile: QoSProfile, take: Callable[[Any], None]
+        self,
+        node: Any,
+        message_class: Any,
+        topic: str,
+        profile: QoSProfile,
+        take: Callable[[Any], None],
+        take_from: Callable[[Any, Mapping[str, Any]], None] | None = None,
     ) -> None:
         def read(data: bytes) -> None:
             try:
@@ -64,7 +73,8 @@ class Receiver:
         bare = hasattr(message_class, "BARE")
         kind = bare_class(*message_class.BARE) if bare else message_class
         self._node = node
-        self._subscription = node.create_subscription(kind, topic, read if bare else take, profile, raw=bare)
+        call = read if bare else take_from or take
+        self._subscription = node.create_subscription(kind, topic, call, profile, raw=bare)
         if bare:
             reset_error()
 

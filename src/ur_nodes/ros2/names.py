@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from typing import Any
 
 
 def name_of(name: str) -> str:
@@ -13,6 +14,12 @@ def name_of(name: str) -> str:
 def full_name(namespace: str, name: str) -> str:
     """The full name of a node."""
     return f"{namespace.rstrip('/')}/{name}"
+
+
+def type_name_of(message_class: Any) -> str:
+    """The middleware's name of a type of messages, 'geometry_msgs/msg/Twist'."""
+    package, *_ = message_class.__module__.split(".")
+    return f"{package}/msg/{message_class.__name__}"
 
 
 def arguments_of(arguments: Iterable[str]) -> list[str]:

@@ -25,7 +25,7 @@ from ur_nodes.ports.raw import Raw
 from ur_nodes.ports.transforms import Transforms
 from ur_nodes.ports.values import Result
 from ur_nodes.ros2.facts import FileFacts, RosLog
-from ur_nodes.ros2.names import name_of
+from ur_nodes.ros2.names import name_of, type_name_of
 from ur_nodes.ros2.parameters import RosParameters
 from ur_nodes.ros2.topics import RosPublisher, RosSubscription
 
@@ -98,7 +98,7 @@ class RosNode(LoopNode):
                 publisher.send(value)
 
         on_listener = None if greet is None else lambda: self._loop.post(answer)
-        publisher = RosPublisher(self._node, topic, find_codec(kind), quality, on_listener)
+        publisher = RosPublisher(self._node, topic, kind, find_codec(kind), quality, on_listener)
         return publisher
 
     def subscribe(
@@ -110,7 +110,7 @@ class RosNode(LoopNode):
         unreadable: Callable[[str], None] | None = None,
     ) -> RosSubscription:
         """See Node."""
-        return self._listen(topic, kind, find_codec(kind), quality, take, unreadable)
+        return self._listen(topic, kind, find_codec(kind), quality, lambda value, _sender: take(value), unreadable)
 
     def subscribe_from(
         self,
@@ -119,8 +119,8 @@ class RosNode(LoopNode):
         take: Callable[[Value, Sender | None], None],
         quality: Quality = Quality.NEWEST,
     ) -> RosSubscription:
-        """See Node. DDS does not tell who has sent a message: the sender is None."""
-        return self._listen(topic, kind, find_codec(kind), quality, lambda value: take(value, None))
+        """See Node."""
+        return self._listen(topic, kind, find_codec(kind), quality, take, senders=True)
 
     def subscribe_fields(
         self, topic: str, type_name: str, fields: tuple[str, ...], take: Callable[[tuple[Any, ...]], None]
@@ -128,7 +128,8 @@ class RosNode(LoopNode):
         """See Node."""
         from ur_nodes.codecs.foreign import find_foreign
 
-        return self._listen(topic, tuple, find_foreign(type_name, fields), Quality.EVERY, take)
+        codec = find_foreign(type_name, fields)
+        return self._listen(topic, tuple, codec, Quality.EVERY, lambda value, _sender: take(value))
 
     def serve(self, service: str, kind: type[Value], answer: Callable[[Value], Result]) -> None:
         """See Node."""
@@ -226,6 +227,13 @@ class RosNode(LoopNode):
         """See Node."""
         return int(self._clock.now().nanoseconds) if self._simulated else time.time_ns()
 
+    def kinds_taken(self, topic: str, kinds: tuple[type, ...]) -> frozenset[type] | None:
+        """See Node."""
+        own = (self._node.get_namespace(), self._node.get_name())
+        found = self._node.get_subscriptions_info_by_topic(self.resolve(topic))
+        types = {each.topic_type for each in found if (each.node_namespace, each.node_name) != own}
+        return frozenset(kind for kind in kinds if type_name_of(find_codec(kind).message_class) in types)
+
     def locate(self, name: str) -> Location | None:
         """See Node. The graph does not tell computers: nodes of the domain are those of this one."""
         namespace, _, own = name.rpartition("/")
@@ -250,7 +258,9 @@ class RosNode(LoopNode):
         kind: type,
         codec: Codec,
         quality: Quality,
-        take: Callable[[Any], None],
+        take: Callable[[Any, Sender | None], None],
         unreadable: Callable[[str], None] | None = None,
+        *,
+        senders: bool = False,
     ) -> RosSubscription:
-        return RosSubscription(self._node, topic, kind, codec, quality, self._loop, take, unreadable)
+        return RosSubscription(self._node, topic, kind, codec, quality, self._loop, take, unreadable, senders=senders)

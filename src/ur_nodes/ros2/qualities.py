@@ -3,13 +3,15 @@
 | quality | publisher | subscriber |
 |---|---|---|
 | NEWEST | reliable, last 1 | best effort, last 1 |
+| FRESH | best effort, last 1, lifespan 0.3 s | best effort, last 1 |
 | LATCHED | reliable, transient local, last 1 | reliable, transient local, last 1 |
 | LATCHED_EVERY | | reliable, transient local, last 100 |
-| EVERY | reliable, last 100 | best effort for what sensors send, else reliable; last 100 |
+| EVERY | reliable, last 100 | best effort for velocities and what sensors send, else reliable; last 100 |
 | COMMAND | reliable, last 1, lifespan 0.3 s | best effort, last 100 |
 | LOSSLESS | reliable, all | reliable, all |
 
-A reliable publisher is heard by all; a best effort subscriber hears all.
+Velocities have the lifespan of 0.3 s in each quality but LATCHED. A reliable publisher is heard by all; a best effort
+subscriber hears all. `docs/how-to/ros2.md` has this table, and a test compares the two.
 """
 
 from __future__ import annotations
@@ -27,6 +29,7 @@ _SENT_BY_SENSORS: frozenset[type] = frozenset(
     {values.Scan, values.Range, values.Imu, values.Odometry, values.DriverOdometry, values.Battery, values.Joints}
     | {values.Picture, values.PackedPicture, values.Calibration, values.Joystick}
 )
+_VELOCITIES: frozenset[type] = frozenset({values.Twist, values.StampedTwist})
 _LATCHED = QoSProfile(depth=1, reliability=ReliabilityPolicy.RELIABLE, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 _EACH_LATCHED = QoSProfile(
     depth=_QUEUE, reliability=ReliabilityPolicy.RELIABLE, durability=DurabilityPolicy.TRANSIENT_LOCAL
@@ -34,16 +37,20 @@ _EACH_LATCHED = QoSProfile(
 _ALL = QoSProfile(history=HistoryPolicy.KEEP_ALL, reliability=ReliabilityPolicy.RELIABLE)
 
 
-def offered(quality: Quality) -> QoSProfile:
-    """The profile of a publisher."""
+def offered(quality: Quality, kind: type = object) -> QoSProfile:
+    """The profile of a publisher of values of a kind."""
     if quality is Quality.LATCHED:
         return _LATCHED
     if quality is Quality.LOSSLESS:
         return _ALL
-    if quality is Quality.COMMAND:
-        lifespan = Duration(seconds=COMMAND_LIFESPAN)
-        return QoSProfile(depth=1, reliability=ReliabilityPolicy.RELIABLE, lifespan=lifespan)
-    return QoSProfile(depth=1 if quality is Quality.NEWEST else _QUEUE, reliability=ReliabilityPolicy.RELIABLE)
+    fresh = quality is Quality.FRESH
+    profile = QoSProfile(
+        depth=_QUEUE if quality is Quality.EVERY else 1,
+        reliability=ReliabilityPolicy.BEST_EFFORT if fresh else ReliabilityPolicy.RELIABLE,
+    )
+    if fresh or quality is Quality.COMMAND or kind in _VELOCITIES:
+        profile.lifespan = Duration(seconds=COMMAND_LIFESPAN)
+    return profile
 
 
 def requested(quality: Quality, kind: type) -> QoSProfile:
@@ -54,6 +61,7 @@ def requested(quality: Quality, kind: type) -> QoSProfile:
         return _EACH_LATCHED
     if quality is Quality.LOSSLESS:
         return _ALL
-    loose = quality in (Quality.NEWEST, Quality.COMMAND) or kind in _SENT_BY_SENSORS
+    loose = quality in (Quality.NEWEST, Quality.FRESH, Quality.COMMAND) or kind in _SENT_BY_SENSORS | _VELOCITIES
     reliability = ReliabilityPolicy.BEST_EFFORT if loose else ReliabilityPolicy.RELIABLE
-    return QoSProfile(depth=1 if quality is Quality.NEWEST else _QUEUE, reliability=reliability)
+    newest = quality in (Quality.NEWEST, Quality.FRESH)
+    return QoSProfile(depth=1 if newest else _QUEUE, reliability=reliability)

@@ -2,18 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any
 
 from ur.source.diagnostic import UserError
 from ur_nodes.codecs import Codec
 from ur_nodes.loop import Loop
 from ur_nodes.ports.qualities import Quality
+from ur_nodes.ports.topics import Sender
 from ur_nodes.ros2 import ends
 from ur_nodes.ros2.names import name_of
 from ur_nodes.ros2.qualities import offered, requested
+from ur_nodes.ros2.senders import Senders
 
-_DEPTHS: dict[Quality, int | None] = {Quality.NEWEST: 1, Quality.LATCHED: 1, Quality.LOSSLESS: None}
+_DEPTHS: dict[Quality, int | None] = {
+    Quality.NEWEST: 1,
+    Quality.FRESH: 1,
+    Quality.LATCHED: 1,
+    Quality.LOSSLESS: None,
+}
 _QUEUE = 100
 
 
@@ -21,12 +28,18 @@ class RosPublisher:
     """See `ports.node.Publisher`. One message is filled again for each value."""
 
     def __init__(
-        self, node: Any, topic: str, codec: Codec, quality: Quality, on_listener: Callable[[], None] | None
+        self,
+        node: Any,
+        topic: str,
+        kind: type,
+        codec: Codec,
+        quality: Quality,
+        on_listener: Callable[[], None] | None,
     ) -> None:
         self.topic = str(node.resolve_topic_name(name_of(topic)))
         self._codec = codec
         self._message = codec.message_class()
-        self._sender = ends.Sender(node, codec.message_class, self.topic, offered(quality), on_listener)
+        self._sender = ends.Sender(node, codec.message_class, self.topic, offered(quality, kind), on_listener)
 
     def send(self, value: Any) -> None:
         """See Publisher."""
@@ -43,7 +56,10 @@ class RosPublisher:
 
 
 class RosSubscription:
-    """See `ports.node.Subscription`. Messages are decoded on the node's thread: what is dropped costs nothing more."""
+    """See `ports.node.Subscription`. Messages are decoded on the node's thread: what is dropped costs nothing more.
+
+    `take` gets values and None, or, with `senders`, the sender.
+    """
 
     def __init__(
         self,
@@ -53,8 +69,10 @@ class RosSubscription:
         codec: Codec,
         quality: Quality,
         loop: Loop,
-        take: Callable[[Any], None],
+        take: Callable[[Any, Sender | None], None],
         unreadable: Callable[[str], None] | None,
+        *,
+        senders: bool = False,
     ) -> None:
         self.topic = str(node.resolve_topic_name(name_of(topic)))
         self._node = node
@@ -62,8 +80,20 @@ class RosSubscription:
         self._take = take
         self._unreadable = unreadable or self._report
         self._reported = False
-        put = loop.mailbox(_DEPTHS.get(quality, _QUEUE), self._deliver)
-        self._receiver = ends.Receiver(node, codec.message_class, self.topic, requested(quality, kind), put)
+        put = loop.mailbox(_DEPTHS.get(quality, _QUEUE), lambda item: self._deliver(*item))
+        finder = Senders(node, self.topic)
+
+        def put_from(message: Any, info: Mapping[str, Any]) -> None:
+            put((message, finder.find(info)))
+
+        self._receiver = ends.Receiver(
+            node,
+            codec.message_class,
+            self.topic,
+            requested(quality, kind),
+            lambda message: put((message, None)),
+            put_from if senders else None,
+        )
 
     def publishers(self) -> int:
         """See Subscription."""
@@ -73,13 +103,13 @@ class RosSubscription:
         """See Subscription."""
         self._receiver.close()
 
-    def _deliver(self, message: Any) -> None:
+    def _deliver(self, message: Any, sender: Sender | None) -> None:
         try:
             value = self._codec.value_of(message)
         except (ValueError, UserError) as problem:
             self._unreadable(str(problem))
             return
-        self._take(value)
+        self._take(value, sender)
 
     def _report(self, reason: str) -> None:
         if not self._reported:

@@ -25,17 +25,14 @@ from ur_nodes.slam.prediction import UNKNOWN_MOTION, MotionPredictor
 
 _PAIRS_AT_REST = 2  # of neighbouring keyframes that are matched instead of a scan at rest
 _ORIGIN = Pose2(0.0, 0.0, 0.0)
-
 # The local map
 _RADIUS = 5.0  # m: keyframes within are part of it,
 _MOST_UNCERTAIN = 0.05  # m: as long as their place relative to the reference is so certain
 _MEMBERS = 9  # keyframes at most
-
 # A match
 _LEAST_AGREEMENT = 0.35  # below, the scan says nothing
 _CONTRADICTED = (0.5, 0.3)  # agreement below and contradiction above which the scan was taken elsewhere
 _CERTAIN = 0.03  # m: standard deviation of matches that teach, and that replace odometry
-
 # Where a new keyframe is due, an old one may serve
 _SEEN_AGAIN = 0.3  # m: so near to it
 _CLEAR = 0.8  # agreement, at least

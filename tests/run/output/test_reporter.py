@@ -38,7 +38,10 @@ class Kept:
 
 def make_reporter() -> tuple[Reporter, Kept]:
     program = SimpleNamespace(unit=SimpleNamespace(name="/a", terminal=False), log_name="a")
-    run = SimpleNamespace(folder="/log", master=None, programs=(program,), restart_share=None)
+    clients = SimpleNamespace(record_end=None)
+    run = SimpleNamespace(
+        folder="/log", master=None, programs=(program,), restart_share=None, list_joined=None, clients=clients
+    )
     kept = cast("Any", Kept())
     return Reporter(cast("Any", run), kept, kept, kept), kept
 

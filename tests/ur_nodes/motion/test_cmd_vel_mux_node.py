@@ -412,3 +412,21 @@ def test_robot_stops_before_an_obstacle_and_the_choice_outlives_the_mux(home: Pa
 def test_parameters_that_it_cannot_use_are_named(home: Path, parameters: dict[str, Any], message: str) -> None:
     with pytest.raises(UserError, match=message):
         Robot(home, **parameters)
+
+
+def test_programs_that_send_to_the_base_itself_drive_through_the_mux_by_either_type(home: Path) -> None:
+    robot = Robot(home, takes_over="cmd_vel")
+    for kind, command in ((Twist, AHEAD), (StampedTwist, StampedTwist(0, "", AHEAD))):
+        publisher = robot.bus.node(f"their_{kind.__name__}").publish("cmd_vel", kind)
+        timer = robot.person.every(0.05, lambda: publisher.send(command))  # noqa: B023 - cancelled below
+        assert max(robot.speeds(1.0)) > 0.29
+        assert robot.newest("active", str) == "program"
+        timer.cancel()
+        assert robot.speeds(1.0)[-1] == 0.0
+
+
+def test_mux_does_not_take_over_the_topic_that_it_sends_to(home: Path) -> None:
+    with pytest.raises(UserError, match="takes_over: 'cmd_vel_out', expected another topic than that of the base"):
+        Robot(home, takes_over="cmd_vel_out")
+    with pytest.raises(UserError, match="takes_over: 'key_vel', expected a topic that is none of the sources"):
+        Robot(home, takes_over="key_vel")

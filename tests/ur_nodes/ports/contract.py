@@ -97,7 +97,32 @@ def check_latched_topic_gives_its_last_value_to_who_comes_later(stage: Stage) ->
     stage.until(lambda: bool(got))
     assert [value for value, _ in got] == ["new"]
     sender = got[0][1]
-    assert sender is None if stage.senders_unknown else sender is not None and sender.name == stage.one.name
+    assert sender is not None
+    assert sender.name == stage.one.name
+
+
+def check_publishers_of_a_topic_are_told_apart_and_what_they_send_has_its_moment(stage: Stage) -> None:
+    senders: dict[int, list[Sender]] = {1: [], 2: []}
+    first, second = (stage.one.publish("moments", int, Quality.COMMAND) for _ in senders)
+
+    def take(value: int, sender: Sender | None) -> None:
+        assert sender is not None
+        senders[value].append(sender)
+
+    stage.other.subscribe_from("moments", int, take, Quality.EVERY)
+    stage.begin()
+    stage.one.every(0.02, lambda: first.send(1))
+    stage.one.every(0.02, lambda: second.send(2))
+    stage.until(lambda: min(len(got) for got in senders.values()) > 3)
+    ids = [{each.id for each in got} for got in senders.values()]
+    if not stage.moments_known:
+        assert ids == [{""}, {""}]
+        return
+    assert len(ids[0] | ids[1]) == 2
+    for got in senders.values():
+        moments = [(each.sent or 0, each.arrived or 0.0) for each in got]
+        assert moments == sorted(moments)
+        assert 0.0 < moments[0][1] <= stage.other.steady()
 
 
 def check_latched_topic_keeps_values_where_both_ends_are_latched(stage: Stage) -> None:

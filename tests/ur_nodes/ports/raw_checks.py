@@ -22,7 +22,7 @@ def check_raw_message_has_bytes_type_schema_and_sender(stage: Stage) -> None:
     (message,) = got
     assert (message.type_name, message.data) == (stage.string_type, stage.wire)
     assert "string data" in message.schema
-    if stage.senders_unknown:
+    if stage.raw_senders_unknown:
         assert message.sender is None
     else:
         assert message.sender is not None

@@ -73,7 +73,8 @@ class ActionlibClient:
 class RosStage:
     """One node of ROS 1, for both ends."""
 
-    senders_unknown = False
+    raw_senders_unknown = False
+    moments_known = False
     silent_services_hide_failures = False
     keeps_for_all = True
     unknown_kinds: frozenset[type] = frozenset()

@@ -25,7 +25,8 @@ from ur_nodes.ros2.node import RosNode
 class RosStage:
     """One node of ROS 2, for both ends."""
 
-    senders_unknown = True
+    raw_senders_unknown = True
+    moments_known = True
     silent_services_hide_failures = True
     keeps_for_all = False
     unknown_kinds: frozenset[type] = frozenset({SeenFiducials, PlacedFiducials, MappedFiducials})

@@ -20,8 +20,10 @@ class Stage(Protocol):
 
     one: Node
     other: Node
-    senders_unknown: bool
-    """The middleware does not tell who has sent a value."""
+    raw_senders_unknown: bool
+    """The backend does not tell who has sent a raw message."""
+    moments_known: bool
+    """The middleware tells publishers of a node apart, and when each message was sent."""
     silent_services_hide_failures: bool
     """The answer of a service without a result is the same where it failed."""
     keeps_for_all: bool

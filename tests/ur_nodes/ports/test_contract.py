@@ -18,7 +18,8 @@ from ur_nodes.ports.node import Node
 
 
 class MemoryStage:
-    senders_unknown = False
+    raw_senders_unknown = False
+    moments_known = False
     silent_services_hide_failures = False
     keeps_for_all = False
     unknown_kinds: frozenset[type] = frozenset()

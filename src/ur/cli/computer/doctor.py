@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import fcntl
-import getpass
 import os
-import socket
 import sys
 import time
 from collections.abc import Callable, Iterator, Sequence
@@ -13,11 +11,12 @@ from contextlib import ExitStack, contextmanager, nullcontext
 
 import click
 
+from ur.cli.computer.doctor_login import enter_robot, find_sudo, short_name
 from ur.cli.computer.doctor_report import Report, print_alone, print_json, print_report, print_seen
 from ur.cli.robots.fleet import ALL, ask_passwords, choose_robots, is_fleet, print_json_of_each, run_for_each
 from ur.devices.model import Expected
 from ur.request.environment import PACKAGE, current_selection
-from ur.request.remote.connection import connect_robot, robot_address
+from ur.request.remote.connection import robot_address
 from ur.request.remote.master_nodes import list_nodes
 from ur.robot.base import load_base
 from ur.robot.devices import expected_devices
@@ -75,7 +74,7 @@ def command(
     address = robot_address(robot)
     with ExitStack() as stack:
         try:
-            there, password, refused = _enter(stack, address, password_from)
+            there, password, refused = enter_robot(stack, address, password_from)
         except UserError as problem:
             return _explain_route(here, address, problem, as_json=as_json)
         return _examine(here, there, password, refused, fix=fix, verbose=verbose, as_json=as_json)
@@ -114,7 +113,7 @@ def _examine(
 
     def apply(commands: Sequence[tuple[str, Command]]) -> list[Finding]:
         if any(each.where == "there" and each.root for _, each in commands):
-            _find_sudo(there, password)
+            find_sudo(there, password)
         _apply(commands, here, there, report, quiet=as_json)
         return _inspect_again(here, there, report.findings)
 
@@ -155,49 +154,17 @@ def _conclude(report: Report, apply: Apply | None, *, as_json: bool) -> int:
     return 1 if report.findings else 0
 
 
-def _enter(stack: ExitStack, address: Address, password_from: int | None) -> tuple[SshShell, Secret | None, bool]:
-    """Log in: by key, by password, or, where the name cannot be resolved, at the address where the robot was seen last.
-
-    Returns the shell, the password if one was needed, and whether the key was refused. Raises UserError.
-    """
-    try:
-        return _log_in(stack, address, password_from, ())
-    except UserError as problem:
-        seen = load_seen(seen_path(os.environ)).get(_short(address))
-        if not seen or problem.diagnostics[0].rule not in ("unknown-host", "no-answer"):
-            raise
-        first = problem
-    try:
-        same = ("-o", f"HostKeyAlias={address.host}", "-o", "CheckHostIP=no")
-        return _log_in(stack, Address(address.user, seen.address), password_from, same)
-    except UserError:
-        raise first from None
-
-
-def _log_in(
-    stack: ExitStack, address: Address, password_from: int | None, options: Sequence[str]
-) -> tuple[SshShell, Secret | None, bool]:
-    try:
-        return stack.enter_context(connect_robot(address, options=options)), None, False
-    except UserError as problem:
-        password = _password(address, password_from) if problem.diagnostics[0].rule == "refused" else None
-        if password is None:
-            raise
-        shell = stack.enter_context(connect_robot(address, password=password, options=options))
-        return shell, password, True
-
-
 def _explain_route(here: LocalShell, address: Address, problem: UserError, *, as_json: bool) -> int:
     """Report the step towards a robot that fails, and the findings about this computer."""
     found = problem.diagnostics[0]
     if found.rule in ("missing-program", "bad-address"):
         raise problem
-    with show_progress(f"finding out which step towards {_short(address)} fails"):
+    with show_progress(f"finding out which step towards {short_name(address)} fails"):
         route = inspect_route(here, address, found.rule, found.reason or found.message)
-    seen = load_seen(seen_path(os.environ)).get(_short(address))
+    seen = load_seen(seen_path(os.environ)).get(short_name(address))
     side = _inspect_alone(here)
-    findings = [*diagnose_alone(side), explain_route(address, route, seen, _record(_short(address)), time.time())]
-    report = Report({"here": side.name, "there": _short(address)}, findings, list_steps(address, route))
+    findings = [*diagnose_alone(side), explain_route(address, route, seen, _record(short_name(address)), time.time())]
+    report = Report({"here": side.name, "there": short_name(address)}, findings, list_steps(address, route))
     if as_json:
         print_json(report)
     else:
@@ -209,7 +176,7 @@ def _explain_route(here: LocalShell, address: Address, problem: UserError, *, as
 def _inspect(here: LocalShell, there: SshShell, refused: bool) -> Pair:
     selection = current_selection(os.environ)
     record = _record(read_name(there))
-    with show_progress(f"examining this computer and {_short(there.address)}"):
+    with show_progress(f"examining this computer and {short_name(there.address)}"):
         return inspect_pair(
             here,
             there,
@@ -237,23 +204,6 @@ def _inspect_again(here: LocalShell, there: SshShell, before: Sequence[Finding])
         if not any(finding.rule in fixed for finding in left):
             break
     return left
-
-
-def _password(address: Address, descriptor: int | None) -> Secret | None:
-    """The password for a robot that refuses the key: asked for, or read from a descriptor; None without either."""
-    if descriptor is not None:
-        with os.fdopen(descriptor, encoding="utf-8") as stream:
-            text = stream.readline().rstrip("\n")
-    elif sys.stdin.isatty():
-        text = getpass.getpass(f"{address} refuses our key; its password (empty: none): ")
-    else:
-        text = ""
-    return Secret(text) if text else None
-
-
-def _find_sudo(there: SshShell, password: Secret | None) -> None:
-    if not there.find_sudo([password] if password else []) and sys.stdin.isatty():
-        there.find_sudo([Secret(getpass.getpass(f"password of {there.place}: "))])
 
 
 def _apply(commands: Sequence[tuple[str, Command]], here: Shell, there: Shell, report: Report, *, quiet: bool) -> None:
@@ -301,8 +251,3 @@ def _expected(record: Record | None) -> tuple[Expected, ...]:
 
 def _record(name: str) -> Record | None:
     return next((record for record in load_records(records_folder(os.environ)) if record.name == name), None)
-
-
-def _short(address: Address) -> str:
-    name = address.host.removesuffix(".local")
-    return socket.gethostname().split(".")[0] if name == "localhost" else name

@@ -66,21 +66,13 @@ def command(context: click.Context) -> None:
 def prepare(
     image: str,
     output: str | None,
-    name: str | None,
-    base: str | None,
-    variant: str | None,
-    user: str | None,
-    key: str | None,
-    ssid: str | None,
-    country: str | None,
     wifi_interface: str,
-    timezone: str | None,
-    locale: str | None,
     file: str | None,
     passwords_from: int | None,
     dry_run: bool,
     undo: bool,
     yes: bool,
+    **answers: str | None,
 ) -> int:
     """Write the seed of a robot's first boot into an image, or onto a flashed card.
 
@@ -91,49 +83,64 @@ def prepare(
     Needs no root for image files, and asks for what it needs to know. Interrupted anywhere, an image is as it was.
     """
     signal.signal(signal.SIGTERM, signal.default_int_handler)
-    if undo and (output or file or name or base):
+    named = output or answers["name"] or answers["base"]
+    if undo and (file or named):
         raise click.UsageError("--undo takes what was written away again: expected no other choice beside it")
-    if file and (output or name or base):
+    if file and named:
         raise click.UsageError("--from FILE names robots and outputs: expected no --output, --name or --base beside it")
     source = Path(image)
     if not source.exists():
         raise UserError(error_about(image, "not found, expected an image or a device", rule="unreadable-file"))
-    given = Given(name, base, variant, user, key, ssid, country, wifi_interface, timezone, locale)
     if undo:
         return _take_back(source, dry_run=dry_run, yes=yes)
+    given = Given(interface=wifi_interface, **answers)
     wanted = read_robots(Path(file), given) if file else [(given, Path(output) if output else None)]
     passwords: Passwords | None = None
     for each, target in wanted:
-        with _opened(source, target) as (path, commit, device):
-            layout = find_layout(path)
-            if layout.os:
-                check_robot_system(image, layout.os)
-            _say(f"{image}: {layout.system}")
-            present = read_seed(layout)
-            options = make_options(each)
-            passwords = passwords or read_passwords(options, passwords_from)
-            texts = [(text or b"").decode(errors="replace") for text in present.values()]
-            options = add_passwords(options, passwords, present_password(texts))
-            if takes_host_key(layout):
-                options = replace(
-                    options, host_key=present_host_key(texts, options.robot.name) or make_host_key(options.robot.name)
-                )
-            writes = plan_writes(layout, present, make_seed(options, layout))
-            if dry_run:
-                _show(writes)
-            elif not writes and target is None:
-                _say(f"nothing to do: it is prepared for {options.robot.name}")
-                _protect(source, device)
-            else:
-                _confirm(device, writes, yes=yes)
-                with show_progress(f"writing {target or image}"):
-                    commit(writes)
-                _say(f"{target or image}: prepared for {options.robot.name}")
-                _protect(target or source, device)
+        options, passwords = _write_seed(source, target, each, passwords, passwords_from, dry_run=dry_run, yes=yes)
         if not dry_run:
             _remember(options)
             _tell(options)
     return 0
+
+
+def _write_seed(
+    source: Path,
+    target: Path | None,
+    given: Given,
+    passwords: Passwords | None,
+    passwords_from: int | None,
+    *,
+    dry_run: bool,
+    yes: bool,
+) -> tuple[SeedOptions, Passwords]:
+    """Write one robot's seed. Returns what it holds, and the passwords, which are asked for once."""
+    with _opened(source, target) as (path, commit, device):
+        layout = find_layout(path)
+        if layout.os:
+            check_robot_system(str(source), layout.os)
+        _say(f"{source}: {layout.system}")
+        present = read_seed(layout)
+        options = make_options(given)
+        passwords = passwords or read_passwords(options, passwords_from)
+        texts = [(text or b"").decode(errors="replace") for text in present.values()]
+        options = add_passwords(options, passwords, present_password(texts))
+        if takes_host_key(layout):
+            name = options.robot.name
+            options = replace(options, host_key=present_host_key(texts, name) or make_host_key(name))
+        writes = plan_writes(layout, present, make_seed(options, layout))
+        if dry_run:
+            _show(writes)
+        elif not writes and target is None:
+            _say(f"nothing to do: it is prepared for {options.robot.name}")
+            _protect(source, device)
+        else:
+            _confirm(device, writes, yes=yes)
+            with show_progress(f"writing {target or source}"):
+                commit(writes)
+            _say(f"{target or source}: prepared for {options.robot.name}")
+            _protect(target or source, device)
+    return options, passwords
 
 
 def _protect(image: Path, device: Device | None) -> None:

@@ -16,12 +16,13 @@ LOST_PERIOD = 0.5  # the same while it does not answer
 MISSES = 2  # in a row, before it counts as lost: a busy computer may answer late
 
 
-def watch_any(master: Master, report: Callable[[Event], None], over: threading.Event) -> None:
-    """Monitor a master of this computer, or one of a robot and the link to it, until `over`."""
-    if is_local_address(master.host):
-        watch_master(master, report, over)
-    else:
-        watch_link(master, report, over)
+def start_watch(master: Master | None, report: Callable[[Event], None]) -> threading.Event:
+    """Monitor a master of this computer, or one of a robot and the link to it, in a thread until the event is set."""
+    over = threading.Event()
+    if master is not None:
+        watch = watch_master if is_local_address(master.host) else watch_link
+        threading.Thread(target=watch, args=(master, report, over), daemon=True).start()
+    return over
 
 
 def watch_master(master: Master, report: Callable[[Event], None], over: threading.Event) -> None:

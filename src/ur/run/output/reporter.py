@@ -40,11 +40,28 @@ class Reporter:
         self._robot = "" if run.master is None else run.master.host.removesuffix(".local")
         self._loss_lines = LossLines()
         self._programs = {program.unit.name: program for program in run.programs}
+        self._list_joined, self._record_end = run.list_joined, run.clients.record_end
         self._shared = run.restart_share is not None
         self._console = console
         self._outputs = outputs
         self._monitor = monitor
         self.last_lines: deque[str] = deque(maxlen=KEPT_LINES)
+
+    def report_joined(self) -> None:
+        """Warn of the runs that end with this one."""
+        if self._list_joined is None:
+            return
+        from ur.run.join.owner import describe_joined  # only for a run that ends
+
+        if text := describe_joined(self._list_joined()):
+            self.warn(text)
+
+    def record_end(self, exit_code: int | None, cause: str) -> None:
+        """Record the end of the run, with its last lines and the logs of its nodes."""
+        if self._record_end is not None:
+            programs = self._programs.values()
+            logs = {each.unit.name: self._outputs.find_path(each) for each in programs if not each.unit.terminal}
+            self._record_end(1 if exit_code is None else exit_code, cause, tuple(self.last_lines), logs)
 
     def inform(self, text: str) -> None:
         """Report information."""

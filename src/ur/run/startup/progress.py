@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from ur.run.startup.start_count import StartCount
 from ur.run.supervisor.changes import is_before
+from ur.run.supervisor.events import Event, MasterAnswered, ParametersSet, Started
 from ur.run.supervisor.model import Phase, State, Status
 
 if TYPE_CHECKING:
@@ -33,10 +35,15 @@ class Progress:
         self._probe: ReadinessProbe | None = None
         self._state: State | None = None
 
-    def mark(self, step: str) -> None:
-        """A step of the start has ended."""
-        if self._timings is not None:
-            self._timings.mark(step)
+    def note(self, event: Event, state: State) -> None:
+        """Take an event, and the state of the run after it."""
+        if self._timings is not None and isinstance(event, MasterAnswered | ParametersSet):
+            self._timings.mark("master" if isinstance(event, MasterAnswered) else "parameters")
+        self.follow(state)
+        each = state.find(event.name) if isinstance(event, Started) else None
+        if each is not None and not each.unit.core and isinstance(event, Started):
+            self._note_started(event.name, event.pid, time.monotonic())
+            self.follow(state)
 
     def follow(self, state: State) -> None:
         """Check the readiness of the nodes of this state while a client asks for it."""
@@ -78,8 +85,7 @@ class Progress:
         if self._count is not None:
             self._count.stop()
 
-    def note_started(self, name: str, pid: int, now: float) -> None:
-        """A node has a process."""
+    def _note_started(self, name: str, pid: int, now: float) -> None:
         if self._count is not None and name == self._count.name:
             self._count.begin(pid, now)
         self._time(name, up=False)

@@ -16,7 +16,7 @@ from ur.web.access.rate import draw, make_bucket
 from ur.web.access.roles import Role
 from ur.web.server.cameras import Cameras
 from ur.web.server.data.data_pages import DataPages
-from ur.web.server.drivers import Driver, Drivers
+from ur.web.server.drivers import Driver, Drivers, describe_request
 from ur.web.server.gate import SESSION, VIEWER_PATH, Gate, demand_drive
 from ur.web.server.logins.session_pages import SessionPages
 from ur.web.server.map_pages import MapPages
@@ -29,17 +29,10 @@ from ur.web.server.static_files import StaticFile
 from ur.web.server.viewer_gate import ViewerGate
 from ur.web.server.viewers import Viewer, Viewers, limit_buffer
 from ur.web.wire.frames import Kind, Layer, key_of
-from ur.web.wire.map_requests import DeleteZone, DrawWalls, ForgetPlace, NamePlace, PutZone, RestoreWalls, SaveMap
 from ur.web.wire.reading import BadRequestError
 from ur.web.wire.requests import (
     LONGEST,
-    AskForLease,
-    Emergency,
-    Goal,
-    GoTo,
-    LimitSpeed,
     Stick,
-    SwitchObstacleStop,
     read_request,
 )
 from ur.web.wire.view_request import LONGEST as LONGEST_VIEW
@@ -53,10 +46,6 @@ _CANCEL_AGAIN = 1.0  # s
 _MOST_BAD = 20  # malformed messages of one page
 _RATE, _BURST = 150.0, 150.0  # messages of one page, a second
 _VIEW_RATE, _VIEW_BURST = 10.0, 40.0  # changes of what one page shows, a second
-_LOGGED = (
-    DeleteZone, Emergency, ForgetPlace, GoTo, AskForLease, LimitSpeed, NamePlace, PutZone, RestoreWalls, SaveMap,
-    SwitchObstacleStop,
-)  # fmt: skip
 _TAB = re.compile(r"[0-9a-z]{8,32}", re.ASCII)
 
 
@@ -299,15 +288,8 @@ class Application:
                 return
             if request is None:
                 continue
+            if text := describe_request(request, message.data, hold):
+                self._log(f"{who}: {text}")
             if isinstance(request, Stick):
-                if request.hold != hold:
-                    self._log(f"{who}: stick")
                 hold = request.hold
-            elif isinstance(request, Goal):
-                heading = "" if request.yaw is None else f" {request.yaw:.2f}"
-                self._log(f"{who}: goal {request.x:.2f} {request.y:.2f}{heading}")
-            elif isinstance(request, DrawWalls):
-                self._log(f"{who}: changes walls of map {request.map}, {len(request.strokes)} strokes")
-            elif isinstance(request, _LOGGED):
-                self._log(f"{who}: {message.data}")
             self._send({"page": client, "m": message.data})

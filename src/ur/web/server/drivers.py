@@ -11,7 +11,23 @@ from typing import Any, Protocol
 
 from aiohttp import WSCloseCode, web
 
+from ur.web.wire.map_requests import DeleteZone, DrawWalls, ForgetPlace, NamePlace, PutZone, RestoreWalls, SaveMap
+from ur.web.wire.requests import (
+    AskForLease,
+    Emergency,
+    Goal,
+    GoTo,
+    LimitSpeed,
+    Request,
+    Stick,
+    SwitchObstacleStop,
+)
+
 _MOST_NUMBERS = 200
+_LOGGED = (
+    DeleteZone, Emergency, ForgetPlace, GoTo, AskForLease, LimitSpeed, NamePlace, PutZone, RestoreWalls, SaveMap,
+    SwitchObstacleStop,
+)  # fmt: skip
 
 
 class DriverPage(Protocol):
@@ -136,3 +152,16 @@ class Drivers:
 
 def _number_name(name: str, number: int) -> str:
     return name if number == 1 else f"{name}, page {number}"
+
+
+def describe_request(request: Request, text: str, hold: int) -> str:
+    """A request of a page for the log; '' if it is not logged. `hold` is the press of the stick before it."""
+    match request:
+        case Stick():
+            return "" if request.hold == hold else "stick"
+        case Goal():
+            heading = "" if request.yaw is None else f" {request.yaw:.2f}"
+            return f"goal {request.x:.2f} {request.y:.2f}{heading}"
+        case DrawWalls():
+            return f"changes walls of map {request.map}, {len(request.strokes)} strokes"
+    return text if isinstance(request, _LOGGED) else ""

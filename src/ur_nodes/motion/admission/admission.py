@@ -2,7 +2,8 @@
 
 A *stamped* command answers a challenge and names its client: it is admitted when the answer is fresh and the client may
 drive, and its age counts from the issue of the challenge. A *plain* command has no proof of its age: it is admitted by
-its publisher's rhythm, counts from its arrival, and is ignored while stamped commands come from the same source.
+its publisher's rhythm, counts from its arrival, and is ignored while stamped commands come from the same source. Where
+the middleware stamps messages, it is as old as its stamp shows beside the fastest one of its publisher (`stamps`).
 
 All functions are pure; `now` is in seconds of a steady clock, `unix` in seconds since 1970.
 """
@@ -11,17 +12,21 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field, replace
-from typing import Literal
+from typing import Literal, TypeVar
 
-from ur_nodes.motion.admission.probation import Probation, step_probation, too_slow
+from ur_nodes.motion.admission.probation import Probation, restart_proof, step_probation, too_slow
+from ur_nodes.motion.admission.stamps import Stamps, step_stamps
 from ur_nodes.motion.challenge.freshness import FRESHNESS, REQUEST_FRESHNESS, Challenges, Stamp, age_of, issue
 from ur_nodes.motion.lease.record import ClientCommand, LeaseRecord, may_drive, step_lease
 from ur_nodes.motion.lease.text import Request, is_client
 
 _MOST_PUBLISHERS = 32
+_MOST_STAMPS = 512  # of publishers: one that is forgotten could pass old commands off as new
 
-Refusal = Literal["late", "not the driver", "no client", "on probation", "displaced"]
-Publisher = tuple[int, str]  # of plain commands: index of the source, name of the node
+Refusal = Literal["late", "held back", "not the driver", "no client", "on probation", "displaced"]
+Publisher = tuple[int, str]  # of plain commands: index of the source, id of the publisher
+Kept = TypeVar("Kept", Probation, Stamps)
+Sent = tuple[int, float]  # when a command was sent (ns of the sender's clock), and when it arrived (s)
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,6 +39,7 @@ class Admission:
     freshness: float = FRESHNESS
     plain: dict[Publisher, Probation] = field(default_factory=dict)
     stamped_at: dict[int, float] = field(default_factory=dict)
+    stamps: dict[Publisher, Stamps] = field(default_factory=dict)
 
 
 def admit_stamped(
@@ -53,21 +59,36 @@ def admit_stamped(
 
 
 def admit_plain(
-    admission: Admission, source: int, publisher: str, now: float, *, motion: bool
+    admission: Admission, source: int, publisher: str, now: float, *, motion: bool, sent: Sent | None = None
 ) -> tuple[Admission, float | Refusal]:
-    """The age (s) of a plain command, which is 0, or why it is refused."""
+    """The age (s) of a plain command, or why it is refused. The age is 0 where it is not known when it was `sent`."""
     key = (source, publisher)
-    state = step_probation(admission.plain.get(key, Probation(admission.timeouts[source])), now, motion=motion)
-    plain = {each: before for each, before in admission.plain.items() if each != key}
-    plain[key] = state
-    while len(plain) > _MOST_PUBLISHERS:
-        del plain[next(iter(plain))]
-    admission = replace(admission, plain=plain)
+    probation = admission.plain.get(key, Probation(admission.timeouts[source]))
+    age = 0.0
+    if sent is not None:
+        stamps, delay, fell = step_stamps(admission.stamps.get(key, Stamps()), *sent)
+        age = delay + max(0.0, now - sent[1])
+        admission = replace(admission, stamps=_with(admission.stamps, key, stamps, _MOST_STAMPS))
+        if age > admission.freshness:
+            return admission, "held back"
+        if fell:
+            probation = restart_proof(probation)
+    state = step_probation(probation, now, motion=motion)
+    admission = replace(admission, plain=_with(admission.plain, key, state, _MOST_PUBLISHERS))
     if not state.accepted:
         return admission, "on probation"
     if now - admission.stamped_at.get(source, -math.inf) <= admission.timeouts[source]:
         return admission, "displaced"
-    return admission, 0.0
+    return admission, age
+
+
+def _with(known: dict[Publisher, Kept], key: Publisher, value: Kept, most: int) -> dict[Publisher, Kept]:
+    """The dict with a value, which is the newest then; of more than `most` the oldest go."""
+    kept = {each: before for each, before in known.items() if each != key}
+    kept[key] = value
+    while len(kept) > most:
+        del kept[next(iter(kept))]
+    return kept
 
 
 def admit_request(admission: Admission, request: Request, now: float, unix: float) -> tuple[Admission, bool]:

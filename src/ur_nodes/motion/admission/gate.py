@@ -30,6 +30,7 @@ from ur_nodes.ports.values import StampedTwist, Time, Twist
 
 _FACT = "lease"  # mirrors the lease
 _MOST_PUBLISHERS = 256  # of locks, that are remembered
+_ID = "#"  # between the name and the id of a publisher
 _MEMORY = 60.0  # s: for the driver before the master was started anew to return
 
 
@@ -67,7 +68,7 @@ class Gate:
         self._locks: dict[tuple[int, str], LockRelease] = {}
         self._announced: Lease | None = None
         self._saving = False
-        self._challenge = node.publish("~challenge", Time)
+        self._challenge = node.publish("~challenge", Time, Quality.FRESH)
         self._lease = node.publish("~lease", str, Quality.LATCHED)
         node.on_end(self._end)
         node.after(0.0, self._issue, steady=True)
@@ -75,6 +76,9 @@ class Gate:
         for index, source in enumerate(settings.sources):
             # Every plain command counts: a cluster has to be seen as one.
             node.subscribe_from(source.topic, Twist, partial(self._take_plain, index), Quality.EVERY)
+            if source.foreign:
+                node.subscribe_from(source.topic, StampedTwist, partial(self._take_foreign, index), Quality.EVERY)
+                continue
             # Likewise every stamped one: those of a client that may not drive must not replace those of the driver.
             stamped = f"{source.topic}_stamped"
             node.subscribe(stamped, StampedTwist, partial(self._take_stamped, index), Quality.EVERY)
@@ -102,8 +106,16 @@ class Gate:
     def _take_plain(self, index: int, twist: Twist, sender: Sender | None) -> None:
         velocity = self._velocity_of(twist, index)
         now, motion = self._node.steady(), not velocity.still
-        self._admission, verdict = admit_plain(self._admission, index, _name(sender), now, motion=motion)
+        sent = None
+        if sender is not None and sender.sent is not None and sender.arrived is not None:
+            sent = (sender.sent, sender.arrived)
+        self._admission, verdict = admit_plain(
+            self._admission, index, _publisher(sender), now, motion=motion, sent=sent
+        )
         self._pass(index, velocity, now, verdict, stamped=False)
+
+    def _take_foreign(self, index: int, command: StampedTwist, sender: Sender | None) -> None:
+        self._take_plain(index, command.twist, sender)
 
     def _pass(self, index: int, velocity: Velocity, now: float, verdict: float | Refusal, *, stamped: bool) -> None:
         """Let the mux have a command that is admitted at `now`, and count one that is not."""
@@ -122,7 +134,7 @@ class Gate:
 
     def _take_lock(self, index: int, locked: bool, sender: Sender | None) -> None:
         """Obey `true` always, and `false` when it cannot have been held back for long: see `step_lock_release`."""
-        key, lock = (index, _name(sender)), self._settings.locks[index]
+        key, lock = (index, _publisher(sender)), self._settings.locks[index]
         known = self._locks.get(key)
         state = known or LockRelease(lock.timeout)
         state, obeyed = step_lock_release(state, self._node.steady(), locked=locked, new=known is None)
@@ -131,7 +143,7 @@ class Gate:
         if obeyed:
             self._handle(LockMessage(index, locked))
             return
-        late = f"{lock.name}: ignored a 'false' of {key[1]} on {lock.topic} that may be late; "
+        late = f"{lock.name}: ignored a 'false' of {_name(sender)} on {lock.topic} that may be late; "
         self._log.warn(late + "expected it from a new publisher or five times in a row", every=5.0)
 
     def _take_request(self, text: str, sender: Sender | None) -> None:
@@ -155,7 +167,7 @@ class Gate:
         for index, publisher in slow:
             source = self._settings.sources[index]
             self._log.warn(
-                f"{source.topic}: {publisher} does not drive: plain commands need a steady rate of "
+                f"{source.topic}: {publisher.partition(_ID)[0]} does not drive: plain commands need a steady rate of "
                 f"{rate_needed(source.timeout)} Hz or more, five in a row"
             )
 
@@ -191,3 +203,8 @@ class Gate:
 
 def _name(sender: Sender | None) -> str:
     return sender.name if sender else ""
+
+
+def _publisher(sender: Sender | None) -> str:
+    """The name of a publisher and its id, which tells it from another of that name."""
+    return f"{sender.name}{_ID}{sender.id}" if sender else ""

@@ -67,6 +67,11 @@ def step_probation(state: Probation, now: float, *, motion: bool) -> Probation:
     return replace(state, count=count, reported=state.reported and count < PROOF)
 
 
+def restart_proof(state: Probation) -> Probation:
+    """The state of a publisher whose commands so far prove nothing; the next one is the first in a row."""
+    return replace(state, count=0)
+
+
 def too_slow(state: Probation, now: float) -> tuple[Probation, bool]:
     """Return whether the publisher asked for motion and fell silent on probation; reported once until it drives."""
     if state.reported or state.accepted or not state.wants_motion or now - state.at <= state.timeout:

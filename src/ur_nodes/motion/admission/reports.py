@@ -42,6 +42,11 @@ class Reports:
     def _explain(self, refusal: Refusal, lease: Lease) -> str:
         if refusal == "late":
             return f"older than {self._freshness:g} s or without an answer to a challenge of this mux"
+        if refusal == "held back":
+            return (
+                f"sent more than {self._freshness:g} s earlier than the fastest one of the same program; "
+                "where the clock of its computer was set back, start the program again"
+            )
         if refusal == "not the driver":
             program = f" ({lease.program})" if lease.program else ""
             return f"{lease.name or 'another client'}{program} drives"

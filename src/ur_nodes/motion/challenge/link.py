@@ -7,6 +7,7 @@ from collections.abc import Callable
 
 from ur_nodes.motion.challenge.freshness import FRESHNESS
 from ur_nodes.ports.node import Node
+from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.values import StampedTwist, Time, Twist
 
 
@@ -50,7 +51,7 @@ class FreshPublisher:
         """`client` is the id of the client that drives; empty for a node on the robot that follows the lease itself."""
         self._link = link
         self.client = client
-        self._publisher = link.node.publish(stamped_name(link.node, topic), StampedTwist)
+        self._publisher = link.node.publish(stamped_name(link.node, topic), StampedTwist, Quality.FRESH)
 
     def send(self, twist: Twist) -> bool:
         """Publish a command with the newest challenge; without one publish nothing and return False."""

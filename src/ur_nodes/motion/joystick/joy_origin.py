@@ -2,26 +2,58 @@
 
 from __future__ import annotations
 
+import time
+from collections.abc import Callable
 from functools import partial
 
-from ur_nodes.ports.node import Location, Node
+from ur_nodes.ports.node import Location, Node, Sender
 
 _AGAIN = 5.0  # s: then a publisher that could not be found is looked up again
+_LATE = 150_000_000  # ns: older input moves nothing
+_EARLY = 50_000_000  # ns: a computer has one clock, so what is sent later than now was sent by another computer
+_MOST = 100  # publishers that are remembered
+_REMEDY = "start this node where the joystick is, or set ~remote_joy"
 
 
 class JoyOrigin:
-    """Finds out which publishers run on this computer."""
+    """Finds out which publishers run on this computer.
 
-    def __init__(self, node: Node, *, remote: bool) -> None:
+    Where the middleware stamps messages, this computer's `clock` (ns) shows the age of what it has sent itself. Another
+    computer's clock may be wrong by anything: a publisher that once was ahead is refused from then on.
+    """
+
+    def __init__(self, node: Node, *, remote: bool, clock: Callable[[], int] = time.time_ns) -> None:
         """`remote`: publishers on other computers are wanted."""
         self._node = node
         self._remote = remote
+        self._clock = clock
         self._accepted: set[str] = set()
+        self._ahead: dict[str, None] = {}
         self._asked_at: dict[str, float] = {}
 
-    def accepts(self, publisher: str) -> bool:
-        """Return whether messages of this node may move the robot: not until it is known where the node runs."""
-        if self._remote or publisher in self._accepted:
+    def accepts(self, sender: Sender | None) -> bool:
+        """Return whether a message may move the robot: not until it is known where its publisher runs."""
+        if self._remote:
+            return True
+        if sender is None:
+            return self._find("")
+        return self._find(sender.name) if sender.sent is None else self._check(sender, sender.sent)
+
+    def _check(self, sender: Sender, sent: int) -> bool:
+        age = self._clock() - sent
+        if age < -_EARLY:
+            self._ahead[sender.id] = None
+            del (known := list(self._ahead))[-_MOST:]
+            for each in known:
+                del self._ahead[each]
+        if sender.id in self._ahead or age > _LATE:
+            text = f"joy: a message of {sender.name} was sent {age * 1e-9:.2f} s ago by this computer's clock"
+            self._node.log.error(f"{text}, expected less than {_LATE * 1e-9:g} s; {_REMEDY}", every=_AGAIN)
+            return False
+        return True
+
+    def _find(self, publisher: str) -> bool:
+        if publisher in self._accepted:
             return True
         now = self._node.steady()
         if now - self._asked_at.get(publisher, float("-inf")) >= _AGAIN:
@@ -36,5 +68,5 @@ class JoyOrigin:
         where = place.host if place else "an unknown computer"
         self._node.log.error(
             f"joy: {publisher} runs on {where}, expected it on this computer: what a network holds back would move the "
-            "robot late; start this node where the joystick is, or set ~remote_joy"
+            f"robot late; {_REMEDY}"
         )

@@ -31,7 +31,7 @@ def start(node: Node) -> None:
 
     def take(joystick: Joystick, sender: Sender | None) -> None:
         nonlocal state
-        accepted = origin.accepts(sender.name if sender else "")
+        accepted = origin.accepts(sender)
         state, twist, request = step_joy_teleop(state, JoystickState(joystick.axes, joystick.buttons))
         if not accepted:
             twist, request = None, request if request == "stop" else None

@@ -54,7 +54,7 @@ class DriverLink:
         self._node, self._limits, self._on_challenge = node, limits, on_challenge
         self._heard = Heard()
         self._heard_at = float("-inf")
-        self._velocities = node.publish(VELOCITIES, StampedTwist)
+        self._velocities = node.publish(VELOCITIES, StampedTwist, Quality.FRESH)
         self._speed_limit = node.publish(f"{mux}/speed_limit", float)
         self._requests = node.publish(f"{mux}/lease_request", str, Quality.EVERY)
         node.subscribe(f"{mux}/lease", str, self._take_lease, Quality.LATCHED)

@@ -68,8 +68,10 @@ class Robot:
             self.step(Command(source, AHEAD, self.now - verdict))
         return verdict
 
-    def plain(self, publisher: str = "/p", source: int = KEYBOARD) -> float | Refusal:
-        self.admission, verdict = admit_plain(self.admission, source, publisher, self.now, motion=True)
+    def plain(self, publisher: str = "/p", source: int = KEYBOARD, sent: float | None = None) -> float | Refusal:
+        """`sent` is by a clock that is 100 s ahead."""
+        moment = None if sent is None else (round((sent + 100.0) * 1e9), self.now)
+        self.admission, verdict = admit_plain(self.admission, source, publisher, self.now, motion=True, sent=moment)
         if isinstance(verdict, float):
             self.step(Command(source, AHEAD, self.now - verdict))
         return verdict
@@ -178,6 +180,65 @@ def test_publisher_that_is_too_slow_is_named_once(robot: Robot) -> None:
     assert robot.slow == ["/slow"]
 
 
+def drive_steadily(robot: Robot, count: int = 20, delay: float = 0.002) -> None:
+    for _ in range(count):
+        robot.until(robot.now + 0.05)
+        verdict = robot.plain(sent=robot.now - delay)
+    assert verdict == pytest.approx(0.0, abs=1e-6)
+
+
+def test_plain_command_with_a_stamp_is_as_old_as_its_stamp_shows(robot: Robot) -> None:
+    drive_steadily(robot)
+    robot.until(robot.now + 0.05)
+    assert robot.plain(sent=robot.now - 0.062) == pytest.approx(0.06, abs=1e-3)
+
+
+def test_time_that_a_command_waits_for_the_mux_counts(robot: Robot) -> None:
+    drive_steadily(robot)
+    moment = (round((robot.now + 100.0) * 1e9), robot.now)
+    _, verdict = admit_plain(robot.admission, KEYBOARD, "/p", robot.now + 0.08, motion=True, sent=moment)
+    assert verdict == pytest.approx(0.08, abs=5e-3)
+
+
+def test_command_that_was_held_back_is_refused_however_steadily_more_of_them_arrive(robot: Robot) -> None:
+    drive_steadily(robot)
+    robot.until(robot.now + 5.0)
+    began = robot.now
+    verdicts = set()
+    for _ in range(100):
+        robot.until(robot.now + 0.05)
+        verdicts.add(robot.plain(sent=robot.now - 2.0))
+    assert verdicts == {"held back"}
+    assert all(speed == 0.0 for at, speed in robot.outputs if at > began)
+
+
+def test_commands_of_a_new_publisher_that_a_network_held_back_do_not_drive_while_its_queue_empties(
+    robot: Robot,
+) -> None:
+    for n in range(100):
+        robot.until(robot.now + 0.04)
+        assert robot.plain("/new", sent=n * 0.05) == "on probation"
+        assert not robot.outputs
+
+
+def test_publisher_whose_clock_is_set_ahead_drives_again_after_its_proof(robot: Robot) -> None:
+    drive_steadily(robot)
+    verdicts = []
+    for _ in range(6):
+        robot.until(robot.now + 0.05)
+        verdicts.append(robot.plain(sent=robot.now + 60.0))
+    assert verdicts[:4] == ["on probation"] * 4
+    assert isinstance(verdicts[-1], float)
+
+
+def test_program_that_is_started_again_drives_whatever_its_clock_shows(robot: Robot) -> None:
+    drive_steadily(robot)
+    for _ in range(6):
+        robot.until(robot.now + 0.05)
+        verdict = robot.plain("/p#again", sent=robot.now - 3600.0)
+    assert verdict == 0.0
+
+
 kinds = st.sampled_from(["stamped", "plain", "take", "acquire", "renew"])
 delays = st.floats(FRESHNESS + 0.001, 30.0)
 bursts = st.lists(st.tuples(st.floats(0.0, 30.0), st.integers(1, 40), kinds, delays), max_size=12)
@@ -226,3 +287,18 @@ def test_one_client_drives_at_a_time(moves: list[tuple[float, str, str]]) -> Non
             assert robot.driver == (before or client)
         else:
             robot.request(client, action)  # type: ignore[arg-type]
+
+
+@given(st.lists(st.tuples(st.floats(0.001, 0.2), st.floats(0.3, 30.0)), max_size=60))
+@settings(max_examples=150, deadline=None)
+def test_no_rhythm_of_late_stamped_commands_moves_the_robot(commands: list[tuple[float, float]]) -> None:
+    """Each is sent `delay` s before it arrives, by a publisher that has driven before."""
+    robot = Robot()
+    robot.until(0.1)
+    drive_steadily(robot)
+    robot.until(robot.now + 1.0)
+    began = robot.now
+    for gap, delay in commands:
+        robot.until(robot.now + gap)
+        assert robot.plain(sent=robot.now - delay) == "held back"
+    assert all(speed == 0.0 for at, speed in robot.outputs if at > began)

@@ -5,7 +5,7 @@ import pytest
 from ur_nodes.memory.bus import Bus
 from ur_nodes.memory.node import MemoryNode
 from ur_nodes.motion.joystick.joy_origin import JoyOrigin
-from ur_nodes.ports.node import Location
+from ur_nodes.ports.node import Location, Sender
 
 
 class Asking:
@@ -28,9 +28,9 @@ class Asking:
     def accepts(self, origin: JoyOrigin, name: str) -> bool:
         """Whether a node is accepted once it was looked up."""
         for _ in range(3):
-            origin.accepts(name)
+            origin.accepts(Sender(name))
             self.bus.run(0.01)
-        return origin.accepts(name)
+        return origin.accepts(Sender(name))
 
 
 @pytest.fixture
@@ -45,7 +45,7 @@ def test_joystick_of_this_computer_is_accepted_and_looked_up_once(asking: Asking
 
 def test_joystick_of_another_computer_is_refused_unless_it_is_wanted(asking: Asking) -> None:
     assert not asking.accepts(JoyOrigin(asking.node, remote=False), "/there")
-    assert JoyOrigin(asking.node, remote=True).accepts("/there")
+    assert JoyOrigin(asking.node, remote=True).accepts(Sender("/there"))
     assert asking.asked == ["/there"]
     assert any("/there runs on 192.0.2.7, expected it on this computer" in text for _, text in asking.node.lines)
 
@@ -57,3 +57,27 @@ def test_joystick_that_cannot_be_found_is_refused_and_looked_up_again_later(aski
     asking.bus.node("nowhere")
     asking.bus.run(6.0)
     assert asking.accepts(origin, "/nowhere")
+
+
+def stamped(sent: float) -> Sender:
+    return Sender("/joy", id="1", sent=round(sent * 1e9), arrived=0.0)
+
+
+def test_message_that_this_computer_has_just_stamped_is_accepted(asking: Asking) -> None:
+    origin = JoyOrigin(asking.node, remote=False, clock=lambda: 10_000_000_000)
+    assert origin.accepts(stamped(9.9))
+    assert asking.asked == []
+
+
+def test_message_that_a_network_has_held_back_is_refused(asking: Asking) -> None:
+    origin = JoyOrigin(asking.node, remote=False, clock=lambda: 10_000_000_000)
+    assert not origin.accepts(stamped(9.0))
+    assert any("was sent 1.00 s ago" in text for _, text in asking.node.lines)
+
+
+def test_joystick_of_a_computer_whose_clock_is_ahead_is_refused_also_when_its_messages_are_late(asking: Asking) -> None:
+    now = [10_000_000_000]
+    origin = JoyOrigin(asking.node, remote=False, clock=lambda: now[0])
+    assert not origin.accepts(stamped(15.0))
+    now[0] = 15_050_000_000
+    assert not origin.accepts(stamped(15.0))

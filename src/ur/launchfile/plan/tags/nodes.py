@@ -7,7 +7,7 @@ from typing import Literal, cast
 
 from ur.launchfile.plan.draft import Draft
 from ur.launchfile.plan.model import MachineSpec, NodeSpec, ParamSpec, ReadyCondition, TestSpec
-from ur.launchfile.plan.names import canonical_name, is_legal_name, join_names, make_namespace
+from ur.launchfile.plan.names import canonical_name, is_legal_name
 from ur.launchfile.plan.problems import Refused, refuse
 from ur.launchfile.plan.scope import Scope
 from ur.launchfile.plan.tags.attributes import (
@@ -15,11 +15,11 @@ from ur.launchfile.plan.tags.attributes import (
     as_number,
     check_attributes,
     is_wanted,
-    missing_attribute,
     read_flag,
     read_optional,
     read_required,
 )
+from ur.launchfile.plan.tags.namespaces import private_scope, resolve_namespace
 from ur.launchfile.plan.tags.params import resolve_param, resolve_rosparam
 from ur.launchfile.plan.tags.ready import EXPECTED, is_ready_comment, parse_ready
 from ur.launchfile.plan.tags.simple import read_remap, resolve_env
@@ -95,7 +95,7 @@ def _resolve(
             "other ROS tools will not understand it: rename the node",
         )
     namespace = resolve_namespace(element, draft, scope, node_name=name)
-    private = _private_scope(element, name, namespace, scope)
+    private = private_scope(element, name, namespace, scope)
     package = read_required(element, "pkg", draft, scope)
     type_ = read_required(element, "type", draft, scope)
     machine = read_optional(element, "machine", draft, scope)
@@ -152,67 +152,6 @@ def _read_ready(element: Element, name: str, namespace: str, draft: Draft, scope
                 subject=wrong[0],
             )
     return conditions
-
-
-def resolve_namespace(element: Element, draft: Draft, scope: Scope, node_name: str | None = None) -> str:
-    """The namespace that `ns` gives a tag; notes `clear_params`. Raises Refused."""
-    given: str | None = None
-    if "ns" in element.attributes:
-        given = read_optional(element, "ns", draft, scope)
-        if not given:
-            raise refuse(
-                f"<{element.name}> with an empty 'ns', expected a namespace",
-                element.name_span("ns"),
-                "empty-namespace",
-                "remove ns, or give it a name",
-                subject=element.attributes["ns"],
-            )
-    try:
-        namespace = scope.child_namespace(given)
-    except ValueError as problem:
-        raise refuse(f"'ns' of <{element.name}>: {problem}", element.value_span("ns"), "bad-name") from None
-    clear = read_optional(element, "clear_params", draft, scope)
-    if clear and as_flag(clear, element, "clear_params"):
-        draft.clear_params.append(_cleared(element, namespace, given, node_name))
-    return namespace
-
-
-def _cleared(element: Element, namespace: str, given: str | None, node_name: str | None) -> str:
-    if node_name is None:
-        if given:
-            return namespace
-        raise refuse(
-            f"<{element.name}> with 'clear_params' but without 'ns', expected both",
-            element.name_span("clear_params"),
-            "bad-clear-params",
-            'add ns="...": it says what is cleared',
-        )
-    if not node_name:
-        raise refuse(
-            f"<{element.name}> with 'clear_params' but without a name, expected both",
-            element.name_span("clear_params"),
-            "bad-clear-params",
-        )
-    try:
-        return make_namespace(join_names(namespace, node_name))
-    except ValueError as problem:
-        raise refuse(f"'name' of <{element.name}>: {problem}", element.value_span("name"), "bad-name") from None
-
-
-def _private_scope(element: Element, name: str, namespace: str, scope: Scope) -> Scope:
-    # Where a node's own <param> and <rosparam> are resolved. roslaunch copies what $(anon) has named so far.
-    private = Scope(namespace, scope.filename, scope.args)
-    try:
-        private.namespace = private.child_namespace(name)
-    except ValueError as problem:
-        raise refuse(f"'name' of <{element.name}>: {problem}", element.value_span("name"), "bad-name") from None
-    private.parent = scope
-    private.anonymous = dict(scope.anonymous)
-    private.declared = scope.declared
-    private.missing = scope.missing
-    private.poisoned = scope.poisoned
-    private.chain = scope.chain
-    return private
 
 
 def _resolve_children(
@@ -305,6 +244,3 @@ def _checked_required(required: bool, respawn: bool, element: Element) -> bool:
             "required ends everything when the node ends, respawn starts it again: choose one",
         )
     return required
-
-
-__all__ = ["missing_attribute", "resolve_namespace", "resolve_node", "resolve_test"]
