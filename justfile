@@ -33,6 +33,7 @@ docs:
     .venv/bin/python tools/make_base_pictures.py
     .venv/bin/python tools/make_base_page.py
     .venv/bin/python tools/make_hardware_page.py
+    .venv/bin/python tools/make_wire_numbers.py
     .venv/bin/python tools/make_screenshot.py
 
 # print the figures of a bench: just bench navigation

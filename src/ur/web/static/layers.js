@@ -3,6 +3,7 @@
 
 import { SWITCHES, keepLink } from "./link_state.js";
 import { TEXTS } from "./texts.js";
+import { LAYERS } from "./wire_numbers.js";
 
 /** @type {import("./panels.js").Panel} */
 export const LAYER_PANEL = {
@@ -33,7 +34,7 @@ export class LayerPanel {
       });
       const swatch = document.createElement("span");
       swatch.className = `swatch ${name}`;
-      label.append(input, swatch, TEXTS.layerNames[/** @type {"scan"} */ (name)]);
+      label.append(input, swatch, LAYERS[name] ?? TEXTS.trail);
       row.append(label);
       list.append(row);
     }

@@ -1,11 +1,11 @@
 // @ts-check
 /** What the page shows, as the query of its address: a link shows the same elsewhere. */
 
-/** Names of the layers over the map; see `ur.web.wire.layers`. */
-export const LAYERS = ["scan", "plan", "local", "global", "particles", "covariance", "sonars", "fiducials", "robots", "frontiers"];
-/** All that can be switched: the trail is the page's own. */
-export const SWITCHES = [...LAYERS, "trail"];
-const DEFAULT = "scan,plan,frontiers";
+import { LAYERS, SHOWN_AT_FIRST } from "./wire_numbers.js";
+
+/** Names of all that can be switched: the trail is the page's own. */
+export const SWITCHES = [...Object.keys(LAYERS), "trail"];
+const DEFAULT = SHOWN_AT_FIRST.join(",");
 const NUMBER = /^-?\d{1,6}(\.\d{1,3})?$/;
 
 const PLOT = /^\/[A-Za-z0-9_/]{1,100}:[A-Za-z0-9_]{1,40}(\.[A-Za-z0-9_]{1,40}){0,6}$/; // as in ur.web.wire.plots
@@ -41,7 +41,7 @@ export function readLink(search) {
 
 /** Names of the layers that the robot's end is asked for. @param {Set<string>} layers */
 export function listLayers(layers) {
-  return LAYERS.filter((name) => layers.has(name)).join(",");
+  return Object.keys(LAYERS).filter((name) => layers.has(name)).join(",");
 }
 
 /** The query; empty for what a page shows at first. @param {LinkState} state */

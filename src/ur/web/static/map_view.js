@@ -3,7 +3,11 @@
 
 import { MapTiles } from "./map_tiles.js";
 import { View } from "./view.js";
+import { SWITCHES } from "./link_state.js";
 import { LAYER } from "./wire.js";
+
+/** Of `style.css`, beside those of the layers. */
+const COLOURS = ["unknown", "free", "wall", "goal", "place", "keep-out", "slow", "robot", "robot-edge"];
 
 /** `dragged`: the user has drawn the heading. @typedef {{x: number, y: number, yaw: number | null, dragged?: boolean}} Place */
 
@@ -53,7 +57,7 @@ export class MapView {
 
   readColours() {
     const style = getComputedStyle(document.documentElement);
-    for (const name of ["unknown", "free", "wall", "scan", "plan", "goal", "place", "keep-out", "slow", "local", "global", "particles", "covariance", "sonars", "fiducials", "robots", "frontiers", "trail", "robot", "robot-edge"]) {
+    for (const name of [...SWITCHES, ...COLOURS]) {
       this.colours[name] = style.getPropertyValue(`--map-${name}`).trim();
     }
     this.tiles.setColours(this.colours.unknown, this.colours.free, this.colours.wall);

@@ -38,14 +38,26 @@ export class Overlays {
   /** @param {Context} context @param {View} view @param {Colours} colours */
   paint(context, view, colours) {
     const { layers } = this.map;
-    const of = (/** @type {number} */ layer) => this.found.get(layer) ?? {};
-    if (layers.has("frontiers")) drawFrontiers(context, view, colours, of(LAYER.FRONTIERS).frontiers ?? []);
-    if (layers.has("trail")) drawTrail(context, view, colours.trail, this.trail);
-    if (layers.has("fiducials")) drawFiducials(context, view, colours, of(LAYER.FIDUCIALS).marks ?? []);
-    if (layers.has("sonars")) drawCones(context, view, colours.sonars, of(LAYER.SONARS).cones ?? []);
-    if (layers.has("covariance")) drawSpread(context, view, colours.covariance, of(LAYER.COVARIANCE));
-    if (layers.has("robots")) drawRobots(context, view, colours, of(LAYER.ROBOTS).robots ?? {});
+    for (const [name, draw] of Object.entries(DRAW)) {
+      if (layers.has(name)) draw(context, view, colours, name === "trail" ? { trail: this.trail } : this.found.get(numberOf(name)) ?? {});
+    }
   }
+}
+
+/** How each layer is drawn from the value of `ur_nodes.web.layers.overlay_values`, the lowest first.
+ * @type {Record<string, (context: Context, view: View, colours: Colours, value: any) => void>} */
+const DRAW = {
+  frontiers: (context, view, colours, value) => drawFrontiers(context, view, colours, value.frontiers ?? []),
+  trail: (context, view, colours, value) => drawTrail(context, view, colours.trail, value.trail),
+  fiducials: (context, view, colours, value) => drawFiducials(context, view, colours, value.marks ?? []),
+  sonars: (context, view, colours, value) => drawCones(context, view, colours.sonars, value.cones ?? []),
+  covariance: (context, view, colours, value) => drawSpread(context, view, colours.covariance, value),
+  robots: (context, view, colours, value) => drawRobots(context, view, colours, value.robots ?? {}),
+};
+
+/** @param {string} name */
+function numberOf(name) {
+  return LAYER[/** @type {keyof typeof LAYER} */ (name.toUpperCase())];
 }
 
 /** @param {Context} context @param {View} view @param {string} colour @param {([number, number] | null)[]} trail */

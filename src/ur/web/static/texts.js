@@ -29,19 +29,7 @@ export const TEXTS = {
   /** @param {string} label */
   closePanel: (label) => `Close ${label}`,
   layers: "Layers",
-  layerNames: {
-    scan: "Lidar",
-    plan: "Planned path",
-    local: "Obstacles near the robot",
-    global: "Obstacles on the map",
-    particles: "Possible positions (particles)",
-    covariance: "Uncertainty of the position",
-    sonars: "Sonars",
-    fiducials: "Fiducials",
-    robots: "Other robots",
-    frontiers: "Frontiers of an exploration",
-    trail: "Trail",
-  },
+  trail: "Trail",
   plots: {
     title: "Plots",
     topic: "Topic",

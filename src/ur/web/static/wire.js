@@ -1,12 +1,9 @@
 // @ts-check
 /** Frames of the server, decoded: see `ur.web.wire.frames`, which writes them. Little endian. */
 
-export const KIND = { SERVER: 0, STATE: 1, POSE: 2, POINTS: 3, GRID: 4, TILE: 5, PLACES: 6, OVERLAY: 7, VALUES: 8, FIELDS: 9, ZONES: 16 };
-export const LAYER = {
-  MAP: 1, SCAN: 2, PLAN: 3, GLOBAL: 4, LOCAL: 5, PARTICLES: 6, SONARS: 7, COVARIANCE: 8, FIDUCIALS: 9, ROBOTS: 10, FRONTIERS: 12,
-};
-export const TILE = 256;
-const UNIT = 0.005;
+import { UNIT } from "./wire_numbers.js";
+
+export { KIND, LAYER, TILE } from "./wire_numbers.js";
 export const HEAD = 6;
 
 /**

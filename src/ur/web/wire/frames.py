@@ -15,6 +15,8 @@ from dataclasses import dataclass
 from enum import IntEnum
 from typing import Any
 
+from ur.web.wire.layers import Layer as Layer
+
 _KEY = struct.Struct("<BBhh")
 _POSE = struct.Struct("<7f")
 _STAMP = struct.Struct("<d")
@@ -38,7 +40,7 @@ _WHOLE = (1 << 31) - 1
 
 
 class Kind(IntEnum):
-    """The kind of a frame. Its number is that in `static/wire.js`."""
+    """The kind of a frame. `tools/make_wire_numbers.py` writes the numbers for the page."""
 
     SERVER = 0
     STATE = 1
@@ -52,25 +54,6 @@ class Kind(IntEnum):
     FIELDS = 9
     ZONES = 16
     CAMERA = 17
-
-
-class Layer(IntEnum):
-    """The subject of points, a grid or a tile."""
-
-    NONE = 0
-    MAP = 1
-    SCAN = 2
-    PLAN = 3
-    GLOBAL = 4
-    LOCAL = 5
-    PARTICLES = 6
-    SONARS = 7
-    COVARIANCE = 8
-    FIDUCIALS = 9
-    ROBOTS = 10
-    PLOTS = 11
-    FRONTIERS = 12
-    CAMERA = 16
 
 
 Key = tuple[int, int, int, int]

@@ -1,28 +1,70 @@
-"""The layers over the map, and the camera, that a page asks for by name. What no page shows is not computed."""
+"""The layers over the map, and the camera, that a page asks for by name. What no page shows is not computed.
+
+`SHOWN` is their one table: `tools/make_wire_numbers.py` makes `static/wire_numbers.js` and `static/layers.css` of it.
+"""
 
 from __future__ import annotations
 
 import re
 from collections.abc import Mapping
+from dataclasses import dataclass
+from enum import IntEnum
 
-from ur.web.wire.frames import Layer
 from ur.web.wire.reading import BadRequestError
 
-LAYERS: Mapping[str, Layer] = {
-    "scan": Layer.SCAN,
-    "plan": Layer.PLAN,
-    "local": Layer.LOCAL,
-    "global": Layer.GLOBAL,
-    "particles": Layer.PARTICLES,
-    "covariance": Layer.COVARIANCE,
-    "sonars": Layer.SONARS,
-    "fiducials": Layer.FIDUCIALS,
-    "robots": Layer.ROBOTS,
-    "frontiers": Layer.FRONTIERS,
-}
-"""By the name in `static/link_state.js`."""
 
-DEFAULT = frozenset({Layer.SCAN, Layer.PLAN, Layer.FRONTIERS})
+class Layer(IntEnum):
+    """The subject of points, a grid or a tile."""
+
+    NONE = 0
+    MAP = 1
+    SCAN = 2
+    PLAN = 3
+    GLOBAL = 4
+    LOCAL = 5
+    PARTICLES = 6
+    SONARS = 7
+    COVARIANCE = 8
+    FIDUCIALS = 9
+    ROBOTS = 10
+    PLOTS = 11
+    FRONTIERS = 12
+    CAMERA = 16
+
+
+@dataclass(frozen=True, slots=True)
+class MapLayer:
+    """A layer that a page can switch: its label there, its colours on a light and on a dark page."""
+
+    layer: Layer
+    label: str
+    light: str
+    dark: str
+    at_first: bool = False
+    """True: shown before a user has chosen."""
+
+    @property
+    def name(self) -> str:
+        """Its name in requests, addresses and style sheets."""
+        return self.layer.name.lower()
+
+
+SHOWN = (
+    MapLayer(Layer.SCAN, "Lidar", "#d6336c", "#ff7eb0", at_first=True),
+    MapLayer(Layer.PLAN, "Planned path", "#0b6bcb", "#6cb6ff", at_first=True),
+    MapLayer(Layer.LOCAL, "Obstacles near the robot", "#d9480f", "#ff8c42"),
+    MapLayer(Layer.GLOBAL, "Obstacles on the map", "#e8a50a", "#f2c14e"),
+    MapLayer(Layer.PARTICLES, "Possible positions (particles)", "#0a9396", "#35d0ba"),
+    MapLayer(Layer.COVARIANCE, "Uncertainty of the position", "#0b7285", "#66d9e8"),
+    MapLayer(Layer.SONARS, "Sonars", "#5c940d", "#a9e34b"),
+    MapLayer(Layer.FIDUCIALS, "Fiducials", "#5c3d00", "#f2c14e"),
+    MapLayer(Layer.ROBOTS, "Other robots", "#8a2be2", "#d2a8ff"),
+    MapLayer(Layer.FRONTIERS, "Frontiers of an exploration", "#0969da", "#79c0ff", at_first=True),
+)
+"""In the order of the page's list. The robot's end makes each of them in `ur_nodes.web.layers`."""
+
+LAYERS: Mapping[str, Layer] = {each.name: each.layer for each in SHOWN}
+DEFAULT = frozenset(each.layer for each in SHOWN if each.at_first)
 _ALWAYS = frozenset({Layer.NONE, Layer.MAP})
 _LONGEST = 200
 _TOPIC = re.compile(r"/[A-Za-z0-9_/]{1,200}", re.ASCII)

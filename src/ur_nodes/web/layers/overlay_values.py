@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -12,6 +13,7 @@ from ur.source.printable import printable
 from ur.web.wire.frames import Layer
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.ports.fiducials import MappedFiducials
+from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.values import Markers, Odometry, PoseEstimate, Range
 
 _MOST_MARKS = 500
@@ -92,11 +94,41 @@ def _round(*numbers: float) -> list[float]:
     return [round(each, 3) if math.isfinite(each) else 0.0 for each in numbers]
 
 
-DESCRIBE: Mapping[Layer, Callable[[Mapping[str, Any], Place], dict[str, Any]]] = {
-    Layer.SONARS: _describe_sonars,
-    Layer.COVARIANCE: _describe_covariance,
-    Layer.FIDUCIALS: _describe_fiducials,
-    Layer.ROBOTS: _describe_robots,
-    Layer.FRONTIERS: _describe_frontiers,
+Kinds = Mapping[str, "tuple[type, Quality]"]
+
+
+@dataclass(frozen=True, slots=True)
+class Overlay:
+    """A layer of small things: the topics that it shows, and its description from their newest values, by topic.
+
+    `kinds` are the types of its topics, each with the kind of its values and their quality. `topic` is the name of the
+    only one; without it, `belongs` decides by the parts of a full name and the type.
+    """
+
+    kinds: Kinds
+    describe: Callable[[Mapping[str, Any], Place], dict[str, Any]]
+    topic: str = ""
+    belongs: Callable[[list[str], str], bool] = lambda _parts, _type: True
+
+
+_POSE, _ODOMETRY = "geometry_msgs/PoseWithCovarianceStamped", "nav_msgs/Odometry"
+_POSES: Kinds = {_POSE: (PoseEstimate, Quality.LATCHED)}
+_FIDUCIALS: Kinds = {"fiducial_msgs/FiducialMapEntryArray": (MappedFiducials, Quality.LATCHED)}
+_MARKERS: Kinds = {"visualization_msgs/MarkerArray": (Markers, Quality.LATCHED)}
+_SWITCHES: Kinds = {"std_msgs/Bool": (bool, Quality.LATCHED)}
+_ROBOTS = {("amcl_pose", _POSE), ("base_pose_ground_truth", _ODOMETRY)}  # the second where it is simulated
+
+OVERLAYS: Mapping[Layer, Overlay] = {
+    Layer.SONARS: Overlay({"sensor_msgs/Range": (Range, Quality.NEWEST)}, _describe_sonars),
+    Layer.COVARIANCE: Overlay(_POSES, _describe_covariance, "amcl_pose"),
+    Layer.FIDUCIALS: Overlay(_FIDUCIALS, _describe_fiducials),
+    Layer.ROBOTS: Overlay(
+        {**_POSES, _ODOMETRY: (Odometry, Quality.NEWEST)},
+        _describe_robots,
+        belongs=lambda parts, kind: len(parts) > 2 and (parts[-1], kind) in _ROBOTS,  # another robot has a namespace
+    ),
+    Layer.FRONTIERS: Overlay(_MARKERS, _describe_frontiers, "explore/frontiers"),
+    # Bumpers, `.../bumper/NAME`, are part of the robot's state.
+    Layer.NONE: Overlay(_SWITCHES, lambda _found, _place: {}, belongs=lambda parts, _: parts[-2:-1] == ["bumper"]),
 }
-"""The description of each layer, from the newest values of its topics by name."""
+"""What is drawn from JSON, in `static/overlays.js`; in the order in which it is sent."""

@@ -5,17 +5,14 @@ They are found by the types and names of their topics, since each robot has othe
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Sequence
 from functools import partial
 from typing import Any
 
 from ur.source.printable import printable
 from ur.web.wire.frames import Kind, Layer, json_frame
-from ur_nodes.ports.fiducials import MappedFiducials
 from ur_nodes.ports.node import Node, Subscription
-from ur_nodes.ports.qualities import Quality
-from ur_nodes.ports.values import Markers, Odometry, PoseEstimate, Range
-from ur_nodes.web.layers.overlay_values import DESCRIBE, Place
+from ur_nodes.web.layers.overlay_values import OVERLAYS, Place
 from ur_nodes.web.layers.pacing import Every
 
 _EVERY = 0.2  # s between two frames of a layer
@@ -23,37 +20,14 @@ _MOST = 64  # topics of a layer
 
 Topic = tuple[str, str]
 
-_POSE, _ODOMETRY = "geometry_msgs/PoseWithCovarianceStamped", "nav_msgs/Odometry"
-_KINDS: Mapping[str, type] = {
-    "sensor_msgs/Range": Range,
-    _POSE: PoseEstimate,
-    _ODOMETRY: Odometry,
-    "fiducial_msgs/FiducialMapEntryArray": MappedFiducials,
-    "std_msgs/Bool": bool,
-    "visualization_msgs/MarkerArray": Markers,
-}
-_LATCHED = (PoseEstimate, MappedFiducials, bool, Markers)
-_OWN = {Layer.COVARIANCE: "amcl_pose", Layer.FRONTIERS: "explore/frontiers"}
-_ROBOTS = {("amcl_pose", _POSE), ("base_pose_ground_truth", _ODOMETRY)}
-
 
 def choose_topics(layer: Layer, topics: Sequence[Topic], resolve: Callable[[str], str]) -> list[Topic]:
-    """The topics of a layer among all topics (full name, type), at most 64; `resolve` gives full names.
-
-    Bumpers are `.../bumper/NAME`. Another robot has a namespace, and in it `amcl_pose`, or, where it is simulated and
-    has no localiser, `base_pose_ground_truth`.
-    """
-    own = resolve(_OWN[layer]) if layer in _OWN else ""
+    """The topics of a layer among all topics (full name, type), at most 64; `resolve` gives full names."""
+    overlay = OVERLAYS[layer]
+    own = resolve(overlay.topic) if overlay.topic else ""
 
     def belongs(name: str, kind: str) -> bool:
-        *above, last = name.split("/")
-        if own:
-            return name == own
-        if layer == Layer.ROBOTS:
-            return len(above) > 1 and (last, kind) in _ROBOTS
-        if layer == Layer.NONE:
-            return kind == "std_msgs/Bool" and above[-1:] == ["bumper"]
-        return _KINDS.get(kind) is {Layer.SONARS: Range, Layer.FIDUCIALS: MappedFiducials}[layer]
+        return kind in overlay.kinds and (name == own if own else overlay.belongs(name.split("/"), kind))
 
     return [topic for topic in sorted(topics) if belongs(*topic)][:_MOST]
 
@@ -74,7 +48,7 @@ class Overlays:
 
     def want(self, layers: Collection[int], *, watched: bool) -> None:
         """Have these layers sent; `watched`: a page is open, and is to know the bumpers."""
-        wanted = frozenset(layer for layer in DESCRIBE if layer in layers)
+        wanted = frozenset(layer for layer in OVERLAYS if layer and layer in layers)
         self._stale = self._stale or (wanted, watched) != (self._wanted, self._watched)
         self._wanted, self._watched = wanted, watched
 
@@ -96,7 +70,7 @@ class Overlays:
             return
         for layer in self._wanted:
             found = {name: value for (each, name), value in self._newest.items() if each == layer}
-            self._show(layer, DESCRIBE[layer](found, self._place))
+            self._show(layer, OVERLAYS[layer].describe(found, self._place))
 
     def _follow(self) -> None:
         layers = {*self._wanted, *((Layer.NONE,) if self._watched else ())}
@@ -107,10 +81,10 @@ class Overlays:
             self._newest.pop(key, None)
         for layer, name, kind in wanted:
             key = layer, name
-            if key not in self._subscriptions and kind in _KINDS:
+            if key not in self._subscriptions:
                 take = partial(self._newest.__setitem__, key)
-                quality = Quality.LATCHED if _KINDS[kind] in _LATCHED else Quality.NEWEST
-                self._subscriptions[key] = self._node.subscribe(name, _KINDS[kind], take, quality)
+                value, quality = OVERLAYS[layer].kinds[kind]
+                self._subscriptions[key] = self._node.subscribe(name, value, take, quality)
         for layer in self._sent.keys() - self._wanted:  # what a page gets that wants the layer again is old
             self._show(layer, {})
             del self._sent[layer]
