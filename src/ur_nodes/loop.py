@@ -11,7 +11,9 @@ import threading
 import time
 from collections import deque
 from collections.abc import Callable
-from typing import Any
+from typing import TypeVar
+
+Item = TypeVar("Item")
 
 _POLL = 0.005  # s: simulated time cannot be waited for
 _LONGEST_WAIT = 1.0  # s
@@ -117,9 +119,9 @@ class Loop:
             self.post(make)
             done.wait(within)
 
-    def mailbox(self, depth: int | None, take: Callable[[Any], None]) -> Callable[[Any], None]:
+    def mailbox(self, depth: int | None, take: Callable[[Item], None]) -> Callable[[Item], None]:
         """A function, for any thread, that posts what it gets to `take`; of more than `depth` the oldest goes."""
-        waiting: deque[Any] = deque(maxlen=depth)
+        waiting: deque[Item] = deque(maxlen=depth)
 
         def deliver() -> None:
             try:
@@ -128,7 +130,7 @@ class Loop:
                 return
             take(item)
 
-        def put(item: Any) -> None:
+        def put(item: Item) -> None:
             waiting.append(item)
             self._calls.put(deliver)
 

@@ -71,7 +71,7 @@ def test_guarded_stream_writes_bytes_that_are_no_text() -> None:
     guarded = GuardedStream(inner)
     guarded.write("\udce9\n")
     guarded.flush()
-    assert guarded.buffer.getvalue() == b"\\udce9\n"
+    assert inner.buffer.getvalue() == b"\\udce9\n"
     assert guarded.encoding == "utf-8"
 
 

@@ -7,7 +7,6 @@ import shutil
 import sys
 from collections.abc import Iterator, Sequence
 from textwrap import fill
-from typing import Any
 
 import click
 from rich_click import RichCommand, RichContext, RichGroup, RichHelpConfiguration
@@ -97,7 +96,9 @@ def _overview() -> RichGroup:
     return group
 
 
-def _print(page: Any, name: str, about: Verb | Below | None = None, arguments: Sequence[tuple[str, str]] = ()) -> None:
+def _print(
+    page: click.Command, name: str, about: Verb | Below | None = None, arguments: Sequence[tuple[str, str]] = ()
+) -> None:
     sections: list[CommandGroupDict] = [
         {"name": title, "commands": [verb.name for verb in verbs]} for title, verbs in list_sections().items()
     ]

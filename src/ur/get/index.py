@@ -6,7 +6,6 @@ import re
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
 
 from ur.get.model import PACKAGE_NAME, Repository
 from ur.source.foreign.files import MAX_MANIFEST
@@ -89,7 +88,7 @@ def read_name(text: str) -> str:
     return found[1] if found else ""
 
 
-def _read_all(xmls: Mapping[Any, Any]) -> dict[str, tuple[str, ...]]:
+def _read_all(xmls: Mapping[object, object]) -> dict[str, tuple[str, ...]]:
     found = {}
     for name, text in xmls.items():
         if isinstance(name, str) and isinstance(text, str):
@@ -100,7 +99,7 @@ def _read_all(xmls: Mapping[Any, Any]) -> dict[str, tuple[str, ...]]:
     return found
 
 
-def _name_of(repositories: Mapping[Any, Any]) -> str:
+def _name_of(repositories: Mapping[object, object]) -> str:
     """The distribution that most tags of releases name; "" for noetic, and where they name none."""
     names = Counter(
         found[1]

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import base64
 from collections.abc import Sequence
-from typing import Any
 
 from ur.launchfile.plan.commands import CommandRunner, refuse_command, run_commands
 from ur.launchfile.plan.model import NodeSpec, Origin, ParamValue, Plan
@@ -12,7 +11,7 @@ from ur.source.diagnostic import Diagnostic, Severity
 from ur.source.file import Span
 
 
-def dump_plan(plan: Plan, *, with_origins: bool = False, run: CommandRunner = refuse_command) -> dict[str, Any]:
+def dump_plan(plan: Plan, *, with_origins: bool = False, run: CommandRunner = refuse_command) -> dict[str, object]:
     """A plan as plain values; print it with sorted keys.
 
     `run` runs the programs of `<param command=...>`, as roslaunch does while it loads. When roslaunch would refuse the
@@ -25,7 +24,7 @@ def dump_plan(plan: Plan, *, with_origins: bool = False, run: CommandRunner = re
     errors = [found for found in plan.diagnostics if found.severity is Severity.ERROR]
     if errors:
         return dump_refusal(plan.diagnostics)
-    dumped: dict[str, Any] = {
+    dumped: dict[str, object] = {
         "ok": True,
         "nodes": sorted((_dump_node(node) for node in plan.nodes), key=lambda node: str(node["name"])),
         "tests": sorted(
@@ -59,14 +58,14 @@ def dump_plan(plan: Plan, *, with_origins: bool = False, run: CommandRunner = re
     return dumped
 
 
-def dump_refusal(diagnostics: Sequence[Diagnostic]) -> dict[str, Any]:
+def dump_refusal(diagnostics: Sequence[Diagnostic]) -> dict[str, object]:
     """Dump of a file that roslaunch would refuse: at least one of the findings is an error, the first is named."""
     first = next(found for found in diagnostics if found.severity is Severity.ERROR)
     message = f"{first.span}: {first.message}" if first.span else first.message
     return {"ok": False, "error": message, "diagnostics": [_dump_diagnostic(found) for found in diagnostics]}
 
 
-def plain_value(value: ParamValue) -> Any:
+def plain_value(value: ParamValue) -> object:
     """A parameter's value in JSON's types."""
     if isinstance(value, bool | int | float | str) or value is None:
         return value
@@ -88,7 +87,7 @@ def _plain_key(key: object) -> str:
     return str(key).lower() if isinstance(key, bool) else str(key)
 
 
-def _dump_node(node: NodeSpec) -> dict[str, Any]:
+def _dump_node(node: NodeSpec) -> dict[str, object]:
     return {
         "name": node.full_name if node.name else None,
         "package": node.package,
@@ -106,7 +105,7 @@ def _dump_node(node: NodeSpec) -> dict[str, Any]:
     }
 
 
-def _dump_diagnostic(found: Diagnostic) -> dict[str, Any]:
+def _dump_diagnostic(found: Diagnostic) -> dict[str, object]:
     return {
         "severity": found.severity.value,
         "rule": found.rule,
@@ -119,7 +118,7 @@ def _dump_diagnostic(found: Diagnostic) -> dict[str, Any]:
     }
 
 
-def _dump_origins(plan: Plan) -> dict[str, Any]:
+def _dump_origins(plan: Plan) -> dict[str, dict[str, object]]:
     origins = {f"nodes/{node.full_name}": _dump_origin(node.origin) for node in plan.nodes}
     origins.update((f"tests/{test.node.full_name}", _dump_origin(test.node.origin)) for test in plan.tests)
     origins.update((f"params/{param.name}", _dump_origin(param.origin)) for param in plan.params)
@@ -127,10 +126,10 @@ def _dump_origins(plan: Plan) -> dict[str, Any]:
     return origins
 
 
-def _dump_origin(origin: Origin) -> dict[str, Any]:
+def _dump_origin(origin: Origin) -> dict[str, object]:
     return {**_dump_place(origin.span), "includes": [_dump_place(step) for step in origin.includes]}
 
 
-def _dump_place(span: Span) -> dict[str, Any]:
+def _dump_place(span: Span) -> dict[str, object]:
     line, column = span.position
     return {"file": span.file.path, "line": line, "column": column}

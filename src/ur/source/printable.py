@@ -10,9 +10,9 @@ from __future__ import annotations
 import os
 import re
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
-from typing import Any, TextIO, cast
+from typing import TextIO, cast
 
 # C0, DEL, C1; marks that turn the direction of text around; line separators; halves of characters (bytes not in UTF-8).
 _ACTIVE = "\x00-\x1f\x7f-\x9f\u2028-\u202e\u2066-\u2069\ud800-\udfff"
@@ -74,12 +74,12 @@ class GuardedStream:
         if self._essential:
             raise OutputLost(problem) from None
 
-    def writelines(self, lines: Any) -> None:
+    def writelines(self, lines: Iterable[str]) -> None:
         """Write texts, one after the other."""
         for line in lines:
             self.write(line)
 
-    def __getattr__(self, name: str) -> Any:
+    def __getattr__(self, name: str) -> object:
         """Return an attribute of the stream for all that is not defined here."""
         return getattr(self._stream, name)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Iterable, Iterator
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import NoReturn, TypeGuard
 
 import yaml
 
@@ -15,7 +15,7 @@ from ur.source.foreign.yaml_text import compose_yaml, construct_yaml
 from ur.source.read import read_source
 from ur.source.suggest import did_you_mean
 
-_REQUIRED: Any = object()
+_REQUIRED: object = object()
 
 
 def read_section(path: str | Path, what: str, *, piped: bool = True) -> Section:
@@ -81,7 +81,7 @@ class Section:
         return key in self._items and self._plain(self._items[key][1]) is not None
 
     def number(
-        self, key: str, default: Any = _REQUIRED, *, minimum: float | None = None, maximum: float | None = None
+        self, key: str, default: object = _REQUIRED, *, minimum: float | None = None, maximum: float | None = None
     ) -> float:
         """A finite number within limits (inclusive)."""
         value = self._get(key, default, "a number")
@@ -91,7 +91,7 @@ class Section:
             self.fail(key, f"{key}: {value!r} in {self.name}, expected {_limits(minimum, maximum)}")
         return float(value)
 
-    def integer(self, key: str, default: Any = _REQUIRED, *, minimum: int | None = None) -> int:
+    def integer(self, key: str, default: object = _REQUIRED, *, minimum: int | None = None) -> int:
         """A whole number not below `minimum`."""
         value = self._get(key, default, "a whole number")
         if isinstance(value, bool) or not isinstance(value, int):
@@ -100,7 +100,7 @@ class Section:
             self.fail(key, f"{key}: {value!r} in {self.name}, expected at least {minimum}")
         return value
 
-    def text(self, key: str, default: Any = _REQUIRED, *, choices: Iterable[str] = ()) -> str:
+    def text(self, key: str, default: object = _REQUIRED, *, choices: Iterable[str] = ()) -> str:
         """A string; with `choices`, one of them."""
         value = self._get(key, default, "a text")
         if not isinstance(value, str):
@@ -115,33 +115,37 @@ class Section:
             )
         return value
 
-    def boolean(self, key: str, default: Any = _REQUIRED) -> bool:
+    def boolean(self, key: str, default: object = _REQUIRED) -> bool:
         """True or false; 0 and 1 count too."""
         value = self._get(key, default, "true or false")
         if value not in (True, False):
             self.fail(key, f"{key}: {value!r} in {self.name}, expected true or false")
         return bool(value)
 
-    def numbers(self, key: str, length: int | None = None, default: Any = _REQUIRED) -> tuple[float, ...]:
+    def numbers(self, key: str, length: int | None = None, default: object = _REQUIRED) -> tuple[float, ...]:
         """A list of finite numbers, of a fixed length when one is given."""
         expected = f"a list of {length} numbers" if length else "a list of numbers"
         value = self._get(key, default, expected)
         if isinstance(value, tuple):
             return value
-        good = isinstance(value, list) and all(map(_is_number, value))
-        if not good or (length is not None and len(value) != length):
+        if (
+            not isinstance(value, list)
+            or not all(map(_is_number, value))
+            or (length is not None and len(value) != length)
+        ):
             self.fail(key, f"{key}: {value!r} in {self.name}, expected {expected}")
         return tuple(float(x) for x in value)
 
-    def points(self, key: str, default: Any = _REQUIRED, *, minimum: int = 0) -> tuple[tuple[float, float], ...]:
+    def points(self, key: str, default: object = _REQUIRED, *, minimum: int = 0) -> tuple[tuple[float, float], ...]:
         """A list of [x, y] pairs, at least `minimum` of them."""
         value = self._get(key, default, "a list of [x, y] points")
         if isinstance(value, tuple):
             return value
-        good = isinstance(value, list) and all(
-            isinstance(p, list) and len(p) == 2 and all(map(_is_number, p)) for p in value
-        )
-        if not good or len(value) < minimum:
+        if (
+            not isinstance(value, list)
+            or len(value) < minimum
+            or not all(isinstance(p, list) and len(p) == 2 and all(map(_is_number, p)) for p in value)
+        ):
             self.fail(key, f"{key}: {value!r} in {self.name}, expected a list of at least {minimum} [x, y] points")
         return tuple((float(x), float(y)) for x, y in value)
 
@@ -200,7 +204,7 @@ class Section:
             self._fail(node, f"a {_kind(node)}, expected a mapping for {name}", None)
         return Section(self.file, node, name)
 
-    def _get(self, key: str, default: Any, expected: str) -> Any:
+    def _get(self, key: str, default: object, expected: str) -> object:
         if not self.has(key):
             if default is _REQUIRED:
                 near = did_you_mean(key, set(self._items) - set(self._asked))
@@ -209,14 +213,14 @@ class Section:
             return default
         return self._plain(self._items[key][1])
 
-    def _plain(self, node: yaml.Node) -> Any:
+    def _plain(self, node: yaml.Node) -> object:
         try:
             return construct_yaml(node)
         except ValueError as problem:
             self._fail(node, f"a value that YAML cannot read: {problem}", None)
 
 
-def _is_number(value: Any) -> bool:
+def _is_number(value: object) -> TypeGuard[float]:
     # Finite also as a float, which integers of 400 digits are not.
     if isinstance(value, bool) or not isinstance(value, (int, float)):
         return False
@@ -245,7 +249,7 @@ def _span(file: SourceFile, node: yaml.Node) -> Span:
     return Span(file, start, min(end, first_line_end) if first_line_end != -1 else end)
 
 
-def _offset(file: SourceFile, mark: Any) -> int:
+def _offset(file: SourceFile, mark: yaml.Mark | None) -> int:
     # libyaml counts bytes in `index` but characters in `column`; lines are safe in both.
     if mark is None:
         return 0

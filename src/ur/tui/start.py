@@ -10,7 +10,7 @@ import termios
 import time
 from collections.abc import Mapping
 from contextlib import suppress
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Literal
 
 from ur.run.host import restore_terminal, take_foreground
 from ur.run.process.terminal import ignore_background_write
@@ -53,7 +53,7 @@ class Viewer:
 
     def __init__(self, mode: Mode) -> None:
         ignore_background_write()
-        self._attributes: list[Any] = termios.tcgetattr(0)
+        self._attributes: list[object] = termios.tcgetattr(0)
         self.link, theirs = socket.socketpair()
         os.set_inheritable(theirs.fileno(), True)
         argv = [sys.executable, "-I", "-m", "ur.tui", mode, str(theirs.fileno())]

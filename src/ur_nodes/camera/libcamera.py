@@ -13,7 +13,6 @@ import subprocess
 import time
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
 from ur.source.printable import printable
 from ur_nodes.camera.formats import trim_jpeg
@@ -82,7 +81,7 @@ class LibcameraCamera:
             self._process.kill()
             self._process.wait()
 
-    def _read_greeting(self) -> dict[str, Any]:
+    def _read_greeting(self) -> dict[str, str]:
         end = time.monotonic() + _START_SECONDS
         while b"\n" not in self._data:
             if not self._fill(max(0.0, end - time.monotonic())):
@@ -118,7 +117,7 @@ class LibcameraCamera:
         return None if jpeg is None else Frame(min(max(0.0, time.monotonic() - taken), 1.0), jpeg)
 
 
-def describe_request(number: int, settings: Settings) -> dict[str, Any]:
+def describe_request(number: int, settings: Settings) -> dict[str, object]:
     """The request as libcamera_program.py takes it."""
     return {
         "number": number,
@@ -132,9 +131,9 @@ def describe_request(number: int, settings: Settings) -> dict[str, Any]:
     }
 
 
-def list_controls(adjustments: Adjustments) -> dict[str, Any]:
+def list_controls(adjustments: Adjustments) -> dict[str, object]:
     """Controls of libcamera: brightness from -1 to 1, 1 for other things as they are, exposure in microseconds."""
-    found: dict[str, Any] = {}
+    found: dict[str, object] = {}
     if adjustments.brightness is not None:
         found["Brightness"] = adjustments.brightness / 50.0 - 1.0
     for name, value in (

@@ -7,7 +7,7 @@ from any thread; requests are made on the node's thread, unless they say that an
 from __future__ import annotations
 
 from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from ur_nodes.client.errors import Lost, Refused, RobotError, TakenOver
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 __all__ = ["Lost", "Refused", "Robot", "RobotError", "TakenOver"]
 
 
-def __getattr__(name: str) -> Any:
+def __getattr__(name: str) -> object:
     """Load the public names when they are used: nodes that need one module of the package need no more."""
     if name not in __all__:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterable
 from contextlib import ExitStack
 from pathlib import Path
 from types import TracebackType
-from typing import Any, TypeVar, cast
+from typing import TypeVar, cast
 
 from ur.source.diagnostic import UserError
 from ur_nodes.client.commands import Commands
@@ -63,7 +63,7 @@ class Robot:
         self._names, self._given, self._given_wait = names or Names(), node, wait
         self._closing = ExitStack()
         self._ended = False
-        self._values: dict[str, tuple[Any, float]] = {}
+        self._values: dict[str, tuple[object, float]] = {}
         self._goal = 0
 
     def __enter__(self) -> Robot:
@@ -249,10 +249,10 @@ class Robot:
             self._on_node(lambda: self._listen(topic, kind, quality))
         if not self._until(lambda: self._node.steady() - self._values[topic][1] <= fresh, _PATIENCE):
             raise Lost(f"no {kind.__name__.lower()} on {self._node.resolve(topic)}; does the robot publish it?")
-        return cast(Value, self._values[topic][0])
+        return cast("Value", self._values[topic][0])
 
-    def _listen(self, topic: str, kind: type[Any], quality: Quality) -> None:
-        def take(value: Any) -> None:
+    def _listen(self, topic: str, kind: type[Value], quality: Quality) -> None:
+        def take(value: Value) -> None:
             self._values[topic] = (value, self._node.steady())
 
         self._node.subscribe(topic, kind, take, quality)

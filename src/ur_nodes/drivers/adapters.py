@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from typing import Any
 
 from ur.robot.base import Base, Lidar
 from ur_nodes.drivers.base_states import BumperStates, WheelStates
@@ -61,7 +60,7 @@ def adapt_bumpers(node: Node, topic: str, names: dict[str, str], known: list[str
         for name, pressed in states.changes(seconds_of(node.now())).items():
             topics[name].send(pressed)
 
-    def take(fields: tuple[Any, ...]) -> None:
+    def take(fields: tuple[object, ...]) -> None:
         name, value = fields
         if value and name in names:
             states.press(names[name], seconds_of(node.now()))

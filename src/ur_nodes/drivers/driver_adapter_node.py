@@ -41,8 +41,7 @@ def _adapt_bumpers(node: Node, bumpers: Bumpers, kind: str) -> None:
 def read_names(own: Parameters, known: list[str]) -> dict[str, str]:
     """The parameter `bumper_names`: upstream's names and those of the base. Raises UserError."""
     names = own.any("bumper_names", {})
-    good = isinstance(names, dict) and all(isinstance(name, str) and name in known for name in names.values())
-    if not good:
+    if not isinstance(names, dict) or not all(isinstance(name, str) and name in known for name in names.values()):
         own.fail("bumper_names", names, f"a map from upstream's names to some of {', '.join(known)}")
     return dict(names)
 

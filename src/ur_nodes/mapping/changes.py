@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Mapping
-from typing import Any, TypeVar
+from typing import TypeVar
 
 from ur.maps.record import MOST_STROKES, read_edit
 from ur.maps.store import MapStore
@@ -21,7 +21,7 @@ Outcome = TypeVar("Outcome")
 _LONGEST = 20_000  # characters
 
 
-def read_change(text: str) -> dict[str, Any] | None:
+def read_change(text: str) -> dict[str, object] | None:
     """The request that a text is, a JSON object with an `id`; None: it is none."""
     if len(text) > _LONGEST:
         return None
@@ -33,7 +33,7 @@ def read_change(text: str) -> dict[str, Any] | None:
     return value if known else None
 
 
-def take_changes(node: Node, topic: str, take: Callable[[Mapping[str, Any]], None]) -> None:
+def take_changes(node: Node, topic: str, take: Callable[[Mapping[str, object]], None]) -> None:
     """Have the requests of a topic given to `take`; what is none is reported."""
 
     def read(text: str) -> None:
@@ -59,7 +59,7 @@ def attempt(change: Callable[[], Outcome], what: str) -> tuple[Outcome | None, s
     return None, printable(problem)[:300]
 
 
-def change_walls(store: MapStore, name: str, grid: Grid, request: Mapping[str, Any]) -> Grid:
+def change_walls(store: MapStore, name: str, grid: Grid, request: Mapping[str, object]) -> Grid:
     """Draw, erase or restore walls of the map `name` ('': it is not stored), which is served as `grid`.
 
     Returns the new one. Raises UserError, ValueError, TypeError or OSError: it is as before.

@@ -7,7 +7,6 @@ import os
 from collections.abc import Callable, Mapping
 from functools import partial
 from pathlib import Path
-from typing import Any
 
 from ur.maps.store import own_store
 from ur.maps.walls import is_restorable
@@ -37,7 +36,7 @@ class WallServer:
     def _is_restorable(self) -> bool:
         return bool(self._name) and is_restorable(self._store, self._name)
 
-    def _change(self, request: Mapping[str, Any]) -> None:
+    def _change(self, request: Mapping[str, object]) -> None:
         def job() -> tuple[Grid | None, str, bool]:
             # Changes keep the cells' frame, so that the first grid stands for all.
             change = partial(change_walls, self._store, self._name, self._grid, request)

@@ -6,7 +6,6 @@ import os
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -57,7 +56,7 @@ class ZoneFile:
         masks = known.masks if zones == known.zones else {kind: self._draw(zones, kind) for kind in KINDS}
         return Zones(stamp, zones, masks)
 
-    def change(self, request: Mapping[str, Any]) -> None:
+    def change(self, request: Mapping[str, object]) -> None:
         """Change the zones. Raises UserError, ValueError, TypeError or OSError: they are as before."""
         if request.get("do") == "put":
             zone = read_zone(request.get("zone"))

@@ -7,7 +7,6 @@ from collections.abc import Mapping
 from dataclasses import asdict
 from functools import partial
 from pathlib import Path
-from typing import Any
 
 from ur.maps.record import ZoneKind
 from ur_nodes.geometry.grid import Grid
@@ -47,7 +46,7 @@ class ZoneServer:
             self._busy += 1
             self._node.work(partial(self._file.read, self._zones), self._take, "zones")
 
-    def _change(self, request: Mapping[str, Any]) -> None:
+    def _change(self, request: Mapping[str, object]) -> None:
         before = self._zones
 
         def job() -> tuple[str, Zones]:

@@ -8,16 +8,28 @@ import sys
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import partial
-from typing import Any
+from typing import Any, Protocol
 
 from ur_nodes.ports.graph import Graph, make_graph
 from ur_nodes.ports.qualities import Quality
+from ur_nodes.ports.values import Result
 
 DEPTH = 100
 """The number of values that may wait where each counts."""
 
 _DEPTHS = {Quality.NEWEST: 1, Quality.FRESH: 1, Quality.LATCHED: 1, Quality.LOSSLESS: sys.maxsize}
 _LATCHED = (Quality.LATCHED, Quality.LATCHED_EVERY)
+Deliver = Callable[[object, str, bool], None]
+
+
+class CarriedNode(Protocol):
+    """A node of the bus, see `MemoryNode`."""
+
+    lines: list[tuple[str, str]]
+    ended: str | None
+
+    def end(self, reason: str, *, failed: bool = False) -> None:
+        """See Node."""
 
 
 @dataclass(eq=False, slots=True)
@@ -28,12 +40,12 @@ class Listener:
     """
 
     node: str
-    kind: type
+    kind: type | tuple[type, ...]
     latched: bool | None
     depth: int
-    deliver: Callable[[Any, str, bool], None]
+    deliver: Deliver
     unreadable: Callable[[str], None]
-    waiting: list[tuple[Any, str, bool]] = field(default_factory=list)
+    waiting: list[tuple[object, str, bool]] = field(default_factory=list)
     open: bool = True
 
 
@@ -42,11 +54,11 @@ class Offer:
     """A publisher of a node, with the value that it keeps."""
 
     sender: str
-    kind: type
+    kind: type | tuple[type, ...]
     latched: bool
     greet: Callable[[], None] | None
     type_name: str
-    kept: Any = None
+    kept: object = None
 
 
 @dataclass(eq=False, slots=True)
@@ -63,7 +75,7 @@ class Service:
 
     node: str
     kind: type
-    take: Callable[[Any, Callable[[Any], None]], None]
+    take: Callable[[object, Callable[[Result], None]], None]
 
 
 class Carrier:
@@ -79,7 +91,7 @@ class Carrier:
         self.parameters: dict[str, Any] = {}
         self.topics: dict[str, Topic] = {}
         self.services: dict[str, Service] = {}
-        self.nodes: dict[str, Any] = {}
+        self.nodes: dict[str, CarriedNode] = {}
         self.types: dict[str, tuple[str, ...]] = {}  # fields of messages that are of no kind
         self.schemas: dict[str, str] = {}  # of messages that are raw
         self.durations: dict[str, float] = {}  # of jobs, s, by their lanes; others take no time
@@ -88,7 +100,7 @@ class Carrier:
         self._events: list[tuple[int, int, Callable[[], None]]] = []
         self._numbers = itertools.count()
 
-    def load_parameters(self, namespace: str, values: dict[str, Any]) -> None:
+    def load_parameters(self, namespace: str, values: dict[str, object]) -> None:
         """Set parameters below a full name, as `rosparam load` does with a file."""
         for name, value in values.items():
             if isinstance(value, dict):
@@ -139,9 +151,9 @@ class Carrier:
         self,
         node: str,
         topic: str,
-        kind: type,
+        kind: type | tuple[type, ...],
         quality: Quality,
-        deliver: Callable[[Any, str, bool], None],
+        deliver: Deliver,
         unreadable: Callable[[str], None],
     ) -> Listener:
         """Begin to listen to a topic."""
@@ -156,10 +168,12 @@ class Carrier:
                 self._carry(topic, listener, (offer.kept, offer.sender, True))
         return listener
 
-    def send(self, topic: str, offer: Offer, value: Any) -> None:
+    def send(self, topic: str, offer: Offer, value: object) -> None:
         """Send a value of an offer to all who listen. Raises TypeError: it is not of the offer's kind."""
         if not isinstance(value, offer.kind):
-            raise TypeError(f"{topic}: {type(value).__name__} {value!r}, expected {offer.kind.__name__}")
+            raise TypeError(
+                f"{topic}: {type(value).__name__} {value!r}, expected {getattr(offer.kind, '__name__', offer.kind)}"
+            )
         if offer.latched:
             offer.kept = value
         for listener in self.topics[topic].listeners:
@@ -171,7 +185,7 @@ class Carrier:
         for listener in self.topics[topic].listeners:
             self.at(self.now, partial(listener.unreadable, reason))
 
-    def _carry(self, topic: str, listener: Listener, item: tuple[Any, str, bool]) -> None:
+    def _carry(self, topic: str, listener: Listener, item: tuple[object, str, bool]) -> None:
         if not isinstance(item[0], listener.kind):
             return  # as with a master: types that differ are never connected
         delay = self._delay(topic)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
 
 from ur_nodes.memory.carrier import Carrier, Listener, Offer
 
@@ -15,7 +14,7 @@ class MemoryPublisher:
         self.topic = topic
         self._bus, self._offer = bus, offer
 
-    def send(self, value: Any) -> None:
+    def send(self, value: object) -> None:
         """See Publisher."""
         if self._offer in self._bus.topics[self.topic].offers:
             self._bus.send(self.topic, self._offer, value)

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, TypeVar
+from typing import TypeVar, cast
 
 from ur_nodes.goal_topics import TopicGoalClient, TopicGoalServer
-from ur_nodes.memory.carrier import Carrier, Listener, Offer, Service, type_name_of
+from ur_nodes.memory.carrier import Carrier, Deliver, Listener, Offer, Service, type_name_of
 from ur_nodes.memory.ends import MemoryPublisher, MemorySubscription, MemoryTimer
 from ur_nodes.memory.raw import MemoryRaw
 from ur_nodes.memory.stores import MemoryFacts, MemoryLog, MemoryParameters
@@ -106,7 +106,7 @@ class MemoryNode:
         return self._listen(topic, kind, lambda value, sender, kept: take(value, Sender(sender, kept)), quality)
 
     def subscribe_fields(
-        self, topic: str, type_name: str, fields: tuple[str, ...], take: Callable[[tuple[Any, ...]], None]
+        self, topic: str, type_name: str, fields: tuple[str, ...], take: Callable[[tuple[object, ...]], None]
     ) -> MemorySubscription:
         """See Node. The types are those of the bus's `types`, the messages dicts."""
         if type_name not in self._bus.types:
@@ -125,7 +125,7 @@ class MemoryNode:
         """See Node."""
         full = self.resolve(service)
 
-        def check(request: Any, give: Callable[[Result], None]) -> None:
+        def check(request: object, give: Callable[[Result], None]) -> None:
             if isinstance(request, kind):
                 take(request, give)
             else:
@@ -254,14 +254,14 @@ class MemoryNode:
     def _listen(
         self,
         topic: str,
-        kind: type[Any],
-        deliver: Callable[[Any, str, bool], None],
+        kind: type[Value],
+        deliver: Callable[[Value, str, bool], None],
         quality: Quality,
         unreadable: Callable[[str], None] | None = None,
     ) -> MemorySubscription:
         full = self.resolve(topic)
         report = unreadable or (lambda reason: self.log.error(f"{full}: {reason}"))
-        listener = self._bus.listen(self.name, full, _runtime(kind), quality, deliver, report)
+        listener = self._bus.listen(self.name, full, _runtime(kind), quality, cast("Deliver", deliver), report)
         self._listeners.append((full, listener))
         return MemorySubscription(self._bus, full, listener, lambda: self._listeners.remove((full, listener)))
 
@@ -280,5 +280,5 @@ class MemoryNode:
         return self._senders[topic]
 
 
-def _runtime(kind: type) -> Any:
+def _runtime(kind: type) -> type | tuple[type, ...]:
     return (float, int) if kind is float else kind

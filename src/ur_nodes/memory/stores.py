@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
+from typing import cast
 
 from ur_nodes.memory.carrier import Carrier
 
@@ -16,11 +16,11 @@ class MemoryFacts:
     def __init__(self, bus: Carrier) -> None:
         self._facts = bus.facts
 
-    def get(self, name: str, default: Any = None) -> Any:
+    def get(self, name: str, default: object = None) -> object:
         """See Facts."""
         return self._facts.get(name, default)
 
-    def set(self, name: str, value: Any) -> None:
+    def set(self, name: str, value: object) -> None:
         """See Facts."""
         self._facts[name] = value
 
@@ -28,7 +28,7 @@ class MemoryFacts:
 class MemoryParameters:
     """See `ports.parameters.ParameterStore`: those of the bus, by full names, as on a parameter server."""
 
-    def __init__(self, resolve: Callable[[str], str], parameters: dict[str, Any]) -> None:
+    def __init__(self, resolve: Callable[[str], str], parameters: dict[str, object]) -> None:
         self._resolve, self._parameters = resolve, parameters
 
     def resolve(self, name: str) -> str:
@@ -40,7 +40,7 @@ class MemoryParameters:
         full = self.resolve(name).rstrip("/")
         return full in self._parameters or any(each.startswith(full + "/") for each in self._parameters)
 
-    def get(self, name: str) -> Any:
+    def get(self, name: str) -> object:
         """See ParameterStore."""
         full = self.resolve(name).rstrip("/")
         if full in self._parameters:
@@ -50,16 +50,16 @@ class MemoryParameters:
         }
         if not below:
             raise KeyError(full)
-        tree: dict[str, Any] = {}
+        tree: dict[str, object] = {}
         for path, value in below.items():
             *folders, last = path.split("/")
             place = tree
             for folder in folders:
-                place = place.setdefault(folder, {})
+                place = cast("dict[str, object]", place.setdefault(folder, {}))
             place[last] = value
         return tree
 
-    def set(self, name: str, value: Any) -> None:
+    def set(self, name: str, value: object) -> None:
         """See ParameterStore."""
         self._parameters[self.resolve(name).rstrip("/")] = value
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import Any, NoReturn
+from typing import NoReturn
 
 from ur.source.diagnostic import UserError, error
 from ur.source.suggest import did_you_mean
@@ -57,7 +57,7 @@ def read_locks(value: object, where: str) -> tuple[Lock, ...]:
 class _Item:
     """One mapping of the list, read key by key."""
 
-    def __init__(self, value: Any, where: str) -> None:
+    def __init__(self, value: object, where: str) -> None:
         if not isinstance(value, Mapping):
             _fail(where, f"{value!r}, expected a mapping with name, topic, timeout and priority")
         self._value = value
@@ -98,14 +98,14 @@ class _Item:
                 known = f"known here: {', '.join(sorted(self._asked))}"
                 _fail(self._where, f"{key} is not known", f"did you mean {near!r}?" if near else known)
 
-    def _get(self, key: str, expected: str) -> Any:
+    def _get(self, key: str, expected: str) -> object:
         self._asked.add(key)
         if key not in self._value:
             _fail(self._where, f"{key} is missing, expected {expected}")
         return self._value[key]
 
 
-def _list(value: object, where: str) -> list[Any]:
+def _list(value: object, where: str) -> list[object]:
     if isinstance(value, Mapping):  # the form of twist_mux on ROS 2, which has no lists of mappings
         return [{"name": name, **each} if isinstance(each, Mapping) else each for name, each in value.items()]
     if not isinstance(value, list):

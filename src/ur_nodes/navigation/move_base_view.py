@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -43,11 +41,11 @@ class MoveBaseView:
         """The goal that is pursued from now on, in the map."""
         self._goal.send(PlacedPose(self._node.now(), self._world_frame, goal))
 
-    def show_plan(self, points: NDArray[Any]) -> None:
+    def show_plan(self, points: NDArray[np.float64]) -> None:
         """Publish a new path (n, 2) in the map."""
         self._plan.send(make_path(points, self._world_frame, self._node.now()))
 
-    def show_drive(self, path: NDArray[Any] | None, ahead: NDArray[Any] | None) -> None:
+    def show_drive(self, path: NDArray[np.float64] | None, ahead: NDArray[np.float64] | None) -> None:
         """Publish the rest of the path (n, 2) in the map, and the robot's next poses (t, 3) in the odometry frame."""
         now = self._node.now()
         if path is not None and len(path) and self._followed.listeners():
@@ -97,7 +95,7 @@ def grid_of(costmap: Costmap) -> Grid:
     return Grid(occupancy_of_costs(costmap.costs), costmap.resolution, costmap.origin)
 
 
-def make_path(points: NDArray[Any], frame: str, stamp: int) -> Path:
+def make_path(points: NDArray[np.float64], frame: str, stamp: int) -> Path:
     """A path of points (n, 2), heading along it, or of poses (n, 3)."""
     poses = points if points.shape[1] == 3 else np.column_stack((points, headings(points)))
     return Path(stamp, frame, poses)

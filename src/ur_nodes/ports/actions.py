@@ -27,12 +27,15 @@ class Goal:
     target: PlacedPose
 
 
+GoalPhase = Literal["pending", "active", "succeeded", "aborted", "cancelled"]
+
+
 @dataclass(frozen=True, slots=True)
 class GoalState:
     """The state of a goal: cancelled ones were ended by a client, aborted ones given up; `text` is for people."""
 
     id: str
-    state: Literal["pending", "active", "succeeded", "aborted", "cancelled"]
+    state: GoalPhase
     text: str
 
     @property

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Protocol
+from typing import Protocol
 
 
 class Facts(Protocol):
@@ -11,8 +11,8 @@ class Facts(Protocol):
     simulated_time: bool
     """True where the time of `Node.now` is a simulation's."""
 
-    def get(self, name: str, default: Any = None) -> Any:
+    def get(self, name: str, default: object = None) -> object:
         """The value of a fact; `default` while it is not known."""
 
-    def set(self, name: str, value: Any) -> None:
+    def set(self, name: str, value: object) -> None:
         """Make a fact known."""

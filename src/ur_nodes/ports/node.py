@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, Protocol, TypeVar
+from typing import Protocol, TypeVar
 
 from ur_nodes.ports.actions import GoalClient, GoalFollower, GoalServer, GoalTakers
 from ur_nodes.ports.facts import Facts
@@ -89,7 +89,7 @@ class Node(Protocol):
         """Listen, and be told who sent each value; None where the middleware does not know it."""
 
     def subscribe_fields(
-        self, topic: str, type_name: str, fields: tuple[str, ...], take: Callable[[tuple[Any, ...]], None]
+        self, topic: str, type_name: str, fields: tuple[str, ...], take: Callable[[tuple[object, ...]], None]
     ) -> Subscription:
         """Listen to messages that are of no kind, by the middleware's name of their type; `take` gets the fields.
 

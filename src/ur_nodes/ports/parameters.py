@@ -5,13 +5,13 @@ from __future__ import annotations
 import contextlib
 import math
 from collections.abc import Iterable, Mapping
-from typing import Any, Protocol
+from typing import NoReturn, Protocol, TypeGuard
 
 from ur.source.diagnostic import UserError, error
 from ur.source.foreign.yaml_text import load_yaml
 from ur.source.suggest import did_you_mean
 
-_REQUIRED: Any = object()
+_REQUIRED: object = object()
 
 
 class ParameterStore(Protocol):
@@ -23,10 +23,10 @@ class ParameterStore(Protocol):
     def has(self, name: str) -> bool:
         """Return True when the parameter is set."""
 
-    def get(self, name: str) -> Any:
+    def get(self, name: str) -> object:
         """Its value: a bool, int, float, str, list or dict. Raises KeyError."""
 
-    def set(self, name: str, value: Any) -> None:
+    def set(self, name: str, value: object) -> None:
         """Set it."""
 
     def names(self) -> list[str]:
@@ -52,18 +52,18 @@ class Parameters:
         """Return True when the parameter is set."""
         return self._store.has(self._namespace + name)
 
-    def any(self, name: str, default: Any = None) -> Any:
+    def any(self, name: str, default: object = None) -> object:
         """The value as it is; `default` when it is not set."""
         try:
             return self._store.get(self._namespace + name)
         except KeyError:
             return default
 
-    def keep(self, name: str, value: Any) -> None:
+    def keep(self, name: str, value: object) -> None:
         """Set a parameter, so that the node finds it when it is started again."""
         self._store.set(self._namespace + name, value)
 
-    def keep_all(self, values: Mapping[str, Any]) -> None:
+    def keep_all(self, values: Mapping[str, object]) -> None:
         """Set parameters, unless the store is gone."""
         with contextlib.suppress(OSError):
             for name, value in values.items():
@@ -78,17 +78,16 @@ class Parameters:
         return self._store.resolve(self._namespace + name)
 
     def number(
-        self, name: str, default: Any = _REQUIRED, *, minimum: float = -math.inf, maximum: float = math.inf
+        self, name: str, default: object = _REQUIRED, *, minimum: float = -math.inf, maximum: float = math.inf
     ) -> float:
         """A finite number within limits (inclusive)."""
         value = self._get(name, default, "a number")
-        good = isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value)
-        if not good or not minimum <= value <= maximum:
+        if not _is_number(value) or not minimum <= value <= maximum:
             limits = "" if (minimum, maximum) == (-math.inf, math.inf) else f" from {minimum:g} to {maximum:g}"
             self.fail(name, value, f"a number{limits}")
         return float(value)
 
-    def integer(self, name: str, default: Any = _REQUIRED, *, minimum: int | None = None) -> int:
+    def integer(self, name: str, default: object = _REQUIRED, *, minimum: int | None = None) -> int:
         """A whole number not below `minimum`."""
         value = self._get(name, default, "a whole number")
         if not isinstance(value, int) or isinstance(value, bool) or (minimum is not None and value < minimum):
@@ -96,7 +95,7 @@ class Parameters:
             self.fail(name, value, f"a whole number{at_least}")
         return int(value)
 
-    def text(self, name: str, default: Any = _REQUIRED, *, choices: Iterable[str] = ()) -> str:
+    def text(self, name: str, default: object = _REQUIRED, *, choices: Iterable[str] = ()) -> str:
         """A string; with `choices`, one of them."""
         value = self._get(name, default, "a text")
         allowed = list(choices)
@@ -104,31 +103,34 @@ class Parameters:
             self.fail(name, value, f"one of {', '.join(allowed)}" if allowed else "a text", allowed)
         return str(value)
 
-    def boolean(self, name: str, default: Any = _REQUIRED) -> bool:
+    def boolean(self, name: str, default: object = _REQUIRED) -> bool:
         """True or false."""
         value = self._get(name, default, "true or false")
         if not isinstance(value, bool):
             self.fail(name, value, "true or false")
         return bool(value)
 
-    def texts(self, name: str, default: Any = _REQUIRED) -> tuple[str, ...]:
+    def texts(self, name: str, default: object = _REQUIRED) -> tuple[str, ...]:
         """A list of strings."""
         value = self._get(name, default, "a list of texts")
         if not isinstance(value, (list, tuple)) or not all(isinstance(each, str) for each in value):
             self.fail(name, value, "a list of texts")
         return tuple(value)
 
-    def points(self, name: str, default: Any = _REQUIRED) -> tuple[tuple[float, float], ...]:
+    def points(self, name: str, default: object = _REQUIRED) -> tuple[tuple[float, float], ...]:
         """A list of [x, y] points, or the text of one (move_base's footprints may be either)."""
         value = self._get(name, default, "a list of [x, y] points")
         try:
             listed = load_yaml(value) if isinstance(value, str) else value
-            return tuple((float(x), float(y)) for x, y in listed or ())
+            if not listed:
+                return ()
+            if not isinstance(listed, Iterable):
+                raise TypeError
+            return tuple((float(x), float(y)) for x, y in listed)
         except (TypeError, ValueError):
             self.fail(name, value, "a list of [x, y] points")
-            raise AssertionError from None
 
-    def fail(self, name: str, value: object, expected: str, choices: Iterable[str] = ()) -> None:
+    def fail(self, name: str, value: object, expected: str, choices: Iterable[str] = ()) -> NoReturn:
         """Raise UserError: this parameter has this value, and what was expected."""
         near = did_you_mean(str(value), choices)
         raise UserError(
@@ -139,10 +141,14 @@ class Parameters:
             )
         )
 
-    def _get(self, name: str, default: Any, expected: str) -> Any:
+    def _get(self, name: str, default: object, expected: str) -> object:
         try:
             return self._store.get(self._namespace + name)
         except KeyError:
             if default is not _REQUIRED:
                 return default
         raise UserError(error(f"parameter {self.name(name)} is not set, expected {expected}", rule="missing-parameter"))
+
+
+def _is_number(value: object) -> TypeGuard[float]:
+    return isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value)

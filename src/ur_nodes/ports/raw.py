@@ -7,13 +7,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Protocol
 
 from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.topics import Publisher, Sender, Subscription
 from ur_nodes.ports.values import Result
 
-Fields = Mapping[str, Any]
+Fields = Mapping[str, object]
 """The fields of a message by name: numbers, texts, lists, and mappings of such; a time has `secs` and `nsecs`."""
 
 

@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import rospy
 from actionlib_msgs.msg import GoalID, GoalStatus, GoalStatusArray
 from move_base_msgs.msg import MoveBaseActionGoal, MoveBaseActionResult
 
 from ur_nodes.codecs.places import fill_placed
 from ur_nodes.loop import Loop
-from ur_nodes.ports.actions import Goal, GoalFollower, GoalState
+from ur_nodes.ports.actions import Goal, GoalFollower, GoalPhase, GoalState
 from ur_nodes.ros1.ending import quiet_at_end
 
-_STATES: dict[int, Any] = {
+_STATES: dict[int, GoalPhase] = {
     GoalStatus.PENDING: "pending",
     GoalStatus.RECALLING: "pending",
     GoalStatus.ACTIVE: "active",
@@ -30,10 +28,15 @@ class RosGoalClient:
     def __init__(self, action: str, follower: GoalFollower, loop: Loop) -> None:
         self._goals = rospy.Publisher(f"{action}/goal", MoveBaseActionGoal, queue_size=5)
         self._cancels = rospy.Publisher(f"{action}/cancel", GoalID, queue_size=5)
-        take_states = loop.mailbox(1, lambda message: follower.take_states(tuple(map(state_of, message.status_list))))
-        take_end = loop.mailbox(100, lambda message: follower.take_goal_end(state_of(message.status)))
-        rospy.Subscriber(f"{action}/status", GoalStatusArray, take_states, queue_size=1)
-        rospy.Subscriber(f"{action}/result", MoveBaseActionResult, take_end, queue_size=10)
+
+        def take_states(message: GoalStatusArray) -> None:
+            follower.take_states(tuple(map(state_of, message.status_list)))
+
+        def take_end(message: MoveBaseActionResult) -> None:
+            follower.take_goal_end(state_of(message.status))
+
+        rospy.Subscriber(f"{action}/status", GoalStatusArray, loop.mailbox(1, take_states), queue_size=1)
+        rospy.Subscriber(f"{action}/result", MoveBaseActionResult, loop.mailbox(100, take_end), queue_size=10)
 
     @quiet_at_end
     def send(self, goal: Goal) -> None:
@@ -54,6 +57,6 @@ class RosGoalClient:
         return min(int(self._goals.get_num_connections()), int(self._cancels.get_num_connections()))
 
 
-def state_of(status: Any) -> GoalState:
+def state_of(status: GoalStatus) -> GoalState:
     """The state in an actionlib_msgs/GoalStatus."""
     return GoalState(str(status.goal_id.id), _STATES.get(status.status, "aborted"), str(status.text))

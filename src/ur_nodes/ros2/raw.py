@@ -148,10 +148,12 @@ class RawSubscription:
         kind = str(found[0].topic_type)
         message_class = find_class(kind, "msg") or _bare_class_of(found[0])
         schema = find_schema(kind, "msg") or ""
-        put = self._loop.mailbox(
-            1 if self._quality is Quality.NEWEST else _MOST_WAITING,
-            lambda data: self._take(RawMessage(kind, schema, bytes(data))) if self._open else None,
-        )
+
+        def take(data: bytes) -> None:
+            if self._open:
+                self._take(RawMessage(kind, schema, bytes(data)))
+
+        put = self._loop.mailbox(1 if self._quality is Quality.NEWEST else _MOST_WAITING, take)
         latched = all(each.qos_profile.durability.name == "TRANSIENT_LOCAL" for each in found)
         profile = requested(Quality.LATCHED_EVERY if latched else self._quality, object)
         self._subscription = self._node.create_subscription(message_class, self.topic, put, profile, raw=True)

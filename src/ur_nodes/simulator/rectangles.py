@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -41,6 +41,6 @@ def _grow(part: npt.NDArray[np.bool_]) -> tuple[int, int]:
     return width, _run(part[:, :width].all(axis=1))
 
 
-def _run(line: Any) -> int:
+def _run(line: npt.NDArray[np.bool_] | np.bool_) -> int:
     """Count the cells that are set before the first that is not."""
     return int(line.size if line.all() else np.argmin(line))

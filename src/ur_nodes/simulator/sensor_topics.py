@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 from ur.robot.base import Bumpers, Cliffs
 from ur_nodes.ports.node import Node, Publisher
 from ur_nodes.ports.qualities import Quality
@@ -23,13 +21,10 @@ class SensorTopics:
         self._simulation = simulation
         self._robot = robot
         self._prefix = prefix
-
-        def publish(part: Any, kind: Any) -> Publisher[Any] | None:
-            return node.publish(prefix + part.topic, kind, settings.quality) if part else None
-
-        self._sonars = publish(base.sonars, Range)
-        self._imu = publish(base.imu, Imu)
-        self._battery = publish(base.battery, Battery)
+        quality = settings.quality
+        self._sonars = node.publish(prefix + base.sonars.topic, Range, quality) if base.sonars else None
+        self._imu = node.publish(prefix + base.imu.topic, Imu, quality) if base.imu else None
+        self._battery = node.publish(prefix + base.battery.topic, Battery, quality) if base.battery else None
         self._bumpers = _Switches(node, prefix, base.bumpers)
         self._cliffs = _Switches(node, prefix, base.cliffs)
 

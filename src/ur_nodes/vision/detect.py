@@ -9,7 +9,6 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any
 
 import cv2
 import numpy as np
@@ -96,7 +95,7 @@ class Detector:
         parameters = cv2.aruco.DetectorParameters()
         parameters.cornerRefinementMethod = cv2.aruco.CORNER_REFINE_NONE  # see ur_nodes.vision.corners
         known = cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, f"DICT_{dictionary}"))
-        self._detector: Any = cv2.aruco.ArucoDetector(known, parameters)
+        self._detector = cv2.aruco.ArucoDetector(known, parameters)
         self._sizes = sizes
 
     def detect(self, image: npt.NDArray[np.uint8], camera: CameraModel | None) -> tuple[Detection, ...]:

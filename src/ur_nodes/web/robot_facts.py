@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
 from ur.robot.base import Base, load_base
 from ur.source.diagnostic import UserError
@@ -29,7 +28,7 @@ class RobotFacts:
         limits = self._base.limits if self._base else None
         return (limits.velocity, limits.angular_velocity) if limits else (_FORWARD, _TURN)
 
-    def describe(self) -> dict[str, Any]:
+    def describe(self) -> dict[str, object]:
         """The facts for the page: base, outline (corners in m, in the frame of the base) and limits."""
         outline = [list(each) for each in self._base.footprint] if self._base else _circle(_RADIUS)
         return {"base": self._name, "outline": outline, "limits": list(self.limits)}

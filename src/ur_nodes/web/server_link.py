@@ -41,13 +41,13 @@ def end_with_run(node: Node) -> None:
     """End a node when the run that it belongs to is another one: a new master has the address of the old one."""
     own = node.facts.get("run_id", "")
 
-    def read() -> Any:
+    def read() -> object:
         try:
             return node.facts.get("run_id", "")
         except Exception:  # a master that answers wrongly is not another one
             return own
 
-    def compare(found: Any) -> None:
+    def compare(found: object) -> None:
         if found == own:
             node.after(_RUN_EVERY, ask, steady=True)
         else:
@@ -97,7 +97,7 @@ class Outlet:
         """Send a frame, with its length before it."""
         self.send(LENGTH.pack(len(frame)) + frame)
 
-    def send_line(self, value: Mapping[str, Any]) -> None:
+    def send_line(self, value: Mapping[str, object]) -> None:
         """Send a line of JSON."""
         self.send(json.dumps(value, separators=(",", ":")).encode() + b"\n")
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Collection
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -80,11 +79,11 @@ class ViewEnd:
         self._map = GridFrames(Layer.MAP)  # for what is called beside the node
         self._graph, self._graph_every, self._asking = Graph(), Every(_GRAPH_EVERY), False
         self._sources: list[str] = []
-        self._sent: dict[Kind, dict[str, Any]] = {}
+        self._sent: dict[Kind, dict[str, object]] = {}
         self._viewers = self._count = 0
         self._grid: Grid | None = None
         self._path: NDArray[np.float64] | None = None
-        self._battery: dict[str, Any] | None = None
+        self._battery: dict[str, object] | None = None
         self._limit: int | None = None
         node.subscribe(f"{mux_name}/speed_limit_in_force", float, self._take_limit, Quality.LATCHED)
         node.subscribe("battery_state", Battery, self._take_battery)
@@ -145,7 +144,7 @@ class ViewEnd:
     def _add(self, frame: bytes) -> None:
         self._frames.append(lambda: (frame,))
 
-    def _add_changed(self, kind: Kind, value: dict[str, Any]) -> None:
+    def _add_changed(self, kind: Kind, value: dict[str, object]) -> None:
         if value != self._sent.get(kind):
             self._sent[kind] = value
             self._add(json_frame(kind, value))
@@ -155,7 +154,7 @@ class ViewEnd:
         age = math.inf if seen.pose is None else self._shown.topics.robot.age()
         self._add(pose_frame(PoseSample(x, y, yaw, seen.speed, seen.turn, age, self._shown.driver.link_age())))
 
-    def _describe(self, seen: Snapshot) -> dict[str, Any]:
+    def _describe(self, seen: Snapshot) -> dict[str, object]:
         shown = self._shown
         return {
             "robot": shown.facts.describe(),

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
 from ur.source.printable import printable
 from ur_nodes.client.model import GoalReport
@@ -25,7 +24,7 @@ def list_sources(topics: object) -> list[str]:
     return [printable(name)[:40] for _, name in sorted(good, key=lambda each: -each[0])]
 
 
-def describe_goal(goal: GoalReport, left: float | None) -> dict[str, Any]:
+def describe_goal(goal: GoalReport, left: float | None) -> dict[str, object]:
     """The last goal; `left` is the distance to it in m."""
     place: list[float | None] | None = None if goal.place is None else [round(each, 3) for each in goal.place]
     if place is not None and goal.any_heading:
@@ -34,7 +33,7 @@ def describe_goal(goal: GoalReport, left: float | None) -> dict[str, Any]:
     return {"number": goal.number, "place": place, "state": goal.state.name.lower(), "text": goal.text, "left": rest}
 
 
-def describe_lease(lease: Lease | None) -> dict[str, Any] | None:
+def describe_lease(lease: Lease | None) -> dict[str, object] | None:
     """The lease; None before the mux has sent one."""
     if lease is None:
         return None
@@ -50,7 +49,7 @@ def describe_lease(lease: Lease | None) -> dict[str, Any] | None:
     }
 
 
-def describe_patrol_state(status: PatrolStatus | None) -> dict[str, Any] | None:
+def describe_patrol_state(status: PatrolStatus | None) -> dict[str, object] | None:
     """The patrol of the robot; None where no node drives one. `line` is empty before the first."""
     if status is None:
         return None
@@ -63,14 +62,14 @@ def describe_patrol_state(status: PatrolStatus | None) -> dict[str, Any] | None:
     }
 
 
-def describe_exploration(status: Status | None) -> dict[str, Any] | None:
+def describe_exploration(status: Status | None) -> dict[str, object] | None:
     """The exploration: its state, and the line that a terminal shows; None while nothing explores."""
     if status is None:
         return None
     return {"state": status.state, "line": printable(describe_status(status))[:_LONGEST_LINE]}
 
 
-def describe_mux(view: MuxView) -> dict[str, Any]:
+def describe_mux(view: MuxView) -> dict[str, object]:
     """The mux: whether it is stopped, its source, what has been asked of it, and obstacles."""
     return {
         "stopped": view.stopped,
@@ -81,7 +80,7 @@ def describe_mux(view: MuxView) -> dict[str, Any]:
     }
 
 
-def describe_battery(battery: Battery) -> dict[str, Any]:
+def describe_battery(battery: Battery) -> dict[str, object]:
     """The battery: `share` of its charge from 0 to 1, `volts`; None where they are not known."""
     return {
         "share": round(battery.fraction, 2) if 0.0 <= battery.fraction <= 1.0 else None,

@@ -18,7 +18,7 @@ from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.services import Silent, Switch, Trigger
 from ur_nodes.ports.values import ClockTime, Joints, Odometry, PackedPicture, Picture, Scan, Transform
 
-TYPES = {
+TYPES: dict[object, str] = {
     Odometry: "nav_msgs/Odometry",
     Joints: "sensor_msgs/JointState",
     Scan: "sensor_msgs/LaserScan",

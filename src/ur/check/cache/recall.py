@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
 
 from ur.check.cache.answers import CHECKED, Answers, digest_of
 from ur.check.cache.findings import TooLargeError, decode_hits, encode_hits
@@ -30,7 +29,7 @@ class Unit:
 
     inputs: str
     questions: Sequence[int]
-    hits: Any
+    hits: object
 
 
 @dataclass(frozen=True, slots=True)
@@ -95,7 +94,7 @@ class Recall:
             self._valid[number] = world.answers.digest_of(question) == digest
         return self._valid[number]
 
-    def _keep(self, path: str, inputs: str, questions: Iterable[Question], hits: Any, world: Asked) -> None:
+    def _keep(self, path: str, inputs: str, questions: Iterable[Question], hits: object, world: Asked) -> None:
         numbers = []
         for question in questions:
             if question not in self._numbers:

@@ -15,7 +15,6 @@ import os
 import stat
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
-from typing import Any
 
 from ur.check.cache.answers import is_question
 from ur.check.cache.recall import Known, Recall, Unit
@@ -69,7 +68,7 @@ def store_recall(recall: Recall, path: str, program: str) -> None:
         _remove_oldest(folder)
 
 
-def _body_of(known: Known) -> dict[str, Any]:
+def _body_of(known: Known) -> dict[str, object]:
     return {
         "questions": [[digest, *question] for question, digest in known.questions],
         "units": {path: [unit.inputs, list(unit.questions), unit.hits] for path, unit in known.units.items()},
@@ -103,7 +102,7 @@ def _read_known(data: bytes, program: str) -> Known:
     return Known(questions, {path: _read_unit(unit, len(questions)) for path, unit in body["units"].items()})
 
 
-def _read_unit(value: Any, questions: int) -> Unit:
+def _read_unit(value: object, questions: int) -> Unit:
     if not isinstance(value, list) or len(value) != 3 or not isinstance(value[0], str):
         raise ValueError("not the findings of a file")
     inputs, numbers, hits = value

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from typing import Any
 
 from ur.check.run import Report
 from ur.source.diagnostic import Diagnostic
@@ -24,7 +23,7 @@ def render_json(report: Report) -> str:
     return json.dumps(body, indent=2, ensure_ascii=False) + "\n"
 
 
-def _finding(found: Diagnostic) -> dict[str, Any]:
+def _finding(found: Diagnostic) -> dict[str, object]:
     return {
         **place_of(found.span),
         "severity": found.severity.value,
@@ -35,7 +34,7 @@ def _finding(found: Diagnostic) -> dict[str, Any]:
     }
 
 
-def place_of(span: Span | None) -> dict[str, Any]:
+def place_of(span: Span | None) -> dict[str, object]:
     """Path, line and column of the start, and line and column behind the end; nulls where there is no place."""
     if span is None:
         return {"path": None, "line": None, "column": None, "end_line": None, "end_column": None}

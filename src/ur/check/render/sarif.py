@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from typing import Any
 from urllib.parse import quote
 
 from ur.check.model import Rule
@@ -31,7 +30,7 @@ def render_sarif(report: Report, rules: Mapping[str, Rule], version: str) -> str
     return json.dumps({"$schema": SCHEMA, "version": "2.1.0", "runs": [run]}, indent=2, ensure_ascii=False) + "\n"
 
 
-def _rule(rule: Rule) -> dict[str, Any]:
+def _rule(rule: Rule) -> dict[str, object]:
     return {
         "id": rule.id,
         "shortDescription": {"text": rule.summary},
@@ -40,9 +39,9 @@ def _rule(rule: Rule) -> dict[str, Any]:
     }
 
 
-def _result(found: Diagnostic, index: int) -> dict[str, Any]:
+def _result(found: Diagnostic, index: int) -> dict[str, object]:
     text = found.message + (f"\n{found.help}" if found.help else "")
-    result: dict[str, Any] = {
+    result: dict[str, object] = {
         "ruleId": found.rule,
         "ruleIndex": index,
         "level": found.severity.value,
@@ -55,12 +54,12 @@ def _result(found: Diagnostic, index: int) -> dict[str, Any]:
     return result
 
 
-def _location(span: Span, message: str | None = None) -> dict[str, Any]:
+def _location(span: Span, message: str | None = None) -> dict[str, object]:
     (line, column), (end_line, end_column) = span.position, span.file.position(span.end)
     region = {"startLine": line, "startColumn": column, "endLine": end_line, "endColumn": end_column}
     path = span.file.path
     uri = ("file://" if path.startswith("/") else "") + quote(path)
-    location: dict[str, Any] = {"physicalLocation": {"artifactLocation": {"uri": uri}, "region": region}}
+    location: dict[str, object] = {"physicalLocation": {"artifactLocation": {"uri": uri}, "region": region}}
     if message is not None:
         location["message"] = {"text": message}
     return location

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from typing import Any
 
 import yaml
 
@@ -12,7 +11,7 @@ from ur.source.diagnostic import Note, Severity
 from ur.source.file import SourceFile, Span
 from ur.source.foreign.yaml_text import check_depth
 
-_Loader: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+_Loader: type[yaml.SafeLoader] = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 
 
 def _find_bad_yaml(view: YamlView) -> Iterable[Found]:
@@ -119,8 +118,10 @@ def is_plain_yaml(source: SourceFile) -> bool:
     return not source.text.startswith("%YAML:") and "{{" not in source.text and "{%" not in source.text
 
 
-def span_at(source: SourceFile, mark: Any, end: Any = None) -> Span:
+def span_at(source: SourceFile, mark: yaml.Mark | None, end: yaml.Mark | None = None) -> Span:
     """The place of a mark of PyYAML; up to the mark `end` where that is in the same line."""
+    if mark is None:
+        return Span(source, 0, min(1, len(source.text)))
     start = _offset(source, mark)
     if end is not None and end.line == mark.line:
         return Span(source, start, _offset(source, end))
@@ -144,7 +145,7 @@ def mappings_in(top: yaml.Node) -> Iterator[yaml.MappingNode]:
                 stack.append(part)
 
 
-def _offset(source: SourceFile, mark: Any) -> int:
+def _offset(source: SourceFile, mark: yaml.Mark) -> int:
     # libyaml counts bytes in `index` but characters in `column`; lines are safe in both.
     offset = 0
     for _ in range(mark.line):

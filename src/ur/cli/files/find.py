@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import click
 
@@ -59,7 +59,7 @@ def command(name: str, paths: tuple[str, ...], kinds: tuple[str, ...], as_json: 
     return 0 if found else 1
 
 
-def _plain(each: Occurrence) -> dict[str, Any]:
+def _plain(each: Occurrence) -> dict[str, object]:
     line, column = each.span.position
     return {
         "kind": each.kind,

@@ -8,7 +8,7 @@ import sys
 import threading
 import time
 from collections.abc import Callable, Collection, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import click
 
@@ -194,7 +194,7 @@ def _picture(rows: Sequence[Row]) -> RenderableType:
     return Group(table, *problems)
 
 
-def _as_dict(row: Row) -> dict[str, Any]:
+def _as_dict(row: Row) -> dict[str, object]:
     plain = {key: getattr(row, key) for key in ("name", "address", "base", "variant", "version", "problem", "help")}
     said = {
         "nodes": row.answer.nodes,

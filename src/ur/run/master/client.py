@@ -28,11 +28,11 @@ class Master:
     port: int
     timeout: float = 3.0
 
-    def call(self, method: str, *arguments: Any) -> Any:
+    def call(self, method: str, *arguments: object) -> Any:
         """Call a method of the master API and return its value."""
         return _value(call_method((self.host, self.port), method, [CALLER, *arguments], self.timeout))
 
-    def call_many(self, calls: Sequence[tuple[str, tuple[Any, ...]]]) -> list[Any]:
+    def call_many(self, calls: Sequence[tuple[str, tuple[object, ...]]]) -> list[Any]:
         """Call many methods in one request. Each result is the value, or a Refused in its place."""
         batch = [{"methodName": name, "params": [CALLER, *arguments]} for name, arguments in calls]
         results = call_method((self.host, self.port), "system.multicall", [batch], self.timeout)
@@ -54,7 +54,7 @@ class Master:
         except Refused:
             return None
 
-    def set_parameters(self, parameters: Mapping[str, Any], clear: Iterable[str] = ()) -> None:
+    def set_parameters(self, parameters: Mapping[str, object], clear: Iterable[str] = ()) -> None:
         """Delete namespaces, then set parameters, all in one request. Raises Refused with the name it is about."""
         removals = [("deleteParam", (name,)) for name in unify_clear(clear)]
         settings = [("setParam", item) for item in parameters.items()]
@@ -83,7 +83,7 @@ class Master:
         if not dead:
             return
         publishers, subscribers, services = self.get_system_state()
-        calls: list[tuple[str, tuple[Any, ...]]] = []
+        calls: list[tuple[str, tuple[object, ...]]] = []
         for method, topics in (("unregisterPublisher", publishers), ("unregisterSubscriber", subscribers)):
             calls += [(method, (topic, dead[node])) for topic, nodes in topics for node in nodes if node in dead]
         owners = [(service, node) for service, nodes in services for node in nodes if node in dead]
@@ -132,7 +132,7 @@ def unify_clear(names: Iterable[str]) -> list[str]:
     return [name for name in spaces if not any(name != other and name.startswith(other) for other in spaces)]
 
 
-def _value(answer: Any) -> Any:
+def _value(answer: object) -> object:
     if not isinstance(answer, list) or len(answer) != 3:
         raise WrongServer(f"expected the answer of a ROS master, got {str(answer)[:80]!r}")
     code, message, value = answer
@@ -152,7 +152,7 @@ def _is_nodes_by_name(kind: object) -> bool:
     )
 
 
-def _result(each: Any) -> Any:
+def _result(each: object) -> object:
     if isinstance(each, dict):
         return Refused(str(each.get("faultString", each)))
     if not isinstance(each, list) or not each:

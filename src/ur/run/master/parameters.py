@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import shlex
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from ur.launchfile.plan.model import ParamSpec, ParamValue
 from ur.launchfile.plan.values.convert import convert_scalar
@@ -102,7 +102,8 @@ def _convert(spec: ParamSpec, out: bytes, err: bytes, code: int) -> ParamValue:
         ) from None
 
 
-def _parse_yaml(text: str) -> Any:
+def _parse_yaml(text: str) -> ParamValue:
     from ur.source.foreign.yaml_text import load_yaml  # only where a command prints YAML
 
-    return load_yaml(text)
+    found: ParamValue = load_yaml(text)
+    return found

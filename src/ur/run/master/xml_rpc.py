@@ -10,6 +10,7 @@ from __future__ import annotations
 import socket
 import time
 from base64 import b64decode, b64encode
+from collections.abc import Callable
 from typing import Any
 from xml.parsers import expat
 
@@ -37,7 +38,7 @@ class Refused(Exception):  # noqa: N818 - says what happened
     """The server answered with a fault or a failure code."""
 
 
-def call_method(address: tuple[str, int], method: str, arguments: list[Any], timeout: float) -> Any:
+def call_method(address: tuple[str, int], method: str, arguments: list[object], timeout: float) -> Any:
     """Call one method and return its result, all within `timeout` s.
 
     Raises Unanswered, Refused, or ValueError for an argument.
@@ -51,7 +52,7 @@ def call_method(address: tuple[str, int], method: str, arguments: list[Any], tim
         raise WrongServer(f"the answer cannot be read within {timeout:g} s") from None
 
 
-def dump_value(value: Any) -> str:
+def dump_value(value: object) -> str:
     """A value as XML. Raises ValueError for what XML-RPC cannot carry: None, and integers beyond 32 bits."""
     if isinstance(value, bool):
         return f"<value><boolean>{int(value)}</boolean></value>\n"
@@ -75,7 +76,7 @@ def dump_value(value: Any) -> str:
     raise ValueError(f"{value!r} is nothing that parameters can hold")
 
 
-def parse_response(data: bytes, deadline: float | None = None) -> Any:
+def parse_response(data: bytes, deadline: float | None = None) -> object:
     """The result in a response, read before `deadline` on the monotonic clock (s).
 
     Raises Refused for a fault, Unanswered for what is no response, TimeoutError for one that takes too long to read.
@@ -103,13 +104,13 @@ def parse_response(data: bytes, deadline: float | None = None) -> Any:
     return reader.values[0]
 
 
-def _refuse_entity(*_: Any) -> None:
+def _refuse_entity(*_: object) -> None:
     raise ValueError("an entity is declared")  # which may stand for more than fits into memory
 
 
 class _Reader:
     def __init__(self) -> None:
-        self.values: list[Any] = []
+        self.values: list[object] = []
         self.fault = False
         self._marks: list[int] = []
         self._data: list[str] = []
@@ -152,7 +153,7 @@ class _Reader:
             self._typed = True
 
 
-_SCALARS: dict[str, Any] = {
+_SCALARS: dict[str, Callable[[str], object]] = {
     "int": int,
     "i4": int,
     "i8": int,

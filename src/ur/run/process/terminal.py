@@ -7,7 +7,6 @@ import fcntl
 import os
 import signal
 import termios
-from typing import Any
 
 from ur.run.host.terminal import restore_terminal, take_foreground
 
@@ -17,7 +16,7 @@ class Terminal:
 
     def __init__(self, descriptor: int) -> None:
         self.descriptor = descriptor
-        self._attributes: list[Any] = termios.tcgetattr(descriptor)
+        self._attributes: list[object] = termios.tcgetattr(descriptor)
         self._lent = False
 
     def in_foreground(self) -> bool:

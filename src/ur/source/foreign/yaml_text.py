@@ -13,7 +13,7 @@ _PER_VALUE = 100  # characters of a text count as one more value
 _LONGEST_NUMBER = 1000  # characters; of those with colons, the time grows with the square of it
 _LONGEST_KEY = 18  # digits of a number that is a key: among longer ones, many can have the same hash
 _NUMBERS = frozenset({"tag:yaml.org,2002:int", "tag:yaml.org,2002:float"})
-_Loader: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+_Loader: type[yaml.SafeLoader] = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 
 
 def load_yaml(text: str, values: int = MAX_VALUES) -> Any:
@@ -38,7 +38,7 @@ def compose_yaml(text: str) -> yaml.Node | None:
     return node
 
 
-def construct_yaml(node: yaml.Node, values: int = MAX_VALUES) -> Any:
+def construct_yaml(node: yaml.Node, values: int = MAX_VALUES) -> object:
     """Return the value of a node. Raises ValueError in one line, also for one that its aliases make too large."""
     loader = _Loader("")
     try:
@@ -67,7 +67,7 @@ def check_depth(text: str) -> None:
             if isinstance(event, yaml.CollectionStartEvent):
                 depth += 1
                 if depth > MAX_DEPTH:
-                    mark: Any = event.start_mark
+                    mark: Any = event.start_mark  # two classes, one of which PyYAML's stubs do not let it take
                     raise yaml.composer.ComposerError(None, None, f"nested deeper than {MAX_DEPTH} levels", mark)
             elif isinstance(event, yaml.CollectionEndEvent):
                 depth -= 1

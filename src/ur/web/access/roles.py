@@ -16,7 +16,6 @@ import secrets
 from collections.abc import Collection, Iterable
 from dataclasses import asdict, dataclass, field, replace
 from enum import Enum
-from typing import Any
 
 TOKEN_LIFE = 3600.0
 """Seconds for which a link may be used."""
@@ -195,7 +194,7 @@ def read_sessions(text: str) -> Ledger:
     return Ledger(sessions=sessions)
 
 
-def _read_grant(value: Any) -> Grant | None:
+def _read_grant(value: object) -> Grant | None:
     if not isinstance(value, dict) or value.get("role") not in ("look", "drive"):
         return None
     times = [value.get("until"), value.get("first", 0.0), value.get("last", 0.0)]

@@ -7,8 +7,7 @@ import hashlib
 import json
 import re
 import time
-from collections.abc import Callable, Mapping
-from typing import Any
+from collections.abc import AsyncIterator, Callable, Mapping
 
 from aiohttp import WSCloseCode, WSMsgType, web
 
@@ -109,7 +108,7 @@ class Application:
         app.on_shutdown.append(self._close)
         return app
 
-    async def _run(self, _app: web.Application) -> Any:
+    async def _run(self, _app: web.Application) -> AsyncIterator[None]:
         tasks = [asyncio.create_task(self.robot_end.run()), asyncio.create_task(self._announce_often())]
         yield
         pending = set(tasks)
@@ -165,7 +164,7 @@ class Application:
         layers, plots = self._viewers.layers() | camera, self._viewers.plots()
         self.robot_end.look(len(self._viewers), layers, plots, self._cameras.topic)
 
-    def _send(self, message: Mapping[str, Any]) -> None:
+    def _send(self, message: Mapping[str, object]) -> None:
         self.robot_end.send(message)
 
     async def _serve_index(self, request: web.Request) -> web.Response:

@@ -7,7 +7,6 @@ import time
 from collections.abc import Callable, Collection
 from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
-from typing import Any
 from urllib.parse import parse_qs
 
 from aiohttp import web
@@ -207,7 +206,7 @@ def demand_drive(request: web.Request) -> None:
         raise web.HTTPForbidden(text="this login may look, expected one that may drive\n")
 
 
-async def read_object(request: web.Request) -> dict[str, Any]:
+async def read_object(request: web.Request) -> dict[str, object]:
     """The JSON object that a request has as its body. Raises HTTPBadRequest."""
     try:
         value = json.loads(await request.read())

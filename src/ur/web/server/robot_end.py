@@ -9,7 +9,7 @@ import socket
 import sys
 from collections.abc import Callable, Collection, Mapping
 from contextlib import suppress
-from typing import Any, Literal
+from typing import Literal
 from urllib.parse import urlsplit
 
 from ur.run.join.claims import read_claims
@@ -36,7 +36,7 @@ class RobotEnd:
         self,
         environment: Mapping[str, str],
         on_frame: Callable[[bytes], None],
-        on_message: Callable[[Mapping[str, Any]], None],
+        on_message: Callable[[Mapping[str, object]], None],
         on_start: Callable[[], None],
         on_state: Callable[[], None],
         log: Callable[[str], None],
@@ -54,7 +54,7 @@ class RobotEnd:
         """The address of the master."""
         return self._environment.get("ROS_MASTER_URI", "http://localhost:11311")
 
-    def send(self, message: Mapping[str, Any]) -> None:
+    def send(self, message: Mapping[str, object]) -> None:
         """Pass a message of a page on; it is dropped where there is no process."""
         if self._drive is not None:
             self._drive.write(json.dumps(message, separators=(",", ":")).encode() + b"\n")

@@ -14,7 +14,7 @@ import secrets
 import time
 from collections.abc import Callable, Mapping
 from contextlib import suppress
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import aiohttp
 from aiohttp import WSCloseCode, WSMsgType, web
@@ -65,7 +65,7 @@ class _Viewer:
         self.client = f"web-{secrets.token_hex(8)}"
         self.topics: dict[int, Advertised] = {}
         self.proved: list[int] | None = None
-        self.held: tuple[dict[str, Any], float] | None = None  # a request that waits for a proof, until when
+        self.held: tuple[dict[str, object], float] | None = None  # a request that waits for a proof, until when
         self._newest: list[int] | None = None
         self._pings: dict[bytes, list[int] | None] = {}
         self._answers: set[asyncio.Task[None]] = set()
@@ -74,7 +74,7 @@ class _Viewer:
         """Note the newest challenge."""
         self._newest = json.loads(text)["n"]
 
-    def answer(self, value: Mapping[str, Any]) -> None:
+    def answer(self, value: Mapping[str, object]) -> None:
         """Show a refusal of the robot's end to the user of the viewer."""
         if value.get("t") == "refused":
             reason = str(value.get("why"))
@@ -120,7 +120,7 @@ class ViewerGate:
         self,
         environment: Mapping[str, str],
         drivers: Drivers,
-        send: Callable[[Mapping[str, Any]], None],
+        send: Callable[[Mapping[str, object]], None],
         is_up: Callable[[], bool],
         log: Callable[[str], None],
     ) -> None:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import asyncio
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
-from typing import Any
 
 from aiohttp import web
 
@@ -58,7 +57,7 @@ class Viewers:
         for viewer in self._viewers:
             viewer.put(frame)
 
-    def announce(self, status: Mapping[str, Any]) -> None:
+    def announce(self, status: Mapping[str, object]) -> None:
         """Tell all pages the state of the server; its frames also show that the connection lives."""
         frame = json_frame(Kind.SERVER, status)
         for viewer in self._viewers:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -33,7 +32,7 @@ def find_corners(grey: npt.NDArray[np.uint8], board: Board) -> Floats | None:
     """The board's corners in a grey picture, (rows * columns, 2) in pixels; None where it is not seen as a whole."""
     import cv2
 
-    found: Any
+    found: object
     seen, found = cv2.findChessboardCornersSB(grey, (board.columns, board.rows), flags=cv2.CALIB_CB_NORMALIZE_IMAGE)
     return np.asarray(found, np.float64).reshape(-1, 2) if seen else None
 

@@ -18,7 +18,7 @@ import subprocess
 import sys
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, BinaryIO
+from typing import IO, BinaryIO
 
 import numpy as np
 import numpy.typing as npt
@@ -153,7 +153,7 @@ def _start(way: str, environment: Mapping[str, str]) -> subprocess.Popen[bytes]:
     )
 
 
-def _read(stream: Any, size: int) -> bytes:
+def _read(stream: IO[bytes], size: int) -> bytes:
     data: bytes = stream.read(size)
     if len(data) < size:
         raise EOFError
@@ -164,7 +164,7 @@ def serve(requests: BinaryIO, answers: BinaryIO) -> int:
     """Draw what is asked for until there is nothing more to read."""
     os.nice(5)  # physics first
     job = json.loads(requests.readline())
-    renderer: Any = None
+    renderer: mujoco.Renderer | None = None
     try:
         try:
             import mujoco

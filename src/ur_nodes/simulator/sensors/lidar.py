@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import mujoco
 import numpy as np
 
@@ -14,7 +12,7 @@ from ur_nodes.simulator.sensors.rays import Floats, RayCaster, measured_ranges
 class LidarBeams:
     """The beams of one lidar, in the order of a LaserScan: from `angle_min` to `angle_max`, counter-clockwise."""
 
-    def __init__(self, model: Any, lidar: Lidar, robot: int) -> None:
+    def __init__(self, model: mujoco.MjModel, lidar: Lidar, robot: int) -> None:
         self._lidar = lidar
         self._site = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_SITE, f"lidar_{robot}")
         angles = np.linspace(lidar.angle_min, lidar.angle_max, lidar.samples)
@@ -22,7 +20,7 @@ class LidarBeams:
         body = int(model.site_bodyid[self._site])
         self._rays = RayCaster(model, body, lidar.samples, lidar.range_max + 6.0 * lidar.noise)
 
-    def cast(self, data: Any, noise: Floats) -> Floats:
+    def cast(self, data: mujoco.MjData, noise: Floats) -> Floats:
         """Ranges (m), shape (samples,), with `noise` (standard normal, same shape) scaled to the lidar's.
 
         After REP 117: +inf where nothing is within `range_max`, -inf where something is nearer than `range_min`.

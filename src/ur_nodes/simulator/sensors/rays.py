@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import mujoco
 import numpy as np
 import numpy.typing as npt
@@ -19,7 +17,7 @@ class RayCaster:
     `reach` (m) is how far they go. The arrays are allocated once.
     """
 
-    def __init__(self, model: Any, body: int, count: int, reach: float) -> None:
+    def __init__(self, model: object, body: int, count: int, reach: float) -> None:
         self._model = model
         self._body = body
         self._reach = reach
@@ -27,7 +25,7 @@ class RayCaster:
         self._hit = np.zeros(count, np.int32)
         self._distance = np.zeros(count)
 
-    def cast(self, data: Any, place: Floats, directions: Floats) -> Floats:
+    def cast(self, data: object, place: Floats, directions: Floats) -> Floats:
         """Distances (m), shape (count,), from `place` (3,) along unit vectors (count, 3); negative where nothing is.
 
         The array is used again by the next call.

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import mujoco
 import numpy as np
@@ -19,7 +18,7 @@ CONE_RAYS = 32  # over the whole cone: table tops
 class SonarRing:
     """The sonars of one robot, in the order of the base's file. They detect what lidars detect, but not the floor."""
 
-    def __init__(self, model: Any, sonars: Sonars, robot: int) -> None:
+    def __init__(self, model: mujoco.MjModel, sonars: Sonars, robot: int) -> None:
         self._sonars = sonars
         self._body = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_BODY, f"robot_{robot}")
         poses = [sonar.pose for sonar in sonars.at]
@@ -28,7 +27,7 @@ class SonarRing:
         self._fans = [fan @ np.array(rotation_axes(pose[3:])) for pose in poses]
         self._rays = RayCaster(model, self._body, len(fan), sonars.range_max + 6.0 * sonars.noise)
 
-    def listen(self, data: Any, noise: Floats) -> Floats:
+    def listen(self, data: mujoco.MjData, noise: Floats) -> Floats:
         """Ranges (m), shape (sonars,), with `noise` (standard normal, same shape) scaled to the sonars'.
 
         After REP 117: +inf where nothing is within `range_max`, -inf where something is nearer than `range_min`.
@@ -40,7 +39,7 @@ class SonarRing:
         nearest = np.array([self._nearest(data, place, fan @ turn) for place, fan in directions])
         return measured_ranges(nearest, sonars.noise * noise, (sonars.range_min, sonars.range_max))
 
-    def _nearest(self, data: Any, place: Floats, rays: Floats) -> float:
+    def _nearest(self, data: mujoco.MjData, place: Floats, rays: Floats) -> float:
         distances = self._rays.cast(data, place, rays)
         hits = distances[distances >= 0.0]
         return float(hits.min()) if hits.size else math.inf

@@ -142,7 +142,7 @@ class Actions:
         else:
             self._keep(request.name, value, finish)
 
-    def _set_or_tune(self, name: str, value: Any, service: str, finish: Answer, found: Result) -> None:
+    def _set_or_tune(self, name: str, value: object, service: str, finish: Answer, found: Result) -> None:
         if not isinstance(found.value, ServiceType) or found.value.name != _TUNED:
             self._keep(name, value, finish)
         elif type(value) not in _TUNED_FIELDS:
@@ -151,7 +151,7 @@ class Actions:
             take = partial(self._tune, name, value, service, finish)
             self._node.work(lambda: self._parameters.any(name[1:], value), take, _LANE)
 
-    def _tune(self, name: str, value: Any, service: str, finish: Answer, before: Any) -> None:
+    def _tune(self, name: str, value: object, service: str, finish: Answer, before: object) -> None:
         """Change a parameter of a node while it runs, by dynamic_reconfigure."""
         last = name.rpartition("/")[2]
         if type(value) is int and isinstance(before, float):
@@ -162,13 +162,14 @@ class Actions:
             if not result.success or not isinstance(result.value, ServiceAnswer):
                 finish(refuse(result.text))
                 return
-            group = result.value.fields["config"][part]
+            config: Any = result.value.fields["config"]
+            group = config[part]
             kept = next((each["value"] for each in group if each["name"] == last), None)
             finish({"text": f"the node has taken {kept}"})
 
         self._node.raw.call(service, {"config": {part: [{"name": last, "value": value}]}}, take)
 
-    def _keep(self, name: str, value: Any, finish: Answer) -> None:
+    def _keep(self, name: str, value: object, finish: Answer) -> None:
         def keep() -> Fields:
             self._parameters.keep(name[1:], value)
             return {"text": "set; a node that has read it before keeps the old value until it starts again"}
@@ -183,7 +184,7 @@ def _describe_service(found: Result) -> Fields:
     return {"value": make_template(read_definition(f"{kind.name}Request", kind.schema)), "kind": kind.name}
 
 
-def _write_value(value: Any) -> Fields:
+def _write_value(value: object) -> Fields:
     text = json.dumps(value, ensure_ascii=False, default=str, indent=1 if isinstance(value, (dict, list)) else None)
     whole = len(text) <= _LONGEST_TEXT
     return {"value": text if whole else f"{text[:_LONGEST_TEXT]}...", "whole": whole}

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import math
-from typing import Any
+from typing import NoReturn
 
 from ur_nodes.web.messages.definition import MOMENTS, PRIMITIVES, Definition
 
@@ -15,19 +15,19 @@ class BadValueError(ValueError):
     """A value that does not fit a type; the text says why, in a line."""
 
 
-def make_template(definition: Definition, deepest: int = _DEEPEST) -> dict[str, Any]:
+def make_template(definition: Definition, deepest: int = _DEEPEST) -> dict[str, object]:
     """The fields of a message with their empty values; arrays are empty."""
     return _make_template(definition, definition.kind, deepest)
 
 
-def _make_template(definition: Definition, kind: str, deepest: int) -> dict[str, Any]:
+def _make_template(definition: Definition, kind: str, deepest: int) -> dict[str, object]:
     return {
         field.name: _empty(definition, field.kind, deepest - 1) if field.length is None else []
         for field in definition.fields[kind]
     }
 
 
-def _empty(definition: Definition, kind: str, deepest: int) -> Any:
+def _empty(definition: Definition, kind: str, deepest: int) -> object:
     if kind == "bool":
         return False
     if kind in MOMENTS:
@@ -37,7 +37,7 @@ def _empty(definition: Definition, kind: str, deepest: int) -> Any:
     return _make_template(definition, kind, deepest) if kind in definition.fields and deepest > 0 else ""
 
 
-def read_value(text: str) -> Any:
+def read_value(text: str) -> object:
     """The value of a JSON text without numbers that are not finite. Raises BadValueError."""
     try:
         return json.loads(text, parse_constant=_refuse, parse_float=_read_float)
@@ -49,7 +49,7 @@ def read_value(text: str) -> Any:
         raise BadValueError(f"value: expected JSON: {problem}") from None
 
 
-def _refuse(name: str) -> Any:
+def _refuse(name: str) -> NoReturn:
     raise BadValueError(f"value: {name}, expected a finite number")
 
 
@@ -58,7 +58,7 @@ def _read_float(text: str) -> float:
     return number if math.isfinite(number) else _refuse(text)
 
 
-def read_fields(text: str) -> dict[str, Any]:
+def read_fields(text: str) -> dict[str, object]:
     """The fields of a message or request, which JSON holds as an object. Raises BadValueError."""
     found = read_value(text or "{}")
     if not isinstance(found, dict):

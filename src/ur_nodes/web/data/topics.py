@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from functools import partial
-from typing import Any
 
 from ur.web.wire.data_frames import pack_json
 from ur.web.wire.data_requests import Show
@@ -102,10 +101,10 @@ class TopicWatch:
             if name not in self._watched:
                 self._watched[name] = _Watched(self._node, topic)
 
-    def _list(self, now: float, graph: Graph) -> list[list[Any]]:
+    def _list(self, now: float, graph: Graph) -> list[list[object]]:
         rows = []
         for name, topic in sorted(graph.topics.items())[:_MOST_TOPICS]:
-            row: list[Any] = [name[:200], topic.kind[:200], len(topic.publishers), len(topic.subscribers)]
+            row: list[object] = [name[:200], topic.kind[:200], len(topic.publishers), len(topic.subscribers)]
             watched = self._watched.get(name)
             if watched is not None:
                 rate, bandwidth = watched.meter.measure(now)
@@ -123,14 +122,14 @@ class TopicWatch:
         self._printing.add(page)
         self._node.work(partial(_describe, name, watched.count, watched.newest), partial(self._pass_on, page), "print")
 
-    def _pass_on(self, page: int, value: Mapping[str, Any]) -> None:
+    def _pass_on(self, page: int, value: Mapping[str, object]) -> None:
         self._printing.discard(page)
         self._send(pack_json(page, "echo", value))
 
 
-def _describe(name: str, count: int, message: RawMessage) -> Mapping[str, Any]:
+def _describe(name: str, count: int, message: RawMessage) -> Mapping[str, object]:
     kind, size = message.type_name[:200], len(message.data)
-    value: dict[str, Any] = {"t": "echo", "topic": name, "kind": kind, "size": size, "count": count}
+    value: dict[str, object] = {"t": "echo", "topic": name, "kind": kind, "size": size, "count": count}
     try:
         value["lines"] = print_message(message)
     except (BadDefinitionError, BadMessageError) as problem:

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Sequence
 from functools import partial
-from typing import Any
 
 from ur.source.printable import printable
 from ur.web.wire.frames import Kind, Layer, json_frame
@@ -42,8 +41,8 @@ class Overlays:
         self._wanted: frozenset[Layer] = frozenset()
         self._watched = False
         self._subscriptions: dict[tuple[Layer, str], Subscription] = {}
-        self._newest: dict[tuple[Layer, str], Any] = {}
-        self._sent: dict[Layer, dict[str, Any]] = {}
+        self._newest: dict[tuple[Layer, str], object] = {}
+        self._sent: dict[Layer, dict[str, object]] = {}
         self._send_every = Every(_EVERY)
 
     def want(self, layers: Collection[int], *, watched: bool) -> None:
@@ -89,7 +88,7 @@ class Overlays:
             self._show(layer, {})
             del self._sent[layer]
 
-    def _show(self, layer: Layer, value: dict[str, Any]) -> None:
+    def _show(self, layer: Layer, value: dict[str, object]) -> None:
         if value != self._sent.get(layer, {}):
             self._sent[layer] = value
             self._send(json_frame(Kind.OVERLAY, value, layer))

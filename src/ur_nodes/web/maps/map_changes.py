@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import Any
 
 from ur.web.wire.map_requests import (
     DeleteZone,
@@ -19,7 +18,7 @@ from ur_nodes.web.maps.map_link import MapLink
 from ur_nodes.web.maps.place_file import PlaceFile
 from ur_nodes.web.maps.zone_link import ZoneLink
 
-Reply = Callable[[str, Mapping[str, Any]], None]
+Reply = Callable[[str, Mapping[str, object]], None]
 """Sends an answer to a page, by its client id."""
 
 _WHAT: Mapping[type, str] = {

@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
-from typing import Any
 
 from ur.maps.names import is_map_name
 from ur.source.printable import printable
@@ -38,7 +37,7 @@ class MapLink:
         node.after(0.0, self._ask, steady=True)
         node.every(_PERIOD, self._ask, steady=True)
 
-    def describe(self) -> Mapping[str, Any]:
+    def describe(self) -> Mapping[str, object]:
         """Describe it for a page: `name` of the stored map in use, "" for none; `saves`: one is being made; `walls`."""
         made = {"name": "", "restorable": False, "why": "made"}
         return {

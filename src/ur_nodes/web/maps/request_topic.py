@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import json
 from collections.abc import Callable, Mapping
-from typing import Any, Generic, TypeVar
+from typing import Generic, TypeVar
 
 from ur.source.printable import printable
 from ur_nodes.ports.node import Node
@@ -23,7 +23,7 @@ _MOST_WAITING = 100
 class RequestTopic(Generic[State]):
     """Publishes requests as JSON with an `id`, on the topic NAME_request; `state` is the newest of the topic NAMEs."""
 
-    def __init__(self, node: Node, name: str, read: Callable[[Mapping[str, Any]], State], first: State) -> None:
+    def __init__(self, node: Node, name: str, read: Callable[[Mapping[str, object]], State], first: State) -> None:
         """`read` makes a state of JSON. It raises ValueError, TypeError or KeyError where that is malformed."""
         self.state = first
         self._node, self._read = node, read
@@ -36,7 +36,7 @@ class RequestTopic(Generic[State]):
         """Return whether a node takes requests."""
         return self._requests.listeners() > 0
 
-    def ask(self, request: Mapping[str, Any], done: Done) -> bool:
+    def ask(self, request: Mapping[str, object], done: Done) -> bool:
         """Send a request. Return False: no node takes it, and `done` is not called."""
         if not self.served():
             return False

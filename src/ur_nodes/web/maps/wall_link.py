@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import asdict
-from typing import Any
 
 from ur.maps.names import is_map_name
 from ur.web.wire.map_requests import DrawWalls, RestoreWalls
@@ -18,7 +17,7 @@ class WallLink:
     def __init__(self, node: Node) -> None:
         self._topic = RequestTopic(node, "wall", _read, ("", False))
 
-    def describe(self) -> Mapping[str, Any]:
+    def describe(self) -> Mapping[str, object]:
         """Describe it for a page: `name` of the map whose walls can be changed; "" and `why` not."""
         if not self._topic.served():
             return {"name": "", "restorable": False, "why": "no server"}
@@ -27,13 +26,13 @@ class WallLink:
 
     def change(self, request: DrawWalls | RestoreWalls, done: Done) -> bool:
         """Ask for a change; `done` is called with what is wrong, or ''. Return False: no map server has walls."""
-        value: dict[str, Any] = {"do": "restore", "map": request.map}
+        value: dict[str, object] = {"do": "restore", "map": request.map}
         if isinstance(request, DrawWalls):
             value = {"do": "draw", "map": request.map, "strokes": [asdict(each) for each in request.strokes]}
         return self._topic.ask(value, done)
 
 
-def _read(found: Mapping[str, Any]) -> tuple[str, bool]:
+def _read(found: Mapping[str, object]) -> tuple[str, bool]:
     """The name of the stored map, and whether it can be restored."""
     name = str(found["name"])
     return name if is_map_name(name) else "", found["restorable"] is True

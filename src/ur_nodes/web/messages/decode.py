@@ -36,7 +36,7 @@ class Bounds:
 class Cut:
     """An array of which only the first elements are here, or, with `items` None, bytes that were not read."""
 
-    items: list[Any] | None
+    items: list[object] | None
     total: int
 
 
@@ -57,10 +57,10 @@ class _Reader:
     def size_of(self, kind: str) -> int | None:
         return self.sizes[kind] if kind in self.sizes else size_of_primitive(kind)
 
-    def fields(self, kind: str) -> dict[str, Any]:
+    def fields(self, kind: str) -> dict[str, object]:
         return {field.name: self.field(field) for field in self.definition.fields[kind]}
 
-    def field(self, field: Field) -> Any:
+    def field(self, field: Field) -> object:
         if field.length is None:
             return self.value(field.kind)
         count = self.length() if field.length == -1 else field.length
@@ -81,7 +81,7 @@ class _Reader:
     def length(self) -> int:
         return int(_LENGTH.unpack_from(self.data, self.take(4))[0])
 
-    def value(self, kind: str) -> Any:
+    def value(self, kind: str) -> object:
         self.values += 1
         if self.values > _MOST_VALUES:
             raise BadMessageError(f"more than {_MOST_VALUES} values outside of arrays")
@@ -155,7 +155,7 @@ def read_number(definition: Definition, data: bytes, path: str) -> float | None:
     return number if math.isfinite(number) else None
 
 
-def render(values: Mapping[str, Any], most: int = 400) -> list[str]:
+def render(values: Mapping[str, object], most: int = 400) -> list[str]:
     """Values as lines of text in the manner of YAML, at most `most`, each at most 300 characters."""
     lines: list[str] = []
     for line in _render(values, ""):
@@ -166,15 +166,15 @@ def render(values: Mapping[str, Any], most: int = 400) -> list[str]:
     return lines
 
 
-def _render(value: Any, indent: str) -> Iterator[str]:
+def _render(value: Mapping[str, object], indent: str) -> Iterator[str]:
     for name, found in value.items():
         yield from _render_one(f"{indent}{name}:", found, indent + "  ")
 
 
-def _render_one(head: str, found: Any, indent: str) -> Iterator[str]:
+def _render_one(head: str, found: object, indent: str) -> Iterator[str]:
     total = None
     if isinstance(found, Cut):
-        found, total = found.items or [], found.total
+        total, found = found.total, found.items or []
     if isinstance(found, dict):
         yield head if found else f"{head} {{}}"
         yield from _render(found, indent)
@@ -191,7 +191,7 @@ def _render_one(head: str, found: Any, indent: str) -> Iterator[str]:
         yield f"{head} [{', '.join(map(_text, found))}]{note}"
 
 
-def _text(value: Any) -> str:
+def _text(value: object) -> str:
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, float):
@@ -199,7 +199,7 @@ def _text(value: Any) -> str:
     return f'"{printable(value)}"' if isinstance(value, str) and value not in ("nan", "inf", "-inf") else str(value)
 
 
-def _clean(value: Any, *, short: bool) -> Any:
+def _clean(value: object, *, short: bool) -> object:
     if isinstance(value, float):
         if not math.isfinite(value):
             return "nan" if math.isnan(value) else "inf" if value > 0 else "-inf"

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
 from functools import partial
-from typing import Any
 
 from ur.web.wire.data_frames import pack_frame, pack_json
 from ur.web.wire.data_requests import Show
@@ -34,7 +33,7 @@ class SceneFeed:
     def __init__(self, node: Node, send: Send) -> None:
         self._node, self._send = node, send
         self._tree = FrameTree()
-        self._frames: list[list[Any]] = []
+        self._frames: list[list[object]] = []
         self._frame_topics: list[Subscription] = []
         self._topics: dict[str, tuple[str, Subscription]] = {}
         self._markers: dict[str, ShownMarkers] = {}

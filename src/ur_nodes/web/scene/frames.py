@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
 from ur_nodes.ports.values import Transform
 
@@ -15,7 +14,7 @@ class FrameTree:
     """Frames by name. Times are seconds of any steady clock."""
 
     def __init__(self) -> None:
-        self._known: dict[str, tuple[float, list[Any]]] = {}
+        self._known: dict[str, tuple[float, list[object]]] = {}
 
     def take(self, transform: Transform, now: float, *, fixed: bool) -> None:
         """Take a transform; one that is malformed is left out. `fixed`: it does not grow old."""
@@ -25,7 +24,7 @@ class FrameTree:
             return
         self._known[child] = (math.inf if fixed else now), [child, parent, *(round(each, 5) for each in pose)]
 
-    def describe(self, now: float) -> list[list[Any]]:
+    def describe(self, now: float) -> list[list[object]]:
         """Rows of child, parent, x, y, z in m, and the quaternion x, y, z, w."""
         self._known = {name: each for name, each in self._known.items() if now - each[0] < _OLD}
         return [each for _, each in sorted(self._known.values(), key=lambda each: str(each[1][0]))]

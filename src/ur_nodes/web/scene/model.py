@@ -7,7 +7,6 @@ import math
 import re
 from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import Any
 from xml.etree.ElementTree import Element
 
 import numpy as np
@@ -30,7 +29,7 @@ class BadModelError(ValueError):
     """A text that is no description; the text says why, in a line."""
 
 
-def read_model(text: str) -> list[dict[str, Any]]:
+def read_model(text: str) -> list[dict[str, object]]:
     """The shapes: link, kind, size, pose in the link (m, rad), colour (0 to 1), and the address of a mesh.
 
     What is malformed is left out. Raises BadModelError.
@@ -43,7 +42,7 @@ def read_model(text: str) -> list[dict[str, Any]]:
     return [shape for _, shape in zip(range(_MOST), _shapes(root, colours), strict=False)]
 
 
-def _shapes(root: Element, colours: dict[str | None, Any]) -> Iterator[dict[str, Any]]:
+def _shapes(root: Element, colours: dict[str | None, Element | None]) -> Iterator[dict[str, object]]:
     for link in root.findall("link"):
         for visual in link.findall("visual"):
             geometry = visual.find("geometry")
@@ -66,7 +65,7 @@ def _shapes(root: Element, colours: dict[str | None, Any]) -> Iterator[dict[str,
                 }
 
 
-def _read_shape(geometry: Element) -> dict[str, Any] | None:
+def _read_shape(geometry: Element) -> dict[str, object] | None:
     for kind, names in (("box", ("size",)), ("cylinder", ("radius", "length")), ("sphere", ("radius",))):
         found = geometry.find(kind)
         if found is not None:
@@ -109,7 +108,7 @@ def package_of(address: str) -> str:
     return match[1] if match else ""
 
 
-def describe_model(description: object) -> Mapping[str, Any]:
+def describe_model(description: object) -> Mapping[str, object]:
     """The answer to the question for the robot's model: the shapes of the parameter /robot_description."""
     if not isinstance(description, str):
         return {"ok": False, "text": "no description of the robot: the parameter /robot_description is not set"}
@@ -119,9 +118,12 @@ def describe_model(description: object) -> Mapping[str, Any]:
         return {"ok": False, "text": str(problem)[:300]}
 
 
-def describe_mesh(address: str, description: object) -> Mapping[str, Any]:
+def describe_mesh(address: str, description: object) -> Mapping[str, object]:
     """The answer to the question for a mesh that the description names: its triangles, or its extent."""
-    shapes = describe_model(description).get("value", [])
+    try:
+        shapes = read_model(description) if isinstance(description, str) else []
+    except BadModelError:
+        shapes = []
     if not any(each.get("mesh") == address for each in shapes):
         return {"ok": False, "text": f"{address}: the robot's description does not name it"}
     try:

@@ -7,7 +7,6 @@ import socket
 import time
 from collections.abc import Callable, Collection, Mapping
 from pathlib import Path
-from typing import Any
 from urllib.parse import urlsplit
 
 from ur.web.wire.data_frames import pack_json
@@ -28,10 +27,10 @@ _LONGEST = 1 << 20  # bytes of a message
 _LOGGED_EVERY = 10.0  # s
 
 
-Measure = Callable[[CpuTimes, Facts], tuple[CpuTimes, Mapping[str, Any]]]
+Measure = Callable[[CpuTimes, Facts], tuple[CpuTimes, Mapping[str, object]]]
 
 
-def measure_computer(before: CpuTimes, facts: Facts) -> tuple[CpuTimes, Mapping[str, Any]]:
+def measure_computer(before: CpuTimes, facts: Facts) -> tuple[CpuTimes, Mapping[str, object]]:
     """The times of now, and the figures of this computer that are known."""
     texts = read_computer()
     times = read_times(texts.stat)
@@ -83,7 +82,7 @@ class StatusFeed:
             before, facts = self._times, self._node.facts
             self._node.work(lambda: self._measure(before, facts), self._pass_on, "status")
 
-    def _pass_on(self, found: tuple[CpuTimes, Mapping[str, Any]]) -> None:
+    def _pass_on(self, found: tuple[CpuTimes, Mapping[str, object]]) -> None:
         self._measuring = False
         self._times, computer = found
         components = self._diagnostics.describe(self._node.steady())

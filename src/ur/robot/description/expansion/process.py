@@ -10,7 +10,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from threading import Timer
-from typing import IO, Any
+from typing import IO
 
 SECONDS = 60  # of computing, and in all; xacro files may call themselves without end
 MEMORY = 1 << 30  # bytes of address space
@@ -86,7 +86,7 @@ def expand(
 
 def _converse(
     to: IO[bytes], of: IO[bytes], order: Mapping[str, object], answers: Mapping[str, Answer]
-) -> dict[str, Any]:
+) -> dict[str, object]:
     _send(to, order)
     for _ in range(MOST_QUESTIONS):
         line = of.readline(MOST_SENT)
@@ -109,7 +109,7 @@ def _send(to: IO[bytes], fields: Mapping[str, object]) -> None:
     to.flush()
 
 
-def _read_report(report: Mapping[str, Any]) -> Outcome:
+def _read_report(report: Mapping[str, object]) -> Outcome:
     if report["end"] == "not confined":
         return Outcome(unconfined=str(report.get("problem")) or "no reason is known")
     problem = str(report.get("problem", ""))

@@ -16,7 +16,6 @@ import socket
 from collections.abc import Callable, Coroutine
 from contextlib import suppress
 from itertools import takewhile
-from typing import Any
 
 from ur.web.access.heads import LONGEST, Head, find_head
 from ur.web.access.rate import Buckets, draw, make_bucket
@@ -269,7 +268,7 @@ class Listener:
         self._sweeping = self._loop.call_later(_SWEEP_EVERY, self._sweep)
 
 
-def _listen(family: int, kind: int, protocol: int, address: Any) -> socket.socket | None:
+def _listen(family: int, kind: int, protocol: int, address: tuple[str | int | bytes, ...]) -> socket.socket | None:
     """Listen on an address; None: this computer has no such one. Raises OSError."""
     try:
         sock = socket.socket(family, kind, protocol)

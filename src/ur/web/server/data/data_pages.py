@@ -9,7 +9,6 @@ import math
 import time
 from collections.abc import Callable, Mapping
 from contextlib import suppress
-from typing import Any
 
 from aiohttp import WSCloseCode, WSMsgType, web
 
@@ -68,7 +67,7 @@ class _Page:
         """Return whether a request with this beat was made a moment ago."""
         return time.monotonic() - self._beats.get(beat, -math.inf) < OLDEST
 
-    async def run(self, describe: Callable[[], Mapping[str, Any]]) -> None:
+    async def run(self, describe: Callable[[], Mapping[str, object]]) -> None:
         """Send beats, answers, and the newest frame of each key until the page is gone."""
         beaten = -math.inf
         with suppress(ConnectionError):
@@ -130,7 +129,7 @@ class DataPages:
             if page.shows:
                 self._end.send(page.number, page.shows)
 
-    def _describe(self) -> Mapping[str, Any]:
+    def _describe(self) -> Mapping[str, object]:
         return {"end": self._end.state}
 
     async def _serve(self, request: web.Request) -> web.WebSocketResponse:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from typing import Any
 
 from aiohttp import web
 
@@ -42,7 +41,7 @@ class SessionPages:
         rows = [self._describe(number, grant, own=number == own) for number, grant in sessions.list().items()]
         return web.json_response(sorted(rows, key=lambda row: (not row["own"], -row["last"])))
 
-    def _describe(self, number: str, grant: Grant, *, own: bool) -> dict[str, Any]:
+    def _describe(self, number: str, grant: Grant, *, own: bool) -> dict[str, object]:
         return {
             "id": number,
             "name": grant.name,

@@ -6,7 +6,6 @@ import asyncio
 from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import asdict
-from typing import Any
 
 from aiohttp import web
 
@@ -49,7 +48,7 @@ class RecordingPages:
     async def _describe(self, request: web.Request) -> web.Response:
         """The recording that is under way, the reason why the last one has ended, and the files for who may drive."""
         running = self._recorder.running
-        value: dict[str, Any] = {"running": asdict(running) if running else None, "end": self._recorder.end}
+        value: dict[str, object] = {"running": asdict(running) if running else None, "end": self._recorder.end}
         if request[SESSION][1].role is Role.DRIVE:
             if running is None:
                 with suppress(BusyError, OSError), self._store.lock():
