@@ -190,7 +190,7 @@ def _note_velocities(path: str) -> None:
             os.write(beats, _STAMP.pack(time.time(), time.monotonic(), 0.0, 0.0))
         publish(self, *arguments, **named)
 
-    rospy.Publisher.publish = note_and_publish
+    rospy.Publisher.publish = note_and_publish  # type: ignore[method-assign]
 
 
 def _die_with_parent(parent: int) -> None:

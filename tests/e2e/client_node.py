@@ -11,6 +11,7 @@ import math
 from typing import Any
 
 import actionlib
+import genpy
 import rospy
 import tf2_ros
 from actionlib_msgs.msg import GoalStatus, GoalStatusArray
@@ -46,7 +47,7 @@ class Client:
         self.collisions = 0
         self.obstacle_stop = ""
         self.stopped: bool | None = None
-        self.challenge: rospy.Time | None = None
+        self.challenge: genpy.Time | None = None
         self.goals: list[GoalStatus] = []
         self.buffer = tf2_ros.Buffer()
         self.listener = tf2_ros.TransformListener(self.buffer)
@@ -94,7 +95,7 @@ class Client:
 
         # SimpleActionClient misses a goal's end that arrives before its send_goal returns; the goal's handle does not.
         def has_ended() -> bool:
-            return bool(self.action.gh.get_comm_state() == actionlib.CommState.DONE)
+            return bool(self.action.gh is not None and self.action.gh.get_comm_state() == actionlib.CommState.DONE)
 
         with contextlib.suppress(TimeoutError):
             wait_until(has_ended, seconds, "")

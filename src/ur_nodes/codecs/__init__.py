@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import importlib
+from typing import TypeVar
 
-from ur_nodes.codecs.codec import Codec, ServiceCodec
+from ur_nodes.codecs.codec import Codec, KindCodec, KindServiceCodec, ServiceCodec
 
-__all__ = ["Codec", "ServiceCodec", "find_codec", "find_service"]
+Value = TypeVar("Value")
+
+__all__ = ["Codec", "KindCodec", "KindServiceCodec", "ServiceCodec", "find_codec", "find_service"]
 
 # Which module knows a kind: messages take long to import, and a node needs few.
 _MODULES = {
@@ -27,13 +30,13 @@ _MODULES = {
 _MODULE_OF = {kind: module for module, kinds in _MODULES.items() for kind in kinds}
 
 
-def find_codec(kind: type) -> Codec:
+def find_codec(kind: type[Value]) -> KindCodec[Value]:
     """The codec of a kind of value. Raises KeyError: no message is known for it."""
-    codec: Codec = importlib.import_module(_MODULE_OF[kind.__name__]).CODECS[kind]
+    codec: KindCodec[Value] = importlib.import_module(_MODULE_OF[kind.__name__]).CODECS[kind]
     return codec
 
 
-def find_service(kind: type) -> ServiceCodec:
+def find_service(kind: type[Value]) -> KindServiceCodec[Value]:
     """The codec of a kind of request. Raises KeyError: no service is known for it."""
-    codec: ServiceCodec = importlib.import_module(_MODULE_OF[kind.__name__]).SERVICES[kind]
+    codec: KindServiceCodec[Value] = importlib.import_module(_MODULE_OF[kind.__name__]).SERVICES[kind]
     return codec

@@ -35,7 +35,7 @@ class Writer:
         self.add("I", len(data))
         self._data += data
 
-    def add_header(self, header: Any) -> None:
+    def add_header(self, header: Header) -> None:
         """Add a std_msgs/Header."""
         self.add("i", header.stamp.sec)
         self.add("I", header.stamp.nanosec)
@@ -84,7 +84,7 @@ class Reader:
         """Take a string."""
         return self.take_bytes().rstrip(b"\0").decode(errors="replace")
 
-    def take_header(self) -> Any:
+    def take_header(self) -> Header:
         """Take a std_msgs/Header."""
         header = Header()
         (header.stamp.sec,), (header.stamp.nanosec,) = self.take("i"), self.take("I")
@@ -130,7 +130,7 @@ class Transforms:
     BARE = ("tf2_msgs", "TFMessage", "e369d0f05a23ae52508854b66f6aa0437f3449d652e8cbf22d5abe85d020f087")
 
     def __init__(self) -> None:
-        self.transforms: list[Any] = []
+        self.transforms: list[TransformStamped] = []
 
     def write(self) -> bytes:
         """The message as bytes."""

@@ -4,48 +4,59 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Generic, TypeVar
 
-from ur_nodes.codecs.dialect import time_of
+from ur_nodes.codecs.dialect import Headed, ServiceType, time_of
 from ur_nodes.ports.values import Result
+
+Message = TypeVar("Message")
+Request = TypeVar("Request")
+Response = TypeVar("Response")
+Value = TypeVar("Value")
 
 LARGE = 1 << 24
 """Bytes that are read at once of messages such as pictures: in small pieces they take several times as long."""
 
 
 @dataclass(frozen=True, slots=True)
-class Codec:
+class Codec(Generic[Message, Value]):
     """A kind of value as messages. `fill` writes a value into one; `value_of` reads it, raises ValueError or UserError.
 
     A message may be filled again for the next value. `buffer` is the number of bytes that are read at once.
     """
 
-    message_class: Any
-    fill: Callable[[Any, Any], None]
-    value_of: Callable[[Any], Any]
+    message_class: type[Message]
+    fill: Callable[[Message, Value], None]
+    value_of: Callable[[Message], Value]
     buffer: int = 1 << 16
 
 
 @dataclass(frozen=True, slots=True)
-class ServiceCodec:
+class ServiceCodec(Generic[Request, Response, Value]):
     """A kind of request, and what it is answered with, as the messages of a service.
 
     `response` raises ServiceFailureError where a failure cannot be told otherwise.
     """
 
-    service_class: Any
-    request: Callable[[Any], Any]
-    request_of: Callable[[Any], Any]
-    response: Callable[[Result], Any]
-    result_of: Callable[[Any], Result]
+    service_class: ServiceType[Request, Response]
+    request: Callable[[Value], Request]
+    request_of: Callable[[Request], Value]
+    response: Callable[[Result], Response]
+    result_of: Callable[[Response], Result]
 
 
-def fill_header(message: Any, stamp: int, frame: str) -> None:
+KindCodec = Codec[Any, Value]
+"""The codec of a kind of value; only the codec knows the class of the messages."""
+
+KindServiceCodec = ServiceCodec[Any, Any, Value]
+
+
+def fill_header(message: Headed, stamp: int, frame: str) -> None:
     """Write a message's header."""
     message.header.stamp = time_of(stamp)
     message.header.frame_id = frame
 
 
-def frame_of(message: Any) -> str:
+def frame_of(message: Headed) -> str:
     """The frame of a message, without the slash that tf once had."""
     return str(message.header.frame_id).lstrip("/")

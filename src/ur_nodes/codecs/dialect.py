@@ -3,19 +3,28 @@
 from __future__ import annotations
 
 from array import array
+from collections.abc import Sequence
 from functools import lru_cache
-from typing import Any
+from typing import TYPE_CHECKING, Any, Protocol, TypeVar, cast
 
 import numpy as np
 from numpy.typing import NDArray
 from std_msgs.msg import Header
 
-_Time: Any = type(Header().stamp)
+if TYPE_CHECKING:
+    from genpy import Duration as Span
+    from genpy import Time as Stamp
+
+Number = TypeVar("Number", bound=np.generic)
+Request = TypeVar("Request")
+Response = TypeVar("Response")
+
+_Time = type(Header().stamp)
 ROS_2: bool = hasattr(_Time(), "nanosec")
 """The messages that are installed are those of ROS 2."""
 _SECOND = 1_000_000_000
 
-if ROS_2:
+if ROS_2 and not TYPE_CHECKING:  # types are those of ROS 1, whose stubs have the fields of both
     from builtin_interfaces.msg import Duration as DurationMessage
     from builtin_interfaces.msg import Time as TimeMessage
     from geometry_msgs.msg import PoseArray as PosesMessage
@@ -50,66 +59,81 @@ __all__ = [
     "GridMessage",
     "GridService",
     "GridUpdate",
+    "Headed",
     "LogMessage",
     "PosesMessage",
     "ScanMessage",
+    "ServiceType",
     "TimeMessage",
     "Transforms",
 ]
 
 
+class ServiceType(Protocol[Request, Response]):
+    """A class of services, as genpy makes it."""
+
+    _request_class: type[Request]
+    _response_class: type[Response]
+
+
+class Headed(Protocol):
+    """A message with a header."""
+
+    header: Header
+
+
 @lru_cache(maxsize=4)
-def time_of(stamp: int) -> Any:
+def time_of(stamp: int) -> Stamp:
     """A stamp (ns) as a message has it; messages of one moment share it."""
     seconds, rest = divmod(stamp, _SECOND)
     return _Time(sec=seconds, nanosec=rest) if ROS_2 else _Time(seconds, rest)
 
 
-def duration_of(seconds: float) -> Any:
+def duration_of(seconds: float) -> Span:
     """A time span as a message has it."""
     whole, rest = divmod(round(seconds * _SECOND), _SECOND)
     return DurationMessage(sec=whole, nanosec=rest) if ROS_2 else DurationMessage(whole, rest)
 
 
-def stamp_of(time: Any) -> int:
+def stamp_of(time: Stamp | Span) -> int:
     """The stamp (ns) of a message's time."""
     return int(time.sec) * _SECOND + int(time.nanosec) if ROS_2 else int(time.secs) * _SECOND + int(time.nsecs)
 
 
-def seconds_of(span: Any) -> float:
+def seconds_of(span: Span) -> float:
     """A message's time span in s."""
     return stamp_of(span) / 1e9
 
 
-def number_of(message: Any) -> int:
+def number_of(message: Headed) -> int:
     """The number that the publisher gave a message; 0 on ROS 2, whose headers have none."""
     return 0 if ROS_2 else int(message.header.seq)
 
 
-def bytes_of(field: Any) -> bytes:
+def bytes_of(field: bytes) -> bytes:
     """The bytes of a field."""
     return bytes(field)
 
 
-def field_of(values: NDArray[Any]) -> Any:
+def field_of(values: NDArray[Number]) -> Sequence[Any]:
     """An array (n) of float32, int8 or uint8 as a message takes it; it is not copied where it need not be."""
     if not ROS_2:
-        return values
+        return cast("Sequence[Any]", values)
     code = {"float32": "f", "int8": "b", "uint8": "B"}[values.dtype.name]
     return array(code, np.ascontiguousarray(values).tobytes())
 
 
-def array_of(field: Any, dtype: Any) -> NDArray[Any]:
+def array_of(field: Sequence[float], dtype: type[Number]) -> NDArray[Number]:
     """The array (n) that a message has, which shares its memory where it can."""
     if isinstance(field, bytes | bytearray | array):
         return np.frombuffer(field, dtype)
     return np.asarray(field, dtype=dtype)
 
 
-def parts_of(service: Any) -> tuple[Any, Any]:
+def parts_of(service: ServiceType[Request, Response]) -> tuple[type[Request], type[Response]]:
     """The classes of a service's request and response."""
     if ROS_2:
-        return service.Request, service.Response
+        return service.Request, service.Response  # type: ignore[attr-defined]  # of ROS 2's classes
     return service._request_class, service._response_class  # noqa: SLF001 - where genpy keeps them
 
 

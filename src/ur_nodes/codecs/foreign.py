@@ -5,11 +5,11 @@ from __future__ import annotations
 from importlib import import_module
 from typing import Any
 
-from ur_nodes.codecs.codec import Codec
+from ur_nodes.codecs.codec import Codec, KindCodec
 from ur_nodes.codecs.dialect import ROS_2
 
 
-def find_foreign(type_name: str, fields: tuple[str, ...]) -> Codec:
+def find_foreign(type_name: str, fields: tuple[str, ...]) -> KindCodec[tuple[Any, ...]]:
     """A codec that reads fields of a type. Raises LookupError: it is not installed; ValueError: it lacks one."""
     found = _find_ros_2(type_name) if ROS_2 else _find_ros_1(type_name)
     if found is None:
@@ -37,5 +37,5 @@ def _find_ros_2(type_name: str) -> Any:
         return None
 
 
-def _refuse(_message: Any, _value: Any) -> None:
+def _refuse(_message: object, _value: object) -> None:
     raise TypeError("messages of this type are only received")

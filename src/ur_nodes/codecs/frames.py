@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import time
-from typing import Any
 
 from geometry_msgs.msg import TransformStamped
 
@@ -16,7 +15,7 @@ from ur_nodes.ports.values import Transform
 _YOUNG = 1.0  # s
 
 
-def fill_transforms(message: Any, value: tuple[Transform, ...]) -> None:
+def fill_transforms(message: Transforms, value: tuple[Transform, ...]) -> None:
     """Write a tf2_msgs/TFMessage; its parts are used again."""
     parts = message.transforms
     del parts[len(value) :]
@@ -28,7 +27,7 @@ def fill_transforms(message: Any, value: tuple[Transform, ...]) -> None:
         place.x, place.y, place.z, turn.x, turn.y, turn.z, turn.w = each.pose
 
 
-def transforms_of(message: Any, *, fixed: bool = False) -> tuple[Transform, ...]:
+def transforms_of(message: Transforms, *, fixed: bool = False) -> tuple[Transform, ...]:
     """Read a tf2_msgs/TFMessage; `fixed` says whether it came on /tf_static."""
     return tuple(
         Transform(

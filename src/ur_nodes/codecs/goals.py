@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import json
 import math
-from typing import Any, get_args, get_type_hints
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any, TypeVar, get_args, get_type_hints
 
 from std_msgs.msg import String
 
@@ -14,15 +15,20 @@ from ur_nodes.geometry.pose import Pose2
 from ur_nodes.ports.actions import Goal, GoalId, GoalState, GoalStates
 from ur_nodes.ports.values import PlacedPose
 
+if TYPE_CHECKING:
+    from actionlib_msgs.msg import GoalID
+
+Value = TypeVar("Value")
+
 _LONGEST = 100_000  # characters of a message
 _STATES = get_args(get_type_hints(GoalState)["state"])
 
 
-def _text_codec(write: Any, read: Any) -> Codec:
-    def fill(message: Any, value: Any) -> None:
+def _text_codec(write: Callable[[Value], object], read: Callable[[Any], Value]) -> Codec[String, Value]:
+    def fill(message: String, value: Value) -> None:
         message.data = json.dumps(write(value), allow_nan=False)
 
-    def value_of(message: Any) -> Any:
+    def value_of(message: String) -> Value:
         if len(message.data) > _LONGEST:
             raise ValueError(f"goal of {len(message.data)} characters, expected at most {_LONGEST}")
         try:
@@ -33,7 +39,7 @@ def _text_codec(write: Any, read: Any) -> Codec:
     return Codec(String, fill, value_of)
 
 
-def _write_goal(goal: Goal) -> dict[str, Any]:
+def _write_goal(goal: Goal) -> dict[str, object]:
     target, pose = goal.target, goal.target.pose
     numbers = [each if math.isfinite(each) else None for each in (pose.x, pose.y, pose.yaw)]
     return {"id": goal.id, "stamp": target.stamp, "frame": target.frame, "pose": numbers}
@@ -55,11 +61,11 @@ def _read_state(read: list[Any]) -> GoalState:
     return GoalState(id, state, text)  # type: ignore[arg-type]  # it is one of them
 
 
-def _fill_id(message: Any, value: GoalId) -> None:
+def _fill_id(message: GoalID, value: GoalId) -> None:
     message.id, message.stamp = value.id, time_of(value.stamp)
 
 
-if ROS_2:
+if ROS_2 and not TYPE_CHECKING:
     CODECS = {
         Goal: _text_codec(_write_goal, _read_goal),
         GoalId: _text_codec(lambda value: [value.id, value.stamp], lambda read: GoalId(str(read[0]), int(read[1]))),

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
-from nav_msgs.msg import MapMetaData
+from nav_msgs.msg import MapMetaData, OccupancyGrid
 
 from ur.source.diagnostic import UserError, error
 from ur_nodes.codecs.codec import Codec, fill_header, frame_of
@@ -15,17 +15,20 @@ from ur_nodes.codecs.geometry import fill_pose, pose_message, pose_of_message
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.ports.values import Map, MapInfo, MapUpdate
 
+if TYPE_CHECKING:
+    from genpy import Time
+
 _FINEST = 1e-4  # m
 
 
-def fill_map(message: Any, value: Map) -> None:
+def fill_map(message: OccupancyGrid, value: Map) -> None:
     """Write a nav_msgs/OccupancyGrid; the message shares the cells."""
     fill_header(message, value.stamp, value.frame)
     message.info = metadata_message(value.grid, time_of(value.stamp))
     message.data = field_of(value.grid.values.ravel())
 
 
-def map_of(message: Any) -> Map:
+def map_of(message: OccupancyGrid) -> Map:
     """Read a nav_msgs/OccupancyGrid. Raises UserError: size, data and resolution do not fit together."""
     grid = grid_of_message(message)
     if not _FINEST <= grid.resolution < math.inf:
@@ -35,7 +38,7 @@ def map_of(message: Any) -> Map:
     return Map(stamp_of(message.header.stamp), frame_of(message), grid)
 
 
-def grid_of_message(message: Any) -> Grid:
+def grid_of_message(message: OccupancyGrid) -> Grid:
     """The grid of a message. Raises UserError when size, data and resolution do not fit together."""
     info = message.info
     data = message.data
@@ -54,7 +57,7 @@ def grid_of_message(message: Any) -> Grid:
     return Grid(values.reshape(info.height, info.width), resolution, pose_of_message(info.origin))
 
 
-def metadata_message(grid: Grid, stamp: Any) -> MapMetaData:
+def metadata_message(grid: Grid, stamp: Time) -> MapMetaData:
     """Size, resolution and origin of the grid; `stamp` is when it was loaded."""
     return MapMetaData(
         map_load_time=stamp,
@@ -65,7 +68,7 @@ def metadata_message(grid: Grid, stamp: Any) -> MapMetaData:
     )
 
 
-def grid_message(grid: Grid, frame: str, stamp: Any) -> Any:
+def grid_message(grid: Grid, frame: str, stamp: Time) -> GridMessage:
     """A message with the grid, whose values it shares; `stamp` is a message's."""
     message = GridMessage()
     message.header.frame_id, message.header.stamp = frame, stamp
@@ -74,25 +77,25 @@ def grid_message(grid: Grid, frame: str, stamp: Any) -> Any:
     return message
 
 
-def _fill_info(message: Any, value: MapInfo) -> None:
+def _fill_info(message: MapMetaData, value: MapInfo) -> None:
     message.map_load_time, message.resolution = time_of(value.stamp), value.resolution
     message.width, message.height = value.width, value.height
     fill_pose(message.origin, value.origin)
 
 
-def _info_of(message: Any) -> MapInfo:
+def _info_of(message: MapMetaData) -> MapInfo:
     stamp = stamp_of(message.map_load_time)
     return MapInfo(stamp, message.resolution, message.width, message.height, pose_of_message(message.origin))
 
 
-def _fill_update(message: Any, value: MapUpdate) -> None:
+def _fill_update(message: GridUpdate, value: MapUpdate) -> None:
     fill_header(message, value.stamp, value.frame)
     message.x, message.y = value.column, value.row
     message.height, message.width = value.values.shape
     message.data = field_of(value.values.ravel())
 
 
-def _update_of(message: Any) -> MapUpdate:
+def _update_of(message: GridUpdate) -> MapUpdate:
     if message.width * message.height != len(message.data):
         raise ValueError(
             f"update of {message.width} x {message.height} cells with {len(message.data)} values, expected one per cell"

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 from geometry_msgs.msg import Twist as TwistMessage
 from geometry_msgs.msg import TwistStamped
 from nav_msgs.msg import Odometry as OdometryMessage
@@ -18,27 +16,27 @@ from ur_nodes.ports.values import DriverOdometry, Joints, Joystick, Odometry, St
 _KNOWN = 1e-9  # the floor is flat; filters want no variance of 0
 
 
-def _fill_twist(message: Any, value: Twist) -> None:
+def _fill_twist(message: TwistMessage, value: Twist) -> None:
     message.linear.x, message.linear.y, message.linear.z = value.forward, value.left, value.up
     message.angular.x, message.angular.y, message.angular.z = value.roll, value.pitch, value.turn
 
 
-def twist_of(message: Any) -> Twist:
+def twist_of(message: TwistMessage) -> Twist:
     """The velocity that a geometry_msgs/Twist has."""
     linear, angular = message.linear, message.angular
     return Twist(linear.x, angular.z, linear.y, linear.z, angular.x, angular.y)
 
 
-def _fill_stamped(message: Any, value: StampedTwist) -> None:
+def _fill_stamped(message: TwistStamped, value: StampedTwist) -> None:
     fill_header(message, value.stamp, value.frame)
     _fill_twist(message.twist, value.twist)
 
 
-def _stamped_of(message: Any) -> StampedTwist:
+def _stamped_of(message: TwistStamped) -> StampedTwist:
     return StampedTwist(stamp_of(message.header.stamp), message.header.frame_id, twist_of(message.twist))
 
 
-def _fill_odometry(message: Any, value: Odometry) -> None:
+def _fill_odometry(message: OdometryMessage, value: Odometry) -> None:
     fill_header(message, value.stamp, value.frame)
     message.child_frame_id = value.child
     fill_pose(message.pose.pose, value.pose)
@@ -47,7 +45,7 @@ def _fill_odometry(message: Any, value: Odometry) -> None:
     message.twist.covariance = numbers_of(value.twist_covariance, _KNOWN)
 
 
-def _odometry_of(message: Any) -> Odometry:
+def _odometry_of(message: OdometryMessage) -> Odometry:
     return Odometry(
         stamp_of(message.header.stamp),
         frame_of(message),
@@ -59,7 +57,7 @@ def _odometry_of(message: Any) -> Odometry:
     )
 
 
-def _fill_driver_odometry(message: Any, value: DriverOdometry) -> None:
+def _fill_driver_odometry(message: OdometryMessage, value: DriverOdometry) -> None:
     fill_header(message, value.stamp, "odom")
     place, turn, twist = message.pose.pose.position, message.pose.pose.orientation, message.twist.twist
     place.x, place.y = value.x, value.y
@@ -67,27 +65,27 @@ def _fill_driver_odometry(message: Any, value: DriverOdometry) -> None:
     twist.linear.x, twist.angular.z = value.forward, value.turn
 
 
-def _driver_odometry_of(message: Any) -> DriverOdometry:
+def _driver_odometry_of(message: OdometryMessage) -> DriverOdometry:
     place, turn, twist = message.pose.pose.position, message.pose.pose.orientation, message.twist.twist
     rotation = (turn.x, turn.y, turn.z, turn.w)
     return DriverOdometry(stamp_of(message.header.stamp), place.x, place.y, rotation, twist.linear.x, twist.angular.z)
 
 
-def _fill_joints(message: Any, value: Joints) -> None:
+def _fill_joints(message: JointState, value: Joints) -> None:
     fill_header(message, value.stamp, "")
     message.name, message.position, message.velocity = value.names, value.angles, value.speeds
 
 
-def _joints_of(message: Any) -> Joints:
+def _joints_of(message: JointState) -> Joints:
     return Joints(stamp_of(message.header.stamp), tuple(message.name), tuple(message.position), tuple(message.velocity))
 
 
-def _fill_joystick(message: Any, value: Joystick) -> None:
+def _fill_joystick(message: Joy, value: Joystick) -> None:
     fill_header(message, value.stamp, "")
     message.axes, message.buttons = value.axes, value.buttons
 
 
-def _joystick_of(message: Any) -> Joystick:
+def _joystick_of(message: Joy) -> Joystick:
     return Joystick(stamp_of(message.header.stamp), tuple(message.axes), tuple(message.buttons))
 
 

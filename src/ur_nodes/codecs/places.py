@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 from geometry_msgs.msg import Point32, PolygonStamped, PoseStamped, PoseWithCovarianceStamped
@@ -21,18 +21,18 @@ from ur_nodes.ports.values import Outline, Path, PlacedPose, PoseEstimate, Poses
 _UNIT_SLACK = 0.1
 
 
-def fill_placed(message: Any, value: PlacedPose) -> None:
+def fill_placed(message: PoseStamped, value: PlacedPose) -> None:
     """Write a geometry_msgs/PoseStamped."""
     fill_header(message, value.stamp, value.frame)
     fill_pose(message.pose, value.pose)
 
 
-def placed_of(message: Any) -> PlacedPose:
+def placed_of(message: PoseStamped) -> PlacedPose:
     """Read a geometry_msgs/PoseStamped."""
     return PlacedPose(stamp_of(message.header.stamp), frame_of(message), pose_of_message(message.pose))
 
 
-def target_of(message: Any) -> PlacedPose:
+def target_of(message: PoseStamped) -> PlacedPose:
     """As `placed_of`, for what people and programs aim at: what is no pose has NaN.
 
     All of it where a number is not finite, the yaw where the orientation is not a unit quaternion.
@@ -46,13 +46,14 @@ def target_of(message: Any) -> PlacedPose:
     return placed
 
 
-def _fill_estimate(message: Any, value: PoseEstimate) -> None:
+def fill_estimate(message: PoseWithCovarianceStamped, value: PoseEstimate) -> None:
+    """Write a geometry_msgs/PoseWithCovarianceStamped."""
     fill_header(message, value.stamp, value.frame)
     fill_pose(message.pose.pose, value.pose)
     message.pose.covariance = numbers_of(value.covariance)
 
 
-def estimate_of(message: Any) -> PoseEstimate:
+def estimate_of(message: PoseWithCovarianceStamped) -> PoseEstimate:
     """Read a geometry_msgs/PoseWithCovarianceStamped."""
     return PoseEstimate(
         stamp_of(message.header.stamp),
@@ -62,7 +63,7 @@ def estimate_of(message: Any) -> PoseEstimate:
     )
 
 
-def _fill_poses(message: Any, value: Poses) -> None:
+def _fill_poses(message: PosesMessage, value: Poses) -> None:
     fill_header(message, value.stamp, value.frame)
     if ROS_2:
         message.poses = [pose_message(Pose2(*each)) for each in value.poses.tolist()]
@@ -70,40 +71,42 @@ def _fill_poses(message: Any, value: Poses) -> None:
         message.planar = value.poses
 
 
-def _poses_of(message: Any) -> Poses:
+def _poses_of(message: PosesMessage) -> Poses:
     return Poses(stamp_of(message.header.stamp), frame_of(message), _rows(pose_of_message(p) for p in message.poses))
 
 
-def _fill_path(message: Any, value: Path) -> None:
+def fill_path(message: PathMessage, value: Path) -> None:
+    """Write a nav_msgs/Path."""
     fill_header(message, value.stamp, value.frame)
     message.poses = [
         PoseStamped(header=message.header, pose=pose_message(Pose2(*each))) for each in value.poses.tolist()
     ]
 
 
-def _path_of(message: Any) -> Path:
+def path_of(message: PathMessage) -> Path:
+    """Read a nav_msgs/Path."""
     rows = _rows(pose_of_message(each.pose) for each in message.poses)
     return Path(stamp_of(message.header.stamp), frame_of(message), rows)
 
 
-def _fill_outline(message: Any, value: Outline) -> None:
+def _fill_outline(message: PolygonStamped, value: Outline) -> None:
     fill_header(message, value.stamp, value.frame)
     message.polygon.points = [Point32(x=x, y=y, z=0.0) for x, y in value.corners.tolist()]
 
 
-def _outline_of(message: Any) -> Outline:
+def _outline_of(message: PolygonStamped) -> Outline:
     corners = np.array([(p.x, p.y) for p in message.polygon.points], dtype=np.float64).reshape(-1, 2)
     return Outline(stamp_of(message.header.stamp), frame_of(message), corners)
 
 
-def _rows(poses: Any) -> NDArray[np.float64]:
+def _rows(poses: Iterable[Pose2]) -> NDArray[np.float64]:
     return np.array(list(poses), dtype=np.float64).reshape(-1, 3)
 
 
 CODECS = {
     PlacedPose: Codec(PoseStamped, fill_placed, placed_of),
-    PoseEstimate: Codec(PoseWithCovarianceStamped, _fill_estimate, estimate_of),
+    PoseEstimate: Codec(PoseWithCovarianceStamped, fill_estimate, estimate_of),
     Poses: Codec(PosesMessage, _fill_poses, _poses_of),
-    Path: Codec(PathMessage, _fill_path, _path_of),
+    Path: Codec(PathMessage, fill_path, path_of),
     Outline: Codec(PolygonStamped, _fill_outline, _outline_of),
 }

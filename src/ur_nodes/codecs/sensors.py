@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import numpy as np
 from sensor_msgs.msg import BatteryState
@@ -25,7 +24,7 @@ _TECHNOLOGIES = {
 _TECHNOLOGY_OF = {number: name for name, number in _TECHNOLOGIES.items()}
 
 
-def _fill_scan(message: Any, value: Scan) -> None:
+def _fill_scan(message: ScanMessage, value: Scan) -> None:
     fill_header(message, value.stamp, value.frame)
     last = value.angle_min + (len(value.ranges) - 1) * value.angle_increment
     message.angle_min, message.angle_increment = value.angle_min, value.angle_increment
@@ -35,7 +34,7 @@ def _fill_scan(message: Any, value: Scan) -> None:
     message.time_increment = value.time_increment
 
 
-def _scan_of(message: Any) -> Scan:
+def _scan_of(message: ScanMessage) -> Scan:
     return Scan(
         stamp_of(message.header.stamp),
         frame_of(message),
@@ -51,14 +50,14 @@ def _scan_of(message: Any) -> Scan:
     )
 
 
-def _fill_range(message: Any, value: Range) -> None:
+def _fill_range(message: RangeMessage, value: Range) -> None:
     fill_header(message, value.stamp, value.frame)
     message.radiation_type = RangeMessage.INFRARED if value.infrared else RangeMessage.ULTRASOUND
     message.range, message.field_of_view = value.range, value.field_of_view
     message.min_range, message.max_range = value.range_min, value.range_max
 
 
-def _range_of(message: Any) -> Range:
+def _range_of(message: RangeMessage) -> Range:
     if not 0.0 <= message.field_of_view <= 2.0 * math.pi:
         raise ValueError(f"field_of_view {message.field_of_view:g}, expected 0 to 6.28 rad")
     return Range(
@@ -72,7 +71,7 @@ def _range_of(message: Any) -> Range:
     )
 
 
-def _fill_imu(message: Any, value: Imu) -> None:
+def _fill_imu(message: ImuMessage, value: Imu) -> None:
     fill_header(message, value.stamp, value.frame)
     q, turning, force = message.orientation, message.angular_velocity, message.linear_acceleration
     q.x, q.y, q.z, q.w = value.orientation
@@ -83,7 +82,7 @@ def _fill_imu(message: Any, value: Imu) -> None:
     message.linear_acceleration_covariance = _diagonal(value.force_variance)
 
 
-def _imu_of(message: Any) -> Imu:
+def _imu_of(message: ImuMessage) -> Imu:
     q, turning, force = message.orientation, message.angular_velocity, message.linear_acceleration
     return Imu(
         stamp_of(message.header.stamp),
@@ -101,7 +100,7 @@ def _diagonal(variance: float) -> list[float]:
     return [variance, 0.0, 0.0, 0.0, variance, 0.0, 0.0, 0.0, variance]
 
 
-def _fill_battery(message: Any, value: Battery) -> None:
+def _fill_battery(message: BatteryState, value: Battery) -> None:
     fill_header(message, value.stamp, "")
     message.voltage, message.current, message.charge = value.voltage, value.current, value.charge
     message.capacity = message.design_capacity = value.capacity
@@ -112,7 +111,7 @@ def _fill_battery(message: Any, value: Battery) -> None:
     message.power_supply_technology = _TECHNOLOGIES.get(value.technology, 0)
 
 
-def _battery_of(message: Any) -> Battery:
+def _battery_of(message: BatteryState) -> Battery:
     return Battery(
         stamp_of(message.header.stamp),
         message.voltage,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, TypeVar
 
 from geometry_msgs.msg import PoseStamped
 from nav_msgs.srv import GetPlan, SetMap
@@ -14,7 +14,12 @@ from ur_nodes.codecs.codec import ServiceCodec, frame_of
 from ur_nodes.codecs.dialect import GridMessage, GridService, ServiceFailureError, parts_of
 from ur_nodes.codecs.geometry import fill_pose, pose_of_message
 from ur_nodes.ports.services import AskMap, AskPath, Place, Silent, Switch, Trigger, UseMap
-from ur_nodes.ports.values import Path, PoseEstimate, Result
+from ur_nodes.ports.values import PoseEstimate, Result
+
+if TYPE_CHECKING:
+    from ur_nodes.codecs.genpy.grid import GridResponse
+
+Response = TypeVar("Response")
 
 _MapRequest, _MapResponse = parts_of(GridService)
 _PlanRequest, _PlanResponse = parts_of(GetPlan)
@@ -31,60 +36,58 @@ def _done(result: Result) -> Result:
     return result
 
 
-def _fail_or(result: Result, response: Any) -> Any:
+def _fail_or(result: Result, response: Response) -> Response:
     _done(result)
     return response
 
 
-def _told(response: Any) -> Result:
+def _told(response: TriggerService.Response | SetBool.Response) -> Result:
     return Result(bool(response.success), str(response.message))
 
 
-def _map_response(result: Result) -> Any:
+def _map_response(result: Result) -> GridResponse:
     response = _MapResponse()
     response.map = GridMessage()
     maps.fill_map(response.map, _done(result).value)  # type: ignore[arg-type]  # AskMap is answered with a Map
     return response
 
 
-def _use_map_request(value: UseMap) -> Any:
+def _use_map_request(value: UseMap) -> SetMap.Request:
     request = _UseRequest()
     request.map = GridMessage()
     maps.fill_map(request.map, value.map)
-    places.CODECS[PoseEstimate].fill(
-        request.initial_pose, PoseEstimate(value.stamp, value.frame, value.pose, value.covariance)
-    )
+    start = PoseEstimate(value.stamp, value.frame, value.pose, value.covariance)
+    places.fill_estimate(request.initial_pose, start)
     return request
 
 
-def _use_map_of(request: Any) -> UseMap:
+def _use_map_of(request: SetMap.Request) -> UseMap:
     start = places.estimate_of(request.initial_pose)
     return UseMap(maps.map_of(request.map), start.stamp, start.frame, start.pose, start.covariance)
 
 
-def _place_request(value: Place) -> Any:
+def _place_request(value: Place) -> SetMap.Request:
     request = _UseRequest()
     request.map.header.frame_id, request.initial_pose.header.frame_id = value.name, value.frame
     fill_pose(request.initial_pose.pose.pose, value.pose)
     return request
 
 
-def _place_of(request: Any) -> Place:
+def _place_of(request: SetMap.Request) -> Place:
     start = request.initial_pose
     return Place(str(request.map.header.frame_id), frame_of(start), pose_of_message(start.pose.pose))
 
 
-def _ask_path_request(value: AskPath) -> Any:
+def _ask_path_request(value: AskPath) -> GetPlan.Request:
     request = _PlanRequest(start=PoseStamped(), goal=PoseStamped(), tolerance=value.tolerance)
     places.fill_placed(request.start, value.start)
     places.fill_placed(request.goal, value.goal)
     return request
 
 
-def _path_response(result: Result) -> Any:
+def _path_response(result: Result) -> GetPlan.Response:
     response = _PlanResponse()
-    value = _done(result).value
-    places.CODECS[Path].fill(response.plan, value)
+    places.fill_path(response.plan, _done(result).value)  # type: ignore[arg-type]  # AskPath is answered with a Path
     return response
 
 
@@ -140,6 +143,6 @@ SERVICES = {
             places.target_of(request.start), places.target_of(request.goal), float(request.tolerance)
         ),
         _path_response,
-        lambda response: Result(success=True, value=places.CODECS[Path].value_of(response.plan)),
+        lambda response: Result(success=True, value=places.path_of(response.plan)),
     ),
 }

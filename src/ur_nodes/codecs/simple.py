@@ -3,47 +3,51 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from rosgraph_msgs.msg import Clock
 from std_msgs.msg import Bool, Empty, Float32, Float64, Int32, String
 
-from ur_nodes.codecs.codec import Codec
+from ur_nodes.codecs.codec import Codec, KindCodec
 from ur_nodes.codecs.dialect import ROS_2, LogMessage, TimeMessage, stamp_of, time_of
 from ur_nodes.ports.values import ClockTime, Level, LogLine, Number, Signal, Time
 
+Value = TypeVar("Value")
 
-def _data(message_class: Any, kind: Callable[[Any], Any]) -> Codec:
-    def fill(message: Any, value: Any) -> None:
+
+def _data(message_class: type[Any], kind: Callable[[Any], Value]) -> KindCodec[Value]:
+    def fill(message: Any, value: Value) -> None:
         message.data = value
 
     return Codec(message_class, fill, lambda message: kind(message.data))
 
 
-def _fill_number(message: Any, value: Number) -> None:
+def _fill_number(message: Float64, value: Number) -> None:
     message.data = value.value
 
 
-def _fill_clock(message: Any, value: ClockTime) -> None:
+def _fill_clock(message: Clock, value: ClockTime) -> None:
     message.clock = time_of(value.stamp)
 
 
-def _fill_time(message: Any, value: Time) -> None:
-    if ROS_2:
+def _fill_time(message: TimeMessage, value: Time) -> None:
+    if ROS_2 and not TYPE_CHECKING:
         message.sec, message.nanosec = divmod(value.stamp, 1_000_000_000)
     else:
         message.data = time_of(value.stamp)
 
 
-def _time_of(message: Any) -> Time:
-    return Time(stamp_of(message if ROS_2 else message.data))
+def _time_of(message: TimeMessage) -> Time:
+    if ROS_2 and not TYPE_CHECKING:
+        return Time(stamp_of(message))
+    return Time(stamp_of(message.data))
 
 
-def _fill_line(message: Any, value: LogLine) -> None:
+def _fill_line(message: LogMessage, value: LogLine) -> None:
     message.name, message.level, message.msg = value.node, _LEVELS[value.level], value.text
 
 
-def _line_of(message: Any) -> LogLine:
+def _line_of(message: LogMessage) -> LogLine:
     level: Level = next((name for name in _LEVELS if message.level >= _LEVELS[name]), "debug")
     return LogLine(message.name, level, message.msg)
 

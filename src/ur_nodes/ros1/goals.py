@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
 
 import rospy
-from actionlib import ActionServer
+from actionlib import ActionServer, ServerGoalHandle
 from geometry_msgs.msg import PoseStamped
 from move_base_msgs.msg import MoveBaseAction, MoveBaseActionGoal, MoveBaseFeedback, MoveBaseResult
 
@@ -42,12 +41,12 @@ class RosGoalServer:
         goal.goal.target_pose = message
         self._goals.publish(goal)
 
-    def _take_goal(self, handle: Any) -> None:
+    def _take_goal(self, handle: ServerGoalHandle) -> None:
         own = RosGoalHandle(handle, self._handles.pop)
         self._handles[own.goal.id] = own
         self._takers.take_goal(own)
 
-    def _take_cancel(self, handle: Any) -> None:
+    def _take_cancel(self, handle: ServerGoalHandle) -> None:
         own = self._handles.get(handle.get_goal_id().id)
         if own is not None:
             self._takers.take_cancel(own)
@@ -56,29 +55,29 @@ class RosGoalServer:
 class RosGoalHandle:
     """See `ports.actions.GoalHandle`. The server keeps a goal's state for a while from when its handle is dropped."""
 
-    def __init__(self, handle: Any, drop: Callable[[str], object]) -> None:
-        self._handle = handle
+    def __init__(self, handle: ServerGoalHandle, drop: Callable[[str], object]) -> None:
+        self._handle: ServerGoalHandle | None = handle
         self._drop = drop
         self.goal = Goal(handle.get_goal_id().id, target_of(handle.get_goal().target_pose))
 
     def accept(self) -> None:
         """See GoalHandle."""
-        self._handle.set_accepted()
+        self._open.set_accepted()
 
     def refuse(self, text: str) -> None:
         """See GoalHandle."""
-        self._handle.set_accepted()
+        self._open.set_accepted()
         self.abort(text)
 
     def note(self, text: str) -> None:
         """See GoalHandle."""
-        self._handle.status_tracker.status.text = text
+        self._open.status_tracker.status.text = text
 
     def report(self, pose: PlacedPose) -> None:
         """See GoalHandle."""
         message = PoseStamped()
         fill_placed(message, pose)
-        self._handle.publish_feedback(MoveBaseFeedback(base_position=message))
+        self._open.publish_feedback(MoveBaseFeedback(base_position=message))
 
     def succeed(self, text: str) -> None:
         """See GoalHandle."""
@@ -92,7 +91,12 @@ class RosGoalHandle:
         """See GoalHandle."""
         self._end().set_canceled(MoveBaseResult(), text)
 
-    def _end(self) -> Any:
-        handle, self._handle = self._handle, None
+    def _end(self) -> ServerGoalHandle:
+        handle, self._handle = self._open, None
         self._drop(self.goal.id)
         return handle
+
+    @property
+    def _open(self) -> ServerGoalHandle:
+        assert self._handle is not None, "the goal has not ended"
+        return self._handle

@@ -17,11 +17,12 @@ import rospy
 from ur_nodes.codecs import find_codec
 from ur_nodes.loop import Loop
 from ur_nodes.node_base import LoopNode
-from ur_nodes.ports.actions import GoalClient, GoalFollower, GoalTakers
+from ur_nodes.ports.actions import GoalClient, GoalFollower, GoalServer, GoalTakers
 from ur_nodes.ports.graph import Graph
 from ur_nodes.ports.node import Location, Sender
 from ur_nodes.ports.parameters import Parameters
 from ur_nodes.ports.qualities import Quality
+from ur_nodes.ports.raw import Raw
 from ur_nodes.ports.transforms import Transforms
 from ur_nodes.ports.values import Result
 from ur_nodes.ros1.facts import RosFacts, RosLog, RosParameters
@@ -68,7 +69,7 @@ class RosNode(LoopNode):
         return self._transforms
 
     @property
-    def raw(self) -> Any:
+    def raw(self) -> Raw:
         """See Node."""
         from ur_nodes.ros1.raw import RosRaw
 
@@ -80,7 +81,7 @@ class RosNode(LoopNode):
         kind: type[Value],
         quality: Quality = Quality.NEWEST,
         greet: Callable[[], Value | None] | None = None,
-    ) -> RosPublisher:
+    ) -> RosPublisher[Value]:
         """See Node."""
         publisher = RosPublisher(topic, find_codec(kind), quality)
         if quality is Quality.LATCHED:
@@ -105,7 +106,7 @@ class RosNode(LoopNode):
         take: Callable[[Value], None],
         quality: Quality = Quality.NEWEST,
         unreadable: Callable[[str], None] | None = None,
-    ) -> RosSubscription:
+    ) -> RosSubscription[Value]:
         """See Node."""
         codec = find_codec(kind)
         return RosSubscription(
@@ -118,7 +119,7 @@ class RosNode(LoopNode):
         kind: type[Value],
         take: Callable[[Value, Sender | None], None],
         quality: Quality = Quality.NEWEST,
-    ) -> RosSubscription:
+    ) -> RosSubscription[Value]:
         """See Node."""
         return RosSubscription(
             topic, find_codec(kind), quality, self._loop, lambda value, message: take(value, sender_of(message))
@@ -126,7 +127,7 @@ class RosNode(LoopNode):
 
     def subscribe_fields(
         self, topic: str, type_name: str, fields: tuple[str, ...], take: Callable[[tuple[Any, ...]], None]
-    ) -> RosSubscription:
+    ) -> RosSubscription[tuple[Any, ...]]:
         """See Node."""
         from ur_nodes.codecs.foreign import find_foreign
 
@@ -147,7 +148,7 @@ class RosNode(LoopNode):
         """See Node."""
         call_service(self._loop, service, request, take, within)
 
-    def serve_goals(self, action: str, takers: GoalTakers, kept: float = 5.0) -> Any:
+    def serve_goals(self, action: str, takers: GoalTakers, kept: float = 5.0) -> GoalServer:
         """See Node."""
         from ur_nodes.ros1.goals import RosGoalServer
 

@@ -36,17 +36,17 @@ class RosRaw:
 
     def subscribe(
         self, topic: str, take: Callable[[RawMessage], None], quality: Quality = Quality.NEWEST
-    ) -> RosSubscription:
+    ) -> RosSubscription[RawMessage]:
         """See Raw."""
         codec = Codec(rospy.AnyMsg, lambda _message, _value: None, _raw_of, _BUFFER)
         return RosSubscription(topic, codec, quality, self._loop, lambda value, _: take(value), _MOST_WAITING)
 
-    def publish(self, topic: str, type_name: str, quality: Quality = Quality.EVERY) -> RosPublisher:
+    def publish(self, topic: str, type_name: str, quality: Quality = Quality.EVERY) -> RosPublisher[Fields | bytes]:
         """See Raw."""
         found = _find_class(type_name, "msg")
         if found is None:
             raise LookupError(type_name)
-        return RosPublisher(topic, Codec(found, _fill, lambda message: message), quality)
+        return RosPublisher(topic, Codec(found, _fill, lambda message: _raw_of(message).data), quality)
 
     def find_service(self, service: str, take: Callable[[Result], None]) -> None:
         """See Raw."""
@@ -102,7 +102,7 @@ def _find_service(service: str) -> tuple[str, Any]:
     return str(kind), found
 
 
-def _raw_of(message: Any) -> RawMessage:
+def _raw_of(message: genpy.Message) -> RawMessage:
     """A message as it was sent: one of a class where another subscription of the topic came first."""
     header = header_of(message)
     if isinstance(message, rospy.AnyMsg):
@@ -114,7 +114,7 @@ def _raw_of(message: Any) -> RawMessage:
     return RawMessage(str(header.get("type", "")), str(header.get("message_definition", "")), data, sender_of(message))
 
 
-def _make(found: Any, fields: Fields) -> Any:
+def _make(found: type[genpy.Message], fields: Fields) -> genpy.Message:
     """A message with fields, as it can be sent; a header's stamp that is zero becomes now. Raises ValueError."""
     message = found()
     try:
@@ -128,7 +128,7 @@ def _make(found: Any, fields: Fields) -> Any:
     return message
 
 
-def _fill(message: Any, value: Fields | bytes) -> None:
+def _fill(message: genpy.Message, value: Fields | bytes) -> None:
     if isinstance(value, bytes):
         try:
             message.deserialize(value)
@@ -140,7 +140,7 @@ def _fill(message: Any, value: Fields | bytes) -> None:
         setattr(message, name, getattr(filled, name))
 
 
-def _fields_of(value: Any) -> Any:
+def _fields_of(value: object) -> Any:
     """A message as fields; arrays of numbers as they are."""
     if isinstance(value, genpy.TVal):
         return {"secs": value.secs, "nsecs": value.nsecs}

@@ -4,18 +4,20 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Callable, Mapping
-from typing import Any
+from typing import Generic, TypeVar
 
 import genpy
 import rospy
 
 from ur.source.diagnostic import UserError
-from ur_nodes.codecs import Codec
+from ur_nodes.codecs import KindCodec
 from ur_nodes.loop import Loop
 from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.topics import Sender
 from ur_nodes.ros1.ending import quiet_at_end
 from ur_nodes.ros1.repairs.sent import free_sent
+
+Value = TypeVar("Value")
 
 _DEPTHS: dict[Quality, int | None] = {
     Quality.NEWEST: 1,
@@ -28,10 +30,10 @@ _DEPTHS: dict[Quality, int | None] = {
 }
 
 
-class RosPublisher:
+class RosPublisher(Generic[Value]):
     """See `ports.node.Publisher`. One message is filled again for each value, unless the topic keeps it."""
 
-    def __init__(self, topic: str, codec: Codec, quality: Quality) -> None:
+    def __init__(self, topic: str, codec: KindCodec[Value], quality: Quality) -> None:
         self.topic = str(rospy.resolve_name(topic))
         self._codec = codec
         self._latched = quality is Quality.LATCHED
@@ -43,7 +45,7 @@ class RosPublisher:
             )
 
     @quiet_at_end
-    def send(self, value: Any) -> None:
+    def send(self, value: Value) -> None:
         """See Publisher."""
         message = self._codec.message_class() if self._latched else self._message
         self._codec.fill(message, value)
@@ -68,16 +70,16 @@ class RosPublisher:
             free_sent(tuple(implementation.connections))
 
 
-class RosSubscription:
+class RosSubscription(Generic[Value]):
     """See `ports.node.Subscription`. Messages are decoded on the node's thread: what is dropped costs nothing more."""
 
     def __init__(
         self,
         topic: str,
-        codec: Codec,
+        codec: KindCodec[Value],
         quality: Quality,
         loop: Loop,
-        take: Callable[[Any, Any], None],
+        take: Callable[[Value, genpy.Message], None],
         most: int | None = None,
         unreadable: Callable[[str], None] | None = None,
     ) -> None:
@@ -107,7 +109,7 @@ class RosSubscription:
         self._open = False
         self._subscriber.unregister()
 
-    def _deliver(self, message: Any) -> None:
+    def _deliver(self, message: genpy.Message) -> None:
         if not self._open:
             return
         try:
@@ -123,7 +125,7 @@ class RosSubscription:
             rospy.logerr("%s: %s", self.topic, reason)
 
 
-class _Watcher(rospy.SubscribeListener):  # type: ignore[misc]  # rospy has no types
+class _Watcher(rospy.SubscribeListener):
     """Calls for each new subscriber."""
 
     def __init__(self, call: Callable[[], None]) -> None:
@@ -135,7 +137,7 @@ class _Watcher(rospy.SubscribeListener):  # type: ignore[misc]  # rospy has no t
         self._call()
 
 
-def unpack(message: Any, message_class: Any) -> Any:
+def unpack(message: genpy.Message, message_class: type[genpy.Message]) -> genpy.Message:
     """A message of a class; rospy gives all subscriptions of a topic those of the first. Raises ValueError."""
     if not isinstance(message, rospy.AnyMsg) or message_class is rospy.AnyMsg:
         return message
@@ -148,12 +150,12 @@ def unpack(message: Any, message_class: Any) -> Any:
         raise ValueError(str(problem)) from None
 
 
-def header_of(message: Any) -> Mapping[str, str]:
+def header_of(message: genpy.Message) -> Mapping[str, str]:
     """The header that the publisher of a message sent when it was connected."""
     return getattr(message, "_connection_header", None) or {}
 
 
-def sender_of(message: Any) -> Sender | None:
+def sender_of(message: genpy.Message) -> Sender | None:
     """The sender of a message; None where it is not known."""
     header = header_of(message)
     name = str(header.get("callerid", ""))[:256]

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
 
 import rospy
 from tf2_msgs.msg import TFMessage
@@ -19,9 +18,9 @@ class TransformTopics:
     """Sends and receives transforms. Publishers are made with the first transform of their sort."""
 
     def __init__(self) -> None:
-        self._moving: Any = None
+        self._moving: rospy.Publisher | None = None
         self._newest = Newest()
-        self._fixed: Any = None
+        self._fixed: rospy.Publisher | None = None
         self._kept: dict[str, Transform] = {}  # a latched topic keeps one message: all fixed ones go together
 
     def listen(self, take: _Take, take_fixed: _Take) -> None:
@@ -47,16 +46,16 @@ class TransformTopics:
             self._moving = self._moving or self._offer()
             self._moving.publish(_message(moving))
 
-    def _offer(self) -> Any:
+    def _offer(self) -> rospy.Publisher:
         publisher = rospy.Publisher("/tf", TFMessage, queue_size=100, tcp_nodelay=True)
         publisher.impl.add_subscriber_listener(_Greeter(publisher.impl, self._newest))
         return publisher
 
 
-class _Greeter(rospy.SubscribeListener):  # type: ignore[misc]  # rospy has no types
+class _Greeter(rospy.SubscribeListener):
     """Sends the newest moving transforms to each new subscriber, and to no other one, on a thread of rospy's."""
 
-    def __init__(self, implementation: Any, newest: Newest) -> None:
+    def __init__(self, implementation: rospy.topics._PublisherImpl, newest: Newest) -> None:
         super().__init__()
         self._implementation, self._newest = implementation, newest
 

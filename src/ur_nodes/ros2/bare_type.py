@@ -78,7 +78,7 @@ def bare_class(package: str, name: str, hash: str) -> Any:
     support.get_type_hash = _GetHash(lambda _support: ctypes.addressof(number))
     make = ctypes.pythonapi.PyCapsule_New
     make.restype, make.argtypes = ctypes.py_object, (ctypes.c_void_p, ctypes.c_char_p, ctypes.c_void_p)
-    PointCloud2.__class__.__import_type_support__()
+    PointCloud2.__class__.__import_type_support__()  # type: ignore[attr-defined]  # of rclpy's metaclass
     names = ("_CREATE_ROS_MESSAGE", "_CONVERT_FROM_PY", "_CONVERT_TO_PY", "_DESTROY_ROS_MESSAGE")
     parts = {each: getattr(PointCloud2, each) for each in names}
     parts |= {"_TYPE_SUPPORT": make(ctypes.addressof(support), _HANDLE, None)}

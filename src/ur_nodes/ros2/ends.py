@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from rclpy.event_handler import PublisherEventCallbacks
+from rclpy.node import Node
 from rclpy.qos import QoSProfile
 
 from ur_nodes.ros2.bare_type import bare_class, reset_error
+
+if TYPE_CHECKING:
+    from rclpy.event_handler import MatchedInfo
 
 
 class Sender:
@@ -16,13 +20,13 @@ class Sender:
 
     def __init__(
         self,
-        node: Any,
+        node: Node,
         message_class: Any,
         topic: str,
         profile: QoSProfile,
         on_listener: Callable[[], None] | None = None,
     ) -> None:
-        def matched(event: Any) -> None:
+        def matched(event: MatchedInfo) -> None:
             if on_listener is not None and event.current_count_change > 0:
                 on_listener()
 
@@ -55,7 +59,7 @@ class Receiver:
 
     def __init__(
         self,
-        node: Any,
+        node: Node,
         message_class: Any,
         topic: str,
         profile: QoSProfile,

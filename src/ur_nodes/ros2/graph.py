@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from typing import Any
+
+from rclpy.node import Node
 
 from ur_nodes.ports.graph import Graph, make_graph
 from ur_nodes.ros2.names import full_name
@@ -12,7 +13,7 @@ _OWN = ("/describe_parameters", "/get_parameter_types", "/get_parameters", "/get
 _OWN_SERVICES = (*_OWN, "/list_parameters", "/set_parameters", "/set_parameters_atomically")
 
 
-def read_graph(node: Any) -> Graph:
+def read_graph(node: Node) -> Graph:
     """Ask a node of rclpy for all that it has discovered."""
     publishers: dict[str, list[str]] = defaultdict(list)
     subscribers: dict[str, list[str]] = defaultdict(list)

@@ -12,11 +12,11 @@ from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.executors import SingleThreadedExecutor
 
 from ur.source.diagnostic import UserError
-from ur_nodes.codecs import Codec, find_codec, find_service
+from ur_nodes.codecs import KindCodec, find_codec, find_service
 from ur_nodes.codecs.dialect import ServiceFailureError, parts_of
 from ur_nodes.loop import Loop
 from ur_nodes.node_base import LoopNode
-from ur_nodes.ports.actions import GoalClient, GoalFollower, GoalTakers
+from ur_nodes.ports.actions import GoalClient, GoalFollower, GoalServer, GoalTakers
 from ur_nodes.ports.graph import Graph
 from ur_nodes.ports.node import Location, Sender
 from ur_nodes.ports.parameters import Parameters
@@ -58,7 +58,7 @@ class RosNode(LoopNode):
         self._executor.add_node(self._node)
         self._receiver = threading.Thread(target=self._executor.spin, name="executor", daemon=True)
         self._services = ReentrantCallbackGroup()  # a request that is answered later holds up no other
-        self._clients: dict[tuple[str, type], Any] = {}
+        self._clients: dict[tuple[str, type], rclpy.node.Client] = {}
 
     def begin(self, on_failure: Callable[[], None] = lambda: None) -> None:
         """Let callbacks come. `on_failure` is called when one of them has failed, after which there are no more."""
@@ -90,7 +90,7 @@ class RosNode(LoopNode):
         kind: type[Value],
         quality: Quality = Quality.NEWEST,
         greet: Callable[[], Value | None] | None = None,
-    ) -> RosPublisher:
+    ) -> RosPublisher[Value]:
         """See Node."""
 
         def answer() -> None:
@@ -108,7 +108,7 @@ class RosNode(LoopNode):
         take: Callable[[Value], None],
         quality: Quality = Quality.NEWEST,
         unreadable: Callable[[str], None] | None = None,
-    ) -> RosSubscription:
+    ) -> RosSubscription[Value]:
         """See Node."""
         return self._listen(topic, kind, find_codec(kind), quality, lambda value, _sender: take(value), unreadable)
 
@@ -118,13 +118,13 @@ class RosNode(LoopNode):
         kind: type[Value],
         take: Callable[[Value, Sender | None], None],
         quality: Quality = Quality.NEWEST,
-    ) -> RosSubscription:
+    ) -> RosSubscription[Value]:
         """See Node."""
         return self._listen(topic, kind, find_codec(kind), quality, take, senders=True)
 
     def subscribe_fields(
         self, topic: str, type_name: str, fields: tuple[str, ...], take: Callable[[tuple[Any, ...]], None]
-    ) -> RosSubscription:
+    ) -> RosSubscription[tuple[Any, ...]]:
         """See Node."""
         from ur_nodes.codecs.foreign import find_foreign
 
@@ -179,7 +179,7 @@ class RosNode(LoopNode):
             if waiting:
                 waiting.pop()(result)
 
-        def take_answer(future: Any) -> None:
+        def take_answer(future: rclpy.Future) -> None:
             try:
                 result = codec.result_of(future.result())
             except (UserError, ValueError, RuntimeError) as problem:
@@ -198,7 +198,7 @@ class RosNode(LoopNode):
         late = Result(False, f"no answer of {self.resolve(service)} within {within:g} s")
         self._loop.after(within, lambda: give(late), steady=True)
 
-    def serve_goals(self, action: str, takers: GoalTakers, kept: float = 5.0) -> Any:
+    def serve_goals(self, action: str, takers: GoalTakers, kept: float = 5.0) -> GoalServer:
         """See Node."""
         from ur_nodes.goal_topics import TopicGoalServer
 
@@ -256,11 +256,11 @@ class RosNode(LoopNode):
         self,
         topic: str,
         kind: type,
-        codec: Codec,
+        codec: KindCodec[Value],
         quality: Quality,
-        take: Callable[[Any, Sender | None], None],
+        take: Callable[[Value, Sender | None], None],
         unreadable: Callable[[str], None] | None = None,
         *,
         senders: bool = False,
-    ) -> RosSubscription:
+    ) -> RosSubscription[Value]:
         return RosSubscription(self._node, topic, kind, codec, quality, self._loop, take, unreadable, senders=senders)

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from rclpy.node import Node
 from rclpy.parameter import Parameter
 
 from ur_nodes.ros2.facts import FileFacts, file_of_run
@@ -17,7 +18,7 @@ _SET = "parameters"
 class RosParameters:
     """See `ports.parameters.ParameterStore`. '~a/b' and '/name/of/node/a/b' are the parameter 'a.b' of the node."""
 
-    def __init__(self, node: Any) -> None:
+    def __init__(self, node: Node) -> None:
         self._node = node
         name = node.get_fully_qualified_name()
         self._prefix = f"{name}/"

@@ -9,8 +9,10 @@ import os
 from collections.abc import Callable, Iterable, Mapping
 from importlib import import_module
 from pathlib import Path
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
+import rclpy
+from rclpy.node import Node
 from rclpy.qos import QoSProfile
 from rclpy.serialization import serialize_message
 
@@ -23,6 +25,10 @@ from ur_nodes.ros2.bare_type import bare_class, reset_error
 from ur_nodes.ros2.names import name_of
 from ur_nodes.ros2.qualities import offered, requested
 
+if TYPE_CHECKING:
+    import genpy
+    from rclpy.node import Subscription, TopicEndpointInfo
+
 _LOOK = 0.2  # s between two looks for a publisher
 _MOST_WAITING = 20  # messages, each of which may be large
 _FIND = 2.0  # s: a node discovers what there is a moment after it has begun
@@ -33,7 +39,7 @@ _SEPARATOR = "\n" + "=" * 80 + "\n"
 class RosRaw:
     """See `ports.raw.Raw`."""
 
-    def __init__(self, node: Any, loop: Loop) -> None:
+    def __init__(self, node: Node, loop: Loop) -> None:
         self._node, self._loop = node, loop
 
     def find_schema(self, type_name: str) -> str | None:
@@ -73,7 +79,7 @@ class RosRaw:
                 return
             client = self._node.create_client(service_class, name_of(service))
 
-            def answer(future: Any) -> None:
+            def answer(future: rclpy.Future) -> None:
                 fields = fields_of(future.result())
                 self._loop.post(lambda: take(Result(True, str(fields), ServiceAnswer(kind, fields))))
                 self._loop.post(lambda: self._node.destroy_client(client))
@@ -100,7 +106,7 @@ class RosRaw:
 class RawPublisher:
     """See `ports.node.Publisher`."""
 
-    def __init__(self, node: Any, topic: str, message_class: Any, profile: QoSProfile) -> None:
+    def __init__(self, node: Node, topic: str, message_class: type[genpy.Message], profile: QoSProfile) -> None:
         self.topic = str(node.resolve_topic_name(name_of(topic)))
         self._node, self._class = node, message_class
         self._sender = ends.Sender(node, message_class, self.topic, profile)
@@ -121,10 +127,12 @@ class RawPublisher:
 class RawSubscription:
     """See `ports.node.Subscription`. It begins with the first publisher, which tells the type."""
 
-    def __init__(self, node: Any, loop: Loop, topic: str, take: Callable[[RawMessage], None], quality: Quality) -> None:
+    def __init__(
+        self, node: Node, loop: Loop, topic: str, take: Callable[[RawMessage], None], quality: Quality
+    ) -> None:
         self.topic = str(node.resolve_topic_name(name_of(topic)))
         self._node, self._loop, self._take, self._quality = node, loop, take, quality
-        self._subscription: Any = None
+        self._subscription: Subscription | None = None
         self._open = True
         self._look()
 
@@ -191,7 +199,7 @@ def find_schema(type_name: str, part: Literal["msg", "srv"]) -> str | None:
     return _SEPARATOR.join(parts)
 
 
-def make_message(message_class: Any, fields: Fields, node: Any) -> Any:
+def make_message(message_class: type[genpy.Message], fields: Fields, node: Node) -> genpy.Message:
     """A message with fields; a header's stamp that is not given becomes now. Raises ValueError."""
     message = message_class()
     _fill(message, fields, "")
@@ -217,7 +225,7 @@ def fields_of(value: Any) -> Any:
     return value
 
 
-def _fill(message: Any, fields: Mapping[str, Any], path: str) -> None:
+def _fill(message: genpy.Message, fields: Fields, path: str) -> None:
     known = message.get_fields_and_field_types()
     for name, value in fields.items():
         own = {"secs": "sec", "nsecs": "nanosec"}.get(name, name)
@@ -237,11 +245,11 @@ def _fill(message: Any, fields: Mapping[str, Any], path: str) -> None:
                 raise ValueError(f"{path}{name}: {problem}") from None
 
 
-def _part(kind: str, fields: Any, path: str) -> Any:
+def _part(kind: str, fields: object, path: str) -> genpy.Message:
     found = find_class(kind.removeprefix("sequence<").partition(">")[0].partition("[")[0].partition(",")[0], "msg")
     if found is None or not isinstance(fields, Mapping):
         raise ValueError(f"{path}: expected fields of {kind}")
-    message = found()
+    message: genpy.Message = found()
     _fill(message, fields, path)
     return message
 
@@ -254,7 +262,7 @@ def _service_type(found: Result) -> Result:
     return Result(True, value=ServiceType(kind, find_schema(kind, "srv") or ""))
 
 
-def _bare_class_of(publisher: Any) -> Any:
+def _bare_class_of(publisher: TopicEndpointInfo) -> Any:
     package, name = _split(str(publisher.topic_type))
     return bare_class(package, name, bytes(publisher.topic_type_hash.value).hex())
 

@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import time
 from collections.abc import Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ur_nodes.ports.topics import Sender
 from ur_nodes.ros2.names import full_name
+
+if TYPE_CHECKING:
+    from rclpy.node import Node
 
 _SEVERAL = "several"
 _MOST = 1000  # publishers that are remembered
@@ -21,7 +24,7 @@ class Senders:
     publishers of a topic with several count as one. The graph is asked when the publisher may have changed only.
     """
 
-    def __init__(self, node: Any, topic: str) -> None:
+    def __init__(self, node: Node, topic: str) -> None:
         self._node, self._topic = node, topic
         self._names: dict[str, str] = {}
         self._id = ""

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 from ur.source.diagnostic import UserError
-from ur_nodes.codecs import Codec
+from ur_nodes.codecs import KindCodec
 from ur_nodes.loop import Loop
 from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.topics import Sender
@@ -14,6 +14,12 @@ from ur_nodes.ros2 import ends
 from ur_nodes.ros2.names import name_of
 from ur_nodes.ros2.qualities import offered, requested
 from ur_nodes.ros2.senders import Senders
+
+if TYPE_CHECKING:
+    import genpy
+    from rclpy.node import Node
+
+Value = TypeVar("Value")
 
 _DEPTHS: dict[Quality, int | None] = {
     Quality.NEWEST: 1,
@@ -24,15 +30,15 @@ _DEPTHS: dict[Quality, int | None] = {
 _QUEUE = 100
 
 
-class RosPublisher:
+class RosPublisher(Generic[Value]):
     """See `ports.node.Publisher`. One message is filled again for each value."""
 
     def __init__(
         self,
-        node: Any,
+        node: Node,
         topic: str,
         kind: type,
-        codec: Codec,
+        codec: KindCodec[Value],
         quality: Quality,
         on_listener: Callable[[], None] | None,
     ) -> None:
@@ -41,7 +47,7 @@ class RosPublisher:
         self._message = codec.message_class()
         self._sender = ends.Sender(node, codec.message_class, self.topic, offered(quality, kind), on_listener)
 
-    def send(self, value: Any) -> None:
+    def send(self, value: Value) -> None:
         """See Publisher."""
         self._codec.fill(self._message, value)
         self._sender.send(self._message)
@@ -55,7 +61,7 @@ class RosPublisher:
         self._sender.close()
 
 
-class RosSubscription:
+class RosSubscription(Generic[Value]):
     """See `ports.node.Subscription`. Messages are decoded on the node's thread: what is dropped costs nothing more.
 
     `take` gets values and None, or, with `senders`, the sender.
@@ -63,13 +69,13 @@ class RosSubscription:
 
     def __init__(
         self,
-        node: Any,
+        node: Node,
         topic: str,
         kind: type,
-        codec: Codec,
+        codec: KindCodec[Value],
         quality: Quality,
         loop: Loop,
-        take: Callable[[Any, Sender | None], None],
+        take: Callable[[Value, Sender | None], None],
         unreadable: Callable[[str], None] | None,
         *,
         senders: bool = False,
@@ -80,10 +86,10 @@ class RosSubscription:
         self._take = take
         self._unreadable = unreadable or self._report
         self._reported = False
-        put = loop.mailbox(_DEPTHS.get(quality, _QUEUE), lambda item: self._deliver(*item))
+        put = loop.mailbox(_DEPTHS.get(quality, _QUEUE), self._deliver)
         finder = Senders(node, self.topic)
 
-        def put_from(message: Any, info: Mapping[str, Any]) -> None:
+        def put_from(message: genpy.Message, info: Mapping[str, Any]) -> None:
             put((message, finder.find(info)))
 
         self._receiver = ends.Receiver(
@@ -103,7 +109,8 @@ class RosSubscription:
         """See Subscription."""
         self._receiver.close()
 
-    def _deliver(self, message: Any, sender: Sender | None) -> None:
+    def _deliver(self, item: tuple[genpy.Message, Sender | None]) -> None:
+        message, sender = item
         try:
             value = self._codec.value_of(message)
         except (ValueError, UserError) as problem:

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
 
+from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
 from ur_nodes.codecs.dialect import Transforms
@@ -24,7 +24,7 @@ _FIXED_HEARD = QoSProfile(
 class TransformTopics:
     """Sends and receives transforms. Publishers are made with the first transform of their sort."""
 
-    def __init__(self, node: Any) -> None:
+    def __init__(self, node: Node) -> None:
         self._node = node
         self._moving: Sender | None = None
         self._newest = Newest()
@@ -55,7 +55,7 @@ class TransformTopics:
             self._moving.send(_message(transforms))
 
 
-def _message(transforms: tuple[Transform, ...]) -> Any:
+def _message(transforms: tuple[Transform, ...]) -> Transforms:
     message = Transforms()
     fill_transforms(message, transforms)
     return message

@@ -31,7 +31,7 @@ def read_pixels(picture: Picture | PackedPicture, *, grey: bool = False) -> Pixe
 
 def draw_fiducials(pixels: Pixels, found: Iterable[Detection], camera: CameraModel | None) -> Pixels:
     """A copy (height, width, 3) with the outlines of fiducials, and their axes where poses are known."""
-    canvas: object = pixels.copy()
+    canvas = pixels.copy()
     listed = tuple(found)
     if listed:
         corners = [each.corners.astype(np.float32).reshape(1, 4, 2) for each in listed]

@@ -8,7 +8,7 @@ from types import SimpleNamespace
 from typing import Any
 
 from tests.fuzz.target import Target
-from zeroconf import DNSCache, ServiceInfo, ServiceStateChange
+from zeroconf import DNSCache, ServiceInfo, ServiceStateChange  # type: ignore[attr-defined]  # not in its __all__
 from zeroconf._protocol.incoming import DNSIncoming
 
 from ur.robot.discovery.announcements import SERVICE_TYPE, Browser, Sighting, parse_sighting, read_texts
@@ -68,7 +68,7 @@ def _check_list(sightings: list[Sighting]) -> None:
 
 
 def _make_packets() -> list[bytes]:
-    from zeroconf import DNSOutgoing
+    from zeroconf import DNSOutgoing  # type: ignore[attr-defined]  # likewise
 
     packets = []
     for texts in (

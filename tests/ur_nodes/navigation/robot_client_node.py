@@ -78,7 +78,7 @@ class RobotClient:
         """Wait for the end of a goal: its state, text, and where the robot is."""
         handle = self.goals[name]
         wait_until(lambda: handle.get_comm_state() == actionlib.CommState.DONE, seconds, f"the end of goal {name}")
-        state = GoalStatus.to_string(handle.get_terminal_state())
+        state = GoalStatus.to_string(handle.get_terminal_state())  # type: ignore[attr-defined]  # added by actionlib
         return {"state": state, "text": handle.get_goal_status_text(), **self._place()}
 
     def do_moving(self, seconds: float) -> dict[str, Any]:

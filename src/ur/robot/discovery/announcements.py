@@ -126,7 +126,7 @@ class Browser:
 
     def find_twin(self, name: str, seconds: float) -> str:
         """The address of a computer to which zeroconf gave NAME-2 since NAME was taken; '' when nobody answers."""
-        from zeroconf import AddressResolverIPv4
+        from zeroconf import AddressResolverIPv4  # type: ignore[attr-defined]  # not in its __all__
 
         resolver = AddressResolverIPv4(f"{name}-2.local.")
         if not resolver.request(self._zeroconf, seconds * 1000):

@@ -119,4 +119,6 @@ def _solve(views: Sequence[View], board: Board) -> Any:
     corners = [view.corners.astype(np.float32).reshape(-1, 1, 2) for view in views]
     size = views[0].width, views[0].height
     # The third radial coefficient of ordinary lenses is lost in noise.
-    return cv2.calibrateCameraExtended(points, corners, size, None, None, flags=cv2.CALIB_FIX_K3)
+    return cv2.calibrateCameraExtended(  # type: ignore[call-overload]  # its stubs refuse None
+        points, corners, size, None, None, flags=cv2.CALIB_FIX_K3
+    )

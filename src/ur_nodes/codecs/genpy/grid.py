@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import io
 import struct
-from typing import Any
+from collections.abc import Sequence
+from typing import BinaryIO, cast
 
 import genpy
 import numpy as np
@@ -15,16 +16,15 @@ _HEADER = struct.Struct("<4I")  # of an OccupancyGrid: sequence number, stamp, l
 _REST = 76  # bytes from the frame's name to the number of cells
 
 
-class GridMessage(OccupancyGrid):  # type: ignore[misc]  # generated without types
+class GridMessage(OccupancyGrid):
     """A nav_msgs/OccupancyGrid whose `data` is an int8 array (n), sent and received without a list of Python numbers.
 
     On the wire it is the same message. Data that was received is read-only and shares the memory of what arrived.
     """
 
     __slots__ = tuple(OccupancyGrid.__slots__)  # genpy reads the fields from it
-    data: Any
 
-    def serialize(self, buff: Any) -> None:
+    def serialize(self, buff: BinaryIO) -> None:
         """Write the message to a binary file."""
         values, self.data = self.data, ()
         head = io.BytesIO()
@@ -43,18 +43,18 @@ class GridMessage(OccupancyGrid):  # type: ignore[misc]  # generated without typ
             start = _HEADER.size + _HEADER.unpack_from(str)[3] + _REST
             (count,) = struct.unpack_from("<I", str, start)
             super().deserialize(str[:start] + bytes(4))
-            self.data = np.frombuffer(str, np.int8, count, start + 4)
+            self.data = cast("Sequence[int]", np.frombuffer(str, np.int8, count, start + 4))
         except (struct.error, ValueError) as problem:
             raise genpy.DeserializationError(problem) from problem
         return self
 
 
-class GridResponse(GetMapResponse):  # type: ignore[misc]  # generated without types
+class GridResponse(GetMapResponse):
     """The answer of a `GridService`, with a GridMessage as `map`."""
 
     __slots__ = tuple(GetMapResponse.__slots__)
 
-    def serialize(self, buff: Any) -> None:
+    def serialize(self, buff: BinaryIO) -> None:
         """Write the answer to a binary file."""
         self.map.serialize(buff)
 
@@ -64,7 +64,7 @@ class GridResponse(GetMapResponse):  # type: ignore[misc]  # generated without t
         return self
 
 
-class GridService(GetMap):  # type: ignore[misc]  # generated without types
+class GridService(GetMap):
     """The service type nav_msgs/GetMap with GridMessages."""
 
     _request_class = GetMapRequest

@@ -4,17 +4,17 @@ from __future__ import annotations
 
 import io
 import struct
-from typing import Any
+from collections.abc import Sequence
+from typing import BinaryIO, cast
 
 import genpy
 import numpy as np
-from numpy.typing import NDArray
 from std_msgs.msg import Header
 
 _BOX = struct.Struct("<2i3I")  # x, y, width, height, and the number of cells
 
 
-class GridUpdate(genpy.Message):  # type: ignore[misc]  # genpy has no types
+class GridUpdate(genpy.Message):
     """New values `data`, int8 (height * width), of the cells from column `x` and row `y` on."""
 
     _md5sum = "b295be292b335c34718bd939deebe1c9"
@@ -30,9 +30,9 @@ class GridUpdate(genpy.Message):  # type: ignore[misc]  # genpy has no types
     def __init__(self) -> None:
         self.header = Header()
         self.x = self.y = self.width = self.height = 0
-        self.data: NDArray[np.int8] = np.empty(0, np.int8)
+        self.data = cast("Sequence[int]", np.empty(0, np.int8))
 
-    def serialize(self, buff: Any) -> None:
+    def serialize(self, buff: BinaryIO) -> None:
         """Write the message to a binary file."""
         self.header.serialize(buff)
         cells = np.ascontiguousarray(self.data, np.int8).ravel()
@@ -47,7 +47,7 @@ class GridUpdate(genpy.Message):  # type: ignore[misc]  # genpy has no types
             self.header.serialize(head)
             start = head.tell()
             self.x, self.y, self.width, self.height, count = _BOX.unpack_from(str, start)
-            self.data = np.frombuffer(str, np.int8, count, start + _BOX.size)
+            self.data = cast("Sequence[int]", np.frombuffer(str, np.int8, count, start + _BOX.size))
         except (struct.error, ValueError) as problem:
             raise genpy.DeserializationError(problem) from problem
         return self

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import struct
-from typing import Any
+from collections.abc import Sequence
+from typing import BinaryIO, cast
 
 import genpy
 import numpy as np
-from numpy.typing import NDArray
 from sensor_msgs.msg import LaserScan
 from std_msgs.msg import Header
 
@@ -16,14 +16,12 @@ _FIGURES = struct.Struct("<7f")
 _COUNT = struct.Struct("<I")
 
 
-class ScanMessage(LaserScan):  # type: ignore[misc]  # generated without types
+class ScanMessage(LaserScan):
     """A LaserScan whose `ranges` and `intensities` are float32 arrays; those received share the memory of what came."""
 
     __slots__ = tuple(LaserScan.__slots__)  # genpy reads the fields from it
-    ranges: NDArray[np.float32]
-    intensities: NDArray[np.float32]
 
-    def serialize(self, buff: Any) -> None:
+    def serialize(self, buff: BinaryIO) -> None:
         """Write the message to a binary file."""
         self.header.serialize(buff)
         buff.write(
@@ -63,8 +61,8 @@ class ScanMessage(LaserScan):  # type: ignore[misc]  # generated without types
         return self
 
 
-def _read_numbers(data: bytes, start: int) -> tuple[NDArray[np.float32], int]:
+def _read_numbers(data: bytes, start: int) -> tuple[Sequence[float], int]:
     """The numbers from a place on, and where they end."""
     (count,) = _COUNT.unpack_from(data, start)
     start += _COUNT.size
-    return np.frombuffer(data, np.float32, count, start), start + 4 * count
+    return cast("Sequence[float]", np.frombuffer(data, np.float32, count, start)), start + 4 * count

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 from sensor_msgs.srv import SetCameraInfo
 
 from ur_nodes.codecs.codec import ServiceCodec
@@ -15,7 +13,7 @@ from ur_nodes.ports.values import Result
 _Request, _Response = parts_of(SetCameraInfo)
 
 
-def _request(value: UseCalibration) -> Any:
+def _request(value: UseCalibration) -> SetCameraInfo.Request:
     request = _Request()
     fill_calibration(request.camera_info, value.calibration)
     return request

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 from numpy.typing import NDArray
 from sensor_msgs.msg import PointCloud2, PointField
@@ -19,7 +17,7 @@ _MOST_FIELDS = 64
 _COLOURS = ("rgb", "rgba")
 
 
-def _fill_cloud(message: Any, value: PointCloud) -> None:
+def _fill_cloud(message: PointCloud2, value: PointCloud) -> None:
     fill_header(message, value.stamp, value.frame)
     kind = value.points.dtype
     parts = [(name, *kind.fields[name][:2]) for name in kind.names or ()] if kind.fields else []
@@ -32,7 +30,7 @@ def _fill_cloud(message: Any, value: PointCloud) -> None:
     message.data = np.ascontiguousarray(value.points).tobytes()
 
 
-def _cloud_of(message: Any) -> PointCloud:
+def _cloud_of(message: PointCloud2) -> PointCloud:
     count, step = message.width * message.height, message.point_step
     if not 0 < step <= _LONGEST_POINT:
         raise ValueError(f"points of {step} bytes, expected 1 to {_LONGEST_POINT}")
@@ -44,7 +42,7 @@ def _cloud_of(message: Any) -> PointCloud:
     return PointCloud(stamp_of(message.header.stamp), frame_of(message), points)
 
 
-def _layout_of(message: Any) -> np.dtype[np.void]:
+def _layout_of(message: PointCloud2) -> np.dtype[np.void]:
     order, step = ">" if message.is_bigendian else "<", message.point_step
     found: dict[str, tuple[str, int]] = {}
     for field in message.fields[:_MOST_FIELDS]:

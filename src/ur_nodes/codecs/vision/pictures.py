@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 from sensor_msgs.msg import CameraInfo, CompressedImage, Image
 
 from ur_nodes.codecs.codec import LARGE, Codec, fill_header, frame_of
@@ -13,13 +11,13 @@ from ur_nodes.ports.values import Calibration, PackedPicture, Picture
 _NUMBERS = "dkrp" if ROS_2 else "DKRP"  # the fields of a CameraInfo with distortion and matrices
 
 
-def _fill_picture(message: Any, value: Picture) -> None:
+def _fill_picture(message: Image, value: Picture) -> None:
     fill_header(message, value.stamp, value.frame)
     message.width, message.height, message.step = value.width, value.height, value.step
     message.encoding, message.data = value.encoding, value.data
 
 
-def _picture_of(message: Any) -> Picture:
+def _picture_of(message: Image) -> Picture:
     return Picture(
         stamp_of(message.header.stamp),
         frame_of(message),
@@ -32,17 +30,17 @@ def _picture_of(message: Any) -> Picture:
     )
 
 
-def _fill_packed(message: Any, value: PackedPicture) -> None:
+def _fill_packed(message: CompressedImage, value: PackedPicture) -> None:
     fill_header(message, value.stamp, value.frame)
     message.format, message.data = value.format, value.data
 
 
-def _packed_of(message: Any) -> PackedPicture:
+def _packed_of(message: CompressedImage) -> PackedPicture:
     stamp, number = stamp_of(message.header.stamp), number_of(message)
     return PackedPicture(stamp, frame_of(message), message.format, bytes_of(message.data), number)
 
 
-def fill_calibration(message: Any, value: Calibration) -> None:
+def fill_calibration(message: CameraInfo, value: Calibration) -> None:
     """Write a sensor_msgs/CameraInfo."""
     fill_header(message, value.stamp, value.frame)
     message.width, message.height, message.distortion_model = value.width, value.height, value.model
@@ -51,7 +49,7 @@ def fill_calibration(message: Any, value: Calibration) -> None:
         setattr(message, name, each)
 
 
-def calibration_of(message: Any) -> Calibration:
+def calibration_of(message: CameraInfo) -> Calibration:
     """Read a sensor_msgs/CameraInfo."""
     return Calibration(
         stamp_of(message.header.stamp),

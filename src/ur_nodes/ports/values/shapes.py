@@ -14,6 +14,7 @@ Shape = Literal[
     "arrow", "cube", "sphere", "cylinder", "line_strip", "line_list", "cube_list", "sphere_list", "points", "text",
     "triangles",
 ]  # fmt: skip
+MarkerAction = Literal["put", "delete", "clear"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -53,7 +54,7 @@ class MarkerChange:
 
     stamp: int
     frame: str
-    action: Literal["put", "delete", "clear"]
+    action: MarkerAction
     marker: Marker
     lifetime: float = 0.0
 

@@ -25,6 +25,6 @@ def test_grid_update_is_upstreams_message() -> None:
     assert list(read.data) == [1, -1, 100, 0, 5, 6]
     assert (read.header.frame_id, read.header.stamp) == ("map", rospy.Time(2, 9))
     again = GridUpdate().deserialize(wire.getvalue())
-    assert again.data.tolist() == list(read.data)
+    assert list(again.data) == list(read.data)
     with pytest.raises(DeserializationError):
         GridUpdate().deserialize(wire.getvalue()[:-1])

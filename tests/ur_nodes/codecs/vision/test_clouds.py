@@ -21,7 +21,8 @@ read = find_codec(PointCloud).value_of
 def make(count: int, **more: Any) -> PointCloud2:
     data = b"".join(struct.pack("<fffI", n, 2.0, 3.0, 0x102030) for n in range(count))
     fields = [*XYZ, PointField("rgb", 12, 6, 1)]
-    return PointCloud2(**{"data": data, "width": count, "height": 1, "point_step": 16, "fields": fields} | more)
+    given: dict[str, Any] = {"data": data, "width": count, "height": 1, "point_step": 16, "fields": fields}
+    return PointCloud2(**given | more)
 
 
 def test_points_and_colours_are_read_without_a_copy() -> None:

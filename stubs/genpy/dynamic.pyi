@@ -1,0 +1,3 @@
+from typing import Any
+
+def generate_dynamic(core_type: str, msg_cat: str) -> dict[str, Any]: ...

@@ -1,0 +1,3 @@
+from genpy import Message
+
+def fill_message_args(msg: Message, msg_args: list[dict[str, object]], keys: dict[str, object] = ...) -> None: ...

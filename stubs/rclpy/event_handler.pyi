@@ -1,0 +1,9 @@
+from collections.abc import Callable
+from typing import Protocol
+
+class MatchedInfo(Protocol):
+    current_count: int
+    current_count_change: int
+
+class PublisherEventCallbacks:
+    def __init__(self, *, matched: Callable[[MatchedInfo], None] | None = ...) -> None: ...

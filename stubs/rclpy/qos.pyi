@@ -1,0 +1,33 @@
+import enum
+
+from rclpy.duration import Duration
+
+class DurabilityPolicy(enum.IntEnum):
+    VOLATILE = ...
+    TRANSIENT_LOCAL = ...
+
+class ReliabilityPolicy(enum.IntEnum):
+    RELIABLE = ...
+    BEST_EFFORT = ...
+
+class HistoryPolicy(enum.IntEnum):
+    KEEP_LAST = ...
+    KEEP_ALL = ...
+
+class QoSProfile:
+    durability: DurabilityPolicy
+    reliability: ReliabilityPolicy
+    history: HistoryPolicy
+    depth: int
+    lifespan: Duration
+    deadline: Duration
+    liveliness_lease_duration: Duration
+    def __init__(
+        self,
+        *,
+        depth: int = ...,
+        history: HistoryPolicy = ...,
+        reliability: ReliabilityPolicy = ...,
+        durability: DurabilityPolicy = ...,
+        lifespan: Duration = ...,
+    ) -> None: ...

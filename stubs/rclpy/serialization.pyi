@@ -1,0 +1,3 @@
+import genpy
+
+def serialize_message(message: genpy.Message) -> bytes: ...

@@ -1,0 +1,3 @@
+from collections.abc import Callable
+
+renew_latest_logdir: Callable[[str], bool]

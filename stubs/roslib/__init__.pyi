@@ -1,0 +1,1 @@
+"""The names of roslib that this project uses."""

@@ -1,0 +1,6 @@
+from typing import Any
+
+import genpy
+
+def get_message_class(message_type: str, reload_on_error: bool = ...) -> Any: ...
+def get_service_class(service_type: str, reload_on_error: bool = ...) -> Any: ...

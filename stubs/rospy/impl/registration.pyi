@@ -1,0 +1,6 @@
+from rospy.topics import _TopicManager
+
+class RegManager:
+    def publisher_update(self, resolved_name: str, uris: list[str]) -> None: ...
+
+def get_topic_manager() -> _TopicManager: ...

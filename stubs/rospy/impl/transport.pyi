@@ -1,0 +1,3 @@
+INBOUND: int
+OUTBOUND: int
+BIDIRECTIONAL: int

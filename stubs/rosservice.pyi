@@ -1,0 +1,3 @@
+"""The names of rosservice that this project uses."""
+
+def get_service_type(service_name: str) -> str | None: ...
