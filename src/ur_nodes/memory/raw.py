@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Callable
 from dataclasses import asdict, replace
-from typing import Any, Protocol
+from typing import Protocol
 
 from ur_nodes.memory.carrier import Carrier, type_name_of
 from ur_nodes.ports.node import Publisher, Sender, Subscription, Timer
@@ -18,12 +18,12 @@ class RawNode(Protocol):
     """The node of `MemoryRaw`; `type_name` is the middleware's name of a type that is of no kind."""
 
     def publish(
-        self, topic: str, kind: type[Any], quality: Quality, greet: None = None, type_name: str = ""
-    ) -> Publisher[Any]:
+        self, topic: str, kind: type[object], quality: Quality, greet: None = None, type_name: str = ""
+    ) -> Publisher[object]:
         """See Node."""
 
     def subscribe_from(
-        self, topic: str, kind: type[Any], take: Callable[[Any, Sender | None], None], quality: Quality
+        self, topic: str, kind: type[object], take: Callable[[object, Sender | None], None], quality: Quality
     ) -> Subscription:
         """See Node."""
 
@@ -34,7 +34,7 @@ class RawNode(Protocol):
         """See Node."""
 
 
-class TypedFields(dict[str, Any]):
+class TypedFields(dict[str, object]):
     """The fields of a message, with the name of its type."""
 
     type_name = ""
@@ -97,7 +97,7 @@ class MemoryRaw:
     def _missing(self, service: str) -> Result:
         return Result(False, f"{self._node.resolve(service)}: no node offers it now")
 
-    def _raw_of(self, value: Any, sender: Sender | None) -> RawMessage:
+    def _raw_of(self, value: object, sender: Sender | None) -> RawMessage:
         if isinstance(value, RawMessage):
             return replace(value, sender=sender)
         if isinstance(value, TypedFields):
@@ -109,7 +109,7 @@ class MemoryRaw:
 class RawPublisher:
     """See `ports.node.Publisher`."""
 
-    def __init__(self, publisher: Publisher[Any], type_name: str, bus: Carrier) -> None:
+    def __init__(self, publisher: Publisher[object], type_name: str, bus: Carrier) -> None:
         self.topic, self._publisher = publisher.topic, publisher
         self._type_name, self._schema = type_name, bus.schemas[type_name]
 

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import rospy
 
 from ur_nodes.ports.log import Throttle
@@ -17,11 +15,11 @@ class RosFacts:
     def __init__(self) -> None:
         self.simulated_time = rospy.get_param("/use_sim_time", False) is True
 
-    def get(self, name: str, default: Any = None) -> Any:
+    def get(self, name: str, default: object = None) -> object:
         """See Facts."""
         return rospy.get_param(_FACTS.get(name, f"/ur/{name}"), default)
 
-    def set(self, name: str, value: Any) -> None:
+    def set(self, name: str, value: object) -> None:
         """See Facts."""
         rospy.set_param(_FACTS.get(name, f"/ur/{name}"), value)
 
@@ -37,11 +35,11 @@ class RosParameters:
         """See ParameterStore."""
         return bool(rospy.has_param(name))
 
-    def get(self, name: str) -> Any:
+    def get(self, name: str) -> object:
         """See ParameterStore."""
         return rospy.get_param(name)
 
-    def set(self, name: str, value: Any) -> None:
+    def set(self, name: str, value: object) -> None:
         """See ParameterStore."""
         rospy.set_param(name, value)
 

@@ -8,7 +8,10 @@ import os
 import tempfile
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from rclpy.node import Logger
 
 from ur_nodes.ports.log import Throttle
 
@@ -20,11 +23,11 @@ class FileFacts:
         self.simulated_time = simulated_time
         self._file = file or file_of_run()
 
-    def get(self, name: str, default: Any = None) -> Any:
+    def get(self, name: str, default: object = None) -> Any:
         """See Facts."""
         return self._read().get(name, default)
 
-    def set(self, name: str, value: Any) -> None:
+    def set(self, name: str, value: object) -> None:
         """See Facts."""
         facts = self._read() | {name: value}
         self._file.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
@@ -33,7 +36,7 @@ class FileFacts:
             json.dump(facts, file)
         Path(new).replace(self._file)
 
-    def _read(self) -> dict[str, Any]:
+    def _read(self) -> dict[str, object]:
         with contextlib.suppress(OSError, ValueError):
             found = json.loads(self._file.read_text())
             if isinstance(found, dict):
@@ -52,7 +55,7 @@ def file_of_run() -> Path:
 class RosLog:
     """See `ports.log.Log`."""
 
-    def __init__(self, logger: Any, read: Callable[[], float]) -> None:
+    def __init__(self, logger: Logger, read: Callable[[], float]) -> None:
         self._logger = logger
         self._throttle = Throttle(read)
 

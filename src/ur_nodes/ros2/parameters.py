@@ -36,7 +36,7 @@ class RosParameters:
         own = self._own(name)
         return own is not None and bool(self._node.has_parameter(own) or self._node.get_parameters_by_prefix(own))
 
-    def get(self, name: str) -> Any:
+    def get(self, name: str) -> object:
         """See ParameterStore."""
         own = self._own(name)
         if own is not None and self._node.has_parameter(own):
@@ -53,7 +53,7 @@ class RosParameters:
             place[last] = _plain(parameter.value)
         return tree
 
-    def set(self, name: str, value: Any) -> None:
+    def set(self, name: str, value: object) -> None:
         """See ParameterStore. Raises ValueError: it is another node's; OSError: the file cannot be written."""
         own = self._own(name)
         if own is None:
@@ -76,5 +76,5 @@ class RosParameters:
         return full.removeprefix(self._prefix).strip("/").replace("/", ".")
 
 
-def _plain(value: Any) -> Any:
+def _plain(value: Any) -> object:
     return value.tolist() if hasattr(value, "typecode") else value

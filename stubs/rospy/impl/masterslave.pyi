@@ -1,4 +1,13 @@
+from typing import Any
+
+from rospy.impl.registration import RegManager
+
+class ProtocolHandler:
+    def supports(self, protocol: str) -> bool: ...
+    def create_transport(self, topic_name: str, pub_uri: str, protocol_params: list[Any]) -> tuple[int, str, int]: ...
+
 class ROSHandler:
-    protocol_handlers: list[object]
+    reg_man: RegManager
+    protocol_handlers: list[ProtocolHandler]
     def _connect_topic(self, topic: str, pub_uri: str) -> tuple[int, str, int]: ...
     def publisherUpdate(self, caller_id: str, topic: str, publishers: list[str]) -> tuple[int, str, int]: ...

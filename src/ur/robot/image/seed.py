@@ -7,7 +7,7 @@ import json
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Any, Literal
+from typing import Literal
 
 import yaml
 
@@ -114,7 +114,7 @@ def make_seed(options: SeedOptions, layout: Layout) -> tuple[SeedFile, ...]:
 def user_data_text(options: SeedOptions, *, raspberry: bool = False) -> str:
     """cloud-init's user-data: who may log in, the name, and the robot's own file."""
     name = options.robot.name
-    user: dict[str, Any] = {
+    user: dict[str, object] = {
         "name": options.user,
         "gecos": f"User of {name}",
         "groups": list(_GROUPS),
@@ -130,7 +130,7 @@ def user_data_text(options: SeedOptions, *, raspberry: bool = False) -> str:
         (_UNIT, _NAMES),
     )
     pair = options.host_key
-    data: dict[str, Any] = {
+    data: dict[str, object] = {
         "hostname": name,
         "preserve_hostname": False,  # for this one boot; the file below keeps the name afterwards
         "manage_etc_hosts": False,
@@ -184,7 +184,7 @@ def meta_data_text(rest: str) -> str:
 
 def custom_toml(options: SeedOptions) -> str:
     """The file that Raspberry Pi OS 12 reads at its first boot (its init_config). The user it creates has sudo."""
-    sections: list[tuple[str, dict[str, Any]]] = [
+    sections: list[tuple[str, dict[str, object]]] = [
         ("system", {"hostname": options.robot.name}),
         (
             "user",
@@ -263,6 +263,6 @@ class _Dumper(yaml.SafeDumper):
 _Dumper.add_representer(str, _Dumper.represent_str)
 
 
-def _dump(data: Any) -> str:
+def _dump(data: object) -> str:
     text: str = yaml.dump(data, Dumper=_Dumper, sort_keys=False, allow_unicode=True, width=1000)
     return text

@@ -60,10 +60,14 @@ COMMANDS = frozenset(
 )
 COMMAND_BUFFER = 4096  # bytes that the kernel keeps of commands (it doubles the figure for its own needs)
 
-Ends = weakref.WeakKeyDictionary[socket.socket, tuple[Any, Any]]  # connections: their own address, and the peer's
+Address = tuple[str | int, ...]
+Header = dict[str, str]
+Transport = tcpros_base.TCPROSTransport
+Ends = weakref.WeakKeyDictionary[socket.socket, tuple[Address, Address]]
+"""Connections: their own address, and the peer's."""
 
 _log = logging.getLogger("rosout")
-_REPLACED: tuple[tuple[Any, str], ...] = (
+_REPLACED: tuple[tuple[object, str], ...] = (
     (masterslave.ROSHandler, "_connect_topic"),
     (masterslave.ROSHandler, "publisherUpdate"),
     (registration, "get_topic_manager"),
@@ -112,27 +116,27 @@ def bound_connections() -> bool:
 
 def _bound_xml_rpc(addresses: Addresses) -> None:
     """Bound all callers that rospy makes from now on, and those whom this node's own server answers."""
-    handler: Any = rosgraph.xmlrpc.SilenceableXMLRPCRequestHandler
+    handler = rosgraph.xmlrpc.SilenceableXMLRPCRequestHandler
     set_up = handler.setup
 
-    def setup(self: Any) -> None:
+    def setup(self: rosgraph.xmlrpc.SilenceableXMLRPCRequestHandler) -> None:
         set_up(self)
         _bound_inbound(self.connection)
 
-    class Transport(BoundedTransport):
+    class OwnTransport(BoundedTransport):
         def __init__(self, **options: Any) -> None:
             super().__init__(addresses, rospy.core.is_shutdown_requested, **options)
 
-    _replace(xmlrpc.client, "Transport", Transport)
+    _replace(xmlrpc.client, "Transport", OwnTransport)
     _replace(handler, "setup", setup)
 
 
 def _bound_transport(addresses: Addresses) -> None:
     """Bound connections that this node makes: to publishers and to services."""
-    transport: Any = tcpros_base.TCPROSTransport
+    transport = tcpros_base.TCPROSTransport
     connect, write_header = transport.connect, transport.write_header
 
-    def bounded_connect(self: Any, address: str, port: int, endpoint: str, timeout: float | None = None) -> None:
+    def bounded_connect(self: Transport, address: str, port: int, endpoint: str, timeout: float | None = None) -> None:
         try:
             known = addresses.find(address)
         except OSError:
@@ -145,7 +149,7 @@ def _bound_transport(addresses: Addresses) -> None:
         if self.socket is not None:
             limit_waiting(self.socket, 0.0)
 
-    def bounded_write_header(self: Any) -> None:
+    def bounded_write_header(self: Transport) -> None:
         sock = self.socket
         if sock is not None and self.dest_address is not None:  # else a publisher's: its bounds are set already
             limit_waiting(sock, HEADER_LIMIT)
@@ -155,7 +159,7 @@ def _bound_transport(addresses: Addresses) -> None:
                     limit_sending(sock)
         write_header(self)
 
-    def reconnect(self: Any) -> None:
+    def reconnect(self: Transport) -> None:
         raise TransportTerminated(f"{self.name}: the connection is lost")  # `Subscriptions.serve` makes a new one
 
     _replace(transport, "connect", bounded_connect)
@@ -169,14 +173,16 @@ def _bound_publishers(notified: Ends) -> None:
     accept, accept_topic = getattr(server, "_tcp_server_callback"), handler.topic_connection_handler  # noqa: B009
     accept_call = tcpros_service.service_connection_handler
 
-    def bounded_accept(self: Any, sock: socket.socket, address: Any) -> None:
+    def bounded_accept(self: tcpros_base.TCPROSServer, sock: socket.socket, address: Address) -> None:
         limit_waiting(sock, HEADER_LIMIT)
         if is_remote(sock):  # rospy accepts one after the other: none may wait for another's lost header
             threading.Thread(target=accept, args=(self, sock, address), name="accept", daemon=True).start()
         else:
             accept(self, sock, address)
 
-    def bounded_accept_topic(self: Any, sock: socket.socket, address: Any, header: Any) -> Any:
+    def bounded_accept_topic(
+        self: tcpros_pubsub.TCPROSHandler, sock: socket.socket, address: Address, header: Header
+    ) -> str | None:
         limit_waiting(sock, 0.0)
         name = header.get("topic")
         topic = registration.get_topic_manager().get_publisher_impl(name) if name else None
@@ -191,7 +197,7 @@ def _bound_publishers(notified: Ends) -> None:
                 sock.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, COMMAND_BUFFER)
         return accept_topic(self, sock, address, header)
 
-    def bounded_accept_call(sock: socket.socket, address: Any, header: Any) -> Any:
+    def bounded_accept_call(sock: socket.socket, address: Address, header: Header) -> str | None:
         limit_waiting(sock, 0.0)
         _bound_inbound(sock)
         return accept_call(sock, address, header)
@@ -207,23 +213,23 @@ def _notify_peers(notified: Ends) -> None:
     create, close = getattr(server, "_create_server_sock"), transport.close  # noqa: B009
     write = transport.write_data
 
-    def create_shared(self: Any) -> socket.socket:
+    def create_shared(self: tcpros_base.TCPServer) -> socket.socket:
         listener: socket.socket = create(self)
         share_port(listener)
         return listener
 
-    def noting_write(self: Any, data: bytes) -> Any:
+    def noting_write(self: Transport, data: bytes) -> bool:
         try:
             return write(self, data)
         except OSError as problem:
-            if is_link_trouble(problem):
+            if is_link_trouble(problem) and self.socket is not None:
                 lost.add(self.socket)
             raise
 
-    def notifying_close(self: Any) -> None:
+    def notifying_close(self: Transport) -> None:
         sock = self.socket
         ends = None if sock is None else notified.pop(sock, None)
-        is_lost = ends is not None and (sock in lost or _has_link_trouble(sock))
+        is_lost = sock is not None and ends is not None and (sock in lost or _has_link_trouble(sock))
         close(self)
         if ends is not None and is_lost and not over.is_set():
             threading.Thread(target=end_half_open, args=(*ends, over), name="half open", daemon=True).start()
@@ -236,7 +242,7 @@ def _notify_peers(notified: Ends) -> None:
     _replace(transport, "close", notifying_close)
 
 
-def _is_roscpp(header: Any) -> bool:
+def _is_roscpp(header: Header) -> bool:
     return "message_definition" not in header  # rospy sends it
 
 
@@ -249,25 +255,25 @@ def _has_link_trouble(sock: socket.socket) -> bool:
 
 
 def _connect_subscribers_with(subscriptions: Subscriptions) -> None:
-    handler: Any = masterslave.ROSHandler
-    manager: Any = registration.RegManager
-    subscriber: Any = tcpros_pubsub.TCPROSSub
+    handler, manager, subscriber = masterslave.ROSHandler, registration.RegManager, tcpros_pubsub.TCPROSSub
     update, note, fields = handler.publisherUpdate, manager.publisher_update, subscriber.get_header_fields
 
-    def publisher_update(self: Any, caller: Any, topic: Any, uris: Any) -> Any:
+    def publisher_update(
+        self: masterslave.ROSHandler, caller: str, topic: str, uris: list[str]
+    ) -> tuple[int, str, int]:
         answer = update(self, caller, topic, uris)
         if answer[0] == 1:
             subscriptions.note_publishers(topic, uris)  # rospy notes nothing when there are none left
         return answer
 
-    def note_update(self: Any, topic: str, uris: Any) -> None:
+    def note_update(self: registration.RegManager, topic: str, uris: list[str]) -> None:
         subscriptions.note_publishers(topic, uris)
         note(self, topic, uris)
 
-    def header_fields(self: Any) -> dict[str, str]:
+    def header_fields(self: tcpros_pubsub.TCPROSSub) -> dict[str, str]:
         return {**fields(self), RECONNECTS: "1"}
 
-    def connect_topic(self: Any, topic: str, uri: str) -> tuple[int, str, int]:
+    def connect_topic(self: masterslave.ROSHandler, topic: str, uri: str) -> tuple[int, str, int]:
         return subscriptions.connect_topic(self, topic, uri)
 
     def serve(*arguments: Any) -> None:
@@ -287,5 +293,5 @@ def _bound_inbound(sock: socket.socket) -> None:
         limit_sending(sock)
 
 
-def _replace(owner: Any, name: str, own: Any) -> None:
+def _replace(owner: object, name: str, own: object) -> None:
     setattr(owner, name, own)

@@ -11,11 +11,12 @@ from __future__ import annotations
 import socket
 import threading
 import time
-from typing import Any
 
 LIMIT = 180.0  # s; by then the peer's own kernel has noticed: roscpp has it ask from 60 s on
 PAUSE = 0.25  # s between two requests
 _QUESTION = 0.25  # s for an answer
+
+Address = tuple[str | int, ...]
 
 
 def share_port(listener: socket.socket) -> None:
@@ -23,7 +24,9 @@ def share_port(listener: socket.socket) -> None:
     listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEPORT, 1)
 
 
-def end_half_open(local: Any, peer: Any, over: threading.Event, family: int = socket.AF_INET) -> bool:
+def end_half_open(
+    local: tuple[str | int, ...], peer: tuple[str | int, ...], over: threading.Event, family: int = socket.AF_INET
+) -> bool:
     """Have the peer's end of a connection that is dead here reset, as soon as the network allows it.
 
     True once the peer answers that it has no such connection. False when it never answered, or `over` was set.

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterable
-from typing import Any
 
+from rospy.impl.tcpros_base import TCPROSTransport
 from rospy.impl.tcpros_pubsub import QueuedConnection
 
 DELAY = 2.0
@@ -14,7 +14,7 @@ DELAY = 2.0
 _POLL = 0.002  # s
 
 
-def free_sent(connections: Iterable[Any]) -> None:
+def free_sent(connections: Iterable[object]) -> None:
     """Have connections of a publisher that have nothing to send send no bytes, and remember these instead."""
     for connection in connections:
         if not isinstance(connection, QueuedConnection):
@@ -25,7 +25,7 @@ def free_sent(connections: Iterable[Any]) -> None:
                 connection._cond_data_available.notify()  # noqa: SLF001
 
 
-def wait_until_taken(connections: Iterable[Any], seconds: float) -> None:
+def wait_until_taken(connections: Iterable[TCPROSTransport], seconds: float) -> None:
     """Wait until the threads of connections have taken all messages that wait, at most so long in all."""
     end = time.monotonic() + seconds
     for connection in connections:

@@ -7,7 +7,8 @@ import logging
 import threading
 import time
 import xmlrpc.client
-from typing import Any
+from collections.abc import Callable, Iterable
+from typing import TYPE_CHECKING, Any
 from urllib.parse import urlsplit
 
 import rosgraph.network
@@ -22,6 +23,12 @@ from ur_nodes.ros1.repairs.xml_rpc_links import BoundedTransport
 TOPIC_LIMIT = 5.0  # s for a publisher that the network reaches to answer which port has a topic
 FIRST_PAUSE, LONGEST_PAUSE = 0.1, 0.5  # s between two tries to connect
 
+if TYPE_CHECKING:
+    from rospy.impl.masterslave import ROSHandler
+    from rospy.impl.tcpros_base import TCPROSTransport
+
+    Receive = Callable[[list[Any], TCPROSTransport], None]
+
 _log = logging.getLogger("rosout")
 
 
@@ -34,13 +41,13 @@ class Subscriptions:
         self._connecting: set[tuple[str, str]] = set()
         self._publishers: dict[str, frozenset[str]] = {}
         self._registering = False
-        self._handler: Any = None
+        self._handler: ROSHandler | None = None
 
-    def note_publishers(self, topic: str, uris: Any) -> None:
+    def note_publishers(self, topic: str, uris: Iterable[str]) -> None:
         """Remember whom the master names as the publishers of a topic."""
         self._publishers[topic] = frozenset(map(str, uris))
 
-    def connect_topic(self, handler: Any, topic: str, uri: str) -> tuple[int, str, int]:
+    def connect_topic(self, handler: ROSHandler, topic: str, uri: str) -> tuple[int, str, int]:
         """Connect a topic to a publisher, in place of ROSHandler._connect_topic: again and again while that has sense.
 
         It has no more sense when the publisher refuses, the master no longer names it, or nobody subscribes.
@@ -57,7 +64,15 @@ class Subscriptions:
             with self._lock:
                 self._connecting.discard(key)
 
-    def serve(self, connection: Any, address: str, port: int, uri: str, receive: Any, topic: str) -> None:
+    def serve(
+        self,
+        connection: TCPROSTransport,
+        address: str,
+        port: int,
+        uri: str,
+        receive: Callable[[list[Any], TCPROSTransport], None],
+        topic: str,
+    ) -> None:
         """Receive from a new connection until it ends, then have it made again; the whole life of its thread.
 
         In place of tcpros_pubsub.robust_connect_subscriber.
@@ -73,12 +88,12 @@ class Subscriptions:
             connection.close()
         if time.monotonic() - began < 1.0:
             time.sleep(LONGEST_PAUSE)
-        if self._is_wanted(topic, uri):
+        if self._handler is not None and self._is_wanted(topic, uri):
             self.connect_topic(self._handler, topic, uri)
             if not self._is_local(uri):
                 self._register_again()
 
-    def _negotiate(self, handler: Any, topic: str, uri: str) -> tuple[int, str, int]:
+    def _negotiate(self, handler: ROSHandler, topic: str, uri: str) -> tuple[int, str, int]:
         pause = FIRST_PAUSE
         while self._is_wanted(topic, uri):
             try:
@@ -140,6 +155,7 @@ class Subscriptions:
         time.sleep(LONGEST_PAUSE)  # most topics end and come back together
         with self._lock:
             self._registering = False
+        assert self._handler is not None, "a topic was connected"
         manager, node = self._handler.reg_man, rospy.names.get_caller_id()
         master = rospy.core.xmlrpcapi(manager.master_uri)
         for topic, kind in registration.get_topic_manager().get_subscriptions():

@@ -73,7 +73,7 @@ class BoundedTransport(xmlrpc.client.Transport):
         self._answer_limit = answer_limit
         self._patience = patience
 
-    def make_connection(self, host: Any) -> http.client.HTTPConnection:
+    def make_connection(self, host: tuple[str, dict[str, str]] | str) -> http.client.HTTPConnection:
         """A bounded connection, kept for the next call as the standard library keeps it."""
         limit = min(self._answer_limit, END_LIMIT) if self._is_ending() else self._answer_limit
         if self._connection[1] and host == self._connection[0]:

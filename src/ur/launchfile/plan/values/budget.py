@@ -8,7 +8,7 @@ reads; what takes Python more than linear time has a cost of its own (`COSTS`).
 
 from __future__ import annotations
 
-from collections.abc import Callable, ItemsView, KeysView, Mapping, Sequence, ValuesView
+from collections.abc import Callable, ItemsView, Iterable, KeysView, Mapping, Sequence, ValuesView
 from operator import length_hint
 from typing import Any
 
@@ -81,9 +81,9 @@ class Budget:
             whole = "the expressions of this file together take too long to compute"
             raise TooLong("takes too long to compute" if self._end >= 0 else whole)
 
-    def weigh(self, *values: Any) -> None:
+    def weigh(self, *values: object) -> None:
         """Spend what values weigh, parts of parts included: as often as they are reached, as Python looks at them."""
-        pending = [values]
+        pending: list[Iterable[Any]] = [values]
         while pending:
             items = pending.pop()
             units = 0
@@ -103,7 +103,7 @@ class Budget:
                     pending.append(item.__reduce__()[1][0])  # the list that it goes through
                 elif isinstance(item, (list, tuple, set, frozenset, KeysView, ValuesView, ItemsView)):
                     units += 1
-                    pending.append(item)  # type: ignore[arg-type]  # any of them is iterated over
+                    pending.append(item)
                 else:
                     units += 1
             self.spend(units)
@@ -114,14 +114,14 @@ def hash_cost(size: int) -> int:
     return size * size // _COLLISIONS
 
 
-def divide_cost(left: Any, right: Any) -> int:
+def divide_cost(left: object, right: object) -> int:
     """The units of a division of integers, or of their greatest common divisor."""
     if isinstance(left, int) and isinstance(right, int):
         return left.bit_length() * right.bit_length() // _DIVISION
     return 0
 
 
-def _power_cost(arguments: Sequence[Any], _: Mapping[str, Any]) -> int:
+def _power_cost(arguments: Sequence[Any], _: Mapping[str, object]) -> int:
     if len(arguments) == 3 and all(isinstance(each, int) for each in arguments):
         _, exponent, modulus = arguments
         steps = exponent.bit_length() if exponent >= 0 else modulus.bit_length()
@@ -129,34 +129,34 @@ def _power_cost(arguments: Sequence[Any], _: Mapping[str, Any]) -> int:
     return 0
 
 
-def _product_cost(arguments: Sequence[Any], _: Mapping[str, Any]) -> int:
+def _product_cost(arguments: Sequence[Any], _: Mapping[str, object]) -> int:
     sizes = [each.bit_length() for each in arguments[0] if isinstance(each, int)] if arguments else []
     return len(sizes) * sum(sizes) // 12_000
 
 
-def _common_cost(arguments: Sequence[Any], _: Mapping[str, Any]) -> int:
+def _common_cost(arguments: Sequence[object], _: Mapping[str, object]) -> int:
     sizes = [each.bit_length() for each in arguments if isinstance(each, int)]
     return sum(sizes) * sum(sizes) // _DIVISION
 
 
-def _combination_cost(arguments: Sequence[Any], _: Mapping[str, Any]) -> int:
+def _combination_cost(arguments: Sequence[object], _: Mapping[str, object]) -> int:
     return max((abs(each) for each in arguments if isinstance(each, int)), default=0)
 
 
-def _sort_cost(arguments: Sequence[Any], _: Mapping[str, Any]) -> int:
+def _sort_cost(arguments: Sequence[object], _: Mapping[str, object]) -> int:
     size = _count(arguments)
     return size * size.bit_length()
 
 
-def _hashed_cost(arguments: Sequence[Any], keywords: Mapping[str, Any]) -> int:
+def _hashed_cost(arguments: Sequence[object], keywords: Mapping[str, object]) -> int:
     return hash_cost(_count(arguments) + len(keywords))
 
 
-def _count(values: Sequence[Any]) -> int:
+def _count(values: Sequence[object]) -> int:
     return sum(length_hint(each) for each in values if hasattr(each, "__iter__"))
 
 
-COSTS: Mapping[str, Callable[[Sequence[Any], Mapping[str, Any]], int]] = {
+COSTS: Mapping[str, Callable[[Sequence[object], Mapping[str, object]], int]] = {
     **dict.fromkeys(("set", "frozenset", "dict"), _hashed_cost),
     **dict.fromkeys(("union", "intersection", "difference", "issubset", "issuperset", "isdisjoint"), _hashed_cost),
     **dict.fromkeys(("gcd", "lcm", "isqrt"), _common_cost),

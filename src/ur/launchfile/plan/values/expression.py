@@ -26,8 +26,8 @@ _INLINED_COMPREHENSIONS = sys.version_info >= (3, 12)  # from then on they see t
 
 def evaluate_expression(
     text: str,
-    commands: Mapping[str, Callable[..., Any]],
-    look_up: Callable[[str], Any],
+    commands: Mapping[str, Callable[..., object]],
+    look_up: Callable[[str], object],
     known: Iterable[str] = (),
     budget: Budget | None = None,
 ) -> str:
@@ -74,7 +74,7 @@ def evaluate_expression(
 
 
 class _Evaluator(Operations):
-    def visit_Lambda(self, node: ast.Lambda) -> Any:  # noqa: N802
+    def visit_Lambda(self, node: ast.Lambda) -> object:  # noqa: N802
         names = [argument.arg for argument in node.args.args]
         rest = (node.args.vararg, node.args.kwarg, *node.args.kwonlyargs, *node.args.posonlyargs, *node.args.defaults)
         if any(rest):
@@ -82,7 +82,7 @@ class _Evaluator(Operations):
 
         self.budget.spend(PER_FUNCTION)
 
-        def call(*values: Any) -> Any:
+        def call(*values: object) -> object:
             if len(values) != len(names):
                 raise TypeError(f"lambda takes {len(names)} values, got {len(values)}")
             self.variables.append(dict(zip(names, values, strict=True)))
@@ -95,17 +95,17 @@ class _Evaluator(Operations):
 
         return call
 
-    def visit_ListComp(self, node: ast.ListComp) -> Any:  # noqa: N802
+    def visit_ListComp(self, node: ast.ListComp) -> object:  # noqa: N802
         return [self.visit(node.elt) for _ in self._loop(node.generators, inlined=True)]
 
-    def visit_SetComp(self, node: ast.SetComp) -> Any:  # noqa: N802
+    def visit_SetComp(self, node: ast.SetComp) -> object:  # noqa: N802
         return self.collect(self.visit(node.elt) for _ in self._loop(node.generators, inlined=True))
 
-    def visit_DictComp(self, node: ast.DictComp) -> Any:  # noqa: N802
+    def visit_DictComp(self, node: ast.DictComp) -> object:  # noqa: N802
         pairs = ((self.visit(node.key), self.visit(node.value)) for _ in self._loop(node.generators, inlined=True))
         return self.map_pairs(pairs)
 
-    def visit_GeneratorExp(self, node: ast.GeneratorExp) -> Any:  # noqa: N802
+    def visit_GeneratorExp(self, node: ast.GeneratorExp) -> object:  # noqa: N802
         return iter([self.visit(node.elt) for _ in self._loop(node.generators, inlined=False)])
 
     def _loop(self, generators: list[ast.comprehension], *, inlined: bool) -> Iterator[None]:
@@ -131,10 +131,12 @@ class _Evaluator(Operations):
             else:
                 yield
 
-    def _assign(self, target: ast.expr, value: Any) -> None:
+    def _assign(self, target: ast.expr, value: object) -> None:
         if isinstance(target, ast.Name):
             self.variables[-1][target.id] = value
         elif isinstance(target, (ast.Tuple, ast.List)):
+            if not isinstance(value, Iterable):
+                raise TypeError(f"'{type(value).__name__}' object is not iterable")
             values = list(value)
             if len(values) != len(target.elts):
                 raise self.problem(f"{len(values)} values, expected {len(target.elts)}", target)

@@ -10,10 +10,10 @@ from typing import Any
 from ur.launchfile.plan.values.budget import MAX_SIZE, ExpressionProblem
 
 MAX_WIDTH = 20_000
-CONVERSIONS: Mapping[str, Callable[[Any], str]] = {"s": str, "r": repr, "a": ascii}
+CONVERSIONS: Mapping[str, Callable[[object], str]] = {"s": str, "r": repr, "a": ascii}
 
 
-def apply_format(left: Any, right: Any) -> Any:
+def apply_format(left: Any, right: object) -> object:
     """Compute `left % right`: a remainder, or a text by its format."""
     if isinstance(left, (str, bytes)):
         text = left if isinstance(left, str) else left.decode("latin-1")
@@ -29,13 +29,13 @@ def _check_widths(pattern: str) -> None:
         raise ExpressionProblem(f"a format that asks for {widest:,} characters, expected at most {MAX_WIDTH:,}")
 
 
-def format_value(value: Any, pattern: str) -> str:
+def format_value(value: object, pattern: str) -> str:
     """Python's `format`, for patterns that do not ask for huge texts."""
     _check_widths(pattern)
     return format(value, pattern)
 
 
-def format_text(text: str, *arguments: Any, **keywords: Any) -> str:
+def format_text(text: str, *arguments: object, **keywords: object) -> str:
     """Python's `str.format`, in which a field reaches parts and plain attributes of a value, and nothing else.
 
     Python's own reaches everything: from a function its globals, and from there the environment.
@@ -54,7 +54,7 @@ def format_text(text: str, *arguments: Any, **keywords: Any) -> str:
             first, rest = _string.formatter_field_name_split(field)
             if first == "":
                 first, automatic = automatic, automatic + 1
-            value = arguments[first] if isinstance(first, int) else keywords[first]
+            value: Any = arguments[first] if isinstance(first, int) else keywords[first]
             for is_attribute, name in rest:
                 value = _find_attribute(value, name) if is_attribute else value[name]
             if conversion:
@@ -68,7 +68,7 @@ def format_text(text: str, *arguments: Any, **keywords: Any) -> str:
     return write(text, 2)
 
 
-def _find_attribute(value: Any, name: str) -> Any:
+def _find_attribute(value: object, name: str) -> object:
     if isinstance(value, (int, float, complex)) and name in ("real", "imag", "numerator", "denominator"):
         return getattr(value, name)
     raise AttributeError(f"'{type(value).__name__}' has no '{name}' that may be used in a format")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import ast
 import math
 import operator
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
 from ur.launchfile.plan.values.budget import MAX_SIZE, ExpressionProblem
@@ -35,7 +35,7 @@ _METHODS: Mapping[type, frozenset[str]] = {
 }
 
 
-def size_of(value: Any) -> int:
+def size_of(value: object) -> int:
     """The size of a value: characters, items, or bits / 8. Raises ExpressionProblem when it is too large to go on."""
     if isinstance(value, (str, bytes, list, tuple, dict, set, frozenset)):
         size = len(value)
@@ -48,12 +48,12 @@ def size_of(value: Any) -> int:
     return size
 
 
-def _check_product(size: int, times: Any) -> None:
+def _check_product(size: int, times: object) -> None:
     if isinstance(times, int) and size * times > MAX_SIZE:
         raise ExpressionProblem(f"a value with {size * times:,} parts, expected at most {MAX_SIZE:,}")
 
 
-def _multiply(left: Any, right: Any) -> Any:
+def _multiply(left: Any, right: Any) -> object:
     for value, times in ((left, right), (right, left)):
         if isinstance(value, (str, bytes, list, tuple)):
             _check_product(len(value), times)
@@ -67,7 +67,7 @@ def _check_bits(bits: int) -> None:
         raise ExpressionProblem(f"a number of {bits:,} bits, expected at most {MAX_BITS:,}")
 
 
-def _power(base: Any, exponent: Any, modulus: Any = None) -> Any:
+def _power(base: Any, exponent: Any, modulus: int | None = None) -> object:
     if isinstance(base, int) and isinstance(exponent, int):
         if modulus is not None:
             return pow(base, exponent, modulus)
@@ -75,32 +75,32 @@ def _power(base: Any, exponent: Any, modulus: Any = None) -> Any:
     return pow(base, exponent)
 
 
-def _shift_left(value: Any, bits: Any) -> Any:
+def _shift_left(value: Any, bits: Any) -> object:
     if isinstance(value, int) and isinstance(bits, int):
         _check_bits(value.bit_length() + max(bits, 0))
     return value << bits
 
 
-def _make_range(*limits: Any) -> range:
+def _make_range(*limits: int) -> range:
     made = range(*limits)
     _check_product(len(made), 1)
     return made
 
 
-def _round(number: Any, digits: Any = None) -> Any:
+def _round(number: float, digits: int | None = None) -> object:
     if isinstance(digits, int) and abs(digits) > MAX_STEP:
         raise ExpressionProblem(f"{digits} digits, expected at most {MAX_STEP}")
     return round(number) if digits is None else round(number, digits)
 
 
-def _sum(items: Any, /, start: Any = 0) -> Any:
+def _sum(items: Iterable[int], /, start: object = 0) -> object:
     if not isinstance(start, (int, float)):
         raise TypeError("sum() of something other than numbers")
     return sum(items, start)
 
 
-def _small(function: Callable[..., Any]) -> Callable[..., Any]:
-    def bounded(*numbers: Any, **keywords: Any) -> Any:
+def _small(function: Callable[..., object]) -> Callable[..., object]:
+    def bounded(*numbers: object, **keywords: object) -> object:
         for number in numbers:
             if isinstance(number, int) and abs(number) > MAX_STEP:
                 raise ExpressionProblem(f"{number}, expected at most {MAX_STEP}")
@@ -109,23 +109,23 @@ def _small(function: Callable[..., Any]) -> Callable[..., Any]:
     return bounded
 
 
-def _product(items: Any, /, *, start: Any = 1) -> Any:
+def _product(items: Iterable[object], /, *, start: object = 1) -> object:
     for item in items:
         start = _multiply(start, item)
     return start
 
 
-def _least_common(*numbers: Any) -> Any:
+def _least_common(*numbers: int) -> object:
     _check_bits(sum(number.bit_length() for number in numbers if isinstance(number, int)))
     return math.lcm(*numbers)
 
 
-def _listed(function: Callable[..., Any]) -> Callable[..., Any]:
+def _listed(function: Callable[..., Iterable[object]]) -> Callable[..., object]:
     # What Python computes step by step is computed at once: nothing may run later, outside of our limits.
     return lambda *arguments, **keywords: iter(list(function(*arguments, **keywords)))
 
 
-def find_method(value: Any, name: str) -> Any:
+def find_method(value: object, name: str) -> object:
     """A method or plain attribute of a value that is safe to use. Raises AttributeError."""
     for type_, names in _METHODS.items():
         if isinstance(value, type_) and name in names:
@@ -133,8 +133,8 @@ def find_method(value: Any, name: str) -> Any:
     raise AttributeError(f"'{type(value).__name__}' has no '{name}' that may be used here")
 
 
-def _bounded_method(text: str, name: str) -> Callable[..., Any]:
-    def call(*arguments: Any, **keywords: Any) -> Any:
+def _bounded_method(text: str, name: str) -> Callable[..., object]:
+    def call(*arguments: Any, **keywords: object) -> object:
         if name in ("ljust", "rjust", "center", "zfill", "expandtabs"):
             for argument in [*arguments, *keywords.values()]:
                 _check_product(max(len(text), 1), argument if name == "expandtabs" else 1)
@@ -152,16 +152,16 @@ def _bounded_method(text: str, name: str) -> Callable[..., Any]:
     return call
 
 
-CONSTANTS: Mapping[str, Any] = {"true": True, "false": False, "True": True, "False": False}
+CONSTANTS: Mapping[str, object] = {"true": True, "false": False, "True": True, "False": False}
 
-MATH: Mapping[str, Any] = {
+MATH: Mapping[str, object] = {
     **{name: getattr(math, name) for name in dir(math) if not name.startswith("_")},
     **{name: _small(getattr(math, name)) for name in ("factorial", "comb", "perm")},
     "prod": _product,
     "lcm": _least_common,
 }
 
-BUILTINS: Mapping[str, Any] = {
+BUILTINS: Mapping[str, object] = {
     **{
         function.__name__: function
         for function in (
@@ -203,14 +203,14 @@ FORBIDDEN = _words(
     "print property quit setattr staticmethod super type vars "
 )
 
-UNARY: Mapping[type[ast.unaryop], Callable[[Any], Any]] = {
+UNARY: Mapping[type[ast.unaryop], Callable[[Any], object]] = {
     ast.UAdd: operator.pos,
     ast.USub: operator.neg,
     ast.Not: operator.not_,
     ast.Invert: operator.invert,
 }
 
-BINARY: Mapping[type[ast.operator], Callable[[Any, Any], Any]] = {
+BINARY: Mapping[type[ast.operator], Callable[[Any, Any], object]] = {
     ast.Add: operator.add,
     ast.Sub: operator.sub,
     ast.Mult: _multiply,
@@ -225,7 +225,7 @@ BINARY: Mapping[type[ast.operator], Callable[[Any, Any], Any]] = {
     ast.BitXor: operator.xor,
 }
 
-COMPARE: Mapping[type[ast.cmpop], Callable[[Any, Any], Any]] = {
+COMPARE: Mapping[type[ast.cmpop], Callable[[Any, Any], object]] = {
     ast.Eq: operator.eq,
     ast.NotEq: operator.ne,
     ast.Lt: operator.lt,

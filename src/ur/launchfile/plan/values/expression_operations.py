@@ -30,8 +30,8 @@ class Operations:
         self,
         text: str,
         shift: int,
-        commands: Mapping[str, Callable[..., Any]],
-        look_up: Callable[[str], Any],
+        commands: Mapping[str, Callable[..., object]],
+        look_up: Callable[[str], object],
         known: Iterable[str],
         budget: Budget,
     ) -> None:
@@ -41,7 +41,7 @@ class Operations:
         self.look_up = look_up
         self.known = known
         self.budget = budget
-        self.variables: list[dict[str, Any]] = []  # of comprehensions, innermost last
+        self.variables: list[dict[str, object]] = []  # of comprehensions, innermost last
         self.inside = 0  # how many comprehensions hide the names around them
         self.at: ast.expr | None = None
 
@@ -54,7 +54,7 @@ class Operations:
         start, end = offset(node.col_offset), offset(node.end_col_offset or 0)
         return ExpressionProblem(message, start, end, help_, subject=subject)
 
-    def visit(self, node: ast.expr) -> Any:
+    def visit(self, node: ast.expr) -> object:
         """The value of a part of the expression."""
         method = getattr(self, f"visit_{type(node).__name__}", None)
         if method is None:
@@ -68,12 +68,12 @@ class Operations:
         self.at = outer
         return value
 
-    def charged(self, name: str, function: Callable[..., Any], subject: Any = None) -> Callable[..., Any]:
+    def charged(self, name: str, function: Callable[..., object], subject: object = None) -> Callable[..., object]:
         """A function, or a method of `subject`, that takes what it costs from the budget at each call."""
         extra = COSTS.get(name)
         self.budget.spend(PER_FUNCTION)
 
-        def call(*arguments: Any, **keywords: Any) -> Any:
+        def call(*arguments: object, **keywords: object) -> object:
             self.budget.weigh(subject, arguments, keywords)
             if extra is not None:
                 self.budget.spend(extra((subject, *arguments) if subject is not None else arguments, keywords))
@@ -81,15 +81,15 @@ class Operations:
 
         return call
 
-    def made(self, value: Any) -> Any:
+    def made(self, value: object) -> object:
         """A value that was computed, its size taken from the budget."""
         self.budget.spend(functions.size_of(value))
         return value
 
-    def visit_Constant(self, node: ast.Constant) -> Any:
+    def visit_Constant(self, node: ast.Constant) -> object:
         return node.value
 
-    def visit_Name(self, node: ast.Name) -> Any:
+    def visit_Name(self, node: ast.Name) -> object:
         name = node.id
         for variables in reversed(self.variables):
             if name in variables:
@@ -124,10 +124,10 @@ class Operations:
             name,
         )
 
-    def visit_UnaryOp(self, node: ast.UnaryOp) -> Any:
+    def visit_UnaryOp(self, node: ast.UnaryOp) -> object:
         return functions.UNARY[type(node.op)](self.visit(node.operand))
 
-    def visit_BinOp(self, node: ast.BinOp) -> Any:
+    def visit_BinOp(self, node: ast.BinOp) -> object:
         left, right = self.visit(node.left), self.visit(node.right)
         self.at = node
         operation = functions.BINARY.get(type(node.op))
@@ -140,17 +140,17 @@ class Operations:
             self.budget.spend(hash_cost(len(left) + len(right)))
         return self.made(operation(left, right))
 
-    def visit_BoolOp(self, node: ast.BoolOp) -> Any:
-        value: Any = None
+    def visit_BoolOp(self, node: ast.BoolOp) -> object:
+        value: object = None
         for operand in node.values:
             value = self.visit(operand)
             if bool(value) == isinstance(node.op, ast.Or):
                 break
         return value
 
-    def visit_Compare(self, node: ast.Compare) -> Any:
+    def visit_Compare(self, node: ast.Compare) -> object:
         left = self.visit(node.left)
-        value: Any = True
+        value: object = True
         for operator, operand in zip(node.ops, node.comparators, strict=True):
             right = self.visit(operand)
             self.at = node
@@ -163,27 +163,27 @@ class Operations:
             left = right
         return value
 
-    def visit_IfExp(self, node: ast.IfExp) -> Any:
+    def visit_IfExp(self, node: ast.IfExp) -> object:
         return self.visit(node.body if self.visit(node.test) else node.orelse)
 
-    def visit_List(self, node: ast.List) -> Any:
+    def visit_List(self, node: ast.List) -> object:
         return [self.visit(item) for item in node.elts]
 
-    def visit_Tuple(self, node: ast.Tuple) -> Any:
+    def visit_Tuple(self, node: ast.Tuple) -> object:
         return tuple(self.visit(item) for item in node.elts)
 
-    def visit_Set(self, node: ast.Set) -> Any:
+    def visit_Set(self, node: ast.Set) -> object:
         return self.collect(self.visit(item) for item in node.elts)
 
-    def visit_Dict(self, node: ast.Dict) -> Any:
+    def visit_Dict(self, node: ast.Dict) -> object:
         if None in node.keys:
             raise self.problem("'**' is not allowed", node)
         pairs = zip(node.keys, node.values, strict=True)
         return self.map_pairs((self.visit(key), self.visit(value)) for key, value in pairs if key is not None)
 
-    def visit_Subscript(self, node: ast.Subscript) -> Any:
+    def visit_Subscript(self, node: ast.Subscript) -> object:
         value = self.visit(node.value)
-        index = self.visit(node.slice)
+        index: Any = self.visit(node.slice)
         self.at = node
         if not isinstance(value, (str, bytes, list, tuple, dict, range)):
             raise self.problem(f"a value of type {type(value).__name__} has no parts", node)
@@ -192,28 +192,28 @@ class Operations:
             self.budget.spend(len(value))
         return self.made(value[index])
 
-    def visit_Slice(self, node: ast.Slice) -> Any:
+    def visit_Slice(self, node: ast.Slice) -> object:
         return slice(*(self.visit(part) if part is not None else None for part in (node.lower, node.upper, node.step)))
 
-    def visit_JoinedStr(self, node: ast.JoinedStr) -> Any:
-        return "".join(self.made(str(self.visit(part))) for part in node.values)
+    def visit_JoinedStr(self, node: ast.JoinedStr) -> object:
+        return "".join(str(self.made(str(self.visit(part)))) for part in node.values)
 
-    def visit_FormattedValue(self, node: ast.FormattedValue) -> Any:
+    def visit_FormattedValue(self, node: ast.FormattedValue) -> object:
         value = self.visit(node.value)
         self.budget.weigh(value)
         if node.conversion != -1:
             value = CONVERSIONS[chr(node.conversion)](value)
-        pattern = self.visit(node.format_spec) if node.format_spec else ""
+        pattern = str(self.visit(node.format_spec)) if node.format_spec else ""
         return format_value(value, pattern)
 
-    def visit_Attribute(self, node: ast.Attribute) -> Any:
+    def visit_Attribute(self, node: ast.Attribute) -> object:
         value = self.visit(node.value)
         self.at = node
         found = functions.find_method(value, node.attr)
         return self.charged(node.attr, found, value) if callable(found) else found
 
-    def visit_Call(self, node: ast.Call) -> Any:
-        function = self.visit(node.func)
+    def visit_Call(self, node: ast.Call) -> object:
+        function: Any = self.visit(node.func)
         arguments = [self.visit(argument) for argument in node.args]
         keywords = {}
         for keyword in node.keywords:
@@ -223,18 +223,18 @@ class Operations:
         self.at = node
         return function(*arguments, **keywords)
 
-    def collect(self, items: Iterable[Any]) -> set[Any]:
+    def collect(self, items: Iterable[object]) -> set[object]:
         """A set of values, paid for as if all had the same hash."""
-        found: set[Any] = set()
+        found: set[object] = set()
         for item in items:
             self.budget.weigh(item)
             self.budget.spend(len(found) // 16)  # as many may have the same hash
             found.add(item)
         return found
 
-    def map_pairs(self, pairs: Iterable[tuple[Any, Any]]) -> dict[Any, Any]:
+    def map_pairs(self, pairs: Iterable[tuple[object, object]]) -> dict[object, object]:
         """A dict, paid for likewise."""
-        found: dict[Any, Any] = {}
+        found: dict[object, object] = {}
         for key, value in pairs:
             self.budget.weigh(key)
             self.budget.spend(len(found) // 16)

@@ -11,7 +11,6 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable
-from typing import Any
 
 from ur.launchfile.plan.problems import Refused
 from ur.launchfile.plan.scope import Scope
@@ -218,7 +217,7 @@ def _evaluate(piece: Substitution, scope: Scope, world: World, budget: Budget) -
     from ur.launchfile.plan.values.expression import ExpressionProblem, evaluate_expression  # 3 ms that few files need
 
     start, end = piece.start, piece.end
-    functions: dict[str, Callable[..., Any]] = {
+    functions: dict[str, Callable[..., object]] = {
         "arg": lambda name: guess_value(look_up_argument(name, scope, start, end)),
         "anon": lambda name: _anonymous(name, scope, world),
         "dirname": lambda: folder_of(scope.filename, world),

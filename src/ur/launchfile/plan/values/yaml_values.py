@@ -7,10 +7,13 @@ import re
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cache, lru_cache
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ur.launchfile.plan.model import ParamValue
 from ur.launchfile.plan.values.budget import PER_YAML_CHARACTER, Budget, TooLong
+
+if TYPE_CHECKING:
+    import yaml
 
 MAX_VALUES = 1_000_000
 _MAX_MERGED = 100_000
@@ -39,10 +42,10 @@ class Document:
 
     __slots__ = ("_keys", "_node", "value")
 
-    def __init__(self, value: ParamValue, node: Any) -> None:
+    def __init__(self, value: ParamValue, node: yaml.Node | None) -> None:
         self.value = value
         self._node = node
-        self._keys: dict[int, dict[str, tuple[Any, Any]]] = {}  # by the id of a node, which `_node` keeps
+        self._keys: dict[int, dict[str, tuple[yaml.Node, yaml.Node]]] = {}  # by the id of a node, which `_node` keeps
 
     def place_of(self, path: tuple[str, ...]) -> tuple[int, int]:
         """Start and end, in characters, of the key that a path of keys leads to, or of the nearest that has a place."""
@@ -56,7 +59,7 @@ class Document:
             place = (name.start_mark.index, name.end_mark.index)
         return place
 
-    def _keys_of(self, node: Any) -> dict[str, tuple[Any, Any]]:
+    def _keys_of(self, node: yaml.Node | None) -> dict[str, tuple[yaml.Node, yaml.Node]]:
         known = self._keys.get(id(node))
         if known is None:
             pairs = [each for each in getattr(node, "value", ()) if isinstance(each, tuple)]
@@ -146,7 +149,7 @@ def _read_fast(text: str, reads_angles: bool, budget: Budget | None) -> Document
     return Document(value, node)
 
 
-def _help(message: str, began: Any) -> str:
+def _help(message: str, began: yaml.Mark | None) -> str:
     if "\\t" in message:
         return "indent with spaces: YAML takes no tabs"
     for kind, bracket in (("flow sequence", "["), ("flow mapping", "{")):
@@ -160,7 +163,7 @@ def _help(message: str, began: Any) -> str:
 
 
 @cache
-def _loader_class(reads_angles: bool, fast: bool = False) -> Callable[[str], Any]:
+def _loader_class(reads_angles: bool, fast: bool = False) -> Callable[[str], yaml.SafeLoader]:
     import yaml
 
     base: Any = yaml.CSafeLoader if fast else yaml.SafeLoader
@@ -181,13 +184,13 @@ def _loader_class(reads_angles: bool, fast: bool = False) -> Callable[[str], Any
     return Loader
 
 
-def _read_degrees(loader: Any, node: Any) -> float:
+def _read_degrees(loader: yaml.SafeLoader, node: yaml.ScalarNode) -> float:
     text = loader.construct_scalar(node)
     inner = text.strip()[4:-1] if text.startswith("deg(") else text
     return float(inner) * math.pi / 180.0
 
 
-def _read_radians(loader: Any, node: Any) -> float:
+def _read_radians(loader: yaml.SafeLoader, node: yaml.ScalarNode) -> float:
     # roslaunch evaluates the text as Python, where only `pi` is meant to be known.
     text = loader.construct_scalar(node).strip()
     inner = text[4:-1] if text.startswith("rad(") else text
@@ -201,11 +204,11 @@ def _read_radians(loader: Any, node: Any) -> float:
         raise yaml.constructor.ConstructorError(None, None, f"not an angle: {problem}", node.start_mark) from None
 
 
-def _check_size(value: Any) -> None:
+def _check_size(value: object) -> None:
     # Aliases let a small text mean a huge value, or one that holds itself.
     sizes: dict[int, int] = {}
 
-    def size_of(item: Any, depth: int) -> int:
+    def size_of(item: object, depth: int) -> int:
         if not isinstance(item, (dict, list)):
             return 1
         known = sizes.get(id(item))
