@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -11,6 +12,9 @@ from numpy.typing import NDArray
 from ur_nodes.geometry.grid import CellFrame
 from ur_nodes.geometry.pose import Pose2, Pose3, rotate
 from ur_nodes.geometry.scan import RangeScan, angles_of_beams, classify_ranges
+
+_SECTORS = 128  # of the full turn
+_HALF = 0.72  # of a cell's side: no point of a cell is farther from its centre
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,7 +77,12 @@ def trace_beams(
     cleared = np.empty(0, np.intp)
     if len(bearing):
         cleared = _find_passed(
-            flat, frame, sensor, directions, np.minimum(beams.ranges - frame.resolution / 2, reach.raytrace)
+            occupied,
+            frame,
+            sensor,
+            directions,
+            bearing,
+            np.minimum(beams.ranges - frame.resolution / 2, reach.raytrace),
         )
     near = beams.hits & (beams.ranges <= reach.obstacle)
     points = (sensor.x, sensor.y) + beams.ranges[near, None] * directions[near]
@@ -97,20 +106,58 @@ def _find_passed(
     frame: CellFrame,
     sensor: Pose2,
     directions: NDArray[np.float64],
+    bearing: NDArray[np.float64],
     free: NDArray[np.float64],
 ) -> NDArray[np.intp]:
-    """The numbers of the occupied cells (flat) that rays with `directions` (n, 2) pass on their first `free` (n) m."""
+    """The numbers of the occupied cells (flat) that rays with `directions` (n, 2) pass on their first `free` (n) m.
+
+    `occupied` is (height, width). Rays are sampled from where the nearest occupied cell of their sector begins.
+    """
     height, width = frame.shape
     steps = np.arange(0.0, max(float(free.max()), frame.resolution), 0.7 * frame.resolution)
-    counts = np.searchsorted(steps, free)  # of the steps that are less than a ray's free length
+    nearest = _nearest_by_sector(occupied, frame, sensor, float(steps[-1]))
+    if nearest is None:
+        return np.empty(0, np.intp)
+    begins = np.searchsorted(steps, nearest)[_sectors_of(bearing)]
+    counts = np.maximum(np.searchsorted(steps, free) - begins, 0)  # of the steps that are less than the free length
     ends = np.cumsum(counts)
-    along = steps[np.arange(ends[-1]) - np.repeat(ends - counts, counts)]
+    along = steps[np.arange(ends[-1]) + np.repeat(begins - (ends - counts), counts)]
     x, y = (np.repeat(each, counts) * along for each in directions.T)
     rows, columns = (np.floor(each, out=each) for each in frame.fractions_at(sensor.x + x, sensor.y + y))
     inside = (rows >= 0) & (rows < height) & (columns >= 0) & (columns < width)
     cells = np.where(inside, rows * width + columns, 0.0).astype(np.intp)
-    passed: NDArray[np.intp] = cells[occupied[cells] & inside]
+    passed: NDArray[np.intp] = cells[occupied.reshape(-1)[cells] & inside]
     return passed
+
+
+def _nearest_by_sector(
+    occupied: NDArray[np.bool_], frame: CellFrame, sensor: Pose2, reach: float
+) -> NDArray[np.float64] | None:
+    """The least distance (m) from a sensor at which each of the sectors may hold a point of an occupied cell.
+
+    inf where there is none within `reach` m or a little more; None: in no sector.
+    """
+    row, column = frame.fractions_of_points(np.array((sensor.x, sensor.y))).tolist()
+    cells = reach / frame.resolution + 2.0
+    top, left = (max(0, math.floor(each - cells)) for each in (row, column))
+    rows, columns = occupied[top : max(0, math.ceil(row + cells)), left : max(0, math.ceil(column + cells))].nonzero()
+    if not len(rows):
+        return None
+    across, along = rows + (top + 0.5 - row), columns + (left + 0.5 - column)  # from the sensor, in cells
+    gaps = np.hypot(across, along)
+    bearing = np.arctan2(across, along) + frame.origin[2]
+    half = np.where(gaps > _HALF, np.arcsin(np.minimum(_HALF / np.maximum(gaps, _HALF), 1.0)), math.pi)
+    low = np.floor((bearing - half) * (_SECTORS / math.tau)).astype(np.intp)
+    counts = np.minimum(np.floor((bearing + half) * (_SECTORS / math.tau)).astype(np.intp) - low + 1, _SECTORS)
+    ends = np.cumsum(counts)
+    sectors = (np.arange(ends[-1]) + np.repeat(low - (ends - counts), counts)) % _SECTORS
+    nearest = np.full(_SECTORS, np.inf)
+    np.minimum.at(nearest, sectors, np.repeat((gaps - _HALF) * frame.resolution, counts))
+    return nearest
+
+
+def _sectors_of(bearing: NDArray[np.float64]) -> NDArray[np.intp]:
+    return np.floor(bearing * (_SECTORS / math.tau)).astype(np.intp) % _SECTORS
 
 
 def shift_cells(occupied: NDArray[np.bool_], rows: int, columns: int) -> NDArray[np.bool_]:
