@@ -216,6 +216,12 @@ class MemoryNode:
         listeners = entry.listeners if entry else []
         return frozenset(each.kind for each in listeners if each.kind in kinds and each.node != self.name)
 
+    def kinds_sent(self, topic: str, kinds: tuple[type, ...]) -> frozenset[type] | None:
+        """See Node."""
+        entry = self._bus.topics.get(self.resolve(topic))
+        offers = entry.offers if entry else []
+        return frozenset(each.kind for each in offers if each.kind in kinds and each.sender != self.name)
+
     def locate(self, name: str) -> Location | None:
         """See Node. All nodes of the bus run here, but for those of its `hosts`."""
         if name in self._bus.hosts:

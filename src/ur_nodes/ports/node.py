@@ -147,6 +147,9 @@ class Node(Protocol):
     def kinds_taken(self, topic: str, kinds: tuple[type, ...]) -> frozenset[type] | None:
         """Those of the kinds that other nodes listen to on a topic now; None where the middleware does not tell."""
 
+    def kinds_sent(self, topic: str, kinds: tuple[type, ...]) -> frozenset[type] | None:
+        """Likewise, those that other nodes publish on a topic."""
+
     def locate(self, name: str) -> Location | None:
         """Find out where a node runs; None: it is not known. It may wait: for `work`."""
 

@@ -174,6 +174,10 @@ class RosNode(LoopNode):
         """See Node. The master knows the types of publishers only."""
         return None
 
+    def kinds_sent(self, topic: str, kinds: tuple[type, ...]) -> frozenset[type] | None:  # noqa: ARG002
+        """See Node. It would have to ask the master, and nodes of ROS 1 send Twist."""
+        return None
+
     def locate(self, name: str) -> Location | None:
         """See Node."""
         try:

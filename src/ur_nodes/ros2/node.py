@@ -229,10 +229,11 @@ class RosNode(LoopNode):
 
     def kinds_taken(self, topic: str, kinds: tuple[type, ...]) -> frozenset[type] | None:
         """See Node."""
-        own = (self._node.get_namespace(), self._node.get_name())
-        found = self._node.get_subscriptions_info_by_topic(self.resolve(topic))
-        types = {each.topic_type for each in found if (each.node_namespace, each.node_name) != own}
-        return frozenset(kind for kind in kinds if type_name_of(find_codec(kind).message_class) in types)
+        return self._known_kinds(self._node.get_subscriptions_info_by_topic(self.resolve(topic)), kinds)
+
+    def kinds_sent(self, topic: str, kinds: tuple[type, ...]) -> frozenset[type] | None:
+        """See Node."""
+        return self._known_kinds(self._node.get_publishers_info_by_topic(self.resolve(topic)), kinds)
 
     def locate(self, name: str) -> Location | None:
         """See Node. The graph does not tell computers: nodes of the domain are those of this one."""
@@ -248,6 +249,11 @@ class RosNode(LoopNode):
         """See Node."""
         self.failed = self.failed or failed
         self.ended(reason)
+
+    def _known_kinds(self, ends: list[Any], kinds: tuple[type, ...]) -> frozenset[type]:
+        own = (self._node.get_namespace(), self._node.get_name())
+        types = {each.topic_type for each in ends if (each.node_namespace, each.node_name) != own}
+        return frozenset(kind for kind in kinds if type_name_of(find_codec(kind).message_class) in types)
 
     def _seconds(self) -> float:
         return self.now() / 1e9

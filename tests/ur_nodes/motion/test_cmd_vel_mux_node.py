@@ -417,11 +417,13 @@ def test_parameters_that_it_cannot_use_are_named(home: Path, parameters: dict[st
 def test_programs_that_send_to_the_base_itself_drive_through_the_mux_by_either_type(home: Path) -> None:
     robot = Robot(home, takes_over="cmd_vel")
     for kind, command in ((Twist, AHEAD), (StampedTwist, StampedTwist(0, "", AHEAD))):
-        publisher = robot.bus.node(f"their_{kind.__name__}").publish("cmd_vel", kind)
+        program = robot.bus.node(f"their_{kind.__name__}")
+        publisher = program.publish("cmd_vel", kind)
         timer = robot.person.every(0.05, lambda: publisher.send(command))  # noqa: B023 - cancelled below
         assert max(robot.speeds(1.0)) > 0.29
         assert robot.newest("active", str) == "program"
         timer.cancel()
+        program.end("its user ended it")
         assert robot.speeds(1.0)[-1] == 0.0
 
 

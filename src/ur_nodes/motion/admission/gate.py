@@ -16,6 +16,7 @@ from ur_nodes.motion.admission.admission import (
     admit_stamped,
     challenge,
 )
+from ur_nodes.motion.admission.foreign import ForeignCommands
 from ur_nodes.motion.admission.probation import LockRelease, rate_needed, step_lock_release
 from ur_nodes.motion.admission.reports import Reports
 from ur_nodes.motion.challenge.freshness import Challenges
@@ -74,11 +75,11 @@ class Gate:
         node.after(0.0, self._issue, steady=True)
         node.every(1.0 / rate, self._issue, steady=True)
         for index, source in enumerate(settings.sources):
+            if source.foreign:
+                ForeignCommands(node, source.topic, partial(self._take_plain, index))
+                continue
             # Every plain command counts: a cluster has to be seen as one.
             node.subscribe_from(source.topic, Twist, partial(self._take_plain, index), Quality.EVERY)
-            if source.foreign:
-                node.subscribe_from(source.topic, StampedTwist, partial(self._take_foreign, index), Quality.EVERY)
-                continue
             # Likewise every stamped one: those of a client that may not drive must not replace those of the driver.
             stamped = f"{source.topic}_stamped"
             node.subscribe(stamped, StampedTwist, partial(self._take_stamped, index), Quality.EVERY)
@@ -113,9 +114,6 @@ class Gate:
             self._admission, index, _publisher(sender), now, motion=motion, sent=sent
         )
         self._pass(index, velocity, now, verdict, stamped=False)
-
-    def _take_foreign(self, index: int, command: StampedTwist, sender: Sender | None) -> None:
-        self._take_plain(index, command.twist, sender)
 
     def _pass(self, index: int, velocity: Velocity, now: float, verdict: float | Refusal, *, stamped: bool) -> None:
         """Let the mux have a command that is admitted at `now`, and count one that is not."""

@@ -1,0 +1,62 @@
+"""The kind of velocities at the other end of a topic: Twist, or TwistStamped as many bases and programs of ROS 2."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from ur_nodes.motion.writes import AsideLog
+from ur_nodes.ports.node import Node
+from ur_nodes.ports.values import StampedTwist, Twist
+
+NAMES: dict[type, str] = {Twist: "Twist", StampedTwist: "TwistStamped"}
+KINDS = tuple(NAMES)
+_LOOK = 0.25  # s: how often the graph is asked
+
+
+def choose_kind(current: type | None, found: frozenset[type]) -> type | None:
+    """The kind to use where these were found at the other end: the current one while it is there, or there is none.
+
+    A topic has one kind at each end: on ROS 2 a program cannot have two.
+    """
+    if current in found or not found:
+        return current
+    return StampedTwist if StampedTwist in found else Twist
+
+
+class KindWatch:
+    """Asks for the kinds at the other end of a topic again and again, and calls `use` when the one to use changes.
+
+    Where the middleware does not tell them, it is Twist.
+    """
+
+    def __init__(
+        self,
+        node: Node,
+        topic: str,
+        ask: Callable[[str, tuple[type, ...]], frozenset[type] | None],
+        use: Callable[[type], None],
+        text: str,
+    ) -> None:
+        """`text` is logged after each change, with NAME in place of the kind's name."""
+        self._topic, self._full, self._ask, self._use, self._text = topic, node.resolve(topic), ask, use, text
+        self._log = AsideLog(node)
+        self._kind: type | None = None
+        self._mixed = False
+        if ask(topic, KINDS) is None:
+            use(Twist)
+            return
+        self._look()
+        node.every(_LOOK, self._look, steady=True)
+
+    def _look(self) -> None:
+        found = self._ask(self._topic, KINDS) or frozenset()
+        kind = choose_kind(self._kind, found)
+        if kind is not None and kind is not self._kind:
+            self._kind = kind
+            self._use(kind)
+            self._log.info(f"{self._full}: {self._text.replace('NAME', NAMES[kind])}")
+        mixed = len(found) > 1
+        if mixed and not self._mixed and kind is not None:
+            both = " and ".join(NAMES.values())
+            self._log.warn(f"{self._full}: programs use {both} here, expected one of them; this one uses {NAMES[kind]}")
+        self._mixed = mixed
