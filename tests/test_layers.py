@@ -262,6 +262,7 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
         "ur_nodes.motion.challenge",
         "ur_nodes.motion.lease",
         "ur_nodes.motion.mux_events",
+        "ur_nodes.motion.velocity_kind",
         "ur_nodes.motion.writes",
     ),
     "ur_nodes.motion.obstacle_stop": (

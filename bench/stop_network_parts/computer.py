@@ -25,12 +25,12 @@ _OURS = (_PARTS, "rosmaster", "-m ur", "ur_nodes", "robot_state_publisher")
 _PATIENCE = 60.0  # s: for a starter to import what it starts
 
 
-def put_first(processes: Iterable[int]) -> None:
-    """Schedule processes before all others of this kernel, where it allows that."""
+def put_first(processes: Iterable[int], priority: int = 1) -> None:
+    """Schedule processes before all others of this kernel with a lower priority, where it allows that."""
     with contextlib.suppress(OSError):
         for process in processes:
             for thread in Path(f"/proc/{process}/task").iterdir():  # what a thread starts later inherits it
-                os.sched_setscheduler(int(thread.name), os.SCHED_RR, os.sched_param(1))
+                os.sched_setscheduler(int(thread.name), os.SCHED_RR, os.sched_param(priority))
 
 
 class Computer:

@@ -12,6 +12,7 @@ import sys
 import time
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -70,9 +71,10 @@ class Computers:
         """Start a program on a computer, before all other programs of this machine."""
         wrapped = ["nsenter", f"--net=/proc/{self.holders[side].pid}/ns/net", "--", *command]
         environment = {**self.environment, **(more or {})}
+        first = partial(_go_first, 1 if side.startswith("laptop") else 2)
         with (self.folder / f"{name}.txt").open("ab") as output:
             process = subprocess.Popen(
-                wrapped, env=environment, stdin=subprocess.PIPE, stdout=output, stderr=output, preexec_fn=_go_first
+                wrapped, env=environment, stdin=subprocess.PIPE, stdout=output, stderr=output, preexec_fn=first
             )
         program = Program(name, process)
         self.programs.append(program)
@@ -158,5 +160,5 @@ def wait_for(condition: Any, seconds: float, what: str) -> None:
         time.sleep(0.05)
 
 
-def _go_first() -> None:
-    put_first([os.getpid()])
+def _go_first(priority: int) -> None:
+    put_first([os.getpid()], priority)

@@ -110,7 +110,11 @@ class Network:
         wait_for(lambda: all(map(self._rests, LANES)), _PATIENCE, "bases at rest")
         began = time.monotonic()
         self.drive(pattern)
-        wait_for(lambda: all(self._drives(lane, began) for lane in LANES), _PATIENCE, "bases that drive")
+        try:
+            wait_for(lambda: all(self._drives(lane, began) for lane in LANES), _PATIENCE, "bases that drive")
+        except RuntimeError as problem:
+            idle = ", ".join(lane.name for lane in LANES if not self._drives(lane, began))
+            raise RuntimeError(f"{cause}, {pattern}: {problem}, not {idle}") from None
         time.sleep(self.chance.uniform(0.3, 1.2))
         since = time.monotonic()
         happen(self)

@@ -12,7 +12,8 @@ that came, at any speed and with any timeout. Before obstacles the
 guard slows and stops it as well (`ur_nodes.motion.obstacle_stop.guard`).
 
 While something is active or the robot moves there is an output every
-`period`, while it brakes every `brake_period`; then `zeros` zeros, then silence.
+`period`, while it brakes every `brake_period`; then `zeros` zeros, then silence. A base that has heard nothing for
+`forgets` s has stopped by itself: a mux that was suspended goes on from zero, and not from its last output.
 """
 
 from __future__ import annotations
@@ -189,6 +190,8 @@ def _is_locked(lock: Lock, message: tuple[bool, float], now: float) -> bool:
 
 def _send(state: MuxState, now: float) -> tuple[MuxState, Velocity]:
     settings = state.settings
+    if now - state.output_at > settings.forgets:
+        state = replace(state, output=STILL)
     received = Received() if state.active is None else state.received[state.active]
     wanted = _slowed(received.velocity, state.share, settings)
     left = settings.stop_time - settings.lag - (now - received.at)  # s, until the robot has to be at rest

@@ -54,6 +54,7 @@ class MuxSettings:
     stop_time: float = 0.3
     lag: float = 0.11
     zeros: int = 3
+    forgets: float = 0.1
 
 
 @dataclass(frozen=True, slots=True)

@@ -18,6 +18,7 @@ LEAST_LIMIT = 5.0  # percent
 FOREIGN = "program"  # the source whose topic is taken over
 _FOREIGN_PRIORITY = 5
 _FOREIGN_TIMEOUT = 0.2  # s
+_SLACK = 0.02  # s
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,6 +53,7 @@ def read_settings(own: Parameters) -> MuxNodeSettings:
             read_locks(own.any("locks", []), own.name("locks")),
             period=1.0 / own.number("rate", 50.0, minimum=10.0, maximum=100.0),
             stop_time=own.number("stop_time", 0.3, minimum=0.1, maximum=2.0),
+            forgets=base.limits.command_age + _SLACK,
             lag=own.number("lag", base.limits.lag, minimum=0.0, maximum=0.5),
         ),
         stopped=own.any(STOPPED, False) is True,

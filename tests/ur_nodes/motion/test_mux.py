@@ -354,3 +354,26 @@ def test_robot_stops_in_time_before_an_obstacle_when_commands_end() -> None:
     ended = run.sent[-1][0]
     run.until(run.now + 1.0)
     assert all(output == STILL for at, output, _ in run.sent if at > ended + BUDGET)
+
+
+def test_mux_that_was_suspended_while_it_drove_moves_the_robot_no_further(run: Run) -> None:
+    run.drive(KEYBOARD, AHEAD, 2.0)
+    assert run.last == AHEAD
+    run.now += 2.0
+    count = len(run.sent)
+    run.handle(None)
+    run.until(run.now + 1.0)
+    after = [velocity for _, velocity, _ in run.sent[count:]]
+    assert after
+    assert set(after) == {STILL}
+
+
+def test_mux_that_was_suspended_goes_on_from_zero_for_fresh_commands(run: Run) -> None:
+    run.drive(KEYBOARD, AHEAD, 2.0)
+    run.now += 2.0
+    count = len(run.sent)
+    run.handle(Command(KEYBOARD, AHEAD))
+    run.drive(KEYBOARD, AHEAD, 2.0)
+    after = [velocity.forward for _, velocity, _ in run.sent[count:]]
+    assert after[0] <= FORWARD.speed_up * SETTINGS.period
+    assert after[-1] == AHEAD.forward
