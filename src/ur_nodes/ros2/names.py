@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import Any
 
 
 def name_of(name: str) -> str:
@@ -16,7 +15,7 @@ def full_name(namespace: str, name: str) -> str:
     return f"{namespace.rstrip('/')}/{name}"
 
 
-def type_name_of(message_class: Any) -> str:
+def type_name_of(message_class: type) -> str:
     """The middleware's name of a type of messages, 'geometry_msgs/msg/Twist'."""
     package, *_ = message_class.__module__.split(".")
     return f"{package}/msg/{message_class.__name__}"

@@ -61,5 +61,5 @@ class Senders:
         return list(found)
 
 
-def _read_id(gid: Mapping[str, Any] | None) -> str:
+def _read_id(gid: Mapping[str, bytes] | None) -> str:
     return bytes(gid["data"]).hex() if gid else ""
