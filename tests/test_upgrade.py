@@ -10,16 +10,16 @@ import numpy as np
 import pytest
 
 from ur.cli.main import main
-from ur.robot.discovery.record import Record, load_records, records_folder
-from ur.robot.discovery.seen import Seen, load_seen, note_seen, seen_path
+from ur.robot.discovery.record import RobotRecord, load_records, records_folder
+from ur.robot.discovery.seen import SeenRobot, load_seen, note_seen, seen_path
 from ur.robot.selection import Selection, load_selection, selection_path
-from ur.robot.sync.memory import Pair, load_memory, memory_path
+from ur.robot.sync.memory import WorkspacePair, load_memory, memory_path
 from ur_nodes.client.waypoints import WaypointStore, name_of_map, waypoint_path
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2
 
 STATE = Path(__file__).parent / "data/previous_version"
-BOB, EVE = Record("bob", "ros", "magni", "lidar"), Record("eve", "pi", "loki")
+BOB, EVE = RobotRecord("bob", "ros", "magni", "lidar"), RobotRecord("eve", "pi", "loki")
 
 
 @pytest.fixture
@@ -38,7 +38,7 @@ def test_selection_and_robots_are_those_of_before(
 ) -> None:
     assert load_selection(selection_path(environment)) == Selection("bob", "magni", "lidar")
     assert load_records(records_folder(environment)) == [BOB, EVE]
-    assert load_seen(seen_path(environment)) == {"bob": Seen("bob", "192.168.1.23", 1.7e9)}
+    assert load_seen(seen_path(environment)) == {"bob": SeenRobot("bob", "192.168.1.23", 1.7e9)}
     assert main(["use"]) == 0
     assert "bob:magni:lidar" in capsys.readouterr().out
 
@@ -46,7 +46,7 @@ def test_selection_and_robots_are_those_of_before(
 def test_last_synchronisation_of_workspaces_is_known(environment: dict[str, str]) -> None:
     memory = load_memory(memory_path("bob", environment))
     assert memory
-    assert memory.pair == Pair("/home/pat/catkin_ws/src", "/home/ros/catkin_ws/src", "0123abcd")
+    assert memory.pair == WorkspacePair("/home/pat/catkin_ws/src", "/home/ros/catkin_ws/src", "0123abcd")
     assert list(memory.agreed) == ["mine/package.xml"]
 
 
@@ -59,7 +59,7 @@ def test_waypoints_are_found_under_the_names_of_their_maps(environment: dict[str
 
 
 def test_what_is_written_now_keeps_what_was_there(environment: dict[str, str]) -> None:
-    note_seen(seen_path(environment), [Seen("eve", "192.168.1.31", 1.7e9 + 60)])
+    note_seen(seen_path(environment), [SeenRobot("eve", "192.168.1.31", 1.7e9 + 60)])
     assert set(load_seen(seen_path(environment))) == {"bob", "eve"}
     store = WaypointStore(waypoint_path("maze", environment))
     store.remember("door", Pose2(1.0, 1.0, 0.0))

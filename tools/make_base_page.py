@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from ur.robot.base import Base, Driver, list_bases, list_variants, load_base
+from ur.robot.base import Base, UpstreamDriver, list_bases, list_variants, load_base
 from ur_nodes.motion.obstacle_stop.base import make_sight
 from ur_nodes.motion.obstacle_stop.guard import BLIND
 from ur_nodes.motion.obstacle_stop.sensors import covers
@@ -79,7 +79,7 @@ def _figures(variants: Sequence[Base]) -> list[str]:
 
 
 def _drivers(variants: Sequence[Base]) -> list[str]:
-    drivers: dict[Driver, None] = {}
+    drivers: dict[UpstreamDriver, None] = {}
     for base in variants:
         drivers |= dict.fromkeys((*((base.driver,) if base.driver else ()), *base.drivers))
     if not drivers:

@@ -26,17 +26,17 @@ from bench.exploration_parts.quick import explore_quickly  # noqa: E402
 from bench.exploration_parts.truth import Truth  # noqa: E402
 from bench.mapping_parts.simulated import drive, grid_of_world, load_bench_base  # noqa: E402
 
-from ur.worlds.world_file import World  # noqa: E402
+from ur.worlds.world_file import WorldModel  # noqa: E402
 from ur_nodes.costmap.footprint import footprint_of_outline  # noqa: E402
 from ur_nodes.exploration.explorer_step import ExplorerSettings  # noqa: E402
 from ur_nodes.exploration.status import describe_end  # noqa: E402
 from ur_nodes.geometry.grid import FREE, OCCUPIED, Grid  # noqa: E402
 from ur_nodes.geometry.pose import Pose2  # noqa: E402
-from ur_nodes.geometry.scan import Mount  # noqa: E402
+from ur_nodes.geometry.scan import SensorMount  # noqa: E402
 from ur_nodes.simulator.simulation import Simulation  # noqa: E402
 from ur_nodes.slam.matching.scan import make_scan  # noqa: E402
 from ur_nodes.slam.occupancy import OccupancyMap  # noqa: E402
-from ur_nodes.slam.tracker import Tracker  # noqa: E402
+from ur_nodes.slam.tracker import MapTracker  # noqa: E402
 
 IMAGES = ROOT / "docs" / "images"
 FLAT = 0
@@ -83,7 +83,7 @@ def make_map_explored() -> str:
 
 
 def _maps(
-    world: World, floor: Grid, tour: Sequence[tuple[float, float]], moments: Sequence[float]
+    world: WorldModel, floor: Grid, tour: Sequence[tuple[float, float]], moments: Sequence[float]
 ) -> list[Image.Image]:
     """Drive through a world as the lidar sees it, on a floor; return the map after these shares of the drive."""
     base = load_bench_base()
@@ -91,9 +91,9 @@ def _maps(
     taken = list(drive(Simulation(world, base, seed=0), base, floor, tour))[::EVERY]
     angles = np.linspace(base.lidar.angle_min, base.lidar.angle_max, base.lidar.samples)
     directions = np.column_stack((np.cos(angles), np.sin(angles)))
-    limits, mount = (base.lidar.range_min, base.lidar.range_max), Mount(np.eye(3), np.array(base.lidar.pose[:3]))
+    limits, mount = (base.lidar.range_min, base.lidar.range_max), SensorMount(np.eye(3), np.array(base.lidar.pose[:3]))
     ends = [max(1, round(moment * len(taken))) for moment in moments]
-    tracker, pictures = Tracker(), []
+    tracker, pictures = MapTracker(), []
     for number, moment in enumerate(taken, start=1):
         scan = make_scan(moment.ranges, directions, limits, mount)
         estimate = tracker.add_scan(scan, moment.odometry)
@@ -104,7 +104,7 @@ def _maps(
     return pictures
 
 
-def _changed(world: World, corners: tuple[tuple[float, float], tuple[float, float]], value: int) -> World:
+def _changed(world: WorldModel, corners: tuple[tuple[float, float], tuple[float, float]], value: int) -> WorldModel:
     """Fill a rectangle of the floor plan: 100 is wall, 0 floor."""
     plan = world.floor_plan
     values = plan.values.copy()

@@ -23,8 +23,8 @@ from rich.text import Text
 
 from ur.cli.robots.robots import _picture
 from ur.robot.base import load_base
-from ur.robot.discovery.listing import Answer, Row
-from ur.robot.discovery.seen import Seen
+from ur.robot.discovery.listing import RobotAnswer, RobotRow
+from ur.robot.discovery.seen import SeenRobot
 from ur.worlds.world_file import read_world
 from ur_nodes.simulator.camera.camera_process import CameraProcess
 from ur_nodes.simulator.simulation import Simulation
@@ -106,9 +106,11 @@ def make_two_computers() -> Path:
     now = time.time()
     services = (("magni-base", "active"),)
     rows = [
-        Row("bob", "192.168.1.23", "magni", "lidar", "0.1.0", Answer(nodes=7, services=services, offset=0.003)),
-        Row("eve", "192.168.1.31", "loki", "", "0.1.0", Answer(nodes=0, services=(), offset=-0.011)),
-        Row("joe", "", seen=Seen("joe", "192.168.1.40", now - 7300.0)),
+        RobotRow(
+            "bob", "192.168.1.23", "magni", "lidar", "0.1.0", RobotAnswer(nodes=7, services=services, offset=0.003)
+        ),
+        RobotRow("eve", "192.168.1.31", "loki", "", "0.1.0", RobotAnswer(nodes=0, services=(), offset=-0.011)),
+        RobotRow("joe", "", seen=SeenRobot("joe", "192.168.1.40", now - 7300.0)),
     ]
     console = Console(record=True, width=116, file=io.StringIO())
     console.print(Text("$ ur robots"))

@@ -19,9 +19,9 @@ from skimage.graph import route_through_array
 from textual.widgets import Input
 
 from ur_nodes.client.driver_text import DriverRequest
-from ur_nodes.client.model import GoalReport, GoalState, Snapshot
 from ur_nodes.client.mux import MuxRequest
-from ur_nodes.client.patrol_text import PatrolAction, Route
+from ur_nodes.client.patrol_text import PatrolAction, PatrolRoute
+from ur_nodes.client.snapshot import GoalReport, LastGoalState, RobotSnapshot
 from ur_nodes.client.waypoints import WaypointStore
 from ur_nodes.geometry.grid import Grid, load_map
 from ur_nodes.geometry.pose import Pose2
@@ -38,10 +38,10 @@ PLACES = {"dock": START, "kitchen": Pose2(16.6, 1.65, 0.0), "desk": Pose2(6.4, 4
 class StillNavigator:
     """A Navigator whose robot is on its way and never arrives."""
 
-    def __init__(self, snapshot: Snapshot) -> None:
+    def __init__(self, snapshot: RobotSnapshot) -> None:
         self._snapshot = snapshot
 
-    def snapshot(self) -> Snapshot:
+    def snapshot(self) -> RobotSnapshot:
         """Always the same."""
         return self._snapshot
 
@@ -49,7 +49,7 @@ class StillNavigator:
         """Nothing."""
         return 1
 
-    def ask_patrol(self, _action: PatrolAction, _route: Route) -> str:
+    def ask_patrol(self, _action: PatrolAction, _route: PatrolRoute) -> str:
         """Nothing."""
         return ""
 
@@ -94,19 +94,19 @@ def cast_scan(grid: Grid, pose: Pose2, reach: float = 8.0) -> NDArray[np.float64
     return ends
 
 
-def make_snapshot() -> Snapshot:
+def make_snapshot() -> RobotSnapshot:
     """The robot some way along its path."""
     grid = load_map(MAP)
     path = find_path(grid, START, GOAL)
     at = int(len(path) * ROBOT_AT)
     ahead = path[at + 6] - path[at]
     pose = Pose2(float(path[at, 0]), float(path[at, 1]), math.atan2(ahead[1], ahead[0]))
-    return Snapshot(
+    return RobotSnapshot(
         grid=grid,
         pose=pose,
         scan=cast_scan(grid, pose),
         path=path[at:],
-        goal=GoalReport(1, GOAL, GoalState.DRIVING),
+        goal=GoalReport(1, GOAL, LastGoalState.DRIVING),
         speed=0.5,
         spread=0.04,
     )

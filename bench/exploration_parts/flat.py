@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ur.worlds.map_file import MapFile, MapImage
-from ur.worlds.world_file import World
+from ur.worlds.world_file import WorldModel
 
 _CELL = 0.05
 _WALL = 0.1  # m
@@ -18,7 +18,7 @@ _DOORS = (0.8, 0.9, 1.0)  # m, what standards of houses name
 START_AT = 0.9  # m from the hall's end: the origin of the world
 
 
-def make_flat(seed: int) -> World:
+def make_flat(seed: int) -> WorldModel:
     """A hall with two or three rooms on each side, some of them joined by a second door, with furniture."""
     random = np.random.default_rng(1000 + seed)
     length, low_depth, high_depth = random.uniform(8.5, 12.0), random.uniform(3.0, 4.5), random.uniform(3.0, 4.5)
@@ -46,7 +46,7 @@ def make_flat(seed: int) -> World:
     file = MapFile(
         Path("flat.png"), _CELL, origin, negate=False, occupied_thresh=0.65, free_thresh=0.25, mode="trinary"
     )
-    return World(MapImage(file, np.where(cells, 100, 0).astype(np.int8)), 1.0, 0.9, (), (), (0.0, 0.0, 0.0))
+    return WorldModel(MapImage(file, np.where(cells, 100, 0).astype(np.int8)), 1.0, 0.9, (), (), (0.0, 0.0, 0.0))
 
 
 def write_flat(seed: int, folder: Path) -> Path:

@@ -12,12 +12,12 @@ from bench.exploration_parts.truth import Truth
 from skimage.graph import MCP_Geometric
 
 from ur_nodes.exploration.explorer import Explorer
-from ur_nodes.exploration.explorer_step import ExplorerSettings, GoalEnd, Inputs
+from ur_nodes.exploration.explorer_step import ExplorerInputs, ExplorerSettings, GoalEnd
 from ur_nodes.exploration.search.floor import nearest_cell
-from ur_nodes.exploration.status import Status
+from ur_nodes.exploration.status import ExploreStatus
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2
-from ur_nodes.geometry.scan import Mount
+from ur_nodes.geometry.scan import SensorMount
 from ur_nodes.slam.matching.scan import make_scan
 from ur_nodes.slam.occupancy import OccupancyMap
 
@@ -38,7 +38,7 @@ class Quick:
     `off` is the median factor by which the estimates of the time left were off, until 15 s before the end; nan: none.
     """
 
-    status: Status
+    status: ExploreStatus
     grid: Grid
     way: float
     share: float
@@ -58,18 +58,18 @@ def explore_quickly(truth: Truth, settings: ExplorerSettings, most: int = 2000) 
     poses, scans = [], []
     goal: Pose2 | None = None
     ended: GoalEnd | None = None
-    status, longest, touched, most_at = Status(), 0.0, 0, math.inf
+    status, longest, touched, most_at = ExploreStatus(), 0.0, 0, math.inf
     guesses: list[tuple[float, float]] = []  # s: when, and how long it was to take
     floor = truth.grid.points_of_cells(np.argwhere(truth.floor))
     for version in range(most):
         ranges = truth.ranges(robot.x, robot.y, robot.yaw)
         poses.append(robot)
-        scans.append(make_scan(ranges, directions, (0.1, 12.0), Mount(np.eye(3), np.zeros(3))))
+        scans.append(make_scan(ranges, directions, (0.1, 12.0), SensorMount(np.eye(3), np.zeros(3))))
         drawn.update(poses, scans)
         if most_at == math.inf and np.mean(drawn.grid().values_at(floor) >= 0) >= ENOUGH:
             most_at = way
         began = time.process_time()
-        out = explorer.step(Inputs(now, drawn.grid(), version, robot, ended=ended))
+        out = explorer.step(ExplorerInputs(now, drawn.grid(), version, robot, ended=ended))
         longest = max(longest, time.process_time() - began)
         status, ended = out.status, None
         if status.left is not None:

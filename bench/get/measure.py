@@ -12,10 +12,10 @@ from pathlib import Path
 
 from ur.get.computer import ThisComputer, load_tables
 from ur.get.folder import folder_needs
-from ur.get.model import GetPlan, Step
 from ur.get.owners import confirm_guesses
 from ur.get.plan import make_plan
 from ur.get.render import render_plan
+from ur.get.steps import GetPlan, InstallStep
 from ur.request.environment import add_own_package
 
 SHARE = 0.95
@@ -74,7 +74,7 @@ def main() -> int:
     return 0 if share >= SHARE else 1
 
 
-def way_of(step: Step) -> str:
+def way_of(step: InstallStep) -> str:
     """The way to get a package; "here" where something in the folder is to be changed instead."""
     return "here" if step.here else "debian" if step.way == "other" else step.way
 

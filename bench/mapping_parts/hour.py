@@ -16,11 +16,11 @@ from bench.mapping_parts.simulated import Moment, drive, grid_of_world, read_ben
 
 from ur.robot.base import Base
 from ur_nodes.geometry.pose import Pose2
-from ur_nodes.geometry.scan import Mount
+from ur_nodes.geometry.scan import SensorMount
 from ur_nodes.simulator.simulation import Simulation
 from ur_nodes.slam.matching.scan import make_scan
 from ur_nodes.slam.occupancy import OccupancyMap
-from ur_nodes.slam.tracker import Tracker
+from ur_nodes.slam.tracker import MapTracker
 
 _MAP_EVERY = 5.0  # s
 
@@ -83,8 +83,8 @@ def drive_long(name: str, seed: int, base: Base, minutes: float, report: float) 
 def _map(pipe: Connection, angles: Floats, mount: Pose2, limits: tuple[float, float]) -> None:
     """Map what comes through a pipe, and answer with live poses; None asks for a Part."""
     directions = np.column_stack((np.cos(angles), np.sin(angles)))
-    level = Mount(np.eye(3), np.array((*mount[:2], 0.0)))
-    tracker, drawn = Tracker(), OccupancyMap()
+    level = SensorMount(np.eye(3), np.array((*mount[:2], 0.0)))
+    tracker, drawn = MapTracker(), OccupancyMap()
     scans: list[float] = []
     drawings: list[float] = []
     due = 0.0

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ur.worlds.map_file import MapFile, MapImage
-from ur.worlds.world_file import World
+from ur.worlds.world_file import WorldModel
 
 _CELL = 0.05
 _LENGTH, _DEPTH = 14.0, 10.0  # m, of the building
@@ -18,7 +18,7 @@ _CORRIDOR = (4.2, 5.8)  # m, its two walls
 _DOOR = 1.0  # m
 
 
-def make_lab(seed: int) -> World:
+def make_lab(seed: int) -> WorldModel:
     """Three rooms on each side of a corridor, with furniture, turned by an angle drawn from the seed."""
     random = np.random.default_rng(seed)
     cells = np.zeros((round(_DEPTH / _CELL), round(_LENGTH / _CELL)), dtype=bool)
@@ -42,10 +42,10 @@ def make_lab(seed: int) -> World:
     origin = (-float(c * start[0] - s * start[1]), -float(s * start[0] + c * start[1]), yaw)
     file = MapFile(Path("lab.png"), _CELL, origin, negate=False, occupied_thresh=0.65, free_thresh=0.25, mode="trinary")
     plan = MapImage(file, np.where(cells, 100, 0).astype(np.int8))
-    return World(plan, 1.0, 0.9, (), (), (0.0, 0.0, 0.0))
+    return WorldModel(plan, 1.0, 0.9, (), (), (0.0, 0.0, 0.0))
 
 
-def lab_goals(world: World, random: np.random.Generator) -> NDArray[np.float64]:
+def lab_goals(world: WorldModel, random: np.random.Generator) -> NDArray[np.float64]:
     """The middle of each room, in an order drawn at random, and the start again; (n, 2) in the frame of the world."""
     rooms = np.array([(x, y) for x in (2.3, 7.0, 11.7) for y in (2.7, 7.3)])[random.permutation(6)]
     places = np.vstack((rooms, (1.0, 5.05)))

@@ -14,10 +14,10 @@ from numpy.typing import NDArray
 
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2
-from ur_nodes.geometry.scan import Mount
+from ur_nodes.geometry.scan import SensorMount
 from ur_nodes.slam.matching.scan import make_scan
 from ur_nodes.slam.occupancy import OccupancyMap
-from ur_nodes.slam.tracker import Tracker
+from ur_nodes.slam.tracker import MapTracker
 
 _MAP_EVERY = 5.0  # s between two drawings of the map, as a node has it
 
@@ -45,7 +45,7 @@ def run_apart(log: Log, *, odometry: bool = True) -> Result:
     """Map a log in a fresh process."""
     context = multiprocessing.get_context("spawn")
     here, there = context.Pipe()
-    arguments = (there, log.directions, Mount(np.eye(3), np.array((*log.mount[:2], 0.0))), log.range_limits)
+    arguments = (there, log.directions, SensorMount(np.eye(3), np.array((*log.mount[:2], 0.0))), log.range_limits)
     mapper = context.Process(target=_run, args=arguments)
     mapper.start()
     there.close()
@@ -57,9 +57,9 @@ def run_apart(log: Log, *, odometry: bool = True) -> Result:
     return result
 
 
-def _run(pipe: Connection, directions: Floats, mount: Mount, limits: tuple[float, float]) -> None:
+def _run(pipe: Connection, directions: Floats, mount: SensorMount, limits: tuple[float, float]) -> None:
     """Map what comes through a pipe until None comes, then answer with the result."""
-    tracker, drawn = Tracker(), OccupancyMap()
+    tracker, drawn = MapTracker(), OccupancyMap()
     seconds: list[float] = []
     live: list[tuple[float, ...]] = []
     lost: list[bool] = []

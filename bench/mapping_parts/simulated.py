@@ -15,7 +15,7 @@ from bench.navigation_parts.worlds import GOALS
 from numpy.typing import NDArray
 
 from ur.robot.base import Base, load_base
-from ur.worlds.world_file import World, read_world
+from ur.worlds.world_file import WorldModel, read_world
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2, wrap_angle
 from ur_nodes.simulator.simulation import Simulation
@@ -37,7 +37,7 @@ class Moment(NamedTuple):
     truth: Pose2
 
 
-def read_bench_world(name: str, seed: int) -> tuple[World, list[tuple[float, float]]]:
+def read_bench_world(name: str, seed: int) -> tuple[WorldModel, list[tuple[float, float]]]:
     """Read a world and the goals of the drive through it; the seed shuffles the goals, and makes the lab."""
     random = np.random.default_rng(seed)
     if name == "lab":
@@ -51,7 +51,7 @@ def read_bench_world(name: str, seed: int) -> tuple[World, list[tuple[float, flo
     return world, goals
 
 
-def grid_of_world(world: World) -> Grid:
+def grid_of_world(world: WorldModel) -> Grid:
     """The floor plan as a grid."""
     plan = world.floor_plan
     return Grid(np.where(plan.walls, 100, 0).astype(np.int8), plan.resolution, Pose2(*plan.origin))

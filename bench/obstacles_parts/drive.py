@@ -17,18 +17,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ur.robot.base import Base
-from ur.worlds.world_file import World
+from ur.worlds.world_file import WorldModel
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.motion.mux import MuxState, start_mux, step
-from ur_nodes.motion.mux_events import Command, Event, MuxSettings, Source, Velocity, Watch
+from ur_nodes.motion.mux_events import Event, GuardChanged, MuxSettings, Source, Velocity, VelocityCommand
 from ur_nodes.motion.obstacle_stop.base import contact_points, make_sight
 from ur_nodes.motion.obstacle_stop.guard import make_guard
 from ur_nodes.motion.obstacle_stop.hull import Floats
 from ur_nodes.motion.obstacle_stop.sensors import RangeSensor
-from ur_nodes.motion.obstacle_stop.sight import MEMORY, Ranges, Sight, look, move, touch
+from ur_nodes.motion.obstacle_stop.sight import MEMORY, SensorRanges, Sight, look, move, touch
 from ur_nodes.motion.obstacle_stop.track import Odometer
 from ur_nodes.motion.ramp import axes_of
-from ur_nodes.simulator.simulation import Simulation, Tick
+from ur_nodes.simulator.simulation import Simulation, SimulationTick
 
 _COMMAND_DELAY, _SENSOR_DELAY = 0.01, 0.02  # s
 _COMMANDS = 30.0  # Hz
@@ -46,7 +46,7 @@ class Drive:
     """
 
     base: Base
-    world: World
+    world: WorldModel
     driver: Driver
     guarded: bool = True
     seed: int = 0
@@ -69,7 +69,7 @@ class Drive:
         self._pressed: dict[str, bool] = {}
         self._collisions = 0
         if self.guarded:
-            self._step(Watch(make_guard(self._sight, self.base.limits, self.base.limits.lag)))
+            self._step(GuardChanged(make_guard(self._sight, self.base.limits, self.base.limits.lag)))
 
     def run(self, seconds: float, until: Callable[[Pose2], bool] = lambda _: False) -> float:
         """Drive for so long, or until a pose is reached; return the time (s)."""
@@ -84,7 +84,7 @@ class Drive:
             elif command_at <= now:
                 command_at += 1.0 / _COMMANDS
                 wanted = self.driver(now - begin, self.simulation.pose(0))
-                self._post(now + _COMMAND_DELAY, partial(self._step, Command(0, wanted, now)))
+                self._post(now + _COMMAND_DELAY, partial(self._step, VelocityCommand(0, wanted, now)))
             elif self._state.next_at <= now:
                 self._step(None)
             else:
@@ -113,7 +113,7 @@ class Drive:
             self.decisions += 1
             self._post(now + _COMMAND_DELAY, lambda: self.simulation.command(0, output.forward, output.turn))
 
-    def _sense(self, tick: Tick) -> None:
+    def _sense(self, tick: SimulationTick) -> None:
         base, at = self.base, tick.time
         if tick.odometry:
             odometry = self.simulation.odometry(0)
@@ -124,7 +124,7 @@ class Drive:
             ranges = self.simulation.scan(0)
             step = (base.lidar.angle_max - base.lidar.angle_min) / (base.lidar.samples - 1)
             limits = base.lidar.range_min, base.lidar.range_max
-            scan = Ranges(ranges, limits, at, base.lidar.angle_min, step)
+            scan = SensorRanges(ranges, limits, at, base.lidar.angle_min, step)
             seen.append((self._sight.sensors[0], math.inf))
             self._look(self._sight.sensors[0], scan, at)
         if tick.sonars and base.sonars:
@@ -132,7 +132,7 @@ class Drive:
             limits = base.sonars.range_min, base.sonars.range_max
             for sensor, value in zip(sonars, self.simulation.senses[0].ranges(), strict=True):
                 seen.append((sensor, float(value)))
-                self._look(sensor, Ranges(np.array([value]), limits, at, cone=base.sonars.field_of_view), at)
+                self._look(sensor, SensorRanges(np.array([value]), limits, at, cone=base.sonars.field_of_view), at)
         if seen:
             self._past.append((at, self.simulation.pose(0), tuple(seen)))
             self._past = [each for each in self._past if at - each[0] < MEMORY]
@@ -146,7 +146,7 @@ class Drive:
             self._collisions = self.simulation.collisions[0]
             self._judge(at)
 
-    def _look(self, sensor: RangeSensor, reading: Ranges, at: float) -> None:
+    def _look(self, sensor: RangeSensor, reading: SensorRanges, at: float) -> None:
         def take() -> None:
             began = time.thread_time()
             sight = look(self._sight, sensor, reading)
@@ -161,7 +161,7 @@ class Drive:
     def _take(self, sight: Sight) -> None:
         self._sight = sight
         if self._state.guard is not None:
-            self._step(Watch(replace(self._state.guard, sight=sight)))
+            self._step(GuardChanged(replace(self._state.guard, sight=sight)))
 
     def _judge(self, at: float) -> None:
         """Note a contact as seen when a sensor had its place in view lately, while that was clear of the outline."""

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from ur.worlds.map_file import MapFile, MapImage
-from ur.worlds.world_file import Box, World
+from ur.worlds.world_file import Box, WorldModel
 
 SCENES = ("wall", "box", "person", "pole", "stepping in")
 _CELL = 0.05
@@ -17,7 +17,7 @@ CORRIDOR = (9.0, 1.0)  # m
 STEPPER = "person"
 
 
-def make_scene(kind: str, random: np.random.Generator) -> World:
+def make_scene(kind: str, random: np.random.Generator) -> WorldModel:
     """A square room with its middle at the origin, and what stands 1.2 to 1.8 m from there in some direction."""
     angle, distance = random.uniform(-math.pi, math.pi), random.uniform(1.2, 1.8)
     x, y, yaw = distance * math.cos(angle), distance * math.sin(angle), random.uniform(-math.pi, math.pi)
@@ -44,7 +44,7 @@ def make_scene(kind: str, random: np.random.Generator) -> World:
     return _world(cells, (-ROOM / 2.0 - 2 * _CELL,) * 2, boxes, obstacles, start)
 
 
-def make_corridor(random: np.random.Generator) -> World:
+def make_corridor(random: np.random.Generator) -> WorldModel:
     """A corridor along x with its axis at y = 0; the robot begins near its end, a little off the axis."""
     length, width = CORRIDOR
     cells = np.ones((round(width / _CELL) + 4, round(length / _CELL) + 4), bool)
@@ -59,9 +59,9 @@ def _world(
     boxes: tuple[Box, ...],
     obstacles: tuple[Box, ...],
     start: tuple[float, float, float],
-) -> World:
+) -> WorldModel:
     file = MapFile(
         Path("room.png"), _CELL, (*corner, 0.0), negate=False, occupied_thresh=0.65, free_thresh=0.25, mode="trinary"
     )
     plan = MapImage(file, np.where(cells, 100, 0).astype(np.int8))
-    return World(plan, 1.0, 0.9, boxes, obstacles, start)
+    return WorldModel(plan, 1.0, 0.9, boxes, obstacles, start)

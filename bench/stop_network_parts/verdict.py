@@ -18,7 +18,7 @@ from bench.stop_network_parts.lane import Lane
 from bench.stop_network_parts.recorder import RESTS
 
 from ur.robot.base import Base
-from ur_nodes.simulator.drive import Drive
+from ur_nodes.simulator.drive import WheelDrive
 
 _PERIOD = 0.005  # s
 _CONTROL = 2  # periods of the controller: 100 Hz
@@ -70,7 +70,7 @@ def simulate_base(base: Base, outputs: Iterable[tuple[float, float, float]], end
     waiting = list(outputs)
     if not waiting:
         return []
-    drive, forward, turn = Drive(base, _PERIOD * _CONTROL), 0.0, 0.0
+    drive, forward, turn = WheelDrive(base, _PERIOD * _CONTROL), 0.0, 0.0
     share = 1.0 - math.exp(-_PERIOD / _WHEELS)
     found, index, start = [], 0, waiting[0][0]
     for step in range(int((end - start) / _PERIOD) + 1):

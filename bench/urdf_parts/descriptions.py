@@ -11,7 +11,7 @@ from ur.cli.files.base_from import load_file, look_around
 from ur.request.environment import PACKAGE
 from ur.robot.base import list_bases
 from ur.robot.description.drive import find_drive
-from ur.robot.description.model import Description
+from ur.robot.description.urdf_parts import Description
 from ur.source.diagnostic import UserError
 
 _ROBOT = re.compile(r"<robot[\s>]")

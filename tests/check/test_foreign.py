@@ -2,22 +2,22 @@
 
 from __future__ import annotations
 
-from ur.check.model import Example
 from ur.check.queries.executables import is_misspelt
 from ur.check.render.pages import FOLDER, check_example
 from ur.check.render.text import render_text
-from ur.check.run import Report, check_paths
+from ur.check.rule import Example
+from ur.check.run import CheckReport, check_paths
 from ur.launchfile.world import MemoryWorld
 
 NODE = '<node name="talker" pkg="demo_nodes" type="talker"{}/>'
 INCLUDE = '<include file="$(find my_robot)/launch/part.launch">{}</include>'
 
 
-def check(**files: str) -> Report:
+def check(**files: str) -> CheckReport:
     return check_example(Example({f"launch/{name}.launch": f"<launch>{text}</launch>" for name, text in files.items()}))
 
 
-def rules_of(report: Report) -> list[str]:
+def rules_of(report: CheckReport) -> list[str]:
     return [found.rule for found in report.findings]
 
 

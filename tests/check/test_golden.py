@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from ur.check.render.text import shorten_paths
-from ur.check.run import Report, check_paths
+from ur.check.run import CheckReport, check_paths
 from ur.launchfile import SystemWorld
 from ur.source.render import render_human
 
@@ -20,7 +20,7 @@ GOLDEN = Path(__file__).parent / "golden"
 THE_THIRTEEN = sorted(path for path in (INPUTS / "err").iterdir() if path.name[:2].isdigit())
 
 
-def check(case: Path) -> Report:
+def check(case: Path) -> CheckReport:
     words = case / "arguments.txt"
     arguments = dict(word.split(":=") for word in words.read_text().split()) if words.exists() else {}
     world = SystemWorld({"ROS_PACKAGE_PATH": str(INPUTS), "HOME": "/home/robot"})

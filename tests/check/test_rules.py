@@ -7,8 +7,8 @@ import re
 import pytest
 
 from ur.check.catalogue import load_rules
-from ur.check.model import Example, Rule
 from ur.check.render.pages import check_example, marked_place
+from ur.check.rule import Example, Rule
 from ur.source.render import render_human
 
 RULES = load_rules()

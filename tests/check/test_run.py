@@ -4,18 +4,18 @@ from __future__ import annotations
 
 import pytest
 
-from ur.check.model import Example, launch_example
 from ur.check.render.pages import FOLDER, check_example
-from ur.check.run import Report, check_paths
+from ur.check.rule import Example, launch_example
+from ur.check.run import CheckReport, check_paths
 from ur.launchfile.world import MemoryWorld
 from ur.source.diagnostic import UserError
 
 
-def rules_of(report: Report) -> list[str]:
+def rules_of(report: CheckReport) -> list[str]:
     return [found.rule for found in report.findings]
 
 
-def check(text: str, files: dict[str, str] | None = None) -> Report:
+def check(text: str, files: dict[str, str] | None = None) -> CheckReport:
     return check_example(launch_example(text, files))
 
 

@@ -9,9 +9,9 @@ import os
 from pathlib import Path
 
 from ur.check.catalogue import load_rules
-from ur.check.model import Rule
 from ur.check.render.pages import FOLDER, check_example
 from ur.check.render.text import shorten_paths
+from ur.check.rule import Rule
 
 GOLDEN = Path(__file__).parent / "golden" / "wording.txt"
 

@@ -9,17 +9,17 @@ from pathlib import Path
 import pytest
 
 from ur.cli.changing import show_changes
-from ur.cli.computer.doctor_report import Report, print_report
+from ur.cli.computer.doctor_report import DoctorReport, print_report
 from ur.cli.main import main
 from ur.cli.robot_setup.network import print_table
 from ur.cli.robot_setup.robot import _print_checks
 from ur.cli.robots.robots import _print
-from ur.robot.discovery.listing import Answer, Row
-from ur.robot.doctor.model import Finding
-from ur.robot.doctor.route import Step
+from ur.robot.discovery.listing import RobotAnswer, RobotRow
+from ur.robot.doctor.findings import Finding
+from ur.robot.doctor.route import RouteStep
 from ur.robot.setup.change import Change
 from ur.robot.setup.login import Task
-from ur.robot.setup.robot_states import Robot
+from ur.robot.setup.robot_states import WantedRobot
 from ur.robot.setup.verify import Check
 from ur.robot.ssh.address import Address
 
@@ -114,12 +114,16 @@ def test_documents_hold_no_lines_of_others(package: Path) -> None:
 
 def test_answers_of_a_robot_are_text(capsys: pytest.CaptureFixture[str]) -> None:
     markup = "[/etc/hostname] [red]x[/red] [bold"
-    task = Task(Address("ros", "bob.local"), Robot(NASTY, "magni"))
+    task = Task(Address("ros", "bob.local"), WantedRobot(NASTY, "magni"))
     _print_checks(task, [Check(markup, NASTY, True, markup), Check(NASTY, "here", False, NASTY)])
-    row = Row(NASTY, NASTY, markup, NASTY, NASTY, Answer(services=((NASTY, "failed"),)), problem=NASTY, help=NASTY)
+    row = RobotRow(
+        NASTY, NASTY, markup, NASTY, NASTY, RobotAnswer(services=((NASTY, "failed"),)), problem=NASTY, help=NASTY
+    )
     _print([row])
     print_report(
-        Report({"here": NASTY, "there": NASTY}, [Finding("rule", NASTY, help=NASTY)], [Step(NASTY, False, NASTY)])
+        DoctorReport(
+            {"here": NASTY, "there": NASTY}, [Finding("rule", NASTY, help=NASTY)], [RouteStep(NASTY, False, NASTY)]
+        )
     )
     print_table(("a", "b"), [(markup, NASTY)])
     show_changes([Change(NASTY, f"+ {CLIPBOARD}", ())])

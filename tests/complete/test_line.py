@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
+from ur.complete.completions import Line
 from ur.complete.line import split_line
-from ur.complete.model import Line
 
 
 @pytest.mark.parametrize(

@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 from ur.cli.verbs import VERBS
+from ur.complete.completions import Completion, NameSources, Option
 from ur.complete.line import split_line
-from ur.complete.model import Candidate, Known, Option
 from ur.complete.verbs import complete_line
 from ur.launchfile import SystemWorld
 
@@ -37,8 +37,8 @@ def world(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> SystemWorld:
     return SystemWorld({"ROS_PACKAGE_PATH": str(tmp_path)})
 
 
-def values(name: str, given: Mapping[str, str]) -> list[Candidate]:
-    return [Candidate("stage"), Candidate("magni")] if name == "robot_base" and "machine" not in given else []
+def values(name: str, given: Mapping[str, str]) -> list[Completion]:
+    return [Completion("stage"), Completion("magni")] if name == "robot_base" and "machine" not in given else []
 
 
 def offer(line: str, world: SystemWorld) -> list[str]:
@@ -49,18 +49,18 @@ def offer(line: str, world: SystemWorld) -> list[str]:
         Option(("--robot",), "whose", takes_value=True),
         Option(("--select",), "rules", takes_value=True),
     ]
-    known = Known(
+    known = NameSources(
         {
-            "verb": lambda: [Candidate("launch"), Candidate("logs"), Candidate("run")],
-            "program": lambda: [Candidate("drive"), Candidate("dance")],
-            "robot": lambda: [Candidate("loki")],
-            "rule": lambda: [Candidate("bad-name"), Candidate("bad-yaml"), Candidate("unknown-tag")],
+            "verb": lambda: [Completion("launch"), Completion("logs"), Completion("run")],
+            "program": lambda: [Completion("drive"), Completion("dance")],
+            "robot": lambda: [Completion("loki")],
+            "rule": lambda: [Completion("bad-name"), Completion("bad-yaml"), Completion("unknown-tag")],
         },
         lambda verb: ("help topic",) if verb == "help" else VERBS[verb].arguments if verb in VERBS else (),
         lambda _verb: options,
         lambda name: "my_robot/launch/drive.launch" if name == "drive" else None,
         values,
-        lambda _path, _words: [Candidate("talker"), Candidate("/talker")],
+        lambda _path, _words: [Completion("talker"), Completion("/talker")],
     )
     return [each.text for each in complete_line(split_line(line), world, known)]
 
@@ -109,7 +109,7 @@ def test_offered(line: str, offered: list[str], world: SystemWorld) -> None:
 
 
 def test_arguments_come_with_their_documentation(world: SystemWorld) -> None:
-    found = complete_line(split_line("ur launch here.launch "), world, Known(kinds=lambda _verb: ("launch",)))
+    found = complete_line(split_line("ur launch here.launch "), world, NameSources(kinds=lambda _verb: ("launch",)))
     assert [(each.text, each.help, each.open) for each in found][:2] == [
         ("robot_base:=", "The base. (required)", True),
         ("speed:=", "How fast. (default '..._1')", True),

@@ -11,7 +11,7 @@ import pytest
 from tests.base_contract import EVERY, PACKAGE, list_frames, list_topics, load
 
 from ur.launchfile.plan.load import load_plan
-from ur.launchfile.plan.model import NodeSpec, Plan
+from ur.launchfile.plan.specs import NodeSpec, Plan
 from ur.launchfile.world.system import SystemWorld
 from ur.robot.base import Base
 

@@ -11,7 +11,7 @@ import pytest
 from tests.base_contract import PACKAGE
 
 from ur.launchfile.plan.load import load_plan
-from ur.launchfile.plan.model import Plan
+from ur.launchfile.plan.specs import Plan
 from ur.launchfile.world.system import SystemWorld
 
 _PATHS = re.compile(r'<arg name="((?:\w+_)?(?:file|path|folder|config|world|map|map_name|topic|image))"')

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
+from ur.devices.device import Device
 from ur.devices.known import describe_device, find_known, find_rows, load_known, parse_known
-from ur.devices.model import Device
 
 HEAD = "id\tmatch\tproduct\tkind\tstable\tbaud\tsure\tprobe\twhat\tsource\n"
 

@@ -6,17 +6,17 @@ from dataclasses import replace
 
 import pytest
 
-from ur.devices.model import Device, Expected, Holder, Snapshot
+from ur.devices.device import Device, DeviceHolder, DeviceSnapshot, Expected
 from ur.devices.needs import State, examine, list_problems
 
 LIDAR = Device(
     "/dev/ttyUSB0", "serial", "10c4:ea60", links=("/dev/rplidar",), mode=0o660, owner="root", group="dialout"
 )
 NEED = Expected("lidar", "serial", "/dev/rplidar", "rplidar")
-THERE = Snapshot("ros", frozenset({"dialout"}), frozenset({"dialout"}), (LIDAR,))
+THERE = DeviceSnapshot("ros", frozenset({"dialout"}), frozenset({"dialout"}), (LIDAR,))
 
 
-def with_lidar(**changes: object) -> Snapshot:
+def with_lidar(**changes: object) -> DeviceSnapshot:
     return replace(THERE, devices=(replace(LIDAR, **changes),))  # type: ignore[arg-type] # a test's own keywords
 
 
@@ -28,7 +28,7 @@ def with_lidar(**changes: object) -> Snapshot:
         (with_lidar(links=()), "unnamed", "/dev/ttyUSB0 may be it", "ur robot setup"),
         (with_lidar(allowed=False), "forbidden", "ros may not open /dev/ttyUSB0", "dialout"),
         (
-            with_lidar(holders=(Holder(9, "agetty", "root"),)),
+            with_lidar(holders=(DeviceHolder(9, "agetty", "root"),)),
             "busy",
             "in use by agetty (process 9)",
             "disable --now serial-getty@ttyUSB0.service",
@@ -41,7 +41,9 @@ def with_lidar(**changes: object) -> Snapshot:
         ),
     ],
 )
-def test_expected_device_is_reported_with_what_to_do(snapshot: Snapshot, state: State, text: str, help: str) -> None:
+def test_expected_device_is_reported_with_what_to_do(
+    snapshot: DeviceSnapshot, state: State, text: str, help: str
+) -> None:
     (need,) = examine(snapshot, [NEED])
     assert need.state == state
     assert text in need.message
@@ -49,7 +51,7 @@ def test_expected_device_is_reported_with_what_to_do(snapshot: Snapshot, state: 
 
 
 def test_driver_that_runs_is_no_problem() -> None:
-    (need,) = examine(with_lidar(holders=(Holder(9, "rplidarNode", "ros"),)), [NEED])
+    (need,) = examine(with_lidar(holders=(DeviceHolder(9, "rplidarNode", "ros"),)), [NEED])
     assert need.state == "ready"
 
 

@@ -7,12 +7,12 @@ from pathlib import Path
 
 from tests.devices.tree import Tree
 
+from ur.devices.device import DeviceSnapshot
 from ur.devices.known import describe_device
-from ur.devices.model import Snapshot
 from ur.devices.observe import device_script, parse_devices
 
 
-def look(root: Path) -> Snapshot:
+def look(root: Path) -> DeviceSnapshot:
     done = subprocess.run(["sh", "-c", device_script(str(root))], capture_output=True, text=True, check=True)
     return parse_devices(done.stdout, str(root))
 
@@ -50,7 +50,7 @@ def test_parts_of_a_raspberry_pi_that_convert_pictures_are_no_cameras(tmp_path: 
 
 
 def test_nonsense_is_left_out() -> None:
-    assert parse_devices("") == Snapshot()
+    assert parse_devices("") == DeviceSnapshot()
     text = "\x1edevice\nclass tty\npath /etc/passwd\n"
     text += "\x1edevice\nclass tty\npath /dev/x\nusb zz\nmode 9 a b\n\x1elinks\n a\n"
     (device,) = parse_devices(text).devices

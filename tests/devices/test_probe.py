@@ -9,7 +9,7 @@ import tty
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
-from ur.devices.model import Device, Holder, Snapshot
+from ur.devices.device import Device, DeviceHolder, DeviceSnapshot
 from ur.devices.probe import list_questions, parse_answers, probe_script
 
 
@@ -99,5 +99,5 @@ def test_device_that_is_unplugged_while_it_is_asked_ends_the_question() -> None:
 
 def test_device_in_use_is_not_asked() -> None:
     lidar = Device("/dev/ttyUSB0", "serial", "10c4:ea60")
-    used = Device("/dev/ttyUSB1", "serial", "10c4:ea60", holders=(Holder(1, "rplidarNode"),))
-    assert list_questions(Snapshot(devices=(lidar, used))) == [("/dev/ttyUSB0", "rplidar", 115200)]
+    used = Device("/dev/ttyUSB1", "serial", "10c4:ea60", holders=(DeviceHolder(1, "rplidarNode"),))
+    assert list_questions(DeviceSnapshot(devices=(lidar, used))) == [("/dev/ttyUSB0", "rplidar", 115200)]

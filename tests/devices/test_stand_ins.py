@@ -25,7 +25,7 @@ from tests.devices.stand_ins.firmwares import (
 )
 from tests.devices.stand_ins.serial_stand_in import Firmware, SerialStandIn
 
-from ur.devices.model import Device, Expected, Snapshot
+from ur.devices.device import Device, DeviceSnapshot, Expected
 from ur.devices.needs import examine
 from ur.devices.probe import parse_answers, probe_script
 from ur.robot.ssh.shell import LocalShell
@@ -101,7 +101,7 @@ def test_doctor_misses_the_unplugged_device_and_accepts_it_when_it_is_back() -> 
     expected = Expected("lidar", "serial", "/dev/rplidar", "rplidar", 115200)
     plugged = Device("/dev/ttyUSB0", "serial", "10c4:ea60", links=("/dev/rplidar",))
     back = Device("/dev/ttyUSB1", "serial", "10c4:ea60", links=("/dev/rplidar",))
-    states = [examine(Snapshot("pat", devices=found), [expected])[0].state for found in ((plugged,), (), (back,))]
+    states = [examine(DeviceSnapshot("pat", devices=found), [expected])[0].state for found in ((plugged,), (), (back,))]
     assert states == ["ready", "missing", "ready"]
 
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from ur.devices.model import Expected
+from ur.devices.device import Expected
 from ur.devices.udev import write_rules
 from ur.robot.base import list_bases, list_variants, load_base
 from ur.robot.devices import expected_devices

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from ur.devices.observe import device_script
 from ur.robot.ssh.secret import Secret
-from ur.robot.ssh.shell import Done, LocalShell
+from ur.robot.ssh.shell import LocalShell, ShellResult
 
 
 class Tree:
@@ -92,9 +92,9 @@ class TreeShell:
     def __init__(self, tree: Tree) -> None:
         self._root = str(tree.root)
 
-    def run(self, script: str, *, root: bool = False, stdin: str | Secret = "", timeout: float = 60.0) -> Done:
+    def run(self, script: str, *, root: bool = False, stdin: str | Secret = "", timeout: float = 60.0) -> ShellResult:
         inside = (
             device_script(self._root) if script == device_script() else script.replace('"/dev/', f'"{self._root}/dev/')
         )
         done = LocalShell().run(inside, root=root, stdin=stdin, timeout=timeout)
-        return Done(done.code, done.out.replace(self._root, ""), done.err.replace(self._root, ""))
+        return ShellResult(done.code, done.out.replace(self._root, ""), done.err.replace(self._root, ""))

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 from ur.docs.build import build_documents
-from ur.docs.model import Documents, LaunchDoc, TreeItem
+from ur.docs.documents import Documents, LaunchDoc, TreeItem
 from ur.launchfile.world import MemoryWorld, SystemWorld
 
 ROOT = Path(__file__).parents[2]

@@ -11,10 +11,10 @@ import pytest
 from tests.docs.helpers import ROVER, document_folder, find, walk
 from tests.launchfile.conftest import BASE_ENVIRONMENT, Reference
 
+from ur.docs.documents import BaseCase, Documents, TreeItem
 from ur.docs.markdown.page import render_markdown
-from ur.docs.model import Case, Documents, TreeItem
 
-CASES = [Case("loki"), Case("magni"), Case("magni", "lidar"), Case("magni", "arm"), Case("stage")]
+CASES = [BaseCase("loki"), BaseCase("magni"), BaseCase("magni", "lidar"), BaseCase("magni", "arm"), BaseCase("stage")]
 ROOTS = ["launch/rover.launch", "m_rover/launch/m_rover.launch.xml"]
 HAS_ROSLAUNCH = Path("/usr/lib/python3/dist-packages/roslaunch").is_dir() or importlib.util.find_spec("roslaunch")
 
@@ -44,10 +44,10 @@ def by_default(item: TreeItem) -> Iterator[TreeItem]:
 @pytest.mark.parametrize("path", ROOTS)
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case.key)
 def test_tree_of_each_base_is_what_roslaunch_loads(
-    path: str, case: Case, documents: Documents, roslaunch: Reference
+    path: str, case: BaseCase, documents: Documents, roslaunch: Reference
 ) -> None:
     # rover.launch hands on all that it declares, and it declares no variant.
-    shown = case if "m_rover" in path else Case(case.base)
+    shown = case if "m_rover" in path else BaseCase(case.base)
     (tree,) = [tree for tree in find(documents, path).trees if shown in tree.cases]
     arguments = [f"robot_base:={shown.base}"] + [f"robot_variant:={shown.variant}"] * bool(shown.variant)
     environment = {**BASE_ENVIRONMENT, "ROS_PACKAGE_PATH": str(ROVER.parent)}
@@ -63,7 +63,7 @@ def test_what_options_turn_on_is_shown_with_the_options(documents: Documents, ro
     doc = find(documents, "m_rover/launch/m_rover.launch.xml")
     environment = {**BASE_ENVIRONMENT, "ROS_PACKAGE_PATH": str(ROVER.parent)}
     loaded = roslaunch.load([str(ROVER / doc.path)], ["robot_base:=loki", "camera:=true", "extras:=most"], environment)
-    (tree,) = [tree for tree in doc.trees if Case("loki") in tree.cases]
+    (tree,) = [tree for tree in doc.trees if BaseCase("loki") in tree.cases]
     names = {"/" + item.name for item in walk(tree.root) if item.kind == "node"}
     assert {node["name"] for node in loaded["nodes"]} < names
     notes = {item.name: item.note for item in walk(tree.root)}

@@ -15,8 +15,8 @@ from statistics import median
 from tests.e2e.matrix_table import Topic
 
 from ur.run.master.client import Master
-from ur.run.master.tcpros import Listener, NoTopic, listen_to
-from ur.run.master.xml_rpc import Refused, Unanswered
+from ur.run.master.tcpros import NoTopic, TopicConnection, listen_to
+from ur.run.master.xml_rpc import CallRefused, Unanswered
 
 TF = ("/tf", "/tf_static")
 _TOLERANCE = 0.2
@@ -38,7 +38,7 @@ class Ears:
     def __init__(self, master: Master, topics: Sequence[Topic]) -> None:
         self._master = master
         self._topics = topics
-        self._links: dict[tuple[str, str], Listener] = {}
+        self._links: dict[tuple[str, str], TopicConnection] = {}
         self.heard: dict[str, Heard] = {topic.name: Heard() for topic in topics}
         self.frames: dict[str, set[str]] = {}
 
@@ -46,12 +46,12 @@ class Ears:
         """Ask who publishes, and hang on to whoever is new."""
         try:
             publishers = dict(self._master.call("getSystemState")[0])
-        except (Unanswered, Refused):
+        except (Unanswered, CallRefused):
             return
         for name in (*self.heard, *TF):
             for node in publishers.get(name, ()):
                 if (name, node) not in self._links:
-                    with suppress(NoTopic, Unanswered, Refused):  # asked again at the next look
+                    with suppress(NoTopic, Unanswered, CallRefused):  # asked again at the next look
                         uri = self._master.call("lookupNode", node)
                         keep = 1 << 20 if name in TF else 12
                         self._links[name, node] = listen_to(uri, name, keep=keep, timeout=5.0, caller="/matrix")

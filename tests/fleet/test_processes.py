@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from ur.fleet.model import Fleet, Job
+from ur.fleet.jobs import Fleet, Job
 from ur.fleet.processes import Processes
 
 ASKING = """\
@@ -95,7 +95,7 @@ def test_interruption_ends_all_and_says_so(tmp_path: Path) -> None:
 
 def test_killed_command_takes_its_processes_with_it(tmp_path: Path) -> None:
     program = (
-        "import sys; from pathlib import Path; from ur.fleet.model import Job; "
+        "import sys; from pathlib import Path; from ur.fleet.jobs import Job; "
         "from ur.fleet.processes import Processes\n"
         "def show(fleet, now):\n    print(fleet[0].line, flush=True)\n"
         "with Processes([Job('bob', ('sh', '-c', 'echo $$; exec sleep 600'))], Path(sys.argv[1]), 'v') as all:\n"

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import pytest
 
-from ur.fleet.model import Status
+from ur.fleet.jobs import JobStatus
 from ur.fleet.table import choose_line, describe_end, describe_fleet, summarise
 
 FLEET = (
-    Status("bob", "done", 10.0, 13.2, "all is well", 0),
-    Status("eve", "done", 10.0, 20.0, "error: no answer", 2),
-    Status("kit", "running", 10.0, 0.0, "50 %"),
-    Status("zoe"),
+    JobStatus("bob", "done", 10.0, 13.2, "all is well", 0),
+    JobStatus("eve", "done", 10.0, 20.0, "error: no answer", 2),
+    JobStatus("kit", "running", 10.0, 0.0, "50 %"),
+    JobStatus("zoe"),
 )
 
 
@@ -26,13 +26,13 @@ def test_each_robot_has_one_line_and_columns_are_aligned() -> None:
 
 def test_summary_counts_and_names_those_that_failed_or_were_interrupted() -> None:
     assert summarise(FLEET[:2]) == "1 of 2 robots ok; failed: eve"
-    assert summarise((FLEET[0], Status("kit", "done", 1.0, 2.0, code=130))) == "1 of 2 robots ok; interrupted: kit"
+    assert summarise((FLEET[0], JobStatus("kit", "done", 1.0, 2.0, code=130))) == "1 of 2 robots ok; interrupted: kit"
     assert summarise(FLEET[:1]) == "1 of 1 robot ok"
     assert describe_end(FLEET[1]) == "eve: failed (2) after 10 s: error: no answer"
 
 
 def test_foreign_output_does_not_act_on_the_terminal() -> None:
-    (line,) = describe_fleet((Status("bob", "running", 0.0, 0.0, "a\x1b]0;title\x07b"),), 1.0)
+    (line,) = describe_fleet((JobStatus("bob", "running", 0.0, 0.0, "a\x1b]0;title\x07b"),), 1.0)
     assert "\x1b" not in line
     assert "\\x1b]0;title" in line
 

@@ -10,10 +10,10 @@ import pytest
 from ur.get import owners
 from ur.get.folder import find_renamed, folder_needs, hints_above
 from ur.get.index import Index
-from ur.get.model import Missing
 from ur.get.owners import ask_server, confirm_guesses, owners_of_config, owners_of_manifest
 from ur.get.plan import Tables, make_plan
 from ur.get.render import render_plan
+from ur.get.steps import Missing
 
 OWNER = "https://github.com/somebody"
 

@@ -8,13 +8,13 @@ from pathlib import Path
 
 import pytest
 
-from ur.get.install import Actions, install, undo
-from ur.get.model import GetPlan, Missing, Step
-from ur.get.record import Record, load_record
+from ur.get.install import InstallActions, install, undo
+from ur.get.record import InstallRecord, load_record
+from ur.get.steps import GetPlan, InstallStep, Missing
 from ur.get.xacro import install_xacro
 from ur.source.diagnostic import UserError, error
 
-PLAN = GetPlan((Step(Missing("rviz"), "debian", ("rviz",)), Step(Missing("xacro"), "pypi", ("xacro",))))
+PLAN = GetPlan((InstallStep(Missing("rviz"), "debian", ("rviz",)), InstallStep(Missing("xacro"), "pypi", ("xacro",))))
 
 
 class Apt:
@@ -39,9 +39,11 @@ class Apt:
             return "Inst libogre (1)\nInst rviz (1)\nInst base (2)\n"
         return "".join(f"Remv {name} [1]\n" for name in (*words[1:], *self.needs_rviz))
 
-    def actions(self) -> Actions:
+    def actions(self) -> InstallActions:
         missing = lambda names: [name for name in names if name not in self.installed]  # noqa: E731
-        return Actions(self.install, self.remove, self.simulate, missing, lambda folder: install_xacro(folder, pip))
+        return InstallActions(
+            self.install, self.remove, self.simulate, missing, lambda folder: install_xacro(folder, pip)
+        )
 
 
 def pip(command: Sequence[str], _missing: str, _settings: str) -> None:
@@ -58,7 +60,7 @@ def test_undo_removes_what_was_installed_and_nothing_else(tmp_path: Path) -> Non
         "lib", "main.py", "package.xml", "xacro", "xacro.py",
     ]  # fmt: skip
     assert not (packages / "xacro/lib/bin").exists()
-    assert undo(record, packages, apt.actions()) == Record(("rviz", "libogre"), ("xacro",))
+    assert undo(record, packages, apt.actions()) == InstallRecord(("rviz", "libogre"), ("xacro",))
     assert apt.installed == {"base"}
     assert not list(packages.iterdir())
     assert not record.exists()
@@ -78,7 +80,7 @@ def test_failed_installation_is_recorded_as_far_as_it_came(tmp_path: Path) -> No
     apt, record = Apt(fails=failure), tmp_path / "get.json"
     with pytest.raises(UserError, match="no network"):
         install(PLAN, record, tmp_path / "packages", apt.actions())
-    assert load_record(record) == Record(("libogre",))
+    assert load_record(record) == InstallRecord(("libogre",))
     apt.installed.add("rviz")  # by somebody else, later
     undo(record, tmp_path / "packages", apt.actions())
     assert apt.installed == {"base", "rviz"}

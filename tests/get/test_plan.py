@@ -10,10 +10,10 @@ from ur.get.computer import load_tables
 from ur.get.hints import read_hints
 from ur.get.index import merge_indexes, parse_index, read_dependencies
 from ur.get.missing import named_packages
-from ur.get.model import Missing
 from ur.get.plan import Tables, make_plan
 from ur.get.render import render_plan
-from ur.get.tables import Candidate, parse_candidates, parse_simulation, parse_table
+from ur.get.steps import Missing
+from ur.get.tables import DebianPackage, parse_candidates, parse_simulation, parse_table
 
 INDEX = """\
 repositories:
@@ -52,7 +52,7 @@ def test_package_of_the_release_comes_from_it_and_one_that_only_has_its_name_doe
 def test_table_of_rosdep_is_used_where_apt_has_all_of_its_names() -> None:
     table = parse_table("urdf:\n  debian: [liburdf-dev]\nhalf:\n  debian: [a-b, c-d]\nbad:\n  debian: ['; rm']\n")
     assert "bad" not in table
-    candidates = {name: Candidate(name, for_ros=False) for name in ("liburdf-dev", "a-b")}
+    candidates = {name: DebianPackage(name, for_ros=False) for name in ("liburdf-dev", "a-b")}
     found = plan("urdf", "half", rosdep=table, candidates=candidates)
     assert found == {"urdf": ("debian", ("liburdf-dev",)), "half": ("unknown", ())}
     assert plan("urdf", rosdep=table, candidates=None) == {"urdf": ("debian", ("liburdf-dev",))}
@@ -60,7 +60,7 @@ def test_table_of_rosdep_is_used_where_apt_has_all_of_its_names() -> None:
 
 def test_xacro_comes_from_pypi_where_no_release_has_it() -> None:
     assert plan("xacro") == {"xacro": ("pypi", ("xacro",))}
-    ros = {"ros-noetic-xacro": Candidate("ros-noetic-xacro", for_ros=True)}
+    ros = {"ros-noetic-xacro": DebianPackage("ros-noetic-xacro", for_ros=True)}
     assert plan("xacro", candidates=ros, distribution="noetic") == {"xacro": ("debian", ("ros-noetic-xacro",))}
 
 

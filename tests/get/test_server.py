@@ -12,8 +12,8 @@ from pathlib import Path
 
 import pytest
 
-from ur.get.model import Missing
 from ur.get.owners import ask_server, confirm_guesses
+from ur.get.steps import Missing
 
 pytestmark = pytest.mark.skipif(shutil.which("git") is None, reason="git is not installed")
 ABSENT = {"asks": 401, "tells": 404}  # owners whose missing repositories are answered for as GitHub and GitLab do

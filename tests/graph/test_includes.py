@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from ur.graph.boxes import Branch
 from ur.graph.includes import build_trees, merge_trees
-from ur.graph.model import Branch
 from ur.graph.text import draw_tree
 from ur.launchfile import MemoryWorld, load_plan
 

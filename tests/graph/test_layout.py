@@ -5,8 +5,8 @@ from __future__ import annotations
 from hypothesis import given
 from hypothesis import strategies as st
 
+from ur.graph.boxes import Arrow, DrawnGraph, GraphBox
 from ur.graph.layout import HEIGHT, lay_out_graph
-from ur.graph.model import Arrow, Box, Graph
 
 GRAPHS = st.integers(1, 12).flatmap(
     lambda count: st.lists(st.tuples(st.integers(0, count - 1), st.integers(0, count - 1)), max_size=30).map(
@@ -15,9 +15,9 @@ GRAPHS = st.integers(1, 12).flatmap(
 )
 
 
-def make(count: int, *pairs: tuple[int, int]) -> Graph:
-    boxes = tuple(Box(f"b{n}", "x" * (n + 1), "node") for n in range(count))
-    return Graph(boxes, tuple(Arrow(f"b{a}", f"b{b}") for a, b in dict.fromkeys(pairs)))
+def make(count: int, *pairs: tuple[int, int]) -> DrawnGraph:
+    boxes = tuple(GraphBox(f"b{n}", "x" * (n + 1), "node") for n in range(count))
+    return DrawnGraph(boxes, tuple(Arrow(f"b{a}", f"b{b}") for a, b in dict.fromkeys(pairs)))
 
 
 def test_chain_goes_from_left_to_right() -> None:
@@ -37,7 +37,7 @@ def test_crossings_are_avoided() -> None:
 
 
 @given(GRAPHS)
-def test_no_two_boxes_overlap_and_all_lie_inside(graph: Graph) -> None:
+def test_no_two_boxes_overlap_and_all_lie_inside(graph: DrawnGraph) -> None:
     picture = lay_out_graph(graph)
     assert set(picture.places) == {box.id for box in graph.boxes}
     placed = list(picture.places.values())

@@ -4,12 +4,16 @@ from __future__ import annotations
 
 from xml.etree import ElementTree
 
-from ur.graph.model import Arrow, Box, Graph
+from ur.graph.boxes import Arrow, DrawnGraph, GraphBox
 from ur.graph.svg import write_svg
 from ur.graph.text import write_dot, write_mermaid
 
-GRAPH = Graph(
-    (Box("b0", 'a"<b>.launch', "file", "/p/a"), Box("b1", "/talker", "node"), Box("b2", "gone.launch", "missing")),
+GRAPH = DrawnGraph(
+    (
+        GraphBox("b0", 'a"<b>.launch', "file", "/p/a"),
+        GraphBox("b1", "/talker", "node"),
+        GraphBox("b2", "gone.launch", "missing"),
+    ),
     (Arrow("b0", "b1"), Arrow("b0", "b2", "if & when", sure=False, fault=True), Arrow("b1", "b0")),
 )
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ur.graph.model import Graph
+from ur.graph.boxes import DrawnGraph
 from ur.graph.text import draw_graph
 from ur.graph.topics import graph_plan, graph_system
 from ur.launchfile import MemoryWorld, load_plan
@@ -19,7 +19,7 @@ STATE = (
 )
 
 
-def arrows(graph: Graph) -> set[tuple[str, str]]:
+def arrows(graph: DrawnGraph) -> set[tuple[str, str]]:
     labels = {box.id: box.label for box in graph.boxes}
     return {(labels[arrow.source], labels[arrow.target]) for arrow in graph.arrows}
 

@@ -102,10 +102,10 @@ def find_command(machine: Machine, line: str) -> int:
 
 
 __all__ = [
-    "find_command",
     "PASSWORD",
     "PENDING",
     "SNAPSHOT",
+    "find_command",
     "has_other_leader",
     "managed_pair",
     "wait_reached",

@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from ur.launchfile import MemoryWorld, dump_plan, load_plan
-from ur.launchfile.plan.model import Plan
+from ur.launchfile.plan.specs import Plan
 
 
 def _load(files: dict[str, str | bytes] | str | bytes) -> Plan:

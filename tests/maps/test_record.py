@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from ur.maps.record import Edit, MapRecord, Zone, parse_record, read_record, render_record
+from ur.maps.record import MapEdit, MapRecord, Zone, parse_record, read_record, render_record
 from ur.source.diagnostic import UserError
 
 RECORD = MapRecord(
@@ -18,7 +18,7 @@ RECORD = MapRecord(
     0.25,
     "graph_2.npz",
     ("scans_1.npz",),
-    (Edit("wall", ((0.0, 0.0), (1.0, 2.5))),),
+    (MapEdit("wall", ((0.0, 0.0), (1.0, 2.5))),),
     (
         Zone("stairs", "keep-out", ((0.0, 0.0), (1.0, 2.5), (2.0, 0.0))),
         Zone("hall", "speed", ((0.0, 0.0), (1.0, 2.5), (2.0, 0.0)), 40),

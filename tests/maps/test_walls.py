@@ -8,15 +8,15 @@ import pytest
 from ur.maps.change import add_edit, make_edit
 from ur.maps.exchange import import_picture
 from ur.maps.picture_file import write_picture
-from ur.maps.record import MOST_STROKES, Edit, Zone
+from ur.maps.record import MOST_STROKES, MapEdit, Zone
 from ur.maps.store import MapStore
 from ur.maps.walls import draw_walls, is_restorable, restore_walls
 from ur.maps.zones import put_zone
 from ur.source.diagnostic import UserError
 from ur.worlds.map_file import MapImage, read_map
 
-WALL = Edit("wall", ((0.5, 0.5), (0.5, 2.5)), 0.2)
-ERASE = Edit("erase", ((3.05, 0.0), (3.05, 4.0)), 0.3)
+WALL = MapEdit("wall", ((0.5, 0.5), (0.5, 2.5)), 0.2)
+ERASE = MapEdit("erase", ((3.05, 0.0), (3.05, 4.0)), 0.3)
 
 
 @pytest.fixture
@@ -73,14 +73,14 @@ def test_map_that_was_replaced_meanwhile_is_not_drawn_on(store: MapStore, plan: 
     assert store.record("flat").edits == ()
 
 
-@pytest.mark.parametrize("strokes", [[], [WALL] * (MOST_STROKES + 1), [Edit("wall", WALL.points)]])
-def test_what_is_no_stroke_of_a_brush_is_refused(store: MapStore, plan: MapImage, strokes: list[Edit]) -> None:
+@pytest.mark.parametrize("strokes", [[], [WALL] * (MOST_STROKES + 1), [MapEdit("wall", WALL.points)]])
+def test_what_is_no_stroke_of_a_brush_is_refused(store: MapStore, plan: MapImage, strokes: list[MapEdit]) -> None:
     with pytest.raises(UserError, match="strokes, expected 1 to"):
         draw_walls(store, "flat", strokes, plan)
 
 
 def test_record_that_would_be_too_large_to_be_read_is_not_written(store: MapStore, plan: MapImage) -> None:
-    long = Edit("wall", tuple((0.1 + each / 1e9, 1.0) for each in range(1000)), 0.1)
+    long = MapEdit("wall", tuple((0.1 + each / 1e9, 1.0) for each in range(1000)), 0.1)
     with pytest.raises(UserError, match="edits, expected fewer"):
         draw_walls(store, "flat", [long] * MOST_STROKES, plan)
     assert (read_map(store.picture("flat")).values == plan.values).all()

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import pytest
 
 from ur.launchfile.plan.load import load_plan
-from ur.launchfile.plan.model import Plan
+from ur.launchfile.plan.specs import Plan
 from ur.launchfile.world.memory import MemoryWorld
 from ur.request.argument_values import blame_arguments
 from ur.request.arguments import Argument, parse_argument

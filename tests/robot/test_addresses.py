@@ -5,7 +5,7 @@ import threading
 
 import pytest
 
-from ur.robot.addresses import Addresses
+from ur.robot.addresses import AddressCache
 
 
 class Names:
@@ -28,7 +28,7 @@ class Names:
 
 def test_address_stays_known_while_names_are_not() -> None:
     names, clock = Names(), [0.0]
-    addresses = Addresses(names.look_up, lambda: clock[0])
+    addresses = AddressCache(names.look_up, lambda: clock[0])
     assert addresses.find("bob.local") == "192.0.2.7"
     names.addresses.clear()
     names.answered.clear()
@@ -40,7 +40,7 @@ def test_address_stays_known_while_names_are_not() -> None:
 
 def test_known_address_is_looked_up_again_beside_but_not_each_time() -> None:
     names, clock = Names(), [0.0]
-    addresses = Addresses(names.look_up, lambda: clock[0])
+    addresses = AddressCache(names.look_up, lambda: clock[0])
     for _ in range(3):
         addresses.find("bob.local")
     assert names.asked == ["bob.local"]
@@ -48,7 +48,7 @@ def test_known_address_is_looked_up_again_beside_but_not_each_time() -> None:
 
 def test_new_address_of_a_host_is_noticed() -> None:
     names = Names()
-    addresses = Addresses(names.look_up)
+    addresses = AddressCache(names.look_up)
     assert not addresses.refresh("bob.local")
     names.addresses["bob.local"] = "192.0.2.8"
     assert addresses.refresh("bob.local")
@@ -57,4 +57,4 @@ def test_new_address_of_a_host_is_noticed() -> None:
 
 def test_name_that_was_never_known_is_an_error() -> None:
     with pytest.raises(OSError, match="not known"):
-        Addresses(Names().look_up).find("alice.local")
+        AddressCache(Names().look_up).find("alice.local")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from ur.robot.mount import Mount, mount_command, mounts_of, parse_mounts
+from ur.robot.mount import MountedFolder, mount_command, mounts_of, parse_mounts
 from ur.robot.ssh.address import Address
 
 MOUNTS = """\
@@ -16,7 +16,7 @@ bobby.local: /mnt fuse.sshfs rw 0 0
 
 def test_mounts_are_read_with_their_blanks() -> None:
     mounts = parse_mounts(MOUNTS)
-    assert mounts[0] == Mount("ros@bob.local:catkin_ws/src", Path("/home/pat/my robots/bob"))
+    assert mounts[0] == MountedFolder("ros@bob.local:catkin_ws/src", Path("/home/pat/my robots/bob"))
     assert mounts_of(mounts, "bob.local") == mounts[:1]
     assert mounts_of(mounts, "bobby.local") == mounts[1:]
 

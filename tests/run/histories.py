@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from ur.run.supervisor.actions import Action
 from ur.run.supervisor.events import Begin, Event, MasterAnswered, ParametersSet, Started
-from ur.run.supervisor.model import ExitStatus, State, Unit
+from ur.run.supervisor.state import ExitStatus, State, Unit
 from ur.run.supervisor.supervisor import begin_state, next_deadline, step
 
 CLEAN = ExitStatus(code=0)

@@ -54,14 +54,14 @@ CASES = {
     "ur package": Case(PACKAGE, run_ur("package", "--write", "p"), "p/CMakeLists.txt", "catkin_package"),
     "new files": Case(
         ":",
-        "from pathlib import Path\nfrom ur.tools.new.model import NewFile\nfrom ur.tools.new.write import write_files\n"
+        "from pathlib import Path\nfrom ur.tools.new.parts import NewFile\nfrom ur.tools.new.write import write_files\n"
         "write_files(Path(), [NewFile('n_a/launch/a', 'new'), NewFile('b', 'new')])",
         "n_a/launch/a",
         "new",
     ),
     "waypoints": Case(
         "mkdir w; echo 'old: [1.0, 2.0, 3.0]' >w/map.yaml",
-        "from pathlib import Path\nfrom ur_nodes.client.model import Pose2\n"
+        "from pathlib import Path\nfrom ur_nodes.client.snapshot import Pose2\n"
         "from ur_nodes.client.waypoints import WaypointStore\n"
         "WaypointStore(Path('w/map.yaml')).remember('desk', Pose2(1.0, 2.0, 3.0))",
         "w/map.yaml",

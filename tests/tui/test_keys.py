@@ -12,7 +12,7 @@ from tests.tui.fake import FakeRun, FakeServices, line, until, watching
 
 from ur.run.clients.protocol import RestartNode, StartNode, StopNode, StopRun
 from ur.tui.app import WatchApp
-from ur.tui.dialogs import Page, Question
+from ur.tui.dialogs import Question, TextDialog
 from ur.tui.journal import Filter
 from ur.tui.keys import FOOT, KEYS, describe_foot, describe_keys
 from ur.tui.palette import DARK
@@ -73,8 +73,8 @@ CASES: dict[str, tuple[list[str], Probe]] = {
     "q": ([], lambda it: it.asks == "Stop m_map?"),
     "ctrl+q": ([], lambda it: it.asks == "Stop m_map?"),
     "ctrl+c": ([], lambda it: it.run.asked() == [StopRun("Ctrl-C")]),
-    "question_mark": ([], lambda it: isinstance(it.app.screen, Page)),
-    "f1": ([], lambda it: isinstance(it.app.screen, Page)),
+    "question_mark": ([], lambda it: isinstance(it.app.screen, TextDialog)),
+    "f1": ([], lambda it: isinstance(it.app.screen, TextDialog)),
 }
 
 
@@ -134,10 +134,10 @@ async def test_key_leaves_a_page_or_question_and_does_nothing_else(opens: str, k
     services = FakeServices()
     async with watching(services=services) as (app, pilot, run):
         await pilot.press(opens)
-        await until(pilot, lambda: isinstance(app.screen, (Page, Question)))
+        await until(pilot, lambda: isinstance(app.screen, (TextDialog, Question)))
         await pilot.press(key)
         await pilot.pause()
-        assert isinstance(app.screen, (Page, Question)) == stays
+        assert isinstance(app.screen, (TextDialog, Question)) == stays
         assert run.asked() == []
         assert services.here == []
         assert app.nodes.chosen is not None

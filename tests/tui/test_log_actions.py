@@ -7,7 +7,7 @@ from tests.tui.fake import FakeServices, example, line, log_of, read_screen, unt
 from textual.widgets import Input
 
 from ur.run.clients.protocol import NodeChanged
-from ur.tui.dialogs import Page
+from ur.tui.dialogs import TextDialog
 
 
 async def test_find_shows_only_messages_with_the_text() -> None:
@@ -82,10 +82,10 @@ async def test_log_opens_inside_without_a_pager(tmp_path: Path) -> None:
     async with watching(*example(), NodeChanged("/amcl", "running", pid=12, log=str(tmp_path / "a.log")),
                         services=FakeServices(pager=None)) as (app, pilot, _):  # fmt: skip
         await pilot.press("down", "l")
-        assert isinstance(app.screen, Page)
+        assert isinstance(app.screen, TextDialog)
         await until(pilot, lambda: "red ?]0;title?" in "\n".join(read_screen(app)))
         await pilot.press("q")
-        assert not isinstance(app.screen, Page)
+        assert not isinstance(app.screen, TextDialog)
 
 
 async def test_node_without_log_says_so() -> None:

@@ -10,7 +10,7 @@ from textual import events
 
 from ur.run.clients.protocol import KillNode, StartNode, StopNode, StopRun
 from ur.tui.app import WatchApp
-from ur.tui.dialogs import Page, Question
+from ur.tui.dialogs import Question, TextDialog
 from ur.tui.keys import KEYS
 
 NAMES = [name for key in KEYS for name in key.keys.split(",")]
@@ -62,11 +62,11 @@ async def test_double_click_on_an_answer_answers_once() -> None:
 async def test_help_closed_by_two_keys_at_once_closes_only_help() -> None:
     async with watching() as (app, pilot, _):
         await pilot.press("question_mark")
-        assert isinstance(app.screen, Page)
+        assert isinstance(app.screen, TextDialog)
         press_at_once(app, "escape", "escape")
         await pilot.pause()
         assert app.is_running
-        assert not isinstance(app.screen, Page)
+        assert not isinstance(app.screen, TextDialog)
 
 
 async def test_letters_typed_at_once_after_the_search_key_are_searched_for() -> None:

@@ -11,10 +11,10 @@ from PIL import Image
 
 from ur.source.diagnostic import UserError
 from ur.worlds.drawing import FREE, OCCUPIED, UNKNOWN, Drawing, draw_picture, draw_room, write_png, write_world
-from ur.worlds.world_file import World, read_world
+from ur.worlds.world_file import WorldModel, read_world
 
 
-def store(drawing: Drawing, folder: Path, name: str = "home") -> World:
+def store(drawing: Drawing, folder: Path, name: str = "home") -> WorldModel:
     (folder / f"{name}.png").write_bytes(write_png(drawing.levels))
     (folder / f"{name}.yaml").write_text(write_world(drawing, f"{name}.png", "A world."))
     return read_world(folder / f"{name}.yaml")

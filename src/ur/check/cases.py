@@ -12,12 +12,12 @@ from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 
-from ur.check.model import LaunchView
+from ur.check.rule import LaunchView
 from ur.check.survey import walk_elements
 from ur.check.worlds import ANONYMOUS, CachedWorld, Environment, Unknowns, has_marker
 from ur.launchfile.plan.load import load_plan
-from ur.launchfile.plan.model import Plan, TraceStep
 from ur.launchfile.plan.problems import NOT_GIVEN, NOT_PYTHON
+from ur.launchfile.plan.specs import Plan, TraceStep
 from ur.launchfile.plan.values.budget import Budget
 from ur.launchfile.syntax import Element, LaunchFile
 from ur.source.diagnostic import Diagnostic, Severity
@@ -38,7 +38,7 @@ _ABOUT_TWO_TAGS = frozenset(
 
 
 @dataclass(frozen=True, slots=True)
-class Case:
+class StartCase:
     """One way to start a file: given arguments by name. `flipped`: an option that is the other way round here."""
 
     given: tuple[tuple[str, str], ...] = ()
@@ -57,7 +57,7 @@ class Resolved:
     `by_defaults`: the default of an environment variable that is not set here took part.
     """
 
-    case: Case
+    case: StartCase
     plan: Plan
     by_defaults: bool = False
 
@@ -65,16 +65,16 @@ class Resolved:
 Loader = Callable[[str, Sequence[str], CachedWorld], Plan]
 
 
-def list_cases(view: LaunchView, given: tuple[tuple[str, str], ...] = ()) -> list[Case]:
+def list_cases(view: LaunchView, given: tuple[tuple[str, str], ...] = ()) -> list[StartCase]:
     """The cases of a launch file: each base and variant of its package, once plain and once per option flipped.
 
     What is `given` is the same in all.
     """
     names = {name for name, _ in given}
     bases = [] if "robot_base" in names else _base_cases(view, names)
-    plain = [Case((*given, *each)) for each in bases or [()]]
+    plain = [StartCase((*given, *each)) for each in bases or [()]]
     flips = [flip for flip in _flips(view) if flip[0] not in names]
-    return plain + [Case((*case.given, flip), flipped=flip[0]) for flip in flips for case in plain]
+    return plain + [StartCase((*case.given, flip), flipped=flip[0]) for flip in flips for case in plain]
 
 
 def resolve_cases(
@@ -150,7 +150,7 @@ def _is_unknown(element: Element, passed: Collection[str]) -> bool:
 
 
 def _resolve(
-    path: str, case: Case, unknown: list[str], world: CachedWorld, load_file: Loader, *, no_defaults: bool
+    path: str, case: StartCase, unknown: list[str], world: CachedWorld, load_file: Loader, *, no_defaults: bool
 ) -> Iterator[Resolved]:
     unknowns = Unknowns()
     note = partial(world.note, "environment")
@@ -208,7 +208,7 @@ def _learn(findings: Iterable[Diagnostic], unknowns: Unknowns) -> dict[str, str]
     return learnt
 
 
-def _only_sure(plan: Plan, case: Case, unknowns: Unknowns, world: CachedWorld) -> Plan:
+def _only_sure(plan: Plan, case: StartCase, unknowns: Unknowns, world: CachedWorld) -> Plan:
     whole = not any(map(_hides_a_file, plan.diagnostics)) and all(include.found for include in plan.includes)
     sure = (
         found
@@ -241,7 +241,7 @@ def _is_path_of_user(found: Diagnostic, world: CachedWorld) -> bool:
     return True
 
 
-def _is_sure(found: Diagnostic, case: Case, unknowns: Unknowns, world: CachedWorld) -> bool:
+def _is_sure(found: Diagnostic, case: StartCase, unknowns: Unknowns, world: CachedWorld) -> bool:
     if has_marker(found.message) or any(has_marker(note.message) for note in found.notes):
         return False
     if found.span is not None and found.span.file.path == "<command line>":

@@ -8,7 +8,7 @@ from importlib import import_module
 from pkgutil import iter_modules
 
 from ur.check import rules
-from ur.check.model import Group, Rule
+from ur.check.rule import Rule, RuleGroup
 from ur.source.diagnostic import UserError, error
 from ur.source.suggest import did_you_mean
 
@@ -41,7 +41,7 @@ def list_rules() -> str:
     every = load_rules()
     width = max(map(len, every))
     lines = []
-    for group in Group:
+    for group in RuleGroup:
         lines += ["", f"{group.value}:"]
         lines += [f"  {rule.id:{width}}  {rule.summary}" for rule in every.values() if rule.group is group]
     return "\n".join(lines[1:]) + "\n"
@@ -50,7 +50,7 @@ def list_rules() -> str:
 def _ids(word: str, every: dict[str, Rule], option: str) -> list[str]:
     if word in every:
         return [word]
-    groups = tuple(group.value for group in Group)
+    groups = tuple(group.value for group in RuleGroup)
     if word in groups:
         return [rule.id for rule in every.values() if rule.group.value == word]
     raise _unknown(word, every, option, groups)

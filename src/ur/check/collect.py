@@ -8,8 +8,8 @@ import shlex
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
-from ur.check.links import Links
-from ur.check.model import BaseNames, Package
+from ur.check.links import EscapingLinks
+from ur.check.rule import BaseNames, Package
 from ur.launchfile.address import join_addresses
 from ur.launchfile.syntax.ros2 import is_ros2_name
 from ur.launchfile.world import World
@@ -66,7 +66,7 @@ def collect_targets(paths: Sequence[str], world: World) -> Targets:
     left_out: set[str] = set()
     for word in join_addresses(paths, world):
         path = _locate(word, world)
-        links = Links(path)
+        links = EscapingLinks(path)
         files = [path] if world.is_file(path) else list(_walk(path, world, visited, links))
         left_out.update(links.left_out)
         _find_enclosing(path, world, packages)
@@ -94,7 +94,7 @@ def collect_targets(paths: Sequence[str], world: World) -> Targets:
 
 def list_launch_files(folder: str, world: World) -> list[str]:
     """The launch files below a folder, whatever their names end with."""
-    return [path for path in _walk(folder, world, set(), Links(folder)) if _holds_launch_file(path, world)]
+    return [path for path in _walk(folder, world, set(), EscapingLinks(folder)) if _holds_launch_file(path, world)]
 
 
 def _holds_launch_file(path: str, world: World) -> bool:
@@ -165,7 +165,7 @@ def _walk(
     folder: str,
     world: World,
     visited: set[str],
-    links: Links,
+    links: EscapingLinks,
     above: tuple[tuple[str, ...], ...] = (),
     in_package: bool = False,
 ) -> Iterable[str]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ur.check.model import Example, launch_example
+from ur.check.rule import Example, launch_example
 
 TALKER = '<node name="talker" pkg="demo_nodes" type="talker"/>'
 SUMMARY = "<!--Summary: Say something.-->"

@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 
-from ur.check.model import LaunchView
+from ur.check.rule import LaunchView
 from ur.check.survey import walk_elements
 from ur.launchfile.syntax import Element
 from ur.source.file import Span

@@ -11,7 +11,7 @@ _CHECKED_SUFFIXES = (".launch", ".xml", ".test", ".yaml", ".yml")
 _NAMED = 3  # links that a note names
 
 
-class Links:
+class EscapingLinks:
     """Finds links that lead out of the package they stand in, and out of the file or folder that was asked for.
 
     A workspace may hold links to packages: those are packages of their own.

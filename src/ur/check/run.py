@@ -16,7 +16,7 @@ from ur.check.findings.installed import judge_package
 from ur.check.findings.merge import Hit, merge_hits
 from ur.check.findings.suppress import Suppression, Suppressions, read_line_suppressions, read_xml_suppressions
 from ur.check.inclusion import Inclusions, find_inclusions
-from ur.check.model import LaunchView, Package, PackageView, ProgramView, Rule, YamlView
+from ur.check.rule import LaunchView, Package, PackageView, ProgramView, Rule, YamlView
 from ur.check.survey import survey_launch_file, walk_elements
 from ur.check.visitor import Visitor, stamp_severity
 from ur.check.worlds import CachedWorld
@@ -29,7 +29,7 @@ from ur.source.suggest import did_you_mean
 
 
 @dataclass(frozen=True, slots=True)
-class Report:
+class CheckReport:
     """The findings of a check, sorted by place, and the number of checked files."""
 
     findings: tuple[Diagnostic, ...]
@@ -50,7 +50,7 @@ def check_paths(
     arguments: Mapping[str, str] | None = None,
     progress: Progress = no_progress,
     recall: Recall | None = None,
-) -> Report:
+) -> CheckReport:
     """Check files, folders and packages; `chosen` are rule ids (None: all). Raises UserError for a bad path.
 
     `arguments` are given to every launch file that declares them; the others keep their defaults or are unknown.
@@ -88,7 +88,7 @@ class _Check:
         self.yaml_files = frozenset(targets.yaml_files)
         self.asked = Asked(world, self.checked_as)
 
-    def run(self) -> Report:
+    def run(self) -> CheckReport:
         hits = list(self.check_everything())
         merged = [found for found in merge_hits(hits) if found.rule in self.chosen or found.rule not in self.rules]
         suppressions = Suppressions(self.suppressions)
@@ -97,7 +97,7 @@ class _Check:
         extra = [found for found in self.check_comments(suppressions) if found.rule in self.chosen]
         count = len(self.targets.launch_files) + len(self.targets.yaml_files) + len(self.targets.programs)
         findings = tuple(merge_hits(Hit(found) for found in (*shown, *extra)))
-        return Report(findings, count, hidden, self.targets.left_out)
+        return CheckReport(findings, count, hidden, self.targets.left_out)
 
     def check_everything(self) -> Iterator[Hit]:
         yield from self.read_launch_files()

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 
-from ur.check.model import LaunchView, Package
+from ur.check.rule import LaunchView, Package
 from ur.launchfile.syntax import Element, SubstitutionProblem, is_eval, parse_launch_file, parse_substitutions
 from ur.launchfile.world import World
 from ur.source.file import Span

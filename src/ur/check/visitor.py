@@ -5,27 +5,27 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 
-from ur.check.model import (
-    Found,
-    Group,
+from ur.check.rule import (
+    LaunchedNode,
     LaunchView,
-    NodeView,
     Package,
     PackageView,
     ParamView,
     ProgramView,
     Rule,
+    RuleFinding,
+    RuleGroup,
     YamlView,
 )
 from ur.check.survey import walk_possible
-from ur.launchfile.plan.model import Origin, Plan
 from ur.launchfile.plan.problems import OBSOLETE
+from ur.launchfile.plan.specs import Origin, Plan
 from ur.launchfile.syntax import Element
 from ur.launchfile.world import World
 from ur.source.diagnostic import Diagnostic, Note
 
 _AS_RESOLVED = frozenset({"bad-name"})  # some names are refused, and some only warned of
-_Hook = tuple[Rule, Callable[..., Iterable[Found]]]
+_Hook = tuple[Rule, Callable[..., Iterable[RuleFinding]]]
 
 
 class Visitor:
@@ -58,7 +58,7 @@ class Visitor:
             element = element_at(node.origin.span.file.path, node.origin.span.start)
             if element is not None:
                 local = node.machine not in machines or plan.is_local(node)
-                node_view = NodeView(node, element, local, package, world)
+                node_view = LaunchedNode(node, element, local, package, world)
                 yield from _with_includes(_ask(self._node, package, node_view), node.origin)
         for param in plan.programs:
             element = element_at(param.origin.span.file.path, param.origin.span.start)
@@ -81,7 +81,7 @@ class Visitor:
 
 def _ask(hooks: list[_Hook], package: Package | None, *what: object) -> Iterable[Diagnostic]:
     for rule, hook in hooks:
-        if rule.group is Group.CONVENTIONS and (package is None or not package.follows_conventions):
+        if rule.group is RuleGroup.CONVENTIONS and (package is None or not package.follows_conventions):
             continue
         for found in hook(*what):
             yield Diagnostic(rule.severity, found.message, rule.id, found.span, found.notes, found.help, found.subject)

@@ -27,7 +27,7 @@ def show_changes(changes: Sequence[Change]) -> None:
             click.echo(f"  {click.style(line, fg=colour)}")
 
 
-class Reporter:
+class ChangeReporter:
     """Print lines about one robot, behind its name unless that is empty. With `live`, progress is one line."""
 
     def __init__(self, name: str, *, live: bool = False) -> None:

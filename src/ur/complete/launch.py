@@ -6,7 +6,7 @@ import os
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING
 
-from ur.complete.model import Candidate, Known
+from ur.complete.completions import Completion, NameSources
 from ur.launchfile.world.protocol import PackageNotFound, World
 from ur.request.arguments import parse_argument, split_argv, values_of
 from ur.source.diagnostic import UserError
@@ -18,7 +18,7 @@ _MAX_DEPTH = 6
 _YAML = (".yaml", ".yml")
 
 
-def complete_launch(words: Sequence[str], prefix: str, world: World, known: Known) -> Iterator[Candidate]:
+def complete_launch(words: Sequence[str], prefix: str, world: World, known: NameSources) -> Iterator[Completion]:
     """List what may follow `ur launch WORDS`: a package or file, a file of the package, then arguments."""
     plain = split_argv(words)[0]
     path, _ = find_address(plain, world)
@@ -31,7 +31,7 @@ def complete_launch(words: Sequence[str], prefix: str, world: World, known: Know
         yield from complete_files_of_package(plain[0], prefix, world)
 
 
-def complete_packages(prefix: str, world: World) -> Iterator[Candidate]:
+def complete_packages(prefix: str, world: World) -> Iterator[Completion]:
     """Packages by name."""
     if "/" in prefix or prefix.startswith("."):
         return
@@ -39,10 +39,10 @@ def complete_packages(prefix: str, world: World) -> Iterator[Candidate]:
         names = sorted(name for name in world.package_names() if name.startswith(prefix))
     except (OSError, ValueError):  # a package.xml that nobody can read: only this is not offered
         return
-    yield from (Candidate(name, "package") for name in names)
+    yield from (Completion(name, "package") for name in names)
 
 
-def complete_paths(prefix: str, world: World, *, every: bool = False) -> Iterator[Candidate]:
+def complete_paths(prefix: str, world: World, *, every: bool = False) -> Iterator[Completion]:
     """Folders and launch files by path; `every`: all files. `.launch.xml` only where no `.launch` fits."""
     files: list[str] = []
     folder, slash, begin = prefix.rpartition("/")
@@ -52,12 +52,12 @@ def complete_paths(prefix: str, world: World, *, every: bool = False) -> Iterato
             continue
         path = f"{folder}{slash}{name}"
         if not world.is_file(path):
-            yield Candidate(f"{path}/", "folder", open=True)
+            yield Completion(f"{path}/", "folder", open=True)
         elif every:
-            yield Candidate(path, "launch file" if ".launch" in name else "file")
+            yield Completion(path, "launch file" if ".launch" in name else "file")
         else:
             files.append(name)
-    yield from (Candidate(f"{folder}{slash}{name}", "launch file") for name in _choose_files(files, begin))
+    yield from (Completion(f"{folder}{slash}{name}", "launch file") for name in _choose_files(files, begin))
 
 
 def _choose_files(names: Iterable[str], begin: str) -> list[str]:
@@ -80,14 +80,14 @@ def find_address(plain: Sequence[str], world: World) -> tuple[str | None, int]:
     return (plain[0], 1) if plain and world.is_file(plain[0]) else (None, 0)
 
 
-def complete_files_of_package(package: str, prefix: str, world: World) -> Iterator[Candidate]:
+def complete_files_of_package(package: str, prefix: str, world: World) -> Iterator[Completion]:
     """The launch files of a package by their names alone; nothing where there is no such package."""
     try:
         top = world.find_package(package)
     except (PackageNotFound, OSError, ValueError):
         return
     names = _choose_files(sorted(set(_names_below(top, _MAX_DEPTH))), prefix)
-    yield from (Candidate(name, f"of {package}") for name in names)
+    yield from (Completion(name, f"of {package}") for name in names)
 
 
 def _names_below(folder: str, depth: int) -> Iterator[str]:
@@ -104,7 +104,9 @@ def _names_below(folder: str, depth: int) -> Iterator[str]:
             yield entry.name
 
 
-def complete_arguments(path: str, words: Sequence[str], prefix: str, world: World, known: Known) -> Iterator[Candidate]:
+def complete_arguments(
+    path: str, words: Sequence[str], prefix: str, world: World, known: NameSources
+) -> Iterator[Completion]:
     """The arguments of a launch file as `name:=` with their documentation, or their values after `name:=`."""
     given = values_of(split_argv(words)[1])
     begun = parse_argument(prefix)
@@ -113,17 +115,17 @@ def complete_arguments(path: str, words: Sequence[str], prefix: str, world: Worl
         for each in arguments:
             if each.name.startswith(prefix) and each.name not in given:
                 default = "required" if each.default is None else f"default {each.default!r}"
-                yield Candidate(f"{each.name}:=", f"{_first_line(each.doc)} ({default})".strip(), open=True)
+                yield Completion(f"{each.name}:=", f"{_first_line(each.doc)} ({default})".strip(), open=True)
         return
     name, begin = begun.name, begun.value
     known_default = next((each.default for each in arguments if each.name == name), None)
     for value in _values(name, known_default, given, known):
         if value.text.startswith(begin):
-            yield Candidate(f"{name}:={value.text}", value.help)
+            yield Completion(f"{name}:={value.text}", value.help)
     if name == "world" or name.endswith("_file"):
         for file in complete_paths(begin, world, every=True):
             if file.open or file.text.endswith(_YAML):
-                yield Candidate(f"{name}:={file.text}", file.help, file.open)
+                yield Completion(f"{name}:={file.text}", file.help, file.open)
 
 
 def _read_arguments(path: str, words: Sequence[str], world: World) -> tuple[ArgumentSpec, ...]:
@@ -138,10 +140,10 @@ def _read_arguments(path: str, words: Sequence[str], world: World) -> tuple[Argu
         return _read_arguments(path, [*words, guess], world) if guess and guess not in words else ()
 
 
-def _values(name: str, default: str | None, given: Mapping[str, str], known: Known) -> Iterable[Candidate]:
+def _values(name: str, default: str | None, given: Mapping[str, str], known: NameSources) -> Iterable[Completion]:
     found = list(known.values(name, given))
     if not found and (default or "").lower() in ("true", "false"):
-        return Candidate("true"), Candidate("false")
+        return Completion("true"), Completion("false")
     return found
 
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import NamedTuple
 
-from ur.complete.model import Line
+from ur.complete.completions import Line
 
 
-class Word(NamedTuple):
+class TypedWord(NamedTuple):
     """A word of a command line: what the shell makes of it, how it is written, and the quote that is still open."""
 
     text: str
@@ -22,12 +22,12 @@ def split_line(text: str) -> Line:
     return Line(tuple(word.text for word in words[1:]), last.text if words else "", last.raw if words else "")
 
 
-def read_word(raw: str) -> Word:
+def read_word(raw: str) -> TypedWord:
     """Read one word, or the beginning of one."""
     return _read(raw, 0)
 
 
-def _scan(line: str) -> Iterator[Word]:
+def _scan(line: str) -> Iterator[TypedWord]:
     position = 0
     while True:
         while position < len(line) and line[position].isspace():
@@ -39,7 +39,7 @@ def _scan(line: str) -> Iterator[Word]:
             return
 
 
-def _read(line: str, start: int) -> Word:
+def _read(line: str, start: int) -> TypedWord:
     text, quote, position = "", "", start
     while position < len(line):
         character, after = line[position], line[position + 1 : position + 2]
@@ -55,4 +55,4 @@ def _read(line: str, start: int) -> Word:
             position += len(after)
         else:
             text += character
-    return Word(text, line[start:position], quote)
+    return TypedWord(text, line[start:position], quote)

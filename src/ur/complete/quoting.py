@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from functools import lru_cache
 
-from ur.complete.line import Word, read_word, split_line
+from ur.complete.line import TypedWord, read_word, split_line
 
 # Whatever may mean something to a shell, expansion of history, braces and ~ included. Letters of any language do not.
 _UNQUOTED = re.compile(r"[^\w@%+=:,./-]")
@@ -23,7 +23,7 @@ def quote_insertion(line: str, replaced: str | None, text: str) -> str | None:
 
 
 @lru_cache(maxsize=4)  # the same for each of thousands of candidates
-def _find_kept(line: str, replaced: str | None) -> Word | None:
+def _find_kept(line: str, replaced: str | None) -> TypedWord | None:
     raw = split_line(line).raw
     replaced = raw if replaced is None else replaced
     return read_word(raw[: len(raw) - len(replaced)]) if raw.endswith(replaced) else None

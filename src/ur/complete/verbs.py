@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 
+from ur.complete.completions import Completion, Line, NameSources, Option
 from ur.complete.launch import (
     complete_arguments,
     complete_files_of_package,
@@ -16,7 +17,6 @@ from ur.complete.launch import (
     complete_paths,
     find_address,
 )
-from ur.complete.model import Candidate, Known, Line, Option
 from ur.launchfile.world.protocol import World
 from ur.request.arguments import parse_argument, split_argv
 
@@ -31,26 +31,26 @@ _OPTIONS = {
 }
 
 
-def complete_line(line: Line, world: World, known: Known) -> list[Candidate]:
+def complete_line(line: Line, world: World, known: NameSources) -> list[Completion]:
     """List the candidates at the cursor, best first, nothing twice."""
-    found: dict[str, Candidate] = {}
+    found: dict[str, Completion] = {}
     for each in _complete(line, world, known):
         if each.text.startswith(line.prefix):
             found.setdefault(each.text, each)
     return list(found.values())
 
 
-def _complete(line: Line, world: World, known: Known) -> Iterator[Candidate]:
+def _complete(line: Line, world: World, known: NameSources) -> Iterator[Completion]:
     if not line.words:
         if line.prefix.startswith("-"):
-            yield from (Candidate("--help", "Show what there is."), Candidate("--version", "Print the version."))
+            yield from (Completion("--help", "Show what there is."), Completion("--version", "Print the version."))
         else:
             yield from _named("verb", known)
         return
     verb, *words = line.words
     options = known.options(verb) if any(word.startswith("-") for word in (*words, line.prefix)) else ()
     if words and (option := _awaiting(words[-1], options)):
-        yield from (Candidate(choice) for choice in option.choices)
+        yield from (Completion(choice) for choice in option.choices)
         if kind := _OPTIONS.get((verb, option.names[0])) or _OPTIONS.get(("", option.names[0])):
             yield from _last_of_list(_named(kind, known), line.prefix)
         elif not option.choices:
@@ -63,7 +63,7 @@ def _complete(line: Line, world: World, known: Known) -> Iterator[Candidate]:
     yield from _positional(verb, plain, line.prefix, world, known)
 
 
-def _positional(verb: str, words: Sequence[str], prefix: str, world: World, known: Known) -> Iterator[Candidate]:
+def _positional(verb: str, words: Sequence[str], prefix: str, world: World, known: NameSources) -> Iterator[Completion]:
     kind = _kind(known.kinds(verb), words)
     if kind == "launch":
         yield from complete_launch(words, prefix, world, known)
@@ -82,7 +82,7 @@ def _positional(verb: str, words: Sequence[str], prefix: str, world: World, know
         yield from _named(kind, known)
 
 
-def _explain(words: Sequence[str], prefix: str, world: World, known: Known) -> Iterator[Candidate]:
+def _explain(words: Sequence[str], prefix: str, world: World, known: NameSources) -> Iterator[Completion]:
     plain = split_argv(words)[0]
     path, used = find_address(plain, world)
     if path is not None and len(plain) == used and parse_argument(prefix) is None:
@@ -90,7 +90,7 @@ def _explain(words: Sequence[str], prefix: str, world: World, known: Known) -> I
     yield from complete_launch(words, prefix, world, known)
 
 
-def _last_of_list(found: Iterable[Candidate], prefix: str) -> Iterator[Candidate]:
+def _last_of_list(found: Iterable[Completion], prefix: str) -> Iterator[Completion]:
     # RULE,RULE: the last one is completed.
     before, comma, _ = prefix.rpartition(",")
     yield from (each._replace(text=f"{before}{comma}{each.text}") for each in found)
@@ -106,17 +106,17 @@ def _kind(kinds: Sequence[str], words: Sequence[str]) -> str:
     return kinds[len(words)] if len(words) < len(kinds) else ""
 
 
-def _named(kind: str, known: Known) -> Iterable[Candidate]:
+def _named(kind: str, known: NameSources) -> Iterable[Completion]:
     source = known.sources.get(kind)
     return source() if source else ()
 
 
-def _options(prefix: str, options: Sequence[Option]) -> Iterator[Candidate]:
+def _options(prefix: str, options: Sequence[Option]) -> Iterator[Completion]:
     for option in options:
         fitting = [name for name in option.names if name.startswith(prefix)]
         longest = max(fitting, key=len, default="")
         if longest and (prefix != "-" or longest.startswith("--")):
-            yield Candidate(longest, option.help)
+            yield Completion(longest, option.help)
 
 
 def _awaiting(word: str, options: Sequence[Option]) -> Option | None:

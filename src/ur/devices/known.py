@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from functools import cache
 from importlib.resources import files
 
-from ur.devices.model import Device, Kind
+from ur.devices.device import Device, Kind
 
 COLUMNS = ("id", "match", "product", "kind", "stable", "baud", "sure", "probe", "what", "source")
 KINDS: tuple[Kind, ...] = ("serial", "camera", "joystick", "i2c", "hid", "usb")
@@ -23,7 +23,7 @@ _NAMES = {
 
 
 @dataclass(frozen=True, slots=True)
-class Known:
+class KnownDevice:
     """A row of the table; its columns are described at the head of known_devices.tsv. Empty values are ''."""
 
     id: str
@@ -49,7 +49,7 @@ class Known:
         return not self.product or re.search(self.product, f"{device.product} {device.serial}") is not None
 
 
-def parse_known(text: str) -> tuple[Known, ...]:
+def parse_known(text: str) -> tuple[KnownDevice, ...]:
     """Read the table. Raises ValueError, which names the line, where it is malformed."""
     lines = [(n, line) for n, line in enumerate(text.splitlines(), 1) if line and not line.startswith("#")]
     if not lines or tuple(lines[0][1].split("\t")) != COLUMNS:
@@ -63,24 +63,26 @@ def parse_known(text: str) -> tuple[Known, ...]:
         found = next((each for each in KINDS if each == kind), None)
         if found is None or sure not in ("yes", "no") or (baud and not baud.isdecimal()):
             raise ValueError(f"known_devices.tsv:{number}: bad kind, baud or sure")
-        rows.append(Known(name, match, product, found, stable, int(baud or 0), sure == "yes", probe, what, source))
+        rows.append(
+            KnownDevice(name, match, product, found, stable, int(baud or 0), sure == "yes", probe, what, source)
+        )
     return tuple(rows)
 
 
 @cache
-def load_known() -> tuple[Known, ...]:
+def load_known() -> tuple[KnownDevice, ...]:
     """The table of known devices."""
     return parse_known((files(__package__) / "known_devices.tsv").read_text(encoding="utf-8"))
 
 
-def find_known(device: Device, table: Sequence[Known] | None = None) -> tuple[Known, ...]:
+def find_known(device: Device, table: Sequence[KnownDevice] | None = None) -> tuple[KnownDevice, ...]:
     """The rows that a device may be, the surest first; one that names its product excludes those that do not."""
     rows = [row for row in (load_known() if table is None else table) if row.matches(device)]
     special = [row for row in rows if row.product]
     return tuple(sorted(special or rows, key=lambda row: not row.sure))
 
 
-def describe_device(device: Device, table: Sequence[Known] | None = None) -> str:
+def describe_device(device: Device, table: Sequence[KnownDevice] | None = None) -> str:
     """Name a device in a few words, with "probably" where its id is that of a chip many devices have."""
     rows = find_known(device, table)
     own = " ".join(dict.fromkeys(f"{device.manufacturer} {device.product}".split()))
@@ -92,6 +94,6 @@ def describe_device(device: Device, table: Sequence[Known] | None = None) -> str
     return f"probably {what} ({own})" if own else f"probably {what}"
 
 
-def find_rows(hardware: str, table: Sequence[Known] | None = None) -> tuple[Known, ...]:
+def find_rows(hardware: str, table: Sequence[KnownDevice] | None = None) -> tuple[KnownDevice, ...]:
     """The rows of a name that base files use; several where a device has had several ids."""
     return tuple(row for row in (load_known() if table is None else table) if row.id == hardware)

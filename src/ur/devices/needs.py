@@ -6,8 +6,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
+from ur.devices.device import Device, DeviceSnapshot, Expected
 from ur.devices.known import describe_device, find_known, find_rows
-from ur.devices.model import Device, Expected, Snapshot
 
 State = Literal["ready", "missing", "unnamed", "ambiguous", "forbidden", "busy"]
 LOGIN_PROMPT = "agetty"
@@ -27,12 +27,12 @@ class Need:
     device: Device | None = None
 
 
-def examine(snapshot: Snapshot, expected: Sequence[Expected]) -> list[Need]:
+def examine(snapshot: DeviceSnapshot, expected: Sequence[Expected]) -> list[Need]:
     """Compare what is expected with what is there, in the order of `expected`."""
     return [_examine(snapshot, each) for each in expected]
 
 
-def list_problems(snapshot: Snapshot) -> Iterator[tuple[State, Device, str]]:
+def list_problems(snapshot: DeviceSnapshot) -> Iterator[tuple[State, Device, str]]:
     """Name known devices that this user may not open, or that a program holds which is no driver."""
     for device in snapshot.devices:
         if not find_known(device) or device.kind == "usb":
@@ -44,7 +44,7 @@ def list_problems(snapshot: Snapshot) -> Iterator[tuple[State, Device, str]]:
                 yield "busy", device, explain_holder(device)
 
 
-def explain_access(snapshot: Snapshot, device: Device) -> str:
+def explain_access(snapshot: DeviceSnapshot, device: Device) -> str:
     """Say what lets this user open a device."""
     if device.group in snapshot.member and device.group not in snapshot.groups:
         return f"{snapshot.user} is in the group {device.group} since this session began: log in again"
@@ -71,7 +71,7 @@ def find_unit(device: Device) -> str:
     return next((units[holder.program] for holder in device.holders if holder.program in units), "")
 
 
-def _examine(snapshot: Snapshot, expected: Expected) -> Need:
+def _examine(snapshot: DeviceSnapshot, expected: Expected) -> Need:
     part = "the base" if expected.part == "base" else f"the {expected.part}"
     if not expected.path:
         candidates = [device for device in snapshot.devices if device.kind == expected.kind]
@@ -93,7 +93,7 @@ def _examine(snapshot: Snapshot, expected: Expected) -> Need:
     return _opened(snapshot, expected, device, part)
 
 
-def _opened(snapshot: Snapshot, expected: Expected, device: Device, part: str) -> Need:
+def _opened(snapshot: DeviceSnapshot, expected: Expected, device: Device, part: str) -> Need:
     if device.holders and device.holders[0].program in (LOGIN_PROMPT, *(each.program for each in snapshot.grabbers)):
         holder = device.holders[0]
         text = f"{device.path}, which {part} needs, is in use by {holder.program} (process {holder.pid})"

@@ -6,7 +6,7 @@ import posixpath
 import re
 from collections.abc import Iterable, Iterator, Mapping
 
-from ur.devices.model import Device, Holder, Kind, Snapshot
+from ur.devices.device import Device, DeviceHolder, DeviceSnapshot, Kind
 from ur.source.foreign.numbers import parse_integer
 
 RULES_FILE = "/etc/udev/rules.d/70-ubiquity.rules"
@@ -92,7 +92,7 @@ def device_script(root: str = "") -> str:
     )
 
 
-def parse_devices(output: str, root: str = "") -> Snapshot:
+def parse_devices(output: str, root: str = "") -> DeviceSnapshot:
     """Read what the script printed; what is missing in it, or makes no sense, is left out."""
     parts = [part.partition("\n")[::2] for part in output.replace("\0", "").split(_MARK)[1:]]
     named = dict(parts)
@@ -106,7 +106,7 @@ def parse_devices(output: str, root: str = "") -> Snapshot:
         if device is not None:
             found.setdefault(device.path, device)
     taken = {device.port for device in found.values() if device.kind != "usb" and device.port}
-    return Snapshot(
+    return DeviceSnapshot(
         user=user,
         groups=frozenset(groups.split()),
         member=frozenset(member.split()),
@@ -121,8 +121,8 @@ def parse_devices(output: str, root: str = "") -> Snapshot:
 def _device(
     text: str,
     links: Mapping[str, tuple[str, ...]],
-    holders: Iterable[tuple[str, Holder]],
-    grabbers: Iterable[tuple[Holder, str]],
+    holders: Iterable[tuple[str, DeviceHolder]],
+    grabbers: Iterable[tuple[DeviceHolder, str]],
 ) -> Device | None:
     rows = {key: value for key, _, value in (line.partition(" ") for line in text.splitlines())}
     kind, path = _KINDS.get(rows.get("class", "")), rows.get("path", "")
@@ -164,19 +164,19 @@ def _links(lines: Iterable[str], root: str) -> dict[str, tuple[str, ...]]:
     return {target: tuple(sorted(names)) for target, names in found.items()}
 
 
-def _holders(lines: Iterable[str]) -> Iterator[tuple[str, Holder]]:
+def _holders(lines: Iterable[str]) -> Iterator[tuple[str, DeviceHolder]]:
     for line in lines:
         pid, _, rest = line.partition(" ")
         user, _, rest = rest.partition(" ")
         path, _, program = rest.partition(" ")
         number = parse_integer(pid)
         if number is not None and _PATH.fullmatch(path):
-            yield path, Holder(number, program.strip(), user)
+            yield path, DeviceHolder(number, program.strip(), user)
 
 
-def _grabbers(lines: Iterable[str]) -> Iterator[tuple[Holder, str]]:
+def _grabbers(lines: Iterable[str]) -> Iterator[tuple[DeviceHolder, str]]:
     for line in lines:
         row = line.split(" ", 3)
         number = parse_integer(row[0]) if len(row) >= 3 else None
         if number is not None:
-            yield Holder(number, row[2], row[1]), row[3] if len(row) > 3 else ""
+            yield DeviceHolder(number, row[2], row[1]), row[3] if len(row) > 3 else ""

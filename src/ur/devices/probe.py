@@ -7,18 +7,18 @@ import shlex
 from collections.abc import Mapping, Sequence
 from importlib.resources import files
 
-from ur.devices.known import Known, find_known
-from ur.devices.model import Snapshot
+from ur.devices.device import DeviceSnapshot
+from ur.devices.known import KnownDevice, find_known
 from ur.source.printable import printable
 
 SECONDS = 3.0  # that one question may take
 
 
-def list_questions(snapshot: Snapshot) -> list[tuple[str, str, int]]:
+def list_questions(snapshot: DeviceSnapshot) -> list[tuple[str, str, int]]:
     """The questions worth asking: path, kind of question, baud rate. Devices in use are never asked."""
     found = []
     for device in snapshot.devices:
-        rows: Sequence[Known] = find_known(device)
+        rows: Sequence[KnownDevice] = find_known(device)
         found += [
             (device.path, row.probe, row.baud)
             for row in rows

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 
-from ur.devices.known import Known, find_rows, load_known
-from ur.devices.model import Expected
+from ur.devices.device import Expected
+from ur.devices.known import KnownDevice, find_rows, load_known
 
 RELOAD = (
     "udevadm control --reload && udevadm trigger --subsystem-match=tty --action=change && udevadm settle --timeout=10"
@@ -16,7 +16,7 @@ _HEAD = """\
 """
 
 
-def write_rules(expected: Sequence[Expected] = (), table: Sequence[Known] | None = None) -> str:
+def write_rules(expected: Sequence[Expected] = (), table: Sequence[KnownDevice] | None = None) -> str:
     """The text of the rules file for the devices of a base; the same for the same arguments.
 
     ModemManager leaves these devices alone, because it would send modem commands to them.
@@ -25,14 +25,14 @@ def write_rules(expected: Sequence[Expected] = (), table: Sequence[Known] | None
     return _HEAD + "".join(_rule(row) for row in rows)
 
 
-def _wanted(expected: Iterable[Expected], table: Sequence[Known]) -> Iterator[Known]:
+def _wanted(expected: Iterable[Expected], table: Sequence[KnownDevice]) -> Iterator[KnownDevice]:
     named = {row for each in expected for row in find_rows(each.hardware, table)}
     for row in table:
         if row.stable and not row.match.startswith("/") and (row.sure or row in named):
             yield row
 
 
-def _rule(row: Known) -> str:
+def _rule(row: KnownDevice) -> str:
     vendor, _, product = row.match.partition(":")
     tests = ['SUBSYSTEM=="tty"', f'ATTRS{{idVendor}}=="{vendor}"']
     if product != "*":

@@ -6,12 +6,12 @@ import re
 import shlex
 from collections.abc import Iterator
 
+from ur.docs.documents import BaseDoc, DirectoryDoc, Documents, LaunchDoc, PackageDoc, ProgramDoc, TreeDoc
 from ur.docs.launch.launch_file import LaunchDescriber
 from ur.docs.links import settle_links
-from ur.docs.model import BaseDoc, DirectoryDoc, Documents, LaunchDoc, PackageDoc, ProgramDoc, TreeDoc
 from ur.docs.repository.bases import read_base
-from ur.docs.repository.collect import Part, Repository, collect_repository, relative_path
-from ur.docs.repository.programs import Start, find_starts, read_headings
+from ur.docs.repository.collect import DocumentedRepository, RepositoryPart, collect_repository, relative_path
+from ur.docs.repository.programs import LaunchCall, find_starts, read_headings
 from ur.launchfile.world import World
 from ur.source.file import SourceFile
 from ur.source.progress import Progress, counted, no_progress
@@ -28,7 +28,7 @@ def build_documents(path: str, world: World) -> Documents:
     return describe_repository(collect_repository(path, world))
 
 
-def describe_repository(repository: Repository, progress: Progress = no_progress) -> Documents:
+def describe_repository(repository: DocumentedRepository, progress: Progress = no_progress) -> Documents:
     """The documents of what was collected."""
     describer = _Describer(repository, progress)
     packages = tuple(describer.describe_part(part) for part in repository.parts)
@@ -36,7 +36,7 @@ def describe_repository(repository: Repository, progress: Progress = no_progress
 
 
 class _Describer:
-    def __init__(self, repository: Repository, progress: Progress) -> None:
+    def __init__(self, repository: DocumentedRepository, progress: Progress) -> None:
         self.repository = repository
         self.progress = progress
         self.bases = {base.name: base for part in repository.parts for base in self.read_bases(part)}
@@ -45,11 +45,11 @@ class _Describer:
         for path in repository.views:
             self.by_name.setdefault(path.rpartition("/")[2], []).append(path)
 
-    def read_bases(self, part: Part) -> Iterator[BaseDoc]:
+    def read_bases(self, part: RepositoryPart) -> Iterator[BaseDoc]:
         for base in part.package.bases:
             yield read_base(f"{part.package.folder}/bases/{base.name}/base.yaml", base.name, self.repository.world)
 
-    def describe_part(self, part: Part) -> PackageDoc:
+    def describe_part(self, part: RepositoryPart) -> PackageDoc:
         programs = tuple(
             self.describe_program(source, part)
             for source in counted(part.programs, "describing", f"programs of {part.package.name}", self.progress)
@@ -78,7 +78,7 @@ class _Describer:
     def show(self, path: str) -> str:
         return relative_path(path, self.repository.root)
 
-    def describe_program(self, source: SourceFile, part: Part) -> ProgramDoc:
+    def describe_program(self, source: SourceFile, part: RepositoryPart) -> ProgramDoc:
         headings = read_headings(source)
         starts = [(start, path) for start in find_starts(source) for path in self.find_file(start, part)]
         folder, _, name = source.path.rpartition("/")
@@ -93,12 +93,12 @@ class _Describer:
             source=source.text,
         )
 
-    def describe_start(self, start: Start, path: str) -> tuple[TreeDoc, ...]:
+    def describe_start(self, start: LaunchCall, path: str) -> tuple[TreeDoc, ...]:
         view = self.repository.views[path]
         given = tuple((name, value) for name, value in start.given if name in view.declared)
         return self.launches.describe_trees(view, given)
 
-    def find_file(self, start: Start, part: Part) -> Iterator[str]:
+    def find_file(self, start: LaunchCall, part: RepositoryPart) -> Iterator[str]:
         # By name in the package that the program names, else in its own, else in the only one that has such a file.
         paths = self.by_name.get(start.file.rpartition("/")[2], [])
         for folder in (self.folder_of(start.before), part.package.folder):
@@ -112,7 +112,7 @@ class _Describer:
     def folder_of(self, package: str) -> str | None:
         return next((p.package.folder for p in self.repository.parts if p.package.name == package), None)
 
-    def how_to_run(self, name: str, path: str, part: Part) -> str:
+    def how_to_run(self, name: str, path: str, part: RepositoryPart) -> str:
         if name.startswith("ur_") and self.repository.world.is_file(f"{part.package.folder}/bin/ur"):
             return f"ur run {name.removeprefix('ur_')}"
         return f"rosrun {part.package.name} {name}" if part.is_package else shlex.quote(self.show(path))

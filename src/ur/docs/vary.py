@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from ur.docs.model import Case, Value
+from ur.docs.documents import BaseCase, Value
 
 
-def vary(pairs: Iterable[tuple[Case, str]], cases: tuple[Case, ...]) -> tuple[Value, ...]:
+def vary(pairs: Iterable[tuple[BaseCase, str]], cases: tuple[BaseCase, ...]) -> tuple[Value, ...]:
     """The texts of some cases as values; one that holds in all cases names none."""
-    groups: dict[str, list[Case]] = {}
+    groups: dict[str, list[BaseCase]] = {}
     for case, text in pairs:
         groups.setdefault(text, []).append(case)
     if len(groups) == 1:
@@ -18,7 +18,7 @@ def vary(pairs: Iterable[tuple[Case, str]], cases: tuple[Case, ...]) -> tuple[Va
     return tuple(Value(text, tuple(where)) for text, where in groups.items())
 
 
-def name_cases(cases: Iterable[Case]) -> str:
+def name_cases(cases: Iterable[BaseCase]) -> str:
     """For people: `stage, magni (plain, lidar)`; the variants of a base stand together."""
     by_base: dict[str, list[str]] = {}
     for case in cases:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping, Sequence
 
-from ur.check.model import LaunchView
+from ur.check.rule import LaunchView
 from ur.check.survey import walk_elements
 from ur.docs.repository.world import is_elsewhere, show_elsewhere
 from ur.launchfile.plan.one_file import HERE

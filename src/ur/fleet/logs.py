@@ -22,7 +22,7 @@ def logs_folder(environment: Mapping[str, str]) -> Path:
 
 
 @dataclass(slots=True)
-class Log:
+class LogFile:
     """An open file with the output of a command. It is read through its descriptor, whatever its path names by then."""
 
     path: Path
@@ -51,7 +51,7 @@ class Log:
         return strip_styles(text.replace("\r\n", "\n").replace("\r", "\n"))
 
 
-def open_log(folder: Path, command: str, robot: str, kind: str = "log") -> Log:
+def open_log(folder: Path, command: str, robot: str, kind: str = "log") -> LogFile:
     """Open a new file for the output of a command on a robot. Only this user may read it. Raises OSError.
 
     One that is there is replaced: who writes into it goes on unseen.
@@ -61,7 +61,7 @@ def open_log(folder: Path, command: str, robot: str, kind: str = "log") -> Log:
     with suppress(FileNotFoundError):
         path.unlink()
     flags = os.O_RDWR | os.O_CREAT | os.O_EXCL | os.O_APPEND | os.O_NOFOLLOW | os.O_CLOEXEC
-    return Log(path, os.open(path, flags, 0o600))
+    return LogFile(path, os.open(path, flags, 0o600))
 
 
 def _name(text: str) -> str:

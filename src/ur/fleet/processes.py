@@ -14,8 +14,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
-from ur.fleet.logs import Log, open_log
-from ur.fleet.model import (
+from ur.fleet.jobs import (
     Fleet,
     Job,
     answer_questions,
@@ -29,6 +28,7 @@ from ur.fleet.model import (
     note_question,
     plan_fleet,
 )
+from ur.fleet.logs import LogFile, open_log
 from ur.fleet.table import choose_line
 
 AT_ONCE = 16
@@ -45,8 +45,8 @@ Confirm = Callable[[Fleet, Sequence["Output"]], bool]
 class Output:
     """The output of a job. `errors` is apart from it where that was wanted."""
 
-    log: Log
-    errors: Log | None = None
+    log: LogFile
+    errors: LogFile | None = None
 
     def close(self) -> None:
         """Close the files, which stay."""

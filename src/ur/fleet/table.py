@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from ur.fleet.model import INTERRUPTED, Fleet, Status
+from ur.fleet.jobs import INTERRUPTED, Fleet, JobStatus
 from ur.source.printable import printable
 
 SHOWN = 100  # characters of a line of output
@@ -22,13 +22,13 @@ def describe_fleet(fleet: Fleet, now: float) -> list[str]:
     ]
 
 
-def describe_end(status: Status) -> str:
+def describe_end(status: JobStatus) -> str:
     """The line about a job that is done, for output that is no terminal."""
     line = f": {_line(status)}" if status.line else ""
     return f"{printable(status.name)}: {describe_state(status)} after {_seconds(status, status.ended).strip()}{line}"
 
 
-def describe_state(status: Status) -> str:
+def describe_state(status: JobStatus) -> str:
     """The state of a job in a word or two."""
     if status.phase != "done":
         return {"waiting": "waiting", "running": "running", "asking": "ready"}[status.phase]
@@ -57,11 +57,11 @@ def choose_line(lines: Sequence[str], code: int | None) -> str:
     return full[0] if code and len(full) <= FEW_LINES else full[-1]
 
 
-def _seconds(status: Status, now: float) -> str:
+def _seconds(status: JobStatus, now: float) -> str:
     if status.phase == "waiting" or (status.phase == "done" and not status.began):
         return ""
     return f"{(status.ended if status.phase == 'done' else now) - status.began:.0f} s"
 
 
-def _line(status: Status) -> str:
+def _line(status: JobStatus) -> str:
     return printable(status.line)[:SHOWN]

@@ -13,10 +13,10 @@ from typing import Protocol
 
 from ur.get.hints import load_sources
 from ur.get.index import MAX_INDEX, NEWEST, ROS2, Index, merge_indexes, parse_index
-from ur.get.model import GetPlan, Missing, Repository
 from ur.get.owners import ask_server, confirm_guesses, list_guesses
 from ur.get.plan import Tables, make_plan
-from ur.get.tables import Candidate, all_names, parse_candidates, parse_table
+from ur.get.steps import GetPlan, Missing, SourceRepository
+from ur.get.tables import DebianPackage, all_names, parse_candidates, parse_table
 from ur.source.diagnostic import UserError, error
 from ur.source.foreign.files import read_text
 from ur.source.replace import replace_file
@@ -51,7 +51,7 @@ class Sources(Protocol):
         """
         ...
 
-    def show_candidates(self, names: Sequence[str], /) -> Mapping[str, Candidate] | None:
+    def show_candidates(self, names: Sequence[str], /) -> Mapping[str, DebianPackage] | None:
         """Those of the Debian packages that apt can install; None without apt."""
         ...
 
@@ -68,7 +68,7 @@ def load_tables(
     missing: Iterable[Missing],
     sources: Sources,
     distribution: str = "",
-    hints: Sequence[Repository] = (),
+    hints: Sequence[SourceRepository] = (),
     names: Iterable[str] = (),
 ) -> tuple[Tables, tuple[str, ...]]:
     """Read the tables for these packages, and notes on what is not here; the indexes only where one needs them.
@@ -170,7 +170,7 @@ class ThisComputer:
                 found.append((name if name != NEWEST else "", text))
         return tuple(found), ""
 
-    def show_candidates(self, names: Sequence[str]) -> Mapping[str, Candidate] | None:
+    def show_candidates(self, names: Sequence[str]) -> Mapping[str, DebianPackage] | None:
         """See Sources."""
         if not names:
             return {}

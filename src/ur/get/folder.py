@@ -11,8 +11,8 @@ from pathlib import Path
 from ur.get.hints import LISTS, TEXTS, is_of_family, join_hints, plain_address, read_hints, read_links
 from ur.get.index import read_dependencies, read_name
 from ur.get.missing import is_installed, missing_of_names, named_files, named_packages
-from ur.get.model import Missing, Needs, Repository
 from ur.get.owners import addresses_of, owners_above, owners_of_manifest, owners_of_repositories, read_owners
+from ur.get.steps import Missing, Needs, SourceRepository
 from ur.launchfile.world.system import SystemWorld
 from ur.source.diagnostic import UserError, error
 from ur.source.foreign.files import read_text
@@ -43,8 +43,8 @@ class _Found:
 
     names: dict[str, Path] = field(default_factory=dict)
     files: dict[str, dict[str, set[Path]]] = field(default_factory=dict)
-    hints: list[Repository] = field(default_factory=list)
-    links: list[Repository] = field(default_factory=list)
+    hints: list[SourceRepository] = field(default_factory=list)
+    links: list[SourceRepository] = field(default_factory=list)
     own: dict[str, Path] = field(default_factory=dict)
     owners: dict[Path, tuple[str, ...]] = field(default_factory=dict)
     packages: dict[str, Path] = field(default_factory=dict)
@@ -77,12 +77,12 @@ def folder_needs(
     return Needs(missing, lambda name: is_installed(name, world), tuple(found.notes), hints, here)
 
 
-def hints_above(path: Path) -> tuple[Repository, ...]:
+def hints_above(path: Path) -> tuple[SourceRepository, ...]:
     """The repositories that a file names, and those that the texts and lists beside and above it do.
 
     The search ends with the repository or package that the file is in.
     """
-    hints: list[Repository] = []
+    hints: list[SourceRepository] = []
     links = [*read_links(text_of(path))]
     own: set[str] = set()
     for folder in path.parents:

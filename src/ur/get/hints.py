@@ -10,7 +10,7 @@ from importlib.resources import files
 from itertools import islice
 
 from ur.get.index import make_repository
-from ur.get.model import Repository
+from ur.get.steps import SourceRepository
 from ur.source.foreign.yaml_text import load_yaml
 
 LISTS = re.compile(r"\.gitmodules|.*\.repos(\.ya?ml)?|.*\.rosinstall(\..*)?")
@@ -39,7 +39,7 @@ _COMMON = re.compile(
 )
 
 
-def read_hints(name: str, text: str, owner: str = "") -> Iterator[Repository]:
+def read_hints(name: str, text: str, owner: str = "") -> Iterator[SourceRepository]:
     """The repositories that a file of this name lists. Entries that cannot be used are left out.
 
     `owner` is the address ("https://github.com/NAME") that the relative addresses of submodules are below. A repository
@@ -55,9 +55,9 @@ def read_hints(name: str, text: str, owner: str = "") -> Iterator[Repository]:
             yield from _cloned(each["url"].rstrip(".,"), branch[1] if branch else "", each["target"] or "")
 
 
-def read_links(text: str) -> Iterator[Repository]:
+def read_links(text: str) -> Iterator[SourceRepository]:
     """The repositories that a text links to, each once, with the branch of a link to one."""
-    found: dict[str, Repository] = {}
+    found: dict[str, SourceRepository] = {}
     for each in islice(_LINK.finditer(text), _MAX_LINKS):
         name = each["name"].removesuffix(".git")
         url = f"https://{each['host']}/{each['owner']}/{name}"
@@ -67,7 +67,9 @@ def read_links(text: str) -> Iterator[Repository]:
     yield from found.values()
 
 
-def join_hints(hints: Iterable[Repository], links: Iterable[Repository], own: Container[str]) -> tuple[Repository, ...]:
+def join_hints(
+    hints: Iterable[SourceRepository], links: Iterable[SourceRepository], own: Container[str]
+) -> tuple[SourceRepository, ...]:
     """List what files clone, then what they only link to, each once, without those at the plain addresses `own`."""
     found = dict.fromkeys(each for each in hints if plain_address(each.url) not in own)
     addresses = {plain_address(each.url) for each in found}
@@ -85,13 +87,13 @@ def plain_address(url: str) -> str:
     return address.rstrip("/").removesuffix(".git")
 
 
-def find_hint(package: str, hints: Iterable[Repository]) -> Repository | None:
+def find_hint(package: str, hints: Iterable[SourceRepository]) -> SourceRepository | None:
     """The repository that has the name of a package, with "ros" or without."""
     wanted = _plain(package)
     return next((hint for hint in hints if wanted in (_plain(hint.name), _stem(hint))), None)
 
 
-def find_related_hint(package: str, hints: Iterable[Repository]) -> Repository | None:
+def find_related_hint(package: str, hints: Iterable[SourceRepository]) -> SourceRepository | None:
     """The repository whose name, without "ros", begins the package's; of several the longest counts.
 
     One that a text only links to must have "ros" in its name: others are of firmware, models, papers.
@@ -107,15 +109,15 @@ def find_related_hint(package: str, hints: Iterable[Repository]) -> Repository |
     return max(fitting, key=lambda hint: len(_stem(hint)), default=None)
 
 
-def is_of_family(package: str, hint: Repository) -> bool:
+def is_of_family(package: str, hint: SourceRepository) -> bool:
     """Return whether a package and a repository begin with the same word, which is more than a common one."""
     word = _plain(package).partition("_")[0]
     return len(word) >= _SHORTEST and not _COMMON.fullmatch(word) and _plain(hint.name).partition("_")[0] == word
 
 
-def parse_sources(text: str) -> dict[str, Repository]:
+def parse_sources(text: str) -> dict[str, SourceRepository]:
     """Read a table of repositories (see known_sources.tsv): by package. Raises ValueError, which names the line."""
-    found: dict[str, Repository] = {}
+    found: dict[str, SourceRepository] = {}
     rows = [(n, line) for n, line in enumerate(text.splitlines(), 1) if line and not line.startswith("#")]
     for number, line in rows[1:]:
         cells = line.split("\t")
@@ -128,12 +130,12 @@ def parse_sources(text: str) -> dict[str, Repository]:
 
 
 @cache
-def load_sources() -> dict[str, Repository]:
+def load_sources() -> dict[str, SourceRepository]:
     """The table of repositories that no index of ROS holds."""
     return parse_sources((files(__package__) / "known_sources.tsv").read_text(encoding="utf-8"))
 
 
-def _listed(text: str) -> Iterator[Repository]:
+def _listed(text: str) -> Iterator[SourceRepository]:
     try:
         document = load_yaml(text)
     except ValueError:
@@ -154,7 +156,7 @@ def _listed(text: str) -> Iterator[Repository]:
                     yield repository
 
 
-def _submodules(text: str, owner: str) -> Iterator[Repository]:
+def _submodules(text: str, owner: str) -> Iterator[SourceRepository]:
     for section in text.split("[submodule")[1:]:
         found = dict(_MODULE.findall(section))
         url, branch = found.get("url", ""), found.get("branch", "")
@@ -163,7 +165,7 @@ def _submodules(text: str, owner: str) -> Iterator[Repository]:
         yield from _cloned(url, "" if branch == "." else branch, found.get("path", ""))
 
 
-def _cloned(url: str, branch: str, target: str) -> Iterator[Repository]:
+def _cloned(url: str, branch: str, target: str) -> Iterator[SourceRepository]:
     if repository := _clone(_secure(url), branch):
         yield repository
         name = _last(target)
@@ -171,7 +173,7 @@ def _cloned(url: str, branch: str, target: str) -> Iterator[Repository]:
             yield replace(repository, name=name)
 
 
-def _clone(url: str, branch: str) -> Repository | None:
+def _clone(url: str, branch: str) -> SourceRepository | None:
     return make_repository(_last(url).removesuffix(".git"), {"type": "git", "url": url, "version": branch})
 
 
@@ -187,7 +189,7 @@ def _last(path: str) -> str:
     return path.rstrip("/").rpartition("/")[2]
 
 
-def _stem(hint: Repository) -> str:
+def _stem(hint: SourceRepository) -> str:
     return _stem_of(hint.name)
 
 

@@ -7,7 +7,7 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
-from ur.get.model import PACKAGE_NAME, Repository
+from ur.get.steps import PACKAGE_NAME, SourceRepository
 from ur.source.foreign.files import MAX_MANIFEST
 from ur.source.foreign.xml_text import parse_xml
 from ur.source.foreign.yaml_text import load_yaml
@@ -28,7 +28,7 @@ _DEPENDS = ("depend", "exec_depend", "run_depend", "build_depend", "build_export
 class Index:
     """Repositories by package, and the dependencies of those packages whose package.xml the index holds."""
 
-    repositories: Mapping[str, Repository] = field(default_factory=dict)
+    repositories: Mapping[str, SourceRepository] = field(default_factory=dict)
     dependencies: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
 
 
@@ -48,7 +48,7 @@ def parse_index(text: str, distribution: str = "") -> Index:
     if not isinstance(document, dict):
         raise ValueError("no mapping, expected a distribution file with 'repositories'")
     files = document.get("distribution_file", document)
-    found: dict[str, Repository] = {}
+    found: dict[str, SourceRepository] = {}
     known = False
     for file in files if isinstance(files, list) else [files]:
         repositories = file.get("repositories") if isinstance(file, dict) else None
@@ -65,7 +65,7 @@ def parse_index(text: str, distribution: str = "") -> Index:
 
 def merge_indexes(indexes: Sequence[Index]) -> Index:
     """One index of several: of those that have a package, the first counts."""
-    repositories: dict[str, Repository] = {}
+    repositories: dict[str, SourceRepository] = {}
     dependencies: dict[str, tuple[str, ...]] = {}
     for index in reversed(indexes):
         repositories.update(index.repositories)
@@ -116,7 +116,7 @@ def _release_tag(release: object) -> str:
     return tag if isinstance(tag, str) else ""
 
 
-def _read_repository(name: object, entry: object, distribution: str) -> dict[str, Repository]:
+def _read_repository(name: object, entry: object, distribution: str) -> dict[str, SourceRepository]:
     if not isinstance(name, str) or not isinstance(entry, dict) or not _WORD.fullmatch(name) or "/" in name:
         return {}
     release = entry.get("release")
@@ -146,7 +146,7 @@ def _text(value: object) -> str:
     return str(value) if isinstance(value, (str, int, float)) else ""
 
 
-def make_repository(name: str, source: object, distribution: str = "") -> Repository | None:
+def make_repository(name: str, source: object, distribution: str = "") -> SourceRepository | None:
     """A repository of the keys `type`, `url` and `version`; None where one of them could harm a shell."""
     if not isinstance(source, dict) or not _WORD.fullmatch(name) or "/" in name:
         return None
@@ -156,4 +156,4 @@ def make_repository(name: str, source: object, distribution: str = "") -> Reposi
         return None
     if version and (not _WORD.fullmatch(version) or ".." in version):
         return None
-    return Repository(name, kind, url, version, distribution)
+    return SourceRepository(name, kind, url, version, distribution)

@@ -9,8 +9,8 @@ from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
-from ur.get.model import GetPlan
-from ur.get.record import Record, load_record, store_record
+from ur.get.record import InstallRecord, load_record, store_record
+from ur.get.steps import GetPlan
 from ur.get.tables import parse_simulation
 from ur.get.xacro import install_xacro, remove_package
 from ur.request.requirements.debian_packages import install_debian, list_missing, remove_debian
@@ -18,7 +18,7 @@ from ur.source.diagnostic import UserError, error
 
 
 @dataclass(frozen=True, slots=True)
-class Actions:
+class InstallActions:
     """The changes to this computer, each of which a test can replace.
 
     `install` and `remove` take Debian names, `simulate` the arguments of apt-get and returns what it prints,
@@ -32,13 +32,13 @@ class Actions:
     make_package: Callable[[Path], None] = install_xacro
 
 
-def install(plan: GetPlan, record: Path, packages: Path, actions: Actions | None = None) -> None:
+def install(plan: GetPlan, record: Path, packages: Path, actions: InstallActions | None = None) -> None:
     """Install the Debian and PyPI packages of a plan.
 
     What is about to be installed is recorded first, with all that it brings along, so that whatever interrupts this can
     be undone. After a failure the record has what was installed nevertheless. Raises UserError.
     """
-    actions = actions or Actions()
+    actions = actions or InstallActions()
     known = before = load_record(record)
     if plan.debian:
         more = parse_simulation(actions.simulate(["install", "--no-install-recommends", *plan.debian]), "Inst")
@@ -63,13 +63,13 @@ def install(plan: GetPlan, record: Path, packages: Path, actions: Actions | None
             raise
 
 
-def undo(record: Path, packages: Path, actions: Actions | None = None) -> Record:
+def undo(record: Path, packages: Path, actions: InstallActions | None = None) -> InstallRecord:
     """Remove what `install` has recorded, and nothing else; return what was removed.
 
     Raises UserError: something that was installed later needs one of the packages, and nothing was removed; or apt-get
     failed, and the record stays.
     """
-    actions = actions or Actions()
+    actions = actions or InstallActions()
     known = load_record(record)
     absent = set(actions.list_missing(known.debian)) if known.debian else set()
     present = tuple(name for name in known.debian if name not in absent)
@@ -88,8 +88,8 @@ def undo(record: Path, packages: Path, actions: Actions | None = None) -> Record
         reason = (problem.strerror or str(problem)).lower()
         message = f"{problem.filename or packages} cannot be removed: {reason}"
         raise UserError(error(message, rule="unwritable-file")) from None
-    store_record(Record(), record)
-    return Record(present, known.pypi)
+    store_record(InstallRecord(), record)
+    return InstallRecord(present, known.pypi)
 
 
 def simulate_apt(words: Sequence[str]) -> str:

@@ -5,8 +5,8 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Mapping
 
-from ur.get.model import PACKAGE_NAME, Missing
-from ur.launchfile.plan.model import Plan
+from ur.get.steps import PACKAGE_NAME, Missing
+from ur.launchfile.plan.specs import Plan
 from ur.launchfile.world.protocol import PackageNotFound, World
 
 _NAMED = re.compile(

@@ -10,7 +10,7 @@ from itertools import chain, islice
 from pathlib import Path
 
 from ur.get.index import make_repository
-from ur.get.model import Missing, Repository
+from ur.get.steps import Missing, SourceRepository
 from ur.source.foreign.files import read_text
 
 _REMOTE = re.compile(
@@ -42,7 +42,7 @@ def owners_of_manifest(text: str) -> tuple[str, ...]:
     return _owners(_MANIFEST_URL.findall(text))
 
 
-def owners_of_repositories(repositories: Iterable[Repository]) -> tuple[str, ...]:
+def owners_of_repositories(repositories: Iterable[SourceRepository]) -> tuple[str, ...]:
     """List the addresses of the owners of the first repositories that files of a folder name."""
     return _owners(each.url for each in repositories)[:_OTHERS]
 
@@ -52,7 +52,7 @@ def addresses_of(folder: Path) -> tuple[str, ...]:
     return tuple(_CONFIG_URL.findall(_read_config(folder)))
 
 
-def guess_repositories(missing: Missing, owners: Iterable[str] | None = None) -> Iterator[Repository]:
+def guess_repositories(missing: Missing, owners: Iterable[str] | None = None) -> Iterator[SourceRepository]:
     """The repositories that would have the name of a package, for each of the owners that it may belong to."""
     for owner in missing.owners if owners is None else owners:
         for name in dict.fromkeys((missing.package, missing.package.replace("_", "-"))):
@@ -60,7 +60,7 @@ def guess_repositories(missing: Missing, owners: Iterable[str] | None = None) ->
                 yield repository
 
 
-def list_guesses(missing: Iterable[Missing]) -> tuple[tuple[str, Repository], ...]:
+def list_guesses(missing: Iterable[Missing]) -> tuple[tuple[str, SourceRepository], ...]:
     """List the repositories that may hold packages, those of the folder's owners first, each with its package."""
     wanted = [each for each in missing if not each.itself]
     own = ((each.package, guess) for each in wanted for guess in guess_repositories(each))
@@ -70,13 +70,13 @@ def list_guesses(missing: Iterable[Missing]) -> tuple[tuple[str, Repository], ..
 
 def confirm_guesses(
     missing: Iterable[Missing], list_branches: Callable[[str], Sequence[str] | None]
-) -> dict[str, Repository | None]:
+) -> dict[str, SourceRepository | None]:
     """Ask which guesses exist; return those by package, and None for a package of which no guess exists.
 
     `list_branches` is `ask_server` or stands in for it: where the server cannot be asked, nothing more is asked. The
     version is the branch for ROS 1 of a repository that has one beside its default branch.
     """
-    found: dict[str, Repository | None] = {}
+    found: dict[str, SourceRepository | None] = {}
     for package, guess in list_guesses(missing):
         if found.get(package):
             continue

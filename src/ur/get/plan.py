@@ -8,9 +8,9 @@ from dataclasses import dataclass, field
 
 from ur.get.hints import find_hint, find_related_hint, plain_address
 from ur.get.index import ROS2, Index
-from ur.get.model import PACKAGE_NAME, GetPlan, Missing, Repository, Step
 from ur.get.owners import guess_repositories
-from ur.get.tables import PYPI, SPLIT, Candidate, possible_names
+from ur.get.steps import PACKAGE_NAME, GetPlan, InstallStep, Missing, SourceRepository
+from ur.get.tables import PYPI, SPLIT, DebianPackage, possible_names
 
 NO_INDEX = "no index of sources is here"
 ONLY_ROS2 = "only in ROS 2 {}, and has to be ported to ROS 1"
@@ -38,15 +38,15 @@ class Tables:
     """
 
     rosdep: Mapping[str, tuple[str, ...]]
-    candidates: Mapping[str, Candidate] | None
+    candidates: Mapping[str, DebianPackage] | None
     installed: frozenset[str] = frozenset()
     index: Index | None = None
     distribution: str = ""
-    hints: tuple[Repository, ...] = ()
-    known: Mapping[str, Repository] = field(default_factory=dict)
+    hints: tuple[SourceRepository, ...] = ()
+    known: Mapping[str, SourceRepository] = field(default_factory=dict)
     ros2: Index | None = None
     names: frozenset[str] = frozenset()
-    confirmed: Mapping[str, Repository | None] = field(default_factory=dict)
+    confirmed: Mapping[str, SourceRepository | None] = field(default_factory=dict)
 
 
 def make_plan(
@@ -60,27 +60,27 @@ def make_plan(
     return GetPlan(steps, tuple(notes))
 
 
-def _find_way(missing: Missing, tables: Tables, is_there: Callable[[str], bool]) -> Step:
+def _find_way(missing: Missing, tables: Tables, is_there: Callable[[str], bool]) -> InstallStep:
     package = missing.package
     if not PACKAGE_NAME.fullmatch(package):
-        return Step(missing, "unknown", reason="that is not the name of a package")
+        return InstallStep(missing, "unknown", reason="that is not the name of a package")
     names = _debian_names(package, tables)
     if names:
-        return Step(missing, "debian" if _is_of_ros(package, names, tables) else "other", names)
+        return InstallStep(missing, "debian" if _is_of_ros(package, names, tables) else "other", names)
     if package in PYPI:
-        return Step(missing, "pypi", (PYPI[package],))
+        return InstallStep(missing, "pypi", (PYPI[package],))
     if missing.program:
-        return Step(missing, "unknown", reason=f"{package} is installed and has no program {missing.program}")
+        return InstallStep(missing, "unknown", reason=f"{package} is installed and has no program {missing.program}")
     repository, origin = _find_source(missing, tables)
     if repository is None:
         reason = _explain_here(missing)
-        return Step(missing, "unknown", reason=reason or _explain(missing, tables), here=bool(reason))
+        return InstallStep(missing, "unknown", reason=reason or _explain(missing, tables), here=bool(reason))
     depends = None if origin or tables.index is None else tables.index.dependencies.get(package)
     needs = None if depends is None else tuple(name for name in depends if not is_there(name))
-    return Step(missing, "source", repository=repository, needs=needs, reason=origin)
+    return InstallStep(missing, "source", repository=repository, needs=needs, reason=origin)
 
 
-def _find_source(missing: Missing, tables: Tables) -> tuple[Repository | None, str]:
+def _find_source(missing: Missing, tables: Tables) -> tuple[SourceRepository | None, str]:
     # The index first: a list of somebody's workspace may name a fork of his. A name that is only like it comes late.
     package = missing.package
     indexed = tables.index.repositories.get(package) if tables.index else None
@@ -106,7 +106,7 @@ def _find_source(missing: Missing, tables: Tables) -> tuple[Repository | None, s
     return newer, ONLY_ROS2.format(newer.distribution) if newer else ""
 
 
-def _listed(index: Index | None) -> Iterable[Repository]:
+def _listed(index: Index | None) -> Iterable[SourceRepository]:
     return index.repositories.values() if index else ()
 
 

@@ -17,15 +17,15 @@ _CHARACTERS = frozenset("abcdefghijklmnopqrstuvwxyz0123456789+.-")
 
 
 @dataclass(frozen=True, slots=True)
-class Record:
+class InstallRecord:
     """Debian packages and packages from PyPI that were not installed before `ur get` was asked for them."""
 
     debian: tuple[str, ...] = ()
     pypi: tuple[str, ...] = ()
 
-    def adding(self, debian: Iterable[str] = (), pypi: Iterable[str] = ()) -> Record:
+    def adding(self, debian: Iterable[str] = (), pypi: Iterable[str] = ()) -> InstallRecord:
         """A record with more packages, each once."""
-        return Record(tuple(dict.fromkeys((*self.debian, *debian))), tuple(dict.fromkeys((*self.pypi, *pypi))))
+        return InstallRecord(tuple(dict.fromkeys((*self.debian, *debian))), tuple(dict.fromkeys((*self.pypi, *pypi))))
 
 
 def record_path(environment: Mapping[str, str]) -> Path:
@@ -33,12 +33,12 @@ def record_path(environment: Mapping[str, str]) -> Path:
     return Path(user_folder("XDG_STATE_HOME", environment)) / "ubiquity_launches" / "get.json"
 
 
-def load_record(path: Path) -> Record:
+def load_record(path: Path) -> InstallRecord:
     """Read the record; empty where there is none. Raises UserError when it is damaged."""
     try:
         text = path.read_text(encoding="utf-8")
     except FileNotFoundError:
-        return Record()
+        return InstallRecord()
     except (OSError, ValueError) as problem:
         raise _damaged(path, str(problem)) from None
     try:
@@ -51,13 +51,13 @@ def load_record(path: Path) -> Record:
     )
     if not sound or not all(name in PYPI for name in pypi):
         raise _damaged(path, "a name in it is no package's")
-    return Record(debian, pypi)
+    return InstallRecord(debian, pypi)
 
 
-def store_record(record: Record, path: Path) -> None:
+def store_record(record: InstallRecord, path: Path) -> None:
     """Write the record, or remove it when it is empty. Raises UserError; then the record is as it was."""
     try:
-        if record == Record():
+        if record == InstallRecord():
             path.unlink(missing_ok=True)
         else:
             replace_file(path, json.dumps(asdict(record), indent=1) + os.linesep, parents=True)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from ur.get.model import GetPlan, Repository, Step
+from ur.get.steps import GetPlan, InstallStep, SourceRepository
 from ur.source.printable import printable
 
 WORKSPACE = "~/catkin_ws"
@@ -15,7 +15,7 @@ def render_plan(plan: GetPlan) -> str:
     return "".join(f"{printable(line)}\n" for line in _lines(plan))
 
 
-def clone_command(repository: Repository) -> str:
+def clone_command(repository: SourceRepository) -> str:
     """The command that puts a repository's source into the workspace."""
     target = f"{WORKSPACE}/src/{repository.name}"
     version = repository.version
@@ -43,7 +43,7 @@ def _lines(plan: GetPlan) -> Iterator[str]:
     yield from (f"note: {note}" for note in plan.notes)
 
 
-def _sources(steps: tuple[Step, ...]) -> Iterator[str]:
+def _sources(steps: tuple[InstallStep, ...]) -> Iterator[str]:
     if not steps:
         return
     yield "to be built from source:"
@@ -68,6 +68,6 @@ def _sources(steps: tuple[Step, ...]) -> Iterator[str]:
     yield "  ur build"
 
 
-def _name(step: Step) -> str:
+def _name(step: InstallStep) -> str:
     missing = step.missing
     return f"{missing.package} ({missing.program})" if missing.program else missing.package

@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
-from ur.get.model import PACKAGE_NAME
+from ur.get.steps import PACKAGE_NAME
 from ur.source.foreign.yaml_text import load_yaml
 
 _DEBIAN_NAME = re.compile(r"[a-z0-9][a-z0-9+.-]+")  # Debian policy 5.6.1
@@ -23,7 +23,7 @@ PYPI: Mapping[str, str] = {"xacro": "xacro"}
 
 
 @dataclass(frozen=True, slots=True)
-class Candidate:
+class DebianPackage:
     """A Debian package that apt can install. `for_ros`: its maintainers or its home page are ROS's."""
 
     name: str
@@ -62,7 +62,7 @@ def possible_names(package: str, distribution: str = "") -> tuple[tuple[str, ...
     return tuple(names for names in sets if all(map(_is_debian_name, names)))
 
 
-def parse_candidates(text: str) -> dict[str, Candidate]:
+def parse_candidates(text: str) -> dict[str, DebianPackage]:
     """Read what `apt-cache show` prints: by name, the packages that apt can install."""
     found = {}
     for paragraph in text.split("\n\n"):
@@ -76,7 +76,7 @@ def parse_candidates(text: str) -> dict[str, Candidate]:
             or any(part in home for part in ("wiki.ros.org", "ros.org/", "github.com/ros"))
             or "robotics" in fields.get("Maintainer", "").lower()
         )
-        found[name] = Candidate(name, for_ros)
+        found[name] = DebianPackage(name, for_ros)
     return found
 
 

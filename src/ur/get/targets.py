@@ -8,8 +8,8 @@ from pathlib import Path
 
 from ur.get.folder import SUFFIXES, dependencies_of_text, folder_needs, hints_above, text_of, with_folders
 from ur.get.missing import is_installed, missing_of_names, missing_of_plan
-from ur.get.model import PACKAGE_NAME, Missing, Needs, Repository
 from ur.get.owners import owners_above
+from ur.get.steps import PACKAGE_NAME, Missing, Needs, SourceRepository
 from ur.launchfile.plan.load import load_plan
 from ur.launchfile.world.system import SystemWorld
 from ur.request.launch_request import make_request
@@ -28,7 +28,7 @@ def find_needs(words: Sequence[str], environment: Mapping[str, str]) -> Needs:
         )
     found: dict[str, Missing] = {}
     notes: tuple[str, ...] = ()
-    hints: tuple[Repository, ...] = ()
+    hints: tuple[SourceRepository, ...] = ()
     for word in words:
         if "/" in word or word in (".", ".."):
             needs = folder_needs([word], environment)

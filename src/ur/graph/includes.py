@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 
-from ur.graph.model import Arrow, Box, Branch, Graph
-from ur.launchfile.plan.model import IncludeSpec, NodeSpec, Origin, Plan
+from ur.graph.boxes import Arrow, Branch, DrawnGraph, GraphBox
+from ur.launchfile.plan.specs import IncludeSpec, NodeSpec, Origin, Plan
 from ur.source.file import Span
 
 _Place = tuple[tuple[str, int], ...]  # the <include> tags that lead to a file
@@ -61,20 +61,20 @@ def _node(node: NodeSpec) -> Branch:
     return Branch("node", node.full_name, node.full_name, program + where)
 
 
-def merge_trees(trees: Sequence[Branch]) -> Graph:
+def merge_trees(trees: Sequence[Branch]) -> DrawnGraph:
     """The trees as one graph: a file that is included twice is one box."""
-    boxes: dict[str, Box] = {}
+    boxes: dict[str, GraphBox] = {}
     arrows: dict[tuple[str, str], Arrow] = {}
     for tree in trees:
         for branch, parent in walk_tree(tree):
             kind = branch.kind if branch.kind != "cycle" else "file"
-            boxes.setdefault(branch.key, Box(f"b{len(boxes)}", branch.label, kind, branch.note or branch.key))
+            boxes.setdefault(branch.key, GraphBox(f"b{len(boxes)}", branch.label, kind, branch.note or branch.key))
             if parent is not None:
                 ends = boxes[parent.key].id, boxes[branch.key].id
                 circle = branch.kind == "cycle"
                 fault = circle or branch.kind == "missing"
                 arrows.setdefault(ends, Arrow(*ends, "includes itself" if circle else "", fault=fault))
-    return Graph(tuple(boxes.values()), tuple(arrows.values()))
+    return DrawnGraph(tuple(boxes.values()), tuple(arrows.values()))
 
 
 def walk_tree(tree: Branch) -> Iterator[tuple[Branch, Branch | None]]:

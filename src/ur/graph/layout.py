@@ -12,7 +12,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
-from ur.graph.model import Arrow, Box, Graph
+from ur.graph.boxes import Arrow, DrawnGraph, GraphBox
 
 _SWEEPS = 8
 _CHARACTER = 7.6  # px of an average character of the font
@@ -24,7 +24,7 @@ _BEND = (0.0, 0.0)  # the size of a place where an arrow passes a layer
 
 
 @dataclass(frozen=True, slots=True)
-class Place:
+class BoxPlace:
     """Left, top, width and height of a box, in px."""
 
     x: float
@@ -34,16 +34,16 @@ class Place:
 
 
 @dataclass(frozen=True, slots=True)
-class Picture:
+class GraphLayout:
     """A layout in px: its size, the place of each box by id, and the points that a long arrow passes, by its ends."""
 
     width: float
     height: float
-    places: Mapping[str, Place]
+    places: Mapping[str, BoxPlace]
     routes: Mapping[tuple[str, str], tuple[tuple[float, float], ...]]
 
 
-def lay_out_graph(graph: Graph) -> Picture:
+def lay_out_graph(graph: DrawnGraph) -> GraphLayout:
     """Place the boxes. Deterministic; linear in boxes and arrows but for the sorting."""
     ids = [box.id for box in graph.boxes]
     sizes = {box.id: _measure(box) for box in graph.boxes}
@@ -51,7 +51,7 @@ def lay_out_graph(graph: Graph) -> Picture:
     layers = _find_layers(ids, pairs)
     links, bends = _bend_long_arrows(layers, pairs)
     layers = _sort_layers(layers, links)
-    places: dict[str, Place] = {}
+    places: dict[str, BoxPlace] = {}
     # A bend has no height, and goes straight through its layer.
     tall = max((sum(sizes.get(each, _BEND)[1] + _GAP_Y for each in layer) for layer in layers), default=_GAP_Y)
     x = 0.0
@@ -60,21 +60,21 @@ def lay_out_graph(graph: Graph) -> Picture:
         y = (tall - sum(sizes.get(each, _BEND)[1] + _GAP_Y for each in layer)) / 2.0
         for each in layer:
             width, height = sizes.get(each, (wide, 0.0))
-            places[each] = Place(x, y, width, height)
+            places[each] = BoxPlace(x, y, width, height)
             y += height + _GAP_Y
         x += wide + _GAP_X
     routes = {
         ends: tuple(point for each in passed for point in _through(places.pop(each))) for ends, passed in bends.items()
     }
-    return Picture(max(x - _GAP_X, 0.0), tall - _GAP_Y, places, routes)
+    return GraphLayout(max(x - _GAP_X, 0.0), tall - _GAP_Y, places, routes)
 
 
-def _measure(box: Box) -> tuple[float, float]:
+def _measure(box: GraphBox) -> tuple[float, float]:
     longest = max(len(box.label), _NOTE * len(box.note))
     return longest * _CHARACTER + _PADDING, TALL if box.note else HEIGHT
 
 
-def _through(place: Place) -> tuple[tuple[float, float], tuple[float, float]]:
+def _through(place: BoxPlace) -> tuple[tuple[float, float], tuple[float, float]]:
     return (place.x, place.y), (place.x + place.width, place.y)
 
 

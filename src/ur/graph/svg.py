@@ -5,8 +5,8 @@ from __future__ import annotations
 from html import escape
 from itertools import pairwise
 
-from ur.graph.layout import HEIGHT, Picture, Place, lay_out_graph
-from ur.graph.model import Arrow, Box, Graph
+from ur.graph.boxes import Arrow, DrawnGraph, GraphBox
+from ur.graph.layout import HEIGHT, BoxPlace, GraphLayout, lay_out_graph
 from ur.source.printable import printable_lines
 
 _MARGIN = 12.0
@@ -31,12 +31,12 @@ _STYLE = """\
 """
 
 
-def write_svg(graph: Graph, title: str) -> str:
+def write_svg(graph: DrawnGraph, title: str) -> str:
     """Draw a picture of its own, with `title` as its name; it follows the reader's light or dark scheme."""
     return printable_lines(_draw(graph, title, 'xmlns="http://www.w3.org/2000/svg" role="img"', _STYLE))
 
 
-def draw_inline(graph: Graph, title: str) -> str:
+def draw_inline(graph: DrawnGraph, title: str) -> str:
     """Draw a graph as an element of a page, of class `graph`; nothing for one without arrows.
 
     Classes are the kinds of boxes, `note`, `label`, and `fault` and `unsure` of arrows. What exists in some cases
@@ -45,7 +45,7 @@ def draw_inline(graph: Graph, title: str) -> str:
     return _draw(graph, title, 'class="graph" role="group"', "") if graph.arrows else ""
 
 
-def _draw(graph: Graph, title: str, attributes: str, style: str) -> str:
+def _draw(graph: DrawnGraph, title: str, attributes: str, style: str) -> str:
     picture = lay_out_graph(graph)
     # Arrows that lead back dip below the boxes.
     dips = [_dip(picture.places[arrow.source], picture.places[arrow.target]) for arrow in graph.arrows]
@@ -62,7 +62,7 @@ def _draw(graph: Graph, title: str, attributes: str, style: str) -> str:
     return "".join([*parts, "</g>\n</svg>\n"])
 
 
-def _draw_box(box: Box, place: Place) -> str:
+def _draw_box(box: GraphBox, place: BoxPlace) -> str:
     middle = place.x + place.width / 2
     long = ", ".join(part for part in (box.title or box.label, box.note) if part)
     note = ""
@@ -80,7 +80,7 @@ def _draw_box(box: Box, place: Place) -> str:
     return f'<a href="{escape(box.link)}">{body}</a>\n' if box.link else f"{body}\n"
 
 
-def _draw_arrow(arrow: Arrow, picture: Picture) -> str:
+def _draw_arrow(arrow: Arrow, picture: GraphLayout) -> str:
     source, target = picture.places[arrow.source], picture.places[arrow.target]
     dip = _dip(source, target)
     if dip is None:
@@ -106,7 +106,7 @@ def _draw_arrow(arrow: Arrow, picture: Picture) -> str:
     )
 
 
-def _dip(source: Place, target: Place) -> float | None:
+def _dip(source: BoxPlace, target: BoxPlace) -> float | None:
     """The lowest control point of an arrow that does not lead to the right; None for one that does."""
     return None if target.x > source.x else max(source.y + source.height, target.y + target.height) + 26
 

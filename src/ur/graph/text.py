@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Iterator, Sequence
 
-from ur.graph.model import Arrow, Box, Branch, Graph
+from ur.graph.boxes import Arrow, Branch, DrawnGraph, GraphBox
 from ur.graph.topics import neighbours
 from ur.source.printable import printable
 
@@ -45,7 +45,7 @@ def _note(branch: Branch) -> Line:
     )
 
 
-def draw_graph(graph: Graph, *, unicode: bool = True) -> Iterator[Line]:
+def draw_graph(graph: DrawnGraph, *, unicode: bool = True) -> Iterator[Line]:
     """The nodes of a graph, each with what it sends and to whom, and what it receives and from whom."""
     signs = _LINES if unicode else _PLAIN
     boxes = {box.id: box for box in graph.boxes}
@@ -67,7 +67,7 @@ def _certainty(arrow: Arrow) -> str:
     return f"(perhaps: {arrow.label})" if arrow.label else "(perhaps)"
 
 
-def _connection(sign: str, middle: Box, ends: Sequence[str], label: str) -> Line:
+def _connection(sign: str, middle: GraphBox, ends: Sequence[str], label: str) -> Line:
     pieces = [(f"  {sign} ", "line"), (middle.label, middle.kind)]
     if middle.kind != "topic":
         pieces.append((f" {middle.kind}", "note"))
@@ -78,7 +78,7 @@ def _connection(sign: str, middle: Box, ends: Sequence[str], label: str) -> Line
     return tuple(pieces)
 
 
-def write_mermaid(graph: Graph) -> str:
+def write_mermaid(graph: DrawnGraph) -> str:
     """A Mermaid flow chart."""
     lines = ["graph LR"]
     for box in graph.boxes:
@@ -98,7 +98,7 @@ def _escape(text: str) -> str:
     return printable(text).replace("&", "#amp;").replace('"', "#quot;").replace("<", "#lt;").replace(">", "#gt;")
 
 
-def write_dot(graph: Graph) -> str:
+def write_dot(graph: DrawnGraph) -> str:
     """A graph for graphviz."""
     lines = ["digraph launch {", "  rankdir=LR;", '  node [fontname="sans-serif"];']
     for box in graph.boxes:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 
-from ur.graph.model import Arrow, Box, Graph, Kind
-from ur.launchfile.plan.model import NodeSpec, ParamValue, Plan
+from ur.graph.boxes import Arrow, DrawnGraph, GraphBox, Kind
+from ur.launchfile.plan.specs import NodeSpec, ParamValue, Plan
 from ur.launchfile.query.topics import NameUse, Use, find_name_uses, remap_name
 from ur.robot.base import Base, load_base
 from ur.source.diagnostic import UserError
@@ -23,21 +23,21 @@ _COMMON_NODES = frozenset({"/rosout"})
 
 class _Builder:
     def __init__(self) -> None:
-        self.boxes: dict[tuple[Kind, str], Box] = {}
+        self.boxes: dict[tuple[Kind, str], GraphBox] = {}
         self.arrows: dict[tuple[str, str], Arrow] = {}
 
     def box(self, kind: Kind, name: str, title: str = "") -> str:
-        found = self.boxes.setdefault((kind, name), Box(f"b{len(self.boxes)}", name, kind, title or name))
+        found = self.boxes.setdefault((kind, name), GraphBox(f"b{len(self.boxes)}", name, kind, title or name))
         return found.id
 
     def arrow(self, source: str, target: str, label: str = "", *, sure: bool = True) -> None:
         self.arrows.setdefault((source, target), Arrow(source, target, label, sure))
 
-    def graph(self) -> Graph:
-        return Graph(tuple(self.boxes.values()), tuple(self.arrows.values()))
+    def graph(self) -> DrawnGraph:
+        return DrawnGraph(tuple(self.boxes.values()), tuple(self.arrows.values()))
 
 
-def graph_plan(plan: Plan) -> Graph:
+def graph_plan(plan: Plan) -> DrawnGraph:
     """Graph of the topics, services and actions that the nodes of a plan are known to use.
 
     Known from `ready:` comments, the table of well-known nodes, the parameters and base of ours, and remaps: of other
@@ -81,7 +81,7 @@ def _connect(builder: _Builder, node: str, use: NameUse) -> None:
             return
 
 
-def graph_system(state: Sequence[Iterable[tuple[str, Sequence[str]]]], only: Iterable[str] = ()) -> Graph:
+def graph_system(state: Sequence[Iterable[tuple[str, Sequence[str]]]], only: Iterable[str] = ()) -> DrawnGraph:
     """Graph of the nodes and topics of a master: `state` is the result of `getSystemState`.
 
     `only`: the nodes whose neighbourhood is wanted; without any, all. Services that every node has are left out.
@@ -100,20 +100,20 @@ def graph_system(state: Sequence[Iterable[tuple[str, Sequence[str]]]], only: Ite
     return _around(builder.graph(), wanted) if wanted else builder.graph()
 
 
-def _around(graph: Graph, nodes: frozenset[str]) -> Graph:
+def _around(graph: DrawnGraph, nodes: frozenset[str]) -> DrawnGraph:
     # The nodes, their topics, and who else speaks there.
     own = {box.id for box in graph.boxes if box.label in nodes}
     topics = {end for each in graph.arrows for end in (each.source, each.target) if {each.source, each.target} & own}
     kept = own | topics | {end for each in graph.arrows for end in _ends(each) if set(_ends(each)) & (topics - own)}
     arrows = tuple(each for each in graph.arrows if set(_ends(each)) & (topics - own))
-    return Graph(tuple(box for box in graph.boxes if box.id in kept), arrows)
+    return DrawnGraph(tuple(box for box in graph.boxes if box.id in kept), arrows)
 
 
 def _ends(arrow: Arrow) -> tuple[str, str]:
     return arrow.source, arrow.target
 
 
-def neighbours(graph: Graph) -> Mapping[str, tuple[list[Arrow], list[Arrow]]]:
+def neighbours(graph: DrawnGraph) -> Mapping[str, tuple[list[Arrow], list[Arrow]]]:
     """By id of a box: the arrows that leave it, and those that come in."""
     found: dict[str, tuple[list[Arrow], list[Arrow]]] = {box.id: ([], []) for box in graph.boxes}
     for arrow in graph.arrows:

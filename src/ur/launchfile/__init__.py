@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from ur.launchfile.plan.commands import CommandResult, CommandRunner, run_command, run_commands
     from ur.launchfile.plan.executables import check_executables
     from ur.launchfile.plan.load import load_plan
-    from ur.launchfile.plan.model import (
+    from ur.launchfile.plan.specs import (
         MachineSpec,
         NodeSpec,
         Origin,
@@ -35,8 +35,8 @@ _PLACES = {
     **dict.fromkeys(("CommandResult", "CommandRunner", "run_command", "run_commands"), "plan.commands"),
     "check_executables": "plan.executables",
     "load_plan": "plan.load",
-    **dict.fromkeys(("MachineSpec", "NodeSpec", "Origin", "ParamCommand", "ParamSpec"), "plan.model"),
-    **dict.fromkeys(("ParamValue", "Plan", "TestSpec"), "plan.model"),
+    **dict.fromkeys(("MachineSpec", "NodeSpec", "Origin", "ParamCommand", "ParamSpec"), "plan.specs"),
+    **dict.fromkeys(("ParamValue", "Plan", "TestSpec"), "plan.specs"),
     "MemoryWorld": "world.memory",
     "World": "world.protocol",
     "SystemWorld": "world.system",

@@ -6,7 +6,7 @@ import base64
 from collections.abc import Sequence
 
 from ur.launchfile.plan.commands import CommandRunner, refuse_command, run_commands
-from ur.launchfile.plan.model import NodeSpec, Origin, ParamValue, Plan
+from ur.launchfile.plan.specs import NodeSpec, Origin, ParamValue, Plan
 from ur.source.diagnostic import Diagnostic, Severity
 from ur.source.file import Span
 

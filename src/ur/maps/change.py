@@ -10,7 +10,7 @@ from pathlib import Path
 
 from ur.maps.edit import Origin, apply_edits, move_graph, move_point, move_record, propose_turn, turn_values
 from ur.maps.picture_file import write_picture
-from ur.maps.record import LARGEST, MOST_EDITS, MOST_POINTS, Edit, EditKind, MapRecord, render_record
+from ur.maps.record import LARGEST, MOST_EDITS, MOST_POINTS, EditKind, MapEdit, MapRecord, render_record
 from ur.maps.scan_file import encode_graph, read_graph
 from ur.maps.store import MapStore
 from ur.maps.zone_mask import write_masks
@@ -26,7 +26,7 @@ PLACE = re.compile(r"[A-Za-z][A-Za-z0-9_-]{0,63}")
 """Names of places."""
 
 
-def make_edit(kind: EditKind, points: list[Point]) -> Edit:
+def make_edit(kind: EditKind, points: list[Point]) -> MapEdit:
     """Make an edit of points (m); two opposite corners stand for a rectangle. Raises UserError."""
     if not all(math.isfinite(value) and abs(value) <= _FARTHEST for point in points for value in point):
         raise _bad(f"a point of {kind} is farther away than {_FARTHEST:g} m, expected metres in the frame of the map")
@@ -35,10 +35,10 @@ def make_edit(kind: EditKind, points: list[Point]) -> Edit:
     if kind != "wall" and len(points) == 2:
         (left, low), (right, high) = points
         points = [(left, low), (right, low), (right, high), (left, high)]
-    return Edit(kind, tuple(points))
+    return MapEdit(kind, tuple(points))
 
 
-def add_edit(store: MapStore, name: str, edit: Edit) -> int:
+def add_edit(store: MapStore, name: str, edit: MapEdit) -> int:
     """Change a map by an edit; returns the number of cells that differ. Raises UserError, or OSError."""
     name = store.resolve(name)
     with store.claim(name):
@@ -47,7 +47,7 @@ def add_edit(store: MapStore, name: str, edit: Edit) -> int:
         return int((drawn.values != image.values).sum())
 
 
-def add_to_record(name: str, record: MapRecord, edits: Sequence[Edit]) -> MapRecord:
+def add_to_record(name: str, record: MapRecord, edits: Sequence[MapEdit]) -> MapRecord:
     """The record of a map with more edits. Raises UserError: it would have too many."""
     after = replace(record, edits=(*record.edits, *edits))
     if len(after.edits) > MOST_EDITS or len(render_record(after)) > LARGEST:
@@ -55,7 +55,7 @@ def add_to_record(name: str, record: MapRecord, edits: Sequence[Edit]) -> MapRec
     return after
 
 
-def write_edits(store: MapStore, name: str, record: MapRecord, image: MapImage, edits: Sequence[Edit]) -> MapImage:
+def write_edits(store: MapStore, name: str, record: MapRecord, image: MapImage, edits: Sequence[MapEdit]) -> MapImage:
     """Draw edits on the picture of a map that is claimed, and write it; `record` has them. Raises OSError."""
     drawn = replace(image, values=apply_edits(image.values, image.resolution, image.origin, edits))
     # The record first: an edit that is made twice changes nothing more.

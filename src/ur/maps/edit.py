@@ -10,7 +10,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from ur.maps.record import Edit, MapRecord
+from ur.maps.record import MapEdit, MapRecord
 from ur.maps.scan_file import StoredGraph
 from ur.worlds.cells import CellFrame, look_up
 from ur.worlds.map_file import FREE, OCCUPIED, UNKNOWN
@@ -46,7 +46,7 @@ class Lattice(CellFrame):
         return self._shape
 
 
-def apply_edits(values: Values, resolution: float, origin: Origin, edits: Sequence[Edit]) -> Values:
+def apply_edits(values: Values, resolution: float, origin: Origin, edits: Sequence[MapEdit]) -> Values:
     """Apply edits to the cells (height, width) of a map, row 0 at the bottom; what lies outside is ignored.
 
     Erased cells that were walls become floor. Cells on a wall, and those of a keep-out polygon, become walls.

@@ -27,7 +27,7 @@ class _Step:
     """A change: the state `before` it, and the record that it `left`, by which later ones of others are noticed."""
 
     title: str
-    before: MapState
+    before: StoredMapState
     left: MapRecord
 
 
@@ -130,7 +130,7 @@ class EditSession:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class MapState:
+class StoredMapState:
     """A map as it was: record, picture, and the bytes of its pose graph and of its waypoints; None: no such file."""
 
     record: MapRecord
@@ -139,14 +139,14 @@ class MapState:
     waypoints: bytes | None
 
 
-def read_state(store: MapStore, name: str, waypoints: Path) -> MapState:
+def read_state(store: MapStore, name: str, waypoints: Path) -> StoredMapState:
     """Read the state of a map. Raises UserError, or OSError."""
     record, image = store.record(name), read_map(store.picture(name))
     graph = (store.path(name) / record.graph).read_bytes() if record.graph else None
-    return MapState(record, image, graph, waypoints.read_bytes() if waypoints.exists() else None)
+    return StoredMapState(record, image, graph, waypoints.read_bytes() if waypoints.exists() else None)
 
 
-def restore_state(store: MapStore, name: str, waypoints: Path, state: MapState, left: MapRecord) -> None:
+def restore_state(store: MapStore, name: str, waypoints: Path, state: StoredMapState, left: MapRecord) -> None:
     """Bring a state back. `left` is the record that the change has left.
 
     Raises UserError: another program has changed the map since; then nothing is changed. Or OSError.

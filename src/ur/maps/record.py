@@ -38,7 +38,7 @@ _FILE = re.compile(r"(graph|scans)_[0-9]{1,6}\.npz")
 
 
 @dataclass(frozen=True, slots=True)
-class Edit:
+class MapEdit:
     """A change made by hand: `erase` a polygon, draw a `wall` along a line, or fill a `keep-out` polygon.
 
     `points` are x, y in m in the frame of the map. With a `width` (m, 0: none) `erase` and `wall` are the stroke of a
@@ -80,7 +80,7 @@ class MapRecord:
     threshold: float = 0.25
     graph: str = ""
     scans: tuple[str, ...] = ()
-    edits: tuple[Edit, ...] = ()
+    edits: tuple[MapEdit, ...] = ()
     zones: tuple[Zone, ...] = ()
 
 
@@ -156,7 +156,7 @@ def read_zone(found: Any) -> Zone:
     return Zone(name, kind, points, percent if kind == "speed" else 0)
 
 
-def read_edit(found: Any) -> Edit:
+def read_edit(found: Any) -> MapEdit:
     """The edit that a value of JSON describes, as `dataclasses.asdict` writes it; it may come from anywhere.
 
     Raises ValueError or TypeError, with a clause that says what was expected.
@@ -172,7 +172,7 @@ def read_edit(found: Any) -> Edit:
     points = _points(found.get("points", []), MOST_POINTS)
     if len(points) < (2 if width or kind == "wall" else 3):
         raise ValueError(f"{len(points)} points of an edit, expected more")
-    return Edit(kind, points, width)
+    return MapEdit(kind, points, width)
 
 
 def _points(found: Any, most: int) -> tuple[tuple[float, float], ...]:

@@ -9,7 +9,7 @@ from dataclasses import replace
 
 from ur.maps.change import add_to_record, write_edits
 from ur.maps.picture_file import write_picture
-from ur.maps.record import MOST_STROKES, Edit, MapRecord, render_record
+from ur.maps.record import MOST_STROKES, MapEdit, MapRecord, render_record
 from ur.maps.store import MapStore
 from ur.source.diagnostic import UserError, error
 from ur.source.foreign.files import read_file
@@ -22,7 +22,7 @@ _NOTE = "before.json"  # written last: without it nothing can be restored
 _LONGEST_NOTE = 1000
 
 
-def draw_walls(store: MapStore, name: str, strokes: Sequence[Edit], plan: CellFrame) -> MapImage:
+def draw_walls(store: MapStore, name: str, strokes: Sequence[MapEdit], plan: CellFrame) -> MapImage:
     """Draw and erase walls of a map, whole or not at all; return its new picture.
 
     `plan` are the cells of the map as the program has read it. Raises UserError: they are others now, or the map is

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
-from ur.launchfile.plan.model import Plan
 from ur.launchfile.plan.problems import NOT_GIVEN
+from ur.launchfile.plan.specs import Plan
 from ur.request.arguments import Argument
 from ur.source.diagnostic import Diagnostic, Severity, error
 from ur.source.suggest import did_you_mean

@@ -7,7 +7,7 @@ import shlex
 from collections.abc import Sequence
 from dataclasses import replace
 
-from ur.launchfile.plan.model import NodeSpec, Plan
+from ur.launchfile.plan.specs import NodeSpec, Plan
 from ur.launchfile.world import World
 from ur.request.questions import find_node
 from ur.run.debugger.choice import TOOLS, Debugging, Tool, choose_tool, plan_debugging

@@ -6,7 +6,7 @@ import shlex
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from ur.launchfile.plan.model import LOCAL_ADDRESSES, MachineSpec, NodeSpec, Plan
+from ur.launchfile.plan.specs import LOCAL_ADDRESSES, MachineSpec, NodeSpec, Plan
 from ur.launchfile.world.protocol import World
 from ur.request.questions import changed_variables
 from ur.run.paths import ros_home

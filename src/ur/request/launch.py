@@ -13,21 +13,21 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ur.launchfile.plan.model import Plan
+from ur.launchfile.plan.specs import Plan
 from ur.request.launch_request import LaunchRequest, make_request
-from ur.request.options import LaunchOptions, Reporter
+from ur.request.options import LaunchOptions, StartReporter
 from ur.robot.selection import Selection
 from ur.source.diagnostic import Diagnostic, Severity
 
 if TYPE_CHECKING:
     from ur.launchfile.world.protocol import World
-    from ur.request.plan_files import Inspect, Loaded
-    from ur.run.options import Options
+    from ur.request.plan_files import Inspect, LoadedPlan
+    from ur.run.options import RunOptions
     from ur.run.output.console import Console
     from ur.run.process.host_client import ProcessHost
     from ur.run.record.entry import RunEntry
     from ur.run.startup.timings import Timings
-    from ur.run.supervisor.model import Limits
+    from ur.run.supervisor.state import TimeLimits
 
 _MADE = "xacro"  # no release of Debian has it, and many a robot_description calls it
 _NO_PLAN = Plan((), (), (), (), (), ())
@@ -44,7 +44,7 @@ class Launch:
     argv: Sequence[str]
     selection: Selection
     options: LaunchOptions
-    reporter: Reporter
+    reporter: StartReporter
     stack: ExitStack
     make_xacro: Callable[[], None]
     offer: Callable[[Iterable[str]], bool]
@@ -59,7 +59,7 @@ class Staged:
     has the robot start its nodes again. `end` takes the place of a run, and returns the exit code.
     """
 
-    loaded: Loaded
+    loaded: LoadedPlan
     plan: Plan
     world: World
     release: Callable[[], None]
@@ -176,7 +176,7 @@ class _ReadAgainError(Exception):
     """A package has been made before the errors that name it were shown."""
 
 
-def load_with_packages(launch: Launch) -> Loaded:
+def load_with_packages(launch: Launch) -> LoadedPlan:
     """Load what the command line names. Errors in its files are printed, but for a missing xacro, which is made.
 
     Other missing packages are offered. Raises UserError, as `load_request` does, and when xacro cannot be made.
@@ -186,7 +186,7 @@ def load_with_packages(launch: Launch) -> Loaded:
     from ur.request.node_choice import load_chosen
     from ur.request.plan_files import make_world
 
-    def load(inspect: Inspect | None) -> Loaded:
+    def load(inspect: Inspect | None) -> LoadedPlan:
         request = follow_world(make_request(launch.argv, make_world(), launch.selection, launch.options))
         return load_chosen(request, launch.reporter.report, inspect)
 
@@ -225,14 +225,14 @@ def write_report(diagnostics: Iterable[Diagnostic], path: str) -> None:
         Path(path).write_text(json.dumps(errors), encoding="utf-8")
 
 
-def make_run_options(request: LaunchRequest, call_started: Callable[[RunEntry], None] | None = None) -> Options:
+def make_run_options(request: LaunchRequest, call_started: Callable[[RunEntry], None] | None = None) -> RunOptions:
     """The options of the run that a request asks for. `call_started` is that of a detached run."""
-    from ur.run.options import Options
+    from ur.run.options import RunOptions
 
     options, selection, values = request.options, request.selection, request.values
     assert selection is not None
     base = values.get("robot_base", selection.base)
-    return Options(
+    return RunOptions(
         limits=make_limits(options),
         force_screen=options.screen,
         force_log=options.log,
@@ -249,12 +249,12 @@ def make_run_options(request: LaunchRequest, call_started: Callable[[RunEntry], 
     )
 
 
-def make_limits(options: LaunchOptions) -> Limits:
-    """Times and counts, those of `Limits` where no option changes them."""
-    from ur.run.supervisor.model import Limits
+def make_limits(options: LaunchOptions) -> TimeLimits:
+    """Times and counts, those of `TimeLimits` where no option changes them."""
+    from ur.run.supervisor.state import TimeLimits
 
-    defaults = Limits()
-    return Limits(
+    defaults = TimeLimits()
+    return TimeLimits(
         interrupt=options.sigint_timeout or defaults.interrupt,
         terminate=options.sigterm_timeout or defaults.terminate,
         quick_deaths=defaults.quick_deaths if options.respawn_limit is None else options.respawn_limit,

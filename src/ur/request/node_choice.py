@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
-from ur.launchfile.plan.model import Plan
+from ur.launchfile.plan.specs import Plan
 from ur.request.launch_request import LaunchRequest
 from ur.request.options import LaunchOptions, Report
-from ur.request.plan_files import Inspect, Loaded, load_request
+from ur.request.plan_files import Inspect, LoadedPlan, load_request
 from ur.source.diagnostic import UserError, error
 
 
-def load_chosen(request: LaunchRequest, report: Report, inspect: Inspect | None = None) -> Loaded:
+def load_chosen(request: LaunchRequest, report: Report, inspect: Inspect | None = None) -> LoadedPlan:
     """Load a request, and apply the options that choose nodes; errors in the files are printed.
 
     `inspect` is given the errors before.
@@ -20,7 +20,7 @@ def load_chosen(request: LaunchRequest, report: Report, inspect: Inspect | None 
     Raises UserError, as `load_request` does, and for nodes that options name wrongly.
     """
     if request.options.core:
-        return Loaded(request, Plan((), (), (), (), (), ("core",)))
+        return LoadedPlan(request, Plan((), (), (), (), (), ("core",)))
     loaded = load_request(request, inspect)
     if loaded.plan is None:
         return loaded

@@ -69,7 +69,7 @@ class LaunchOptions(NamedTuple):
         return "watch" if self.watch else "ask" if self.ask else "take" if self.take_over else "drive"
 
 
-class Reporter:
+class StartReporter:
     """Print lines before anything starts, and keep them for the log of the run's interface."""
 
     def __init__(self) -> None:

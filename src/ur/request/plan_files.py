@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from ur.launchfile.plan.load import load_plan
-from ur.launchfile.plan.model import MachineSpec, Origin, Plan
+from ur.launchfile.plan.specs import MachineSpec, Origin, Plan
 from ur.launchfile.world.protocol import World
 from ur.launchfile.world.system import SystemWorld
 from ur.maps.names import LATEST, check_map_name
@@ -33,7 +33,7 @@ Inspect = Callable[[Iterable[Diagnostic]], None]
 
 
 @dataclass(frozen=True, slots=True)
-class Loaded:
+class LoadedPlan:
     """The plan of a request; None when it has errors. `arguments` are complete: with those of the selection.
 
     `robot` is the machine whose nodes belong to the selected robot, which is another computer; '' where there is none.
@@ -67,7 +67,7 @@ def complete_arguments(request: LaunchRequest, *, local: bool) -> tuple[Argument
     return (*given, *selected_arguments(selection, declared, values_of(given), local=local))
 
 
-def load_request(request: LaunchRequest, inspect: Inspect | None = None) -> Loaded:
+def load_request(request: LaunchRequest, inspect: Inspect | None = None) -> LoadedPlan:
     """Load the plan of a request; errors in it are then on standard error. `inspect` is given them before.
 
     Arguments about the robot that are declared and not given come from the selection; not so for a robot's share
@@ -118,7 +118,7 @@ def load_request(request: LaunchRequest, inspect: Inspect | None = None) -> Load
     good = not any(each.severity is Severity.ERROR for each in findings)
     if good:
         check_worlds(plan)
-    return Loaded(request, plan if good else None, arguments, selection.robot if remote else "", findings)
+    return LoadedPlan(request, plan if good else None, arguments, selection.robot if remote else "", findings)
 
 
 def load_tolerantly(argv: Sequence[str]) -> tuple[Plan, list[str], bool]:

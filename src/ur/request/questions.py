@@ -12,8 +12,8 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 
 from ur.launchfile.plan.load import load_plan
-from ur.launchfile.plan.model import NodeSpec, Plan
 from ur.launchfile.plan.names import join_names
+from ur.launchfile.plan.specs import NodeSpec, Plan
 from ur.launchfile.query.items import find_node_file, list_files, list_nodes
 from ur.launchfile.world.system import SystemWorld
 from ur.request.environment import PACKAGE, own_packages

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from ur.launchfile.plan.model import NodeSpec, Plan
+from ur.launchfile.plan.specs import NodeSpec, Plan
 from ur.request.arguments import Argument, values_of
 from ur.request.environment import PACKAGE
 from ur.source.diagnostic import UserError, error

@@ -11,7 +11,7 @@ from collections.abc import Callable
 REFRESH_PERIOD = 2.0  # s between two look-ups of a name that is known
 
 
-class Addresses:
+class AddressCache:
     """Remembers addresses.
 
     A look-up of a `.local` name takes 5 s to fail, and one that began during a cut answers only some seconds after

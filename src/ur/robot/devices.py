@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from ur.devices.model import Expected, Snapshot
+from ur.devices.device import DeviceSnapshot, Expected
 from ur.devices.observe import device_script, parse_devices
-from ur.robot.base.model import Base
+from ur.robot.base.properties import Base
 from ur.robot.ssh.shell import Shell
 
 LOOK_SECONDS = 90.0
@@ -22,6 +22,6 @@ def expected_devices(base: Base) -> tuple[Expected, ...]:
     return tuple(found)
 
 
-def inspect_devices(shell: Shell) -> Snapshot:
+def inspect_devices(shell: Shell) -> DeviceSnapshot:
     """Look at the devices of a computer, as the user of the shell. Raises UserError when the connection is lost."""
     return parse_devices(shell.run(device_script(), timeout=LOOK_SECONDS).out)

@@ -18,7 +18,7 @@ OPTIONS = (
 
 
 @dataclass(frozen=True, slots=True)
-class Mount:
+class MountedFolder:
     """A mounted folder: `source` as sshfs was told, for instance ros@bob.local:catkin_ws/src."""
 
     source: str
@@ -41,15 +41,17 @@ def default_target(home: Path, name: str) -> Path:
     return home / "robots" / name
 
 
-def parse_mounts(text: str) -> list[Mount]:
+def parse_mounts(text: str) -> list[MountedFolder]:
     """The sshfs mounts in the text of /proc/self/mounts (proc(5): octal escapes for blanks)."""
     rows = (line.split() for line in text.splitlines())
     return [
-        Mount(_unescape(row[0]), Path(_unescape(row[1]))) for row in rows if len(row) > 2 and row[2] == "fuse.sshfs"
+        MountedFolder(_unescape(row[0]), Path(_unescape(row[1])))
+        for row in rows
+        if len(row) > 2 and row[2] == "fuse.sshfs"
     ]
 
 
-def mounts_of(mounts: list[Mount], host: str) -> list[Mount]:
+def mounts_of(mounts: list[MountedFolder], host: str) -> list[MountedFolder]:
     """Those of a robot."""
     return [mount for mount in mounts if re.fullmatch(rf"(.*@)?\[?{re.escape(host)}\]?:.*", mount.source)]
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ur.robot.boot.units import LIBRARIES
-from ur.robot.ssh.shell import Done, Shell, quote
+from ur.robot.ssh.shell import Shell, ShellResult, quote
 from ur.source.diagnostic import UserError, error
 
 MODULE = "ur.run.remote.share"
@@ -27,7 +27,7 @@ def ask_part(shell: Shell, request: str, timeout: float) -> str:
     return lines[-1]
 
 
-def explain_failure(place: str, done: Done) -> UserError:
+def explain_failure(place: str, done: ShellResult) -> UserError:
     """Explain a robot's failure to answer the request."""
     name = place.rpartition("@")[2].removesuffix(".local")
     said = (done.err.strip().splitlines() or [f"exit code {done.code}"])[-1]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
-from ur.launchfile.plan.model import NodeSpec, ParamValue, Plan
+from ur.launchfile.plan.specs import NodeSpec, ParamValue, Plan
 from ur.launchfile.world import World
 from ur.run.loop import run_loop
 from ur.run.master.client import Master
@@ -13,11 +13,11 @@ from ur.run.master.local_master import await_master, find_master_programs, rosco
 from ur.run.master.parameters import check_sendable, start_commands
 from ur.run.master.search import find_master, read_run_id
 from ur.run.master.upload import remove_registrations, upload_parameters
-from ur.run.options import Options
+from ur.run.options import RunOptions
 from ur.run.output.console import Console
 from ur.run.output.log_rotation import read_bounds
 from ur.run.paths import make_home, make_run_folder, new_run_id
-from ur.run.process.command import Program, find_programs, number_logs
+from ur.run.process.command import UnitProgram, find_programs, number_logs
 from ur.run.process.host_client import HostLost, ProcessHost
 from ur.run.process.terminal import find_terminal, ignore_background_write
 from ur.run.record.entry import RunEntry
@@ -29,10 +29,10 @@ from ur.run.supervisor.events import Event, SetupFailed, ShareFailed, ShareStart
 from ur.source.diagnostic import UserError, error
 from ur.source.run_users import FOLDER_VARIABLE
 
-__all__ = ["Options", "run_plan"]
+__all__ = ["RunOptions", "run_plan"]
 
 
-def run_plan(plan: Plan, world: World, host: ProcessHost, console: Console, options: Options) -> int:
+def run_plan(plan: Plan, world: World, host: ProcessHost, console: Console, options: RunOptions) -> int:
     """Run a plan without errors to its end and return the exit code.
 
     Raises UserError before anything is started: an executable that is missing, a node for another computer, a value
@@ -94,7 +94,7 @@ def run_plan(plan: Plan, world: World, host: ProcessHost, console: Console, opti
         commands.stop()
 
 
-def _master_parameters(world: World, environment: Mapping[str, str], options: Options) -> dict[str, ParamValue]:
+def _master_parameters(world: World, environment: Mapping[str, str], options: RunOptions) -> dict[str, ParamValue]:
     base = {"/ur/base_name": options.base, "/ur/variant": options.variant} if options.base else {}
     return {**roscore_parameters(world, environment), **base}
 
@@ -117,8 +117,8 @@ def _begin(host: ProcessHost, environment: Mapping[str, str], entry: RunEntry, *
 
 
 def _find_nodes(
-    plan: Plan, world: World, console: Console, options: Options
-) -> tuple[tuple[NodeSpec, ...], tuple[Program, ...]]:
+    plan: Plan, world: World, console: Console, options: RunOptions
+) -> tuple[tuple[NodeSpec, ...], tuple[UnitProgram, ...]]:
     """The nodes that run, and their programs; everything that is wrong with them at once."""
     shown, notes = leave_out_viewers(plan.nodes, world, world.environment)
     for note in notes:
@@ -135,7 +135,7 @@ def _find_nodes(
     return nodes, programs
 
 
-def _report_share(options: Options) -> Callable[[], Event] | None:
+def _report_share(options: RunOptions) -> Callable[[], Event] | None:
     restart = options.restart_share
     if restart is None:
         return None

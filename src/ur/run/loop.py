@@ -12,23 +12,23 @@ from ur.run.inbox import Inbox
 from ur.run.master.monitor import start_watch
 from ur.run.output.console import Console
 from ur.run.output.log_rotation import LogRotation
-from ur.run.output.reporter import Reporter
-from ur.run.output.router import Outputs
+from ur.run.output.reporter import RunReporter
+from ur.run.output.router import NodeOutputs
 from ur.run.process.foreground import Foreground
 from ur.run.process.host_client import HostLost, ProcessHost, Suspended
 from ur.run.process.starts import Starts
 from ur.run.process.terminal import Terminal
 from ur.run.run import Job, Run
-from ur.run.startup.progress import Progress
+from ur.run.startup.progress import StartProgress
 from ur.run.startup.start_count import StartCount
 from ur.run.supervisor.actions import (
     Action,
     AwaitMaster,
     Finish,
     SetParameters,
-    Signal,
-    Start,
+    SignalUnit,
     StartShare,
+    StartUnit,
     Sweep,
     Unregister,
 )
@@ -45,7 +45,7 @@ from ur.run.supervisor.events import (
     StopRequested,
     Tick,
 )
-from ur.run.supervisor.model import Phase, Status
+from ur.run.supervisor.state import RunPhase, UnitStatus
 from ur.run.supervisor.supervisor import begin_state, next_deadline, step
 
 
@@ -95,7 +95,7 @@ class _Loop:
         self._monitor = Monitor(run.clients, self._poll, console, terminal)
         rotation = LogRotation(run.folder, run.log_bounds, now=time.monotonic())
         rotation.add(run.log_name)
-        self._outputs = Outputs(
+        self._outputs = NodeOutputs(
             self._poll,
             run.folder,
             console,
@@ -104,12 +104,12 @@ class _Loop:
             rotation=rotation,
         )
         self._starts = Starts(run, host, self._outputs, self._foreground)
-        self._reporter = Reporter(run, console, self._outputs, self._monitor)
+        self._reporter = RunReporter(run, console, self._outputs, self._monitor)
         count = None
         if owner is not None and terminal is not None:
             nodes = sum(not program.unit.core for program in run.programs)
             count = StartCount(owner.unit.name, nodes, terminal, console)
-        self._progress = Progress(run, self._inbox, self._monitor, self._reporter.inform, count)
+        self._progress = StartProgress(run, self._inbox, self._monitor, self._reporter.inform, count)
 
     def run(self) -> int:
         self._monitor.open(self._run, self._state, self._outputs, time.monotonic())
@@ -216,7 +216,7 @@ class _Loop:
     def _may_be_evicted(self, event: Exited) -> bool:
         each = self._state.find(event.name)
         running = (
-            self._state.phase is Phase.RUNNING and each is not None and each.request is None and not each.unit.core
+            self._state.phase is RunPhase.RUNNING and each is not None and each.request is None and not each.unit.core
         )
         return running and event.status.signal is None and self._run.master is not None
 
@@ -236,14 +236,14 @@ class _Loop:
 
     def _handle_event(self, event: Event) -> None:
         now = time.monotonic()
-        was_going = is_before(self._state, Phase.STOPPING_NODES)
+        was_going = is_before(self._state, RunPhase.STOPPING_NODES)
         self._state, actions = step(self._state, event, now)
         self._monitor.note_state(self._state, now)
-        if was_going and not is_before(self._state, Phase.STOPPING_NODES):
+        if was_going and not is_before(self._state, RunPhase.STOPPING_NODES):
             self._reporter.report_joined()
         self._progress.note(event, self._state)
         self._carry_out(actions)
-        running = self._state.phase is Phase.RUNNING
+        running = self._state.phase is RunPhase.RUNNING
         if running and self._master_watch is None:
             self._master_watch = start_watch(None if self._run.own_master else self._run.master, self._post_event)
         if running and self._call_started is not None and not self._is_starting():
@@ -251,11 +251,11 @@ class _Loop:
             self._call_started = None
 
     def _is_starting(self) -> bool:
-        return any(each.status is Status.STARTING for each in self._state.units)
+        return any(each.status is UnitStatus.STARTING for each in self._state.units)
 
     def _carry_out(self, actions: tuple[Action, ...]) -> None:
         for action in actions:
-            if isinstance(action, Start):
+            if isinstance(action, StartUnit):
                 self._starts.prepare(self._programs[action.name])
             else:
                 self._starts.send()
@@ -264,7 +264,7 @@ class _Loop:
 
     def _execute(self, action: Action) -> None:
         match action:
-            case Signal(name, signum):
+            case SignalUnit(name, signum):
                 self._host.signal_process(name, signum)
             case Sweep(signum):
                 self._host.sweep(signum)

@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from ur.run.supervisor.model import Limits
+from ur.run.supervisor.state import TimeLimits
 
 if TYPE_CHECKING:
     from ur.run.record.entry import RunEntry
@@ -15,13 +15,13 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, slots=True)
-class Options:
+class RunOptions:
     """Options of the command line beside the launch file. `base` and `variant` describe the selected robot.
 
     `environment` is laid over that of the nodes.
     """
 
-    limits: Limits = field(default_factory=Limits)
+    limits: TimeLimits = field(default_factory=TimeLimits)
     force_screen: bool = False
     force_log: bool = False
     force_required: bool = False

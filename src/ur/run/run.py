@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING
 
 from ur.run.master.client import Master
 from ur.run.output.log_rotation import LogBounds
-from ur.run.process.command import Program
+from ur.run.process.command import UnitProgram
 from ur.run.supervisor.events import Event
-from ur.run.supervisor.model import Limits
+from ur.run.supervisor.state import TimeLimits
 
 if TYPE_CHECKING:
     from ur.run.clients.protocol import RunStarted
@@ -47,14 +47,14 @@ class Run:
     called in a thread of their own, so that a slow network holds nothing up.
     """
 
-    programs: tuple[Program, ...]
+    programs: tuple[UnitProgram, ...]
     folder: str
     home: str
     own_master: bool
     await_master: Job
     set_parameters: Job
     unregister: Job
-    limits: Limits = field(default_factory=Limits)
+    limits: TimeLimits = field(default_factory=TimeLimits)
     log_name: str = ""  # the stem of the log of the run itself, where that is detached
     log_bounds: LogBounds = field(default_factory=LogBounds)
     restart_share: Callable[[], Event] | None = None  # StartShare; None: no robot has a share
@@ -65,6 +65,6 @@ class Run:
     list_joined: Callable[[], Sequence[str]] | None = None  # the ids of the runs that have joined this one
 
     @property
-    def terminal_program(self) -> Program | None:
+    def terminal_program(self) -> UnitProgram | None:
         """The program that owns the keyboard and the screen."""
         return next((each for each in self.programs if each.unit.terminal), None)

@@ -10,7 +10,7 @@ from textual.binding import BindingType
 from ur.run.clients.protocol import KillNode, RestartNode, RunCommand, StartNode, StopNode, StopRun
 from ur.run.debugger.attach import DebugMethod
 from ur.run.supervisor.events import CTRL_C
-from ur.tui.dialogs import Choice, Question
+from ur.tui.dialogs import DialogAnswer, Question
 from ur.tui.keys import make_bindings
 from ur.tui.log_actions import LogActions
 from ur.tui.run_state import NodeRow
@@ -45,7 +45,7 @@ class WatchApp(LogActions):
             if key == "k":
                 self._send(KillNode(row.name), f"kill {row.name}")
 
-        choices = (Choice("k", "kill it at once; it is kept stopped"),)
+        choices = (DialogAnswer("k", "kill it at once; it is kept stopped"),)
         self.push_screen(Question(f"Kill {row.name}?", choices, self.palette), answer)
 
     def action_debug(self) -> None:
@@ -66,7 +66,7 @@ class WatchApp(LogActions):
             if key in methods:
                 self.call_after_refresh(self._start_debugger, row.name, methods[key])
 
-        choices = tuple(Choice(method.key, method.text) for method in found.methods)
+        choices = tuple(DialogAnswer(method.key, method.text) for method in found.methods)
         self.push_screen(Question(f"Debug {row.name}?", choices, self.palette, note=found.note), answer)
 
     def _start_debugger(self, name: str, method: DebugMethod) -> None:
@@ -94,9 +94,9 @@ class WatchApp(LogActions):
             elif key == "d":
                 self.exit("detached")
 
-        choices = [Choice("s", "stop everything")]
+        choices = [DialogAnswer("s", "stop everything")]
         if detach:
-            choices.append(Choice("d", "detach: leave, everything goes on"))
+            choices.append(DialogAnswer("d", "detach: leave, everything goes on"))
         title = f"Leave {self.state.run.title}?" if detach else f"Stop {self.state.run.title or 'everything'}?"
         self.push_screen(Question(title, tuple(choices), self.palette), answer)
 

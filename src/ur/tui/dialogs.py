@@ -14,11 +14,11 @@ from textual.widgets import Static
 
 from ur.run.output.node_output import read_last_lines
 from ur.source.printable import printable
-from ur.tui.palette import Palette
+from ur.tui.palette import ScreenPalette
 
 
 @dataclass(frozen=True, slots=True)
-class Choice:
+class DialogAnswer:
     """One answer: its key and its text."""
 
     key: str
@@ -28,12 +28,14 @@ class Choice:
 class Question(ModalScreen[str]):
     """Asks; answers with the key of a choice, '' for none. Choices can be clicked too."""
 
-    def __init__(self, title: str, choices: tuple[Choice, ...], palette: Palette, *, note: str = "") -> None:
+    def __init__(
+        self, title: str, choices: tuple[DialogAnswer, ...], palette: ScreenPalette, *, note: str = ""
+    ) -> None:
         """`note` is what people should know before they answer."""
         super().__init__(classes="dialog")
         self.title_text = printable(title)
         self._note = printable(note)
-        self._choices = (*choices, Choice("escape", "cancel"))
+        self._choices = (*choices, DialogAnswer("escape", "cancel"))
         self._palette = palette
         self._answered = False
 
@@ -68,7 +70,7 @@ class Question(ModalScreen[str]):
 
 
 class _Answer(Static):
-    def __init__(self, choice: Choice, palette: Palette) -> None:
+    def __init__(self, choice: DialogAnswer, palette: ScreenPalette) -> None:
         key = "esc" if choice.key == "escape" else choice.key
         super().__init__(Text.assemble((f"{key:>3}", f"bold {palette.accent}"), "  ", choice.text))
         self._choice = choice
@@ -79,10 +81,10 @@ class _Answer(Static):
         screen.answer(self._choice.key)
 
 
-class Page(ModalScreen[None]):
+class TextDialog(ModalScreen[None]):
     """Text to read: help, or the end of a log file."""
 
-    def __init__(self, title: str, text: RenderableType, palette: Palette, *, at_end: bool = False) -> None:
+    def __init__(self, title: str, text: RenderableType, palette: ScreenPalette, *, at_end: bool = False) -> None:
         super().__init__(classes="page")
         self._title = printable(title)
         self._text = text
@@ -115,14 +117,14 @@ class Page(ModalScreen[None]):
                 self.dismiss(None)
 
 
-def _frame(box: Vertical, palette: Palette) -> None:
+def _frame(box: Vertical, palette: ScreenPalette) -> None:
     box.styles.background = palette.raised
     box.styles.color = palette.text
     box.styles.border = ("round", palette.quiet)
 
 
-def read_page(name: str, path: str, palette: Palette) -> Page:
+def read_page(name: str, path: str, palette: ScreenPalette) -> TextDialog:
     """The end of a node's log file."""
     lines = read_last_lines(path, 2000, 512 * 1024)
     text = Text.from_ansi("\n".join(lines)) if lines else Text("(empty)")
-    return Page(f"{name}  {path}", text, palette, at_end=True)
+    return TextDialog(f"{name}  {path}", text, palette, at_end=True)

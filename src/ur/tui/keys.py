@@ -9,11 +9,11 @@ from rich.table import Table
 from rich.text import Text
 from textual.binding import Binding, BindingType
 
-from ur.tui.palette import Palette
+from ur.tui.palette import ScreenPalette
 
 
 @dataclass(frozen=True, slots=True)
-class Key:
+class KeyBinding:
     """One row: textual's names of the keys, the action of the app, and for people the key and what it does.
 
     `foot` is the word in the last line of the screen, '' for none; `group` for the help.
@@ -28,26 +28,28 @@ class Key:
 
 
 KEYS = (
-    Key("up", "move(-1)", "Up, Down", "choose a node; so does a click"),
-    Key("down", "move(1)", "", ""),
-    Key("l,enter", "open_log", "l, Enter", "open its log file ($PAGER, else less); so does a double click", "log"),
-    Key("s", "start", "s", "start it", "start"),
-    Key("x", "stop", "x", "stop it, and keep it stopped", "stop"),
-    Key("r", "restart", "r", "restart it", "restart"),
-    Key("k", "kill", "k", "kill it (asks)", "kill"),
-    Key("d", "debug", "d", "debug it: gdb on a program or its core file, pudb on Python", "debug"),
-    Key("n", "only_node", "n", "only this node's messages; again: all nodes", "only it", group=1),
-    Key("m", "mute", "m", "mute this node; again: not", "mute", group=1),
-    Key("v", "severity", "v", "everything, warnings and errors, errors only", "severity", group=1),
-    Key("slash", "find", "/", "only messages with a text", "find", group=1),
-    Key("escape", "show_all", "Escape", "everything again; muted nodes stay muted", group=1),
-    Key("pageup", "page(-1)", "Page Up/Down", "read back; so does the mouse wheel", group=1),
-    Key("pagedown", "page(1)", "", "", group=1),
-    Key("home", "oldest", "Home, End", "the oldest message; the newest, and follow", group=1),
-    Key("end", "newest", "", "", group=1),
-    Key("c", "clear", "c", "clear the log; the log files keep everything", group=1),
-    Key("X", "stop_all", "X", "stop everything (asks)", group=2),
-    Key(
+    KeyBinding("up", "move(-1)", "Up, Down", "choose a node; so does a click"),
+    KeyBinding("down", "move(1)", "", ""),
+    KeyBinding(
+        "l,enter", "open_log", "l, Enter", "open its log file ($PAGER, else less); so does a double click", "log"
+    ),
+    KeyBinding("s", "start", "s", "start it", "start"),
+    KeyBinding("x", "stop", "x", "stop it, and keep it stopped", "stop"),
+    KeyBinding("r", "restart", "r", "restart it", "restart"),
+    KeyBinding("k", "kill", "k", "kill it (asks)", "kill"),
+    KeyBinding("d", "debug", "d", "debug it: gdb on a program or its core file, pudb on Python", "debug"),
+    KeyBinding("n", "only_node", "n", "only this node's messages; again: all nodes", "only it", group=1),
+    KeyBinding("m", "mute", "m", "mute this node; again: not", "mute", group=1),
+    KeyBinding("v", "severity", "v", "everything, warnings and errors, errors only", "severity", group=1),
+    KeyBinding("slash", "find", "/", "only messages with a text", "find", group=1),
+    KeyBinding("escape", "show_all", "Escape", "everything again; muted nodes stay muted", group=1),
+    KeyBinding("pageup", "page(-1)", "Page Up/Down", "read back; so does the mouse wheel", group=1),
+    KeyBinding("pagedown", "page(1)", "", "", group=1),
+    KeyBinding("home", "oldest", "Home, End", "the oldest message; the newest, and follow", group=1),
+    KeyBinding("end", "newest", "", "", group=1),
+    KeyBinding("c", "clear", "c", "clear the log; the log files keep everything", group=1),
+    KeyBinding("X", "stop_all", "X", "stop everything (asks)", group=2),
+    KeyBinding(
         "q",
         "leave",
         "q",
@@ -55,9 +57,9 @@ KEYS = (
         "quit",
         group=2,
     ),
-    Key("ctrl+q", "leave(True)", "", "", group=2),
-    Key("ctrl+c", "interrupt", "Ctrl-C", "stop everything now; again: faster", group=2),
-    Key("question_mark,f1", "help", "?", "this page; Escape leaves it", "help", group=2),
+    KeyBinding("ctrl+q", "leave(True)", "", "", group=2),
+    KeyBinding("ctrl+c", "interrupt", "Ctrl-C", "stop everything now; again: faster", group=2),
+    KeyBinding("question_mark,f1", "help", "?", "this page; Escape leaves it", "help", group=2),
 )
 FOOT = "?q/dlxrsknvm"  # the last line names keys in this order, as many as there is room for
 
@@ -67,7 +69,7 @@ def make_bindings() -> list[BindingType]:
     return [Binding(name, key.action, show=False, priority=True) for key in KEYS for name in key.keys.split(",")]
 
 
-def describe_foot(width: int, palette: Palette) -> Text:
+def describe_foot(width: int, palette: ScreenPalette) -> Text:
     """The last line: the most useful keys, as many as fit."""
     text = Text(no_wrap=True, overflow="ellipsis")
     named = {key.shown.partition(",")[0]: key.foot for key in KEYS}
@@ -78,7 +80,7 @@ def describe_foot(width: int, palette: Palette) -> Text:
     return text
 
 
-def describe_keys(palette: Palette) -> Table:
+def describe_keys(palette: ScreenPalette) -> Table:
     """The help page."""
     table = Table.grid(padding=(0, 2))
     for number, group in groupby((key for key in KEYS if key.does), lambda key: key.group):

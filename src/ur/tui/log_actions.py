@@ -7,7 +7,7 @@ from dataclasses import replace
 from textual.containers import VerticalScroll
 from textual.widgets import Input
 
-from ur.tui.dialogs import Page, read_page
+from ur.tui.dialogs import TextDialog, read_page
 from ur.tui.keys import describe_keys
 from ur.tui.run_screen import RANKS, RunScreen
 
@@ -23,7 +23,7 @@ class LogActions(RunScreen):
 
     def action_page(self, by: int) -> None:
         """Read the log."""
-        if isinstance(self.screen, Page):
+        if isinstance(self.screen, TextDialog):
             scroll = self.screen.query_one(VerticalScroll)
             scroll.scroll_relative(y=by * max(1, scroll.size.height - 1), animate=False)
             return
@@ -107,7 +107,7 @@ class LogActions(RunScreen):
 
     def action_help(self) -> None:
         """Every key."""
-        self.push_screen(Page("Keys", describe_keys(self.palette), self.palette))
+        self.push_screen(TextDialog("Keys", describe_keys(self.palette), self.palette))
 
     def on_node_table_opened(self) -> None:
         """A double click."""

@@ -16,7 +16,7 @@ from textual.strip import Strip
 from ur.source.ansi import strip_styles
 from ur.source.printable import printable
 from ur.tui.journal import RANK, Entry, Filter, Journal
-from ur.tui.palette import Palette
+from ur.tui.palette import ScreenPalette
 
 MOST_ROWS = 20_000
 NAME_CELLS = 22
@@ -24,7 +24,7 @@ CLOCK_FROM = 100  # columns from which on there is room for the time
 
 
 @dataclass(frozen=True, slots=True)
-class Row:
+class LogRow:
     """One line on the screen: letters `start` to `end` of a line of an entry, colours not counted."""
 
     entry: Entry
@@ -33,12 +33,12 @@ class Row:
     end: int
 
 
-def wrap_entry(entry: Entry, width: int) -> list[Row]:
+def wrap_entry(entry: Entry, width: int) -> list[LogRow]:
     """The rows of an entry whose lines are cut after `width` cells."""
     rows = []
     for number, line in enumerate(entry.lines):
         text = strip_styles(line)
-        rows += [Row(entry, number, start, end) for start, end in _cut(text, max(width, 8))]
+        rows += [LogRow(entry, number, start, end) for start, end in _cut(text, max(width, 8))]
     return rows
 
 
@@ -68,12 +68,12 @@ def short_name(name: str, cells: int) -> str:
 class LogView(ScrollView, can_focus=False):
     """Shows a journal through a filter. Follows its end until it is scrolled away from it."""
 
-    def __init__(self, journal: Journal, palette: Palette) -> None:
+    def __init__(self, journal: Journal, palette: ScreenPalette) -> None:
         super().__init__(id="log")
         self.filter = Filter()
         self.palette = palette
         self._journal = journal
-        self._rows: list[Row] = []
+        self._rows: list[LogRow] = []
         self._width = 0
         self._follows = True
         self._name_cells = 0
@@ -84,7 +84,7 @@ class LogView(ScrollView, can_focus=False):
         return self._follows
 
     @property
-    def rows(self) -> list[Row]:
+    def rows(self) -> list[LogRow]:
         """Everything that can be scrolled to."""
         return self._rows
 
@@ -129,7 +129,7 @@ class LogView(ScrollView, can_focus=False):
         kept = [row for row in self._rows if first <= row.entry.number < oldest]
         lost = sum(row.entry.number < first for row in self._rows) if oldest >= 0 else 0
         room = self._width - self._gutter() - 1
-        fresh: list[Row] = []
+        fresh: list[LogRow] = []
         for entry in reversed(self._journal.entries):
             if entry.number < oldest or len(fresh) >= MOST_ROWS:
                 break

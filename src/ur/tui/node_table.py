@@ -19,7 +19,7 @@ from ur.source.ansi import strip_styles
 from ur.source.printable import printable
 from ur.tui.journal import Filter, clean, strip_head
 from ur.tui.log_view import short_name
-from ur.tui.palette import Palette
+from ur.tui.palette import ScreenPalette
 from ur.tui.run_state import Mood, NodeRow, RunState
 
 _WORDS: dict[Mood, str] = {"up": "up", "busy": "starting or stopping", "failed": "failed", "idle": "not running"}
@@ -61,7 +61,7 @@ class NodeTable(ScrollView, can_focus=False):
     class Opened(Message):
         """A node was clicked while the cursor was on it already."""
 
-    def __init__(self, palette: Palette) -> None:
+    def __init__(self, palette: ScreenPalette) -> None:
         super().__init__(id="nodes")
         self.palette = palette
         self.muted: frozenset[str] = frozenset()
@@ -182,7 +182,7 @@ def _cells(columns: dict[str, int], words: dict[str, str], styles: dict[str, Sty
     return found
 
 
-def describe_run(state: RunState, now: float, width: int, palette: Palette) -> Text:
+def describe_run(state: RunState, now: float, width: int, palette: ScreenPalette) -> Text:
     """The first line: what runs, how many nodes are how, what they use together, for how long.
 
     With few columns the labels get shorter, then the usage is left out, then the labels.
@@ -195,7 +195,7 @@ def describe_run(state: RunState, now: float, width: int, palette: Palette) -> T
     return left
 
 
-def _describe_nodes(state: RunState, words: Mapping[Mood, str], palette: Palette) -> Text:
+def _describe_nodes(state: RunState, words: Mapping[Mood, str], palette: ScreenPalette) -> Text:
     text = Text(no_wrap=True, overflow="ellipsis")
     text.append(printable(state.run.title) or "connecting", f"bold {palette.text}")
     if state.cause is not None:
@@ -211,7 +211,7 @@ def _describe_nodes(state: RunState, words: Mapping[Mood, str], palette: Palette
     return text
 
 
-def _describe_use(state: RunState, now: float, palette: Palette, *, use: bool) -> Text:
+def _describe_use(state: RunState, now: float, palette: ScreenPalette, *, use: bool) -> Text:
     text = Text(style=palette.quiet)
     used = [row for row in state.rows if row.memory is not None]
     if used and use:
@@ -222,7 +222,7 @@ def _describe_use(state: RunState, now: float, palette: Palette, *, use: bool) -
     return text
 
 
-def describe_filter(filter_: Filter, level: str, *, follows: bool, width: int, palette: Palette) -> Text:
+def describe_filter(filter_: Filter, level: str, *, follows: bool, width: int, palette: ScreenPalette) -> Text:
     """The line between table and log: what the log shows."""
     words = [] if level == "everything" else [f"{level} only" if level == "errors" else "warnings and errors"]
     words += [f"only {filter_.node}"] if filter_.node else []

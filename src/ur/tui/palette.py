@@ -11,7 +11,7 @@ from ur.tui.run_state import Mood
 
 
 @dataclass(frozen=True, slots=True)
-class Palette:
+class ScreenPalette:
     """Hex colours. `quiet` is for what is there but should not draw the eye, `chosen` the row under the cursor."""
 
     light: bool
@@ -35,7 +35,7 @@ class Palette:
         return Style(color=colour or self.text, bold=severity == "fatal" or None)
 
 
-DARK = Palette(
+DARK = ScreenPalette(
     light=False,
     text="#c9d1d9",
     quiet="#6b7683",
@@ -47,7 +47,7 @@ DARK = Palette(
     yellow="#d9a343",
     red="#f4706b",
 )
-LIGHT = Palette(
+LIGHT = ScreenPalette(
     light=True,
     text="#24292f",
     quiet="#7c8591",

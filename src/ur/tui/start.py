@@ -48,7 +48,7 @@ def look_for_mode(environment: Mapping[str, str], *, calm: bool) -> Mode:
     return choose_mode(terminal=terminal, size=found, term=term, calm=calm, textual=find_spec("textual") is not None)
 
 
-class Viewer:
+class InterfaceProcess:
     """The interface's process. Give `link` to the run; `close` when the run has ended."""
 
     def __init__(self, mode: Mode) -> None:
@@ -86,7 +86,7 @@ class Viewer:
         os.waitpid(self._pid, 0)
         return False
 
-    def __enter__(self) -> Viewer:
+    def __enter__(self) -> InterfaceProcess:
         return self
 
     def __exit__(self, *_: object) -> None:

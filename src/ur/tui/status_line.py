@@ -27,14 +27,14 @@ WATCH = Watch(output=True, stats=False, readiness=True)
 
 
 @dataclass(frozen=True, slots=True)
-class Shown:
+class StatusText:
     """Text to write: lines that stay, and the line that is replaced next time."""
 
     lines: tuple[str, ...]
     status: str
 
 
-def show_events(state: RunState, received: list[RunEvent], width: int) -> tuple[RunState, Shown]:
+def show_events(state: RunState, received: list[RunEvent], width: int) -> tuple[RunState, StatusText]:
     """The state after these events, and what people see of them: notices, warnings and errors."""
     from ur.tui.journal import clean
 
@@ -46,7 +46,7 @@ def show_events(state: RunState, received: list[RunEvent], width: int) -> tuple[
             lines.append(paint(f"[{event.name}] {strip_styles(clean(event.text))}", colour))
         elif isinstance(event, Notice) and event.severity in ("warning", "error", "fatal"):
             lines += [paint(clean(line), RED) for line in event.text.split("\n")]
-    return state, Shown(tuple(lines[-200:]), describe_status(state, width))
+    return state, StatusText(tuple(lines[-200:]), describe_status(state, width))
 
 
 def describe_status(state: RunState, width: int) -> str:

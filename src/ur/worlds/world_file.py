@@ -59,7 +59,7 @@ class Fiducial:
 
 
 @dataclass(frozen=True, slots=True)
-class World:
+class WorldModel:
     """The world of the robots, in the map frame: m, rad. `start` (x, y, yaw) is where they begin."""
 
     floor_plan: MapImage
@@ -72,13 +72,13 @@ class World:
     drops: tuple[Drop, ...] = ()
 
 
-def read_world(path: str | Path) -> World:
+def read_world(path: str | Path) -> WorldModel:
     """Read a world file and its floor plan. Raises UserError with file, line and column."""
     top = read_section(path, "a world file")
     floor_plan = _floor_plan(top, Path(path))
     start = top.numbers("start", 3, (0.0, 0.0, 0.0))
     seen: set[str] = set()
-    world = World(
+    world = WorldModel(
         floor_plan=floor_plan,
         wall_height=top.number("wall_height", 1.0, minimum=0.05, maximum=100.0),
         floor_friction=top.number("floor_friction", 0.9, minimum=0.05, maximum=5.0),

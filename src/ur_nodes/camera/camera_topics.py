@@ -10,7 +10,7 @@ from functools import partial
 from ur_nodes.camera.calibration_file import CalibrationStore
 from ur_nodes.camera.finder import CameraFinder
 from ur_nodes.camera.formats import decode_jpeg, encode_jpeg
-from ur_nodes.camera.model import CameraError, Frame, Mode
+from ur_nodes.camera.source import CameraError, Frame, Mode
 from ur_nodes.pictures.decode import BadPictureError, Pixels, make_picture
 from ur_nodes.ports.node import SECOND, Node
 from ur_nodes.ports.values import Calibration, PackedPicture, Picture

@@ -22,7 +22,7 @@ from ur_nodes.camera.formats import (
     trim_jpeg,
     unpack_raw,
 )
-from ur_nodes.camera.model import CameraError, Frame, Mode, Settings
+from ur_nodes.camera.source import CameraError, CameraSettings, Frame, Mode
 from ur_nodes.pictures.decode import BadPictureError
 
 BUFFERS = 4
@@ -34,7 +34,7 @@ class V4l2Camera:
     """A PictureSource. Owns the device file; not for two threads at once."""
 
     def __init__(
-        self, device: DeviceFile, path: str, settings: Settings, clock: Callable[[], float] = time.monotonic
+        self, device: DeviceFile, path: str, settings: CameraSettings, clock: Callable[[], float] = time.monotonic
     ) -> None:
         """Negotiate a format and start streaming.
 
@@ -178,7 +178,7 @@ def _enumerate(device: DeviceFile, request: int, argument: abi.FormatDescription
     return True
 
 
-def _set_format(device: DeviceFile, path: str, name: str, settings: Settings) -> abi.PixelFormat:
+def _set_format(device: DeviceFile, path: str, name: str, settings: CameraSettings) -> abi.PixelFormat:
     offered = list(_list_formats(device))
     chosen = choose_format(offered, (settings.width, settings.height))
     if chosen is None:

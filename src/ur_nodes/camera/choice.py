@@ -7,10 +7,10 @@ import os
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from ur.devices.device import Device, DeviceSnapshot
 from ur.devices.known import describe_device
-from ur.devices.model import Device, Snapshot
 from ur.devices.needs import explain_access, explain_holder
-from ur_nodes.camera.model import CameraError
+from ur_nodes.camera.source import CameraError
 
 LIBCAMERA = "libcamera"
 # Receivers of a Raspberry Pi's camera connector, by driver or name: what they give is raw and needs libcamera.
@@ -18,7 +18,7 @@ _RIBBON = ("unicam", "rp1-cfe")
 
 
 @dataclass(frozen=True, slots=True)
-class Choice:
+class CameraChoice:
     """A camera that was found. `path` is its device file, or '' for the camera `number` of libcamera.
 
     `device` is None where nothing more is known about it.
@@ -29,7 +29,7 @@ class Choice:
     device: Device | None = None
 
 
-def choose_camera(snapshot: Snapshot, wanted: str, number: int, *, raspberry: bool) -> Choice:
+def choose_camera(snapshot: DeviceSnapshot, wanted: str, number: int, *, raspberry: bool) -> CameraChoice:
     """Choose the camera that a user wants.
 
     `wanted` is a path, `libcamera`, part of a name or serial number as `ur devices` lists them, or '' for any;
@@ -40,16 +40,16 @@ def choose_camera(snapshot: Snapshot, wanted: str, number: int, *, raspberry: bo
     ribbon = [each for each in cameras if _is_ribbon(each)]
     own = [each for each in cameras if not _is_ribbon(each)]
     if wanted == LIBCAMERA or (not wanted and ribbon):
-        return Choice("", number, ribbon[0] if ribbon else None)
+        return CameraChoice("", number, ribbon[0] if ribbon else None)
     if wanted.startswith("/"):
         return _choose_path(snapshot, cameras, wanted)
     fitting = [each for each in own if not wanted or wanted.casefold() in _names(each)]
     if number < len(fitting):
-        return Choice(fitting[number].path, number, fitting[number])
+        return CameraChoice(fitting[number].path, number, fitting[number])
     raise CameraError(_describe_absence(own, wanted, number), _suggest(snapshot, own, raspberry=raspberry))
 
 
-def explain_failure(snapshot: Snapshot, path: str, problem: OSError) -> CameraError:
+def explain_failure(snapshot: DeviceSnapshot, path: str, problem: OSError) -> CameraError:
     """Explain why a device cannot be opened or does not stream."""
     device = next((each for each in snapshot.devices if path in (each.path, *each.links)), None)
     name = f"the camera {path}" + (f" ({describe_device(device)})" if device else "")
@@ -71,7 +71,7 @@ def explain_failure(snapshot: Snapshot, path: str, problem: OSError) -> CameraEr
     return CameraError(f"{name} cannot be used: {problem.strerror or problem}", "unplug it and plug it in again")
 
 
-def describe_choice(choice: Choice) -> str:
+def describe_choice(choice: CameraChoice) -> str:
     """The camera in a few words for a log."""
     if choice.device is None:
         return choice.path or f"camera {choice.number} of libcamera"
@@ -80,14 +80,14 @@ def describe_choice(choice: Choice) -> str:
     return f"{describe_device(choice.device)} ({choice.path or 'libcamera'}{usb})"
 
 
-def _choose_path(snapshot: Snapshot, cameras: Sequence[Device], wanted: str) -> Choice:
+def _choose_path(snapshot: DeviceSnapshot, cameras: Sequence[Device], wanted: str) -> CameraChoice:
     for device in cameras:
         if wanted in (device.path, *device.links):
-            return Choice("" if _is_ribbon(device) else device.path, 0, device)
+            return CameraChoice("" if _is_ribbon(device) else device.path, 0, device)
     other = next((each for each in snapshot.devices if wanted in (each.path, *each.links)), None)
     if other:
         raise CameraError(f"{wanted} is no camera but {describe_device(other)}", _list_names(cameras), waits=False)
-    return Choice(wanted)
+    return CameraChoice(wanted)
 
 
 def _is_ribbon(device: Device) -> bool:
@@ -111,7 +111,7 @@ def _describe_absence(cameras: Sequence[Device], wanted: str, number: int) -> st
     return f"no camera {which}is there: looked for USB cameras (/dev/video*) and cameras on a ribbon (libcamera)"
 
 
-def _suggest(snapshot: Snapshot, cameras: Sequence[Device], *, raspberry: bool) -> str:
+def _suggest(snapshot: DeviceSnapshot, cameras: Sequence[Device], *, raspberry: bool) -> str:
     if cameras:
         return _list_names(cameras)
     if snapshot.container:

@@ -6,7 +6,7 @@ import errno
 
 from ur_nodes.camera import abi
 from ur_nodes.camera.device_file import DeviceFile
-from ur_nodes.camera.model import Settings
+from ur_nodes.camera.source import CameraSettings
 
 # <linux/v4l2-controls.h>
 BRIGHTNESS, CONTRAST, SATURATION, SHARPNESS = 0x00980900, 0x00980901, 0x00980902, 0x0098091B
@@ -17,7 +17,7 @@ _AUTOMATIC, _MANUAL, _APERTURE_PRIORITY = 0, 1, 3
 _EXPOSURE_UNIT = 100  # microseconds
 
 
-def apply_settings(device: DeviceFile, settings: Settings) -> tuple[tuple[str, ...], bool, bool]:
+def apply_settings(device: DeviceFile, settings: CameraSettings) -> tuple[tuple[str, ...], bool, bool]:
     """Set what the camera has controls for.
 
     Returns the names of settings that it has none for, and whether pictures have to be mirrored horizontally and

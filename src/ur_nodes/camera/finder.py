@@ -8,20 +8,20 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from ur.devices.model import Device, Snapshot
+from ur.devices.device import Device, DeviceSnapshot
 from ur.devices.observe import device_script, parse_devices
 from ur_nodes.camera.capture import V4l2Camera
-from ur_nodes.camera.choice import Choice, choose_camera, describe_choice, explain_failure
+from ur_nodes.camera.choice import CameraChoice, choose_camera, describe_choice, explain_failure
 from ur_nodes.camera.device_file import KernelDeviceFile, OpenDevice
 from ur_nodes.camera.libcamera import LibcameraCamera
-from ur_nodes.camera.model import CameraError, PictureSource, Settings
+from ur_nodes.camera.source import CameraError, CameraSettings, PictureSource
 
 _INSPECT_EVERY = 10.0  # s, while the device files are the same
 _SECONDS = 20.0  # that an inspection may take
 _MODEL = Path("/proc/device-tree/model")
 
 
-def inspect_cameras() -> Snapshot:
+def inspect_cameras() -> DeviceSnapshot:
     """Inspect the devices of this computer; an empty snapshot where that fails."""
     try:
         done = subprocess.run(
@@ -33,7 +33,7 @@ def inspect_cameras() -> Snapshot:
             check=False,
         )
     except (OSError, subprocess.TimeoutExpired):
-        return Snapshot()
+        return DeviceSnapshot()
     return parse_devices(done.stdout)
 
 
@@ -46,12 +46,12 @@ def is_raspberry() -> bool:
 
 
 @dataclass(frozen=True, slots=True)
-class System:
+class FinderSystem:
     """The parts of the computer that a finder needs; tests replace some of them."""
 
     open_device: OpenDevice = KernelDeviceFile
-    open_libcamera: Callable[[int, Settings], PictureSource] = LibcameraCamera
-    inspect: Callable[[], Snapshot] = inspect_cameras
+    open_libcamera: Callable[[int, CameraSettings], PictureSource] = LibcameraCamera
+    inspect: Callable[[], DeviceSnapshot] = inspect_cameras
     is_raspberry: Callable[[], bool] = is_raspberry
     clock: Callable[[], float] = time.monotonic
     devices: Path = Path("/dev")
@@ -60,11 +60,13 @@ class System:
 class CameraFinder:
     """Opens one camera. Once it has been open, only the same camera is opened again, in any port that it has then."""
 
-    def __init__(self, settings: Settings, wanted: str = "", number: int = 0, system: System | None = None) -> None:
+    def __init__(
+        self, settings: CameraSettings, wanted: str = "", number: int = 0, system: FinderSystem | None = None
+    ) -> None:
         """For `wanted` and `number` see `choose_camera`."""
         self._settings, self._wanted, self._number = settings, wanted, number
-        self._system = system or System()
-        self._snapshot = Snapshot()
+        self._system = system or FinderSystem()
+        self._snapshot = DeviceSnapshot()
         self._inspected: tuple[float, object] | None = None
         self._own: Device | None = None
         self.description = ""
@@ -81,19 +83,19 @@ class CameraFinder:
         self.description = describe_choice(choice)
         return source
 
-    def _choose(self) -> Choice:
+    def _choose(self) -> CameraChoice:
         own = self._own
         if own is None or not own.usb or self._wanted.startswith("/"):
             return choose_camera(self._snapshot, self._wanted, self._number, raspberry=self._system.is_raspberry())
         for device in self._snapshot.devices:
             if device.kind == "camera" and _is_same(device, own):
-                return Choice(device.path, self._number, device)
+                return CameraChoice(device.path, self._number, device)
         raise CameraError(
-            f"the camera {describe_choice(Choice(own.path, 0, own))} was unplugged",
+            f"the camera {describe_choice(CameraChoice(own.path, 0, own))} was unplugged",
             "plug it in; this node goes on by itself. For another camera start the node again",
         )
 
-    def _open_device(self, choice: Choice) -> PictureSource:
+    def _open_device(self, choice: CameraChoice) -> PictureSource:
         try:
             return V4l2Camera(self._system.open_device(choice.path), choice.path, self._settings)
         except OSError as problem:

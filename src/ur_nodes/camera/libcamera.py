@@ -17,7 +17,7 @@ from pathlib import Path
 from ur.source.printable import printable
 from ur_nodes.camera.formats import trim_jpeg
 from ur_nodes.camera.libcamera_program import HEAD
-from ur_nodes.camera.model import Adjustments, CameraError, Frame, Mode, Settings
+from ur_nodes.camera.source import Adjustments, CameraError, CameraSettings, Frame, Mode
 
 COMMAND = ("/usr/bin/python3", "-I", str(Path(__file__).with_name("libcamera_program.py")))
 _START_SECONDS = 20.0
@@ -27,7 +27,7 @@ _LARGEST = 64 << 20  # bytes of a picture
 class LibcameraCamera:
     """A PictureSource. Not for two threads at once."""
 
-    def __init__(self, number: int, settings: Settings, command: Sequence[str] = COMMAND) -> None:
+    def __init__(self, number: int, settings: CameraSettings, command: Sequence[str] = COMMAND) -> None:
         """Start taking pictures with the camera of this number, from 0. Raises CameraError."""
         pipe = subprocess.PIPE
         try:
@@ -117,7 +117,7 @@ class LibcameraCamera:
         return None if jpeg is None else Frame(min(max(0.0, time.monotonic() - taken), 1.0), jpeg)
 
 
-def describe_request(number: int, settings: Settings) -> dict[str, object]:
+def describe_request(number: int, settings: CameraSettings) -> dict[str, object]:
     """The request as libcamera_program.py takes it."""
     return {
         "number": number,

@@ -21,7 +21,7 @@ HEAD = struct.Struct("<qd")
 _INSTALL = "sudo apt-get install python3-picamera2; Raspberry Pi OS 12 and 13 have it"
 
 
-class Sender(io.BufferedIOBase):
+class PictureSender(io.BufferedIOBase):
     """Sends what an encoder writes, a picture at a time."""
 
     def __init__(self, target: int) -> None:
@@ -82,7 +82,7 @@ def start(camera: Any, wanted: Any, target: int, name: str) -> None:
     steps = (quality.VERY_LOW, quality.LOW, quality.MEDIUM, quality.HIGH, quality.VERY_HIGH)
     _write(target, json.dumps({"camera": name, "width": width, "height": height}).encode() + b"\n")
     step = steps[min(max(int(wanted["quality"]) - 1, 0) // 20, 4)]
-    camera.start_recording(encoders.MJPEGEncoder(), outputs.FileOutput(Sender(target)), quality=step)
+    camera.start_recording(encoders.MJPEGEncoder(), outputs.FileOutput(PictureSender(target)), quality=step)
 
 
 def _fail(target: int, reason: str, help: str) -> int:

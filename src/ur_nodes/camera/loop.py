@@ -6,7 +6,7 @@ from collections.abc import Callable
 from functools import partial
 from typing import Generic, Protocol, TypeVar
 
-from ur_nodes.camera.model import CameraError, Frame, Mode, PictureSource
+from ur_nodes.camera.source import CameraError, Frame, Mode, PictureSource
 from ur_nodes.ports.node import Node, Timer
 
 STALLED = 5.0  # s without a picture, after which the camera is opened anew

@@ -8,10 +8,10 @@ from collections.abc import Callable
 from ur.source.diagnostic import UserError, error
 from ur_nodes.camera.calibration_file import CalibrationStore, find_problem
 from ur_nodes.camera.camera_topics import CameraTopics, Shot
-from ur_nodes.camera.finder import CameraFinder, System
+from ur_nodes.camera.finder import CameraFinder, FinderSystem
 from ur_nodes.camera.loop import CameraLoop
-from ur_nodes.camera.model import CameraError
 from ur_nodes.camera.raspicam_settings import NAME, read_name, read_settings
+from ur_nodes.camera.source import CameraError
 from ur_nodes.ports.node import Node
 from ur_nodes.ports.services import Silent, UseCalibration
 from ur_nodes.ports.values import Calibration, Result
@@ -21,7 +21,7 @@ from ur_nodes.run import run
 class RaspicamNode:
     """Opens the camera if it is there, and offers `~set_camera_info`, `~stop_capture` and `~start_capture`."""
 
-    def __init__(self, node: Node, system: System | None = None) -> None:
+    def __init__(self, node: Node, system: FinderSystem | None = None) -> None:
         """Raises UserError: parameters that cannot be used, or no camera, without hope that one appears."""
         own = node.parameters
         settings = read_settings(own)
@@ -69,7 +69,7 @@ class RaspicamNode:
         return Result(True, f"written to {self._store.path}")
 
 
-def main(system: System | None = None) -> int:
+def main(system: FinderSystem | None = None) -> int:
     """Run the node. Returns the exit code."""
     return run(NAME, lambda node: RaspicamNode(node, system))
 

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import re
 
-from ur_nodes.camera.model import Adjustments, Settings
+from ur_nodes.camera.source import Adjustments, CameraSettings
 from ur_nodes.ports.node import Node
 from ur_nodes.ports.parameters import Parameters
 
 NAME = "raspicam_node"
 
 
-def read_settings(own: Parameters) -> Settings:
+def read_settings(own: Parameters) -> CameraSettings:
     """The parameters that cameras of all kinds have. Raises UserError."""
     limits = {"brightness": 0, "contrast": -100, "saturation": -100, "sharpness": -100, "shutter_speed": 0}
     given: dict[str, int] = {}
@@ -19,7 +19,7 @@ def read_settings(own: Parameters) -> Settings:
         if own.has(name):
             most = 10_000_000 if name == "shutter_speed" else 100
             given[name] = round(own.number(name, minimum=least, maximum=most))
-    return Settings(
+    return CameraSettings(
         width=own.integer("width", 640, minimum=16),
         height=own.integer("height", 480, minimum=16),
         rate=own.number("framerate", 30.0, minimum=0.1, maximum=1000.0),

@@ -12,7 +12,7 @@ from ur_nodes.ports.values import Twist
 STILL = Twist(0.0, 0.0)
 
 
-class Commands:
+class VelocityCommands:
     """Answers each challenge of the mux with the velocity that is wanted. Works on the node's thread.
 
     So commands are as young as can be. They end when the thread that asked for them `hangs`.

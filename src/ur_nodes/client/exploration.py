@@ -6,8 +6,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ur_nodes.client.model import GoalReport, GoalState, Snapshot
-from ur_nodes.exploration.status import Status, read_status
+from ur_nodes.client.snapshot import GoalReport, LastGoalState, RobotSnapshot
+from ur_nodes.exploration.status import ExploreStatus, read_status
 from ur_nodes.ports.node import Node
 from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.values import Marker, Markers, Path, PlacedPose
@@ -16,7 +16,7 @@ _MOST_FRONTIERS = 1000
 
 
 @dataclass(frozen=True, slots=True)
-class Frontier:
+class FrontierPoint:
     """A point of a frontier in the map, m; `blocked`: it was given up."""
 
     x: float
@@ -28,12 +28,12 @@ class ExplorationStatus:
     """The status of an exploration. Reads may come from any thread."""
 
     def __init__(self, node: Node, topic: str = "status") -> None:
-        self.newest = Status()
+        self.newest = ExploreStatus()
         """The newest status; that of an exploration that has ended stays."""
         self._received = False
         self._statuses = node.subscribe(topic, str, self._take, Quality.LATCHED)
 
-    def shown(self) -> Status | None:
+    def shown(self) -> ExploreStatus | None:
         """The newest status; None while nothing explores."""
         there = self._received and (self.newest.ended or self._statuses.publishers())
         return self.newest if there else None
@@ -48,13 +48,13 @@ class ExplorationTopics:
     """Frontiers, plan and goal of an exploration, for the picture of the map. Reads may come from any thread."""
 
     def __init__(self, node: Node) -> None:
-        self.frontiers: tuple[Frontier, ...] = ()
-        self._seen = Snapshot()
+        self.frontiers: tuple[FrontierPoint, ...] = ()
+        self._seen = RobotSnapshot()
         node.subscribe("frontiers", Markers, self._take_frontiers, Quality.LATCHED)
         node.subscribe("plan", Path, self._take_path)
         node.subscribe("current_goal", PlacedPose, self._take_goal, Quality.LATCHED)
 
-    def add(self, snapshot: Snapshot) -> Snapshot:
+    def add(self, snapshot: RobotSnapshot) -> RobotSnapshot:
         """The snapshot with goal and path."""
         return replace(snapshot, goal=self._seen.goal, path=self._seen.path)
 
@@ -66,12 +66,12 @@ class ExplorationTopics:
         self._seen = replace(self._seen, path=path.poses[:, :2])
 
     def _take_goal(self, goal: PlacedPose) -> None:
-        report = GoalReport(self._seen.goal.number + 1, goal.pose, GoalState.DRIVING)
+        report = GoalReport(self._seen.goal.number + 1, goal.pose, LastGoalState.DRIVING)
         self._seen = replace(self._seen, goal=report)
 
 
-def _frontier_of(marker: Marker) -> Frontier:
+def _frontier_of(marker: Marker) -> FrontierPoint:
     """The point of a frontier that is nearest to the mean of all."""
     points = marker.points[:, :2]
     x, y = points[int(np.argmin(np.sum((points - points.mean(axis=0)) ** 2, axis=1)))].tolist()
-    return Frontier(x, y, blocked=marker.colour[0] > marker.colour[2])
+    return FrontierPoint(x, y, blocked=marker.colour[0] > marker.colour[2])

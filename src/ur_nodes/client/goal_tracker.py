@@ -6,7 +6,7 @@ import json
 from dataclasses import dataclass, field, replace
 from typing import Final
 
-from ur_nodes.client.model import GoalReport, GoalState
+from ur_nodes.client.snapshot import GoalReport, LastGoalState
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.navigation.goals.goal_claim import has_any_heading
 from ur_nodes.ports import actions
@@ -14,11 +14,11 @@ from ur_nodes.ports import actions
 _LONGEST_HOLD: Final = 4096
 _LONGEST_TEXT: Final = 500
 _STATES: Final = {
-    "pending": GoalState.WAITING,
-    "active": GoalState.DRIVING,
-    "succeeded": GoalState.REACHED,
-    "cancelled": GoalState.STOPPED,
-    "aborted": GoalState.FAILED,
+    "pending": LastGoalState.WAITING,
+    "active": LastGoalState.DRIVING,
+    "succeeded": LastGoalState.REACHED,
+    "cancelled": LastGoalState.STOPPED,
+    "aborted": LastGoalState.FAILED,
 }
 ANSWER_LIMIT = 5.0
 """Seconds of status lists without a goal after which move_base does not have it. It sends five lists a second."""
@@ -39,7 +39,7 @@ class Hold:
 
 
 @dataclass(frozen=True, slots=True)
-class Tracker:
+class GoalTracker:
     """The goal that is followed. `goal_id` is '' while it belongs to another client and its id is not known yet.
 
     `known`: move_base has listed it as active, or sent its result. `heard_at` is when it was sent or mentioned last,
@@ -55,14 +55,14 @@ class Tracker:
     hold: Hold = field(default_factory=Hold)
 
 
-def track_sent(tracker: Tracker, goal_id: str, place: Pose2, now: float, number: int = 0) -> Tracker:
+def track_sent(tracker: GoalTracker, goal_id: str, place: Pose2, now: float, number: int = 0) -> GoalTracker:
     """Start to track a goal that is sent from here, with a number of its sender's or (0) the next one."""
     any_heading = has_any_heading(goal_id)
-    report = GoalReport(number or tracker.report.number + 1, place, GoalState.WAITING, any_heading=any_heading)
-    return Tracker(report, goal_id, now, listed_at=now, hold=tracker.hold)
+    report = GoalReport(number or tracker.report.number + 1, place, LastGoalState.WAITING, any_heading=any_heading)
+    return GoalTracker(report, goal_id, now, listed_at=now, hold=tracker.hold)
 
 
-def track_current(tracker: Tracker, place: Pose2, now: float) -> Tracker:
+def track_current(tracker: GoalTracker, place: Pose2, now: float) -> GoalTracker:
     """Take the goal that move_base drives to; another one than ours was sent by another client.
 
     move_base keeps its last goal on the topic, so that one is reported only once it is known to be active, or ends.
@@ -72,11 +72,11 @@ def track_current(tracker: Tracker, place: Pose2, now: float) -> Tracker:
     # Results come by another connection and may overtake the message about the goal that they end.
     if same and (not tracker.report.over or now - tracker.heard_at < LATE):
         return tracker
-    report = GoalReport(tracker.report.number + 1, place, GoalState.DRIVING)
-    return Tracker(report, "", now, listed_at=now, hold=tracker.hold)
+    report = GoalReport(tracker.report.number + 1, place, LastGoalState.DRIVING)
+    return GoalTracker(report, "", now, listed_at=now, hold=tracker.hold)
 
 
-def track_status(tracker: Tracker, statuses: tuple[actions.GoalState, ...], now: float) -> Tracker:
+def track_status(tracker: GoalTracker, statuses: tuple[actions.GoalState, ...], now: float) -> GoalTracker:
     """A status list came. A followed goal that is in no list for `ANSWER_LIMIT` has failed; silence proves nothing."""
     if tracker.report.over:
         return tracker
@@ -97,32 +97,32 @@ def track_status(tracker: Tracker, statuses: tuple[actions.GoalState, ...], now:
         if tracker.known
         else "the goal did not reach move_base; send it again"
     )
-    return replace(tracker, report=replace(tracker.report, state=GoalState.FAILED, text=reason))
+    return replace(tracker, report=replace(tracker.report, state=LastGoalState.FAILED, text=reason))
 
 
-def track_result(tracker: Tracker, status: actions.GoalState, now: float) -> Tracker:
+def track_result(tracker: GoalTracker, status: actions.GoalState, now: float) -> GoalTracker:
     """A result came."""
     if tracker.report.over or (tracker.goal_id and tracker.goal_id != status.id):
         return tracker
     return _apply(tracker, status, now)
 
 
-def track_hold(tracker: Tracker, hold: Hold) -> Tracker:
+def track_hold(tracker: GoalTracker, hold: Hold) -> GoalTracker:
     """Take the goal that move_base holds."""
     return replace(tracker, hold=hold)
 
 
-def report_at(tracker: Tracker, now: float) -> GoalReport:
+def report_at(tracker: GoalTracker, now: float) -> GoalReport:
     """The report at this moment: a goal that is not over is unknown while move_base is silent."""
     report = tracker.report
     if report.over:
         return report
     if now - tracker.listed_at > SILENCE:
-        return replace(report, state=GoalState.UNKNOWN, text="")
+        return replace(report, state=LastGoalState.UNKNOWN, text="")
     if not (tracker.goal_id or tracker.known):
         return GoalReport(report.number)
-    if report.state is GoalState.DRIVING and tracker.hold.goal_id and tracker.hold.goal_id == tracker.goal_id:
-        return replace(report, state=GoalState.ASKING if tracker.hold.asking else GoalState.HELD)
+    if report.state is LastGoalState.DRIVING and tracker.hold.goal_id and tracker.hold.goal_id == tracker.goal_id:
+        return replace(report, state=LastGoalState.ASKING if tracker.hold.asking else LastGoalState.HELD)
     return replace(report, text="")
 
 
@@ -145,10 +145,10 @@ def _printable(text: str) -> str:
     return " ".join("".join(each if each.isprintable() else " " for each in text[:_LONGEST_TEXT]).split())
 
 
-def _apply(tracker: Tracker, status: actions.GoalState, now: float) -> Tracker:
+def _apply(tracker: GoalTracker, status: actions.GoalState, now: float) -> GoalTracker:
     state = _STATES[status.state]
-    text = "" if state is GoalState.REACHED else _printable(status.text)
-    if state is GoalState.FAILED and not text:
+    text = "" if state is LastGoalState.REACHED else _printable(status.text)
+    if state is LastGoalState.FAILED and not text:
         text = "move_base gave no reason"
     report = replace(tracker.report, state=state, text=text, any_heading=has_any_heading(tracker.goal_id))
     return replace(tracker, heard_at=now, known=True, report=report)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import Literal, Protocol
 
-from ur_nodes.motion.obstacle_stop.report import Report, read_report
+from ur_nodes.motion.obstacle_stop.report import ObstacleReport, read_report
 from ur_nodes.ports.node import Node
 from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.services import Switch, Trigger
@@ -13,7 +13,7 @@ from ur_nodes.ports.values import Result
 
 MuxRequest = Literal["stop", "release", "obstacles on", "obstacles off"]
 
-NO_REPORT = Report()
+NO_REPORT = ObstacleReport()
 _WITHIN = 2.0  # s for an answer
 _STOP_WITHIN = 60.0  # s: a stop takes effect late rather than not at all
 _PATIENCE = 1.0  # s: then a request that is made again is sent again
@@ -39,10 +39,10 @@ class MuxView:
     active: str = ""
     asked: MuxRequest | None = None
     problem: str = ""
-    obstacles: Report = NO_REPORT
+    obstacles: ObstacleReport = NO_REPORT
 
 
-class Emergency(Protocol):
+class EmergencyStop(Protocol):
     """A mux that can be asked to stop. No call blocks; what came of it is in later views."""
 
     def view(self) -> MuxView:
@@ -53,7 +53,7 @@ class Emergency(Protocol):
 
 
 class MuxLink:
-    """The mux of a robot: see `Emergency`. `ask` may come from any thread."""
+    """The mux of a robot: see `EmergencyStop`. `ask` may come from any thread."""
 
     def __init__(self, node: Node, mux: str) -> None:
         """`mux` is the name of the node that offers `stop`, `release` and `set_obstacle_stop`."""
@@ -137,7 +137,7 @@ def view_of(
     active: str,
     asked: MuxRequest | None,
     problem: str,
-    obstacles: Report = NO_REPORT,
+    obstacles: ObstacleReport = NO_REPORT,
 ) -> MuxView:
     """The view of a mux: its last state counts only while it exists."""
     if not connected:

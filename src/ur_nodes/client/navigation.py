@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ur_nodes.client.goal_tracker import (
-    Tracker,
+    GoalTracker,
     read_hold,
     report_at,
     track_current,
@@ -18,7 +18,7 @@ from ur_nodes.client.goal_tracker import (
     track_sent,
     track_status,
 )
-from ur_nodes.client.model import GoalReport, Snapshot
+from ur_nodes.client.snapshot import GoalReport, RobotSnapshot
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.geometry.scan import mount_of_pose, points_of_scan
 from ur_nodes.ports.actions import Goal, GoalId, GoalState
@@ -104,8 +104,8 @@ class NavigationTopics:
 
     def __init__(self, node: Node, names: Names) -> None:
         self._node, self._names = node, names
-        self._seen = Snapshot()
-        self._tracker = Tracker()
+        self._seen = RobotSnapshot()
+        self._tracker = GoalTracker()
         self._status_at = -math.inf
         self.robot = RobotState(node, names.map_frame, names.base_frame)
         self._goals = node.follow_goals("move_base", self)
@@ -117,7 +117,7 @@ class NavigationTopics:
         node.subscribe("move_base/current_goal", PlacedPose, self._take_current_goal, Quality.LATCHED)
         node.subscribe("move_base/hold", str, self._take_hold, Quality.LATCHED)
 
-    def snapshot(self) -> Snapshot:
+    def snapshot(self) -> RobotSnapshot:
         """The newest state, without mux, lease and silence."""
         seen, goal, pose = self._seen, self.goal(), self.robot.pose()
         speed, turn = self.robot.velocity()

@@ -10,11 +10,11 @@ from dataclasses import replace
 
 from ur.source.diagnostic import UserError, error
 from ur_nodes.client.driver_text import DriverRequest, describe_silence
-from ur_nodes.client.model import ROBOT, GoalReport, GoalState, Silence, Snapshot
 from ur_nodes.client.mux import MuxLink, MuxRequest
 from ur_nodes.client.navigation import Names, NavigationTopics
 from ur_nodes.client.patrol_link import PatrolLink
-from ur_nodes.client.patrol_text import PatrolAction, PatrolRequest, Route
+from ur_nodes.client.patrol_text import PatrolAction, PatrolRequest, PatrolRoute
+from ur_nodes.client.snapshot import ROBOT, GoalReport, LastGoalState, RobotSnapshot, Silence
 from ur_nodes.client.wait import Wait, call_and_wait, wait_in_real_time
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.motion.challenge.freshness import REQUEST_FRESHNESS
@@ -31,7 +31,7 @@ _SILENT = 1.0  # s without a message, after which a sender counts as silent
 class RobotNavigator:
     """See `Navigator`. Made before the node's callbacks begin; then used by one other thread.
 
-    What has not come yet is in `Snapshot.missing`. The lease is released at the end of the node.
+    What has not come yet is in `RobotSnapshot.missing`. The lease is released at the end of the node.
     """
 
     def __init__(
@@ -56,7 +56,7 @@ class RobotNavigator:
         node.read_graph(self._note_graph)
         node.on_end(self.lease.release)
 
-    def snapshot(self) -> Snapshot:
+    def snapshot(self) -> RobotSnapshot:
         """Return the newest state."""
         seen, mux, lease = self.topics.snapshot(), self.mux.view(), self.lease.view()
         missing = seen.missing
@@ -79,7 +79,7 @@ class RobotNavigator:
         """See `Navigator`. The goal's id names the client that sends it and answers the mux's newest challenge."""
         goal_id = self._make_goal_id(any_heading=any_heading)
         number = max(self._sent.number, self.topics.goal().number) + 1
-        self._sent = GoalReport(number, place, GoalState.WAITING, any_heading=any_heading)
+        self._sent = GoalReport(number, place, LastGoalState.WAITING, any_heading=any_heading)
         self._node.post(lambda: self._send(goal_id, place, number))
         return number
 
@@ -93,7 +93,7 @@ class RobotNavigator:
         """Ask to drive, or let another drive."""
         self._node.post(lambda: self.lease.request(request))
 
-    def ask_patrol(self, action: PatrolAction, route: Route) -> str:
+    def ask_patrol(self, action: PatrolAction, route: PatrolRoute) -> str:
         """See `Navigator`. A request that sets the robot in motion answers the mux's newest challenge."""
         answer, who = self.lease.link.newest(REQUEST_FRESHNESS / 2.0), self.lease.identity
         request = PatrolRequest(

@@ -27,7 +27,7 @@ class BadPatrolError(ValueError):
 
 
 @dataclass(frozen=True, slots=True)
-class Stop:
+class PatrolStop:
     """A place of a patrol in the map: m, m, rad. Without `yaw` any heading counts.
 
     `x` is None in a request by name: the robot looks the place up among its waypoints.
@@ -40,16 +40,16 @@ class Stop:
 
 
 @dataclass(frozen=True, slots=True)
-class Route:
+class PatrolRoute:
     """Places in their order; `wait` s at each; `loop`: again from the first after the last."""
 
-    stops: tuple[Stop, ...] = ()
+    stops: tuple[PatrolStop, ...] = ()
     loop: bool = False
     wait: float = 1.0
 
 
 @dataclass(frozen=True, slots=True)
-class Answer:
+class PatrolAnswer:
     """The answer to a request by its id; `problem` is '' when it was accepted."""
 
     id: str
@@ -64,11 +64,11 @@ class PatrolStatus:
     """
 
     state: PatrolState = "idle"
-    route: Route = Route()
+    route: PatrolRoute = PatrolRoute()
     index: int = 0
     rounds: int = 0
     reason: str = ""
-    answer: Answer | None = None
+    answer: PatrolAnswer | None = None
 
     @property
     def active(self) -> bool:
@@ -76,10 +76,10 @@ class PatrolStatus:
         return self.state in ACTIVE
 
     @property
-    def stop(self) -> Stop:
+    def stop(self) -> PatrolStop:
         """The stop that is driven to, or waited at."""
         stops = self.route.stops
-        return stops[self.index] if self.index < len(stops) else Stop()
+        return stops[self.index] if self.index < len(stops) else PatrolStop()
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,7 +87,7 @@ class PatrolRequest:
     """A request. `answers` the newest challenge of the mux that the client `client` has received; None: no client."""
 
     action: PatrolAction
-    route: Route = Route()
+    route: PatrolRoute = PatrolRoute()
     id: str = ""
     client: str = ""
     name: str = ""
@@ -110,7 +110,7 @@ def read_request(text: object) -> PatrolRequest:
     action = value.get("do")
     if action not in get_args(PatrolAction):
         raise BadPatrolError(f"do: one of {', '.join(get_args(PatrolAction))}")
-    route = read_route(value) if action == "start" else Route()
+    route = read_route(value) if action == "start" else PatrolRoute()
     client, answers = value.get("client", ""), value.get("answers")
     if answers is not None:
         good = isinstance(answers, list) and len(answers) == 2 and all(_is_count(each) for each in answers)
@@ -148,15 +148,15 @@ def read_status(text: object) -> PatrolStatus | None:
         state, index, rounds, answer = (value.get(key) for key in ("state", "index", "rounds", "answer"))
         if state not in get_args(PatrolState) or not _is_count(index) or not _is_count(rounds):
             return None
-        route = Route() if not value.get("places") else read_route(value)
-        known = Answer(_text(answer, "id"), _text(answer, "problem", 500)) if isinstance(answer, dict) else None
+        route = PatrolRoute() if not value.get("places") else read_route(value)
+        known = PatrolAnswer(_text(answer, "id"), _text(answer, "problem", 500)) if isinstance(answer, dict) else None
         reason = _text(value, "reason", 500)
     except BadPatrolError:
         return None
     return PatrolStatus(cast("PatrolState", state), route, cast("int", index), cast("int", rounds), reason, known)
 
 
-def read_route(value: Mapping[str, Any]) -> Route:
+def read_route(value: Mapping[str, Any]) -> PatrolRoute:
     """The route in the fields `places`, `loop` and `wait`. Raises BadPatrolError."""
     places, loop, wait = value.get("places"), value.get("loop", False), value.get("wait", 1.0)
     if not isinstance(places, list) or not 1 <= len(places) <= MOST_PLACES:
@@ -165,7 +165,7 @@ def read_route(value: Mapping[str, Any]) -> Route:
         raise BadPatrolError("loop: true or false")
     if not _is_number(wait, LONGEST_WAIT) or wait < 0.0:
         raise BadPatrolError(f"wait: seconds from 0 to {LONGEST_WAIT:g}")
-    return Route(tuple(_read_stop(each) for each in places), loop, float(wait))
+    return PatrolRoute(tuple(_read_stop(each) for each in places), loop, float(wait))
 
 
 def describe_patrol(status: PatrolStatus) -> str:
@@ -184,12 +184,12 @@ def describe_patrol(status: PatrolStatus) -> str:
     return f"patrol ended{f': {status.reason}' if status.reason else ''}" if status.state == "ended" else ""
 
 
-def name_stop(stop: Stop) -> str:
+def name_stop(stop: PatrolStop) -> str:
     """A name for people: that of the place, else its coordinates."""
     return stop.name or f"({stop.x or 0.0:.2f}, {stop.y:.2f})"
 
 
-def _write_route(route: Route) -> dict[str, Any]:
+def _write_route(route: PatrolRoute) -> dict[str, Any]:
     places = [
         {"name": each.name} | ({} if each.x is None else {"x": each.x, "y": each.y, "yaw": each.yaw})
         for each in route.stops
@@ -197,7 +197,7 @@ def _write_route(route: Route) -> dict[str, Any]:
     return {"places": places, "loop": route.loop, "wait": route.wait}
 
 
-def _read_stop(value: object) -> Stop:
+def _read_stop(value: object) -> PatrolStop:
     if isinstance(value, str):
         value = {"name": value}
     if not isinstance(value, dict):
@@ -206,10 +206,10 @@ def _read_stop(value: object) -> Stop:
     if x is None:
         if not name:
             raise BadPatrolError("each place: a name or x and y")
-        return Stop(name)
+        return PatrolStop(name)
     if not _is_number(x, _FARTHEST) or not _is_number(y, _FARTHEST) or not (yaw is None or _is_number(yaw, 7.0)):
         raise BadPatrolError("x, y: metres in the map; yaw: rad, or none")
-    return Stop(name, float(x), float(y), None if yaw is None else float(yaw))
+    return PatrolStop(name, float(x), float(y), None if yaw is None else float(yaw))
 
 
 def _text(value: Mapping[str, Any], key: str, longest: int = LONGEST_NAME) -> str:

@@ -13,16 +13,16 @@ from types import TracebackType
 from typing import TypeVar, cast
 
 from ur.source.diagnostic import UserError
-from ur_nodes.client.commands import Commands
+from ur_nodes.client.commands import VelocityCommands
 from ur_nodes.client.driver_text import describe_driver, describe_silence
 from ur_nodes.client.errors import Lost, Refused, TakenOver, check_finite
 from ur_nodes.client.exploration import ExplorationStatus
-from ur_nodes.client.model import GoalReport, GoalState, Snapshot, heading_there
 from ur_nodes.client.mux import describe_emergency
 from ur_nodes.client.navigation import Names
 from ur_nodes.client.navigator import RobotNavigator
+from ur_nodes.client.snapshot import GoalReport, LastGoalState, RobotSnapshot, heading_there
 from ur_nodes.client.wait import Wait, WatchedWait, wait_in_real_time
-from ur_nodes.exploration.status import Status, describe_status
+from ur_nodes.exploration.status import ExploreStatus, describe_status
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.geometry.scan import angles_of_beams, classify_ranges
 from ur_nodes.ports.node import Node
@@ -196,7 +196,7 @@ class Robot:
             self._wait(lambda: self._navigator.snapshot().goal.over, 2.0)
             self._goal = 0
 
-    def explore(self) -> Status:
+    def explore(self) -> ExploreStatus:
         """Wait until the exploration that runs on the robot (`ur run explore`) has ended, and return its status.
 
         Raises Refused: none runs.
@@ -212,7 +212,7 @@ class Robot:
     def _connect(self, node: Node) -> None:
         self._node = node
         self._wait = wait = WatchedWait(node, self._given_wait)
-        self._commands = commands = Commands(node, "key_vel", wait.hangs)
+        self._commands = commands = VelocityCommands(node, "key_vel", wait.hangs)
         self._navigator = RobotNavigator(
             node, self._names, self._name, wait, commands.answer, lambda: bool(self._goal) and wait.hangs()
         )
@@ -276,21 +276,21 @@ class Robot:
             return TakenOver(text) if started else Refused(text)
         return None
 
-    def _settled(self, snapshot: Snapshot) -> bool:
+    def _settled(self, snapshot: RobotSnapshot) -> bool:
         """Return whether there is nothing more to wait for: the goal is over, or not this program's any more."""
         goal, silence = snapshot.goal, snapshot.silence
         lost = silence is not None and silence.seconds > _PATIENCE
-        return lost or goal.number != self._goal or goal.over or goal.state is GoalState.HELD
+        return lost or goal.number != self._goal or goal.over or goal.state is LastGoalState.HELD
 
-    def _judge(self, snapshot: Snapshot, goal: GoalReport) -> None:
+    def _judge(self, snapshot: RobotSnapshot, goal: GoalReport) -> None:
         """Return for a goal that was reached; raise what became of another one."""
-        if goal.number == self._goal and goal.state is GoalState.REACHED:
+        if goal.number == self._goal and goal.state is LastGoalState.REACHED:
             return
         if snapshot.lease.other or goal.number != self._goal:
             self._goal = 0  # what is driven to now is not ours to cancel
             driver = describe_driver(snapshot.lease, hint="this program's goal has ended")
             raise TakenOver(driver or "another client has sent a goal")
-        if snapshot.silence is not None and not goal.over and goal.state is not GoalState.HELD:
+        if snapshot.silence is not None and not goal.over and goal.state is not LastGoalState.HELD:
             raise Lost(describe_silence(snapshot.silence.who, snapshot.silence.seconds))
         raise Refused(goal.text or f"the goal was {goal.state.value}")
 

@@ -16,7 +16,7 @@ from ur.source.diagnostic import UserError, error
 from ur.source.replace import replace_file
 from ur.source.section import read_section
 from ur.source.suggest import did_you_mean
-from ur_nodes.client.model import format_number
+from ur_nodes.client.snapshot import format_number
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2
 

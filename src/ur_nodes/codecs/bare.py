@@ -18,7 +18,7 @@ _ORDERS = {b"\x00\x01": "<", b"\x00\x00": ">"}
 _MOST = 10_000  # transforms of a message
 
 
-class Writer:
+class MessageWriter:
     """Bytes of a message that grow."""
 
     def __init__(self) -> None:
@@ -92,7 +92,7 @@ class Reader:
         return header
 
 
-class GridUpdate:
+class BareGridUpdate:
     """map_msgs/msg/OccupancyGridUpdate: new cells `data`, int8, from column `x` and row `y` on."""
 
     BARE = (
@@ -107,7 +107,7 @@ class GridUpdate:
 
     def write(self) -> bytes:
         """The message as bytes."""
-        writer = Writer()
+        writer = MessageWriter()
         writer.add_header(self.header)
         writer.add("2i", self.x, self.y)
         writer.add("2I", self.width, self.height)
@@ -115,7 +115,7 @@ class GridUpdate:
         return writer.finish()
 
     @classmethod
-    def read(cls, data: bytes) -> GridUpdate:
+    def read(cls, data: bytes) -> BareGridUpdate:
         """The message that bytes are. Raises ValueError."""
         reader, made = Reader(data), cls()
         made.header = reader.take_header()
@@ -124,7 +124,7 @@ class GridUpdate:
         return made
 
 
-class Transforms:
+class BareTransforms:
     """tf2_msgs/msg/TFMessage."""
 
     BARE = ("tf2_msgs", "TFMessage", "e369d0f05a23ae52508854b66f6aa0437f3449d652e8cbf22d5abe85d020f087")
@@ -134,7 +134,7 @@ class Transforms:
 
     def write(self) -> bytes:
         """The message as bytes."""
-        writer = Writer()
+        writer = MessageWriter()
         writer.add("I", len(self.transforms))
         for each in self.transforms:
             writer.add_header(each.header)
@@ -144,7 +144,7 @@ class Transforms:
         return writer.finish()
 
     @classmethod
-    def read(cls, data: bytes) -> Transforms:
+    def read(cls, data: bytes) -> BareTransforms:
         """The message that bytes are. Raises ValueError."""
         reader, made = Reader(data), cls()
         (count,) = reader.take("I")

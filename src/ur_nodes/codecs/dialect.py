@@ -38,11 +38,11 @@ if ROS_2 and not TYPE_CHECKING:  # types are those of ROS 1, whose stubs have th
     try:
         from map_msgs.msg import OccupancyGridUpdate as GridUpdate
     except ImportError:
-        GridUpdate = bare.GridUpdate
+        GridUpdate = bare.BareGridUpdate
     try:
         from tf2_msgs.msg import TFMessage as Transforms
     except ImportError:
-        Transforms = bare.Transforms
+        Transforms = bare.BareTransforms
 else:
     from genpy import Duration as DurationMessage
     from rosgraph_msgs.msg import Log as LogMessage

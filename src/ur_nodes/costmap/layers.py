@@ -18,7 +18,7 @@ _HALF = 0.72  # of a cell's side: no point of a cell is farther from its centre
 
 
 @dataclass(frozen=True, slots=True)
-class Ranges:
+class UsedRanges:
     """Used ranges of a scan, in m: obstacles nearer than `obstacle` are marked, rays clear up to `raytrace`."""
 
     obstacle: float
@@ -60,7 +60,7 @@ def trace_beams(
     frame: CellFrame,
     sensor: Pose2,
     beams: Beams,
-    reach: Ranges,
+    reach: UsedRanges,
     *,
     ignore: Callable[[NDArray[np.intp]], NDArray[np.bool_]] | None = None,
 ) -> tuple[slice, slice] | None:

@@ -6,7 +6,7 @@ from collections import deque
 
 from ur_nodes.costmap.costmap import occupancy_of_costs
 from ur_nodes.costmap.layers import Beams, beams_of_scan, level_beams
-from ur_nodes.costmap.local_costmap_settings import Settings
+from ur_nodes.costmap.local_costmap_settings import LocalCostmapSettings
 from ur_nodes.costmap.rolling_costmap import RollingCostmap
 from ur_nodes.costmap.sonar import beams_of_range
 from ur_nodes.geometry.grid import Grid
@@ -22,7 +22,7 @@ _ODOMETRY_PATIENCE = 0.5  # s for which data wait for the odometry of their time
 class LocalCostmap:
     """Collects data and works them in with `update`. `robot` is its newest pose, None before the first update."""
 
-    def __init__(self, settings: Settings, frames: TransformTree) -> None:
+    def __init__(self, settings: LocalCostmapSettings, frames: TransformTree) -> None:
         self.robot: Pose2 | None = None
         self._settings = settings
         self._frames = frames

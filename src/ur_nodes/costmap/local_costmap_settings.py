@@ -7,12 +7,12 @@ from dataclasses import dataclass
 from ur_nodes.costmap.costmap import Inflation
 from ur_nodes.costmap.footprint import Footprint
 from ur_nodes.costmap.footprint_parameters import read_footprint
-from ur_nodes.costmap.layers import Ranges
+from ur_nodes.costmap.layers import UsedRanges
 from ur_nodes.ports.parameters import Parameters
 
 
 @dataclass(frozen=True, slots=True)
-class Settings:
+class LocalCostmapSettings:
     """The parameters below `~costmap`; lengths in m, frequencies in Hz."""
 
     frame: str
@@ -20,7 +20,7 @@ class Settings:
     footprint: Footprint
     side: float
     resolution: float
-    reach: Ranges
+    reach: UsedRanges
     inf_is_valid: bool
     inflation: Inflation
     scan: str
@@ -29,7 +29,7 @@ class Settings:
     publish_frequency: float
 
 
-def read_settings(own: Parameters) -> Settings:
+def read_settings(own: Parameters) -> LocalCostmapSettings:
     """Read them. Raises UserError, which names the parameter."""
     resolution = own.number("resolution", 0.05, minimum=0.005, maximum=1.0)
     footprint = read_footprint(own, resolution)
@@ -38,13 +38,13 @@ def read_settings(own: Parameters) -> Settings:
     if len(sources) > 1:
         obstacles.fail("observation_sources", " ".join(sources), "one name at most: this node looks at one laser")
     source = obstacles.below(sources[0] if sources else "scan")
-    return Settings(
+    return LocalCostmapSettings(
         frame=own.text("global_frame", "odom"),
         base_frame=own.text("robot_base_frame", "base_footprint"),
         footprint=footprint,
         side=max(own.number("width", 4.0, minimum=1.0), own.number("height", 4.0, minimum=1.0)),
         resolution=resolution,
-        reach=Ranges(
+        reach=UsedRanges(
             source.number("obstacle_range", 2.5, minimum=0.1), source.number("raytrace_range", 3.0, minimum=0.1)
         ),
         inf_is_valid=source.boolean("inf_is_valid", False),

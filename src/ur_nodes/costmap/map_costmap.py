@@ -18,7 +18,7 @@ from ur_nodes.costmap.costmap import (
     inflate_window,
     joined,
 )
-from ur_nodes.costmap.layers import Beams, Ranges, trace_beams
+from ur_nodes.costmap.layers import Beams, UsedRanges, trace_beams
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.geometry.sparse_array import sparse_twins, sparse_zeros
@@ -33,7 +33,9 @@ _KNOWN = 0.12
 class MapCostmap:
     """Costs over a whole map, kept up to date where something changes: a byte a cell, and another where it does."""
 
-    def __init__(self, grid: Grid, reach: Ranges, inflation: Inflation, *, lethal: int, track_unknown: bool) -> None:
+    def __init__(
+        self, grid: Grid, reach: UsedRanges, inflation: Inflation, *, lethal: int, track_unknown: bool
+    ) -> None:
         self._reach = reach
         self._inflation = inflation
         costs = costs_of_grid(grid, lethal=lethal, track_unknown=track_unknown)

@@ -7,14 +7,14 @@ import math
 import numpy as np
 
 from ur_nodes.costmap.costmap import FREE, LETHAL, Costmap, Inflation, inflate
-from ur_nodes.costmap.layers import Beams, Ranges, shift_cells, trace_beams
+from ur_nodes.costmap.layers import Beams, UsedRanges, shift_cells, trace_beams
 from ur_nodes.geometry.pose import Pose2
 
 
 class RollingCostmap:
     """A square window of side `side` (m) in the odometry frame, always aligned with whole cells of it."""
 
-    def __init__(self, side: float, resolution: float, reach: Ranges, inflation: Inflation) -> None:
+    def __init__(self, side: float, resolution: float, reach: UsedRanges, inflation: Inflation) -> None:
         cells = max(4, round(side / resolution))
         self._resolution = resolution
         self._reach = reach

@@ -5,12 +5,12 @@ from __future__ import annotations
 import sys
 
 from ur_nodes.exploration.explorer import Explorer
-from ur_nodes.exploration.explorer_step import Inputs, Outputs
-from ur_nodes.exploration.map_saver import MapSaver
-from ur_nodes.exploration.navigation import Navigation
+from ur_nodes.exploration.explorer_step import ExplorerInputs, ExplorerOutputs
+from ur_nodes.exploration.map_saver import MapSaveClient
+from ur_nodes.exploration.navigation import ExplorationNavigation
 from ur_nodes.exploration.obstacles import Obstacles
 from ur_nodes.exploration.settings import read_settings
-from ur_nodes.exploration.status import Status
+from ur_nodes.exploration.status import ExploreStatus
 from ur_nodes.exploration.status_output import StatusOutput
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.ports.node import SECOND, Node
@@ -30,8 +30,8 @@ class ExploreNode:
         self._grid: Grid | None = None
         self._version, self._due, self._paused, self._busy = 0, 0.0, "", False
         self._output = StatusOutput(node, self._settings.map_frame)
-        self._navigation = Navigation(node, self._settings)
-        self._saver = MapSaver(node, self._settings.save_service)
+        self._navigation = ExplorationNavigation(node, self._settings)
+        self._saver = MapSaveClient(node, self._settings.save_service)
         self._obstacles = Obstacles(node, self._settings.costmap, self._settings.costmap_updates)
         node.subscribe("map", Map, self._take_map, Quality.LATCHED)
         self._poll = node.every(_POLL, self._look)
@@ -40,11 +40,15 @@ class ExploreNode:
         settings, now = self._settings, self._node.now() / SECOND
         robot = self._node.transforms.find_planar(settings.map_frame, settings.base_frame)
         if self._grid is None:
-            self._output.publish(Status(reason=f"no map on {self._node.resolve('map')}; is a mapping node running?"))
+            self._output.publish(
+                ExploreStatus(reason=f"no map on {self._node.resolve('map')}; is a mapping node running?")
+            )
         elif robot is None:
-            self._output.publish(Status(reason=f"no transform from {settings.base_frame} to {settings.map_frame}"))
+            self._output.publish(
+                ExploreStatus(reason=f"no transform from {settings.base_frame} to {settings.map_frame}")
+            )
         elif not self._navigation.ready():
-            self._output.publish(Status(reason=f"no action {self._node.resolve(settings.navigation)}"))
+            self._output.publish(ExploreStatus(reason=f"no action {self._node.resolve(settings.navigation)}"))
         elif not self._busy:
             if now < self._due - settings.period:  # time has begun anew
                 self._due = now
@@ -52,10 +56,10 @@ class ExploreNode:
             if now < self._due and end is None and bool(pause) == bool(self._paused):
                 return
             self._paused, self._due, self._busy = pause, now + settings.period, True
-            seen = Inputs(now, self._grid, self._version, robot, self._obstacles.points(), end, pause)
+            seen = ExplorerInputs(now, self._grid, self._version, robot, self._obstacles.points(), end, pause)
             self._node.work(lambda: self._explorer.step(seen), self._obey)
 
-    def _obey(self, out: Outputs) -> None:
+    def _obey(self, out: ExplorerOutputs) -> None:
         """Carry out what the explorer has decided."""
         self._busy = False
         if out.cancel:

@@ -7,16 +7,16 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ur_nodes.exploration.explorer_step import ExplorerSettings, GoalEnd, Inputs, Outputs
-from ur_nodes.exploration.memory import Memory
+from ur_nodes.exploration.explorer_step import ExplorerInputs, ExplorerOutputs, ExplorerSettings, GoalEnd
+from ur_nodes.exploration.memory import AttemptMemory
 from ur_nodes.exploration.pace import Pace
 from ur_nodes.exploration.reasons import Reason, at
 from ur_nodes.exploration.search.choice import choose_viewpoint
-from ur_nodes.exploration.search.corners import Places, sort_corners
+from ur_nodes.exploration.search.corners import Viewpoints, sort_corners
 from ur_nodes.exploration.search.floor import ESCAPE, Floor, read_floor
 from ur_nodes.exploration.search.frontiers import unknown_behind
 from ur_nodes.exploration.search.viewpoints import Viewpoint
-from ur_nodes.exploration.status import State, Status
+from ur_nodes.exploration.status import ExploreStatus, State
 from ur_nodes.exploration.survey import Explanations, Survey, survey_frontiers
 from ur_nodes.geometry.pose import Pose2
 
@@ -39,7 +39,7 @@ class Explorer:
 
     def __init__(self, settings: ExplorerSettings) -> None:
         self._settings = settings
-        self._memory = Memory()
+        self._memory = AttemptMemory()
         self._pursuit: _Pursuit | None = None
         self._survey: Survey | None = None
         self._explanations = Explanations()
@@ -53,12 +53,12 @@ class Explorer:
         self._known, self._travelled_at_news = 0.0, 0.0  # m2 and m, when the map last grew
         self._pace = Pace()
 
-    def step(self, inputs: Inputs) -> Outputs:
+    def step(self, inputs: ExplorerInputs) -> ExplorerOutputs:
         """Decide what to do now. After a status that has ended there is nothing more to do."""
         self._measure_travel(inputs)
         if inputs.paused:
             had, self._pursuit, self._empty_since = self._pursuit, None, None
-            return Outputs(self._status("paused", inputs.now, reason=inputs.paused), cancel=had is not None)
+            return ExplorerOutputs(self._status("paused", inputs.now, reason=inputs.paused), cancel=had is not None)
         if inputs.ended is not None:
             self._end_pursuit(inputs.ended)
         cancel = self._check_progress(inputs)
@@ -78,7 +78,7 @@ class Explorer:
 
     # -- events ----------------------------------------------------------------------------------------------------
 
-    def _measure_travel(self, inputs: Inputs) -> None:
+    def _measure_travel(self, inputs: ExplorerInputs) -> None:
         if self._began is None:
             self._began = inputs.now
         if self._robot is not None:
@@ -96,7 +96,7 @@ class Explorer:
         reason = Reason("failed", place, f"at {at(place)}: {end.text or 'navigation gave up'}")
         self._memory = self._memory.fail(place, reason, self.floor)
 
-    def _check_progress(self, inputs: Inputs) -> bool:
+    def _check_progress(self, inputs: ExplorerInputs) -> bool:
         """Give the goal up when the robot gets no nearer; return whether it is to be cancelled."""
         pursuit = self._pursuit
         if pursuit is None:
@@ -123,7 +123,7 @@ class Explorer:
 
     # -- the map ---------------------------------------------------------------------------------------------------
 
-    def _survey_map(self, inputs: Inputs) -> None:
+    def _survey_map(self, inputs: ExplorerInputs) -> None:
         settings = self._settings
         self._version = inputs.version
         floor = read_floor(inputs.grid, inputs.robot, settings.radius, inputs.obstacles)
@@ -140,7 +140,7 @@ class Explorer:
 
     # -- decisions -------------------------------------------------------------------------------------------------
 
-    def _choose(self, inputs: Inputs, survey: Survey, cancel: bool) -> Outputs:
+    def _choose(self, inputs: ExplorerInputs, survey: Survey, cancel: bool) -> ExplorerOutputs:
         pursuit = self._pursuit
         kept = pursuit.viewpoint.frontier.place if pursuit else None
         places = self._places(survey)
@@ -160,11 +160,11 @@ class Explorer:
             and math.isfinite(self._distance_left(pursuit.viewpoint))
         ):
             self._pursuit = replace(pursuit, viewpoint=replace(pursuit.viewpoint, frontier=best.frontier))
-            return Outputs(status, cancel=False, frontiers=frontiers, blocked=blocked)
+            return ExplorerOutputs(status, cancel=False, frontiers=frontiers, blocked=blocked)
         self._pursuit = _Pursuit(best, best.distance, inputs.now)
-        return Outputs(status, goal=best.pose, frontiers=frontiers, blocked=blocked)
+        return ExplorerOutputs(status, goal=best.pose, frontiers=frontiers, blocked=blocked)
 
-    def _places(self, survey: Survey) -> Places:
+    def _places(self, survey: Survey) -> Viewpoints:
         kept = self._pursuit.viewpoint.frontier.place if self._pursuit else None
         return sort_corners(survey.viewpoints, survey.floor.known, self._settings.corners, kept, self._idle_distance)
 
@@ -176,7 +176,7 @@ class Explorer:
         """
         return self._travelled - self._travelled_at_news
 
-    def _finish(self, inputs: Inputs, survey: Survey, cancel: bool) -> Outputs:
+    def _finish(self, inputs: ExplorerInputs, survey: Survey, cancel: bool) -> ExplorerOutputs:
         """Nothing is left to look at: wait for a moment, try again what failed, then end."""
         cancel = cancel or self._pursuit is not None
         self._pursuit = None
@@ -190,14 +190,14 @@ class Explorer:
             status = self._status("exploring", inputs.now)
             clear = bool(retriable) and not self._cleared and waited > self._settings.settle
             self._cleared = self._cleared or clear
-            return Outputs(status, cancel=cancel, clear=clear, blocked=blocked)
+            return ExplorerOutputs(status, cancel=cancel, clear=clear, blocked=blocked)
         again = self._memory.retry(self._settings.attempts)
         if again != self._memory:
             self._memory, self._version, self._empty_since = again, -1, None
-            return Outputs(self._status("exploring", inputs.now), cancel=cancel, blocked=blocked)
-        return Outputs(self._status("complete", inputs.now), cancel=cancel, blocked=blocked)
+            return ExplorerOutputs(self._status("exploring", inputs.now), cancel=cancel, blocked=blocked)
+        return ExplorerOutputs(self._status("complete", inputs.now), cancel=cancel, blocked=blocked)
 
-    def _escape(self, inputs: Inputs, cancel: bool) -> Outputs:
+    def _escape(self, inputs: ExplorerInputs, cancel: bool) -> ExplorerOutputs:
         """Have the costmaps cleared where the robot does not fit, and end when that does not help."""
         cancel = cancel or self._pursuit is not None
         self._pursuit = None
@@ -207,19 +207,21 @@ class Explorer:
         where = at((inputs.robot.x, inputs.robot.y))
         reason = f"the robot at {where} is too near to an obstacle, no free place is within {ESCAPE:g} m"
         if waited < self._settings.patience:
-            return Outputs(self._status("starting", inputs.now, reason=reason), cancel=cancel, clear=waited == 0.0)
-        return Outputs(self._status("incomplete", inputs.now, reason=reason), cancel=cancel)
+            return ExplorerOutputs(
+                self._status("starting", inputs.now, reason=reason), cancel=cancel, clear=waited == 0.0
+            )
+        return ExplorerOutputs(self._status("incomplete", inputs.now, reason=reason), cancel=cancel)
 
-    def _status(self, state: State, now: float, reason: str = "") -> Status:
+    def _status(self, state: State, now: float, reason: str = "") -> ExploreStatus:
         survey = self._survey
         seconds = now - self._began if self._began is not None else 0.0
         if survey is None:
-            return Status(state=state, way=self._travelled, seconds=seconds, reason=reason)
+            return ExploreStatus(state=state, way=self._travelled, seconds=seconds, reason=reason)
         places = self._places(survey)
         frontiers = tuple(each.frontier for each in places.ahead)
         unknown = unknown_behind(survey.floor, frontiers)
         self._pace = self._pace.note(now, survey.floor.known) if state == "exploring" else Pace()
-        return Status(
+        return ExploreStatus(
             state=state,
             reachable=len(frontiers),
             unknown=unknown,

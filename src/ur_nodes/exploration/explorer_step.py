@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from ur_nodes.exploration.search.choice import Weights
 from ur_nodes.exploration.search.corners import CornerSettings
 from ur_nodes.exploration.search.frontiers import Frontier
-from ur_nodes.exploration.status import Status
+from ur_nodes.exploration.status import ExploreStatus
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2
 
@@ -43,7 +43,7 @@ class GoalEnd:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Inputs:
+class ExplorerInputs:
     """The present state of the world. `version` grows with each map; `obstacles` as `read_floor` takes them.
 
     `ended`: the goal has ended since the last step; None: it has not. `paused`: why the robot must not be driven.
@@ -59,10 +59,10 @@ class Inputs:
 
 
 @dataclass(frozen=True, slots=True)
-class Outputs:
+class ExplorerOutputs:
     """Commands for navigation. `goal`: drive there, in place of what was pursued; `cancel` it; `clear` the costmaps."""
 
-    status: Status
+    status: ExploreStatus
     goal: Pose2 | None = None
     cancel: bool = False
     clear: bool = False

@@ -15,7 +15,7 @@ _MOST_SAVES = 4  # at the end
 _LOGGED_EVERY = 10.0  # s
 
 
-class MapSaver:
+class MapSaveClient:
     """Asks a service that answers the map's name; without a service ('') no map has a name."""
 
     def __init__(self, node: Node, service: str) -> None:

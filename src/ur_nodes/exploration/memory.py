@@ -31,7 +31,7 @@ class Attempt:
 
 
 @dataclass(frozen=True, slots=True)
-class Memory:
+class AttemptMemory:
     """Attempts, one for a frontier. Each method returns a new memory."""
 
     attempts: tuple[Attempt, ...] = ()
@@ -41,30 +41,30 @@ class Memory:
         near = [each for each in self.attempts if math.dist(each.place, place) < _SAME]
         return min(near, key=lambda each: math.dist(each.place, place)) if near else Attempt(place)
 
-    def note(self, attempt: Attempt) -> Memory:
+    def note(self, attempt: Attempt) -> AttemptMemory:
         """Put an attempt in the place of the one before it."""
         old = self.find(attempt.place)
-        return Memory((*(each for each in self.attempts if each is not old), attempt))
+        return AttemptMemory((*(each for each in self.attempts if each is not old), attempt))
 
-    def look(self, place: tuple[float, float], floor: Floor | None) -> Memory:
+    def look(self, place: tuple[float, float], floor: Floor | None) -> AttemptMemory:
         """The robot was where the frontier should be in sight."""
         old = self.find(place)
         known = known_space(floor, old.place) if floor else 0.0
         return self.note(replace(old, looks=old.looks + 1, known=known))
 
-    def fail(self, place: tuple[float, float], reason: Reason, floor: Floor | None) -> Memory:
+    def fail(self, place: tuple[float, float], reason: Reason, floor: Floor | None) -> AttemptMemory:
         """The robot did not get there."""
         old = self.find(place)
         known = known_space(floor, old.place) if floor else 0.0
         return self.note(replace(old, failures=old.failures + 1, reason=reason, known=known))
 
-    def refresh(self, floor: Floor) -> Memory:
+    def refresh(self, floor: Floor) -> AttemptMemory:
         """Begin anew where the map has changed: a frontier that moves on as it is looked at is not a stubborn one."""
-        return Memory(tuple(_refreshed(each, floor) for each in self.attempts))
+        return AttemptMemory(tuple(_refreshed(each, floor) for each in self.attempts))
 
-    def retry(self, most: int) -> Memory:
+    def retry(self, most: int) -> AttemptMemory:
         """Allow another attempt at what has failed less than `most` times."""
-        return Memory(
+        return AttemptMemory(
             tuple(
                 replace(each, reason=None)
                 if each.reason and each.reason.kind == "failed" and each.failures < most

@@ -6,7 +6,7 @@ import uuid
 from dataclasses import replace
 
 from ur_nodes.exploration.explorer_step import GoalEnd
-from ur_nodes.exploration.pause import Drivers, note_time, reason_to_pause
+from ur_nodes.exploration.pause import MuxMessages, note_time, reason_to_pause
 from ur_nodes.exploration.settings import ExploreSettings
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.motion.lease.text import read_lease
@@ -17,13 +17,13 @@ from ur_nodes.ports.services import Silent
 from ur_nodes.ports.values import PlacedPose, Result
 
 
-class Navigation:
+class ExplorationNavigation:
     """One goal at a time."""
 
     def __init__(self, node: Node, settings: ExploreSettings) -> None:
         self._node = node
         self._settings = settings
-        self._drivers = Drivers()
+        self._drivers = MuxMessages()
         self._number = 0
         self._goal = ""
         self._end: GoalEnd | None = None

@@ -11,7 +11,7 @@ _OURS = ("", "idle", "navigation")
 
 
 @dataclass(frozen=True, slots=True)
-class Drivers:
+class MuxMessages:
     """Messages of the mux, newest each. `own` is the client that had the lease when the exploration began.
 
     `foreign`: move_base pursues a goal of another program. `driven` is when somebody else drove last, s.
@@ -25,14 +25,14 @@ class Drivers:
     driven: float | None = None
 
 
-def note_time(drivers: Drivers, now: float) -> Drivers:
+def note_time(drivers: MuxMessages, now: float) -> MuxMessages:
     """Remember that somebody drives now, and on the first call who has the lease at the begin."""
     if drivers.own is None:
         drivers = replace(drivers, own=drivers.lease.client)
     return replace(drivers, driven=now) if _driver(drivers) else drivers
 
 
-def reason_to_pause(drivers: Drivers, now: float, quiet: float) -> str:
+def reason_to_pause(drivers: MuxMessages, now: float, quiet: float) -> str:
     """Return why the exploration pauses; '' when it goes on. It waits `quiet` s after somebody else drove."""
     if drivers.stopped:
         return "the emergency stop is on; release it to go on"
@@ -43,7 +43,7 @@ def reason_to_pause(drivers: Drivers, now: float, quiet: float) -> str:
     return ""
 
 
-def _driver(drivers: Drivers) -> str:
+def _driver(drivers: MuxMessages) -> str:
     """Name the other driver in a clause; '' when there is none."""
     if drivers.active not in _OURS:
         return f"the {drivers.active} drives"

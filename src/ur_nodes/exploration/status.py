@@ -15,7 +15,7 @@ _SHOWN = 4  # unreachable frontiers, and corners, in a line
 
 
 @dataclass(frozen=True, slots=True)
-class Status:
+class ExploreStatus:
     """The state of an exploration. Areas in m2, `way` in m, `seconds` since the begin.
 
     `reachable` frontiers are left, and about `unknown` of floor; each of `unreachable` is a clause that says why.
@@ -41,22 +41,22 @@ class Status:
         """Return whether the exploration is over."""
         return self.state in ENDED
 
-    def with_map(self, name: str) -> Status:
+    def with_map(self, name: str) -> ExploreStatus:
         """The same with the name of the stored map; '' where it is not stored."""
         return replace(self, saved=name)
 
 
-def write_status(status: Status) -> str:
+def write_status(status: ExploreStatus) -> str:
     """The status as JSON, one object."""
     return json.dumps(asdict(status))
 
 
-def read_status(text: str) -> Status | None:
+def read_status(text: str) -> ExploreStatus | None:
     """The status in a message; None when it is not one."""
     try:
         fields = json.loads(text[:_LONGEST])
         lists = {"unreachable": tuple(fields["unreachable"]), "corners": tuple(fields.get("corners", ()))}
-        status = Status(**{**fields, **lists})
+        status = ExploreStatus(**{**fields, **lists})
         texts = (status.state, status.reason, status.saved, *status.unreachable, *status.corners)
         left = 0.0 if status.left is None else status.left
         numbers = (status.reachable, status.unknown, status.known, status.way, status.seconds, left)
@@ -66,7 +66,7 @@ def read_status(text: str) -> Status | None:
     return status if good and status.state in (*ENDED, "starting", "exploring", "paused") else None
 
 
-def describe_status(status: Status) -> str:
+def describe_status(status: ExploreStatus) -> str:
     """One line about a status."""
     if status.state == "starting":
         return f"waiting: {status.reason}" if status.reason else "waiting for the map"
@@ -78,7 +78,7 @@ def describe_status(status: Status) -> str:
     return f"{describe_end(status)}; {done}"
 
 
-def describe_end(status: Status) -> str:
+def describe_end(status: ExploreStatus) -> str:
     """The clause about why an exploration has ended."""
     if status.state == "complete":
         return f"the map is complete: 0 frontiers reachable{_left_out(status)}{_blocked(status)}"
@@ -86,29 +86,29 @@ def describe_end(status: Status) -> str:
     return f"{head}: {status.reason}; {describe_left(status)}{_blocked(status)}"
 
 
-def describe_done(status: Status) -> str:
+def describe_done(status: ExploreStatus) -> str:
     """The clause about the known floor and the way driven."""
     return f"{status.known:.0f} m2 known, {status.way:.0f} m driven in {_clock(status.seconds)}"
 
 
-def describe_left(status: Status) -> str:
+def describe_left(status: ExploreStatus) -> str:
     """The clause about the frontiers that are left, and how long they will take where that can be estimated."""
     time = "" if status.left is None else f", about {max(1, round(status.left / 60.0))} min left"
     return f"{_count(status.reachable, 'frontier')} left, about {status.unknown:.0f} m2 unknown{time}"
 
 
-def describe_blocked(status: Status) -> str:
+def describe_blocked(status: ExploreStatus) -> str:
     """The clause about frontiers that cannot be reached; empty for none."""
     return f"{len(status.unreachable)} unreachable: {_some(status.unreachable)}" if status.unreachable else ""
 
 
-def _left_out(status: Status) -> str:
+def _left_out(status: ExploreStatus) -> str:
     if not status.corners:
         return ""
     return f"; {_count(len(status.corners), 'corner')} left out: {_some(status.corners)}"
 
 
-def _blocked(status: Status) -> str:
+def _blocked(status: ExploreStatus) -> str:
     text = describe_blocked(status)
     return f"; {text}" if text else ""
 

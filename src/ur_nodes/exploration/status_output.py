@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from ur_nodes.exploration.explorer import Explorer
-from ur_nodes.exploration.explorer_step import Outputs
+from ur_nodes.exploration.explorer_step import ExplorerOutputs
 from ur_nodes.exploration.markers import mark_frontiers
-from ur_nodes.exploration.status import Status, describe_status, write_status
+from ur_nodes.exploration.status import ExploreStatus, describe_status, write_status
 from ur_nodes.ports.node import SECOND, Node
 from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.values import Markers
@@ -22,7 +22,7 @@ class StatusOutput:
         self._status = node.publish("~status", str, Quality.LATCHED)
         self._markers = node.publish("~frontiers", Markers, Quality.LATCHED)
 
-    def publish(self, status: Status) -> None:
+    def publish(self, status: ExploreStatus) -> None:
         """Publish a status."""
         now = self._node.now() / SECOND
         kind = f"{status.state} {status.reason if status.state != 'paused' else ''}"
@@ -31,7 +31,7 @@ class StatusOutput:
             self._node.log.info(describe_status(status))
         self._status.send(write_status(status))
 
-    def draw(self, explorer: Explorer, out: Outputs) -> None:
+    def draw(self, explorer: Explorer, out: ExplorerOutputs) -> None:
         """Draw the frontiers of a step."""
         if explorer.floor is not None and self._markers.listeners():
             markers = mark_frontiers(explorer.floor, out.frontiers, out.blocked)

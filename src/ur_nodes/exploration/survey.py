@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from ur_nodes.exploration.memory import Memory
+from ur_nodes.exploration.memory import AttemptMemory
 from ur_nodes.exploration.reasons import Reason, at, explain_unreachable
 from ur_nodes.exploration.search.floor import OCCUPIED_FROM, Floor
 from ur_nodes.exploration.search.frontiers import Frontier, find_frontiers
@@ -27,7 +27,7 @@ class Survey:
 
 
 def survey_frontiers(
-    floor: Floor, memory: Memory, explain: Callable[[Frontier], Reason], *, smallest: float, room: float
+    floor: Floor, memory: AttemptMemory, explain: Callable[[Frontier], Reason], *, smallest: float, room: float
 ) -> Survey:
     """Find a viewpoint for each frontier of at least `smallest` m that the memory does not refuse.
 
@@ -45,7 +45,7 @@ def survey_frontiers(
 
 
 def _find_view(
-    floor: Floor, memory: Memory, frontier: Frontier, explain: Callable[[Frontier], Reason], room: float
+    floor: Floor, memory: AttemptMemory, frontier: Frontier, explain: Callable[[Frontier], Reason], room: float
 ) -> Viewpoint | Reason:
     refused = memory.refused(frontier)
     if refused is not None:

@@ -39,17 +39,17 @@ class RangeScan(Protocol):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Mount:
+class SensorMount:
     """The mounting of a sensor: `rotation` (3, 3) and `offset` (3) in m of its frame in the robot's."""
 
     rotation: NDArray[np.float64]
     offset: NDArray[np.float64]
 
 
-def mount_of_pose(pose: Pose3) -> Mount:
+def mount_of_pose(pose: Pose3) -> SensorMount:
     """Return the mount of a sensor from the pose of its frame in the robot's."""
     rigid = from_pose(pose)
-    return Mount(rigid[:3, :3], rigid[:3, 3])
+    return SensorMount(rigid[:3, :3], rigid[:3, 3])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -95,7 +95,7 @@ def directions_of_scan(scan: RangeScan) -> NDArray[np.float64]:
 
 
 def ends_of_beams(
-    directions: NDArray[np.float64], ranges: NDArray[np.floating] | float, mount: Mount
+    directions: NDArray[np.float64], ranges: NDArray[np.floating] | float, mount: SensorMount
 ) -> NDArray[np.float64]:
     """The ends (n, 2) on the ground plane of the robot's frame of beams along unit vectors (n, 2), ranges (n) or one.
 
@@ -106,7 +106,9 @@ def ends_of_beams(
     return points
 
 
-def points_of_scan(scan: RangeScan, mount: Mount, limits: tuple[float, float] | None = None) -> NDArray[np.float64]:
+def points_of_scan(
+    scan: RangeScan, mount: SensorMount, limits: tuple[float, float] | None = None
+) -> NDArray[np.float64]:
     """The points (m, 2) on the ground plane of the robot's frame that a scan has hit.
 
     Ranges count within `limits` (m), by default those of the scan.

@@ -7,10 +7,10 @@ import numpy as np
 from ur_nodes.geometry.difference import describe_places
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2
-from ur_nodes.geometry.scan import Mount, points_of_scan
+from ur_nodes.geometry.scan import SensorMount, points_of_scan
 from ur_nodes.localisation.amcl_settings import AmclSettings
 from ur_nodes.localisation.likelihood import make_field
-from ur_nodes.localisation.localiser import Estimate, Localiser
+from ur_nodes.localisation.localiser import ClusterEstimate, ParticleLocaliser
 from ur_nodes.localisation.particle_filter import Particles
 from ur_nodes.ports.log import Log
 from ur_nodes.ports.values import Map, PoseEstimate, Result, Scan
@@ -26,10 +26,10 @@ class Amcl:
         self._settings = settings
         self._log = log
         self._rng = np.random.default_rng(settings.seed)
-        self._localiser: Localiser | None = None
+        self._localiser: ParticleLocaliser | None = None
         self._grid: Grid | None = None
         self._places = 0  # that fit, as reported last
-        self.last: Estimate | None = None
+        self.last: ClusterEstimate | None = None
         self.correction: Pose2 | None = None
 
     @property
@@ -47,7 +47,7 @@ class Amcl:
         """Start on a map; takes long where it is large. The pose on the last one is kept if there was one."""
         if given.frame != self._settings.map_frame:
             self._log.warn(f"map in frame {given.frame!r}, expected ~global_frame_id, {self._settings.map_frame!r}")
-        self._localiser = localiser = Localiser(
+        self._localiser = localiser = ParticleLocaliser(
             make_field(given.grid, self._settings.beams), self._settings.filter, self._rng
         )
         self._grid = grid = given.grid
@@ -82,7 +82,7 @@ class Amcl:
             self._localiser.request_update()
         return Result(success=True)
 
-    def update(self, scan: Scan, mount: Mount, odometry: Pose2) -> Estimate | None:
+    def update(self, scan: Scan, mount: SensorMount, odometry: Pose2) -> ClusterEstimate | None:
         """Use a scan taken at a pose of the odometry. Returns the estimate if there is a new one."""
         assert self._localiser
         assert self._grid

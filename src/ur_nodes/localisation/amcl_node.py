@@ -6,7 +6,7 @@ import sys
 
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.localisation.amcl import Amcl
-from ur_nodes.localisation.amcl_output import Outputs
+from ur_nodes.localisation.amcl_output import AmclOutputs
 from ur_nodes.localisation.amcl_settings import read_settings
 from ur_nodes.localisation.map_source import MapSource
 from ur_nodes.memory_use import return_large_arrays
@@ -25,7 +25,7 @@ class AmclNode:
         self._node = node
         self._settings = settings = read_settings(node.parameters)
         self._amcl = Amcl(settings, node.log)
-        self._outputs = Outputs(node, settings)
+        self._outputs = AmclOutputs(node, settings)
         node.transforms.ignore((settings.odom_frame,))
         self._feed = ScanFeed(node, settings.odom_frame, settings.base_frame, self._use_scan)
         node.subscribe("initialpose", PoseEstimate, self._place, Quality.EVERY)

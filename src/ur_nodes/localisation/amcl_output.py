@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.localisation.amcl_settings import AmclSettings, saved_parameters
-from ur_nodes.localisation.localiser import Estimate
+from ur_nodes.localisation.localiser import ClusterEstimate
 from ur_nodes.localisation.particle_filter import Particles
 from ur_nodes.ports.node import SECOND, Node
 from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.values import PoseEstimate, Poses, Transform
 
 
-class Outputs:
+class AmclOutputs:
     """Publishers of one node."""
 
     def __init__(self, node: Node, settings: AmclSettings) -> None:
@@ -20,10 +20,10 @@ class Outputs:
         self._pose = node.publish("amcl_pose", PoseEstimate, Quality.LATCHED)
         self._cloud = node.publish("particlecloud", Poses, Quality.LATCHED)
         self._cloud_due = self._save_due = 0.0
-        self._last: Estimate | None = None
-        self._saved: Estimate | None = None
+        self._last: ClusterEstimate | None = None
+        self._saved: ClusterEstimate | None = None
 
-    def publish_estimate(self, estimate: Estimate, particles: Particles, stamp: int) -> None:
+    def publish_estimate(self, estimate: ClusterEstimate, particles: Particles, stamp: int) -> None:
         """Publish a new estimate for a time (ns)."""
         self._last = estimate
         frame = self._settings.map_frame

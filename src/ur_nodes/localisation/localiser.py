@@ -59,7 +59,7 @@ class FilterSettings:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Estimate:
+class ClusterEstimate:
     """An estimate: pose in the map, covariance (3, 3) of its cluster, the cluster's share of all weight."""
 
     pose: Pose2
@@ -67,7 +67,7 @@ class Estimate:
     share: float
 
 
-class Localiser:
+class ParticleLocaliser:
     """A particle filter on one map. Deterministic for the same generator, calls and arguments."""
 
     def __init__(self, field: LikelihoodField, settings: FilterSettings, rng: np.random.Generator) -> None:
@@ -113,7 +113,7 @@ class Localiser:
         """Use the next scan even when the robot has not moved."""
         self._forced = True
 
-    def update(self, odometry: Pose2, points: NDArray[np.float64]) -> Estimate | None:
+    def update(self, odometry: Pose2, points: NDArray[np.float64]) -> ClusterEstimate | None:
         """A scan: the ends (m, 2) of its beams in the robot's frame, and the odometry's pose at its stamp.
 
         Returns None, and changes nothing, when the robot has moved less than update_min_d and turned less than
@@ -172,8 +172,8 @@ class Localiser:
         self._slow += settings.recovery_alpha_slow * (likelihood - self._slow)
         self._fast += settings.recovery_alpha_fast * (likelihood - self._fast)
 
-    def _refined(self, cluster: Cluster, points: NDArray[np.float64]) -> Estimate:
-        raw = Estimate(cluster.pose, cluster.covariance, cluster.share)
+    def _refined(self, cluster: Cluster, points: NDArray[np.float64]) -> ClusterEstimate:
+        raw = ClusterEstimate(cluster.pose, cluster.covariance, cluster.share)
         if not self._settings.refine or len(points) < LEAST_BEAMS:
             return raw
         match = match_scan(self._field, cluster.pose, cluster.covariance, points, self._match)
@@ -181,7 +181,7 @@ class Localiser:
         turned = abs(wrap_angle(match.pose.yaw - cluster.pose.yaw))
         if far > FARTHEST_MATCH or turned > FARTHEST_MATCH:
             return raw
-        return Estimate(match.pose, cluster.covariance, cluster.share)
+        return ClusterEstimate(match.pose, cluster.covariance, cluster.share)
 
     def _novelty(self, odometry: Pose2) -> float:
         """Return the weight of a scan at this pose after the last one, 0.1 to 1."""

@@ -25,7 +25,7 @@ class MatchSettings:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Match:
+class RefinedPose:
     """A refined pose, its covariance (3, 3), and the share (0..1) of the beams that lie on walls there."""
 
     pose: Pose2
@@ -39,7 +39,7 @@ def match_scan(
     covariance: NDArray[np.float64],
     points: NDArray[np.float64],
     settings: MatchSettings,
-) -> Match:
+) -> RefinedPose:
     """The most likely pose given a Gaussian prior and beams that end at points (m, 2) in the robot's frame.
 
     Residuals are signed distances to walls, read with bilinear interpolation; weights are Geman-McClure's, and none
@@ -58,7 +58,9 @@ def match_scan(
         pose -= step
         if abs(step[0]) + abs(step[1]) < 5e-4 and abs(step[2]) < 5e-4:
             break
-    return Match(Pose2(float(pose[0]), float(pose[1]), wrap_angle(float(pose[2]))), np.linalg.inv(hessian), agreement)
+    return RefinedPose(
+        Pose2(float(pose[0]), float(pose[1]), wrap_angle(float(pose[2]))), np.linalg.inv(hessian), agreement
+    )
 
 
 def match_many(

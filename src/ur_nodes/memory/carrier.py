@@ -33,7 +33,7 @@ class CarriedNode(Protocol):
 
 
 @dataclass(eq=False, slots=True)
-class Listener:
+class BusListener:
     """A subscription: `deliver` gets a value, the name of its sender, and whether it had been kept.
 
     It is `latched`, or not, or, None, as the publisher is. `unreadable` gets the reason why a value could not be read.
@@ -62,11 +62,11 @@ class Offer:
 
 
 @dataclass(eq=False, slots=True)
-class Topic:
+class BusTopic:
     """Both ends of a topic."""
 
     offers: list[Offer] = field(default_factory=list)
-    listeners: list[Listener] = field(default_factory=list)
+    listeners: list[BusListener] = field(default_factory=list)
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,7 +89,7 @@ class Carrier:
         self.now = 1_000_000_000
         self.facts: dict[str, Any] = {}
         self.parameters: dict[str, Any] = {}
-        self.topics: dict[str, Topic] = {}
+        self.topics: dict[str, BusTopic] = {}
         self.services: dict[str, Service] = {}
         self.nodes: dict[str, CarriedNode] = {}
         self.types: dict[str, tuple[str, ...]] = {}  # fields of messages that are of no kind
@@ -142,7 +142,7 @@ class Carrier:
 
     def offer(self, topic: str, offer: Offer) -> None:
         """Begin to send on a topic."""
-        entry = self.topics.setdefault(topic, Topic())
+        entry = self.topics.setdefault(topic, BusTopic())
         entry.offers.append(offer)
         if entry.listeners and offer.greet is not None:
             self.at(self.now, offer.greet)
@@ -155,11 +155,11 @@ class Carrier:
         quality: Quality,
         deliver: Deliver,
         unreadable: Callable[[str], None],
-    ) -> Listener:
+    ) -> BusListener:
         """Begin to listen to a topic."""
         latched = None if kind is object else quality in _LATCHED
-        listener = Listener(node, kind, latched, _DEPTHS.get(quality, DEPTH), deliver, unreadable)
-        entry = self.topics.setdefault(topic, Topic())
+        listener = BusListener(node, kind, latched, _DEPTHS.get(quality, DEPTH), deliver, unreadable)
+        entry = self.topics.setdefault(topic, BusTopic())
         entry.listeners.append(listener)
         for offer in entry.offers:
             if offer.greet is not None:
@@ -185,7 +185,7 @@ class Carrier:
         for listener in self.topics[topic].listeners:
             self.at(self.now, partial(listener.unreadable, reason))
 
-    def _carry(self, topic: str, listener: Listener, item: tuple[object, str, bool]) -> None:
+    def _carry(self, topic: str, listener: BusListener, item: tuple[object, str, bool]) -> None:
         if not isinstance(item[0], listener.kind):
             return  # as with a master: types that differ are never connected
         delay = self._delay(topic)

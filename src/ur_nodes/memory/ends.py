@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from ur_nodes.memory.carrier import Carrier, Listener, Offer
+from ur_nodes.memory.carrier import BusListener, Carrier, Offer
 
 
 class MemoryPublisher:
@@ -31,7 +31,7 @@ class MemoryPublisher:
 class MemorySubscription:
     """See `ports.node.Subscription`."""
 
-    def __init__(self, bus: Carrier, topic: str, listener: Listener, forget: Callable[[], None]) -> None:
+    def __init__(self, bus: Carrier, topic: str, listener: BusListener, forget: Callable[[], None]) -> None:
         self.topic = topic
         self._bus, self._listener, self._forget = bus, listener, forget
 

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from typing import TypeVar, cast
 
 from ur_nodes.goal_topics import TopicGoalClient, TopicGoalServer
-from ur_nodes.memory.carrier import Carrier, Deliver, Listener, Offer, Service, type_name_of
+from ur_nodes.memory.carrier import BusListener, Carrier, Deliver, Offer, Service, type_name_of
 from ur_nodes.memory.ends import MemoryPublisher, MemorySubscription, MemoryTimer
 from ur_nodes.memory.raw import MemoryRaw
 from ur_nodes.memory.stores import MemoryFacts, MemoryLog, MemoryParameters
@@ -39,7 +39,7 @@ class MemoryNode:
         self._bus = bus
         self._remaps = remaps
         self._transforms: Transforms | None = None
-        self._listeners: list[tuple[str, Listener]] = []
+        self._listeners: list[tuple[str, BusListener]] = []
         self._offers: list[tuple[str, Offer]] = []
         self._services: list[str] = []
         self._at_end: list[Callable[[], None]] = []

@@ -58,11 +58,11 @@ class MemoryRaw:
             topic, object, lambda value, sender: take(self._raw_of(value, sender)), quality
         )
 
-    def publish(self, topic: str, type_name: str, quality: Quality = Quality.EVERY) -> RawPublisher:
+    def publish(self, topic: str, type_name: str, quality: Quality = Quality.EVERY) -> MemoryRawPublisher:
         """See Raw."""
         if type_name not in self._bus.schemas:
             raise LookupError(type_name)
-        return RawPublisher(self._node.publish(topic, object, quality, type_name=type_name), type_name, self._bus)
+        return MemoryRawPublisher(self._node.publish(topic, object, quality, type_name=type_name), type_name, self._bus)
 
     def find_service(self, service: str, take: Callable[[Result], None]) -> None:
         """See Raw. A kind of requests has the name that its `type_name` gives, or its own."""
@@ -106,7 +106,7 @@ class MemoryRaw:
         return RawMessage(type_name_of(type(value)), "", repr(value).encode(), sender)
 
 
-class RawPublisher:
+class MemoryRawPublisher:
     """See `ports.node.Publisher`."""
 
     def __init__(self, publisher: Publisher[object], type_name: str, bus: Carrier) -> None:

@@ -5,10 +5,10 @@ from __future__ import annotations
 import os
 import sys
 
-from ur_nodes.motion.admission.gate import Gate
+from ur_nodes.motion.admission.gate import AdmissionGate
 from ur_nodes.motion.mux import MuxState, start_mux
 from ur_nodes.motion.mux_controls import MuxControls
-from ur_nodes.motion.mux_events import Watch
+from ur_nodes.motion.mux_events import GuardChanged
 from ur_nodes.motion.mux_runner import MuxRunner
 from ur_nodes.motion.mux_settings import read_settings
 from ur_nodes.motion.obstacle_stop.obstacle_stop import ObstacleStop
@@ -45,13 +45,13 @@ def start(node: Node) -> None:
     obstacle_stop = ObstacleStop(
         node,
         settings.base,
-        lambda guard: runner.handle(Watch(guard)),
+        lambda guard: runner.handle(GuardChanged(guard)),
         writes,
         on=settings.obstacle_stop,
         sonars=settings.sonars,
         lag=settings.mux.lag,
     )
-    Gate(
+    AdmissionGate(
         node,
         settings.mux,
         runner.handle,

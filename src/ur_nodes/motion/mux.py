@@ -24,26 +24,26 @@ from dataclasses import dataclass, replace
 from ur_nodes.motion.mux_events import (
     IDLE,
     STILL,
-    Command,
+    EmergencyReleased,
+    EmergencyStopped,
     Event,
-    LimitSpeed,
+    GuardChanged,
     Lock,
     LockMessage,
     MuxSettings,
-    Release,
     Source,
-    Stop,
+    SpeedLimited,
     Velocity,
-    Watch,
+    VelocityCommand,
 )
-from ur_nodes.motion.obstacle_stop.guard import Guard, Verdict
+from ur_nodes.motion.obstacle_stop.guard import Guard, GuardVerdict
 from ur_nodes.motion.ramp import Axis, approach
 
 _SOON = 1e-6  # s: outputs that are this near to being due are due
 
 
 @dataclass(frozen=True, slots=True)
-class Received:
+class ReceivedCommand:
     """The newest command of a source, when it was given, and when the source last asked for motion."""
 
     velocity: Velocity = STILL
@@ -61,7 +61,7 @@ class MuxState:
     """
 
     settings: MuxSettings
-    received: tuple[Received, ...]
+    received: tuple[ReceivedCommand, ...]
     locks: tuple[tuple[bool, float], ...]
     stopped: bool = False
     active: int | None = None
@@ -72,7 +72,7 @@ class MuxState:
     now: float = -math.inf
     share: float = 1.0
     guard: Guard | None = None
-    verdict: Verdict | None = None
+    verdict: GuardVerdict | None = None
 
     @property
     def wanted(self) -> Velocity:
@@ -89,7 +89,7 @@ def start_mux(settings: MuxSettings, *, stopped: bool = False, share: float = 1.
     """Return the initial state: silent, no input yet; `share` of the base's speeds is allowed."""
     return MuxState(
         settings,
-        tuple(Received() for _ in settings.sources),
+        tuple(ReceivedCommand() for _ in settings.sources),
         tuple((False, -math.inf) for _ in settings.locks),
         stopped,
         share=share,
@@ -110,7 +110,7 @@ def step(state: MuxState, event: Event | None, now: float) -> tuple[MuxState, Ve
         state = replace(state, active=active)
     if was_silent and state.active is None and state.output.still:
         return state, None
-    if not (was_silent or isinstance(event, Stop) or now >= state.next_at - _SOON):
+    if not (was_silent or isinstance(event, EmergencyStopped) or now >= state.next_at - _SOON):
         return state, None
     return _send(state, now)
 
@@ -124,7 +124,7 @@ def _forget(state: MuxState, now: float) -> MuxState:
 
 
 def _take(state: MuxState, event: Event | None, now: float) -> MuxState:
-    if isinstance(event, Command):
+    if isinstance(event, VelocityCommand):
         timeout = state.settings.sources[event.source].timeout
         received = list(state.received)
         at = now if event.at is None else min(now, event.at)
@@ -134,28 +134,28 @@ def _take(state: MuxState, event: Event | None, now: float) -> MuxState:
         locks = list(state.locks)
         locks[event.lock] = (event.locked, now)
         return replace(state, now=now, locks=tuple(locks))
-    if isinstance(event, Stop):
+    if isinstance(event, EmergencyStopped):
         return replace(state, now=now, stopped=True)
-    if isinstance(event, LimitSpeed):
+    if isinstance(event, SpeedLimited):
         share = max(0.0, min(1.0, event.share)) if math.isfinite(event.share) else state.share
         return replace(state, now=now, share=share)
-    if isinstance(event, Watch):
+    if isinstance(event, GuardChanged):
         return replace(state, now=now, guard=event.guard)
-    if isinstance(event, Release) and state.stopped:
+    if isinstance(event, EmergencyReleased) and state.stopped:
         pairs = zip(state.settings.sources, state.received, strict=True)
         barred = tuple(replace(each, barred=now - each.moved_at <= source.timeout) for source, each in pairs)
         return replace(state, now=now, stopped=False, received=barred)
     return replace(state, now=now)
 
 
-def _receive(before: Received, velocity: Velocity, timeout: float, at: float) -> Received:
+def _receive(before: ReceivedCommand, velocity: Velocity, timeout: float, at: float) -> ReceivedCommand:
     if at < before.at:
         return before
     if velocity.still or not (math.isfinite(velocity.forward) and math.isfinite(velocity.turn)):
         velocity = STILL  # what is too slow to count as motion must not be sent on as motion either
     paused = velocity.still or at - before.at > timeout
     moved_at = before.moved_at if velocity.still else at
-    return Received(velocity, at, moved_at, before.barred and not paused)
+    return ReceivedCommand(velocity, at, moved_at, before.barred and not paused)
 
 
 def _choose(state: MuxState, now: float) -> int | None:
@@ -175,7 +175,7 @@ def _choose(state: MuxState, now: float) -> int | None:
     return best
 
 
-def _drives(source: Source, received: Received, now: float) -> bool:
+def _drives(source: Source, received: ReceivedCommand, now: float) -> bool:
     since = received.at if source.zeros_hold else received.moved_at
     return now - received.at <= source.timeout and now - since <= source.timeout
 
@@ -192,7 +192,7 @@ def _send(state: MuxState, now: float) -> tuple[MuxState, Velocity]:
     settings = state.settings
     if now - state.output_at > settings.forgets:
         state = replace(state, output=STILL)
-    received = Received() if state.active is None else state.received[state.active]
+    received = ReceivedCommand() if state.active is None else state.received[state.active]
     wanted = _slowed(received.velocity, state.share, settings)
     left = settings.stop_time - settings.lag - (now - received.at)  # s, until the robot has to be at rest
     seconds = max(0.0, min(settings.period, now - state.output_at))
@@ -212,7 +212,7 @@ def _send(state: MuxState, now: float) -> tuple[MuxState, Velocity]:
     return state, output
 
 
-def _judge(state: MuxState, output: Velocity, now: float) -> Verdict | None:
+def _judge(state: MuxState, output: Velocity, now: float) -> GuardVerdict | None:
     """The guard's verdict on an output; None where the source that drives is not guarded."""
     if state.guard is None or state.active is None or state.settings.sources[state.active].avoids_obstacles:
         return None

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import partial
 
-from ur_nodes.motion.mux_events import Event, LimitSpeed, Release, Source, Stop
+from ur_nodes.motion.mux_events import EmergencyReleased, EmergencyStopped, Event, Source, SpeedLimited
 from ur_nodes.motion.mux_runner import MuxRunner
 from ur_nodes.motion.mux_settings import LEAST_LIMIT, LIMIT, STOPPED, read_share
 from ur_nodes.motion.writes import AsideLog, Writes
@@ -26,8 +26,8 @@ class MuxControls:
         self._limit = node.publish("~speed_limit_in_force", float, Quality.LATCHED)
         self._limit.send(100.0 * share)
         node.subscribe("~speed_limit", float, self._take_limit)
-        node.serve_later("~stop", Trigger, lambda _, give: self._switch(Stop(), give, stopped=True))
-        node.serve_later("~release", Trigger, lambda _, give: self._switch(Release(), give, stopped=False))
+        node.serve_later("~stop", Trigger, lambda _, give: self._switch(EmergencyStopped(), give, stopped=True))
+        node.serve_later("~release", Trigger, lambda _, give: self._switch(EmergencyReleased(), give, stopped=False))
 
     def _switch(self, event: Event, give: Callable[[Result], None], *, stopped: bool) -> None:
         state = self._runner.handle(event)
@@ -52,6 +52,6 @@ class MuxControls:
             expected = f"expected {LEAST_LIMIT:g} to 100, or 0 for none"
             self._log.warn(f"speed limit of {percent:g} percent ignored, {expected}")
             return
-        self._runner.handle(LimitSpeed(share))
+        self._runner.handle(SpeedLimited(share))
         self._writes.write(LIMIT, partial(self._node.parameters.keep, LIMIT, 100.0 * share))
         self._limit.send(100.0 * share)

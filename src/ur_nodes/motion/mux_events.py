@@ -74,7 +74,7 @@ STILL = Velocity()
 
 
 @dataclass(frozen=True, slots=True)
-class Command:
+class VelocityCommand:
     """A command of the source with this index, given at the time `at`. Values that are not finite mean a stop.
 
     `at` is a time of the mux's clock, not an age: a delay of the mux between admission and `step` makes the
@@ -95,27 +95,27 @@ class LockMessage:
 
 
 @dataclass(frozen=True, slots=True)
-class Stop:
-    """Emergency stop: nothing drives until `Release`."""
+class EmergencyStopped:
+    """Emergency stop: nothing drives until `EmergencyReleased`."""
 
 
 @dataclass(frozen=True, slots=True)
-class Release:
+class EmergencyReleased:
     """The emergency is over. Sources that ask for motion at this moment stay shut out until they pause."""
 
 
 @dataclass(frozen=True, slots=True)
-class LimitSpeed:
+class SpeedLimited:
     """Follow commands with at most this share (0 to 1) of what the base can do, until the next one."""
 
     share: float
 
 
 @dataclass(frozen=True, slots=True)
-class Watch:
+class GuardChanged:
     """The guard of commands from now on; None: they are not guarded."""
 
     guard: Guard | None
 
 
-Event = Command | LockMessage | Stop | Release | LimitSpeed | Watch
+Event = VelocityCommand | LockMessage | EmergencyStopped | EmergencyReleased | SpeedLimited | GuardChanged

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from ur.robot.base import Limits
+from ur.robot.base import MotionLimits
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,7 +24,7 @@ class Axis:
         return max(-self.speed, min(self.speed, value)) if math.isfinite(value) else 0.0
 
 
-def axes_of(limits: Limits) -> tuple[Axis, Axis]:
+def axes_of(limits: MotionLimits) -> tuple[Axis, Axis]:
     """Forward and turning limits of a base."""
     return (
         Axis(limits.velocity, limits.acceleration, limits.deceleration),

@@ -9,7 +9,7 @@ import sys
 
 from ur_nodes.motion.admission.probation import Probation, step_probation
 from ur_nodes.motion.mux import start_mux
-from ur_nodes.motion.mux_events import Command, MuxSettings, Source, Velocity
+from ur_nodes.motion.mux_events import MuxSettings, Source, Velocity, VelocityCommand
 from ur_nodes.motion.mux_runner import MuxRunner
 from ur_nodes.motion.ramp import Axis
 from ur_nodes.ports.node import Node
@@ -41,7 +41,7 @@ def start(node: Node) -> None:
         velocity = Velocity(twist.forward, twist.turn)
         rhythm = step_probation(rhythm, node.steady(), motion=not velocity.still)
         if rhythm.accepted or velocity.still:
-            runner.handle(Command(0, velocity))
+            runner.handle(VelocityCommand(0, velocity))
 
     node.subscribe(source.topic, Twist, take, Quality.EVERY)  # a cluster of commands has to be seen as one
 

@@ -16,7 +16,7 @@ from ur_nodes.navigation.goals.goal_watch import GoalWatch
 from ur_nodes.navigation.move_base_settings import MoveBaseSettings
 from ur_nodes.navigation.move_base_view import MoveBaseView, make_path
 from ur_nodes.navigation.navigator import Navigator
-from ur_nodes.navigation.navigator_step import Ending, Inputs, Outputs, Phase, PlanAnswer
+from ur_nodes.navigation.navigator_step import Ending, NavigatorInputs, NavigatorOutputs, NavigatorPhase, PlanAnswer
 from ur_nodes.navigation.plan_request import PlanRequest, answer_request
 from ur_nodes.navigation.planning.global_plan import path_is_free
 from ur_nodes.navigation.steering.recovery import Behaviour
@@ -39,7 +39,7 @@ _RESTART = 1.0  # s: a clock that goes back by more has begun anew, as that of a
 class MoveBase:
     """Pursues one goal at a time. `beat` is to be called `repeats` times a control period."""
 
-    def __init__(self, node: Node, settings: MoveBaseSettings, watch: attendance.Settings) -> None:
+    def __init__(self, node: Node, settings: MoveBaseSettings, watch: attendance.AttendanceSettings) -> None:
         self._node = node
         self._settings = settings
         self._world = WorldView(node, settings)
@@ -64,7 +64,7 @@ class MoveBase:
         """Step the navigator, or repeat the last command: the mux takes an old one for the end of the commander."""
         self._beats += 1
         if self._beats % self._settings.repeats != 1 % self._settings.repeats:
-            if self._navigator.phase is not Phase.IDLE and self._sent != (0.0, 0.0):
+            if self._navigator.phase is not NavigatorPhase.IDLE and self._sent != (0.0, 0.0):
                 self._send(*self._sent)
             return
         now = self._now()
@@ -142,7 +142,7 @@ class MoveBase:
 
     def shut_down(self) -> None:
         """Stop the robot."""
-        if self._navigator.phase is not Phase.IDLE:
+        if self._navigator.phase is not NavigatorPhase.IDLE:
             self._navigator.stop()
             self._send(0.0, 0.0)
 
@@ -150,7 +150,7 @@ class MoveBase:
         return seconds_of(self._node.now())
 
     def _control(self, now: float) -> None:
-        idle = self._navigator.phase is Phase.IDLE
+        idle = self._navigator.phase is NavigatorPhase.IDLE
         if not idle or self._tick % _IDLE_PERIODS == 0:
             self._world.update()
         if self._handle is None or not self._may_drive(self._handle, now):
@@ -159,7 +159,7 @@ class MoveBase:
             self._path_blocked = self._is_path_blocked()
         answer, self._answer = self._answer, None
         out = self._navigator.step(
-            Inputs(
+            NavigatorInputs(
                 now=now,
                 motion=self._world.motion(self._sent, now),
                 odom=self._world.odom() or Pose2(0.0, 0.0, 0.0),
@@ -189,7 +189,7 @@ class MoveBase:
             handle.cancel(verdict.text)
             return False
         handle.note(verdict.text)
-        idle = self._navigator.phase is Phase.IDLE
+        idle = self._navigator.phase is NavigatorPhase.IDLE
         if verdict.act is Act.DRIVE:
             if idle and self._goal is not None:
                 self._node.log.info("the goal goes on")
@@ -207,7 +207,7 @@ class MoveBase:
         self._handle = None
         self._watch.finish()
 
-    def _apply(self, out: Outputs) -> None:
+    def _apply(self, out: NavigatorOutputs) -> None:
         if out.log:
             self._node.log.warn(out.log)
         if out.clear is not None:
@@ -249,7 +249,7 @@ class MoveBase:
             self._answer = answer
 
     def _halt(self, *, keep_goal: bool = False) -> None:
-        moving = self._navigator.phase is not Phase.IDLE
+        moving = self._navigator.phase is not NavigatorPhase.IDLE
         self._navigator.stop()
         self._goal = self._goal if keep_goal else None
         self._answer = None

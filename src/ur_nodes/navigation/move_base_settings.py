@@ -7,13 +7,13 @@ from dataclasses import dataclass
 from ur_nodes.costmap.costmap import Inflation
 from ur_nodes.costmap.footprint import Footprint
 from ur_nodes.costmap.footprint_parameters import read_footprint
-from ur_nodes.costmap.layers import Ranges
+from ur_nodes.costmap.layers import UsedRanges
 from ur_nodes.navigation.navigator_step import NavigatorSettings
 from ur_nodes.navigation.planning.global_plan import PlanSettings
-from ur_nodes.navigation.steering.speed_profile import Limits
+from ur_nodes.navigation.steering.speed_profile import SpeedLimits
 from ur_nodes.ports.parameters import Parameters
 
-_SONARS = Ranges(1.2, 1.2)
+_SONARS = UsedRanges(1.2, 1.2)
 
 
 @dataclass(frozen=True, slots=True)
@@ -21,7 +21,7 @@ class ScanSource:
     """One laser that obstacles come from; after `silence` s without a scan the robot stops."""
 
     topic: str
-    reach: Ranges
+    reach: UsedRanges
     inf_is_valid: bool
     silence: float
 
@@ -40,7 +40,7 @@ class CostmapSettings:
     sonars: tuple[str, ...] = ()
 
     @property
-    def reach(self) -> Ranges:
+    def reach(self) -> UsedRanges:
         """The ranges of the scan that are used, or of the sonars without one."""
         return self.scan.reach if self.scan else _SONARS
 
@@ -73,7 +73,7 @@ class MoveBaseSettings:
     status_kept: float
     navigator: NavigatorSettings
     planner: PlanSettings
-    limits: Limits
+    limits: SpeedLimits
 
 
 def read_settings(top: Parameters) -> MoveBaseSettings:
@@ -132,7 +132,7 @@ def _scan(obstacles: Parameters) -> ScanSource | None:
         obstacles.fail("observation_sources", " ".join(names), "one name at most: this node looks at one laser")
     source = obstacles.below(names[0])
     source.text("data_type", "LaserScan", choices=["LaserScan"])
-    reach = Ranges(
+    reach = UsedRanges(
         source.number("obstacle_range", obstacles.number("obstacle_range", 2.5, minimum=0.1), minimum=0.1),
         source.number("raytrace_range", obstacles.number("raytrace_range", 3.0, minimum=0.1), minimum=0.1),
     )
@@ -172,8 +172,8 @@ def _planner(top: Parameters, footprint: Footprint, resolution: float) -> PlanSe
     )
 
 
-def _limits(dwa: Parameters) -> Limits:
-    return Limits(
+def _limits(dwa: Parameters) -> SpeedLimits:
+    return SpeedLimits(
         speed=dwa.number("max_vel_x", 0.5, minimum=0.01),
         turn=dwa.number("max_vel_theta", 1.0, minimum=0.01),
         acceleration=dwa.number("acc_lim_x", 1.0, minimum=0.01),

@@ -9,12 +9,19 @@ from ur_nodes.costmap.costmap import Costmap
 from ur_nodes.costmap.footprint import Footprint
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2, wrap_angle
-from ur_nodes.navigation.navigator_step import Ending, Inputs, NavigatorSettings, Outputs, Phase, PlanAnswer
+from ur_nodes.navigation.navigator_step import (
+    Ending,
+    NavigatorInputs,
+    NavigatorOutputs,
+    NavigatorPhase,
+    NavigatorSettings,
+    PlanAnswer,
+)
 from ur_nodes.navigation.planning.path_geometry import Points, nearest_index
 from ur_nodes.navigation.steering.local_plan import follow_reference, sweep_is_free
 from ur_nodes.navigation.steering.recovery import Behaviour, Recovery, move_to_recover
-from ur_nodes.navigation.steering.rollout import FollowSettings, Motion, ReferencePath, make_reference
-from ur_nodes.navigation.steering.speed_profile import Limits, approach, limit_speeds, speed_shares, turn_rate
+from ur_nodes.navigation.steering.rollout import FollowSettings, ReferencePath, RolloutState, make_reference
+from ur_nodes.navigation.steering.speed_profile import SpeedLimits, approach, limit_speeds, speed_shares, turn_rate
 
 
 @dataclass(slots=True)
@@ -22,7 +29,7 @@ class _Run:
     """The state of the pursuit of one goal."""
 
     goal: Pose2
-    phase: Phase
+    phase: NavigatorPhase
     phase_since: float
     any_heading: bool = False
     path: Points | None = None
@@ -45,7 +52,7 @@ class Navigator:
     """Pursues one goal at a time. Call `step` once per control period; deterministic."""
 
     def __init__(
-        self, settings: NavigatorSettings, limits: Limits, follow: FollowSettings, footprint: Footprint
+        self, settings: NavigatorSettings, limits: SpeedLimits, follow: FollowSettings, footprint: Footprint
     ) -> None:
         self._settings = settings
         self._limits = self._highest = limits
@@ -55,9 +62,9 @@ class Navigator:
         self._run: _Run | None = None
 
     @property
-    def phase(self) -> Phase:
+    def phase(self) -> NavigatorPhase:
         """The present phase."""
-        return self._run.phase if self._run else Phase.IDLE
+        return self._run.phase if self._run else NavigatorPhase.IDLE
 
     @property
     def path(self) -> Points | None:
@@ -71,17 +78,17 @@ class Navigator:
         `any_heading`: it is reached at its place with any heading.
         """
         sent = self._run.sent if self._run else (0.0, 0.0)
-        self._run = _Run(goal, Phase.PLANNING, now, any_heading, sent=sent, moved_at=now)
+        self._run = _Run(goal, NavigatorPhase.PLANNING, now, any_heading, sent=sent, moved_at=now)
 
     def stop(self) -> None:
         """Pursue nothing any more. The caller stops the robot."""
         self._run = None
 
-    def step(self, inputs: Inputs) -> Outputs:
+    def step(self, inputs: NavigatorInputs) -> NavigatorOutputs:
         """One control period. After an ending the navigator is idle and the caller stops the robot."""
         run = self._run
         if run is None:
-            return Outputs()
+            return NavigatorOutputs()
         if inputs.share != self._share:
             self._share, self._limits = inputs.share, limit_speeds(self._highest, inputs.share)
             run.reference = None
@@ -96,10 +103,10 @@ class Navigator:
             if ended is not None:
                 return ended
         step = {
-            Phase.PLANNING: self._plan,
-            Phase.DRIVING: self._drive,
-            Phase.TURNING: self._turn,
-            Phase.RECOVERING: self._recover,
+            NavigatorPhase.PLANNING: self._plan,
+            NavigatorPhase.DRIVING: self._drive,
+            NavigatorPhase.TURNING: self._turn,
+            NavigatorPhase.RECOVERING: self._recover,
         }[run.phase]
         out = step(run, inputs.motion, inputs.local, inputs)
         run.sent = out.command or (0.0, 0.0)
@@ -107,7 +114,7 @@ class Navigator:
             run.asked = run.last_asked = inputs.now
         return out
 
-    def _check_trouble(self, run: _Run, inputs: Inputs) -> Outputs | None:
+    def _check_trouble(self, run: _Run, inputs: NavigatorInputs) -> NavigatorOutputs | None:
         trouble = inputs.trouble or ("" if inputs.motion and inputs.local else "no pose of the robot")
         if not trouble:
             run.trouble_since = None
@@ -119,26 +126,26 @@ class Navigator:
         run.moved_at = inputs.now
         if inputs.now - run.trouble_since > self._settings.trouble_patience:
             return self._end(Ending.FAILED, trouble)
-        return Outputs(command=(0.0, 0.0), log=f"stopped: {trouble}" if first else "")
+        return NavigatorOutputs(command=(0.0, 0.0), log=f"stopped: {trouble}" if first else "")
 
-    def _take_answer(self, run: _Run, answer: PlanAnswer, inputs: Inputs) -> Outputs | None:
+    def _take_answer(self, run: _Run, answer: PlanAnswer, inputs: NavigatorInputs) -> NavigatorOutputs | None:
         run.asked = None
         if answer.path is not None:
             run.path, run.reference, run.index, run.reason = answer.path, None, 0, ""
-            if run.phase in (Phase.PLANNING, Phase.TURNING):
-                self._enter(run, Phase.DRIVING, inputs.now)
+            if run.phase in (NavigatorPhase.PLANNING, NavigatorPhase.TURNING):
+                self._enter(run, NavigatorPhase.DRIVING, inputs.now)
             return None
         run.reason = answer.reason
         if answer.hopeless:
             return self._end(Ending.FAILED, answer.reason)
         return None
 
-    def _plan(self, run: _Run, _motion: Motion, _local: Costmap, inputs: Inputs) -> Outputs:
+    def _plan(self, run: _Run, _motion: RolloutState, _local: Costmap, inputs: NavigatorInputs) -> NavigatorOutputs:
         if inputs.now - run.phase_since > self._settings.planner_patience:
             return self._get_stuck(run, inputs, run.reason or "planning took too long")
-        return Outputs(command=self._braked(run), plan=self._may_ask(run, inputs.now, 0.5))
+        return NavigatorOutputs(command=self._braked(run), plan=self._may_ask(run, inputs.now, 0.5))
 
-    def _drive(self, run: _Run, motion: Motion, local: Costmap, inputs: Inputs) -> Outputs:
+    def _drive(self, run: _Run, motion: RolloutState, local: Costmap, inputs: NavigatorInputs) -> NavigatorOutputs:
         reference = self._reference_in_odom(run, inputs)
         pose = motion.pose
         run.index = nearest_index(reference.points, pose.x, pose.y, run.index, min(run.index + 40, reference.end + 1))
@@ -146,10 +153,10 @@ class Navigator:
         away = math.hypot(end_x - pose.x, end_y - pose.y)
         if run.index >= reference.end or away < 0.015:
             if away <= self._settings.xy_tolerance:
-                self._enter(run, Phase.TURNING, inputs.now)
+                self._enter(run, NavigatorPhase.TURNING, inputs.now)
                 return self._turn(run, motion, local, inputs)
-            return Outputs(command=self._braked(run), plan=self._may_ask(run, inputs.now, 0.5))
-        held = Motion(pose, *run.sent)
+            return NavigatorOutputs(command=self._braked(run), plan=self._may_ask(run, inputs.now, 0.5))
+        held = RolloutState(pose, *run.sent)
         step = follow_reference(
             reference, run.index, held, local, self._footprint, self._limits, self._follow, self._settings.period
         )
@@ -160,9 +167,9 @@ class Navigator:
             run, inputs.now, 0.5 if step.blocked else 1.0
         )
         periodic = self._settings.planner_period > 0.0 and self._may_ask(run, inputs.now, self._settings.planner_period)
-        return Outputs(command=(step.speed, step.turn), plan=wanted or periodic, ahead=step.ahead)
+        return NavigatorOutputs(command=(step.speed, step.turn), plan=wanted or periodic, ahead=step.ahead)
 
-    def _turn(self, run: _Run, motion: Motion, local: Costmap, inputs: Inputs) -> Outputs:
+    def _turn(self, run: _Run, motion: RolloutState, local: Costmap, inputs: NavigatorInputs) -> NavigatorOutputs:
         if run.path is not None:  # it may end beside a goal that cannot be reached
             x, y = run.path[-1].tolist()
             end = inputs.odom.compose(Pose2(x, y, run.goal.yaw))
@@ -173,8 +180,8 @@ class Navigator:
         speed = approach(run.sent[0], 0.0, self._limits.acceleration * self._settings.period)
         resting = abs(speed) < 0.02
         if resting and away > self._settings.xy_tolerance:
-            self._enter(run, Phase.PLANNING, inputs.now)
-            return Outputs(command=self._braked(run), plan=self._may_ask(run, inputs.now, 0.5))
+            self._enter(run, NavigatorPhase.PLANNING, inputs.now)
+            return NavigatorOutputs(command=self._braked(run), plan=self._may_ask(run, inputs.now, 0.5))
         if abs(error) < 0.3 * self._settings.yaw_tolerance and resting and abs(run.sent[1]) < 0.15:
             return self._end(Ending.REACHED, "goal reached")
         ahead = error - run.sent[1] * self._settings.period * 0.5
@@ -182,40 +189,40 @@ class Navigator:
         most = abs(ahead) / (1.5 * self._settings.period)
         rate = max(-most, min(most, turn_rate(ahead, self._limits)))
         turn = approach(run.sent[1], rate, self._limits.turn_acceleration * self._settings.period)
-        free = abs(turn) < 0.02 or sweep_is_free(Motion(motion.pose, 0.0, turn), 0.3, local, self._footprint)
+        free = abs(turn) < 0.02 or sweep_is_free(RolloutState(motion.pose, 0.0, turn), 0.3, local, self._footprint)
         if self._is_stuck(run, not free, inputs, motion.pose):
             return self._get_stuck(run, inputs, "no room to turn at the goal")
-        return Outputs(command=(speed, turn) if free else self._braked(run))
+        return NavigatorOutputs(command=(speed, turn) if free else self._braked(run))
 
-    def _recover(self, run: _Run, motion: Motion, local: Costmap, inputs: Inputs) -> Outputs:
+    def _recover(self, run: _Run, motion: RolloutState, local: Costmap, inputs: NavigatorInputs) -> NavigatorOutputs:
         behaviour = run.recovery.behaviour
         assert behaviour is not None
         if behaviour in (Behaviour.CLEAR_FAR, Behaviour.CLEAR_ALL):
             self._after_recovery(run, motion.pose, inputs.now)
-            return Outputs(command=(0.0, 0.0), clear=behaviour, plan=True)
-        held = Motion(motion.pose, *run.sent)
+            return NavigatorOutputs(command=(0.0, 0.0), clear=behaviour, plan=True)
+        held = RolloutState(motion.pose, *run.sent)
         move = move_to_recover(run.recovery, held, local, self._footprint, self._limits, self._settings.period)
         run.recovery = move.recovery
         if move.finished or inputs.now - run.phase_since > 20.0:
             self._after_recovery(run, motion.pose, inputs.now)
-            return Outputs(command=(0.0, 0.0), plan=True)
-        return Outputs(command=(move.speed, move.turn))
+            return NavigatorOutputs(command=(0.0, 0.0), plan=True)
+        return NavigatorOutputs(command=(move.speed, move.turn))
 
     def _after_recovery(self, run: _Run, pose: Pose2, now: float) -> None:
         run.recovery = Recovery(run.recovery.tried + 1, began=pose)
-        self._enter(run, Phase.PLANNING, now)
+        self._enter(run, NavigatorPhase.PLANNING, now)
 
-    def _get_stuck(self, run: _Run, inputs: Inputs, reason: str) -> Outputs:
+    def _get_stuck(self, run: _Run, inputs: NavigatorInputs, reason: str) -> NavigatorOutputs:
         behaviour = run.recovery.behaviour if self._settings.recovery_enabled else None
         if behaviour is None:
             tried = " (after clearing, turning and backing off)" if self._settings.recovery_enabled else ""
             return self._end(Ending.FAILED, f"{reason}{tried}")
         run.reason = reason
         run.recovery = Recovery(run.recovery.tried)
-        self._enter(run, Phase.RECOVERING, inputs.now)
-        return Outputs(command=(0.0, 0.0), log=f"{reason}; recovering: {behaviour.value}")
+        self._enter(run, NavigatorPhase.RECOVERING, inputs.now)
+        return NavigatorOutputs(command=(0.0, 0.0), log=f"{reason}; recovering: {behaviour.value}")
 
-    def _is_stuck(self, run: _Run, blocked: bool, inputs: Inputs, pose: Pose2) -> bool:
+    def _is_stuck(self, run: _Run, blocked: bool, inputs: NavigatorInputs, pose: Pose2) -> bool:
         """No command for the controller's patience, or commanded to move and not moving."""
         if not blocked:
             run.stuck_since = None
@@ -237,7 +244,7 @@ class Navigator:
         waiting = run.asked is not None and now - run.asked < 10.0
         return not waiting and now - run.last_asked >= least
 
-    def _reference_in_odom(self, run: _Run, inputs: Inputs) -> ReferencePath:
+    def _reference_in_odom(self, run: _Run, inputs: NavigatorInputs) -> ReferencePath:
         odom, mask = inputs.odom, inputs.speed_mask
         if run.reference is None or run.reference_odom != odom or run.speed_mask is not mask:
             assert run.path is not None
@@ -253,13 +260,13 @@ class Navigator:
             approach(run.sent[1], 0.0, self._limits.turn_acceleration * period),
         )
 
-    def _enter(self, run: _Run, phase: Phase, now: float) -> None:
+    def _enter(self, run: _Run, phase: NavigatorPhase, now: float) -> None:
         run.phase, run.phase_since, run.stuck_since = phase, now, None
         run.moved_from, run.moved_at = None, now
 
-    def _end(self, ending: Ending, text: str) -> Outputs:
+    def _end(self, ending: Ending, text: str) -> NavigatorOutputs:
         self._run = None
-        return Outputs(command=(0.0, 0.0), ending=ending, text=text)
+        return NavigatorOutputs(command=(0.0, 0.0), ending=ending, text=text)
 
 
 def _blocked_at(pose: Pose2, odom: Pose2) -> str:

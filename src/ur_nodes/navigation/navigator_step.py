@@ -10,10 +10,10 @@ from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.navigation.planning.path_geometry import Points
 from ur_nodes.navigation.steering.recovery import Behaviour
-from ur_nodes.navigation.steering.rollout import Motion
+from ur_nodes.navigation.steering.rollout import RolloutState
 
 
-class Phase(Enum):
+class NavigatorPhase(Enum):
     """The activity of the navigator."""
 
     IDLE = "idle"
@@ -60,7 +60,7 @@ class PlanAnswer:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Inputs:
+class NavigatorInputs:
     """The world at one control step.
 
     `motion` is in the odometry frame, `odom` the pose of the map in that frame, `local` the costmap round the robot in
@@ -70,7 +70,7 @@ class Inputs:
     """
 
     now: float
-    motion: Motion | None
+    motion: RolloutState | None
     odom: Pose2
     local: Costmap | None
     answer: PlanAnswer | None = None
@@ -81,7 +81,7 @@ class Inputs:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Outputs:
+class NavigatorOutputs:
     """The outputs of a step.
 
     A command (m/s, rad/s) or silence; whether to plan (from the robot's place to the goal); what to clear; an ending

@@ -16,7 +16,7 @@ from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.geometry.transform_tree import ExtrapolationError, TransformError
 from ur_nodes.navigation.move_base_settings import MoveBaseSettings
-from ur_nodes.navigation.steering.rollout import Motion
+from ur_nodes.navigation.steering.rollout import RolloutState
 from ur_nodes.navigation.zone_masks import ZoneMasks
 from ur_nodes.ports.newest_work import NewestWork
 from ur_nodes.ports.node import Node
@@ -97,7 +97,7 @@ class WorldView:
         if self.global_costmap is not None and robot.in_map is not None:
             self.global_costmap.update(robot.in_map.compose(sensor), beams)
 
-    def motion(self, sent: tuple[float, float], now: float) -> Motion | None:
+    def motion(self, sent: tuple[float, float], now: float) -> RolloutState | None:
         """Extrapolate the robot's newest pose in the odometry frame to `now`, with the command that was sent."""
         try:
             pose = self.frames.pose(self._settings.local.frame, self._settings.base_frame)
@@ -105,7 +105,7 @@ class WorldView:
         except TransformError:
             return None
         ahead = min(max(age, 0.0), 0.1)
-        return Motion(pose.compose(Pose2(sent[0] * ahead, 0.0, sent[1] * ahead)), *sent)
+        return RolloutState(pose.compose(Pose2(sent[0] * ahead, 0.0, sent[1] * ahead)), *sent)
 
     def odom(self) -> Pose2 | None:
         """The map's pose in the odometry frame."""

@@ -6,7 +6,7 @@ from collections import deque
 from collections.abc import Callable
 
 from ur_nodes.geometry.pose import Pose2
-from ur_nodes.geometry.scan import Mount, mount_of_pose
+from ur_nodes.geometry.scan import SensorMount, mount_of_pose
 from ur_nodes.ports.node import SECOND, Node
 from ur_nodes.ports.values import Scan
 
@@ -34,7 +34,7 @@ class ScanFeed:
         self._held = False
         self._use = use
         self._odom_frame, self._base_frame = odom_frame, base_frame
-        self._mounts: dict[str, Mount] = {}
+        self._mounts: dict[str, SensorMount] = {}
         self._scans: deque[Scan] = deque(maxlen=LONGEST_QUEUE)
         self._quiet_since = node.now()
         node.transforms.watch(self._try)
@@ -47,14 +47,14 @@ class ScanFeed:
             self._node.transforms.find_planar(self._odom_frame, self._base_frame, stamp) if self._odom_frame else None
         )
 
-    def mount(self, frame: str) -> Mount | None:
+    def mount(self, frame: str) -> SensorMount | None:
         """The mount of a lidar by its frame, which does not move on the robot; None, with a log, while not known."""
         found = self.find_mount(frame)
         if found is None:
             self._node.log.warn(f"no transform from {frame} to {self._base_frame}, expected one", every=SILENCE)
         return found
 
-    def find_mount(self, frame: str) -> Mount | None:
+    def find_mount(self, frame: str) -> SensorMount | None:
         """As `mount`, without a log."""
         if frame not in self._mounts:
             if not (found := self._node.transforms.find(self._base_frame, frame)):

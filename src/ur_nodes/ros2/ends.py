@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from rclpy.event_handler import MatchedInfo
 
 
-class Sender:
+class MessageSender:
     """Sends messages; `on_listener` is called, on any thread, when a node begins to listen."""
 
     def __init__(

@@ -109,7 +109,7 @@ class RawPublisher:
     def __init__(self, node: Node, topic: str, message_class: type[genpy.Message], profile: QoSProfile) -> None:
         self.topic = str(node.resolve_topic_name(name_of(topic)))
         self._node, self._class = node, message_class
-        self._sender = ends.Sender(node, message_class, self.topic, profile)
+        self._sender = ends.MessageSender(node, message_class, self.topic, profile)
 
     def send(self, value: Fields | bytes) -> None:
         """See Publisher."""

@@ -1,6 +1,6 @@
 """Survey of a graph for `ur doctor`: a program of one file that needs rclpy and the messages of its release alone.
 
-`ur` sends it to robots where nothing of this project is; it prints JSON (see `ur.robot.doctor.ros2.model.Graph`). It
+`ur` sends it to robots where nothing of this project is. It prints JSON (`ur.robot.doctor.ros2.seen_graph.SeenGraph`),
 publishes nothing and changes nothing.
 """
 

@@ -45,7 +45,7 @@ class RosPublisher(Generic[Value]):
         self.topic = str(node.resolve_topic_name(name_of(topic)))
         self._codec = codec
         self._message = codec.message_class()
-        self._sender = ends.Sender(node, codec.message_class, self.topic, offered(quality, kind), on_listener)
+        self._sender = ends.MessageSender(node, codec.message_class, self.topic, offered(quality, kind), on_listener)
 
     def send(self, value: Value) -> None:
         """See Publisher."""

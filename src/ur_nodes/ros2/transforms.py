@@ -10,7 +10,7 @@ from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from ur_nodes.codecs.dialect import Transforms
 from ur_nodes.codecs.frames import Newest, fill_transforms, transforms_of
 from ur_nodes.ports.values import Transform
-from ur_nodes.ros2.ends import Receiver, Sender
+from ur_nodes.ros2.ends import MessageSender, Receiver
 
 _Take = Callable[[tuple[Transform, ...]], None]
 
@@ -26,9 +26,9 @@ class TransformTopics:
 
     def __init__(self, node: Node) -> None:
         self._node = node
-        self._moving: Sender | None = None
+        self._moving: MessageSender | None = None
         self._newest = Newest()
-        self._fixed: Sender | None = None
+        self._fixed: MessageSender | None = None
         self._kept: dict[str, Transform] = {}  # a latched topic keeps one message: all fixed ones go together
 
     def listen(self, take: _Take, take_fixed: _Take) -> None:
@@ -42,11 +42,11 @@ class TransformTopics:
         moving = tuple(each for each in transforms if not each.fixed)
         if fixed:
             self._kept |= fixed
-            self._fixed = self._fixed or Sender(self._node, Transforms, "/tf_static", _FIXED)
+            self._fixed = self._fixed or MessageSender(self._node, Transforms, "/tf_static", _FIXED)
             self._fixed.send(_message(tuple(self._kept.values())))
         if moving:
             self._newest.note(moving)
-            self._moving = self._moving or Sender(self._node, Transforms, "/tf", _MOVING, self._greet)
+            self._moving = self._moving or MessageSender(self._node, Transforms, "/tf", _MOVING, self._greet)
             self._moving.send(_message(moving))
 
     def _greet(self) -> None:

@@ -8,7 +8,7 @@ from ur.robot.base import Base
 from ur_nodes.motion.ramp import approach, axes_of
 
 
-class Drive:
+class WheelDrive:
     """Turns commands into wheel speeds. One call of `update` per control period of the robot."""
 
     def __init__(self, base: Base, period: float) -> None:

@@ -6,11 +6,11 @@ from ur.source.diagnostic import UserError
 from ur_nodes.ports.node import SECOND, Node, Timer
 from ur_nodes.ports.services import Place, Silent, Switch, Trigger
 from ur_nodes.ports.values import ClockTime, Result
-from ur_nodes.simulator.camera.camera_topics import CameraTopics
+from ur_nodes.simulator.camera.camera_topics import SimulatedCameraTopics
 from ur_nodes.simulator.pacing import Pacer
 from ur_nodes.simulator.robot_topics import RobotTopics
 from ur_nodes.simulator.sensor_topics import SensorTopics
-from ur_nodes.simulator.settings import Settings, list_prefixes
+from ur_nodes.simulator.settings import SimulatorSettings, list_prefixes
 from ur_nodes.simulator.simulation import Simulation
 
 
@@ -18,7 +18,11 @@ class Operation:
     """Advances a simulation when its ticks are due. Commands and services come between two ticks."""
 
     def __init__(
-        self, node: Node, simulation: Simulation, settings: Settings, camera: CameraTopics | None = None
+        self,
+        node: Node,
+        simulation: Simulation,
+        settings: SimulatorSettings,
+        camera: SimulatedCameraTopics | None = None,
     ) -> None:
         self._node = node
         self._simulation = simulation
@@ -77,7 +81,7 @@ class Operation:
         if tick.picture and self._camera:
             self._camera.offer(stamp, self._simulation.state())
 
-    def _watch(self, camera: CameraTopics) -> None:
+    def _watch(self, camera: SimulatedCameraTopics) -> None:
         """Make pictures due only while their topics have listeners."""
         if camera.wanted != self._taking_pictures:
             self._taking_pictures = not self._taking_pictures

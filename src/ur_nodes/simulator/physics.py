@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from ur.robot.base import Base
 from ur_nodes.geometry.pose import Pose2, quaternion_of_yaw, yaw_of_quaternion
-from ur_nodes.simulator.sensors.imu import Motion
+from ur_nodes.simulator.sensors.imu import BodyMotion
 from ur_nodes.simulator.sensors.lidar import LidarBeams
 from ur_nodes.simulator.sensors.sonar import SonarRing
 
@@ -18,7 +18,7 @@ _STATE = mujoco.mjtState.mjSTATE_INTEGRATION
 
 
 class Physics:
-    """A model of `ur_nodes.simulator.model` with `robots` robots, and its state. Poses are x, y, yaw: m, rad."""
+    """A model of `ur_nodes.simulator.mujoco_model` with `robots` robots, and its state. Poses are x, y, yaw: m, rad."""
 
     def __init__(self, text: str, robots: int, base: Base) -> None:
         self._model = mujoco.MjModel.from_xml_string(text)
@@ -82,11 +82,11 @@ class Physics:
         c, s = math.cos(yaw), math.sin(yaw)
         return c * vx + s * vy, c * vy - s * vx, turn
 
-    def motion(self, robot: int) -> Motion:
+    def motion(self, robot: int) -> BodyMotion:
         """Return the motion of a robot's base_footprint in three dimensions."""
         q, v = self._joints[robot]
         qpos, qvel = self._data.qpos, self._data.qvel
-        return Motion(qpos[q + 3 : q + 7].copy(), qvel[v : v + 3].copy(), qvel[v + 3 : v + 6].copy())
+        return BodyMotion(qpos[q + 3 : q + 7].copy(), qvel[v : v + 3].copy(), qvel[v + 3 : v + 6].copy())
 
     def cast(self, robot: int, noise: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
         """The ranges of a robot's lidar now; see LidarBeams.cast."""

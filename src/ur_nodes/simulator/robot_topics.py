@@ -8,7 +8,7 @@ from ur_nodes.geometry.pose import Pose3, quaternion_of_yaw
 from ur_nodes.ports.node import Node
 from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.values import Joints, Odometry, Scan, Transform, Twist
-from ur_nodes.simulator.settings import Settings
+from ur_nodes.simulator.settings import SimulatorSettings
 from ur_nodes.simulator.simulation import Simulation
 
 _EXACT = np.diag((1e-9, 1e-9, 1e-9))
@@ -19,7 +19,9 @@ _SPEED_COVARIANCE = np.diag((1e-4, 1e-6, 1e-3))
 class RobotTopics:
     """Publishers and the subscription of one robot. Topics without listeners cost nothing, latched ones aside."""
 
-    def __init__(self, node: Node, simulation: Simulation, robot: int, prefix: str, settings: Settings) -> None:
+    def __init__(
+        self, node: Node, simulation: Simulation, robot: int, prefix: str, settings: SimulatorSettings
+    ) -> None:
         """`prefix` is put before topics and frames: '' for a single robot, else 'robot_<n>/'."""
         frames, quality = settings.frames, settings.quality
         self._simulation = simulation

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Sequence
 
 from ur.robot.base import Camera
 from ur.worlds.world_file import DICTIONARIES, Fiducial
-from ur_nodes.simulator.model import Scenery
+from ur_nodes.simulator.mujoco_model import Scenery
 
 _CELL_PIXELS = 16
 

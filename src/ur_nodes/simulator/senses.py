@@ -13,7 +13,7 @@ from ur_nodes.simulator.physics import Physics
 from ur_nodes.simulator.sensors.battery import BatteryCharge
 from ur_nodes.simulator.sensors.bumpers import BumperRing
 from ur_nodes.simulator.sensors.cliffs import see_drops
-from ur_nodes.simulator.sensors.imu import InertialUnit, Reading
+from ur_nodes.simulator.sensors.imu import ImuReading, InertialUnit
 from ur_nodes.simulator.sensors.rays import Floats
 
 BATTERY_RATE = 1.0  # Hz
@@ -79,7 +79,7 @@ class Senses:
         count = len(self._base.sonars.at) if self._base.sonars else 0
         return self._physics.listen(self._robot, draw_noise(self._sonar_key, self._heard, count))
 
-    def inertia(self) -> Reading | None:
+    def inertia(self) -> ImuReading | None:
         """Return the newest reading of the inertial unit; None for a base without one."""
         return self._imu.read(draw_noise(self._imu_key, self._felt, 6)) if self._imu else None
 

@@ -6,8 +6,8 @@ from ur.robot.base import Bumpers, Cliffs
 from ur_nodes.ports.node import Node, Publisher
 from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.values import Battery, Imu, Range
-from ur_nodes.simulator.settings import Settings
-from ur_nodes.simulator.simulation import Simulation, Tick
+from ur_nodes.simulator.settings import SimulatorSettings
+from ur_nodes.simulator.simulation import Simulation, SimulationTick
 
 _ORIENTATION_VARIANCE = 1e-6  # rad^2
 
@@ -15,7 +15,9 @@ _ORIENTATION_VARIANCE = 1e-6  # rad^2
 class SensorTopics:
     """Publishers for what the base has. Topics without listeners cost nothing, latched ones aside."""
 
-    def __init__(self, node: Node, simulation: Simulation, robot: int, prefix: str, settings: Settings) -> None:
+    def __init__(
+        self, node: Node, simulation: Simulation, robot: int, prefix: str, settings: SimulatorSettings
+    ) -> None:
         """`prefix` is put before topics and frames: '' for a single robot, else 'robot_<n>/'."""
         base = simulation.base
         self._simulation = simulation
@@ -28,7 +30,7 @@ class SensorTopics:
         self._bumpers = _Switches(node, prefix, base.bumpers)
         self._cliffs = _Switches(node, prefix, base.cliffs)
 
-    def send(self, tick: Tick, stamp: int) -> None:
+    def send(self, tick: SimulationTick, stamp: int) -> None:
         """Send the readings that are due."""
         if tick.sonars and self._sonars and self._sonars.listeners():
             self._send_ranges(self._sonars, stamp)

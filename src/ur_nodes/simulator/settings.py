@@ -11,7 +11,7 @@ from ur_nodes.simulator.simulation import Simulation
 
 
 @dataclass(frozen=True, slots=True)
-class Frames:
+class FrameNames:
     """Names of frames, without a robot's prefix."""
 
     map: str
@@ -20,7 +20,7 @@ class Frames:
 
 
 @dataclass(frozen=True, slots=True)
-class Settings:
+class SimulatorSettings:
     """`speed` is simulated seconds per second, 0 as fast as possible; `step_period` what one ~step advances by, s."""
 
     speed: float
@@ -28,7 +28,7 @@ class Settings:
     clock_rate: float
     joint_rate: float
     step_period: float
-    frames: Frames
+    frames: FrameNames
 
     @property
     def quality(self) -> Quality:
@@ -36,16 +36,16 @@ class Settings:
         return Quality.LOSSLESS if self.speed == 0.0 else Quality.EVERY
 
 
-def read_settings(own: Parameters, *, simulated_clock: bool) -> Settings:
+def read_settings(own: Parameters, *, simulated_clock: bool) -> SimulatorSettings:
     """The settings; `simulated_clock`: nodes go by /clock. Raises UserError: a parameter is not what is expected."""
     speed = own.number("speed", 1.0, minimum=0.0)
-    return Settings(
+    return SimulatorSettings(
         speed=speed,
         publish_clock=own.boolean("publish_clock", simulated_clock) or speed != 1.0,
         clock_rate=own.number("clock_rate", 50.0, minimum=1.0, maximum=1000.0),
         joint_rate=own.number("joint_rate", 10.0, minimum=0.1, maximum=1000.0),
         step_period=own.number("step_period", 0.1, minimum=0.001, maximum=60.0),
-        frames=Frames(
+        frames=FrameNames(
             own.text("map_frame", "map"), own.text("odom_frame", "odom"), own.text("base_frame", "base_footprint")
         ),
     )

@@ -11,10 +11,10 @@ import numpy.typing as npt
 from ur.robot.base import Base
 from ur.source.diagnostic import UserError, error
 from ur.source.suggest import did_you_mean
-from ur.worlds.world_file import World
+from ur.worlds.world_file import WorldModel
 from ur_nodes.geometry.pose import Pose2
-from ur_nodes.simulator.drive import Drive
-from ur_nodes.simulator.model import TIME_STEP, build_model
+from ur_nodes.simulator.drive import WheelDrive
+from ur_nodes.simulator.mujoco_model import TIME_STEP, build_model
 from ur_nodes.simulator.physics import Physics
 from ur_nodes.simulator.senses import BATTERY_RATE, Senses
 from ur_nodes.simulator.sensors.odometry import EncoderOdometry
@@ -47,7 +47,7 @@ class Schedule:
 
 
 @dataclass(frozen=True, slots=True)
-class Tick:
+class SimulationTick:
     """The sensors and pictures that are due at a time (s since the start), of those that the base has."""
 
     time: float
@@ -64,7 +64,7 @@ class Simulation:
 
     def __init__(
         self,
-        world: World,
+        world: WorldModel,
         base: Base,
         *,
         robots: int = 1,
@@ -108,7 +108,7 @@ class Simulation:
         """A velocity command that arrives now: m/s, rad/s. It takes effect with the next control period."""
         self._drives[robot].command(linear, angular, self.time)
 
-    def advance(self) -> Tick:
+    def advance(self) -> SimulationTick:
         """Go on to the next moment at which something is due: a control period, or what the base publishes."""
         due = self._next_step()
         self._physics.step(due - self._step)
@@ -129,7 +129,7 @@ class Simulation:
                 senses.drain()
         if "control" in now:
             self._update_drives()
-        return Tick(self.time, **{name: name in now for name in _TOLD})
+        return SimulationTick(self.time, **{name: name in now for name in _TOLD})
 
     def take_pictures(self, rate: float) -> None:
         """Make a picture due `rate` times a second from now on; 0: never."""
@@ -194,7 +194,7 @@ class Simulation:
             robot = int(name[6:])
             blocked = self._outside(pose) or self._physics.place_robot(robot, pose)
             if not blocked:
-                self._drives[robot] = Drive(self.base, 1.0 / CONTROL_RATE)
+                self._drives[robot] = WheelDrive(self.base, 1.0 / CONTROL_RATE)
                 self._physics.set_wheel_speeds(robot, 0.0, 0.0)
                 self.senses[robot].forget_motion()
         else:
@@ -220,7 +220,7 @@ class Simulation:
         }
         self._schedules = {name: Schedule(rate) for name, rate in rates.items() if rate > 0.0}
         self.take_pictures(self._picture_rate)
-        self._drives = [Drive(base, 1.0 / CONTROL_RATE) for _ in range(self.robots)]
+        self._drives = [WheelDrive(base, 1.0 / CONTROL_RATE) for _ in range(self.robots)]
         seeds = np.random.SeedSequence(self._seed).spawn(3 * self.robots)
         randoms = [np.random.Generator(np.random.PCG64(seed)) for seed in seeds[: 2 * self.robots]]
         self._odometry: list[EncoderOdometry] = [EncoderOdometry(base, random) for random in randoms[::2]]

@@ -6,11 +6,11 @@ import sys
 
 from ur.robot.base import Base, load_base
 from ur.source.project import launch_library
-from ur.worlds.world_file import World, read_world
+from ur.worlds.world_file import WorldModel, read_world
 from ur_nodes.ports.node import Node
 from ur_nodes.ports.parameters import Parameters
 from ur_nodes.run import run
-from ur_nodes.simulator.camera.camera_topics import CameraTopics
+from ur_nodes.simulator.camera.camera_topics import SimulatedCameraTopics
 from ur_nodes.simulator.operation import Operation
 from ur_nodes.simulator.settings import list_prefixes, read_camera, read_settings
 from ur_nodes.simulator.simulation import Simulation
@@ -29,11 +29,13 @@ def start(node: Node) -> None:
     if base.raspicam:
         wanted, jpeg_quality = read_camera(own, base.raspicam)
         prefixes = list_prefixes(simulation)
-        camera = CameraTopics(node, world, base, wanted, prefixes, wait=settings.speed == 0.0, quality=jpeg_quality)
+        camera = SimulatedCameraTopics(
+            node, world, base, wanted, prefixes, wait=settings.speed == 0.0, quality=jpeg_quality
+        )
     Operation(node, simulation, settings, camera).begin()
 
 
-def make_simulation(own: Parameters, world: World, base: Base) -> Simulation:
+def make_simulation(own: Parameters, world: WorldModel, base: Base) -> Simulation:
     """The simulation that parameters ask for. Raises UserError: a robot would begin in a wall."""
     x, y, yaw = world.start
     return Simulation(

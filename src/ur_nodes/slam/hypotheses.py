@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.slam.pose_graph.edge import Edge
-from ur_nodes.slam.relocation import WORSE, Fit, Verdict, is_same_place
+from ur_nodes.slam.relocation import WORSE, Fit, PlaceVerdict, is_same_place
 
 _WEAK = 0.5  # of a keyframe: a fit that would need a second one, where the robot may be off the map
 _LEAD = 2  # scans by which a place must be ahead of the others
@@ -51,7 +51,7 @@ class Hypotheses:
         self._count = 0  # of keyframes
 
     def add(
-        self, number: int, pose: Pose2, fits: Sequence[Fit], check: Callable[[Pose2], Verdict] | None = None
+        self, number: int, pose: Pose2, fits: Sequence[Fit], check: Callable[[Pose2], PlaceVerdict] | None = None
     ) -> None:
         """Take the fits of keyframe `number`, which has `pose` in the frame of the other keyframes.
 
@@ -85,7 +85,7 @@ class Hypotheses:
         self._all.append(Hypothesis(fit.pose.compose(pose.inverse()), ((number, fit),)))
         return len(self._all) - 1
 
-    def _check(self, index: int, number: int, pose: Pose2, check: Callable[[Pose2], Verdict], best: float) -> None:
+    def _check(self, index: int, number: int, pose: Pose2, check: Callable[[Pose2], PlaceVerdict], best: float) -> None:
         """Hold a keyframe against a place that its fits, with an agreement of `best` at most, do not name."""
         known = self._all[index]
         expected = known.place.compose(pose)

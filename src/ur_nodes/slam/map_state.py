@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from ur_nodes.geometry.pose import Pose2
-from ur_nodes.slam.matching.scan import Scan
+from ur_nodes.slam.matching.scan import MapScan
 from ur_nodes.slam.pose_graph.edge import Edge
 
 
@@ -19,5 +19,5 @@ class MapState:
 
     poses: Sequence[Pose2]
     edges: Sequence[Edge]
-    scans: Sequence[Scan]
+    scans: Sequence[MapScan]
     drives: Sequence[int] = ()

@@ -13,8 +13,8 @@ from ur_nodes.slam.matching.contradiction import contradiction
 from ur_nodes.slam.matching.covariance import LEAST_NOISE, position_deviation, rotate_covariance
 from ur_nodes.slam.matching.local_map import LocalMap
 from ur_nodes.slam.matching.locate import POOR, locate_surface
-from ur_nodes.slam.matching.match import Match
-from ur_nodes.slam.matching.scan import Scan
+from ur_nodes.slam.matching.match import ScanMatch
+from ur_nodes.slam.matching.scan import MapScan
 from ur_nodes.slam.matching.surface import Floats
 from ur_nodes.slam.pose_graph.edge import Edge
 from ur_nodes.slam.pose_graph.graph import PoseGraph
@@ -25,8 +25,7 @@ from ur_nodes.slam.prediction import UNKNOWN_MOTION, MotionPredictor
 
 _PAIRS_AT_REST = 2  # of neighbouring keyframes that are matched instead of a scan at rest
 _ORIGIN = Pose2(0.0, 0.0, 0.0)
-# The local map
-_RADIUS = 5.0  # m: keyframes within are part of it,
+_RADIUS = 5.0  # m: keyframes within are part of the local map,
 _MOST_UNCERTAIN = 0.05  # m: as long as their place relative to the reference is so certain
 _MEMBERS = 9  # keyframes at most
 # A match
@@ -50,7 +49,7 @@ class MapperSettings:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Estimate:
+class MapEstimate:
     """The robot's pose on the map after a scan, with its covariance (3, 3) relative to the map round it.
 
     `agreement` (0..1) is the share of the scan that lies on the map; `located`: whether it was enough. `contradicted`:
@@ -83,7 +82,7 @@ class _Leg:
     noise: Floats = field(default_factory=lambda: np.zeros((3, 3)))
 
 
-class Mapper:
+class ScanMapper:
     """Builds a map from scans that come one after the other. The same scans give the same map."""
 
     def __init__(self, settings: MapperSettings | None = None, *, cautious: bool = False, first: int = 0) -> None:
@@ -91,7 +90,7 @@ class Mapper:
         self._cautious = cautious
         self._settings = settings or MapperSettings()
         self._graph = PoseGraph()
-        self.scans: list[Scan] = []  # of the keyframes
+        self.scans: list[MapScan] = []  # of the keyframes
         self._trail = Trail()
         self._count = first  # of scans
         self._predictor = MotionPredictor()
@@ -101,7 +100,7 @@ class Mapper:
         self._drive_start = 0  # the first keyframe of this drive
         self._leg = _Leg()
         self._relative = _ORIGIN  # pose at the last scan, relative to the leg's reference
-        self._estimate: Estimate | None = None
+        self._estimate: MapEstimate | None = None
 
     @property
     def keyframes(self) -> list[Pose2]:
@@ -122,7 +121,7 @@ class Mapper:
         """The pose at every scan so far, by its number, as is known now."""
         return self._trail.path(self._graph.poses)
 
-    def restore(self, poses: Sequence[Pose2], edges: Sequence[Edge], scans: Sequence[Scan]) -> None:
+    def restore(self, poses: Sequence[Pose2], edges: Sequence[Edge], scans: Sequence[MapScan]) -> None:
         """Begin with the keyframes of a map that was made before, at least one; `join` must follow."""
         for pose in poses:
             self._graph.add_pose(pose)
@@ -131,7 +130,7 @@ class Mapper:
         self.scans += scans
         self._drive_start = len(self.scans)
 
-    def join(self, other: Mapper, place: Pose2, links: Sequence[Edge]) -> Estimate:
+    def join(self, other: ScanMapper, place: Pose2, links: Sequence[Edge]) -> MapEstimate:
         """Take over the keyframes of another mapper, whose frame lies at `place` on this map, and go on from its pose.
 
         `links`, at least one, are edges from keyframes of this map to keyframes of the other one, by its numbers.
@@ -158,10 +157,10 @@ class Mapper:
         self._loops.restart()
         self._loops.loops += len(links)
         last = other._estimate
-        self._estimate = Estimate(self._pose(), last.covariance, last.agreement, located=True)
+        self._estimate = MapEstimate(self._pose(), last.covariance, last.agreement, located=True)
         return self._estimate
 
-    def add_scan(self, scan: Scan, odometry: Pose2 | None = None, heading: float | None = None) -> Estimate:
+    def add_scan(self, scan: MapScan, odometry: Pose2 | None = None, heading: float | None = None) -> MapEstimate:
         """Take the next scan, with the pose of the robot in the frame of its odometry if there is any.
 
         `heading` (rad, from any begin) counts instead of that of the odometry where two scans in a row have one.
@@ -190,7 +189,7 @@ class Mapper:
             self._add_keyframe(scan, pose, match.covariance, odometry, located)
         certain = match.agreement >= POOR and not contradicted and position_deviation(match.covariance) < _CERTAIN
         return self._remember(
-            Estimate(
+            MapEstimate(
                 self._pose(),
                 match.covariance,
                 match.agreement,
@@ -201,18 +200,18 @@ class Mapper:
             )
         )
 
-    def _begin(self, scan: Scan, odometry: Pose2 | None, heading: float | None) -> Estimate:
+    def _begin(self, scan: MapScan, odometry: Pose2 | None, heading: float | None) -> MapEstimate:
         self._graph.add_pose(_ORIGIN)
         self.scans.append(scan)
         self._leg = _Leg(odometry=odometry)
         self._predictor.add(odometry, heading)
         self._changed = True
-        return self._remember(Estimate(_ORIGIN, LEAST_NOISE, 1.0, located=True))
+        return self._remember(MapEstimate(_ORIGIN, LEAST_NOISE, 1.0, located=True))
 
     def _pose(self) -> Pose2:
         return self._graph.poses[self._leg.reference].compose(self._relative)
 
-    def _remember(self, estimate: Estimate) -> Estimate:
+    def _remember(self, estimate: MapEstimate) -> MapEstimate:
         self._trail.add(self._count, self._leg.reference, self._relative)
         self._count += 1
         self._estimate = estimate
@@ -220,7 +219,7 @@ class Mapper:
 
     # -- the pose on the map round the robot -----------------------------------------------------------------------
 
-    def _is_contradicted(self, scan: Scan, match: Match) -> bool:
+    def _is_contradicted(self, scan: MapScan, match: ScanMatch) -> bool:
         """Tell whether a scan was taken elsewhere; once one was, the next must clearly lie on the map."""
         last = self._estimate
         if match.agreement >= (POOR if last and last.contradicted else _CONTRADICTED[0]):
@@ -251,7 +250,7 @@ class Mapper:
         far = math.hypot(moved.x, moved.y) >= self._settings.distance
         return far or abs(wrap_angle(moved.yaw)) >= self._settings.turn
 
-    def _return_to_keyframe(self, scan: Scan, match: Match, odometry: Pose2 | None) -> bool:
+    def _return_to_keyframe(self, scan: MapScan, match: ScanMatch, odometry: Pose2 | None) -> bool:
         """Go on from an old keyframe of this drive where there is one near by; False: a new one is needed.
 
         So a map grows with the floor that was seen, not with the distance driven.
@@ -282,7 +281,9 @@ class Mapper:
         self._leg, self._relative = leg, leg.start
         self._changed = True
 
-    def _add_keyframe(self, scan: Scan, pose: Pose2, covariance: Floats, odometry: Pose2 | None, located: bool) -> None:
+    def _add_keyframe(
+        self, scan: MapScan, pose: Pose2, covariance: Floats, odometry: Pose2 | None, located: bool
+    ) -> None:
         """Add a scan at `pose` as a keyframe, and an edge from the reference: by the match and by odometry."""
         leg = self._leg
         relative = self._graph.poses[leg.reference].inverse().compose(pose)

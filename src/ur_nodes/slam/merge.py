@@ -20,7 +20,7 @@ from ur_nodes.slam.occupancy import OccupancyMap
 from ur_nodes.slam.pose_graph.edge import Edge
 from ur_nodes.slam.pose_graph.graph import PoseGraph
 from ur_nodes.slam.pose_graph.loop_closer import Confirmation
-from ur_nodes.slam.pose_graph.loops import Group, Link, find_groups, verify_group
+from ur_nodes.slam.pose_graph.loops import KeyframeGroup, PoseLink, find_groups, verify_group
 from ur_nodes.slam.relocation import WholeMap
 
 _TRIALS = 60  # scans of the second map that are searched for on the first one, at most
@@ -159,7 +159,7 @@ class _Merger:
             against += int(np.sum(on_floor & ~near_wall))
         return against / max(1, known)
 
-    def _groups(self, number: int) -> list[Group]:
+    def _groups(self, number: int) -> list[KeyframeGroup]:
         """Places of the first map that a scan of the second one may show."""
         spread = self._graph.spread_from(number, _LONGEST)
         return find_groups(self._graph.poses, number, spread, self._count)
@@ -168,7 +168,7 @@ class _Merger:
         a, b = self._graph.poses[one], self._graph.poses[other]
         return math.hypot(a.x - b.x, a.y - b.y)
 
-    def _tie(self, link: Link) -> None:
+    def _tie(self, link: PoseLink) -> None:
         """Add a link, with those that waited for it; one that is not sure waits until another one agrees with it."""
         links = self._confirmation.confirm(link, self._graph.poses)
         for each in links:

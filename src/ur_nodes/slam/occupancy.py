@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from ur_nodes.geometry.grid import FREE, OCCUPIED, UNKNOWN, Grid
 from ur_nodes.geometry.pose import Pose2, wrap_angle
-from ur_nodes.slam.matching.scan import Scan
+from ur_nodes.slam.matching.scan import MapScan
 from ur_nodes.slam.matching.surface import Floats
 from ur_nodes.slam.wall_points import wall_points
 
@@ -37,7 +37,7 @@ class OccupancyMap:
         self._corner = np.zeros(2, np.intp)  # column and row, in cells from the origin of the map, of the arrays' first
         self._hits = np.zeros((0, 0), np.int32)
         self._passes = np.zeros((0, 0), np.int32)
-        self._drawn: list[tuple[Pose2, int, Scan]] = []  # pose, weight and scan of each keyframe
+        self._drawn: list[tuple[Pose2, int, MapScan]] = []  # pose, weight and scan of each keyframe
 
     def include(self, low: tuple[float, float], high: tuple[float, float]) -> None:
         """Let the map reach at least from one corner to the other, m."""
@@ -45,7 +45,7 @@ class OccupancyMap:
         self._grow(corners[0], corners[1])
 
     def update(
-        self, poses: Sequence[Pose2], scans: Sequence[Scan], drives: Sequence[int] = (), most: int | None = None
+        self, poses: Sequence[Pose2], scans: Sequence[MapScan], drives: Sequence[int] = (), most: int | None = None
     ) -> bool:
         """Draw new keyframes, and again those that have moved or whose scan was replaced; at most so many.
 
@@ -79,14 +79,14 @@ class OccupancyMap:
         low = self._corner * self._resolution
         return Grid(values, self._resolution, Pose2(float(low[0]), float(low[1]), 0.0))
 
-    def _is_current(self, drawn: tuple[Pose2, int, Scan], after: Pose2, weight: int, scan: Scan) -> bool:
+    def _is_current(self, drawn: tuple[Pose2, int, MapScan], after: Pose2, weight: int, scan: MapScan) -> bool:
         before = drawn[0]
         if drawn[1] != weight or drawn[2] is not scan:
             return False
         shift = math.hypot(after.x - before.x, after.y - before.y)
         return shift <= 0.2 * self._resolution and abs(wrap_angle(after.yaw - before.yaw)) <= 0.05 * self._resolution
 
-    def _draw(self, pose: Pose2, scan: Scan, times: int) -> None:
+    def _draw(self, pose: Pose2, scan: MapScan, times: int) -> None:
         origin = _placed(pose, scan.origin[None])[0]
         hits = _placed(pose, scan.hits.astype(np.float64))
         misses = _placed(pose, scan.misses.astype(np.float64))

@@ -14,7 +14,7 @@ from ur_nodes.slam.matching.correlative import Pyramid, Window, search, search_p
 from ur_nodes.slam.matching.covariance import position_deviation, rotate_covariance
 from ur_nodes.slam.matching.local_map import LocalMap
 from ur_nodes.slam.matching.match import match_surface
-from ur_nodes.slam.matching.scan import Scan
+from ur_nodes.slam.matching.scan import MapScan
 from ur_nodes.slam.matching.surface import Floats, join
 from ur_nodes.slam.pose_graph.views import select_views
 
@@ -50,20 +50,20 @@ class Fit:
 
 
 @dataclass(frozen=True, slots=True)
-class Verdict:
+class PlaceVerdict:
     """A scan against one place: its `fit` there, None where that is not clear; `refuted`: it was not taken there."""
 
     fit: Fit | None
     refuted: bool
 
 
-_UNCLEAR = Verdict(None, refuted=False)
+_UNCLEAR = PlaceVerdict(None, refuted=False)
 
 
 class WholeMap:
     """The keyframes of a map, to be searched for the place of a scan."""
 
-    def __init__(self, poses: Sequence[Pose2], scans: Sequence[Scan]) -> None:
+    def __init__(self, poses: Sequence[Pose2], scans: Sequence[MapScan]) -> None:
         """At least one keyframe that has seen something."""
         self._poses, self._scans = list(poses), list(scans)
         self._places = np.array(self._poses)
@@ -75,7 +75,7 @@ class WholeMap:
         self._centre = Pose2(float(middle[0]), float(middle[1]), 0.0)
         self._window = Window(float((high - low).max()) * 0.5 + _ROUND / 2.0, math.pi)
 
-    def find(self, scan: Scan) -> list[Fit]:
+    def find(self, scan: MapScan) -> list[Fit]:
         """Return the places where a scan fits about as well as at the best one, that first.
 
         Rooms with right angles agree with each other in two thirds of a scan and more, so that every place fits a
@@ -93,13 +93,13 @@ class WholeMap:
         fits.sort(key=lambda fit: -fit.agreement)
         return [fit for fit in fits if fit.agreement >= fits[0].agreement - WORSE]
 
-    def check(self, scan: Scan, guess: Pose2) -> Verdict:
+    def check(self, scan: MapScan, guess: Pose2) -> PlaceVerdict:
         """Hold a scan against the map at one place; off the map, nothing is refuted."""
         if len(scan.surface) < _LEAST_POINTS:
             return _UNCLEAR
         return self._verify(scan, scan.surface.sample(_POINTS), guess)
 
-    def _verify(self, scan: Scan, points: Floats, guess: Pose2) -> Verdict:
+    def _verify(self, scan: MapScan, points: Floats, guess: Pose2) -> PlaceVerdict:
         members = self._members(guess)
         if not members:
             return _UNCLEAR
@@ -109,7 +109,7 @@ class WholeMap:
         against = contradiction(target.surface, scan, match.pose)
         uncertain = position_deviation(match.covariance) > _CERTAIN
         if found is None or uncertain or match.agreement < _FITS[0] or against > _FITS[1]:
-            return Verdict(None, match.agreement < _REFUTED[0] and against > _REFUTED[1])
+            return PlaceVerdict(None, match.agreement < _REFUTED[0] and against > _REFUTED[1])
         anchor = members[0]
         fit = Fit(
             match.pose,
@@ -119,7 +119,7 @@ class WholeMap:
             match.agreement,
             alone=match.agreement >= _FITS_ALONE[0] and against <= _FITS_ALONE[1],
         )
-        return Verdict(fit, refuted=False)
+        return PlaceVerdict(fit, refuted=False)
 
     def _members(self, here: Pose2) -> list[int]:
         """Choose keyframes near a pose of which no two show the same, the nearest first."""

@@ -13,10 +13,10 @@ from ur_nodes.ports.transforms import seconds_of
 from ur_nodes.ports.values import Imu, Number, Scan, Transform
 from ur_nodes.run import run
 from ur_nodes.slam.gmapping.lidars import Lidars
-from ur_nodes.slam.gmapping.map_output import SCANS, MapOutput
-from ur_nodes.slam.gmapping.reports import Reports
+from ur_nodes.slam.gmapping.map_output import SCANS, GridMapOutput
+from ur_nodes.slam.gmapping.reports import SlamReports
 from ur_nodes.slam.gmapping.settings import read_settings
-from ur_nodes.slam.gmapping.slam import Slam, Step, entropy
+from ur_nodes.slam.gmapping.slam import Slam, SlamStep, entropy
 from ur_nodes.slam.gyro import Headings
 from ur_nodes.slam.storage.map_storage import MapStorage, read_storage_settings
 
@@ -33,10 +33,10 @@ class SlamGmappingNode:
         self._correction: Pose2 | None = None
         self._child = settings.odom_frame or settings.base_frame
         self._entropy = node.publish("~entropy", Number, Quality.LATCHED)
-        self._output = MapOutput(node, settings, self._slam)
+        self._output = GridMapOutput(node, settings, self._slam)
         if storage := MapStorage(node, stored, self._output) if stored else None:
             storage.begin(self._slam)
-        self._reports = Reports(node, self._output.describe, lost=bool(storage and storage.continues))
+        self._reports = SlamReports(node, self._output.describe, lost=bool(storage and storage.continues))
         node.transforms.ignore((self._child,))
         self._feed = ScanFeed(node, settings.odom_frame, settings.base_frame, self._use_scan, settings.throttle_scans)
         self._lidars = Lidars(node, self._feed, settings.other_scans)
@@ -51,7 +51,7 @@ class SlamGmappingNode:
             heading = self._headings.at(seconds_of(scan.stamp), odometry) if odometry else None
             self._node.work(lambda: self._slam.step(readings, odometry, heading), self._take_step, SCANS)
 
-    def _take_step(self, step: Step) -> None:
+    def _take_step(self, step: SlamStep) -> None:
         self._correction = step.correction
         self._reports.take(step)
         if step.odometry:

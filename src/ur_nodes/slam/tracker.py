@@ -12,8 +12,8 @@ import numpy as np
 
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.slam.hypotheses import Hypotheses
-from ur_nodes.slam.mapper import Estimate, Mapper, MapperSettings
-from ur_nodes.slam.matching.scan import Scan
+from ur_nodes.slam.mapper import MapEstimate, MapperSettings, ScanMapper
+from ur_nodes.slam.matching.scan import MapScan
 from ur_nodes.slam.pose_graph.edge import Edge, find_drives
 from ur_nodes.slam.relocation import WholeMap
 
@@ -22,13 +22,13 @@ _MOST_APART = 500  # keyframes of the small map that are looked for
 _UNKNOWN = np.diag(np.square((10.0, 10.0, 2.0)))  # the covariance of a pose that is not known
 
 
-class Tracker:
-    """Builds a map from scans as `Mapper` does, and finds the robot on it again when it was carried elsewhere."""
+class MapTracker:
+    """Builds a map from scans as `ScanMapper` does, and finds the robot on it again when it was carried elsewhere."""
 
     def __init__(self, settings: MapperSettings | None = None) -> None:
         self._settings = settings
-        self._mapper = Mapper(settings, cautious=True)
-        self._apart: Mapper | None = None  # its map begins with the first scan in doubt
+        self._mapper = ScanMapper(settings, cautious=True)
+        self._apart: ScanMapper | None = None  # its map begins with the first scan in doubt
         self._doubts = 0  # of the mapper in charge
         self._whole: WholeMap | None = None  # while lost
         self._on_map = False  # at the start on a map that was made before
@@ -43,7 +43,7 @@ class Tracker:
         return self._mapper.keyframes
 
     @property
-    def scans(self) -> list[Scan]:
+    def scans(self) -> list[MapScan]:
         """The scans of all keyframes of the map."""
         return self._mapper.scans
 
@@ -77,14 +77,14 @@ class Tracker:
         newest = self._apart.keyframes[self._searched - 1]
         return [each.place.compose(newest) for each in self._hypotheses.rivals()]
 
-    def restore(self, poses: Sequence[Pose2], edges: Sequence[Edge], scans: Sequence[Scan]) -> None:
+    def restore(self, poses: Sequence[Pose2], edges: Sequence[Edge], scans: Sequence[MapScan]) -> None:
         """Begin with a map that was made before, at least one keyframe, at a place that is not known."""
         self._mapper.restore(poses, edges, scans)
         self._on_map = True
         self._begin_search()
 
-    def add_scan(self, scan: Scan, odometry: Pose2 | None = None, heading: float | None = None) -> Estimate:
-        """Take the next scan as `Mapper.add_scan` does. While `lost`, the estimate is not located."""
+    def add_scan(self, scan: MapScan, odometry: Pose2 | None = None, heading: float | None = None) -> MapEstimate:
+        """Take the next scan as `ScanMapper.add_scan` does. While `lost`, the estimate is not located."""
         self._count += 1
         if self.lost:
             return self._search(scan, odometry, heading)
@@ -106,15 +106,17 @@ class Tracker:
         self._whole = WholeMap(self._mapper.keyframes, self._mapper.scans)
         self._forget_hypotheses()
 
-    def _map_apart(self, scan: Scan, odometry: Pose2 | None, heading: float | None) -> tuple[Mapper, Estimate]:
+    def _map_apart(
+        self, scan: MapScan, odometry: Pose2 | None, heading: float | None
+    ) -> tuple[ScanMapper, MapEstimate]:
         """Add a scan to the small map, which begins with it where there is none."""
-        self._apart = self._apart or Mapper(self._settings, first=self._count - 1)
+        self._apart = self._apart or ScanMapper(self._settings, first=self._count - 1)
         return self._apart, self._apart.add_scan(scan, odometry, heading)
 
     def _forget_hypotheses(self) -> None:
         self._hypotheses, self._searched = Hypotheses(on_map=self._on_map, expected=self._expected), 0
 
-    def _search(self, scan: Scan, odometry: Pose2 | None, heading: float | None) -> Estimate:
+    def _search(self, scan: MapScan, odometry: Pose2 | None, heading: float | None) -> MapEstimate:
         assert self._whole is not None
         apart, estimate = self._map_apart(scan, odometry, heading)
         if not estimate.still:
@@ -141,5 +143,5 @@ class Tracker:
         self._forget_hypotheses()
         return found
 
-    def _unknown(self) -> Estimate:
-        return Estimate(self._mapper.keyframes[-1], _UNKNOWN, 0.0, located=False)
+    def _unknown(self) -> MapEstimate:
+        return MapEstimate(self._mapper.keyframes[-1], _UNKNOWN, 0.0, located=False)

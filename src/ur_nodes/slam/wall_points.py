@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ur_nodes.slam.matching.scan import Scan
+from ur_nodes.slam.matching.scan import MapScan
 from ur_nodes.slam.matching.surface import Floats
 
 _WINDOW = 4  # beams to either side whose ends are averaged
@@ -13,7 +13,7 @@ _REACH = 0.15  # m: as far as these may lie from the middle one
 _STEP = 0.04  # m: ends farther off the surface belong to another one
 
 
-def wall_points(scan: Scan, depth: float) -> Floats:
+def wall_points(scan: MapScan, depth: float) -> Floats:
     """Return a point (n, 2) in the wall for each hit of a scan, `depth` m behind its surface, in the robot's frame.
 
     With half a cell as the depth, the nearer edges of the cells that hold these points lie on the surface on average.

@@ -43,7 +43,7 @@ def camera_model(calibration: Calibration) -> CameraModel | None:
 
 
 @dataclass(frozen=True, slots=True)
-class Candidate:
+class CandidatePose:
     """A pose of a fiducial (4, 4) in the camera's frame that explains its corners.
 
     `error` is the rms distance in pixels between corners seen and expected. `covariance` (6, 6) is that of a small
@@ -66,7 +66,7 @@ class Detection:
     id: int
     corners: Floats
     size: float
-    candidates: tuple[Candidate, ...]
+    candidates: tuple[CandidatePose, ...]
 
     @property
     def area(self) -> float:
@@ -118,7 +118,7 @@ def corner_points(size: float) -> Floats:
     return np.array([[-half, half, 0.0], [half, half, 0.0], [half, -half, 0.0], [-half, -half, 0.0]])
 
 
-def estimate_poses(corners: Floats, size: float, camera: CameraModel) -> tuple[Candidate, ...]:
+def estimate_poses(corners: Floats, size: float, camera: CameraModel) -> tuple[CandidatePose, ...]:
     """The possible poses of a square from its corners (4, 2), the better one first.
 
     Collins and Bartoli, Infinitesimal Plane-Based Pose Estimation (2014), gives both; each is then refined.
@@ -135,7 +135,7 @@ def estimate_poses(corners: Floats, size: float, camera: CameraModel) -> tuple[C
         if pose[2, 3] > 0.0:
             expected = cv2.projectPoints(points, refined_turn, refined_shift, matrix, distortion)[0].reshape(4, 2)
             error = float(np.sqrt(np.mean(np.sum((expected - corners) ** 2, axis=1))))
-            found.append(Candidate(pose, error, pose_covariance(pose, size, camera)))
+            found.append(CandidatePose(pose, error, pose_covariance(pose, size, camera)))
     return tuple(sorted(found, key=lambda each: each.error))
 
 

@@ -15,7 +15,7 @@ from ur_nodes.vision.pixels import draw_fiducials, pack_picture, read_pixels
 
 
 @dataclass(frozen=True, slots=True)
-class Request:
+class DetectionRequest:
     """A picture, the camera where poses are wanted and it is calibrated, and which drawings have subscribers."""
 
     picture: Picture | PackedPicture
@@ -25,7 +25,7 @@ class Request:
 
 
 @dataclass(frozen=True, slots=True)
-class Answer:
+class DetectionAnswer:
     """The fiducials of a picture; None: nobody asked, or the camera is not calibrated."""
 
     seen: SeenFiducials
@@ -43,7 +43,7 @@ class Answer:
         )
 
 
-def answer_request(detector: Detector, request: Request) -> Answer | BadPictureError:
+def answer_request(detector: Detector, request: DetectionRequest) -> DetectionAnswer | BadPictureError:
     """Find the fiducials of a picture, or the reason why it is none."""
     picture, camera = request.picture, request.camera
     drawn = request.draw or request.pack
@@ -59,9 +59,9 @@ def answer_request(detector: Detector, request: Request) -> Answer | BadPictureE
         poses = tuple(_place(each) for each in found if each.candidates)
         placed = PlacedFiducials(*head, picture.sequence, poses)
     if not drawn:
-        return Answer(seen, placed)
+        return DetectionAnswer(seen, placed)
     canvas = draw_fiducials(pixels, found, camera)
-    return Answer(
+    return DetectionAnswer(
         seen,
         placed,
         make_picture(canvas, *head) if request.draw else None,

@@ -12,7 +12,7 @@ from ur_nodes.ports.node import Node
 from ur_nodes.ports.values import Calibration, PackedPicture, Picture
 from ur_nodes.run import run
 from ur_nodes.vision.detect import CameraModel, Detector, camera_model
-from ur_nodes.vision.fiducial_detect import Answer, Request, answer_request
+from ur_nodes.vision.fiducial_detect import DetectionAnswer, DetectionRequest, answer_request
 from ur_nodes.vision.fiducial_parameters import read_detect_settings
 
 
@@ -46,7 +46,7 @@ class FiducialDetect:
     def _take(self, picture: Picture | PackedPicture) -> None:
         draw = self._settings.draw
         self._work.ask(
-            Request(
+            DetectionRequest(
                 picture,
                 self._camera if self._settings.estimate else None,
                 draw and bool(self._images.listeners()),
@@ -54,7 +54,7 @@ class FiducialDetect:
             )
         )
 
-    def _send(self, _request: Request, answer: Answer | BadPictureError) -> None:
+    def _send(self, _request: DetectionRequest, answer: DetectionAnswer | BadPictureError) -> None:
         if isinstance(answer, BadPictureError):
             self._node.log.warn(str(answer), every=10.0)
             return

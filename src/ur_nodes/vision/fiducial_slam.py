@@ -14,8 +14,8 @@ from ur_nodes.geometry.rigid import Floats, from_pose
 from ur_nodes.ports.fiducials import FiducialCorners, SeenFiducials
 from ur_nodes.ports.values import PoseEstimate
 from ur_nodes.vision.detect import CameraModel, Sizes, estimate_poses
-from ur_nodes.vision.estimation.localise import Localiser
-from ur_nodes.vision.estimation.mapping import Mapper
+from ur_nodes.vision.estimation.localise import FiducialLocaliser
+from ur_nodes.vision.estimation.mapping import FiducialMapper
 from ur_nodes.vision.estimation.observation import Observation, make_observation
 from ur_nodes.vision.estimation.search import without_twins
 from ur_nodes.vision.fiducial_map import MapEntry
@@ -36,7 +36,7 @@ class Moment:
 
 
 @dataclass(frozen=True, slots=True)
-class Step:
+class FiducialStep:
     """The pose of the frame of odometry in the map (None: not known), and lines for the log.
 
     `estimate` is the robot's pose, where the picture was of use.
@@ -52,7 +52,11 @@ class FiducialSlam:
     """Takes one moment after the other. The same ones give the same map."""
 
     def __init__(
-        self, map_frame: str, sizes: Sizes, estimator: Mapper | Localiser, known: tuple[MapEntry, ...] = ()
+        self,
+        map_frame: str,
+        sizes: Sizes,
+        estimator: FiducialMapper | FiducialLocaliser,
+        known: tuple[MapEntry, ...] = (),
     ) -> None:
         """`known` is the map of a Localiser."""
         self._frame, self._sizes = map_frame, sizes
@@ -60,7 +64,7 @@ class FiducialSlam:
         self._wrong: Counter[int] = Counter()
         self._changes = self._saved = 0
 
-    def step(self, moment: Moment) -> Step:
+    def step(self, moment: Moment) -> FiducialStep:
         """Take what is seen at a moment."""
         estimator, odometry = self._estimator, moment.odometry
         mount = from_pose(moment.mount)
@@ -76,41 +80,41 @@ class FiducialSlam:
                 "is not where the map has it, expected it there: it was moved, or hangs twice; it is overlooked",
             ),
         ]
-        self._changes += changed and isinstance(estimator, Mapper)
+        self._changes += changed and isinstance(estimator, FiducialMapper)
         if robot is None:
             if known_before:
                 warnings.append("lost: what is seen does not fit, or nothing was seen for long; looking for the robot")
-            return Step(None, warnings=tuple(warnings))
+            return FiducialStep(None, warnings=tuple(warnings))
         place = f"the robot is at {robot.x:.2f} {robot.y:.2f}, {math.degrees(robot.yaw):.0f} degrees"
         estimate = PoseEstimate(moment.seen.stamp, self._frame, robot, self._covariance(robot)) if changed else None
-        return Step(robot.compose(odometry.inverse()), estimate, "" if known_before else place, tuple(warnings))
+        return FiducialStep(robot.compose(odometry.inverse()), estimate, "" if known_before else place, tuple(warnings))
 
     def place(self, pose: Pose2) -> None:
         """Set the robot's pose, on a map that is only read."""
-        assert isinstance(self._estimator, Localiser)
+        assert isinstance(self._estimator, FiducialLocaliser)
         self._estimator.place(pose)
 
     def forget(self) -> None:
         """Find the robot anew, wherever it is, on a map that is only read."""
-        assert isinstance(self._estimator, Localiser)
+        assert isinstance(self._estimator, FiducialLocaliser)
         self._estimator.forget()
 
     def clear(self) -> None:
         """Forget the map that is being built; the robot's pose stays."""
-        assert isinstance(self._estimator, Mapper)
-        self._estimator = Mapper(start=self._estimator.last or Pose2(0.0, 0.0, 0.0))
+        assert isinstance(self._estimator, FiducialMapper)
+        self._estimator = FiducialMapper(start=self._estimator.last or Pose2(0.0, 0.0, 0.0))
         self._changes += 1
 
     def poses(self) -> dict[int, Floats]:
         """The poses (4, 4) of the fiducials in the map, by number."""
-        if isinstance(self._estimator, Mapper):
+        if isinstance(self._estimator, FiducialMapper):
             return self._estimator.fiducials
         return {entry.id: entry.pose for entry in self._known}
 
     def entries(self) -> tuple[MapEntry, ...]:
         """The map as it is to be saved; one that is built is refined."""
         self._saved = self._changes
-        if isinstance(self._estimator, Localiser):
+        if isinstance(self._estimator, FiducialLocaliser):
             return self._known
         self._estimator.refine()
         return self._estimator.entries()
@@ -133,7 +137,7 @@ class FiducialSlam:
 
     def _covariance(self, robot: Pose2) -> Floats:
         """The covariance (3, 3) of x, y and yaw along the axes of the map."""
-        if isinstance(self._estimator, Localiser):
+        if isinstance(self._estimator, FiducialLocaliser):
             planar = self._estimator.covariance
         else:
             planar = self._estimator.covariance()[np.ix_(_PLANAR, _PLANAR)]

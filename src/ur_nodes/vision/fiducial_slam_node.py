@@ -16,9 +16,9 @@ from ur_nodes.run import run
 from ur_nodes.vision.detect import CameraModel, camera_model
 from ur_nodes.vision.fiducial_parameters import read_sizes
 from ur_nodes.vision.fiducial_slam import Moment
-from ur_nodes.vision.map_output import MapOutput
+from ur_nodes.vision.map_output import FiducialMapOutput
 from ur_nodes.vision.pose_output import PoseOutput
-from ur_nodes.vision.requests import MAP, Requests
+from ur_nodes.vision.requests import MAP, FiducialMapRequests
 from ur_nodes.vision.slam_settings import make_slam, read_slam_settings
 
 _FARTHEST = 1e6  # m of an odometry that may be right
@@ -40,8 +40,8 @@ class FiducialSlamNode:
         node.transforms.watch(self._try)
         node.subscribe("camera_info", Calibration, self._take_calibration)
         node.subscribe("fiducial_vertices", SeenFiducials, self._take)
-        Requests(node, settings, slam, output.forget)
-        MapOutput(node, settings, sizes, slam)
+        FiducialMapRequests(node, settings, slam, output.forget)
+        FiducialMapOutput(node, settings, sizes, slam)
 
     def _take_calibration(self, calibration: Calibration) -> None:
         self._camera = camera_model(calibration)

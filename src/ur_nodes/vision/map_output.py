@@ -23,7 +23,7 @@ _SAVE_EVERY = 10.0  # s between maps that are written
 _END_LIMIT = 10.0  # s: a large map takes long to refine
 
 
-class MapOutput:
+class FiducialMapOutput:
     """Publishes the map while it has subscribers, and saves it: when it has changed, on request, and at the end."""
 
     def __init__(self, node: Node, settings: SlamSettings, sizes: Sizes, slam: FiducialSlam) -> None:

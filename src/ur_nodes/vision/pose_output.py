@@ -5,7 +5,7 @@ from __future__ import annotations
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.ports.node import SECOND, Node
 from ur_nodes.ports.values import PoseEstimate, Transform
-from ur_nodes.vision.fiducial_slam import Moment, Step
+from ur_nodes.vision.fiducial_slam import FiducialStep, Moment
 from ur_nodes.vision.slam_settings import SlamSettings
 
 
@@ -21,7 +21,7 @@ class PoseOutput:
         self._pose = node.publish("fiducial_pose", PoseEstimate)
         node.every(settings.interval, self._send_transform)
 
-    def take(self, _moment: Moment, step: Step) -> None:
+    def take(self, _moment: Moment, step: FiducialStep) -> None:
         """Log and send a step."""
         for line in step.warnings:
             self._node.log.warn(line)

@@ -14,7 +14,7 @@ MAP = "map"
 """The lane of all that uses the map."""
 
 
-class Requests:
+class FiducialMapRequests:
     """`initialpose` and `global_localization` on a map that is only read, `clear_map` on one that is built."""
 
     def __init__(self, node: Node, settings: SlamSettings, slam: FiducialSlam, forget: Callable[[], None]) -> None:

@@ -9,8 +9,8 @@ from ur.source.diagnostic import UserError, error
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.ports.parameters import Parameters
 from ur_nodes.vision.detect import Sizes
-from ur_nodes.vision.estimation.localise import Localiser
-from ur_nodes.vision.estimation.mapping import Mapper
+from ur_nodes.vision.estimation.localise import FiducialLocaliser
+from ur_nodes.vision.estimation.mapping import FiducialMapper
 from ur_nodes.vision.fiducial_map import read_map
 from ur_nodes.vision.fiducial_slam import FiducialSlam
 
@@ -52,7 +52,7 @@ def make_slam(own: Parameters, settings: SlamSettings, sizes: Sizes) -> Fiducial
     known = read_map(source) if initial or settings.read_only or source.is_file() else ()
     place = Pose2(*(own.number(f"initial_pose_{axis}", 0.0) for axis in "xya"))
     if not settings.read_only:
-        return FiducialSlam(settings.map_frame, sizes, Mapper(known, start=None if known else place))
+        return FiducialSlam(settings.map_frame, sizes, FiducialMapper(known, start=None if known else place))
     if not known:
         raise UserError(error(f"{source}: no fiducials in it, expected a map that was built before", rule="bad-map"))
-    return FiducialSlam(settings.map_frame, sizes, Localiser(known, spread_limit=settings.spread_limit), known)
+    return FiducialSlam(settings.map_frame, sizes, FiducialLocaliser(known, spread_limit=settings.spread_limit), known)

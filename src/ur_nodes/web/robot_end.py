@@ -11,7 +11,7 @@ from ur_nodes.client.navigation import Names, NavigationTopics
 from ur_nodes.client.patrol_link import PatrolLink
 from ur_nodes.motion.challenge.freshness import Stamp
 from ur_nodes.ports.node import Node
-from ur_nodes.web.driving.drive_end import DriveEnd, Robot
+from ur_nodes.web.driving.drive_end import DrivenRobot, DriverSession
 from ur_nodes.web.driving.driver_link import DriverLink
 from ur_nodes.web.driving.page_goals import PageGoals
 from ur_nodes.web.layers.frame_sender import FrameOutlet
@@ -20,7 +20,7 @@ from ur_nodes.web.maps.map_link import MapLink
 from ur_nodes.web.maps.place_file import PlaceFile
 from ur_nodes.web.maps.zone_link import ZoneLink
 from ur_nodes.web.robot_facts import RobotFacts
-from ur_nodes.web.view_end import Shown, ViewEnd
+from ur_nodes.web.view_end import ShownRobot, ViewerSession
 
 
 class LineOutlet(Protocol):
@@ -30,7 +30,7 @@ class LineOutlet(Protocol):
         """Send a line of JSON."""
 
 
-class RobotEnd:
+class RobotSession:
     """Joins the robot to the server: frames leave by `view`, answers to pages by `drive`."""
 
     def __init__(self, node: Node, view: FrameOutlet, drive: LineOutlet) -> None:
@@ -39,11 +39,11 @@ class RobotEnd:
         places, zones, maps = PlaceFile(node), ZoneLink(node), MapLink(node)
         link = DriverLink(node, names.mux, facts.limits, self._take_challenge)
         changes = MapChanges(places, zones, maps, self._reply)
-        robot = Robot(mux, PageGoals(node, topics, link, places.find), places, patrol, changes)
-        self._drives = DriveEnd(node, link, robot, self._reply)
+        robot = DrivenRobot(mux, PageGoals(node, topics, link, places.find), places, patrol, changes)
+        self._drives = DriverSession(node, link, robot, self._reply)
         exploration = ExplorationStatus(node, "explore/status")
-        shown = Shown(facts, topics, mux, link, patrol, exploration, places, zones, maps)
-        self._views = ViewEnd(node, names.mux, shown, view)
+        shown = ShownRobot(facts, topics, mux, link, patrol, exploration, places, zones, maps)
+        self._views = ViewerSession(node, names.mux, shown, view)
 
     def take_view(self, message: dict[str, Any]) -> None:
         """Take what pages show."""

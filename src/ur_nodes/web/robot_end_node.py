@@ -12,7 +12,7 @@ import socket
 import sys
 
 from ur_nodes.ports.node import Node
-from ur_nodes.web.robot_end import RobotEnd
+from ur_nodes.web.robot_end import RobotSession
 from ur_nodes.web.server_link import Outlet, read_lines, run_for_server
 
 
@@ -23,7 +23,7 @@ def main() -> int:
 
 def start(node: Node, view: socket.socket, drive: socket.socket) -> None:
     """Join the sockets to the robot."""
-    end = RobotEnd(node, Outlet(node, view), Outlet(node, drive))
+    end = RobotSession(node, Outlet(node, view), Outlet(node, drive))
     read_lines(node, {view: end.take_view, drive: end.take_drive})
 
 

@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 
 from ur.web.wire.frames import Kind, Layer, PoseSample, json_frame, points_frame, pose_frame
 from ur_nodes.client.exploration import ExplorationStatus
-from ur_nodes.client.model import Snapshot, distance_left
 from ur_nodes.client.mux import MuxLink
 from ur_nodes.client.navigation import NavigationTopics
 from ur_nodes.client.patrol_link import PatrolLink
+from ur_nodes.client.snapshot import RobotSnapshot, distance_left
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.ports.graph import Graph
 from ur_nodes.ports.node import Node
@@ -50,7 +50,7 @@ _MOST_POINTS = 2000
 
 
 @dataclass(frozen=True, slots=True)
-class Shown:
+class ShownRobot:
     """The end of the page that shows a robot."""
 
     facts: RobotFacts
@@ -64,10 +64,10 @@ class Shown:
     maps: MapLink
 
 
-class ViewEnd:
+class ViewerSession:
     """Sends frames; on the node's thread."""
 
-    def __init__(self, node: Node, mux_name: str, shown: Shown, outlet: FrameOutlet) -> None:
+    def __init__(self, node: Node, mux_name: str, shown: ShownRobot, outlet: FrameOutlet) -> None:
         self._node, self._mux_name, self._shown = node, mux_name, shown
         self._sender = FrameSender(node, outlet)
         self._frames: list[Frames] = []
@@ -149,12 +149,12 @@ class ViewEnd:
             self._sent[kind] = value
             self._add(json_frame(kind, value))
 
-    def _add_pose(self, seen: Snapshot) -> None:
+    def _add_pose(self, seen: RobotSnapshot) -> None:
         x, y, yaw = seen.pose or (math.nan, math.nan, math.nan)
         age = math.inf if seen.pose is None else self._shown.topics.robot.age()
         self._add(pose_frame(PoseSample(x, y, yaw, seen.speed, seen.turn, age, self._shown.driver.link_age())))
 
-    def _describe(self, seen: Snapshot) -> dict[str, object]:
+    def _describe(self, seen: RobotSnapshot) -> dict[str, object]:
         shown = self._shown
         return {
             "robot": shown.facts.describe(),

@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 
 from ur.source.printable import printable
-from ur_nodes.client.model import GoalReport
 from ur_nodes.client.mux import MuxView
 from ur_nodes.client.patrol_text import PatrolStatus, describe_patrol
-from ur_nodes.exploration.status import Status, describe_status
+from ur_nodes.client.snapshot import GoalReport
+from ur_nodes.exploration.status import ExploreStatus, describe_status
 from ur_nodes.motion.lease.text import Lease
 from ur_nodes.ports.values import Battery
 
@@ -62,7 +62,7 @@ def describe_patrol_state(status: PatrolStatus | None) -> dict[str, object] | No
     }
 
 
-def describe_exploration(status: Status | None) -> dict[str, object] | None:
+def describe_exploration(status: ExploreStatus | None) -> dict[str, object] | None:
     """The exploration: its state, and the line that a terminal shows; None while nothing explores."""
     if status is None:
         return None

@@ -9,7 +9,7 @@ from ur.check.render.github import render_github
 from ur.check.render.json import render_json
 from ur.check.render.sarif import render_sarif
 from ur.check.render.text import render_text, shorten_paths
-from ur.check.run import Report, check_paths
+from ur.check.run import CheckReport, check_paths
 from ur.launchfile.world import MemoryWorld
 
 FILES = {
@@ -18,7 +18,7 @@ FILES = {
 }
 
 
-def report() -> Report:
+def report() -> CheckReport:
     return shorten_paths(check_paths(["/w"], MemoryWorld(FILES)), "/w")
 
 
@@ -61,4 +61,4 @@ def test_github_commands_are_one_line_each_with_escapes() -> None:
 
 def test_text_ends_with_counts() -> None:
     assert render_text(report()).endswith("\n2 errors and 1 warning in 2 files\n")
-    assert render_text(Report((), 1, 2)) == "nothing found in 1 file (2 findings hidden by comments)\n"
+    assert render_text(CheckReport((), 1, 2)) == "nothing found in 1 file (2 findings hidden by comments)\n"

@@ -18,7 +18,7 @@ from ur.cli.verbs import load_verb
 from ur.request.environment import PACKAGE as LIBRARY
 from ur.robot.base import load_base, read_base
 from ur.robot.base.search import find_base_package
-from ur.tools.new.model import Observed, Topic
+from ur.tools.new.parts import NodeTopic, Observed
 
 PACKAGE = ["new", "package", "my_robot", "--summary", "Mine.", "--maintainer", "A & B", "--email", "a@b.invalid"]
 
@@ -50,7 +50,7 @@ def test_new_alone_lists_what_can_be_made_with_an_example_each(capsys: pytest.Ca
 @pytest.mark.parametrize(
     ("observed", "text"),
     [
-        (Observed((Topic("a", "b/C", True),), ("s",), {"p": 1}), "seen: 1 topic, 1 service, 1 parameter"),
+        (Observed((NodeTopic("a", "b/C", True),), ("s",), {"p": 1}), "seen: 1 topic, 1 service, 1 parameter"),
         (Observed((), (), {"p": 1, "q": 2}), "seen: 0 topics, 0 services, 2 parameters"),
     ],
 )

@@ -11,8 +11,8 @@ import pytest
 
 from ur.cli.launch import missing
 from ur.request.launch import Launch, load_with_packages
-from ur.request.options import LaunchOptions, Reporter
-from ur.request.plan_files import Loaded
+from ur.request.options import LaunchOptions, StartReporter
+from ur.request.plan_files import LoadedPlan
 from ur.robot.selection import Selection, load_selection
 from ur.source.diagnostic import UserError, error
 
@@ -38,10 +38,10 @@ def write(tmp_path: Path, text: str) -> str:
     return str(path)
 
 
-def load(file: str, selection: Selection, make_xacro: Callable[[], None] = missing.make_xacro) -> Loaded:
+def load(file: str, selection: Selection, make_xacro: Callable[[], None] = missing.make_xacro) -> LoadedPlan:
     options = LaunchOptions()
     offer = functools.partial(missing.offer, options)
-    return load_with_packages(Launch([file], selection, options, Reporter(), ExitStack(), make_xacro, offer))
+    return load_with_packages(Launch([file], selection, options, StartReporter(), ExitStack(), make_xacro, offer))
 
 
 def make_in(packages: Path) -> None:

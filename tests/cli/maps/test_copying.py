@@ -16,7 +16,7 @@ from ur.cli.maps import copying
 from ur.maps.picture_file import write_picture
 from ur.robot.ssh.address import Address
 from ur.robot.ssh.secret import Secret
-from ur.robot.ssh.shell import Done, LocalShell
+from ur.robot.ssh.shell import LocalShell, ShellResult
 
 
 class RobotShell(LocalShell):
@@ -27,7 +27,7 @@ class RobotShell(LocalShell):
         self._data = data
         self.cut: int | None = None
 
-    def run(self, script: str, *, root: bool = False, stdin: str | Secret = "", timeout: float = 60.0) -> Done:
+    def run(self, script: str, *, root: bool = False, stdin: str | Secret = "", timeout: float = 60.0) -> ShellResult:
         assert isinstance(stdin, str)
         done = super().run(
             f"export XDG_DATA_HOME='{self._data}'; {script}", root=root, stdin=stdin[: self.cut], timeout=timeout

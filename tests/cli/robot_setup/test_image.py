@@ -24,7 +24,7 @@ from tests.robot.image.images import (
     read_fat,
 )
 
-from ur.robot.discovery.record import Record, load_records
+from ur.robot.discovery.record import RobotRecord, load_records
 from ur.robot.ssh.host_key import HostKey
 
 pytestmark = needs_tools
@@ -77,7 +77,7 @@ def test_image_is_prepared_and_its_robot_is_remembered(place: Place) -> None:
     assert "then: ur robot setup ros@bob.local --name bob --base magni" in out
     data = yaml.safe_load(read_fat(place.image, "user-data"))
     assert data["users"][0]["ssh_authorized_keys"] == [KEY]
-    assert load_records(place.folder / "home/.config/ubiquity_launches/robots") == [Record("bob", "ros", "magni")]
+    assert load_records(place.folder / "home/.config/ubiquity_launches/robots") == [RobotRecord("bob", "ros", "magni")]
     assert place.names == {"ubuntu.img"}
     public = data["ssh_keys"]["ed25519_public"]
     assert (place.folder / "home/.ssh/known_hosts").read_text() == f"bob.local,bob {public}\n"

@@ -7,20 +7,20 @@ from pathlib import Path
 
 import pytest
 
-from ur.cli.changing import Reporter
+from ur.cli.changing import ChangeReporter
 from ur.cli.robot_setup.contact import confirm_host_key, decide_robot_login
 from ur.cli.robot_setup.questions import ask_task, list_known_tasks, read_tasks
 from ur.cli.robot_setup.robot import select_robot
-from ur.robot.discovery.record import Record, render_record
+from ur.robot.discovery.record import RobotRecord, render_record
 from ur.robot.selection import Selection, load_selection, selection_path, store_selection
-from ur.robot.setup.contact import Contact
+from ur.robot.setup.contact import OfferedHostKey
 from ur.robot.setup.login import Task
-from ur.robot.setup.robot_states import Robot
+from ur.robot.setup.robot_states import WantedRobot
 from ur.robot.ssh.address import Address
 from ur.robot.ssh.host_key import HostKey
 from ur.source.diagnostic import UserError
 
-TASK = Task(Address("ros", "robot.local"), Robot("bob", "magni"))
+TASK = Task(Address("ros", "robot.local"), WantedRobot("bob", "magni"))
 
 
 @pytest.fixture(autouse=True)
@@ -43,31 +43,31 @@ def answers(monkeypatch: pytest.MonkeyPatch) -> dict[str, str]:
     return given
 
 
-def remember(home: Path, record: Record) -> None:
+def remember(home: Path, record: RobotRecord) -> None:
     folder = home / ".config/ubiquity_launches/robots"
     folder.mkdir(parents=True)
     (folder / f"{record.name}.yaml").write_text(render_record(record))
 
 
 def test_variant_is_asked_for_and_is_the_plain_one_by_default(answers: dict[str, str]) -> None:
-    assert ask_task("robot.local", "bob", "magni", None).robot == Robot("bob", "magni")
+    assert ask_task("robot.local", "bob", "magni", None).robot == WantedRobot("bob", "magni")
     answers["variant of bob, a magni (plain, lidar"] = "lidar"
-    assert ask_task("robot.local", "bob", "magni", None).robot == Robot("bob", "magni", "lidar")
-    assert ask_task("robot.local", "bob", "magni", "plain").robot == Robot("bob", "magni")
+    assert ask_task("robot.local", "bob", "magni", None).robot == WantedRobot("bob", "magni", "lidar")
+    assert ask_task("robot.local", "bob", "magni", "plain").robot == WantedRobot("bob", "magni")
 
 
 @pytest.mark.usefixtures("answers")
 def test_answers_of_a_known_robot_are_the_defaults(home: Path) -> None:
-    remember(home, Record("bob", "ros", "magni", "lidar"))
-    assert ask_task("bob", None, None, None).robot == Robot("bob", "magni", "lidar")
-    assert ask_task("bob", None, "loki", None).robot == Robot("bob", "loki")
+    remember(home, RobotRecord("bob", "ros", "magni", "lidar"))
+    assert ask_task("bob", None, None, None).robot == WantedRobot("bob", "magni", "lidar")
+    assert ask_task("bob", None, "loki", None).robot == WantedRobot("bob", "loki")
 
 
 def test_known_variant_stays_where_nobody_can_be_asked(home: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(sys.stdin, "isatty", lambda: False)
-    assert ask_task("bob", "bob", "magni", None).robot == Robot("bob", "magni")
-    remember(home, Record("bob", "ros", "magni", "lidar"))
-    assert ask_task("bob", "bob", "magni", None).robot == Robot("bob", "magni", "lidar")
+    assert ask_task("bob", "bob", "magni", None).robot == WantedRobot("bob", "magni")
+    remember(home, RobotRecord("bob", "ros", "magni", "lidar"))
+    assert ask_task("bob", "bob", "magni", None).robot == WantedRobot("bob", "magni", "lidar")
     with pytest.raises(UserError, match=r"name of the robot at bob\.local is not given"):
         ask_task("bob", None, "magni", None)
 
@@ -79,8 +79,8 @@ def test_variant_that_the_base_has_not_is_refused() -> None:
 
 
 def test_all_are_the_robots_that_were_set_up_as_they_are(home: Path) -> None:
-    remember(home, Record("bob", "ubuntu", "magni", "lidar"))
-    assert list_known_tasks() == [Task(Address("ubuntu", "bob.local"), Robot("bob", "magni", "lidar"))]
+    remember(home, RobotRecord("bob", "ubuntu", "magni", "lidar"))
+    assert list_known_tasks() == [Task(Address("ubuntu", "bob.local"), WantedRobot("bob", "magni", "lidar"))]
 
 
 def test_file_of_robots_says_what_is_left_out(tmp_path: Path) -> None:
@@ -104,11 +104,11 @@ def test_robot_is_selected_unless_another_one_is(home: Path, selected: str | Non
 
 
 def test_progress_is_one_line_on_a_terminal_and_rare_elsewhere(capsys: pytest.CaptureFixture[str]) -> None:
-    report = Reporter("bob", live=True)
+    report = ChangeReporter("bob", live=True)
     report.show_progress("packages", 3.4, "Get:1 x\x1b[2J")
     report("groups")
     assert capsys.readouterr().out == "\r\033[Kbob: packages, 3 s: Get:1 x\\x1b[2J\r\033[Kbob: groups\n"
-    report = Reporter("bob")
+    report = ChangeReporter("bob")
     for seconds in (1.0, 2.0, 3.0):
         report.show_progress("packages", seconds, "x")
     assert capsys.readouterr().out == "bob: packages, 1 s: x\n"
@@ -121,7 +121,7 @@ OTHER = f"SHA256:{'x' * 43}"
 @pytest.fixture
 def offered(monkeypatch: pytest.MonkeyPatch) -> None:
     """A robot that offers a host key which this computer does not know."""
-    monkeypatch.setattr("ur.cli.robot_setup.contact.meet", lambda *_, **__: Contact("unknown", KEY))
+    monkeypatch.setattr("ur.cli.robot_setup.contact.meet", lambda *_, **__: OfferedHostKey("unknown", KEY))
 
 
 @pytest.mark.usefixtures("offered")
@@ -159,7 +159,7 @@ def test_unknown_host_key_is_confirmed_by_yes_or_by_its_fingerprint(
 def test_robot_gets_no_login_here_unless_the_user_wants_it(home: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(sys.stdin, "isatty", lambda: False)
     assert [decide_robot_login([TASK], wanted)[0].robot_login for wanted in (None, False, True)] == [False, False, True]
-    remember(home, Record("bob", "ros", "magni", robot_login=True))
+    remember(home, RobotRecord("bob", "ros", "magni", robot_login=True))
     assert [decide_robot_login([TASK], wanted)[0].robot_login for wanted in (None, False, True)] == [True, False, True]
 
 
@@ -174,7 +174,7 @@ def test_robot_login_is_asked_for_once(home: Path, monkeypatch: pytest.MonkeyPat
     monkeypatch.setattr("click.confirm", confirm)
     assert decide_robot_login([TASK], None)[0].robot_login
     assert asked == ["may bob log in to this computer by key?"]
-    remember(home, Record("bob", "ros", "magni", robot_login=False))
+    remember(home, RobotRecord("bob", "ros", "magni", robot_login=False))
     assert not decide_robot_login([TASK], None)[0].robot_login
     assert len(asked) == 1
 

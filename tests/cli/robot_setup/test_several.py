@@ -5,7 +5,7 @@ from __future__ import annotations
 from ur.cli.robot_setup.robot import setup
 from ur.cli.robot_setup.several import make_argv
 from ur.robot.setup.login import Task
-from ur.robot.setup.robot_states import Robot
+from ur.robot.setup.robot_states import WantedRobot
 from ur.robot.ssh.address import Address
 from ur.robot.ssh.host_key import HostKey
 from ur.robot.ssh.secret import Secret
@@ -21,7 +21,7 @@ def parse(argv: list[str]) -> dict[str, object]:
 def test_process_of_a_robot_gets_the_answers_of_that_robot() -> None:
     task = Task(
         Address("ubuntu", "10.0.0.7"),
-        Robot("eve", "magni", "lidar", programs=False),
+        WantedRobot("eve", "magni", "lidar", programs=False),
         current=Secret("old-secret"),
         new=Secret("new-secret"),
         host_key=KEY,
@@ -38,7 +38,7 @@ def test_process_of_a_robot_gets_the_answers_of_that_robot() -> None:
 
 
 def test_known_robot_without_a_variant_is_asked_nothing() -> None:
-    task = Task(Address("ros", "bob.local"), Robot("bob", "magni"))
+    task = Task(Address("ros", "bob.local"), WantedRobot("bob", "magni"))
     given = parse(make_argv(task, master=True, programs=True, new_host_key=False))
     assert (given["variant"], given["host_key"], given["yes"]) == ("plain", None, False)
     assert (given["master"], given["programs"], given["robot_login"]) == (True, True, False)

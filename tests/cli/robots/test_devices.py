@@ -13,7 +13,7 @@ from tests.devices.tree import Tree, TreeShell
 
 from ur.cli.main import main
 from ur.cli.robots import devices
-from ur.devices.model import Device, Snapshot
+from ur.devices.device import Device, DeviceSnapshot
 
 LIDAR = Device("/dev/ttyUSB0", "serial", "10c4:ea60", serial="0001", links=("/dev/rplidar",), group="dialout")
 
@@ -24,7 +24,7 @@ def run(*words: str) -> int:
 
 @pytest.fixture
 def plugged(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(devices, "inspect_devices", lambda _: Snapshot("pat", devices=(LIDAR,)))
+    monkeypatch.setattr(devices, "inspect_devices", lambda _: DeviceSnapshot("pat", devices=(LIDAR,)))
 
 
 def test_rules_of_a_base_are_printed_as_a_file(capsys: pytest.CaptureFixture[str]) -> None:

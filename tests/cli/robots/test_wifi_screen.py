@@ -5,11 +5,11 @@ from __future__ import annotations
 import pytest
 
 from ur.cli.robots.wifi_screen import describe_sample, render_screen
-from ur.robot.doctor.wifi import Wifi
+from ur.robot.doctor.wifi import WirelessLink
 from ur.robot.wireless.sample import Sample
 
 NAMES = ("laptop", "bob")
-LINK = Wifi("wlan0", 5180.0, -60.0, 300.0)
+LINK = WirelessLink("wlan0", 5180.0, -60.0, 300.0)
 WALK = [Sample(float(n), 5, 0, 0.002, LINK, LINK) for n in range(60)] + [
     Sample(60.0 + n, 5, 5, here=LINK) for n in range(8)
 ]

@@ -9,16 +9,16 @@ import pytest
 from tests.docs.helpers import LIBRARY, ROVER
 
 from ur.check.cases import resolve_cases
-from ur.docs.cases.started import Started, StartedPlan, Starter, place_name, walk_nodes
+from ur.docs.cases.started import StartedFile, StartedPlan, Starter, place_name, walk_nodes
 from ur.docs.repository.collect import collect_repository
-from ur.launchfile.plan.model import Plan
+from ur.launchfile.plan.specs import Plan
 from ur.launchfile.world import MemoryWorld, SystemWorld
 from ur.source.diagnostic import Severity
 
 CORPUS = Path(__file__).parents[2] / "launchfile" / "corpus"
 
 
-def walk_includes(started: Started, namespace: str = "/") -> Iterator[tuple[str, str]]:
+def walk_includes(started: StartedFile, namespace: str = "/") -> Iterator[tuple[str, str]]:
     for include, child in started.included:
         inside = place_name(include.namespace, namespace)
         yield include.file, inside

@@ -7,7 +7,7 @@ from markdown_it import MarkdownIt
 from tests.docs.helpers import document, document_one
 
 from ur.docs.markdown.page import render_markdown
-from ur.docs.markdown.text import Page, code, escape_cell, escape_text, inline
+from ur.docs.markdown.text import MarkdownPage, code, escape_cell, escape_text, inline
 
 
 @pytest.mark.parametrize("text", ["a", "`", "``a`", "a|b", "<b>", "*x*", "$(arg a)"])
@@ -23,7 +23,7 @@ def test_plain_text_stays_plain(text: str) -> None:
 
 
 def test_headings_get_the_anchors_of_github() -> None:
-    page = Page()
+    page = MarkdownPage()
     page.line(f"{page.link_to('x', 'one')} {page.link_to('y', 'two')} {page.link_to('z', 'nowhere')}")
     page.heading(2, "n_amcl.launch.xml", key="one")
     page.heading(2, "N_amcl.launch.xml", key="two")

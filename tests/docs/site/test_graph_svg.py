@@ -8,9 +8,9 @@ from xml.etree import ElementTree
 
 from tests.docs.helpers import LIBRARY, ROVER, document_folder, find
 
-from ur.docs.model import Case
+from ur.docs.documents import BaseCase
 from ur.docs.site.pages import draw_svg
-from ur.graph.model import Arrow, Box, Graph
+from ur.graph.boxes import Arrow, DrawnGraph, GraphBox
 
 _BOX = re.compile(r'<rect x="([\d.]+)" y="([\d.]+)" width="([\d.]+)" height="([\d.]+)"')
 
@@ -38,16 +38,18 @@ def test_boxes_lie_inside_and_never_over_one_another() -> None:
 
 
 def test_circle_is_drawn() -> None:
-    graph = Graph((Box("b0", "a", "this"), Box("b1", "b", "file")), (Arrow("b0", "b1"), Arrow("b1", "b0")))
+    graph = DrawnGraph(
+        (GraphBox("b0", "a", "this"), GraphBox("b1", "b", "file")), (Arrow("b0", "b1"), Arrow("b1", "b0"))
+    )
     assert len(boxes_of(draw_svg(graph, "circle", lambda _path: None))) == 2
 
 
 def test_graph_without_arrows_is_nothing() -> None:
-    assert draw_svg(Graph((Box("b0", "a", "this"),), ()), "", lambda _path: None) == ""
+    assert draw_svg(DrawnGraph((GraphBox("b0", "a", "this"),), ()), "", lambda _path: None) == ""
 
 
 def test_arrows_carry_their_bases_for_the_switch() -> None:
     doc = find(document_folder(ROVER), "m_rover/launch/m_rover.launch.xml")
     svg = draw_svg(doc.graph, doc.name, lambda _path: None)
     assert 'data-cases="loki"' in svg
-    assert f'data-cases="{Case("magni", "arm").key}"' in svg
+    assert f'data-cases="{BaseCase("magni", "arm").key}"' in svg

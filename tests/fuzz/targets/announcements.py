@@ -11,7 +11,7 @@ from tests.fuzz.target import Target
 from zeroconf import DNSCache, ServiceInfo, ServiceStateChange  # type: ignore[attr-defined]  # not in its __all__
 from zeroconf._protocol.incoming import DNSIncoming
 
-from ur.robot.discovery.announcements import SERVICE_TYPE, Browser, Sighting, parse_sighting, read_texts
+from ur.robot.discovery.announcements import SERVICE_TYPE, Announcement, Browser, parse_sighting, read_texts
 from ur.robot.discovery.listing import list_robots
 
 _WORDS = (
@@ -59,7 +59,7 @@ def _encode(value: object) -> bytes | None:
     return None if value is None else str(value).encode("utf-8", "surrogatepass")
 
 
-def _check_list(sightings: list[Sighting]) -> None:
+def _check_list(sightings: list[Announcement]) -> None:
     for row in list_robots(sightings, ()):
         texts = (row.name, row.address, row.base, row.variant, row.version, row.problem, row.help, row.runs, row.clock)
         assert all(text.isprintable() for text in texts), "control characters reach the list"

@@ -10,7 +10,7 @@ from tests.fuzz.target import Target
 from tests.robot.description.urdfs import MESHES, SMALL
 
 from ur.robot.description.base_text import write_base_file
-from ur.robot.description.expansion.xacro import Computer
+from ur.robot.description.expansion.xacro import ExpansionComputer
 from ur.robot.description.load import load_description
 from ur.robot.description.reading import read_base_figures
 from ur.robot.description.surroundings import find_surroundings
@@ -74,7 +74,7 @@ def _read_xacro(data: bytes, folder: Path) -> None:
 
 def _load(path: Path) -> None:
     environment = {"HOME": "/nonexistent", "PATH": ""}
-    computer = Computer(environment, dict, Path("/nonexistent"), lambda _: False)
+    computer = ExpansionComputer(environment, dict, Path("/nonexistent"), lambda _: False)
     with suppress(UserError):
         loaded = load_description(path, find_surroundings(path, environment), computer)
         reading = read_base_figures(loaded.description, {}, lidar=True)

@@ -8,7 +8,7 @@ from pathlib import Path
 from tests.fuzz.target import Target
 
 from ur.run.remote.lease import describe_lease, parse_lease
-from ur_nodes.motion.lease.text import Request, read_lease, read_request, write_lease, write_request
+from ur_nodes.motion.lease.text import LeaseRequest, read_lease, read_request, write_lease, write_request
 
 _WORDS = (
     *(
@@ -43,7 +43,7 @@ def _read(data: bytes, _: Path) -> None:
     lease = read_lease(text)
     assert lease is None or read_lease(write_lease(lease)) == lease, "a lease is not read as it is written"
     request = read_request(text)
-    if isinstance(request, Request):
+    if isinstance(request, LeaseRequest):
         assert read_request(write_request(request)) == request, "a request is not read as it is written"
         assert (request.name + request.program + request.client).isprintable()
 

@@ -21,9 +21,9 @@ from ur.robot.doctor.rules import diagnose
 from ur.robot.doctor.summary import summarize
 from ur.robot.mount import parse_mounts
 from ur.robot.remote_run import ask_part
-from ur.robot.setup.facts import Request, parse_facts
+from ur.robot.setup.facts import FactsRequest, parse_facts
 from ur.robot.ssh.public_key import parse_public_key
-from ur.robot.ssh.shell import Done
+from ur.robot.ssh.shell import ShellResult
 from ur.robot.sync.sync import look_at
 from ur.run.remote.protocol import parse_answer, parse_request
 from ur.source.diagnostic import UserError
@@ -64,8 +64,8 @@ class _Robot:
     def __init__(self, answer: str) -> None:
         self._answer = answer
 
-    def run(self, *_: object, **__: object) -> Done:
-        return Done(0, self._answer, self._answer)
+    def run(self, *_: object, **__: object) -> ShellResult:
+        return ShellResult(0, self._answer, self._answer)
 
 
 def _text(data: bytes) -> str:
@@ -74,7 +74,7 @@ def _text(data: bytes) -> str:
 
 def _read_facts(data: bytes, _: Path) -> None:
     with suppress(UserError):
-        parse_facts(Request("ros", frozenset({"/etc/hosts"}), frozenset({"ssh"}), frozenset({"ssh"})), _text(data))
+        parse_facts(FactsRequest("ros", frozenset({"/etc/hosts"}), frozenset({"ssh"}), frozenset({"ssh"})), _text(data))
     parse_builder(_text(data))
     parse_last("x", _text(data))
     parse_mounts(_text(data))

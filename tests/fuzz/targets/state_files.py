@@ -17,7 +17,7 @@ from ur.robot.discovery.record import load_records
 from ur.robot.discovery.seen import load_seen
 from ur.robot.robot_file import load_robot_file
 from ur.robot.selection import load_selection
-from ur.robot.setup.robot_states import Robot, robot_file
+from ur.robot.setup.robot_states import WantedRobot, robot_file
 from ur.robot.sync.memory import load_memory
 from ur.run.clients.protocol import BadLineError, parse_command, parse_event
 from ur.run.record.computer import Computer
@@ -89,7 +89,7 @@ def _read_robot_file(data: bytes, folder: Path) -> None:
     text = data.decode(errors="surrogateescape")
     boot_command._facts(RobotLaunch("/a.launch", b"", text))
     name_robot_file(text, "ann")
-    made = robot_file(Robot("ann", "magni", "lidar"), text)
+    made = robot_file(WantedRobot("ann", "magni", "lidar"), text)
     assert made.endswith("\n") or text, "a file without an end"
     script = tell_base_script(file).partition("master =")[0]  # what follows speaks to a master
     with suppress(SystemExit):

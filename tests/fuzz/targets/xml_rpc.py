@@ -18,7 +18,7 @@ from ur.graph.topics import graph_system
 from ur.request.remote import master_nodes
 from ur.run.master.client import Master
 from ur.run.master.tcpros import NoTopic, listen_to
-from ur.run.master.xml_rpc import Refused, Unanswered
+from ur.run.master.xml_rpc import CallRefused, Unanswered
 from ur.run.remote.lease import read_lease
 from ur.run.remote.signs import look_up_nodes, probe_node
 from ur.run.startup.readiness import ReadinessProbe
@@ -102,7 +102,7 @@ def _ask(data: bytes, _: Path) -> None:
     ask = _QUESTIONS[zlib.crc32(data[::-1]) % len(_QUESTIONS)]
     with _Peer(data) as peer:
         begin = time.monotonic()
-        with suppress(Unanswered, Refused):
+        with suppress(Unanswered, CallRefused):
             ask(Master(f"http://127.0.0.1:{peer.port}", "127.0.0.1", peer.port, _PATIENCE))
         took = time.monotonic() - begin
     assert took < _SPARE, f"{ask.__name__} takes {took:.0f} s"

@@ -8,15 +8,15 @@ import pytest
 
 from ur.cli.launch.options import check_options
 from ur.launchfile.plan.load import load_plan
-from ur.launchfile.plan.model import NodeSpec
+from ur.launchfile.plan.specs import NodeSpec
 from ur.launchfile.world import MemoryWorld
 from ur.request.joining import driving
 from ur.request.joining.driving import ask_mode, choose_mode
 from ur.request.options import LaunchOptions
-from ur.run.remote.lease import Lease
+from ur.run.remote.lease import RobotLease
 from ur.source import UserError
 
-HELD = Lease("held", "a1", "laptop2", "keyboard_drive", time.time())
+HELD = RobotLease("held", "a1", "laptop2", "keyboard_drive", time.time())
 
 
 def nodes_of(type_: str) -> tuple[NodeSpec, ...]:
@@ -108,7 +108,7 @@ def test_program_that_commands_nothing_is_not_asked_about() -> None:
 
 def test_free_robot_is_driven_without_a_question(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("ROS_MASTER_URI", "http://bob.local:11311")
-    monkeypatch.setattr(driving, "read_lease", lambda _: Lease())
+    monkeypatch.setattr(driving, "read_lease", lambda _: RobotLease())
     assert choose_mode(LaunchOptions(detach=True), "bob", KEYS, "laptop") == "drive"
 
 

@@ -11,38 +11,38 @@ from ur.request.launch_request import LaunchFiles, LaunchRequest
 from ur.request.options import LaunchOptions
 from ur.request.remote.on_robot import choose_options, find_new_name, name_file
 from ur.request.remote.share_messages import describe_end, describe_part, explain_problem
-from ur.robot.discovery.record import Record, records_folder, render_record
+from ur.robot.discovery.record import RobotRecord, records_folder, render_record
 from ur.robot.selection import parse_selection, selection_path, store_selection
-from ur.run.remote.protocol import Answer, Problem
+from ur.run.remote.protocol import Problem, ShareAnswer
 from ur.source import UserError
 
 
 @pytest.mark.parametrize(
     ("answer", "lines"),
     [
-        (Answer("x.1"), ["bob: 3 nodes, run x.1; what they print: ur shell bob ur attach x.1"]),
+        (ShareAnswer("x.1"), ["bob: 3 nodes, run x.1; what they print: ur shell bob ur attach x.1"]),
         (
-            Answer("x.1", found=True),
+            ShareAnswer("x.1", found=True),
             ["bob: 3 nodes, run x.1, which ran already and is taken over; what they print: ur shell bob ur attach x.1"],
         ),
         (
-            Answer("x.1", running=("/a", "/b")),
+            ShareAnswer("x.1", running=("/a", "/b")),
             [
                 "bob: 2 nodes run already: /a, /b",
                 "bob: 1 node, run x.1; what they print: ur shell bob ur attach x.1",
             ],
         ),
-        (Answer(running=("/a",)), ["bob: 1 node runs already: /a"]),
+        (ShareAnswer(running=("/a",)), ["bob: 1 node runs already: /a"]),
         (
-            Answer("x.1", found=True, clients=("laptop",)),
+            ShareAnswer("x.1", found=True, clients=("laptop",)),
             ["bob: 3 nodes, run x.1, which laptop uses too; what they print: ur shell bob ur attach x.1"],
         ),
         (
-            Answer(running=("/a",), clients=("laptop", "desk")),
+            ShareAnswer(running=("/a",), clients=("laptop", "desk")),
             ["bob: 1 node runs already: /a", "bob: laptop, desk use these nodes too"],
         ),
         (
-            Answer("x.1", renamed_from="tom"),
+            ShareAnswer("x.1", renamed_from="tom"),
             [
                 "bob: its nodes ran under its old name tom and are started again",
                 "bob: 3 nodes, run x.1; what they print: ur shell bob ur attach x.1",
@@ -50,7 +50,7 @@ from ur.source import UserError
         ),
     ],
 )
-def test_what_runs_on_the_robot_is_told_in_a_line(answer: Answer, lines: list[str]) -> None:
+def test_what_runs_on_the_robot_is_told_in_a_line(answer: ShareAnswer, lines: list[str]) -> None:
     assert describe_part("bob", answer, 3) == lines
 
 
@@ -77,12 +77,12 @@ def test_problem_of_the_robot_becomes_an_error_that_names_the_robot(problem: Pro
 @pytest.mark.parametrize(
     ("answer", "lines"),
     [
-        (Answer(ended=("x.1",)), ["bob: x.1 has ended"]),
-        (Answer(kept=("x.1",), clients=("laptop2", "desk")), ["bob: x.1 goes on for laptop2, desk"]),
-        (Answer(), []),
+        (ShareAnswer(ended=("x.1",)), ["bob: x.1 has ended"]),
+        (ShareAnswer(kept=("x.1",), clients=("laptop2", "desk")), ["bob: x.1 goes on for laptop2, desk"]),
+        (ShareAnswer(), []),
     ],
 )
-def test_end_says_which_runs_go_on_and_for_whom(answer: Answer, lines: list[str]) -> None:
+def test_end_says_which_runs_go_on_and_for_whom(answer: ShareAnswer, lines: list[str]) -> None:
     assert describe_end("bob", answer) == lines
 
 
@@ -121,6 +121,6 @@ def test_robot_that_was_renamed_from_this_computer_is_found_by_its_new_name(
     for each in known:
         path = records_folder(os.environ) / f"{each}.yaml"
         path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(render_record(Record(each, "ros", "magni")))
+        path.write_text(render_record(RobotRecord(each, "ros", "magni")))
     store_selection(selection_path(os.environ), parse_selection(selected))
     assert find_new_name("bob") == name

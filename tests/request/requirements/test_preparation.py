@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from ur.launchfile.plan.load import load_plan
-from ur.launchfile.plan.model import Plan
+from ur.launchfile.plan.specs import Plan
 from ur.launchfile.world.protocol import PackageNotFound
 from ur.launchfile.world.system import SystemWorld
 from ur.request.requirements.preparation import prepare

@@ -7,7 +7,7 @@ import base64
 import pytest
 
 from ur.robot.boot.launch_file import choose_arguments, find_launch, is_launch_name
-from ur.robot.ssh.shell import Done
+from ur.robot.ssh.shell import ShellResult
 from ur.source import UserError
 
 FACTS = {"base": "magni", "variant": "lidar"}
@@ -16,16 +16,18 @@ FACTS = {"base": "magni", "variant": "lidar"}
 class FakeShell:
     place = "bob"
 
-    def __init__(self, *answers: Done) -> None:
+    def __init__(self, *answers: ShellResult) -> None:
         self.answers = list(answers)
 
-    def run(self, *_: object, **__: object) -> Done:
+    def run(self, *_: object, **__: object) -> ShellResult:
         return self.answers.pop(0)
 
 
 def test_launch_file_is_read_as_the_robot_has_it() -> None:
     text = base64.b64encode(b"<launch/>").decode()
-    shell = FakeShell(Done(0, f"noise of a profile\n/there/f.launch\n{text}\n", ""), Done(0, "base: magni\n", ""))
+    shell = FakeShell(
+        ShellResult(0, f"noise of a profile\n/there/f.launch\n{text}\n", ""), ShellResult(0, "base: magni\n", "")
+    )
     found = find_launch(shell, "p", "f.launch", "bob")
     assert (found.path, found.data, found.robot_file) == ("/there/f.launch", b"<launch/>", "base: magni\n")
 
@@ -33,7 +35,7 @@ def test_launch_file_is_read_as_the_robot_has_it() -> None:
 @pytest.mark.parametrize(("code", "said"), [(3, "package 'p' is not there"), (4, "no file 'f.launch'"), (1, "why")])
 def test_launch_file_that_the_robot_lacks_is_named(code: int, said: str) -> None:
     with pytest.raises(UserError, match=said):
-        find_launch(FakeShell(Done(code, "", "why\n")), "p", "f.launch", "bob")
+        find_launch(FakeShell(ShellResult(code, "", "why\n")), "p", "f.launch", "bob")
 
 
 @pytest.mark.parametrize(

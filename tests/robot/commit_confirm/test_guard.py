@@ -24,7 +24,7 @@ from ur.robot.commit_confirm.guard import (
     pending_script,
 )
 from ur.robot.commit_confirm.guarded import GuardedChange, Order, pack_order
-from ur.robot.setup.facts import Facts, FileState
+from ur.robot.setup.facts import ComputerFacts, FileState
 from ur.robot.setup.lock import LOCK_FILE
 from ur.robot.setup.wanted import WantedFile
 
@@ -83,7 +83,9 @@ class Robot:
 
     def arm(self, live: str = ":", wait: int = 0, identity: str = "abc") -> subprocess.CompletedProcess[str]:
         name, back = str(self.folder / "etc/name"), f"echo went back >>{self.folder}/calls"
-        facts = Facts("ros", "/home/ros", "bob", "", "1", frozenset(), files={name: FileState("old\n", 0o644, "root")})
+        facts = ComputerFacts(
+            "ros", "/home/ros", "bob", "", "1", frozenset(), files={name: FileState("old\n", 0o644, "root")}
+        )
         change = GuardedChange(
             "rename bob to eve",
             (WantedFile("name", name, "new\n"),),
@@ -232,7 +234,7 @@ def test_second_change_is_refused_by_the_name_of_the_first(robot: Robot) -> None
 
 def test_order_that_breaks_off_changes_nothing(robot: Robot) -> None:
     change = GuardedChange("rename bob to eve", (), ":", ":")
-    facts = Facts("ros", "/home/ros", "bob", "", "1", frozenset())
+    facts = ComputerFacts("ros", "/home/ros", "bob", "", "1", frozenset())
     whole = pack_order(Order("abc", "pat@laptop", 5, change), facts).reveal()
     done = robot.run(arm_script("abc", change.title), whole[: len(whole) // 3])
     assert done.returncode not in (0, BUSY)

@@ -7,7 +7,7 @@ import pytest
 from ur.robot.commit_confirm.guarded import list_changes
 from ur.robot.commit_confirm.network import (
     KEPT,
-    Wifi,
+    WirelessNetwork,
     check_managed,
     check_password,
     choose_management,
@@ -18,20 +18,20 @@ from ur.robot.commit_confirm.network import (
     plan_join,
     render_profile,
 )
-from ur.robot.commit_confirm.network_facts import Device, Networks, Profile, Seen
-from ur.robot.setup.facts import Facts
+from ur.robot.commit_confirm.network_facts import NetworkDevice, Networks, Profile, SeenNetwork
+from ur.robot.setup.facts import ComputerFacts
 from ur.robot.ssh.secret import Secret
 from ur.source.diagnostic import UserError
 
 HOME = Profile("u-home", "802-11-wireless", "wlan0", "at home", "Home")
 WIRED = Profile("u-wired", "802-3-ethernet", "eth0", "wired")
-WLAN = Device("wlan0", "wifi", "connected", "u-home", ("192.168.1.7/24",))
-NETWORKS = Networks(True, (WLAN, Device("eth0", "ethernet", "connected", "u-wired")), (HOME, WIRED))
-FACTS = Facts("ros", "/home/ros", "bob", "", "1", frozenset())
+WLAN = NetworkDevice("wlan0", "wifi", "connected", "u-home", ("192.168.1.7/24",))
+NETWORKS = Networks(True, (WLAN, NetworkDevice("eth0", "ethernet", "connected", "u-wired")), (HOME, WIRED))
+FACTS = ComputerFacts("ros", "/home/ros", "bob", "", "1", frozenset())
 
 
 def test_password_stands_in_the_profile_and_nowhere_else() -> None:
-    change = plan_join(NETWORKS, Wifi("Lab", Secret("pass word"), "wpa-psk"), WLAN)
+    change = plan_join(NETWORKS, WirelessNetwork("Lab", Secret("pass word"), "wpa-psk"), WLAN)
     (planned,) = list_changes(change, FACTS)
     (command,) = planned.commands
     assert isinstance(command.stdin, Secret)
@@ -40,7 +40,7 @@ def test_password_stands_in_the_profile_and_nowhere_else() -> None:
 
 
 def test_profile_is_preferred_over_those_that_stay() -> None:
-    text = render_profile(Wifi("Lab", Secret("12345678"), "sae", hidden=True, band="5"))
+    text = render_profile(WirelessNetwork("Lab", Secret("12345678"), "sae", hidden=True, band="5"))
     for line in ("autoconnect-priority=10", "hidden=true", "band=a", "key-mgmt=sae", "ssid=76;97;98;"):
         assert f"\n{line}\n" in text
 
@@ -56,31 +56,31 @@ def test_profile_is_preferred_over_those_that_stay() -> None:
     ],
 )
 def test_password_is_escaped_as_key_files_want_it(password: str, line: str) -> None:
-    assert f"\n{line}\n" in render_profile(Wifi("Lab", Secret(password), "wpa-psk"))
+    assert f"\n{line}\n" in render_profile(WirelessNetwork("Lab", Secret(password), "wpa-psk"))
 
 
 @pytest.mark.parametrize("breaks", ["\n", "\r", "\r\n"])
 def test_line_break_in_the_name_of_a_network_adds_no_line_to_its_profile(breaks: str) -> None:
     evil = f"Lab{breaks}[connection]{breaks}permissions=user:mallory:;{breaks}"
-    plain = render_profile(Wifi("Lab", Secret("12345678"), "wpa-psk")).splitlines()
-    text = render_profile(Wifi(evil, Secret("12345678"), "wpa-psk"))
+    plain = render_profile(WirelessNetwork("Lab", Secret("12345678"), "wpa-psk")).splitlines()
+    text = render_profile(WirelessNetwork(evil, Secret("12345678"), "wpa-psk"))
     assert [line.partition("=")[0] for line in text.splitlines()] == [line.partition("=")[0] for line in plain]
     assert f"\nid=Lab{repr(breaks)[1:-1]}[connection]" in text
 
 
 def test_open_network_has_no_security() -> None:
-    assert "security" not in render_profile(Wifi("Café", None, ""))
-    assert "ssid=67;97;102;195;169;" in render_profile(Wifi("Café", None, ""))
+    assert "security" not in render_profile(WirelessNetwork("Café", None, ""))
+    assert "ssid=67;97;102;195;169;" in render_profile(WirelessNetwork("Café", None, ""))
 
 
 def test_known_network_is_joined_by_its_own_profile_without_a_password() -> None:
-    change = plan_join(NETWORKS, Wifi("Home", None, "wpa-psk"), WLAN)
+    change = plan_join(NETWORKS, WirelessNetwork("Home", None, "wpa-psk"), WLAN)
     assert list_changes(change, FACTS) == []
     assert "connection up uuid u-home ifname wlan0" in change.live
 
 
 def test_new_password_of_a_known_network_makes_a_profile() -> None:
-    wifi = Wifi("Home", Secret("12345678"), "wpa-psk")
+    wifi = WirelessNetwork("Home", Secret("12345678"), "wpa-psk")
     change = plan_join(NETWORKS, wifi, WLAN)
     assert len(list_changes(change, FACTS)) == 1
     assert f"connection up uuid {wifi.uuid}" in change.live
@@ -147,13 +147,13 @@ def test_address_that_cannot_be_is_named(address: str, gateway: str | None, name
     ],
 )
 def test_key_management_follows_what_the_network_offers(security: str, management: str) -> None:
-    assert choose_management(Seen("Lab", 50, (), security), with_password=True) == management
+    assert choose_management(SeenNetwork("Lab", 50, (), security), with_password=True) == management
 
 
 @pytest.mark.parametrize(("security", "said"), [("WPA2 802.1X", "user name"), ("WEP", "no protection")])
 def test_network_that_cannot_be_joined_is_named(security: str, said: str) -> None:
     with pytest.raises(UserError) as caught:
-        choose_management(Seen("Lab", 50, (), security), with_password=True)
+        choose_management(SeenNetwork("Lab", 50, (), security), with_password=True)
     assert said in str(caught.value)
 
 
@@ -179,7 +179,7 @@ def test_password_that_no_network_has_is_refused_without_being_shown(password: s
     ],
 )
 def test_other_managers_are_named_with_what_to_do(networks: Networks, said: str, help: str) -> None:
-    device = Device("eth0", "ethernet", "unmanaged") if networks.running else None
+    device = NetworkDevice("eth0", "ethernet", "unmanaged") if networks.running else None
     with pytest.raises(UserError) as caught:
         check_managed(networks, "ros@bob.local", device)
     (problem,) = caught.value.diagnostics
@@ -196,6 +196,6 @@ def test_profile_is_found_by_the_name_of_its_network_first() -> None:
 
 
 def test_line_breaks_in_a_name_add_no_lines_to_a_profile() -> None:
-    text = render_profile(Wifi("a\n[connection]\nautoconnect=false\r\tb", None, ""))
+    text = render_profile(WirelessNetwork("a\n[connection]\nautoconnect=false\r\tb", None, ""))
     assert "id=a\\n[connection]\\nautoconnect=false\\r\\tb" in text.splitlines()
     assert text.splitlines().count("[connection]") == 1

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from ur.robot.commit_confirm.network_facts import Device, Profile, Seen, parse_networks, split_terse
+from ur.robot.commit_confirm.network_facts import NetworkDevice, Profile, SeenNetwork, parse_networks, split_terse
 
 SAID = """\
 \x1erunning
@@ -40,7 +40,9 @@ systemd-networkd
 def test_everything_is_read() -> None:
     networks = parse_networks(SAID.replace("/usr/bin/nmcli\n", ""))
     assert networks.running
-    assert networks.devices[0] == Device("wlan0", "wifi", "connected", "u-home", ("192.168.1.7/24", "fe80::1/64"))
+    assert networks.devices[0] == NetworkDevice(
+        "wlan0", "wifi", "connected", "u-home", ("192.168.1.7/24", "fe80::1/64")
+    )
     assert networks.wireless is networks.devices[0]
     assert networks.profiles[1] == Profile("u-lab", "802-11-wireless", "", "Lab: two", "Lab: two")
     assert networks.others == ("systemd-networkd",)
@@ -49,9 +51,9 @@ def test_everything_is_read() -> None:
 
 def test_stations_of_one_network_are_one_line_and_the_used_one_is_first() -> None:
     assert parse_networks(SAID).seen == (
-        Seen("Home", 72, ("2.4 GHz", "5 GHz"), "WPA2", used=True),
-        Seen("Cafe: open", 90, ("2.4 GHz",), ""),
-        Seen("Six", 55, ("6 GHz",), "WPA3"),
+        SeenNetwork("Home", 72, ("2.4 GHz", "5 GHz"), "WPA2", used=True),
+        SeenNetwork("Cafe: open", 90, ("2.4 GHz",), ""),
+        SeenNetwork("Six", 55, ("6 GHz",), "WPA3"),
     )
 
 

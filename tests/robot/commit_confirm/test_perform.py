@@ -10,17 +10,25 @@ import pytest
 
 from ur.robot.commit_confirm.guard import BUSY, EARLY, GONE, LATE
 from ur.robot.commit_confirm.guarded import GuardedChange, Order
-from ur.robot.commit_confirm.perform import GRACE, Addresses, Link, come_back, hand_over, is_doubtful, refuse_pending
-from ur.robot.setup.facts import Facts
+from ur.robot.commit_confirm.perform import (
+    GRACE,
+    ChangeAddresses,
+    RootShell,
+    come_back,
+    hand_over,
+    is_doubtful,
+    refuse_pending,
+)
+from ur.robot.setup.facts import ComputerFacts
 from ur.robot.ssh.address import Address
 from ur.robot.ssh.failures import lost_connection
 from ur.robot.ssh.secret import Secret
-from ur.robot.ssh.shell import Done
+from ur.robot.ssh.shell import ShellResult
 from ur.source.diagnostic import UserError, error
 
 OLD, NEW = Address("ros", "bob.local"), Address("ros", "eve.local")
 TITLE = "rename bob to eve"
-FACTS = Facts("ros", "/home/ros", "bob", "", "1", frozenset())
+FACTS = ComputerFacts("ros", "/home/ros", "bob", "", "1", frozenset())
 AWAY = UserError(error("no computer answers to this name", rule="unknown-host"))
 
 
@@ -28,14 +36,14 @@ AWAY = UserError(error("no computer answers to this name", rule="unknown-host"))
 class Network:
     """Computers that answer one after the other: for each address what happens, the last for ever."""
 
-    answers: dict[Address, list[Done | UserError]]
+    answers: dict[Address, list[ShellResult | UserError]]
     now: float = 0.0
     asked: list[tuple[Address, str]] = field(default_factory=list)
     said: list[str] = field(default_factory=list)
 
-    def open_link(self, address: Address) -> AbstractContextManager[Link]:
+    def open_link(self, address: Address) -> AbstractContextManager[RootShell]:
         @contextmanager
-        def link() -> Iterator[Link]:
+        def link() -> Iterator[RootShell]:
             rest = self.answers[address]
             answer = rest.pop(0) if len(rest) > 1 else rest[0]
             if isinstance(answer, UserError):
@@ -51,7 +59,7 @@ class Network:
         return come_back(
             "abc",
             TITLE,
-            Addresses((NEW,), OLD),
+            ChangeAddresses((NEW,), OLD),
             60,
             [],
             self.open_link,
@@ -64,14 +72,14 @@ class Network:
 @dataclass
 class _Link:
     address: Address
-    answer: Done
+    answer: ShellResult
     asked: list[tuple[Address, str]]
 
     @property
     def place(self) -> str:
         return str(self.address)
 
-    def run(self, script: str, *, root: bool = False, stdin: str | Secret = "", timeout: float = 60.0) -> Done:
+    def run(self, script: str, *, root: bool = False, stdin: str | Secret = "", timeout: float = 60.0) -> ShellResult:
         assert root
         del stdin, timeout
         self.asked.append((self.address, script))
@@ -82,7 +90,9 @@ class _Link:
 
 
 def test_change_is_confirmed_over_the_new_way_only() -> None:
-    network = Network({NEW: [AWAY, Done(EARLY, "", ""), Done(0, "", "")], OLD: [Done(EARLY, "", ""), AWAY]})
+    network = Network(
+        {NEW: [AWAY, ShellResult(EARLY, "", ""), ShellResult(0, "", "")], OLD: [ShellResult(EARLY, "", ""), AWAY]}
+    )
     assert network.come_back() == NEW
     assert network.said == ["ros@eve.local: answers, confirmed"]
     assert ["confirmed" in script for address, script in network.asked if address == OLD] == [False]
@@ -90,14 +100,17 @@ def test_change_is_confirmed_over_the_new_way_only() -> None:
 
 
 def test_confirmation_whose_answer_was_lost_counts() -> None:
-    network = Network({NEW: [lost_connection("x", ""), Done(GONE, "abc\nconfirmed\n\n", "")], OLD: [AWAY]})
+    network = Network({NEW: [lost_connection("x", ""), ShellResult(GONE, "abc\nconfirmed\n\n", "")], OLD: [AWAY]})
     assert network.come_back() == NEW
 
 
 @pytest.mark.parametrize("way", [NEW, OLD])
 def test_change_that_was_taken_back_is_told_with_its_reason(way: Address) -> None:
-    answers: dict[Address, list[Done | UserError]] = {NEW: [AWAY], OLD: [AWAY]}
-    answers[way] = [Done(LATE, "", ""), Done(GONE, "abc\ntaken-back\nnobody confirmed it within 60 s\n", "")]
+    answers: dict[Address, list[ShellResult | UserError]] = {NEW: [AWAY], OLD: [AWAY]}
+    answers[way] = [
+        ShellResult(LATE, "", ""),
+        ShellResult(GONE, "abc\ntaken-back\nnobody confirmed it within 60 s\n", ""),
+    ]
     with pytest.raises(UserError) as caught:
         Network(answers).come_back()
     (problem,) = caught.value.diagnostics
@@ -108,7 +121,7 @@ def test_change_that_was_taken_back_is_told_with_its_reason(way: Address) -> Non
 
 
 def test_robot_that_was_never_told_has_not_changed() -> None:
-    network = Network({NEW: [AWAY], OLD: [Done(GONE, "other\nconfirmed\n\n", "")]})
+    network = Network({NEW: [AWAY], OLD: [ShellResult(GONE, "other\nconfirmed\n\n", "")]})
     with pytest.raises(UserError, match="nothing was changed"):
         network.come_back()
 
@@ -124,7 +137,7 @@ def test_robot_that_is_not_seen_again_is_told_with_what_to_do() -> None:
 
 
 def test_change_that_failed_there_is_not_blamed_on_the_way_from_here() -> None:
-    failed = Done(GONE, "abc\ntaken-back\nsecrets were required\n", "")
+    failed = ShellResult(GONE, "abc\ntaken-back\nsecrets were required\n", "")
     with pytest.raises(UserError) as caught:
         Network({NEW: [AWAY], OLD: [failed]}).come_back()
     assert caught.value.diagnostics[0].notes == ()
@@ -132,20 +145,20 @@ def test_change_that_failed_there_is_not_blamed_on_the_way_from_here() -> None:
 
 def test_other_change_that_is_pending_is_named() -> None:
     with pytest.raises(UserError) as caught:
-        hand_over(_Link(OLD, Done(BUSY, "rename bob to tom\npat@desktop\n", ""), []), order(), FACTS)
+        hand_over(_Link(OLD, ShellResult(BUSY, "rename bob to tom\npat@desktop\n", ""), []), order(), FACTS)
     assert "'rename bob to tom', begun by pat@desktop, is not finished" in str(caught.value)
     assert not is_doubtful(caught.value)
 
 
 def test_change_that_is_pending_is_named_before_anything_is_looked_at() -> None:
     with pytest.raises(UserError, match="'rename bob to tom', begun by pat@desktop, is not finished"):
-        refuse_pending(_Link(OLD, Done(BUSY, "rename bob to tom\npat@desktop\n", ""), []))
-    refuse_pending(_Link(OLD, Done(0, "", ""), []))
+        refuse_pending(_Link(OLD, ShellResult(BUSY, "rename bob to tom\npat@desktop\n", ""), []))
+    refuse_pending(_Link(OLD, ShellResult(0, "", ""), []))
 
 
 def test_robot_that_cannot_hold_the_way_back_is_not_changed() -> None:
     with pytest.raises(UserError) as caught:
-        hand_over(_Link(OLD, Done(1, "", "cp: No space left on device\n"), []), order(), FACTS)
+        hand_over(_Link(OLD, ShellResult(1, "", "cp: No space left on device\n"), []), order(), FACTS)
     assert "nothing was changed: cp: No space left on device" in str(caught.value)
     assert not is_doubtful(caught.value)
 

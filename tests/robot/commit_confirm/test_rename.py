@@ -16,12 +16,12 @@ from ur.robot.commit_confirm.rename import (
     rename_known_host,
 )
 from ur.robot.robot_file import ROBOT_FILE
-from ur.robot.setup.facts import ABSENT, Facts, FileState
+from ur.robot.setup.facts import ABSENT, ComputerFacts, FileState
 from ur.robot.setup.keys import HOST_KEY, KNOWN_HOSTS
-from ur.robot.setup.robot_states import CLOUD, Robot, announcement, robot_file
+from ur.robot.setup.robot_states import CLOUD, WantedRobot, announcement, robot_file
 
 KEY = "ssh-ed25519 AAAA root@bob\n"
-BOB = Robot("bob", "magni", "lidar")
+BOB = WantedRobot("bob", "magni", "lidar")
 FILES = {
     str(ROBOT_FILE): FileState(robot_file(BOB), 0o644, "root"),
     ANNOUNCEMENT: FileState(announcement(BOB, "ros"), 0o644, "root"),
@@ -33,18 +33,18 @@ FILES = {
 }
 
 
-def facts(**changed: FileState) -> Facts:
+def facts(**changed: FileState) -> ComputerFacts:
     names = {"robot": str(ROBOT_FILE), "announcement": ANNOUNCEMENT, "key": HOST_KEY, "cloud": CLOUD}
     files = {**FILES, "/etc/cloud/cloud.cfg.d/99-ubiquity.cfg": ABSENT}
     files |= {names[name]: state for name, state in changed.items()}
-    return Facts("ros", "/home/ros", "bob", "debian bookworm", "1", frozenset(), files=files)
+    return ComputerFacts("ros", "/home/ros", "bob", "debian bookworm", "1", frozenset(), files=files)
 
 
 def test_every_place_gets_the_new_name() -> None:
     change = plan_rename(facts(), "eve")
     written = {str(command.stdin) for planned in list_changes(change, facts()) for command in planned.commands}
-    assert robot_file(Robot("eve", "magni", "lidar")) in written
-    assert announcement(Robot("eve", "magni", "lidar"), "ros") in written
+    assert robot_file(WantedRobot("eve", "magni", "lidar")) in written
+    assert announcement(WantedRobot("eve", "magni", "lidar"), "ros") in written
     assert "laptop.local,laptop ssh-ed25519 BBBB\neve.local,eve ssh-ed25519 AAAA\n" in written
     assert "127.0.0.1\tlocalhost\n127.0.1.1\teve\n" in written
     assert "eve\n" in written
@@ -97,5 +97,5 @@ def test_known_hosts_hold_the_key_under_the_new_name_only(before: str, after: st
 
 def test_second_run_changes_no_known_hosts() -> None:
     state = FileState("eve.local,eve ssh-ed25519 AAAA\ntom ssh-rsa B\n", 0o600, "ros")
-    known = Facts("ros", "/home/ros", "eve", "", "1", frozenset(), files={KNOWN_HOSTS: state})
+    known = ComputerFacts("ros", "/home/ros", "eve", "", "1", frozenset(), files={KNOWN_HOSTS: state})
     assert WantedKnownName("key", "bob", "eve", KEY).plan(known) is None

@@ -21,7 +21,7 @@ from ur.robot.deploy.repository import (
     read_programs,
     read_repository,
 )
-from ur.robot.setup.facts import ABSENT, Facts, FileState
+from ur.robot.setup.facts import ABSENT, ComputerFacts, FileState
 
 ROOT = Path(__file__).parents[3]
 WANTED = WantedRepository("digest", {"src/a.py": (0o644, b"1"), "ur": (0o755, b"2"), "bin/ur": (0, b"../ur")})
@@ -44,9 +44,9 @@ eval "$work"
 """
 
 
-def facts(home: str = "/home/ros", /, **files: FileState) -> Facts:
+def facts(home: str = "/home/ros", /, **files: FileState) -> ComputerFacts:
     found = {path: files.get(key, ABSENT) for key, path in KNOWN.items()}
-    return Facts("ros", home, "bob", "", "", frozenset(), files=found)
+    return ComputerFacts("ros", home, "bob", "", "", frozenset(), files=found)
 
 
 @pytest.mark.parametrize(
@@ -60,7 +60,7 @@ def facts(home: str = "/home/ros", /, **files: FileState) -> Facts:
         (facts(workspace=FOLDER), False),
     ],
 )
-def test_copy_is_made_unless_it_is_there_or_a_clone_is(found: Facts, copied: bool) -> None:
+def test_copy_is_made_unless_it_is_there_or_a_clone_is(found: ComputerFacts, copied: bool) -> None:
     assert (WANTED.plan(found) is not None) is copied
 
 
@@ -139,7 +139,7 @@ def test_own_repository_has_what_runs_and_nothing_that_was_made() -> None:
         (facts(workspace=FOLDER, own_ready=FileState("x\n")), False),
     ],
 )
-def test_environment_is_made_unless_it_is_there_and_of_the_same_files(found: Facts, made: bool) -> None:
+def test_environment_is_made_unless_it_is_there_and_of_the_same_files(found: ComputerFacts, made: bool) -> None:
     change = PROGRAMS.plan(found)
     assert (change is not None) is made
     if change:

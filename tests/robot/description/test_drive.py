@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from tests.robot.description.urdfs import FOUR_WHEELS, MESHES, SMALL
 
-from ur.robot.description.drive import Drive, find_drive
+from ur.robot.description.drive import DriveGeometry, find_drive
 from ur.robot.description.parse import parse_urdf
-from ur.robot.description.reading import Reading, read_base_figures
+from ur.robot.description.reading import DescriptionReading, read_base_figures
 
 ARM = (
     '<joint name="pan" type="revolute"><parent link="base_link"/><child link="shoulder"/>'
@@ -20,11 +20,11 @@ ARM = (
 )
 
 
-def drive_of(text: str) -> Drive:
+def drive_of(text: str) -> DriveGeometry:
     return find_drive(parse_urdf(text, "robot.urdf"))
 
 
-def read(text: str) -> Reading:
+def read(text: str) -> DescriptionReading:
     return read_base_figures(parse_urdf(text, "robot.urdf"), {})
 
 

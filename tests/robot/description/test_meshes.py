@@ -10,12 +10,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ur.robot.base.body_mesh import write_stl
-from ur.robot.description.expansion.xacro import Computer
-from ur.robot.description.load import Loaded, load_description
+from ur.robot.description.expansion.xacro import ExpansionComputer
+from ur.robot.description.load import LoadedDescription, load_description
 from ur.robot.description.mesh_file import read_mesh
-from ur.robot.description.model import Description
-from ur.robot.description.reading import Reading, read_base_figures
+from ur.robot.description.reading import DescriptionReading, read_base_figures
 from ur.robot.description.surroundings import find_surroundings
+from ur.robot.description.urdf_parts import Description
 
 CORNERS = [(x, y, z) for x, y, z in product((-0.3, 0.3), (-0.2, 0.2), (0.0, 0.25))]
 ROBOT = """<robot name="r">
@@ -66,12 +66,12 @@ def load(folder: Path, file: str, *, scale: str = "1 1 1", wheel: str = WHEEL, *
     return load_file(path, packages).description
 
 
-def load_file(path: Path, packages: dict[str, str]) -> Loaded:
-    computer = Computer({}, lambda: packages, Path("/nonexistent"), lambda _: False)
+def load_file(path: Path, packages: dict[str, str]) -> LoadedDescription:
+    computer = ExpansionComputer({}, lambda: packages, Path("/nonexistent"), lambda _: False)
     return load_description(path, find_surroundings(path, {}), computer)
 
 
-def read(folder: Path, file: str, *, scale: str = "1 1 1", wheel: str = WHEEL, **packages: str) -> Reading:
+def read(folder: Path, file: str, *, scale: str = "1 1 1", wheel: str = WHEEL, **packages: str) -> DescriptionReading:
     return read_base_figures(load(folder, file, scale=scale, wheel=wheel, **packages), {})
 
 

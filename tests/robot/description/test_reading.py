@@ -10,13 +10,13 @@ from tests.robot.description.urdfs import FOUR_WHEELS, MESHES, SMALL
 from ur.robot.base import Base, read_base
 from ur.robot.description.base_text import write_base_file
 from ur.robot.description.parse import parse_urdf
-from ur.robot.description.reading import BRAKING, Reading, read_base_figures
+from ur.robot.description.reading import BRAKING, DescriptionReading, read_base_figures
 from ur.source.diagnostic import UserError
 
 SPEEDS = {"velocity": 0.5, "angular_velocity": 1.2}
 
 
-def read(text: str, **given: float) -> Reading:
+def read(text: str, **given: float) -> DescriptionReading:
     return read_base_figures(parse_urdf(text, "robot.urdf"), given)
 
 

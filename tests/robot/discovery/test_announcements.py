@@ -14,9 +14,9 @@ from hypothesis import strategies as st
 from ur.robot.discovery.announcements import (
     MOST_STRANGERS,
     SERVICE_TYPE,
+    Announcement,
     Browser,
     Crowd,
-    Sighting,
     parse_sighting,
     read_texts,
 )
@@ -25,14 +25,14 @@ from ur.robot.discovery.announcements import (
 def test_announcement_says_what_the_robot_is() -> None:
     texts = {"name": "bob", "base": "magni", "variant": "lidar", "user": "pi", "version": "0.1.0", "new": "x"}
     sighting = parse_sighting("bob-2.local.", ["fe80::1", "10.0.0.3"], texts)
-    assert sighting == Sighting("bob-2", "bob", ("fe80::1", "10.0.0.3"), "magni", "lidar", "pi", "0.1.0")
+    assert sighting == Announcement("bob-2", "bob", ("fe80::1", "10.0.0.3"), "magni", "lidar", "pi", "0.1.0")
     assert sighting is not None
     assert sighting.address == "10.0.0.3"
 
 
 def test_announcement_without_a_name_is_known_by_its_host_name() -> None:
-    assert parse_sighting("bob-2.local.", ["10.0.0.3"], {}) == Sighting("bob-2", "bob", ("10.0.0.3",))
-    assert parse_sighting("r2-d2.local.", [], {"name": "r2-d2"}) == Sighting("r2-d2", "r2-d2", ())
+    assert parse_sighting("bob-2.local.", ["10.0.0.3"], {}) == Announcement("bob-2", "bob", ("10.0.0.3",))
+    assert parse_sighting("r2-d2.local.", [], {"name": "r2-d2"}) == Announcement("r2-d2", "r2-d2", ())
 
 
 HOSTILE = [
@@ -89,15 +89,15 @@ def test_bytes_that_are_no_text_drop_the_announcement_alone() -> None:
     assert parse_sighting("bob.local.", [], read_texts({b"name": b"bob", b"\xff\xfe": b"\xff"})) is not None
 
 
-def stranger(number: int) -> Sighting:
-    return Sighting(f"fake{number}", f"fake{number}", ("10.0.0.9",))
+def stranger(number: int) -> Announcement:
+    return Announcement(f"fake{number}", f"fake{number}", ("10.0.0.9",))
 
 
 def test_crowd_of_strangers_hides_no_known_robot() -> None:
     crowd = Crowd({"bob"})
     for number in range(300):
         crowd.add(f"fake{number}._x", stranger(number))
-    bob = Sighting("bob", "bob", ("10.0.0.2",))
+    bob = Announcement("bob", "bob", ("10.0.0.2",))
     crowd.add("bob._x", bob)
     assert bob in crowd.sightings
     assert len(crowd.sightings) == MOST_STRANGERS + 1
@@ -111,7 +111,7 @@ def test_crowd_of_strangers_hides_no_known_robot() -> None:
 def test_crowd_under_a_known_name_is_bounded_too() -> None:
     crowd = Crowd({"bob"})
     for number in range(300):
-        crowd.add(f"fake{number}._x", Sighting(f"fake{number}", "bob", ("10.0.0.9",)))
+        crowd.add(f"fake{number}._x", Announcement(f"fake{number}", "bob", ("10.0.0.9",)))
     assert len(crowd.sightings) < 20
 
 
@@ -178,6 +178,6 @@ def test_known_robot_is_found_by_its_name_where_browsing_finds_nothing(monkeypat
         responder.register_service(announced)
         with Browser(found.set, {label, "away-for-ever", "no name"}) as browser:
             assert found.wait(60.0)
-            assert browser.sightings == [Sighting(label, label, ("10.0.0.2",), "magni")]
+            assert browser.sightings == [Announcement(label, label, ("10.0.0.2",), "magni")]
     finally:
         responder.close()

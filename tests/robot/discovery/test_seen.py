@@ -6,16 +6,16 @@ from pathlib import Path
 
 import pytest
 
-from ur.robot.discovery.seen import Seen, describe_age, load_seen, note_seen, seen_path
+from ur.robot.discovery.seen import SeenRobot, describe_age, load_seen, note_seen, seen_path
 
-BOB = Seen("bob", "10.0.0.2", 100.0)
+BOB = SeenRobot("bob", "10.0.0.2", 100.0)
 
 
 def test_robots_are_remembered_and_the_latest_place_counts(tmp_path: Path) -> None:
     path = tmp_path / "state" / "seen.json"
-    note_seen(path, [BOB, Seen("eve", "10.0.0.3", 50.0)])
-    note_seen(path, [Seen("bob", "10.0.0.9", 200.0), Seen("zoe", "", 200.0)])
-    assert load_seen(path) == {"bob": Seen("bob", "10.0.0.9", 200.0), "eve": Seen("eve", "10.0.0.3", 50.0)}
+    note_seen(path, [BOB, SeenRobot("eve", "10.0.0.3", 50.0)])
+    note_seen(path, [SeenRobot("bob", "10.0.0.9", 200.0), SeenRobot("zoe", "", 200.0)])
+    assert load_seen(path) == {"bob": SeenRobot("bob", "10.0.0.9", 200.0), "eve": SeenRobot("eve", "10.0.0.3", 50.0)}
     assert [entry.name for entry in path.parent.iterdir()] == ["seen.json"]
 
 
@@ -31,7 +31,7 @@ def test_torn_memory_is_none(tmp_path: Path, text: str) -> None:
 def test_what_was_not_seen_for_months_is_forgotten(tmp_path: Path) -> None:
     path = tmp_path / "seen.json"
     note_seen(path, [BOB])
-    late = Seen("eve", "10.0.0.3", BOB.time + 100 * 86400.0)
+    late = SeenRobot("eve", "10.0.0.3", BOB.time + 100 * 86400.0)
     note_seen(path, [late])
     assert load_seen(path) == {"eve": late}
 

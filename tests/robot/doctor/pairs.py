@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from ur.robot.doctor.findings import ComputerPair
 from ur.robot.doctor.messages import Message
-from ur.robot.doctor.model import Pair
 from ur.robot.doctor.side import Disk, Side
-from ur.robot.doctor.wifi import Wifi
+from ur.robot.doctor.wifi import WirelessLink
 from ur.robot.setup import robot_states as there
 from ur.robot.setup import viewer_states as here
 from ur.robot.setup.environment import robot_setup_text
@@ -49,7 +49,7 @@ ROBOT = replace(
     public_key="ssh-ed25519 QQQQ ros@bob",
     packages={entry.split("|")[0]: "1" for entry in there.PACKAGES},
 )
-PAIR = Pair(
+PAIR = ComputerPair(
     LAPTOP,
     ROBOT,
     offset=0.0,
@@ -60,6 +60,6 @@ PAIR = Pair(
     selected=True,
     login="ros@bob.local",
 )
-WIFI = Wifi("wlan0", 5180.0, -50.0, 400.0, power_save=False)
+WIFI = WirelessLink("wlan0", 5180.0, -50.0, 400.0, power_save=False)
 NOBODY: frozenset[str] = frozenset()
 BOB = frozenset({"10.0.0.2"})

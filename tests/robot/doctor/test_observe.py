@@ -9,7 +9,7 @@ import pytest
 
 from ur.robot.doctor.messages import MESSAGES_SCRIPT, Message, parse_messages
 from ur.robot.doctor.observe import observe_script, parse_side
-from ur.robot.doctor.side import Disk, Setting, Side, Unit
+from ur.robot.doctor.side import Disk, FailedUnit, Setting, Side
 
 
 def test_what_was_not_seen_stays_unknown() -> None:
@@ -33,7 +33,7 @@ def test_side_is_read_from_the_answer_of_a_computer() -> None:
         public_key="ssh-ed25519 AAAAC3NzaC1lZDI1NTE5AAAAIEJCQkJCQkJCQkJCQkJCQkJCQkJCQkJCQkJCQkJCQkJC ros@bob",
         x11=True,
         active={"ssh.service": "active"},
-        failing=(Unit("a.service", 0), Unit("ubiquity-drive.service", 12)),
+        failing=(FailedUnit("a.service", 0), FailedUnit("ubiquity-drive.service", 12)),
         announced="bob",
         disks=(Disk("/", 100.0, 0.9), Disk("/home/ros of mine", 0.0, 1.0)),
         large={"/home/ros/.ros/log": 70.0},

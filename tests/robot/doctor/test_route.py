@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import pytest
 
-from ur.robot.discovery.record import Record
-from ur.robot.discovery.seen import Seen
-from ur.robot.doctor.route import Route, explain_route, list_steps
+from ur.robot.discovery.record import RobotRecord
+from ur.robot.discovery.seen import SeenRobot
+from ur.robot.doctor.route import RouteState, explain_route, list_steps
 from ur.robot.ssh.address import Address
 from ur.robot.ssh.host_key import HostKey
 
 ADDRESS = Address("ros", "bob.local")
-RECORD = Record("bob", "ros", "magni")
-THERE = Route(("10.0.0.2",), ping=True, port="open")
+RECORD = RobotRecord("bob", "ros", "magni")
+THERE = RouteState(("10.0.0.2",), ping=True, port="open")
 NOW = 10_000.0
 KEY = HostKey(f"ssh-ed25519 AAAAC3NzaC1lZDI1NTE5AAAAI{'A' * 43}")
 
@@ -20,17 +20,21 @@ KEY = HostKey(f"ssh-ed25519 AAAAC3NzaC1lZDI1NTE5AAAAI{'A' * 43}")
 @pytest.mark.parametrize(
     ("rule", "failing", "route"),
     [
-        ("robot-not-found", "name bob.local", Route((), rule="unknown-host")),
-        ("robot-silent", "answer to ping", Route(("10.0.0.2",), port="silent", rule="no-answer")),
-        ("closed-ssh-port", "port 22", Route(("10.0.0.2",), ping=True, port="silent", rule="no-answer")),
-        ("no-ssh-server", "port 22", Route(("10.0.0.2",), ping=True, port="refused", rule="no-ssh")),
-        ("changed-host-key", "host key", Route(("10.0.0.2",), port="open", rule="changed-host-key")),
-        ("unknown-host-key", "host key", Route(("10.0.0.2",), ping=True, port="open", rule="unknown-host-key")),
-        ("key-refused", "login as ros", Route(("10.0.0.2",), ping=True, port="open", rule="refused")),
-        ("no-login", "login as ros", Route(("10.0.0.2",), ping=True, port="open", rule="no-login", reason="closed")),
+        ("robot-not-found", "name bob.local", RouteState((), rule="unknown-host")),
+        ("robot-silent", "answer to ping", RouteState(("10.0.0.2",), port="silent", rule="no-answer")),
+        ("closed-ssh-port", "port 22", RouteState(("10.0.0.2",), ping=True, port="silent", rule="no-answer")),
+        ("no-ssh-server", "port 22", RouteState(("10.0.0.2",), ping=True, port="refused", rule="no-ssh")),
+        ("changed-host-key", "host key", RouteState(("10.0.0.2",), port="open", rule="changed-host-key")),
+        ("unknown-host-key", "host key", RouteState(("10.0.0.2",), ping=True, port="open", rule="unknown-host-key")),
+        ("key-refused", "login as ros", RouteState(("10.0.0.2",), ping=True, port="open", rule="refused")),
+        (
+            "no-login",
+            "login as ros",
+            RouteState(("10.0.0.2",), ping=True, port="open", rule="no-login", reason="closed"),
+        ),
     ],
 )
-def test_step_that_fails_is_named_and_those_after_it_are_not_judged(rule: str, failing: str, route: Route) -> None:
+def test_step_that_fails_is_named_and_those_after_it_are_not_judged(rule: str, failing: str, route: RouteState) -> None:
     finding = explain_route(ADDRESS, route, None, RECORD, NOW)
     assert finding.rule == rule
     assert finding.help
@@ -41,12 +45,12 @@ def test_step_that_fails_is_named_and_those_after_it_are_not_judged(rule: str, f
 
 
 def test_robot_that_is_away_was_last_seen_somewhere() -> None:
-    finding = explain_route(ADDRESS, Route(()), Seen("bob", "10.0.0.2", NOW - 7200.0), None, NOW)
+    finding = explain_route(ADDRESS, RouteState(()), SeenRobot("bob", "10.0.0.2", NOW - 7200.0), None, NOW)
     assert "10.0.0.2, 2 h ago" in finding.message
 
 
 def test_another_host_key_is_renewed_by_hand_and_a_namesake_pointed_out() -> None:
-    route = Route(("10.0.0.2",), True, "open", "changed-host-key", "", KEY, ("10.0.0.3",))
+    route = RouteState(("10.0.0.2",), True, "open", "changed-host-key", "", KEY, ("10.0.0.3",))
     finding = explain_route(ADDRESS, route, None, RECORD, NOW)
     assert KEY.fingerprint in finding.message
     assert "bob-2.local (10.0.0.3)" in finding.message

@@ -7,7 +7,7 @@ from dataclasses import replace
 from tests.robot.doctor.pairs import LAPTOP, NOBODY, PAIR, ROBOT, WIFI
 from tests.robot.doctor.rules.ros2.cases import RUNNING
 
-from ur.robot.doctor.model import Advertised
+from ur.robot.doctor.findings import AdvertisedNode
 from ur.robot.doctor.side import Side
 from ur.robot.doctor.summary import compare_packages, describe_ros2, summarize
 
@@ -17,7 +17,7 @@ def test_everything_that_was_seen_is_shown_for_both() -> None:
         PAIR,
         offset=0.25,
         there=replace(ROBOT, wifi=(WIFI,), ur="0.1.0"),
-        advertised=(Advertised("/x", "nobody", NOBODY, NOBODY),),
+        advertised=(AdvertisedNode("/x", "nobody", NOBODY, NOBODY),),
     )
     rows = {what: cells for what, *cells in summarize(pair)}
     assert rows["computer"] == ["pat@laptop", "ros@bob"]

@@ -21,11 +21,11 @@ from tests.robot.image.images import (
 
 from ur.robot.image.layout import find_layout
 from ur.robot.image.prepare import Write, plan_undo, plan_writes, read_seed, write_all
-from ur.robot.image.seed import SeedOptions, Wifi, make_seed
-from ur.robot.setup.robot_states import Robot
+from ur.robot.image.seed import SeedNetwork, SeedOptions, make_seed
+from ur.robot.setup.robot_states import WantedRobot
 
 pytestmark = needs_tools
-OPTIONS = SeedOptions(Robot("bob", "magni"), "ros", (KEY,), wifi=Wifi("home", "ab" * 32, "DE"))
+OPTIONS = SeedOptions(WantedRobot("bob", "magni"), "ros", (KEY,), wifi=SeedNetwork("home", "ab" * 32, "DE"))
 MAKERS = (make_ubuntu, make_raspberry, make_old_raspberry, make_cloud)
 
 
@@ -54,7 +54,7 @@ def test_undo_brings_back_what_was_there(tmp_path: Path, make: object) -> None:
     before = read_seed(layout)
     assert undo(path) == []
     for name in ("bob", "eve"):  # what is kept is what the image brought, not the seed before
-        write_all(path, plan(path, SeedOptions(Robot(name, "magni"), "ros", (KEY,), wifi=OPTIONS.wifi)))
+        write_all(path, plan(path, SeedOptions(WantedRobot(name, "magni"), "ros", (KEY,), wifi=OPTIONS.wifi)))
     write_all(path, undo(path))
     assert read_seed(layout) == before
     assert undo(path) == []

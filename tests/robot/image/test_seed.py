@@ -9,8 +9,8 @@ from tests.robot.image.images import KEY
 from ur.robot.image.layout import Layout, Scheme
 from ur.robot.image.seed import (
     HostKeyPair,
+    SeedNetwork,
     SeedOptions,
-    Wifi,
     custom_toml,
     hide_secrets,
     make_seed,
@@ -21,13 +21,13 @@ from ur.robot.image.seed import (
     takes_host_key,
     user_data_text,
 )
-from ur.robot.setup.robot_states import Robot
+from ur.robot.setup.robot_states import WantedRobot
 from ur.source.diagnostic import UserError
 
 HASH = "$6$saltstring$svn8UoSVapNtMuq1ukKS4tPQd8iKwSMHWjl/O817G3uBnIFNjnQJuesI68u4OTLiBFdcbYEdFCoEOfaS35inz1"
 NETWORK_KEY = "1234567890" * 6 + "1234"
-OPTIONS = SeedOptions(Robot("bob", "magni"), "ros", (KEY,))
-WIFI = Wifi('My "WiFi": yes', NETWORK_KEY, "DE")
+OPTIONS = SeedOptions(WantedRobot("bob", "magni"), "ros", (KEY,))
+WIFI = SeedNetwork('My "WiFi": yes', NETWORK_KEY, "DE")
 LAYOUT = Layout(Scheme.BOOT_SEED, "a system", None, None)
 
 

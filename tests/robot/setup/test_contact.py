@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from ur.robot.setup.contact import Contact, forget_contact, is_noted, needs_answer, note_contact
+from ur.robot.setup.contact import OfferedHostKey, forget_contact, is_noted, needs_answer, note_contact
 from ur.robot.ssh.address import Address
 from ur.robot.ssh.host_key import HostKey
 from ur.source.diagnostic import UserError
@@ -17,7 +17,7 @@ OTHER = f"SHA256:{'x' * 43}"
 
 
 def test_unknown_key_needs_an_answer_and_a_given_fingerprint_is_one() -> None:
-    contact = Contact("unknown", KEY)
+    contact = OfferedHostKey("unknown", KEY)
     assert needs_answer(ADDRESS, contact)
     assert not needs_answer(ADDRESS, contact, fingerprint=KEY.fingerprint)
     assert contact.is_first
@@ -27,11 +27,11 @@ def test_unknown_key_needs_an_answer_and_a_given_fingerprint_is_one() -> None:
 @pytest.mark.parametrize("state", ["unknown", "changed", "known", "confirmed"])
 def test_another_key_than_the_given_one_is_refused(state: str) -> None:
     with pytest.raises(UserError, match=r"its host key is SHA256:.*, expected SHA256:xxx"):
-        needs_answer(ADDRESS, Contact(state, KEY), fingerprint=OTHER, new_host_key=True)  # type: ignore[arg-type]
+        needs_answer(ADDRESS, OfferedHostKey(state, KEY), fingerprint=OTHER, new_host_key=True)  # type: ignore[arg-type]
 
 
 def test_changed_key_needs_the_word_that_it_may_and_an_answer() -> None:
-    contact = Contact("changed", KEY)
+    contact = OfferedHostKey("changed", KEY)
     with pytest.raises(UserError, match="expected the one that is known") as caught:
         needs_answer(ADDRESS, contact)
     assert "--new-host-key" in (caught.value.diagnostics[0].help or "")
@@ -40,11 +40,11 @@ def test_changed_key_needs_the_word_that_it_may_and_an_answer() -> None:
 
 
 def test_known_key_is_left_to_ssh_and_one_of_an_interrupted_set_up_is_insisted_on() -> None:
-    assert not needs_answer(ADDRESS, Contact("known"))
-    assert Contact("known", KEY).pinned is None
-    assert not needs_answer(ADDRESS, Contact("confirmed", KEY))
-    assert Contact("confirmed", KEY).pinned == KEY
-    assert not Contact("confirmed", KEY).is_first
+    assert not needs_answer(ADDRESS, OfferedHostKey("known"))
+    assert OfferedHostKey("known", KEY).pinned is None
+    assert not needs_answer(ADDRESS, OfferedHostKey("confirmed", KEY))
+    assert OfferedHostKey("confirmed", KEY).pinned == KEY
+    assert not OfferedHostKey("confirmed", KEY).is_first
 
 
 def test_key_is_noted_until_it_is_forgotten(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -13,17 +13,17 @@ import pytest
 
 import ur.system
 from ur.robot.setup import engine
-from ur.robot.setup.change import Change, Command
+from ur.robot.setup.change import Change, ChangeScript
 from ur.robot.setup.engine import apply_change, bring_about, plan_together
-from ur.robot.setup.facts import Facts, Request
+from ur.robot.setup.facts import ComputerFacts, FactsRequest
 from ur.robot.setup.made import RECORD
 from ur.robot.setup.wanted import WantedLine
 from ur.robot.ssh.secret import Secret
-from ur.robot.ssh.shell import Done, LocalShell
+from ur.robot.ssh.shell import LocalShell, ShellResult
 from ur.source.diagnostic import UserError
 
 
-def change(command: Command) -> Change:
+def change(command: ChangeScript) -> Change:
     return Change("packages", "", (command,))
 
 
@@ -35,12 +35,12 @@ def test_command_that_fetches_packages_gets_the_proxy_and_its_own_input(tmp_path
         return Secret("http://u:word@127.0.0.1:9\nhere.test\n")
 
     script = f"{{ echo $http_proxy $https_proxy $no_proxy; cat; }} >{tmp_path}/said"
-    apply_change(LocalShell(), change(Command(script, stdin="own\n", fetches=True)), route=route)
+    apply_change(LocalShell(), change(ChangeScript(script, stdin="own\n", fetches=True)), route=route)
     url = "http://u:word@127.0.0.1:9"
     assert (tmp_path / "said").read_text() == f"{url} {url} here.test\nown\n"
-    apply_change(LocalShell(), change(Command(script, stdin="own\n", fetches=True)))
+    apply_change(LocalShell(), change(ChangeScript(script, stdin="own\n", fetches=True)))
     assert (tmp_path / "said").read_text() == "\nown\n"
-    apply_change(LocalShell(), change(Command(script, stdin="own\n")), route=route)
+    apply_change(LocalShell(), change(ChangeScript(script, stdin="own\n")), route=route)
     assert asked == [True]
 
 
@@ -57,7 +57,7 @@ def test_last_line_of_the_log_is_shown_while_a_command_runs(tmp_path: Path, monk
         done.set()
 
     script = f"printf 'first\\n50 %%\\rsecond\\n\\n' >>{log}; until [ -e {seen} ]; do sleep 0.01; done"
-    apply_change(LocalShell(), change(Command(script, log=str(log))), progress=progress)
+    apply_change(LocalShell(), change(ChangeScript(script, log=str(log))), progress=progress)
     assert done.is_set()
     assert set(shown) == {("packages", "second")}
 
@@ -79,7 +79,7 @@ def test_output_of_apt_and_pip_says_how_far_they_are(output: str, line: str) -> 
 
 def test_change_that_fails_is_explained_by_its_first_line() -> None:
     with pytest.raises(UserError, match="packages: no such thing"):
-        apply_change(LocalShell(), change(Command("echo no such thing >&2; echo more >&2; exit 3", fetches=True)))
+        apply_change(LocalShell(), change(ChangeScript("echo no such thing >&2; echo more >&2; exit 3", fetches=True)))
 
 
 class Restless:
@@ -88,28 +88,28 @@ class Restless:
     title = "restless"
     plans = 0
 
-    def request(self, user: str) -> Request:
-        return Request(user)
+    def request(self, user: str) -> FactsRequest:
+        return FactsRequest(user)
 
-    def plan(self, facts: Facts) -> Change:  # noqa: ARG002 - of the protocol
+    def plan(self, facts: ComputerFacts) -> Change:  # noqa: ARG002 - of the protocol
         self.plans += 1
-        return Change(self.title, f"line {self.plans}", (Command("true"),))
+        return Change(self.title, f"line {self.plans}", (ChangeScript("true"),))
 
-    def undo(self, facts: Facts) -> None:  # noqa: ARG002 - of the protocol
+    def undo(self, facts: ComputerFacts) -> None:  # noqa: ARG002 - of the protocol
         return None
 
 
 def test_set_up_that_never_comes_to_an_end_is_ended(monkeypatch: pytest.MonkeyPatch) -> None:
-    restless, facts = Restless(), Facts("pat", "/home/pat", "laptop", "", "", frozenset())
+    restless, facts = Restless(), ComputerFacts("pat", "/home/pat", "laptop", "", "", frozenset())
     monkeypatch.setattr(engine, "gather", lambda *_, **__: facts)
     with pytest.raises(UserError, match="still not as wanted"):
         engine.bring_about(
-            LocalShell(), lambda _: [restless], "pat", Request("pat"), root=False, report=lambda _change: None
+            LocalShell(), lambda _: [restless], "pat", FactsRequest("pat"), root=False, report=lambda _change: None
         )
     assert restless.plans == engine.MOST_CHANGES
 
 
-FACTS = Facts("ros", "/home/ros", "robot", "", "", frozenset())
+FACTS = ComputerFacts("ros", "/home/ros", "robot", "", "", frozenset())
 
 
 @dataclass(frozen=True)
@@ -120,13 +120,13 @@ class Item:
     files: tuple[str, ...] = ()
     packages: tuple[str, ...] = ()
 
-    def request(self, user: str) -> Request:
-        return Request(user, files=frozenset(self.files), packages=frozenset(self.packages))
+    def request(self, user: str) -> FactsRequest:
+        return FactsRequest(user, files=frozenset(self.files), packages=frozenset(self.packages))
 
-    def plan(self, facts: Facts) -> Change | None:  # noqa: ARG002 - of the protocol
+    def plan(self, facts: ComputerFacts) -> Change | None:  # noqa: ARG002 - of the protocol
         return Change(self.title, "", ())
 
-    def undo(self, facts: Facts) -> Change | None:  # noqa: ARG002 - of the protocol
+    def undo(self, facts: ComputerFacts) -> Change | None:  # noqa: ARG002 - of the protocol
         return None
 
 
@@ -143,7 +143,7 @@ class Item:
     ],
 )
 def test_changes_are_made_together_unless_one_may_alter_another(items: list[Item], together: list[str]) -> None:
-    found = plan_together(items, FACTS, "ros", Request("ros", files=frozenset({"/base"})))
+    found = plan_together(items, FACTS, "ros", FactsRequest("ros", files=frozenset({"/base"})))
     assert [change.title for change in found] == together
 
 
@@ -151,14 +151,14 @@ def test_independent_changes_need_no_look_between_them_and_all_are_as_wanted(tmp
     looks: list[str] = []
 
     class Counting(LocalShell):
-        def run(self, script: str, **more: Any) -> Done:
+        def run(self, script: str, **more: Any) -> ShellResult:
             looks.extend(["look"] if "mark end" in script else [])
             return super().run(script, **more)
 
     user = getpass.getuser()
     names = ("a", "b", "c")
     wanted = [WantedLine(name, str(tmp_path / name), name) for name in names]
-    _, count = bring_about(Counting(), lambda _: wanted, user, Request(user), root=False, report=lambda _: None)
+    _, count = bring_about(Counting(), lambda _: wanted, user, FactsRequest(user), root=False, report=lambda _: None)
     assert count == 3
     assert [(tmp_path / name).read_text() for name in names] == ["a\n", "b\n", "c\n"]
     # At first it is not known what to look at: once for that, once before the changes, once after them.

@@ -11,15 +11,15 @@ import pytest
 
 from ur.robot.setup import login
 from ur.robot.setup.login import Task, _enter_sudo, _explain_refusal, _list_tries
-from ur.robot.setup.robot_states import Robot
+from ur.robot.setup.robot_states import WantedRobot
 from ur.robot.ssh.address import Address
 from ur.robot.ssh.failures import explain_failure
 from ur.robot.ssh.secret import Secret
-from ur.robot.ssh.shell import Done
+from ur.robot.ssh.shell import ShellResult
 from ur.source.diagnostic import UserError
 
 OLD, NEW = Secret("old"), Secret("new")
-MET = Task(Address("ros", "robot.local"), Robot("robot", "magni"), OLD, NEW, first_contact=True)
+MET = Task(Address("ros", "robot.local"), WantedRobot("robot", "magni"), OLD, NEW, first_contact=True)
 KNOWN = replace(MET, first_contact=False)
 
 
@@ -44,11 +44,11 @@ class Shell:
                 return True
         return False
 
-    def run(self, _: str, *, root: bool, stdin: Secret) -> Done:
+    def run(self, _: str, *, root: bool, stdin: Secret) -> ShellResult:
         assert root
         password = Secret(stdin.reveal().split("\n")[1])
         self.sent.append(password)
-        return Done(0 if password in self.takes else 1, "", "")
+        return ShellResult(0 if password in self.takes else 1, "", "")
 
     def allow(self, candidates: Sequence[Secret]) -> None:
         self.allowed = candidates
@@ -93,7 +93,7 @@ def test_password_that_was_accepted_allows_the_new_one() -> None:
 
 def test_other_robot_that_has_the_later_name_is_not_logged_in_to(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(login, "find_known_keys", lambda _: {"a key"})
-    task = replace(MET, robot=Robot("bob", "magni"))
+    task = replace(MET, robot=WantedRobot("bob", "magni"))
     assert {one.address.host for one in _list_tries(task, Path("pinned"))} == {"robot.local"}
     assert {one.address.host for one in _list_tries(task, None)} == {"robot.local", "bob.local"}
 

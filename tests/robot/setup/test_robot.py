@@ -8,7 +8,7 @@ from ur.robot.setup.login import explain_sudo
 from ur.robot.setup.robot import set_clock
 from ur.robot.ssh.address import Address
 from ur.robot.ssh.secret import Secret
-from ur.robot.ssh.shell import Done
+from ur.robot.ssh.shell import ShellResult
 
 
 @pytest.mark.parametrize(
@@ -36,9 +36,9 @@ class Clock:
         self.seconds = seconds
         self.ran: list[tuple[str, bool]] = []
 
-    def run(self, script: str, *, root: bool = False, stdin: str | Secret = "", timeout: float = 60.0) -> Done:  # noqa: ARG002 - of the protocol
+    def run(self, script: str, *, root: bool = False, stdin: str | Secret = "", timeout: float = 60.0) -> ShellResult:  # noqa: ARG002 - of the protocol
         self.ran.append((script, root))
-        return Done(0, f"{self.seconds:.0f}\n", "")
+        return ShellResult(0, f"{self.seconds:.0f}\n", "")
 
 
 @pytest.mark.parametrize(

@@ -11,14 +11,14 @@ import pytest
 
 from ur.robot.discovery.ask import clock_offset
 from ur.robot.robot_file import ROBOT_FILE, RobotFile, load_robot_file
-from ur.robot.setup.facts import ABSENT, Facts, FileState
+from ur.robot.setup.facts import ABSENT, ComputerFacts, FileState
 from ur.robot.setup.keys import HOST_KEY
 from ur.robot.setup.robot_states import (
     AVAHI,
     CLOUD,
-    Robot,
-    Viewer,
+    ViewerFacts,
     WantedPassword,
+    WantedRobot,
     announcement,
     is_robot_name,
     robot_file,
@@ -31,7 +31,7 @@ HOST, OWN = (
     "ssh-ed25519 AAAAC3NzaC1lZDI1NTE5AAAAIEFBQUFBQUFBQUFBQUFBQUFBQUFBQUFBQUFBQUFBQUFB",
     "ssh-ed25519 AAAAC3NzaC1lZDI1NTE5AAAAIEJCQkJCQkJCQkJCQkJCQkJCQkJCQkJCQkJCQkJCQkJC",
 )
-FACTS = Facts(
+FACTS = ComputerFacts(
     "ros",
     "/home/ros",
     "robot",
@@ -40,8 +40,8 @@ FACTS = Facts(
     frozenset(),
     files={HOST_KEY: FileState(f"{HOST} root@robot\n"), CLOUD: ABSENT, AVAHI: ABSENT, str(ROBOT_FILE): ABSENT},
 )
-VIEWER = Viewer("pat", "laptop", f"{OWN} pat@laptop\n", f"{HOST}\n")
-ROBOT = Robot("bob", "magni", "lidar")
+VIEWER = ViewerFacts("pat", "laptop", f"{OWN} pat@laptop\n", f"{HOST}\n")
+ROBOT = WantedRobot("bob", "magni", "lidar")
 
 
 def test_way_in_comes_first_and_the_name_last() -> None:
@@ -74,23 +74,23 @@ def test_avahi_tells_no_other_name_than_that_of_the_computer() -> None:
     assert "host name (avahi)" not in [item.title for item in wanted_there(plain, ROBOT, VIEWER, None)]
 
 
-@pytest.mark.parametrize("robot", [ROBOT, Robot("yes", "stage"), Robot("007", "1e3")])
-def test_robot_file_is_read_back_as_it_was_meant(robot: Robot, tmp_path: Path) -> None:
+@pytest.mark.parametrize("robot", [ROBOT, WantedRobot("yes", "stage"), WantedRobot("007", "1e3")])
+def test_robot_file_is_read_back_as_it_was_meant(robot: WantedRobot, tmp_path: Path) -> None:
     (tmp_path / "robot.yaml").write_text(robot_file(robot))
     assert load_robot_file(tmp_path / "robot.yaml") == RobotFile(robot.name, robot.base, robot.variant)
 
 
 def test_robot_file_keeps_what_it_says_beside_name_and_base() -> None:
     devices = "devices:\n  lidar: /dev/ttyUSB0\n"
-    before = robot_file(Robot("old", "loki", "big")) + devices
+    before = robot_file(WantedRobot("old", "loki", "big")) + devices
     after = robot_file(ROBOT, before)
     assert after == robot_file(ROBOT) + devices
     assert robot_file(ROBOT, after) == after
-    assert robot_file(Robot("bob", "magni"), after) == robot_file(Robot("bob", "magni")) + devices
+    assert robot_file(WantedRobot("bob", "magni"), after) == robot_file(WantedRobot("bob", "magni")) + devices
 
 
 def test_master_is_started_at_boot_unless_it_is_not_wanted() -> None:
-    def titles(robot: Robot) -> list[str]:
+    def titles(robot: WantedRobot) -> list[str]:
         return [item.title for item in wanted_there(FACTS, robot, VIEWER, None)]
 
     assert {"ROS master at boot", "ROS master"} <= set(titles(ROBOT))

@@ -2,7 +2,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from ur.robot.setup.facts import ABSENT, Facts
+from ur.robot.setup.facts import ABSENT, ComputerFacts
 from ur.robot.setup.keys import HOST_KEY
 from ur.robot.setup.packages import WantedPackages
 from ur.robot.setup.viewer_states import wanted_here
@@ -10,6 +10,6 @@ from ur.run.debugger.choice import PACKAGES
 
 
 def test_viewer_gets_every_debugger_that_launch_knows() -> None:
-    facts = Facts("you", "/home/you", "viewer", "Debian 12", "boot", frozenset(), files={HOST_KEY: ABSENT})
+    facts = ComputerFacts("you", "/home/you", "viewer", "Debian 12", "boot", frozenset(), files={HOST_KEY: ABSENT})
     (wanted,) = (item for item in wanted_here(facts, Path("/repository")) if isinstance(item, WantedPackages))
     assert {name for entry in wanted.names for name in entry.split("|")} >= set(PACKAGES.values())

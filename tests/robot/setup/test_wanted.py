@@ -10,7 +10,7 @@ import pytest
 
 from ur.robot.setup.change import Change
 from ur.robot.setup.engine import apply_change
-from ur.robot.setup.facts import ABSENT, Facts, FileState, Request, fact_script, parse_facts
+from ur.robot.setup.facts import ABSENT, ComputerFacts, FactsRequest, FileState, fact_script, parse_facts
 from ur.robot.setup.keys import AUTHORIZED, KEY, WantedKeyPair, WantedOwnLogin
 from ur.robot.setup.made import RECORD, WantedRecord, kept_path
 from ur.robot.setup.packages import WantedPackages, WantedService
@@ -18,11 +18,11 @@ from ur.robot.setup.wanted import Wanted, WantedFile, WantedFolder, WantedGroups
 from ur.robot.ssh.shell import LocalShell
 from ur.source.diagnostic import UserError
 
-FACTS = Facts("pat", "/home/pat", "laptop", "debian bookworm", "1", frozenset({"pat", "video"}))
+FACTS = ComputerFacts("pat", "/home/pat", "laptop", "debian bookworm", "1", frozenset({"pat", "video"}))
 LINE = ". ~/.ros_setup # ours"
 
 
-def with_file(path: str, text: str | None, mode: int = 0o644) -> Facts:
+def with_file(path: str, text: str | None, mode: int = 0o644) -> ComputerFacts:
     state = ABSENT if text is None else FileState(text, mode, "pat")
     return replace(FACTS, files={path: state, RECORD: ABSENT, kept_path(path): ABSENT})
 
@@ -116,9 +116,9 @@ def test_service_is_started_unless_it_runs(active: str, enabled: str, change: bo
     assert bool(WantedService("x", "x.service").plan(facts)) is change
 
 
-def look_at(home: Path, items: list[Wanted]) -> Facts:
+def look_at(home: Path, items: list[Wanted]) -> ComputerFacts:
     """The facts of a home folder that nobody has."""
-    request = Request("nobody-else")
+    request = FactsRequest("nobody-else")
     for item in items:
         request |= item.request("nobody-else")
     script = (
@@ -248,7 +248,7 @@ def test_changes_bring_about_what_was_wanted_and_back(tmp_path: Path) -> None:
     ]
     shell = LocalShell()
 
-    def look() -> Facts:
+    def look() -> ComputerFacts:
         return look_at(tmp_path, items)
 
     for item in items:
@@ -298,9 +298,9 @@ def test_answer_that_makes_no_sense_is_an_error_and_no_defect(part: str) -> None
     names = ("home", "hostname", "system", "boot", "groups", "addresses", "broken")
     said = "".join(f"\x1e{name}\nx\n" for name in names) + f"\x1e{part}\x1eend\n"
     with pytest.raises(UserError, match="cannot be read"):
-        parse_facts(Request("ros", files=frozenset({"/etc/group"})), said)
+        parse_facts(FactsRequest("ros", files=frozenset({"/etc/group"})), said)
 
 
 def test_answer_without_its_parts_is_an_error_and_no_defect() -> None:
     with pytest.raises(UserError, match="cannot be read"):
-        parse_facts(Request("ros"), "\x1eend\n")
+        parse_facts(FactsRequest("ros"), "\x1eend\n")

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from ur.robot.ssh.guard import Lines, private_folder, run_guarded
+from ur.robot.ssh.guard import PipeLines, private_folder, run_guarded
 from ur.source import UserError
 
 MAKER = """\
@@ -66,7 +66,7 @@ def test_program_that_ends_by_itself_says_no_more(tmp_path: Path) -> None:
 
 def test_lines_that_come_together_are_read_one_by_one_and_with_patience() -> None:
     out, into = os.pipe()
-    lines = Lines(out)
+    lines = PipeLines(out)
     os.write(into, b"one\ntwo\nthr")
     assert [lines.read(60), lines.read(60), lines.read(0.01)] == ["one", "two", None]
     os.write(into, b"ee\n")

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from ur.robot.doctor.observe import parse_side
 from ur.robot.doctor.rules.login import _ONE_KEY
-from ur.robot.setup.facts import Facts, FileState
+from ur.robot.setup.facts import ComputerFacts, FileState
 from ur.robot.setup.keys import AUTHORIZED, KEY, WantedOwnLogin, allowed_key, known_host
 from ur.robot.ssh.public_key import parse_public_key
 from ur.source import UserError
@@ -79,7 +79,7 @@ def test_key_of_two_lines_is_no_change_that_never_lasts() -> None:
     files = {f"{KEY}.pub": FileState(f"{GOOD} a\n{OTHER} b\n"), AUTHORIZED: FileState(f"{GOOD} a\n{OTHER} b\n")}
     item = WantedOwnLogin("login to itself")
     with pytest.raises(UserError, match="is not a public key"):
-        item.plan(Facts("ros", "/home/ros", "bob", "", "", frozenset(), files=files))
+        item.plan(ComputerFacts("ros", "/home/ros", "bob", "", "", frozenset(), files=files))
 
 
 def test_doctor_takes_no_key_but_one() -> None:

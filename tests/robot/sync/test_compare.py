@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ur.robot.sync.compare import BOTH, CLASH, DELETED, FIRST, agree, compare, drop_ignored
-from ur.robot.sync.model import Agreed, File, Manifest, Side, Step, SyncPlan
+from ur.robot.sync.steps import Agreed, File, Manifest, Side, SyncPlan, SyncStep
 
 Tree = dict[str, File]
 Case = tuple[str, str, str, str]
@@ -245,5 +245,5 @@ def test_both_sides_count_alike(case: tuple[Tree, Tree, Tree]) -> None:
     mirrored = compare(manifest(there), manifest(here), agreed(last))
     other: dict[Side, Side] = {"here": "there", "there": "here"}
     turned = {replace(step, to=other[step.to]) for step in mirrored.steps}
-    assert turned == set[Step](plan.steps)
+    assert turned == set[SyncStep](plan.steps)
     assert [each.path for each in mirrored.conflicts] == [each.path for each in plan.conflicts]

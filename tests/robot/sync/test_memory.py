@@ -6,11 +6,13 @@ from pathlib import Path
 
 import pytest
 
-from ur.robot.sync.memory import Memory, Pair, known_files, load_memory, memory_path, store_memory
-from ur.robot.sync.model import Agreed, File
+from ur.robot.sync.memory import SyncMemory, WorkspacePair, known_files, load_memory, memory_path, store_memory
+from ur.robot.sync.steps import Agreed, File
 
 FILE = File("file", 3, 5, True, "abc")
-MEMORY = Memory(Pair("/here", "/there", "id"), {"p/odd \udce4": Agreed(FILE, File("file", 3, 6, True, "abc"))})
+MEMORY = SyncMemory(
+    WorkspacePair("/here", "/there", "id"), {"p/odd \udce4": Agreed(FILE, File("file", 3, 6, True, "abc"))}
+)
 
 
 def test_memory_comes_back(tmp_path: Path) -> None:

@@ -7,8 +7,8 @@ from datetime import timezone
 import pytest
 
 from ur.robot.sync.compare import CLASH, compare
-from ur.robot.sync.model import Conflict, File, Manifest, Step, SyncPlan
 from ur.robot.sync.show import describe_file, describe_plan, describe_size, summarise
+from ur.robot.sync.steps import Conflict, File, Manifest, SyncPlan, SyncStep
 
 SECOND = 10**9
 OLD = File("file", 1200, 1_700_000_000 * SECOND, False, "1")
@@ -39,7 +39,7 @@ def test_file_against_folder_cannot_be_taken() -> None:
 
 
 def test_many_steps_are_counted_by_folder() -> None:
-    steps = tuple(Step(f"p/{number}", "there", None, OLD) for number in range(100))
+    steps = tuple(SyncStep(f"p/{number}", "there", None, OLD) for number in range(100))
     (line,) = lines(SyncPlan(steps=steps))
     assert line.endswith("p: 100 files")
 

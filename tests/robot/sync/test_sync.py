@@ -8,7 +8,7 @@ import pytest
 
 from ur.robot.ssh.address import Address
 from ur.robot.ssh.openssh import SshShell
-from ur.robot.sync.model import File, read_files
+from ur.robot.sync.steps import File, read_files
 from ur.robot.sync.sync import rsync_command
 
 ROOTS = {"here": "/home/pat/catkin_ws/src", "there": "/home/ros/catkin_ws/src"}

@@ -6,13 +6,13 @@ from dataclasses import replace
 
 import pytest
 
-from ur.robot.doctor.wifi import Wifi
+from ur.robot.doctor.wifi import WirelessLink
 from ur.robot.wireless.advice import advise
 from ur.robot.wireless.sample import Sample
 
 NAMES = ("laptop", "bob")
 GOOD = Sample(0.0, 5, 0, 0.002)
-LINK = Wifi("wlan0", 5180.0, -50.0, 400.0, power_save=False)
+LINK = WirelessLink("wlan0", 5180.0, -50.0, 400.0, power_save=False)
 CROWDED = replace(LINK, frequency=2437.0)
 LOSSY = Sample(0.0, 5, 1, 0.002)
 

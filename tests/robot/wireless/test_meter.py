@@ -9,8 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from ur.robot.doctor.wifi import Wifi
-from ur.robot.wireless.meter import Lines, Meter, Radio
+from ur.robot.doctor.wifi import WirelessLink
+from ur.robot.wireless.meter import Meter, ProcessLines, Radio
 
 BLOCK = ("device wlan0", "\tfreq: 5180", "\tsignal: -52 dBm", "\x1e")
 PING = """\
@@ -42,7 +42,7 @@ def test_link_is_known_while_it_is_heard_of() -> None:
     assert (radio.link(), radio.wireless) == (None, None)
     for line in BLOCK:
         radio.read(line)
-    assert radio.link() == Wifi("wlan0", 5180.0, -52.0)
+    assert radio.link() == WirelessLink("wlan0", 5180.0, -52.0)
     now[0] = 110.0
     assert (radio.link(), radio.wireless) == (None, True)
 
@@ -84,7 +84,7 @@ def test_process_that_ends_is_started_again_and_none_is_left() -> None:
         seen.append(int(line))
         heard.set()
 
-    lines = Lines(lambda: ["sh", "-c", "echo $$; exec sleep 1000"], read)
+    lines = ProcessLines(lambda: ["sh", "-c", "echo $$; exec sleep 1000"], read)
     until(heard.is_set)
     heard.clear()
     lines.renew()

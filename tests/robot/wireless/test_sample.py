@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from ur.robot.doctor.wifi import Wifi
+from ur.robot.doctor.wifi import WirelessLink
 from ur.robot.wireless.record import COLUMNS, render_row
 from ur.robot.wireless.sample import Echoes, Sample, summarize
 
@@ -56,7 +56,7 @@ def test_seconds_without_an_answer_are_gaps() -> None:
 
 
 def test_summary_counts_what_was_and_how_often_it_was_away() -> None:
-    weak, strong = Wifi("wlan0", signal=-80.0), Wifi("wlan0", signal=-50.0)
+    weak, strong = WirelessLink("wlan0", signal=-80.0), WirelessLink("wlan0", signal=-50.0)
     samples = [
         Sample(0.0, 5, 0, 0.001, strong),
         Sample(1.0, 5, 5),
@@ -74,7 +74,7 @@ def test_summary_counts_what_was_and_how_often_it_was_away() -> None:
 
 
 def test_row_of_a_log_has_every_column_also_where_nothing_was_seen() -> None:
-    sample = Sample(1_700_000_000.5, 5, 1, 0.0042, Wifi("wlan0", 5180.0, -52.0, 433.3))
+    sample = Sample(1_700_000_000.5, 5, 1, 0.0042, WirelessLink("wlan0", 5180.0, -52.0, 433.3))
     row = render_row(sample, 1_700_000_000.0)
     assert row == "2023-11-14T22:13:20.500+00:00,0.5,5,1,4.200,wlan0,-52,433.3,5180,,,,\n"
     assert row.count(",") == render_row(Sample(0.0), 0.0).count(",") == len(COLUMNS) - 1

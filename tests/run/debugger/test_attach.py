@@ -4,23 +4,23 @@ from dataclasses import replace
 
 import pytest
 
-from ur.run.debugger.attach import DebugMethod, DebugMethods, NodeFacts, list_debug_methods
-from ur.run.debugger.choice import DebugTools, Target
+from ur.run.debugger.attach import DebuggedNode, DebugMethod, DebugMethods, list_debug_methods
+from ur.run.debugger.choice import DebugTarget, DebugTools
 
 ALL = frozenset({"gdb", "pudb", "debugpy", "xterm"})
 HERE = DebugTools(terminal=True, installed=ALL, python="/p", pane_program="/pane.py")
 TMUX = replace(HERE, tmux=True)
 DISPLAY = replace(HERE, display=True)
-BINARY = NodeFacts(Target("/a", "binary"), "/x/a", 12, "/x/a")
-PYTHON = NodeFacts(Target("/a", "python", "/usr/bin/python3"), "/x/a", 12, "/usr/bin/python3.11")
-MODULE = NodeFacts(Target("/a", "module"), "/x/a", 12, "/venv/bin/python3")
+BINARY = DebuggedNode(DebugTarget("/a", "binary"), "/x/a", 12, "/x/a")
+PYTHON = DebuggedNode(DebugTarget("/a", "python", "/usr/bin/python3"), "/x/a", 12, "/usr/bin/python3.11")
+MODULE = DebuggedNode(DebugTarget("/a", "module"), "/x/a", 12, "/venv/bin/python3")
 ADDRESS = "/tmp/d/join"
 WAIT = ("/p", "-I", "/pane.py", "--wait", ADDRESS, "/a")
 ATTACH = ("/p", "-I", "/pane.py", "--attach", "12")
 JOIN = ("/p", "-I", "/pane.py", "--join", ADDRESS, "/a")
 
 
-def look(facts: NodeFacts, tools: DebugTools) -> tuple[DebugMethod, ...]:
+def look(facts: DebuggedNode, tools: DebugTools) -> tuple[DebugMethod, ...]:
     found = list_debug_methods(facts, tools, ADDRESS)
     assert isinstance(found, DebugMethods), found
     return found.methods
@@ -38,7 +38,7 @@ def test_gdb_takes_a_program_that_runs(tools: DebugTools, command: tuple[str, ..
 
 
 def test_script_that_became_a_program_is_taken_by_gdb() -> None:
-    (method,) = look(NodeFacts(Target("/a", "script"), "/x/a", 12, "/x/real"), HERE)
+    (method,) = look(DebuggedNode(DebugTarget("/a", "script"), "/x/a", 12, "/x/real"), HERE)
     assert method.command == (*ATTACH, "gdb", "-q", "-p", "12")
 
 
@@ -47,7 +47,7 @@ def test_script_that_became_a_program_is_taken_by_gdb() -> None:
     (replace(PYTHON, pid=None, process=""), ("/usr/bin/python3", "-m", "pudb")),
     (MODULE, ("env", "UR_NODE_PYTHON_OPTIONS=-m pudb")),
 ])  # fmt: skip
-def test_python_is_started_again_in_pudb(facts: NodeFacts, tool: tuple[str, ...]) -> None:
+def test_python_is_started_again_in_pudb(facts: DebuggedNode, tool: tuple[str, ...]) -> None:
     for tools, before in ((HERE, ()), (TMUX, ("tmux", "split-window", "-h")), (DISPLAY, ("xterm", "-T", "/a", "-e"))):
         (method,) = look(facts, tools)
         assert method.command == (*before, *WAIT)
@@ -81,9 +81,9 @@ def test_crash_without_core_file_says_why_and_offers_a_new_start() -> None:
 @pytest.mark.parametrize(("facts", "tools", "told"), [
     (BINARY, replace(HERE, installed=frozenset()), "sudo apt-get install gdb"),
     (PYTHON, replace(HERE, installed=frozenset({"gdb"})), "sudo apt-get install python3-pudb"),
-    (NodeFacts(Target("/a", "script"), "/x/a", 12, "/usr/bin/bash"), HERE, "bash -x"),
-    (NodeFacts(Target("/a", "script"), "/x/a"), HERE, "does not run"),
+    (DebuggedNode(DebugTarget("/a", "script"), "/x/a", 12, "/usr/bin/bash"), HERE, "bash -x"),
+    (DebuggedNode(DebugTarget("/a", "script"), "/x/a"), HERE, "does not run"),
     (BINARY, replace(HERE, terminal=False), "no terminal"),
 ])  # fmt: skip
-def test_node_that_cannot_be_debugged_has_a_reason(facts: NodeFacts, tools: DebugTools, told: str) -> None:
+def test_node_that_cannot_be_debugged_has_a_reason(facts: DebuggedNode, tools: DebugTools, told: str) -> None:
     assert told in str(list_debug_methods(facts, tools, ADDRESS))

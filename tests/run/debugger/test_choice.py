@@ -5,9 +5,9 @@ from dataclasses import replace
 import pytest
 
 from ur.run.debugger.choice import (
+    DebugTarget,
     DebugTools,
     Kind,
-    Target,
     Tool,
     choose_tool,
     find_kind,
@@ -20,8 +20,8 @@ HERE = DebugTools(terminal=True, installed=ALL, python="/p", pane_program="/pane
 TMUX = replace(HERE, tmux=True)
 DISPLAY = replace(HERE, display=True)
 NOTHING = replace(HERE, terminal=False)
-PYTHON = Target("/a", "python", "/usr/bin/python3")
-BINARY = Target("/a", "binary")
+PYTHON = DebugTarget("/a", "python", "/usr/bin/python3")
+BINARY = DebugTarget("/a", "binary")
 
 
 @pytest.mark.parametrize(("head", "kind", "interpreter"), [
@@ -50,14 +50,14 @@ def test_tool_without_a_wish(kind: Kind, tool: Tool) -> None:
     ("pudb", PYTHON, DISPLAY, "window", ("xterm", "-T", "/a", "-e", "/usr/bin/python3", "-m", "pudb")),
     ("pudb", PYTHON, replace(DISPLAY, tmux=True), "pane", ("/p", "-I", "/pane.py")),
     ("pudb", PYTHON, replace(DISPLAY, installed=ALL - {"xterm"}), "here", ("/usr/bin/python3",)),
-    ("pudb", Target("/a", "module"), HERE, "here", ("env", "UR_NODE_PYTHON_OPTIONS=-m pudb")),
+    ("pudb", DebugTarget("/a", "module"), HERE, "here", ("env", "UR_NODE_PYTHON_OPTIONS=-m pudb")),
     ("gdb", BINARY, HERE, "here", ("gdb", "-q")),
     ("gdb", BINARY, TMUX, "pane", ("/p", "-I", "/pane.py", "/a", "gdb")),
     ("gdb", BINARY, NOTHING, "log", ("gdb", "-q", "-batch")),
     ("debugpy", PYTHON, NOTHING, "log", ("/usr/bin/python3", "-m", "debugpy", "--listen", "localhost:5679")),
 ])  # fmt: skip
 def test_place_and_prefix(
-    tool: Tool, target: Target, tools: DebugTools, terminal: str, begins: tuple[str, ...]
+    tool: Tool, target: DebugTarget, tools: DebugTools, terminal: str, begins: tuple[str, ...]
 ) -> None:
     plan = plan_debugging(target, tool, tools, 5679)
     assert plan.terminal == terminal
@@ -72,13 +72,13 @@ def test_python_in_gdb_runs_its_interpreter() -> None:
 @pytest.mark.parametrize(("tool", "target", "tools", "told"), [
     ("pudb", PYTHON, NOTHING, "=debugpy"),
     ("pudb", BINARY, HERE, "=gdb"),
-    ("gdb", Target("/a", "script"), HERE, "bash -x"),
-    ("gdb", Target("/a", "module"), HERE, "=pudb"),
+    ("gdb", DebugTarget("/a", "script"), HERE, "bash -x"),
+    ("gdb", DebugTarget("/a", "module"), HERE, "=pudb"),
     ("pudb", PYTHON, replace(HERE, installed=frozenset()), "python3-pudb"),
     ("gdb", BINARY, replace(HERE, installed=frozenset()), "apt-get install gdb"),
     ("debugpy", PYTHON, replace(HERE, installed=frozenset()), "python3-debugpy"),
 ])  # fmt: skip
-def test_what_cannot_be_debugged_says_what_to_do(tool: Tool, target: Target, tools: DebugTools, told: str) -> None:
+def test_what_cannot_be_debugged_says_what_to_do(tool: Tool, target: DebugTarget, tools: DebugTools, told: str) -> None:
     with pytest.raises(UserError) as caught:
         plan_debugging(target, tool, tools, 1)
     assert told in (caught.value.diagnostics[0].help or "")

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from ur.launchfile.plan.load import load_plan
-from ur.launchfile.plan.model import Plan
+from ur.launchfile.plan.specs import Plan
 from ur.launchfile.world.memory import MemoryWorld
 from ur.run.join.claims import Claims, define_nodes, make_claims, read_claims, write_claims
 from ur.run.join.decision import Held, decide, find_free_names, find_misfits, leave_out

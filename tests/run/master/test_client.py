@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from ur.run.master.client import format_master_uri, parse_master_uri, unify_clear
-from ur.run.master.xml_rpc import Refused
+from ur.run.master.xml_rpc import CallRefused
 from ur.source import UserError
 
 
@@ -92,5 +92,5 @@ def test_only_nodes_that_do_not_answer_are_removed(master: int) -> None:
     publishers, subscribers, services = client.call("getSystemState")
     assert ["/chat", ["/alive"]] in publishers
     assert "/dead" not in str([publishers, subscribers, services])
-    with pytest.raises(Refused):
+    with pytest.raises(CallRefused):
         client.call("lookupNode", "/dead")

@@ -17,7 +17,7 @@ import pytest
 from ur.run.master import search
 from ur.run.master.client import Master, format_master_uri
 from ur.run.master.search import find_listener, find_master, read_run_id
-from ur.run.options import Options
+from ur.run.options import RunOptions
 from ur.run.output.console import Console
 from ur.source import UserError
 
@@ -76,7 +76,7 @@ def quick(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_server_that_is_no_master_is_named_with_its_process(answer: bytes | None) -> None:
     console = Warnings()
     with server(answer) as master, pytest.raises(UserError) as caught:
-        read_run_id(master, Options(), console)
+        read_run_id(master, RunOptions(), console)
     [problem] = caught.value.diagnostics
     assert f"does not answer as a ROS master listens on localhost:{master.port}" in problem.message
     assert f"process {os.getpid()})" in problem.message
@@ -92,7 +92,7 @@ def test_server_that_takes_no_more_connections_is_named_with_its_process() -> No
             link.setblocking(False)
             link.connect_ex(("localhost", port))
         with pytest.raises(UserError, match=f"listens on localhost:{port} ") as caught:
-            read_run_id(Master(format_master_uri("localhost", port), "localhost", port), Options(), Warnings())
+            read_run_id(Master(format_master_uri("localhost", port), "localhost", port), RunOptions(), Warnings())
     assert f"process {os.getpid()})" in caught.value.diagnostics[0].message
 
 
@@ -100,7 +100,7 @@ def test_server_that_takes_no_more_connections_is_named_with_its_process() -> No
 def test_busy_master_is_named_and_then_used() -> None:
     console = Warnings()
     with server(None, b"HTTP/1.0 200 OK\r\n\r\n" + ID) as master:
-        assert read_run_id(master, Options(), console) == "the id"
+        assert read_run_id(master, RunOptions(), console) == "the id"
     assert len(console.lines) == 1
     assert "a server that does not answer" in console.lines[0]
 
@@ -109,19 +109,19 @@ def test_busy_master_is_named_and_then_used() -> None:
 def test_silent_server_is_waited_for_when_asked_to() -> None:
     console = Warnings()
     with server(*[None] * 12, b"HTTP/1.0 200 OK\r\n\r\n" + ID) as master:
-        assert read_run_id(master, Options(wait_for_master=True), console) == "the id"
+        assert read_run_id(master, RunOptions(wait_for_master=True), console) == "the id"
 
 
 def test_free_port_lets_a_master_be_started() -> None:
     with socket.socket() as probe:
         probe.bind(("localhost", 0))
         port = probe.getsockname()[1]
-        assert read_run_id(Master("", "localhost", port), Options(), Warnings()) is None
+        assert read_run_id(Master("", "localhost", port), RunOptions(), Warnings()) is None
         assert find_listener(port) is None
 
 
 def test_other_port_keeps_the_brackets_of_an_ipv6_address() -> None:
-    master = find_master({"ROS_MASTER_URI": "http://[::1]:11311"}, Options(port=11400))
+    master = find_master({"ROS_MASTER_URI": "http://[::1]:11311"}, RunOptions(port=11400))
     assert (master.uri, master.host, master.port) == ("http://[::1]:11400", "::1", 11400)
 
 

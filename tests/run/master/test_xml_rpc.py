@@ -14,7 +14,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ur.run.master.xml_rpc import MAXINT, Refused, Unanswered, call_method, dump_value, parse_response
+from ur.run.master.xml_rpc import MAXINT, CallRefused, Unanswered, call_method, dump_value, parse_response
 
 _TEXT = st.text(st.characters(blacklist_categories=("Cs", "Cc")))
 _VALUES: st.SearchStrategy[Any] = st.recursive(
@@ -62,7 +62,7 @@ def test_value_without_type_is_a_string() -> None:
 
 
 def test_fault_is_refused_with_its_text() -> None:
-    with pytest.raises(Refused, match="no such method"):
+    with pytest.raises(CallRefused, match="no such method"):
         parse_response(xmlrpc.client.dumps(xmlrpc.client.Fault(1, "no such method")).encode())
 
 

@@ -4,7 +4,7 @@ import pytest
 
 from ur.run.output.messages import LossLines, describe_death, describe_link, describe_status
 from ur.run.supervisor.actions import ReportDeath
-from ur.run.supervisor.model import ExitStatus
+from ur.run.supervisor.state import ExitStatus
 
 
 @pytest.mark.parametrize(

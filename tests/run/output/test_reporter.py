@@ -5,9 +5,9 @@ from __future__ import annotations
 from types import SimpleNamespace
 from typing import Any, cast
 
-from ur.run.output.reporter import Reporter
+from ur.run.output.reporter import RunReporter
 from ur.run.supervisor.actions import ReportDeath, ReportMaster, ReportStop
-from ur.run.supervisor.model import ExitStatus
+from ur.run.supervisor.state import ExitStatus
 
 
 class Kept:
@@ -36,14 +36,14 @@ class Kept:
         return "/log/a"
 
 
-def make_reporter() -> tuple[Reporter, Kept]:
+def make_reporter() -> tuple[RunReporter, Kept]:
     program = SimpleNamespace(unit=SimpleNamespace(name="/a", terminal=False), log_name="a")
     clients = SimpleNamespace(record_end=None)
     run = SimpleNamespace(
         folder="/log", master=None, programs=(program,), restart_share=None, list_joined=None, clients=clients
     )
     kept = cast("Any", Kept())
-    return Reporter(cast("Any", run), kept, kept, kept), kept
+    return RunReporter(cast("Any", run), kept, kept, kept), kept
 
 
 def test_death_is_an_error_whose_explanation_follows() -> None:

@@ -5,10 +5,10 @@ from dataclasses import replace
 import pytest
 
 from ur.run.remote.local_runs import is_marked
-from ur.run.remote.protocol import Request
+from ur.run.remote.protocol import ShareRequest
 from ur.run.remote.start import launch_arguments
 
-REQUEST = Request("begin", "bob", ("chat", "chat.launch", "text:=a  b"), ("--only", "/talk"), ("/talk",))
+REQUEST = ShareRequest("begin", "bob", ("chat", "chat.launch", "text:=a  b"), ("--only", "/talk"), ("/talk",))
 PYTHON = ["/home/ros/ubiquity_launches/.venv/bin/python", "-m", "ur"]
 
 
@@ -26,7 +26,7 @@ def test_run_is_known_by_the_words_that_started_it() -> None:
         replace(REQUEST, options=()),
     ],
 )
-def test_run_of_another_program_is_not_taken_for_it(other: Request) -> None:
+def test_run_of_another_program_is_not_taken_for_it(other: ShareRequest) -> None:
     assert not is_marked([*PYTHON, *launch_arguments(other, [], "/r")], REQUEST)
 
 

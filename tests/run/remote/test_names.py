@@ -3,7 +3,7 @@ from __future__ import annotations
 import pytest
 
 from ur.launchfile.plan.load import load_plan
-from ur.launchfile.plan.model import Plan
+from ur.launchfile.plan.specs import Plan
 from ur.launchfile.world import MemoryWorld
 from ur.run.master.client import Master
 from ur.run.remote.names import choose_names, find_taken, is_same_master, rename_nodes

@@ -6,10 +6,10 @@ from typing import Any
 
 import pytest
 
-from ur.run.remote.protocol import Answer, Client, Problem, Request, dump, parse_answer, parse_request
+from ur.run.remote.protocol import Client, Problem, ShareAnswer, ShareRequest, dump, parse_answer, parse_request
 
 CLIENT = Client("a1b2", "laptop", "m1", 77, ("/keys",))
-REQUEST = Request(
+REQUEST = ShareRequest(
     "begin", "bob", ("chat", "chat.launch", "text:=a  b\n"), ("--only", "/talk"), ("/talk",), "http://bob.local:11311",
     "bob.local", CLIENT, ("a1b2",),
 )  # fmt: skip
@@ -17,7 +17,7 @@ REQUEST = Request(
 
 def test_requests_and_answers_are_read_as_they_were_written() -> None:
     assert parse_request(dump(REQUEST)) == REQUEST
-    answer = Answer(
+    answer = ShareAnswer(
         "chat.7",
         found=True,
         running=("/a",),
@@ -26,7 +26,7 @@ def test_requests_and_answers_are_read_as_they_were_written() -> None:
         problem=Problem("ü", "h", "r", "p"),
     )
     assert parse_answer(dump(answer)) == answer
-    assert parse_answer("{}") == Answer()
+    assert parse_answer("{}") == ShareAnswer()
 
 
 @pytest.mark.parametrize(

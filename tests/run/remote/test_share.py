@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 from tests.run.leftovers import wait_nothing_left
 
-from ur.run.remote.protocol import Answer, Client, Request, dump, parse_answer
+from ur.run.remote.protocol import Client, ShareAnswer, ShareRequest, dump, parse_answer
 
 pytestmark = pytest.mark.ros
 SLEEPER = '<node machine="bob" pkg="little_nodes" type="sleeper" name="{}"><!--ready: process--></node>'
@@ -19,10 +19,10 @@ ONE = Client("a1", "laptop", "m1", 7, detached=True)  # such a client counts as 
 TWO = Client("b2", "laptop2", "m2", 7, detached=True)
 
 
-def request_of(world: Any, client: Client, *nodes: str, file: str = "test.launch") -> Request:
+def request_of(world: Any, client: Client, *nodes: str, file: str = "test.launch") -> ShareRequest:
     path = world.write("".join(SLEEPER.format(node) for node in nodes), file)
     uri = f"http://localhost:{world.port}"
-    return Request(
+    return ShareRequest(
         "begin",
         "bob",
         (path,),
@@ -33,7 +33,7 @@ def request_of(world: Any, client: Client, *nodes: str, file: str = "test.launch
     )
 
 
-def ask(world: Any, request: Request | str) -> Answer:
+def ask(world: Any, request: ShareRequest | str) -> ShareAnswer:
     done = subprocess.run(
         [sys.executable, "-I", "-m", "ur.run.remote.share"],
         input=request if isinstance(request, str) else dump(request),
@@ -47,7 +47,7 @@ def ask(world: Any, request: Request | str) -> Answer:
     return parse_answer(done.stdout.splitlines()[-1])
 
 
-def leave(world: Any, request: Request) -> Answer:
+def leave(world: Any, request: ShareRequest) -> ShareAnswer:
     return ask(world, replace(request, action="end"))
 
 
@@ -120,7 +120,7 @@ def test_run_that_was_started_on_the_robot_itself_goes_on(world: Any) -> None:
     request = request_of(world, ONE, "talk")
     began = ask(world, request)
     assert (began.run, began.running, began.clients) == ("", ("/talk",), ())
-    assert leave(world, request) == Answer()
+    assert leave(world, request) == ShareAnswer()
     assert list_runs(world) == runs
     assert world.ur("stop", "--all").wait() == 0
 

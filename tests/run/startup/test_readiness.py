@@ -8,11 +8,11 @@ from collections import deque
 
 import pytest
 
-from ur.launchfile.plan.model import ReadyCondition
-from ur.run.master.tcpros import Listener, NoTopic, read_frames
-from ur.run.startup.readiness import Graph, Received, find_missing, measure_rate
+from ur.launchfile.plan.specs import ReadyCondition
+from ur.run.master.tcpros import NoTopic, TopicConnection, read_frames
+from ur.run.startup.readiness import MasterGraph, ReceivedMessages, find_missing, measure_rate
 
-GRAPH = Graph(
+GRAPH = MasterGraph(
     {"/chat": ["/talker"], "/act/status": ["/server"], "/lonely/status": ["/server"]},
     {"/act/goal": ["/server"]},
     {"/talker/get_loggers": ["/talker"]},
@@ -20,13 +20,13 @@ GRAPH = Graph(
 
 
 def missing(
-    *conditions: ReadyCondition, node: str = "/talker", received: dict[str, Received] | None = None
+    *conditions: ReadyCondition, node: str = "/talker", received: dict[str, ReceivedMessages] | None = None
 ) -> tuple[str, ...]:
     return find_missing(node, conditions, GRAPH, received or {}, now=10.0)
 
 
-def times(rate: float, count: int, end: float = 10.0) -> Received:
-    return Received(deque(end - number / rate for number in reversed(range(count))))
+def times(rate: float, count: int, end: float = 10.0) -> ReceivedMessages:
+    return ReceivedMessages(deque(end - number / rate for number in reversed(range(count))))
 
 
 def test_registered_node_without_conditions_is_up() -> None:
@@ -70,7 +70,7 @@ def test_rate_of_a_topic_that_no_longer_comes_is_unknown() -> None:
 
 
 def test_frames_come_from_both_tf_topics() -> None:
-    received = {"/tf": Received(frames={"odom"}), "/tf_static": Received(frames={"laser"})}
+    received = {"/tf": ReceivedMessages(frames={"odom"}), "/tf_static": ReceivedMessages(frames={"laser"})}
     assert missing(ReadyCondition("frame", "odom"), ReadyCondition("frame", "laser"), received=received) == ()
     assert missing(ReadyCondition("frame", "map"), received=received) == (
         "tf frame map is not there, only: laser, odom",
@@ -90,7 +90,7 @@ def test_frames_are_read_from_messages_and_broken_ones_are_harmless() -> None:
 
 def test_listener_takes_messages_in_any_pieces_and_keeps_only_their_beginning() -> None:
     ours, theirs = socket.socketpair()
-    listener = Listener(ours, keep=3)
+    listener = TopicConnection(ours, keep=3)
     stream = b"".join(struct.pack("<I", len(body)) + body for body in (b"header", b"abcdef", b"", b"xy" * 40))
     got = []
     for index in range(len(stream)):
@@ -105,7 +105,7 @@ def test_listener_takes_messages_in_any_pieces_and_keeps_only_their_beginning() 
 
 def test_listener_reports_a_publisher_that_refuses() -> None:
     ours, theirs = socket.socketpair()
-    listener = Listener(ours, keep=3)
+    listener = TopicConnection(ours, keep=3)
     header = struct.pack("<I", 8) + b"error=no"
     theirs.send(struct.pack("<I", len(header)) + header)
     with pytest.raises(NoTopic, match="no"):

@@ -5,7 +5,7 @@ import signal
 import pytest
 
 from ur.run.supervisor.advice import Crash, advise
-from ur.run.supervisor.model import ExitStatus
+from ur.run.supervisor.state import ExitStatus
 
 
 @pytest.mark.parametrize(("status", "lines", "advice"), [

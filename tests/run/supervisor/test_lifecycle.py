@@ -7,7 +7,7 @@ from signal import SIGINT, SIGTERM
 import pytest
 from tests.run.histories import CLEAN, FAILED, KILLED, History
 
-from ur.run.supervisor.actions import Finish, ReportDeath, ReportStop, Signal, Start, Sweep
+from ur.run.supervisor.actions import Finish, ReportDeath, ReportStop, SignalUnit, StartUnit, Sweep
 from ur.run.supervisor.events import (
     Begin,
     Evicted,
@@ -22,7 +22,7 @@ from ur.run.supervisor.events import (
     Tick,
     Unregistered,
 )
-from ur.run.supervisor.model import ExitStatus, Limits, Unit
+from ur.run.supervisor.state import ExitStatus, TimeLimits, Unit
 from ur.run.supervisor.supervisor import begin_state
 
 
@@ -31,7 +31,7 @@ def test_required_node_that_fails_ends_the_run_as_roslaunch_with_0() -> None:
     assert history.happens(Exited("/a", FAILED)) == [
         ReportDeath("/a", FAILED, ends_run=True),
         ReportStop("/a is required and has ended"),
-        Signal("/b", SIGINT),
+        SignalUnit("/b", SIGINT),
     ]
     history.happens(Exited("/b", CLEAN), NothingLeft())
     assert history.happens(Unregistered()) == [Finish(0)]
@@ -54,7 +54,7 @@ def test_run_ends_when_every_node_has_ended() -> None:
     assert history.happens(Exited("/b", FAILED)) == [
         ReportDeath("/b", FAILED),
         ReportStop("every node has ended"),
-        Signal("/rosout", SIGINT),
+        SignalUnit("/rosout", SIGINT),
     ]
 
 
@@ -75,10 +75,10 @@ def test_respawn_waits_its_delay_and_node_that_keeps_dying_comes_ever_later() ->
         assert isinstance(death, ReportDeath)
         delays.append(death.restart_in)
         assert history.happens(Tick(), after=history.due() - 0.01) == []
-        assert history.happens(Tick(), after=0.02) == [Start("/a")]
+        assert history.happens(Tick(), after=0.02) == [StartUnit("/a")]
         history.happens(Started("/a", 5))
     assert delays == [0.5, 0.5, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0, 30.0]
-    [death] = history.happens(Exited("/a", FAILED), after=Limits().quick_death)
+    [death] = history.happens(Exited("/a", FAILED), after=TimeLimits().quick_death)
     assert isinstance(death, ReportDeath)
     assert death.restart_in == 0.5
 
@@ -112,11 +112,11 @@ def test_node_that_refuses_its_input_is_given_up_sooner_and_ends_the_run_with_1(
 
 def test_no_limit_respawns_for_ever() -> None:
     history = History(Unit("/a", respawn=True))
-    history.state = begin_state([Unit("/a", respawn=True)], own_master=False, limits=Limits(quick_deaths=0))
+    history.state = begin_state([Unit("/a", respawn=True)], own_master=False, limits=TimeLimits(quick_deaths=0))
     history.running()
     for _ in range(40):
         history.happens(Exited("/a", FAILED))
-        assert history.happens(Tick(), after=history.due()) == [Start("/a")]
+        assert history.happens(Tick(), after=history.due()) == [StartUnit("/a")]
         history.happens(Started("/a", 5))
 
 
@@ -140,7 +140,7 @@ def test_run_ends_with_1_when_the_node_that_it_needs_is_evicted(unit: Unit) -> N
 def test_run_ends_with_1_when_a_run_that_it_has_joined_ends_and_hears_it_once() -> None:
     history = History(Unit("/a")).running()
     told = history.happens(OwnerEnded("first.1 ends"))
-    assert told == [ReportStop("first.1 ends", failed=True), Signal("/a", SIGINT)]
+    assert told == [ReportStop("first.1 ends", failed=True), SignalUnit("/a", SIGINT)]
     assert history.happens(OwnerEnded("second.2 ends")) == []
     history.happens(Exited("/a", CLEAN), NothingLeft())
     assert history.happens(Unregistered()) == [Finish(1)]

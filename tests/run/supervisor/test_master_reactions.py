@@ -14,7 +14,7 @@ from ur.run.supervisor.events import (
     ShareStarted,
     Started,
 )
-from ur.run.supervisor.model import State, Unit
+from ur.run.supervisor.state import State, Unit
 from ur.run.supervisor.supervisor import begin_state, step
 
 

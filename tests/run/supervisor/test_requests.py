@@ -6,21 +6,21 @@ from signal import SIGINT, SIGKILL, SIGTERM
 
 from tests.run.histories import CLEAN, FAILED, KILLED, History
 
-from ur.run.supervisor.actions import ReportDeath, ReportPressure, ReportRequest, Signal, Start
+from ur.run.supervisor.actions import ReportDeath, ReportPressure, ReportRequest, SignalUnit, StartUnit
 from ur.run.supervisor.events import Exited, RestartWanted, Started, StartWanted, StopRequested, StopWanted, Tick
-from ur.run.supervisor.model import Limits, Phase, Unit
+from ur.run.supervisor.state import RunPhase, TimeLimits, Unit
 from ur.run.supervisor.supervisor import next_deadline
 
 
 def test_storm_of_deaths_ends_with_giving_up_and_a_restart_by_hand_begins_anew() -> None:
     history = History(Unit("/a", respawn=True), Unit("/b")).running()
-    for _ in range(Limits().quick_deaths - 1):
+    for _ in range(TimeLimits().quick_deaths - 1):
         history.happens(Exited("/a", FAILED), after=0.1)
         history.happens(Tick(), after=history.due())
         history.happens(Started("/a", 5))
-    assert history.happens(Exited("/a", FAILED)) == [ReportDeath("/a", FAILED, deaths=Limits().quick_deaths)]
+    assert history.happens(Exited("/a", FAILED)) == [ReportDeath("/a", FAILED, deaths=TimeLimits().quick_deaths)]
     assert next_deadline(history.state) is None
-    assert history.happens(RestartWanted("/a")) == [Start("/a")]
+    assert history.happens(RestartWanted("/a")) == [StartUnit("/a")]
     history.happens(Started("/a", 6))
     [death] = history.happens(Exited("/a", FAILED))
     assert isinstance(death, ReportDeath)
@@ -30,18 +30,18 @@ def test_storm_of_deaths_ends_with_giving_up_and_a_restart_by_hand_begins_anew()
 def test_node_stopped_by_hand_stays_stopped_and_keeps_the_run() -> None:
     history = History(Unit("/a", respawn=True), Unit("/b", required=True)).running()
     for name in ("/a", "/b"):
-        assert history.happens(StopWanted(name)) == [Signal(name, SIGINT)]
+        assert history.happens(StopWanted(name)) == [SignalUnit(name, SIGINT)]
         assert history.happens(Exited(name, FAILED)) == [ReportRequest(name)]
-    assert history.state.phase is Phase.RUNNING
+    assert history.state.phase is RunPhase.RUNNING
     assert next_deadline(history.state) is None
-    assert history.happens(StartWanted("/a")) == [Start("/a")]
+    assert history.happens(StartWanted("/a")) == [StartUnit("/a")]
 
 
 def test_stubborn_node_stopped_by_hand_gets_stronger_signals() -> None:
     history = History(Unit("/a"), Unit("/b")).running()
     history.happens(StopWanted("/a"))
-    assert history.happens(Tick(), after=history.due()) == [ReportPressure(("/a",), SIGTERM), Signal("/a", SIGTERM)]
-    assert history.happens(Tick(), after=history.due()) == [ReportPressure(("/a",), SIGKILL), Signal("/a", SIGKILL)]
+    assert history.happens(Tick(), after=history.due()) == [ReportPressure(("/a",), SIGTERM), SignalUnit("/a", SIGTERM)]
+    assert history.happens(Tick(), after=history.due()) == [ReportPressure(("/a",), SIGKILL), SignalUnit("/a", SIGKILL)]
     history.happens(Tick(), after=history.due())
     assert next_deadline(history.state) is None
     assert history.happens(Exited("/a", KILLED)) == [ReportRequest("/a")]
@@ -49,10 +49,10 @@ def test_stubborn_node_stopped_by_hand_gets_stronger_signals() -> None:
 
 def test_restart_by_hand_waits_for_the_end_and_kill_does_not_ask() -> None:
     history = History(Unit("/a"), Unit("/b")).running()
-    assert history.happens(RestartWanted("/a")) == [Signal("/a", SIGINT)]
-    assert history.happens(Exited("/a", CLEAN)) == [Start("/a")]
+    assert history.happens(RestartWanted("/a")) == [SignalUnit("/a", SIGINT)]
+    assert history.happens(Exited("/a", CLEAN)) == [StartUnit("/a")]
     assert history.happens(StopWanted("/a", kill=True)) == []  # not there yet
-    assert history.happens(Started("/a", 7)) == [Signal("/a", SIGKILL)]
+    assert history.happens(Started("/a", 7)) == [SignalUnit("/a", SIGKILL)]
 
 
 def test_requests_about_core_and_unknown_nodes_are_refused_and_a_stop_forgets_all() -> None:
@@ -62,5 +62,5 @@ def test_requests_about_core_and_unknown_nodes_are_refused_and_a_stop_forgets_al
         assert isinstance(told, ReportRequest)
         assert told.refused
     history.happens(RestartWanted("/a"), StopRequested("SIGINT"))
-    assert Start("/a") not in history.happens(Exited("/a", CLEAN))
+    assert StartUnit("/a") not in history.happens(Exited("/a", CLEAN))
     assert history.happens(StartWanted("/a")) == []

@@ -17,8 +17,8 @@ from ur.run.supervisor.actions import (
     ReportRevival,
     ReportStop,
     SetParameters,
-    Signal,
-    Start,
+    SignalUnit,
+    StartUnit,
     Sweep,
     Unregister,
 )
@@ -47,33 +47,33 @@ from ur.run.supervisor.events import (
     Tick,
     Unregistered,
 )
-from ur.run.supervisor.model import Limits, Phase, Unit
+from ur.run.supervisor.state import RunPhase, TimeLimits, Unit
 from ur.run.supervisor.supervisor import begin_state, next_deadline, step
 
 
 def test_run_without_master_starts_it_first_and_terminal_nodes_last() -> None:
     history = History(Unit("/front", terminal=True), Unit("/a"), Unit("/b"), own_master=True)
-    assert history.happens(Begin()) == [Start("master"), AwaitMaster()]
+    assert history.happens(Begin()) == [StartUnit("master"), AwaitMaster()]
     assert history.happens(Started("master", 1)) == []
-    assert history.happens(MasterAnswered()) == [Start("/rosout"), SetParameters()]
+    assert history.happens(MasterAnswered()) == [StartUnit("/rosout"), SetParameters()]
     assert history.happens(Started("/rosout", 2)) == []
-    assert history.happens(ParametersSet()) == [Start("/a"), Start("/b"), Start("/front")]
+    assert history.happens(ParametersSet()) == [StartUnit("/a"), StartUnit("/b"), StartUnit("/front")]
 
 
 def test_run_with_master_starts_with_parameters() -> None:
     history = History(Unit("/a"))
     assert history.happens(Begin()) == [SetParameters()]
-    assert history.happens(ParametersSet()) == [Start("/a")]
+    assert history.happens(ParametersSet()) == [StartUnit("/a")]
 
 
 def test_master_that_does_not_answer_ends_the_run() -> None:
     history = History(Unit("/a"), own_master=True)
     history.happens(Begin(), Started("master", 1))
-    assert history.due() == Limits().master
+    assert history.due() == TimeLimits().master
     told = history.happens(Tick(), after=history.due())
     assert ReportStop("the master did not answer within 15 s", failed=True) in told
-    assert Signal("master", SIGINT) in told
-    assert Start("/a") not in told
+    assert SignalUnit("master", SIGINT) in told
+    assert StartUnit("/a") not in told
 
 
 def test_master_that_dies_at_start_ends_the_run_with_1() -> None:
@@ -97,15 +97,15 @@ def test_another_master_gets_the_parameters_and_every_node_starts_again() -> Non
     history.happens(Exited("/b", FAILED), Exited("/c", FAILED))
     assert history.happens(MasterReplaced()) == [ReportRevival(), SetParameters()]
     history.happens(Tick(), after=2.0)  # nothing starts before the parameters are there
-    assert history.happens(ParametersSet()) == [Signal("/a", SIGINT), Start("/c")]
-    assert history.happens(Exited("/a", CLEAN)) == [Start("/a")]
+    assert history.happens(ParametersSet()) == [SignalUnit("/a", SIGINT), StartUnit("/c")]
+    assert history.happens(Exited("/a", CLEAN)) == [StartUnit("/a")]
 
 
 def test_master_that_goes_again_while_parameters_are_set_does_not_end_the_run() -> None:
     history = History(Unit("/a")).running()
     history.happens(MasterReplaced())
     assert history.happens(SetupFailed("gone")) == []
-    assert history.state.phase is Phase.RUNNING
+    assert history.state.phase is RunPhase.RUNNING
     assert history.happens(MasterReplaced()) == [ReportRevival(), SetParameters()]
 
 
@@ -149,7 +149,7 @@ def test_any_history_followed_by_a_stop_ends_in_time(history: Iterable[tuple[Eve
         nonlocal state, finished
         state, actions = step(state, event, now)
         for action in actions:
-            if isinstance(action, Start):
+            if isinstance(action, StartUnit):
                 assert action.name not in alive  # never two at once
                 alive.add(action.name)
             finished += isinstance(action, Finish)
@@ -166,10 +166,10 @@ def test_any_history_followed_by_a_stop_ends_in_time(history: Iterable[tuple[Eve
     follow(StopRequested("SIGINT"))
     for _ in range(12):
         deadline = next_deadline(state)
-        if state.phase is Phase.DONE or deadline is None:
+        if state.phase is RunPhase.DONE or deadline is None:
             break
         now = max(now, deadline)
         follow(Tick())
-    assert state.phase is Phase.DONE
+    assert state.phase is RunPhase.DONE
     assert finished == 1
     assert now - stop <= 9.0  # nobody answers, not even to SIGKILL

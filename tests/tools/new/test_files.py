@@ -11,15 +11,16 @@ from ur.robot.base import read_base
 from ur.source.diagnostic import UserError
 from ur.tools.new.group import plan_multi, plan_program, plan_rviz
 from ur.tools.new.launch_text import say
-from ur.tools.new.model import Argument, BaseRequest, NewFile, NodeRequest, Observed, Part, Topic
 from ur.tools.new.node import plan_node
 from ur.tools.new.package import write_base
+from ur.tools.new.parts import BaseRequest, IncludedPart, NewArgument, NewFile, NodeRequest, NodeTopic, Observed
 from ur.tools.new.write import write_files
 
 
 def test_topics_become_arguments_and_remaps() -> None:
     seen = Observed(
-        (Topic("scan", "sensor_msgs/LaserScan"), Topic("~cost", published=True), Topic("machine")), ("clear",)
+        (NodeTopic("scan", "sensor_msgs/LaserScan"), NodeTopic("~cost", published=True), NodeTopic("machine")),
+        ("clear",),
     )
     (file,) = plan_node(NodeRequest("map", "maps", "mapper", "Make a map.", observed=seen), "mine")
     text = str(file.text)
@@ -46,12 +47,12 @@ def test_parameters_per_base_are_a_file_for_each() -> None:
 
 def test_group_asks_for_what_its_parts_require_and_hands_it_on() -> None:
     parts = [
-        Part(
+        IncludedPart(
             "$(find p)/n_a/launch/n_a.launch.xml",
             {"robot_base": None, "machine": "localhost", "gain": "1", "file": None},
         ),
-        Part("$(find p)/rviz_b/launch/rviz_b.launch.xml", {"machine": "localhost"}),
-        Part("$(find p)/n_c/launch/n_c.launch.xml", {"gain": "2"}),
+        IncludedPart("$(find p)/rviz_b/launch/rviz_b.launch.xml", {"machine": "localhost"}),
+        IncludedPart("$(find p)/n_c/launch/n_c.launch.xml", {"gain": "2"}),
     ]
     text = str(plan_multi("all", "All.", parts)[0].text)
     assert '<arg name="machine" value="$(arg robot_machine)"/>' in text
@@ -108,7 +109,7 @@ def test_arguments_with_odd_characters_are_escaped() -> None:
     from ur.tools.new.launch_text import write_launch
 
     assert """default='say "hi" &amp; &lt;go&gt;'""" in write_launch(
-        "s", "", [Argument("a", "d", 'say "hi" & <go>')], []
+        "s", "", [NewArgument("a", "d", 'say "hi" & <go>')], []
     )
 
 

@@ -2,8 +2,8 @@ from __future__ import annotations
 
 import pytest
 
-from ur.tools.new.model import Observed
 from ur.tools.new.node_defaults import add_defaults, read_defaults
+from ur.tools.new.parts import Observed
 
 
 def test_literal_defaults_of_private_parameters_are_read() -> None:

@@ -9,8 +9,8 @@ import psutil
 import pytest
 
 from ur.source.diagnostic import UserError
-from ur.tools.new.model import Topic
 from ur.tools.new.observe import observe_node
+from ur.tools.new.parts import NodeTopic
 
 pytestmark = pytest.mark.ros
 
@@ -42,9 +42,9 @@ def test_node_shows_its_topics_services_and_parameters_and_leaves_nothing(tmp_pa
     before = {each.pid for each in psutil.Process().children(recursive=True)}
     seen = observe_node(make(tmp_path, NODE), os.environ, 60.0, told.append)
     assert seen.topics == (
-        Topic("orders", "std_msgs/String"),
-        Topic("chatter", "std_msgs/String", published=True),
-        Topic("~status", "std_msgs/String", published=True),
+        NodeTopic("orders", "std_msgs/String"),
+        NodeTopic("chatter", "std_msgs/String", published=True),
+        NodeTopic("~status", "std_msgs/String", published=True),
     )
     assert seen.services == ("~clear",)
     assert seen.parameters == {"rate": None, "names/first": "Ada"}

@@ -15,8 +15,8 @@ import rospy
 from sensor_msgs.msg import CompressedImage
 from tests.ur_nodes.camera.fake_device import FakeCamera, FakeFile
 
-from ur.devices.model import Device, Snapshot
-from ur_nodes.camera.finder import System
+from ur.devices.device import Device, DeviceSnapshot
+from ur_nodes.camera.finder import FinderSystem
 from ur_nodes.camera.raspicam_node import main
 
 HOLD = 15  # pictures that a camera takes of each file
@@ -48,20 +48,22 @@ class Computer:
         for camera in self._cameras:
             camera.feed(data)
 
-    def system(self) -> System:
+    def system(self) -> FinderSystem:
         """The parts of the computer that a node needs."""
-        return System(open_device=self.open, inspect=self.inspect, is_raspberry=lambda: False, devices=self._folder)
+        return FinderSystem(
+            open_device=self.open, inspect=self.inspect, is_raspberry=lambda: False, devices=self._folder
+        )
 
     def open(self, path: str) -> FakeFile:
         return self._cameras[int(path.removeprefix("/dev/video")) // 2].open(path)
 
-    def inspect(self) -> Snapshot:
+    def inspect(self) -> DeviceSnapshot:
         found = [
             Device(f"/dev/video{2 * n}", "camera", "046d:082d", f"A{n}", "Logitech", "C920", "uvcvideo", f"1-{n}")
             for n, camera in enumerate(self._cameras)
             if camera.plugged
         ]
-        return Snapshot("pat", devices=tuple(found))
+        return DeviceSnapshot("pat", devices=tuple(found))
 
 
 def list_pictures(picture: str) -> list[Path]:

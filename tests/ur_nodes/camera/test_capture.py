@@ -8,13 +8,13 @@ from tests.ur_nodes.camera.fake_device import FakeCamera, make_jpeg
 
 from ur_nodes.camera import abi, controls
 from ur_nodes.camera.capture import V4l2Camera
-from ur_nodes.camera.model import Adjustments, CameraError, Frame, Settings
+from ur_nodes.camera.source import Adjustments, CameraError, CameraSettings, Frame
 
 JPEG = make_jpeg()
 
 
-def open_camera(camera: FakeCamera, settings: Settings | None = None) -> V4l2Camera:
-    return V4l2Camera(camera.open("/dev/video0"), "/dev/video0", settings or Settings())
+def open_camera(camera: FakeCamera, settings: CameraSettings | None = None) -> V4l2Camera:
+    return V4l2Camera(camera.open("/dev/video0"), "/dev/video0", settings or CameraSettings())
 
 
 def read(source: V4l2Camera) -> Frame:
@@ -91,13 +91,13 @@ def test_nearest_size_is_used_before_the_better_format() -> None:
 
 def test_sizes_in_steps_are_met() -> None:
     camera = FakeCamera({"MJPG": [(32, 32), (1920, 1080), (8, 4)]})
-    mode = open_camera(camera, Settings(width=641, height=481)).mode
+    mode = open_camera(camera, CameraSettings(width=641, height=481)).mode
     assert (mode.width, mode.height) == (640, 480)
 
 
 def test_raw_pictures_become_pixels() -> None:
     camera = FakeCamera({"YUYV": [(2, 2)]})
-    source = open_camera(camera, Settings(width=2, height=2))
+    source = open_camera(camera, CameraSettings(width=2, height=2))
     camera.feed(bytes([76, 85, 76, 255] * 2))  # ITU-R BT.601: red
     pixels = read(source).pixels
     assert pixels is not None
@@ -106,14 +106,14 @@ def test_raw_pictures_become_pixels() -> None:
 
 def test_camera_mirrors_by_itself_where_it_can() -> None:
     camera = FakeCamera(controls={controls.MIRROR: (0, 1, 1, 0), controls.FLIP: (0, 1, 1, 0)})
-    source = open_camera(camera, Settings(flip_horizontally=True, flip_vertically=True))
+    source = open_camera(camera, CameraSettings(flip_horizontally=True, flip_vertically=True))
     assert (camera.values[controls.MIRROR], camera.values[controls.FLIP]) == (1, 1)
     assert source.mode.passed_on
 
 
 def test_pictures_are_mirrored_here_where_the_camera_cannot() -> None:
     camera = FakeCamera()
-    source = open_camera(camera, Settings(flip_horizontally=True))
+    source = open_camera(camera, CameraSettings(flip_horizontally=True))
     assert not source.mode.passed_on
     camera.feed(JPEG)
     pixels = read(source).pixels
@@ -131,7 +131,7 @@ def test_exposure_and_brightness_are_set_on_the_scale_of_the_camera() -> None:
         }
     )
     asked = Adjustments(brightness=75, contrast=-50, shutter_speed=20_000, sharpness=10)
-    source = open_camera(camera, Settings(adjustments=asked))
+    source = open_camera(camera, CameraSettings(adjustments=asked))
     assert camera.values[controls.BRIGHTNESS] == 32
     assert camera.values[controls.CONTRAST] == 15
     assert camera.values[controls.EXPOSURE_AUTO] == 1

@@ -5,9 +5,9 @@ import os
 
 import pytest
 
-from ur.devices.model import Device, Holder, Snapshot
+from ur.devices.device import Device, DeviceHolder, DeviceSnapshot
 from ur_nodes.camera.choice import choose_camera, describe_choice, explain_failure
-from ur_nodes.camera.model import CameraError
+from ur_nodes.camera.source import CameraError
 
 FIRST = Device("/dev/video0", "camera", "046d:082d", "A1", "Logitech", "HD Pro Webcam C920", "uvcvideo", "1-1")
 SECOND = Device(
@@ -15,14 +15,14 @@ SECOND = Device(
 )
 RIBBON = Device("/dev/video4", "camera", product="unicam-image", driver="unicam")
 LIDAR = Device("/dev/ttyUSB0", "serial", "10c4:ea60", product="CP2102 USB to UART Bridge Controller")
-TWO = Snapshot("pat", devices=(LIDAR, FIRST, SECOND))
+TWO = DeviceSnapshot("pat", devices=(LIDAR, FIRST, SECOND))
 
 
-def find(snapshot: Snapshot, wanted: str = "", number: int = 0, *, raspberry: bool = False) -> str:
+def find(snapshot: DeviceSnapshot, wanted: str = "", number: int = 0, *, raspberry: bool = False) -> str:
     return choose_camera(snapshot, wanted, number, raspberry=raspberry).path
 
 
-def refuse(snapshot: Snapshot, wanted: str = "", number: int = 0, *, raspberry: bool = False) -> CameraError:
+def refuse(snapshot: DeviceSnapshot, wanted: str = "", number: int = 0, *, raspberry: bool = False) -> CameraError:
     with pytest.raises(CameraError) as caught:
         find(snapshot, wanted, number, raspberry=raspberry)
     return caught.value
@@ -37,11 +37,11 @@ def test_first_camera_is_used_and_others_by_number_name_or_path() -> None:
 
 
 def test_path_that_is_not_known_is_tried_all_the_same() -> None:
-    assert find(Snapshot(), "/dev/video7") == "/dev/video7"
+    assert find(DeviceSnapshot(), "/dev/video7") == "/dev/video7"
 
 
 def test_camera_on_the_ribbon_is_read_by_libcamera() -> None:
-    snapshot = Snapshot(devices=(FIRST, RIBBON))
+    snapshot = DeviceSnapshot(devices=(FIRST, RIBBON))
     assert choose_camera(snapshot, "", 1, raspberry=True).number == 1
     assert find(snapshot) == ""
     assert find(snapshot, "/dev/video4") == ""
@@ -50,14 +50,14 @@ def test_camera_on_the_ribbon_is_read_by_libcamera() -> None:
 
 
 def test_without_a_camera_it_is_told_where_it_was_looked_for_and_what_to_do() -> None:
-    problem = refuse(Snapshot(devices=(LIDAR,)))
+    problem = refuse(DeviceSnapshot(devices=(LIDAR,)))
     assert problem.reason.startswith("no camera is there: looked for USB cameras (/dev/video*)")
     assert "plug a USB camera in" in problem.help
     assert problem.waits
-    ribbon = refuse(Snapshot(), raspberry=True).help
+    ribbon = refuse(DeviceSnapshot(), raspberry=True).help
     assert "dtoverlay=imx219" in ribbon
     assert "both ends" in ribbon
-    assert "container" in refuse(Snapshot(container=True)).help
+    assert "container" in refuse(DeviceSnapshot(container=True)).help
 
 
 def test_wish_that_no_camera_meets_lists_those_that_are_there() -> None:
@@ -75,11 +75,11 @@ def test_device_of_another_kind_is_named() -> None:
 
 def explain(device: Device, number: int, **values: object) -> CameraError:
     fields = {"user": "pat", "devices": (device,), **values}
-    return explain_failure(Snapshot(**fields), device.path, OSError(number, os.strerror(number)))  # type: ignore[arg-type]
+    return explain_failure(DeviceSnapshot(**fields), device.path, OSError(number, os.strerror(number)))  # type: ignore[arg-type]
 
 
 def test_program_that_uses_the_camera_is_named_with_its_process() -> None:
-    held = Device("/dev/video0", "camera", holders=(Holder(812, "cheese", "pat"),))
+    held = Device("/dev/video0", "camera", holders=(DeviceHolder(812, "cheese", "pat"),))
     problem = explain(held, errno.EBUSY)
     assert "is in use by cheese, process 812" in problem.reason
     assert problem.help == "end it: cheese, process 812, of pat"

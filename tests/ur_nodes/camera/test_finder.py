@@ -6,10 +6,10 @@ from pathlib import Path
 import pytest
 from tests.ur_nodes.camera.fake_device import FakeCamera, FakeFile
 
-from ur.devices.model import Device, Snapshot
+from ur.devices.device import Device, DeviceSnapshot
 from ur_nodes.camera.capture import V4l2Camera
-from ur_nodes.camera.finder import CameraFinder, System
-from ur_nodes.camera.model import CameraError, PictureSource, Settings
+from ur_nodes.camera.finder import CameraFinder, FinderSystem
+from ur_nodes.camera.source import CameraError, CameraSettings, PictureSource
 
 
 class Computer:
@@ -20,7 +20,7 @@ class Computer:
         self.devices: dict[str, Device] = {}
         self.inspections = 0
         self.now = 0.0
-        self.system = System(
+        self.system = FinderSystem(
             open_device=self.open,
             inspect=self.inspect,
             is_raspberry=lambda: False,
@@ -44,9 +44,9 @@ class Computer:
             raise FileNotFoundError(2, "No such file or directory", path)
         return self.cameras[path].open(path)
 
-    def inspect(self) -> Snapshot:
+    def inspect(self) -> DeviceSnapshot:
         self.inspections += 1
-        return Snapshot("pat", devices=tuple(self.devices.values()))
+        return DeviceSnapshot("pat", devices=tuple(self.devices.values()))
 
 
 @pytest.fixture
@@ -56,7 +56,7 @@ def computer(tmp_path: Path) -> Computer:
 
 def test_camera_that_comes_back_under_another_name_is_found(computer: Computer) -> None:
     computer.plug("/dev/video0", "046d:082d", serial="A1")
-    finder = CameraFinder(Settings(), system=computer.system)
+    finder = CameraFinder(CameraSettings(), system=computer.system)
     finder.open().close()
     assert "/dev/video0" in finder.description
     computer.unplug("/dev/video0")
@@ -69,7 +69,7 @@ def test_camera_that_comes_back_under_another_name_is_found(computer: Computer) 
 def test_another_camera_does_not_take_the_place_of_the_one_that_was_unplugged(computer: Computer) -> None:
     computer.plug("/dev/video0", "046d:082d", port="1-1")
     computer.plug("/dev/video2", "046d:082d", port="1-2")  # the same model, without serial numbers
-    finder = CameraFinder(Settings(), system=computer.system)
+    finder = CameraFinder(CameraSettings(), system=computer.system)
     finder.open().close()
     computer.unplug("/dev/video0")
     with pytest.raises(CameraError, match="was unplugged"):
@@ -81,15 +81,15 @@ def test_another_camera_does_not_take_the_place_of_the_one_that_was_unplugged(co
 def test_two_cameras_are_read_side_by_side(computer: Computer) -> None:
     computer.plug("/dev/video0", "046d:082d")
     computer.plug("/dev/video2", "0c45:6366")
-    first = CameraFinder(Settings(), system=computer.system).open()
-    second = CameraFinder(Settings(), number=1, system=computer.system).open()
+    first = CameraFinder(CameraSettings(), system=computer.system).open()
+    second = CameraFinder(CameraSettings(), number=1, system=computer.system).open()
     assert (first.mode.path, second.mode.path) == ("/dev/video0", "/dev/video2")
     with pytest.raises(CameraError, match="in use"):
-        CameraFinder(Settings(), system=computer.system).open()
+        CameraFinder(CameraSettings(), system=computer.system).open()
 
 
 def test_devices_are_inspected_again_when_one_changes_or_after_a_while(computer: Computer) -> None:
-    finder = CameraFinder(Settings(), system=computer.system)
+    finder = CameraFinder(CameraSettings(), system=computer.system)
     for _ in range(5):
         with pytest.raises(CameraError, match="no camera is there"):
             finder.open()
@@ -108,10 +108,10 @@ def test_ribbon_camera_is_opened_by_libcamera(computer: Computer) -> None:
     computer.plug("/dev/video0", "")
     computer.devices["/dev/video0"] = Device("/dev/video0", "camera", driver="unicam")
 
-    def open_libcamera(number: int, settings: Settings) -> PictureSource:
+    def open_libcamera(number: int, settings: CameraSettings) -> PictureSource:
         opened.append((number, settings.width))
         return V4l2Camera(FakeCamera().open(""), "", settings)
 
     system = replace(computer.system, open_libcamera=open_libcamera)
-    CameraFinder(Settings(width=320), system=system).open()
+    CameraFinder(CameraSettings(width=320), system=system).open()
     assert opened == [(0, 320)]

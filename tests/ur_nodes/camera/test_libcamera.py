@@ -10,7 +10,7 @@ from tests.ur_nodes.camera.fake_device import make_jpeg
 
 from ur_nodes.camera.libcamera import LibcameraCamera, list_controls
 from ur_nodes.camera.libcamera_program import __file__ as program
-from ur_nodes.camera.model import Adjustments, CameraError, Settings
+from ur_nodes.camera.source import Adjustments, CameraError, CameraSettings
 
 # As little of picamera2 as the program uses; names as in its manual.
 PICAMERA2 = """
@@ -71,7 +71,7 @@ def command(folder: Path) -> list[str]:
 
 
 def test_pictures_of_libcamera_arrive_and_its_process_ends_with_the_camera(folder: Path) -> None:
-    asked = Settings(width=320, height=240, quality=80, flip_horizontally=True)
+    asked = CameraSettings(width=320, height=240, quality=80, flip_horizontally=True)
     camera = LibcameraCamera(0, asked, command(folder))
     mode = camera.mode
     assert (mode.camera, mode.width, mode.height, mode.passed_on) == ("imx219", 320, 240, True)
@@ -88,7 +88,7 @@ def test_pictures_of_libcamera_arrive_and_its_process_ends_with_the_camera(folde
 def test_without_picamera2_its_package_is_named() -> None:
     empty = [sys.executable, "-I", "-S", program]
     with pytest.raises(CameraError, match="picamera2 cannot be imported") as caught:
-        LibcameraCamera(0, Settings(), empty)
+        LibcameraCamera(0, CameraSettings(), empty)
     assert "python3-picamera2" in caught.value.help
 
 
@@ -99,24 +99,24 @@ def test_without_picamera2_its_package_is_named() -> None:
 def test_missing_and_busy_cameras_are_reported(folder: Path, state: str, message: str) -> None:
     (folder / state).touch()
     with pytest.raises(CameraError, match=message):
-        LibcameraCamera(0, Settings(), command(folder))
+        LibcameraCamera(0, CameraSettings(), command(folder))
 
 
 @pytest.mark.parametrize("line", ["no JSON", "[1, 2]", '{"camera": "x"}', '{"width": 2, "height": 2}\\n' + "x" * 99])
 def test_process_that_answers_nonsense_is_ended(line: str) -> None:
     shell = ["sh", "-c", f"printf '{line}\\n'; cat >/dev/null"]
     with pytest.raises(CameraError, match=r"nonsense|ended"):
-        LibcameraCamera(0, Settings(), shell).read(5.0)
+        LibcameraCamera(0, CameraSettings(), shell).read(5.0)
 
 
 def test_process_that_ends_is_reported() -> None:
     with pytest.raises(CameraError, match="has ended"):
-        LibcameraCamera(0, Settings(), ["true"])
+        LibcameraCamera(0, CameraSettings(), ["true"])
 
 
 def test_missing_python_is_reported() -> None:
     with pytest.raises(CameraError, match="/nowhere/python3, which cannot be started"):
-        LibcameraCamera(0, Settings(), ["/nowhere/python3"])
+        LibcameraCamera(0, CameraSettings(), ["/nowhere/python3"])
 
 
 def test_adjustments_are_on_the_scales_of_libcamera() -> None:

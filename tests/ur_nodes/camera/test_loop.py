@@ -6,7 +6,7 @@ from tests.ur_nodes.camera.fake_device import FakeCamera, make_jpeg
 
 from ur_nodes.camera.capture import V4l2Camera
 from ur_nodes.camera.loop import CAMERA, STALLED, CameraLoop
-from ur_nodes.camera.model import CameraError, Frame, Mode, PictureSource, Settings
+from ur_nodes.camera.source import CameraError, CameraSettings, Frame, Mode, PictureSource
 from ur_nodes.memory.bus import Bus
 
 LOST = "the camera Fake Camera (/dev/video0) was unplugged"
@@ -48,7 +48,7 @@ class Stage:
 
     def open(self) -> PictureSource:
         try:
-            return V4l2Camera(self.camera.open("/dev/video0"), "/dev/video0", Settings())
+            return V4l2Camera(self.camera.open("/dev/video0"), "/dev/video0", CameraSettings())
         except OSError as problem:
             raise CameraError(problem.strerror or "") from None
 

@@ -14,8 +14,8 @@ from ur.source.diagnostic import UserError
 from ur_nodes.camera.calibration_file import read_calibration
 from ur_nodes.camera.camera_topics import make_shot
 from ur_nodes.camera.loop import CAMERA
-from ur_nodes.camera.model import Frame
 from ur_nodes.camera.raspicam_node import RaspicamNode
+from ur_nodes.camera.source import Frame
 from ur_nodes.memory.bus import Bus
 from ur_nodes.ports.services import Silent, UseCalibration
 from ur_nodes.ports.values import Calibration, PackedPicture, Picture, Result

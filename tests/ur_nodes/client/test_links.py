@@ -5,13 +5,20 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from ur_nodes.client.exploration import ExplorationStatus, ExplorationTopics, Frontier
+from ur_nodes.client.exploration import ExplorationStatus, ExplorationTopics, FrontierPoint
 from ur_nodes.client.map_saving import HINT, MapSaving
-from ur_nodes.client.model import Snapshot
 from ur_nodes.client.mux import MuxLink, MuxView
 from ur_nodes.client.patrol_link import PatrolLink
-from ur_nodes.client.patrol_text import Answer, PatrolRequest, PatrolStatus, Route, read_request, write_status
-from ur_nodes.exploration.status import Status
+from ur_nodes.client.patrol_text import (
+    PatrolAnswer,
+    PatrolRequest,
+    PatrolRoute,
+    PatrolStatus,
+    read_request,
+    write_status,
+)
+from ur_nodes.client.snapshot import RobotSnapshot
+from ur_nodes.exploration.status import ExploreStatus
 from ur_nodes.exploration.status import write_status as write_exploration
 from ur_nodes.geometry.pose import Pose2, Pose3
 from ur_nodes.memory.bus import Bus
@@ -83,7 +90,7 @@ def test_stop_takes_effect_when_the_mux_is_back_and_a_release_does_not(bus: Bus)
 
 def test_patrol_is_asked_and_answers_once(bus: Bus) -> None:
     link = PatrolLink(bus.node("screen"))
-    request = PatrolRequest("end", Route(), "screen-1", "", "laptop", None)
+    request = PatrolRequest("end", PatrolRoute(), "screen-1", "", "laptop", None)
     assert not link.request(request)
     assert link.status() is None
     patrol = bus.node("patrol")
@@ -95,13 +102,13 @@ def test_patrol_is_asked_and_answers_once(bus: Bus) -> None:
     bus.run(0.1)
     assert [read_request(each).id for each in received] == ["screen-1"]
     for _ in range(2):
-        statuses.send(write_status(PatrolStatus(answer=Answer("screen-1", "there is none"))))
+        statuses.send(write_status(PatrolStatus(answer=PatrolAnswer("screen-1", "there is none"))))
         bus.run(0.1)
     assert answers == ["there is none"]
-    assert link.status() == PatrolStatus(answer=Answer("screen-1", "there is none"))
+    assert link.status() == PatrolStatus(answer=PatrolAnswer("screen-1", "there is none"))
     statuses.send("{")
     bus.run(0.1)
-    assert link.status() == PatrolStatus(answer=Answer("screen-1", "there is none"))
+    assert link.status() == PatrolStatus(answer=PatrolAnswer("screen-1", "there is none"))
 
 
 def test_map_is_saved_once_at_a_time(bus: Bus) -> None:
@@ -146,14 +153,14 @@ def test_exploration_is_shown_while_it_is_there_and_how_it_ended(bus: Bus) -> No
     explore = bus.node("explore")
     statuses = explore.publish("~status", str, Quality.LATCHED)
     assert seen.shown() is None
-    statuses.send(write_exploration(Status("exploring", known=2.0)))
+    statuses.send(write_exploration(ExploreStatus("exploring", known=2.0)))
     bus.run(0.1)
-    assert seen.shown() == Status("exploring", known=2.0)
+    assert seen.shown() == ExploreStatus("exploring", known=2.0)
     statuses.send("{")
-    statuses.send(write_exploration(Status("complete", saved="flat")))
+    statuses.send(write_exploration(ExploreStatus("complete", saved="flat")))
     bus.run(0.1)
     explore.end("done")
-    assert seen.shown() == Status("complete", saved="flat")
+    assert seen.shown() == ExploreStatus("complete", saved="flat")
 
 
 def test_frontiers_goal_and_path_of_an_exploration_are_for_the_map(bus: Bus) -> None:
@@ -164,8 +171,8 @@ def test_frontiers_goal_and_path_of_an_exploration_are_for_the_map(bus: Bus) -> 
     explore.publish("plan", Path, Quality.LATCHED).send(Path(0, "map", points))
     explore.publish("current_goal", PlacedPose, Quality.LATCHED).send(PlacedPose(0, "map", Pose2(2.0, 0.0, 0.0)))
     bus.run(0.1)
-    assert topics.frontiers == (Frontier(1.0, 0.2, blocked=True),)
-    snapshot = topics.add(Snapshot())
+    assert topics.frontiers == (FrontierPoint(1.0, 0.2, blocked=True),)
+    snapshot = topics.add(RobotSnapshot())
     assert snapshot.goal.place == Pose2(2.0, 0.0, 0.0)
     assert snapshot.path is not None
     assert snapshot.path.tolist() == points[:, :2].tolist()

@@ -9,7 +9,7 @@ from ur_nodes.client.mux import (
     describe_refusal,
     view_of,
 )
-from ur_nodes.motion.obstacle_stop.report import OFF, Report
+from ur_nodes.motion.obstacle_stop.report import OFF, ObstacleReport
 
 
 def test_mux_that_is_gone_is_not_believed_any_more() -> None:
@@ -36,7 +36,7 @@ def test_people_are_told_what_they_have_to_know(view: MuxView, text: str) -> Non
 
 
 def test_obstacles_are_described_while_they_matter() -> None:
-    stopped = MuxView(False, obstacles=Report("stopped", "stopped: obstacle close ahead"))
+    stopped = MuxView(False, obstacles=ObstacleReport("stopped", "stopped: obstacle close ahead"))
     assert describe_obstacles(stopped) == "stopped: obstacle close ahead"
-    assert describe_obstacles(MuxView(False, obstacles=Report("clear"))) == ""
+    assert describe_obstacles(MuxView(False, obstacles=ObstacleReport("clear"))) == ""
     assert describe_obstacles(MuxView(False, obstacles=OFF), "; g turns it on").endswith("is off; g turns it on")

@@ -7,12 +7,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ur_nodes.client.patrol_text import (
-    Answer,
     BadPatrolError,
+    PatrolAnswer,
     PatrolRequest,
+    PatrolRoute,
     PatrolStatus,
-    Route,
-    Stop,
+    PatrolStop,
     describe_patrol,
     read_request,
     read_status,
@@ -20,14 +20,16 @@ from ur_nodes.client.patrol_text import (
     write_status,
 )
 
-ROUTE = Route((Stop("sofa", 1.0, 2.0, 0.5), Stop("", -1.0, 0.0), Stop("hall")), loop=True, wait=2.5)
+ROUTE = PatrolRoute(
+    (PatrolStop("sofa", 1.0, 2.0, 0.5), PatrolStop("", -1.0, 0.0), PatrolStop("hall")), loop=True, wait=2.5
+)
 
 
 @pytest.mark.parametrize(
     "request_",
     [
         PatrolRequest("start", ROUTE, "a-1", "client:1", "phone", (12, 500)),
-        PatrolRequest("start", Route((Stop("sofa"),))),
+        PatrolRequest("start", PatrolRoute((PatrolStop("sofa"),))),
         PatrolRequest("pause", id="a-2", client="c", name="laptop", answers=(0, 0)),
         PatrolRequest("end"),
     ],
@@ -38,13 +40,15 @@ def test_request_survives_json(request_: PatrolRequest) -> None:
 
 @pytest.mark.parametrize("state", ["idle", "driving", "paused"])
 def test_status_survives_json(state: str) -> None:
-    status = PatrolStatus(state, ROUTE, 1, 3, "by phone", Answer("a-1", "late"))  # type: ignore[arg-type] # of its list
+    status = PatrolStatus(state, ROUTE, 1, 3, "by phone", PatrolAnswer("a-1", "late"))  # type: ignore[arg-type] # of its list
     assert read_status(write_status(status)) == status
     assert read_status(write_status(PatrolStatus())) == PatrolStatus()
 
 
 def test_script_names_places_in_a_list() -> None:
-    assert read_request('{"do": "start", "places": ["sofa", "hall"]}').route == Route((Stop("sofa"), Stop("hall")))
+    assert read_request('{"do": "start", "places": ["sofa", "hall"]}').route == PatrolRoute(
+        (PatrolStop("sofa"), PatrolStop("hall"))
+    )
 
 
 @pytest.mark.parametrize(
@@ -86,7 +90,7 @@ def test_any_text_is_read_or_refused(text: str) -> None:
     [
         (PatrolStatus(), ""),
         (PatrolStatus("driving", ROUTE, 1, 2), "patrol: drives to (-1.00, 0.00) (2 of 3, round 3)"),
-        (PatrolStatus("waiting", Route((Stop("sofa"),))), "patrol: waits at sofa (1 of 1)"),
+        (PatrolStatus("waiting", PatrolRoute((PatrolStop("sofa"),))), "patrol: waits at sofa (1 of 1)"),
         (PatrolStatus("paused", ROUTE, reason="by phone"), "patrol paused before sofa (1 of 3, round 1): by phone"),
         (PatrolStatus("ended", reason="by phone"), "patrol ended: by phone"),
         (PatrolStatus("ended"), "patrol ended"),

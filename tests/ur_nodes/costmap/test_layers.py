@@ -7,7 +7,7 @@ import pytest
 from tests.ur_nodes.scans import FakeScan
 
 from ur_nodes.costmap.costmap import LETHAL, Costmap, Inflation
-from ur_nodes.costmap.layers import Beams, Ranges, beams_of_scan, shift_cells, trace_beams
+from ur_nodes.costmap.layers import Beams, UsedRanges, beams_of_scan, shift_cells, trace_beams
 from ur_nodes.costmap.map_costmap import MapCostmap
 from ur_nodes.costmap.rolling_costmap import RollingCostmap
 from ur_nodes.geometry.grid import Grid
@@ -30,7 +30,7 @@ def one_beam(angle: float, distance: float, hit: bool = True) -> Beams:
 
 def test_trace_beams_marks_where_a_ray_ends() -> None:
     occupied, place = frame()
-    box = trace_beams(occupied, place, HERE, one_beam(0.0, 2.0), Ranges(2.5, 3.0))
+    box = trace_beams(occupied, place, HERE, one_beam(0.0, 2.0), UsedRanges(2.5, 3.0))
     assert np.argwhere(occupied).tolist() == [[50, 70]]
     assert box == (slice(50, 51), slice(70, 71))
 
@@ -38,7 +38,7 @@ def test_trace_beams_marks_where_a_ray_ends() -> None:
 def test_trace_beams_clears_what_a_ray_passes_and_not_what_is_behind() -> None:
     occupied, place = frame()
     occupied[50, 55:80] = True
-    trace_beams(occupied, place, HERE, one_beam(0.0, 2.0), Ranges(2.5, 3.0))
+    trace_beams(occupied, place, HERE, one_beam(0.0, 2.0), UsedRanges(2.5, 3.0))
     assert not occupied[50, 55:70].any()
     assert occupied[50, 70:80].all()
 
@@ -48,7 +48,7 @@ def test_trace_beams_clears_every_cell_that_a_ray_crosses_well(degrees: int) -> 
     occupied, place = frame()
     occupied[:] = True
     angle = math.radians(degrees)
-    trace_beams(occupied, place, HERE, one_beam(angle, 2.0, hit=False), Ranges(2.5, 3.0))
+    trace_beams(occupied, place, HERE, one_beam(angle, 2.0, hit=False), UsedRanges(2.5, 3.0))
     along = np.arange(0.0, 1.85, 0.07)[:, None] * (math.cos(angle), math.sin(angle))
     cells = np.floor(place.fractions_of_points(along)).astype(int)
     assert not occupied[cells[:, 0], cells[:, 1]].any()
@@ -58,13 +58,13 @@ def test_trace_beams_clears_every_cell_that_a_ray_crosses_well(degrees: int) -> 
 def test_trace_beams_keeps_to_its_ranges() -> None:
     occupied, place = frame()
     occupied[50, 85] = True
-    trace_beams(occupied, place, HERE, one_beam(0.0, 4.0), Ranges(2.5, 3.0))
+    trace_beams(occupied, place, HERE, one_beam(0.0, 4.0), UsedRanges(2.5, 3.0))
     assert np.argwhere(occupied).tolist() == [[50, 85]], "too far to mark, too far to clear"
 
 
 def test_trace_beams_does_not_mark_what_is_to_be_ignored() -> None:
     occupied, place = frame()
-    ranges = Ranges(2.5, 3.0)
+    ranges = UsedRanges(2.5, 3.0)
     trace_beams(occupied, place, HERE, one_beam(0.0, 2.0), ranges, ignore=lambda cells: np.ones(len(cells), bool))
     assert not occupied.any()
 
@@ -72,8 +72,8 @@ def test_trace_beams_does_not_mark_what_is_to_be_ignored() -> None:
 def test_trace_beams_reports_no_change_for_the_same_scan_again() -> None:
     occupied, place = frame()
     beams = Beams(np.linspace(-3, 3, 90), np.full(90, 1.7), np.ones(90, bool))
-    assert trace_beams(occupied, place, HERE, beams, Ranges(2.5, 3.0)) is not None
-    assert trace_beams(occupied, place, HERE, beams, Ranges(2.5, 3.0)) is None
+    assert trace_beams(occupied, place, HERE, beams, UsedRanges(2.5, 3.0)) is not None
+    assert trace_beams(occupied, place, HERE, beams, UsedRanges(2.5, 3.0)) is None
 
 
 def test_beams_of_scan_reads_infinity_as_free_only_when_told() -> None:
@@ -93,7 +93,7 @@ def test_shift_cells_moves_the_window_not_the_world() -> None:
 
 
 def test_rolling_costmap_keeps_an_obstacle_in_its_place_while_it_rolls() -> None:
-    costmap = RollingCostmap(4.0, 0.05, Ranges(2.5, 3.0), INFLATION)
+    costmap = RollingCostmap(4.0, 0.05, UsedRanges(2.5, 3.0), INFLATION)
     nothing = Beams(np.empty(0), np.empty(0), np.empty(0, bool))
     costmap.update(HERE, HERE, one_beam(0.0, 1.0))
     for x in np.arange(0.0, 0.8, 0.03):
@@ -106,8 +106,8 @@ def test_rolling_costmap_keeps_an_obstacle_in_its_place_while_it_rolls() -> None
 def test_rolling_costmap_without_a_scan_shows_the_map_where_the_localiser_says_it_lies() -> None:
     values = np.zeros((60, 60), np.int8)
     values[:, 40] = 100  # a wall across x, 2.0 to 2.05 m
-    known = MapCostmap(Grid(values, 0.05, HERE), Ranges(0.0, 0.0), INFLATION, lethal=65, track_unknown=True).static
-    costmap = RollingCostmap(4.0, 0.05, Ranges(0.0, 0.0), INFLATION)
+    known = MapCostmap(Grid(values, 0.05, HERE), UsedRanges(0.0, 0.0), INFLATION, lethal=65, track_unknown=True).static
+    costmap = RollingCostmap(4.0, 0.05, UsedRanges(0.0, 0.0), INFLATION)
     quarter = Pose2(1.0, -1.0, math.pi / 2)  # the map's x axis is the window's y axis
     costmap.lay(Pose2(0.0, 0.5, 0.0), known, quarter)
     costmap.clear()
@@ -121,7 +121,7 @@ def test_rolling_costmap_without_a_scan_shows_the_map_where_the_localiser_says_i
 def test_map_costmap_takes_a_wall_seen_from_a_wrong_pose_for_the_wall() -> None:
     values = np.zeros((60, 60), np.int8)
     values[:, 40] = 100
-    costmap = MapCostmap(Grid(values, 0.05, HERE), Ranges(2.5, 3.0), INFLATION, lethal=65, track_unknown=True)
+    costmap = MapCostmap(Grid(values, 0.05, HERE), UsedRanges(2.5, 3.0), INFLATION, lethal=65, track_unknown=True)
     assert not costmap.update(Pose2(1.0, 1.5, 0.0), one_beam(0.0, 0.92))
     assert costmap.update(Pose2(1.0, 1.5, 0.0), one_beam(0.0, 0.5))
     assert costmap.costmap.costs_at(np.array((1.5, 1.501))) == LETHAL
@@ -133,7 +133,7 @@ def test_map_costmap_takes_a_wall_seen_from_a_wrong_pose_for_the_wall() -> None:
 
 def test_zone_is_an_obstacle_of_the_plan_until_it_is_taken_away() -> None:
     grid = Grid(np.zeros((60, 60), np.int8), 0.05, HERE)
-    costmap = MapCostmap(grid, Ranges(2.5, 3.0), INFLATION, lethal=65, track_unknown=True)
+    costmap = MapCostmap(grid, UsedRanges(2.5, 3.0), INFLATION, lethal=65, track_unknown=True)
     free = costmap.costmap.costs.copy()
     mask = Grid(np.full((20, 10), 100, np.int8), 0.1, Pose2(1.0, 2.0, -math.pi / 2))  # turned, and of larger cells
     costmap.forbid(mask)

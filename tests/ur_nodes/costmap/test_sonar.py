@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from ur_nodes.costmap.costmap import LETHAL, Costmap, Inflation
-from ur_nodes.costmap.layers import Ranges
+from ur_nodes.costmap.layers import UsedRanges
 from ur_nodes.costmap.rolling_costmap import RollingCostmap
 from ur_nodes.costmap.sonar import beams_of_range, without_walls
 from ur_nodes.geometry.pose import Pose2
@@ -34,7 +34,7 @@ def test_what_is_too_near_says_nothing(distance: float) -> None:
 
 
 def test_costmap_has_what_sonars_hear_and_forgets_it_when_it_is_gone() -> None:
-    costmap = RollingCostmap(4.0, 0.05, Ranges(2.5, 3.0), Inflation(0.1, 0.2, 10.0))
+    costmap = RollingCostmap(4.0, 0.05, UsedRanges(2.5, 3.0), Inflation(0.1, 0.2, 10.0))
     here, sonar = Pose2(0.0, 0.0, 0.0), Pose2(0.1, 0.0, 0.0)
     costmap.update(here, sonar, beams_of_range(1.0, CONE, 0.02, 4.0))
     seen = np.argwhere(costmap.occupied().costs == LETHAL)

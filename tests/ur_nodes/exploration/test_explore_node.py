@@ -6,7 +6,7 @@ import numpy as np
 from tests.ur_nodes.exploration.drawn import ROOM, draw, place
 
 from ur_nodes.exploration.explore_node import ExploreNode
-from ur_nodes.exploration.status import Status, read_status
+from ur_nodes.exploration.status import ExploreStatus, read_status
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.memory.bus import Bus
 from ur_nodes.motion.lease.text import FREE, write_lease
@@ -30,7 +30,7 @@ class World:
         self.goals: list[Pose2] = []
         self.cleared = 0
         self.saved = 0
-        self.statuses: list[Status] = []
+        self.statuses: list[ExploreStatus] = []
         self.shown: list[Markers] = []
         self._handle: GoalHandle | None = None
         self._node = node = self.bus.node("world")
@@ -54,7 +54,7 @@ class World:
     def show(self, text: str) -> None:
         self._maps.send(Map(self.bus.now, "map", draw(text)))
 
-    def run_until(self, state: str, seconds: float = 300.0) -> Status:
+    def run_until(self, state: str, seconds: float = 300.0) -> ExploreStatus:
         assert self.bus.run_until(lambda: bool(self.statuses) and self.statuses[-1].state == state, seconds), (
             self.statuses[-1:]
         )

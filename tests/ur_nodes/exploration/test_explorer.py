@@ -5,7 +5,7 @@ import pytest
 from tests.ur_nodes.exploration.drawn import ROOM, box, draw, place
 
 from ur_nodes.exploration.explorer import Explorer
-from ur_nodes.exploration.explorer_step import ExplorerSettings, GoalEnd, Inputs, Outputs
+from ur_nodes.exploration.explorer_step import ExplorerInputs, ExplorerOutputs, ExplorerSettings, GoalEnd
 from ur_nodes.exploration.search.corners import CornerSettings
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2
@@ -50,12 +50,12 @@ class Run:
 
     def step(
         self, obstacles: np.ndarray | None = None, ended: GoalEnd | None = None, paused: str = "", seconds: float = 1.0
-    ) -> Outputs:
+    ) -> ExplorerOutputs:
         self.now += seconds
-        inputs = Inputs(self.now, self.grid, int(self.now), self.robot, obstacles, ended, paused)
+        inputs = ExplorerInputs(self.now, self.grid, int(self.now), self.robot, obstacles, ended, paused)
         return self.explorer.step(inputs)
 
-    def until_the_end(self, obstacles: np.ndarray | None = None, ended: GoalEnd | None = None) -> Outputs:
+    def until_the_end(self, obstacles: np.ndarray | None = None, ended: GoalEnd | None = None) -> ExplorerOutputs:
         for _ in range(120):
             out = self.step(obstacles, ended)
             if out.status.ended:

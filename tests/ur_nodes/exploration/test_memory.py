@@ -4,7 +4,7 @@ from dataclasses import replace
 
 from tests.ur_nodes.exploration.drawn import ROOM, draw, place
 
-from ur_nodes.exploration.memory import Memory
+from ur_nodes.exploration.memory import AttemptMemory
 from ur_nodes.exploration.reasons import Reason
 from ur_nodes.exploration.search.floor import read_floor
 from ur_nodes.exploration.search.frontiers import find_frontiers
@@ -16,7 +16,7 @@ def test_frontier_that_failed_is_given_up_until_the_map_changes_there() -> None:
     grid = draw(ROOM)
     floor = read_floor(grid, place(3, 4), 0.2)
     (frontier,) = find_frontiers(floor, 0.3)
-    memory = Memory().fail(frontier.place, FAILED, floor)
+    memory = AttemptMemory().fail(frontier.place, FAILED, floor)
     assert memory.refresh(floor).refused(frontier) == FAILED
     values = grid.values.copy()
     values[:, :24] = 0  # elsewhere
@@ -27,7 +27,7 @@ def test_frontier_that_failed_is_given_up_until_the_map_changes_there() -> None:
 
 
 def test_retry_allows_so_many_failures() -> None:
-    memory = Memory().fail((4.9, 2.0), FAILED, None)
+    memory = AttemptMemory().fail((4.9, 2.0), FAILED, None)
     again = memory.retry(2)
     assert again.find((4.9, 2.0)).reason is None
     twice = again.fail((4.9, 2.1), FAILED, None)
@@ -36,7 +36,7 @@ def test_retry_allows_so_many_failures() -> None:
 
 
 def test_looks_are_counted_for_a_frontier_and_not_for_its_neighbours() -> None:
-    memory = Memory().look((1.0, 1.0), None).look((1.1, 1.0), None)
+    memory = AttemptMemory().look((1.0, 1.0), None).look((1.1, 1.0), None)
     assert memory.find((1.0, 1.1)).looks == 2
     assert memory.find((3.0, 1.0)).looks == 0
 
@@ -45,7 +45,7 @@ def test_looks_begin_anew_when_the_frontier_moves_on() -> None:
     grid = draw(ROOM)
     floor = read_floor(grid, place(3, 4), 0.2)
     (frontier,) = find_frontiers(floor, 0.3)
-    memory = Memory().look(frontier.place, floor)
+    memory = AttemptMemory().look(frontier.place, floor)
     assert memory.refresh(floor).find(frontier.place).looks == 1
     values = grid.values.copy()
     row, column = floor.cell(*frontier.place)

@@ -2,10 +2,10 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from ur_nodes.exploration.pause import Drivers, note_time, reason_to_pause
+from ur_nodes.exploration.pause import MuxMessages, note_time, reason_to_pause
 from ur_nodes.motion.lease.text import Lease
 
-BEGUN = note_time(Drivers(), 0.0)
+BEGUN = note_time(MuxMessages(), 0.0)
 
 
 def test_nobody_else_drives() -> None:
@@ -27,7 +27,7 @@ def test_emergency_stop_pauses_until_it_is_released() -> None:
 
 
 def test_client_that_takes_the_lease_pauses_it_and_the_one_of_the_begin_does_not() -> None:
-    ours = note_time(Drivers(lease=Lease("held", "a", "laptop")), 0.0)
+    ours = note_time(MuxMessages(lease=Lease("held", "a", "laptop")), 0.0)
     assert reason_to_pause(ours, 1.0, 5.0) == ""
     theirs = replace(ours, lease=Lease("held", "b", "desk"))
     assert reason_to_pause(theirs, 1.0, 5.0).startswith("desk drives")

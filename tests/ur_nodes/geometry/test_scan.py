@@ -9,7 +9,7 @@ from tests.ur_nodes.scans import FakeScan
 from ur_nodes.costmap.layers import beams_of_scan
 from ur_nodes.geometry.pose import make_pose3
 from ur_nodes.geometry.scan import (
-    Mount,
+    SensorMount,
     classify_ranges,
     directions_of_scan,
     ends_of_beams,
@@ -18,7 +18,7 @@ from ur_nodes.geometry.scan import (
 )
 from ur_nodes.slam.matching.scan import make_scan
 
-CENTRE = Mount(np.eye(3), np.zeros(3))
+CENTRE = SensorMount(np.eye(3), np.zeros(3))
 
 
 def quarters(*ranges: float) -> FakeScan:

@@ -9,7 +9,7 @@ from tests.ur_nodes.navigation.synthetic import Drifter, make_room, scan_points
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2, wrap_angle
 from ur_nodes.localisation.likelihood import BeamModel, LikelihoodField, make_field
-from ur_nodes.localisation.localiser import Estimate, FilterSettings, Localiser
+from ur_nodes.localisation.localiser import ClusterEstimate, FilterSettings, ParticleLocaliser
 from ur_nodes.localisation.motion_model import MotionModel
 from ur_nodes.localisation.particle_filter import SampleSize
 from ur_nodes.localisation.relocalise import POOL, pool_size
@@ -25,12 +25,17 @@ def field() -> LikelihoodField:
     return make_field(make_room(), BeamModel(z_hit=0.9, z_rand=0.1, sigma_hit=0.1, max_distance=2.0))
 
 
-def start(field: LikelihoodField, settings: FilterSettings = SETTINGS, seed: int = 0) -> Localiser:
-    return Localiser(field, settings, np.random.default_rng(seed))
+def start(field: LikelihoodField, settings: FilterSettings = SETTINGS, seed: int = 0) -> ParticleLocaliser:
+    return ParticleLocaliser(field, settings, np.random.default_rng(seed))
 
 
 def errors_of_drive(
-    localiser: Localiser, robot: Drifter, field: LikelihoodField, steps: int, distance: float = 0.08, turn: float = 0.05
+    localiser: ParticleLocaliser,
+    robot: Drifter,
+    field: LikelihoodField,
+    steps: int,
+    distance: float = 0.08,
+    turn: float = 0.05,
 ) -> list[float]:
     rng = np.random.default_rng(9)
     errors = []
@@ -128,7 +133,7 @@ def test_localiser_survives_a_scan_without_echoes(field: LikelihoodField) -> Non
 
 
 def test_localiser_repeats_itself_with_the_same_seed(field: LikelihoodField) -> None:
-    def run() -> list[Estimate | None]:
+    def run() -> list[ClusterEstimate | None]:
         localiser = start(field, seed=5)
         robot = Drifter(Pose2(1.0, -0.6, 0.0), np.random.default_rng(4))
         localiser.scatter()

@@ -16,21 +16,21 @@ from ur.robot.base import load_base
 from ur_nodes.motion.mux import MuxState, start_mux, step
 from ur_nodes.motion.mux_events import (
     STILL,
-    Command,
+    EmergencyReleased,
+    EmergencyStopped,
     Event,
-    LimitSpeed,
+    GuardChanged,
     Lock,
     LockMessage,
     MuxSettings,
-    Release,
     Source,
-    Stop,
+    SpeedLimited,
     Velocity,
-    Watch,
+    VelocityCommand,
 )
 from ur_nodes.motion.obstacle_stop.base import make_sight
 from ur_nodes.motion.obstacle_stop.guard import Guard, make_guard
-from ur_nodes.motion.obstacle_stop.sight import Ranges, look
+from ur_nodes.motion.obstacle_stop.sight import SensorRanges, look
 from ur_nodes.motion.ramp import Axis
 
 JOYSTICK, KEYBOARD, NAVIGATION = range(3)
@@ -68,7 +68,7 @@ class Run:
         begin = self.now
         for n in range(round(seconds * rate)):
             self.until(begin + n / rate)
-            self.handle(Command(source, velocity))
+            self.handle(VelocityCommand(source, velocity))
         self.until(begin + seconds)
 
     @property
@@ -86,7 +86,7 @@ AHEAD = Velocity(0.5, 0.0)
 
 def test_mux_is_silent_until_somebody_wants_to_move(run: Run) -> None:
     run.until(1.0)
-    run.handle(Command(NAVIGATION, STILL))
+    run.handle(VelocityCommand(NAVIGATION, STILL))
     run.until(2.0)
     assert run.sent == []
     assert run.state.next_at == math.inf
@@ -117,7 +117,7 @@ def test_mux_brakes_in_time_when_the_commander_is_lost_then_says_zero_three_time
 def test_mux_follows_zeros_of_the_active_source_with_the_harder_limit(run: Run) -> None:
     run.drive(KEYBOARD, AHEAD, 1.0)
     stop = run.now
-    run.handle(Command(KEYBOARD, STILL))
+    run.handle(VelocityCommand(KEYBOARD, STILL))
     run.until(3.0)
     assert next(at for at, velocity, _ in run.sent if velocity == STILL) - stop <= 0.5 / 4.0 + 0.02
 
@@ -125,9 +125,9 @@ def test_mux_follows_zeros_of_the_active_source_with_the_harder_limit(run: Run) 
 def test_higher_priority_takes_over_at_once_and_gives_back_when_it_falls_silent(run: Run) -> None:
     for n in range(40):
         run.until(n * 0.05)
-        run.handle(Command(NAVIGATION, AHEAD))
+        run.handle(VelocityCommand(NAVIGATION, AHEAD))
         if 10 <= n < 20:
-            run.handle(Command(JOYSTICK, Velocity(0.0, 0.5)))
+            run.handle(VelocityCommand(JOYSTICK, Velocity(0.0, 0.5)))
     names = [name for _, _, name in run.sent]
     changes = [name for n, name in enumerate(names) if n == 0 or names[n - 1] != name]
     assert changes == ["navigation", "joystick", "navigation"]
@@ -139,8 +139,8 @@ def test_higher_priority_takes_over_at_once_and_gives_back_when_it_falls_silent(
 def test_source_that_sends_zeros_when_idle_does_not_hold_the_robot(run: Run) -> None:
     for n in range(40):
         run.until(n * 0.05)
-        run.handle(Command(KEYBOARD, STILL))
-        run.handle(Command(NAVIGATION, AHEAD))
+        run.handle(VelocityCommand(KEYBOARD, STILL))
+        run.handle(VelocityCommand(NAVIGATION, AHEAD))
     assert {name for _, _, name in run.sent} == {"navigation"}
     assert run.last == AHEAD
 
@@ -149,14 +149,14 @@ def test_source_whose_zeros_hold_makes_the_robot_stand(run: Run) -> None:
     run.drive(NAVIGATION, AHEAD, 1.0)
     for n in range(20):
         run.until(1.0 + n * 0.05)
-        run.handle(Command(NAVIGATION, AHEAD))
-        run.handle(Command(JOYSTICK, STILL))
+        run.handle(VelocityCommand(NAVIGATION, AHEAD))
+        run.handle(VelocityCommand(JOYSTICK, STILL))
     assert (run.sent[-1][1], run.sent[-1][2]) == (STILL, "joystick")
 
 
 def test_emergency_stop_brakes_at_once_and_shuts_everybody_out(run: Run) -> None:
     run.drive(KEYBOARD, AHEAD, 1.01)
-    run.handle(Stop())
+    run.handle(EmergencyStopped())
     assert run.sent[-1][0] == pytest.approx(1.01)  # not at the next period
     assert run.last.forward < 0.5
     run.drive(JOYSTICK, AHEAD, 1.0)
@@ -166,17 +166,17 @@ def test_emergency_stop_brakes_at_once_and_shuts_everybody_out(run: Run) -> None
 
 
 def test_release_does_not_set_the_robot_in_motion_until_the_source_has_paused(run: Run) -> None:
-    run.handle(Stop())
+    run.handle(EmergencyStopped())
     run.drive(NAVIGATION, AHEAD, 0.5)
-    run.handle(Release())
+    run.handle(EmergencyReleased())
     run.drive(NAVIGATION, AHEAD, 1.0)
     assert all(velocity == STILL for _, velocity, _ in run.sent)
-    run.handle(Command(NAVIGATION, STILL))  # an explicit pause
+    run.handle(VelocityCommand(NAVIGATION, STILL))  # an explicit pause
     run.drive(NAVIGATION, AHEAD, 1.0)
     assert run.last == AHEAD
-    run.handle(Stop())
+    run.handle(EmergencyStopped())
     run.drive(KEYBOARD, AHEAD, 0.5)
-    run.handle(Release())
+    run.handle(EmergencyReleased())
     run.until(run.now + 0.5)  # a pause by silence
     run.drive(KEYBOARD, AHEAD, 1.0)
     assert run.last == AHEAD
@@ -233,10 +233,10 @@ def test_time_that_goes_back_makes_all_commands_old(run: Run) -> None:
 velocities = st.builds(Velocity, st.floats(-1.0, 1.0), st.floats(-2.0, 2.0)) | st.just(STILL) | st.just(AHEAD)
 events = st.one_of(
     st.none(),
-    st.builds(Command, st.integers(0, 2), velocities),
-    st.builds(Command, st.integers(0, 2), velocities),
+    st.builds(VelocityCommand, st.integers(0, 2), velocities),
+    st.builds(VelocityCommand, st.integers(0, 2), velocities),
     st.builds(LockMessage, st.just(0), st.booleans()),
-    st.sampled_from([Stop(), Release(), Release()]),
+    st.sampled_from([EmergencyStopped(), EmergencyReleased(), EmergencyReleased()]),
 )
 histories = st.lists(st.tuples(st.floats(0.0, 0.12) | st.just(0.05), events), max_size=60)
 
@@ -261,7 +261,7 @@ def test_output_obeys_the_limits_and_never_outlives_its_commands(history: list[t
     for pause, event in history:
         run.until(run.now + pause)
         check()
-        if isinstance(event, Command) and not event.velocity.still:
+        if isinstance(event, VelocityCommand) and not event.velocity.still:
             newest = run.now
         run.handle(event)
         check()
@@ -280,28 +280,28 @@ def check_change(before: Velocity, after: Velocity, seconds: float) -> None:
 
 def test_command_that_is_delayed_between_admission_and_mux_does_not_move_the_base() -> None:
     run = Run(start_mux(SETTINGS), now=1.0)
-    run.handle(Command(KEYBOARD, AHEAD, at=0.6))
+    run.handle(VelocityCommand(KEYBOARD, AHEAD, at=0.6))
     run.until(3.0)
     assert all(velocity.still for _, velocity, _ in run.sent)
 
 
 def test_speed_limit_slows_every_source_on_the_same_curve_until_it_is_lifted(run: Run) -> None:
-    run.handle(LimitSpeed(0.4))
+    run.handle(SpeedLimited(0.4))
     run.drive(KEYBOARD, Velocity(0.5, 0.5), 1.0, rate=30.0)
     assert (run.last.forward, run.last.turn) == pytest.approx((0.2, 0.2))
     run.drive(JOYSTICK, Velocity(0.0, -9.0), 1.0, rate=30.0)
     assert run.last.turn == pytest.approx(-0.4)
-    run.handle(LimitSpeed(math.nan))
+    run.handle(SpeedLimited(math.nan))
     run.drive(KEYBOARD, Velocity(0.1, 0.1), 1.0, rate=30.0)
     assert (run.last.forward, run.last.turn) == pytest.approx((0.1, 0.1)), "slower commands are followed as they are"
-    run.handle(LimitSpeed(7.0))
+    run.handle(SpeedLimited(7.0))
     run.drive(KEYBOARD, Velocity(7.0, 0.0), 1.5, rate=30.0)
     assert run.last.forward == pytest.approx(FORWARD.speed), "never above the limit of the base"
 
 
 def test_speed_limit_that_is_lowered_while_driving_brakes_within_the_limits(run: Run) -> None:
     run.drive(KEYBOARD, AHEAD, 1.0, rate=30.0)
-    run.handle(LimitSpeed(0.2))
+    run.handle(SpeedLimited(0.2))
     run.drive(KEYBOARD, AHEAD, 1.0, rate=30.0)
     assert run.last.forward == pytest.approx(0.1)
     for (before, first, _), (after, second, _) in pairwise(run.sent):
@@ -314,14 +314,14 @@ def make_guard_before_a_wall(clear: float) -> Guard:
     base = load_base(Path(__file__).parents[3] / "ubiquity_launches", "stage", "")
     sight = make_sight(base)
     angles = np.arange(-60, 61) * math.pi / 180.0
-    scan = Ranges((clear + 0.1) / np.cos(angles), (0.12, 12.0), 0.0, float(angles[0]), math.pi / 180.0)
+    scan = SensorRanges((clear + 0.1) / np.cos(angles), (0.12, 12.0), 0.0, float(angles[0]), math.pi / 180.0)
     return make_guard(look(sight, sight.sensors[0], scan), base.limits, 0.11)
 
 
 def test_commands_of_people_stop_before_what_is_seen_and_those_of_navigation_do_not() -> None:
     sources = (SOURCES[KEYBOARD], replace(SOURCES[NAVIGATION], avoids_obstacles=True))
     run = Run(start_mux(replace(SETTINGS, sources=sources)))
-    run.handle(Watch(make_guard_before_a_wall(0.02)))
+    run.handle(GuardChanged(make_guard_before_a_wall(0.02)))
     run.drive(0, AHEAD, 0.4, rate=30.0)
     assert run.last == STILL
     assert run.state.verdict is not None
@@ -336,20 +336,20 @@ def test_commands_of_people_stop_before_what_is_seen_and_those_of_navigation_do_
 
 def test_guard_that_is_switched_off_or_on_counts_at_once_and_brakes_within_the_limits(run: Run) -> None:
     run.drive(KEYBOARD, AHEAD, 1.0, rate=30.0)
-    run.handle(Watch(make_guard_before_a_wall(0.02)))
+    run.handle(GuardChanged(make_guard_before_a_wall(0.02)))
     begin = len(run.sent) - 1
     run.drive(KEYBOARD, AHEAD, 0.4, rate=30.0)
     assert run.last == STILL
     for (before, fast, _), (after, slow, _) in pairwise(run.sent[begin:]):
         assert fast.forward - slow.forward <= FORWARD.slow_down * (after - before) + 1e-9
-    run.handle(Watch(None))
+    run.handle(GuardChanged(None))
     run.drive(KEYBOARD, AHEAD, 1.0, rate=30.0)
     assert run.last == AHEAD
 
 
 def test_robot_stops_in_time_before_an_obstacle_when_commands_end() -> None:
     run = Run(start_mux(SETTINGS))
-    run.handle(Watch(make_guard_before_a_wall(0.3)))
+    run.handle(GuardChanged(make_guard_before_a_wall(0.3)))
     run.drive(KEYBOARD, AHEAD, 0.5, rate=30.0)
     ended = run.sent[-1][0]
     run.until(run.now + 1.0)
@@ -372,7 +372,7 @@ def test_mux_that_was_suspended_goes_on_from_zero_for_fresh_commands(run: Run) -
     run.drive(KEYBOARD, AHEAD, 2.0)
     run.now += 2.0
     count = len(run.sent)
-    run.handle(Command(KEYBOARD, AHEAD))
+    run.handle(VelocityCommand(KEYBOARD, AHEAD))
     run.drive(KEYBOARD, AHEAD, 2.0)
     after = [velocity.forward for _, velocity, _ in run.sent[count:]]
     assert after[0] <= FORWARD.speed_up * SETTINGS.period

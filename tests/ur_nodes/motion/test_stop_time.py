@@ -8,9 +8,9 @@ from pathlib import Path
 import pytest
 
 from ur.robot.base import Base, list_bases, load_base
-from ur.worlds.world_file import World, read_world
+from ur.worlds.world_file import WorldModel, read_world
 from ur_nodes.motion.mux import start_mux, step
-from ur_nodes.motion.mux_events import Command, MuxSettings, Source, Velocity
+from ur_nodes.motion.mux_events import MuxSettings, Source, Velocity, VelocityCommand
 from ur_nodes.motion.ramp import axes_of
 from ur_nodes.simulator.simulation import Simulation
 
@@ -21,11 +21,11 @@ DIRECTIONS = ((1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (1.0, -1.0), (-1.0, 0.5))
 
 
 @pytest.fixture(scope="module")
-def maze() -> World:
+def maze() -> WorldModel:
     return read_world(PACKAGE / "n_simulator" / "worlds" / "maze.yaml")
 
 
-def stop_time(world: World, base: Base, direction: tuple[float, float], phase: float) -> float:
+def stop_time(world: WorldModel, base: Base, direction: tuple[float, float], phase: float) -> float:
     """How long the robot moves after the last of the commands (s): at full speed, sent at a phase (s) of its clock."""
     wish = Velocity(direction[0] * base.limits.velocity, direction[1] * base.limits.angular_velocity)
     forward, turn = axes_of(base.limits)
@@ -38,7 +38,7 @@ def stop_time(world: World, base: Base, direction: tuple[float, float], phase: f
     while simulation.time < sent[-1] + 0.8:
         until = simulation.next_time
         while (due := min([mux.next_at, *arrivals[:1]])) <= until:
-            event = Command(0, wish) if arrivals and due == arrivals[0] else None
+            event = VelocityCommand(0, wish) if arrivals and due == arrivals[0] else None
             arrivals = arrivals[1:] if event else arrivals
             mux, output = step(mux, event, due)
             if output is not None:
@@ -58,7 +58,7 @@ def stop_time(world: World, base: Base, direction: tuple[float, float], phase: f
 
 @pytest.mark.parametrize("direction", DIRECTIONS)
 @pytest.mark.parametrize("name", list_bases(PACKAGE))
-def test_robot_stands_in_time_when_commands_cease(maze: World, name: str, direction: tuple[float, float]) -> None:
+def test_robot_stands_in_time_when_commands_cease(maze: WorldModel, name: str, direction: tuple[float, float]) -> None:
     base = load_base(PACKAGE, name)
     base = replace(base, lidar=None, odometry=replace(base.odometry, rate=100.0))  # to look every 10 ms
     assert max(stop_time(maze, base, direction, phase) for phase in (0.0, 0.003, 0.007, 0.012, 0.017)) <= 0.3

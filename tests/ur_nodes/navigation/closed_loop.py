@@ -12,17 +12,17 @@ from tests.ur_nodes.scans import FakeScan
 
 from ur_nodes.costmap.costmap import LETHAL, Costmap, Inflation
 from ur_nodes.costmap.footprint import Footprint, footprint_of_outline
-from ur_nodes.costmap.layers import Ranges, beams_of_scan
+from ur_nodes.costmap.layers import UsedRanges, beams_of_scan
 from ur_nodes.costmap.map_costmap import MapCostmap
 from ur_nodes.costmap.rolling_costmap import RollingCostmap
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.navigation.navigator import Navigator
-from ur_nodes.navigation.navigator_step import Ending, Inputs, NavigatorSettings, PlanAnswer
+from ur_nodes.navigation.navigator_step import Ending, NavigatorInputs, NavigatorSettings, PlanAnswer
 from ur_nodes.navigation.planning.global_plan import NoPathError, PlanSettings, path_is_free, plan_path
 from ur_nodes.navigation.steering.recovery import Behaviour
-from ur_nodes.navigation.steering.rollout import FollowSettings, Motion
-from ur_nodes.navigation.steering.speed_profile import Limits
+from ur_nodes.navigation.steering.rollout import FollowSettings, RolloutState
+from ur_nodes.navigation.steering.speed_profile import SpeedLimits
 
 STAGE = (
     (0.20, 0.15),
@@ -37,7 +37,7 @@ STAGE = (
 MAGNI = ((0.13, 0.205), (-0.28, 0.205), (-0.28, -0.205), (0.13, -0.205))
 ORIGIN = Pose2(0.0, 0.0, 0.0)
 ODOM = Pose2(0.7, -0.4, 0.3)  # where the map is in the odometry frame
-LIMITS = Limits(0.5, 1.0, 1.0, 3.0)
+LIMITS = SpeedLimits(0.5, 1.0, 1.0, 3.0)
 
 
 def two_rooms() -> Grid:
@@ -73,7 +73,7 @@ class ClosedLoop:
     grid: Grid
     pose: Pose2 = ORIGIN
     outline: tuple[tuple[float, float], ...] = STAGE
-    limits: Limits = LIMITS
+    limits: SpeedLimits = LIMITS
     settings: NavigatorSettings = field(default_factory=NavigatorSettings)
     plan_settings: PlanSettings = field(default_factory=PlanSettings)
     follow: FollowSettings = field(default_factory=FollowSettings)
@@ -90,9 +90,9 @@ class ClosedLoop:
         self.bare = footprint_of_outline(self.outline, self.grid.resolution / 2)
         self.plan_settings = replace(self.plan_settings, room=self.footprint.circumscribed + self.grid.resolution)
         inflation = Inflation(self.footprint.inscribed, 0.55, self.scaling)
-        self.global_costs = MapCostmap(self.grid, Ranges(2.5, 3.0), inflation, lethal=65, track_unknown=True)
+        self.global_costs = MapCostmap(self.grid, UsedRanges(2.5, 3.0), inflation, lethal=65, track_unknown=True)
         self.global_costs.forbid(self.keep_out)
-        self.local_costs = RollingCostmap(4.0, self.grid.resolution, Ranges(2.5, 3.0), inflation)
+        self.local_costs = RollingCostmap(4.0, self.grid.resolution, UsedRanges(2.5, 3.0), inflation)
         self.world = self.grid.values >= 65
         self.navigator = Navigator(self.settings, self.limits, self.follow, self.footprint)
         self.now = 0.0
@@ -123,11 +123,11 @@ class ClosedLoop:
         while self.now - began < seconds:
             before = self.pose
             self._scan()
-            motion = Motion(self.odom.compose(self.pose), *self.command)
+            motion = RolloutState(self.odom.compose(self.pose), *self.command)
             path = self.navigator.path
             blocked = path is not None and not path_is_free(self.global_costs.costmap, path)
             out = self.navigator.step(
-                Inputs(
+                NavigatorInputs(
                     self.now,
                     motion,
                     self._odom_of_map(),

@@ -11,16 +11,23 @@ from ur_nodes.costmap.footprint import footprint_of_outline
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2, wrap_angle
 from ur_nodes.navigation.navigator import Navigator
-from ur_nodes.navigation.navigator_step import Ending, Inputs, NavigatorSettings, Outputs, Phase, PlanAnswer
+from ur_nodes.navigation.navigator_step import (
+    Ending,
+    NavigatorInputs,
+    NavigatorOutputs,
+    NavigatorPhase,
+    NavigatorSettings,
+    PlanAnswer,
+)
 from ur_nodes.navigation.steering.recovery import SEQUENCE, Behaviour
-from ur_nodes.navigation.steering.rollout import FollowSettings, Motion
-from ur_nodes.navigation.steering.speed_profile import Limits, limit_speeds
+from ur_nodes.navigation.steering.rollout import FollowSettings, RolloutState
+from ur_nodes.navigation.steering.speed_profile import SpeedLimits, limit_speeds
 
 STRAIGHT = np.stack((np.arange(0.0, 3.01, 0.05), np.zeros(61)), axis=-1)
 HOME = Pose2(0.0, 0.0, 0.0)
 
 
-def check(drive: Drive, goal: Pose2, limits: Limits = LIMITS) -> None:
+def check(drive: Drive, goal: Pose2, limits: SpeedLimits = LIMITS) -> None:
     assert drive.ending is Ending.REACHED, drive.text
     assert not drive.touched
     assert math.hypot(drive.pose.x - goal.x, drive.pose.y - goal.y) <= 0.1
@@ -153,14 +160,14 @@ class History:
             FollowSettings(),
             footprint_of_outline(STAGE, 0.05),
         )
-        self.motion: Motion | None = Motion(HOME, 0.0, 0.0)
+        self.motion: RolloutState | None = RolloutState(HOME, 0.0, 0.0)
         self.local = Costmap(np.zeros((80, 80), np.uint8), 0.05, Pose2(-2.0, -2.0, 0.0))
 
-    def step(self, answer: PlanAnswer | None = None, trouble: str = "", *, blocked: bool = False) -> Outputs:
+    def step(self, answer: PlanAnswer | None = None, trouble: str = "", *, blocked: bool = False) -> NavigatorOutputs:
         self.now += 0.1
-        return self.navigator.step(Inputs(self.now, self.motion, HOME, self.local, answer, trouble, blocked))
+        return self.navigator.step(NavigatorInputs(self.now, self.motion, HOME, self.local, answer, trouble, blocked))
 
-    def start(self) -> Outputs:
+    def start(self) -> NavigatorOutputs:
         self.navigator.start(Pose2(3.0, 0.0, 0.0), self.now)
         return self.step()
 
@@ -175,7 +182,7 @@ def test_navigator_asks_for_a_plan_once_and_then_drives() -> None:
     assert history.start().plan
     assert not history.step().plan
     out = history.step(PlanAnswer(STRAIGHT))
-    assert history.navigator.phase is Phase.DRIVING
+    assert history.navigator.phase is NavigatorPhase.DRIVING
     assert out.command is not None
     assert out.command[0] == pytest.approx(0.1)
 
@@ -212,7 +219,7 @@ def test_navigator_gives_up_when_trouble_lasts() -> None:
     last = next(out for out in endings if out.ending is not None)
     assert last.ending is Ending.FAILED
     assert last.text == "no scan on /scan for a while"
-    assert history.navigator.phase is Phase.IDLE
+    assert history.navigator.phase is NavigatorPhase.IDLE
 
 
 def test_navigator_tries_each_recovery_in_order_before_it_gives_up() -> None:
@@ -225,7 +232,7 @@ def test_navigator_tries_each_recovery_in_order_before_it_gives_up() -> None:
         if history.motion and out.command:
             x, y, yaw = history.motion.pose
             v, w = out.command
-            history.motion = Motion(
+            history.motion = RolloutState(
                 Pose2(x + 0.1 * v * math.cos(yaw), y + 0.1 * v * math.sin(yaw), yaw + 0.1 * w), v, w
             )
         if out.log:

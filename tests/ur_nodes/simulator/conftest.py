@@ -10,11 +10,11 @@ import pytest
 from PIL import Image
 
 from ur.robot.base import Base, load_base
-from ur.worlds.world_file import World, read_world
+from ur.worlds.world_file import WorldModel, read_world
 from ur_nodes.simulator.simulation import Simulation
 
 PACKAGE = Path(__file__).resolve().parents[3] / "ubiquity_launches"
-MakeWorld = Callable[[str], World]
+MakeWorld = Callable[[str], WorldModel]
 
 
 @pytest.fixture
@@ -29,7 +29,7 @@ def make_world(tmp_path: Path) -> MakeWorld:
         "negate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n"
     )
 
-    def make(lines: str = "") -> World:
+    def make(lines: str = "") -> WorldModel:
         (tmp_path / "world.yaml").write_text("floor_plan: room.yaml\n" + lines)
         return read_world(tmp_path / "world.yaml")
 
@@ -37,7 +37,7 @@ def make_world(tmp_path: Path) -> MakeWorld:
 
 
 @pytest.fixture
-def room(make_world: MakeWorld) -> World:
+def room(make_world: MakeWorld) -> WorldModel:
     return make_world("")
 
 

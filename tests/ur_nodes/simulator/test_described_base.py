@@ -13,7 +13,7 @@ from ur.robot.base import Base, read_base
 from ur.robot.description.base_text import write_base_file
 from ur.robot.description.parse import parse_urdf
 from ur.robot.description.reading import read_base_figures
-from ur.worlds.world_file import World
+from ur.worlds.world_file import WorldModel
 from ur_nodes.simulator.simulation import Simulation
 
 SPEEDS = {"small": (0.22, 1.5), "four": (0.6, 1.2), "meshes": (0.4, 1.5)}
@@ -31,7 +31,7 @@ def base(request: pytest.FixtureRequest, tmp_path: Path) -> Base:
     return read_base(path, request.param)
 
 
-def test_described_base_drives_turns_and_brakes_without_tipping(room: World, base: Base, drive: Drive) -> None:
+def test_described_base_drives_turns_and_brakes_without_tipping(room: WorldModel, base: Base, drive: Drive) -> None:
     simulation, limits = Simulation(room, base), base.limits
     seconds = limits.velocity / limits.acceleration + 2.0
     drive(simulation, seconds, linear=limits.velocity)

@@ -7,12 +7,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ur.robot.base import Base
-from ur_nodes.simulator.drive import Drive
+from ur_nodes.simulator.drive import WheelDrive
 
 PERIOD = 0.02
 
 
-def run(drive: Drive, linear: float, angular: float, seconds: float) -> list[tuple[float, float]]:
+def run(drive: WheelDrive, linear: float, angular: float, seconds: float) -> list[tuple[float, float]]:
     reached = []
     for n in range(round(seconds / PERIOD)):
         drive.command(linear, angular, n * PERIOD)
@@ -25,7 +25,7 @@ def run(drive: Drive, linear: float, angular: float, seconds: float) -> list[tup
 def test_drive_never_exceeds_the_limits_of_the_base(stage: Base, linear: float, angular: float) -> None:
     limits = stage.limits
     before = (0.0, 0.0)
-    for v, w in run(Drive(stage, PERIOD), linear, angular, 1.5):
+    for v, w in run(WheelDrive(stage, PERIOD), linear, angular, 1.5):
         assert abs(v) <= limits.velocity
         assert abs(w) <= limits.angular_velocity
         grows, turns = abs(v) > abs(before[0]), abs(w) > abs(before[1])
@@ -38,11 +38,11 @@ def test_drive_never_exceeds_the_limits_of_the_base(stage: Base, linear: float, 
 
 
 def test_drive_reaches_what_is_commanded(stage: Base) -> None:
-    assert run(Drive(stage, PERIOD), 0.3, -0.4, 1.0)[-1] == (0.3, -0.4)
+    assert run(WheelDrive(stage, PERIOD), 0.3, -0.4, 1.0)[-1] == (0.3, -0.4)
 
 
 def test_drive_wheel_speeds_follow_from_the_geometry(stage: Base) -> None:
-    drive = Drive(stage, 10.0)
+    drive = WheelDrive(stage, 10.0)
     drive.command(0.2, 0.5, 0.0)
     left, right = drive.update(0.0)
     assert (left + right) / 2 * stage.wheels.radius == pytest.approx(0.2)
@@ -50,7 +50,7 @@ def test_drive_wheel_speeds_follow_from_the_geometry(stage: Base) -> None:
 
 
 def test_drive_ramps_down_once_the_command_is_old(stage: Base) -> None:
-    drive = Drive(stage, PERIOD)
+    drive = WheelDrive(stage, PERIOD)
     last = round(1.0 / PERIOD) * PERIOD - PERIOD
     run(drive, 0.5, 0.0, 1.0)
     age = stage.limits.command_age
@@ -62,6 +62,6 @@ def test_drive_ramps_down_once_the_command_is_old(stage: Base) -> None:
 
 @pytest.mark.parametrize("bad", [math.nan, math.inf, -math.inf])
 def test_drive_takes_a_command_that_is_not_finite_as_stop(stage: Base, bad: float) -> None:
-    drive = Drive(stage, PERIOD)
+    drive = WheelDrive(stage, PERIOD)
     run(drive, 0.5, 0.0, 1.0)
     assert run(drive, bad, 0.5, 1.0)[-1] == (0.0, 0.0)

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from ur.robot.base import Base, list_bases, list_variants, load_base
-from ur.worlds.world_file import World
+from ur.worlds.world_file import WorldModel
 from ur_nodes.simulator.simulation import Simulation
 
 PACKAGE = Path(__file__).resolve().parents[3] / "ubiquity_launches"
@@ -29,7 +29,7 @@ def tilt(simulation: Simulation) -> float:
     return float(np.arccos(1.0 - 2.0 * (x * x + y * y)))
 
 
-def test_base_drives_straight_at_full_speed_and_stands_upright(room: World, base: Base, drive: Drive) -> None:
+def test_base_drives_straight_at_full_speed_and_stands_upright(room: WorldModel, base: Base, drive: Drive) -> None:
     simulation = Simulation(room, base)
     limits = base.limits
     start_up = limits.velocity / limits.acceleration
@@ -41,7 +41,7 @@ def test_base_drives_straight_at_full_speed_and_stands_upright(room: World, base
     assert tilt(simulation) < 0.02
 
 
-def test_base_turns_at_full_rate_on_the_spot(room: World, base: Base, drive: Drive) -> None:
+def test_base_turns_at_full_rate_on_the_spot(room: WorldModel, base: Base, drive: Drive) -> None:
     simulation = Simulation(room, base)
     limits = base.limits
     seconds = limits.angular_velocity / limits.angular_acceleration + 1.0
@@ -53,7 +53,7 @@ def test_base_turns_at_full_rate_on_the_spot(room: World, base: Base, drive: Dri
 
 
 def test_base_brakes_from_full_speed_within_its_deceleration_without_tipping(
-    room: World, base: Base, drive: Drive
+    room: WorldModel, base: Base, drive: Drive
 ) -> None:
     simulation = Simulation(room, base)
     limits = base.limits

@@ -8,15 +8,15 @@ import pytest
 
 from ur.robot.base import Base
 from ur.source.diagnostic import UserError
-from ur.worlds.world_file import World
-from ur_nodes.simulator.simulation import Schedule, Simulation, Tick
+from ur.worlds.world_file import WorldModel
+from ur_nodes.simulator.simulation import Schedule, Simulation, SimulationTick
 
 Drive = Callable[..., None]
 
 
 @pytest.mark.parametrize("name", ["stage", "magni"])
 def test_robot_drives_straight_as_far_as_commanded(
-    room: World, name: str, drive: Drive, request: pytest.FixtureRequest
+    room: WorldModel, name: str, drive: Drive, request: pytest.FixtureRequest
 ) -> None:
     base: Base = request.getfixturevalue(name)
     simulation = Simulation(room, base)
@@ -32,7 +32,7 @@ def test_robot_drives_straight_as_far_as_commanded(
 
 
 @pytest.mark.parametrize("name", ["stage", "magni"])
-def test_robot_turns_on_the_spot(room: World, name: str, drive: Drive, request: pytest.FixtureRequest) -> None:
+def test_robot_turns_on_the_spot(room: WorldModel, name: str, drive: Drive, request: pytest.FixtureRequest) -> None:
     base: Base = request.getfixturevalue(name)
     simulation = Simulation(room, base)
     drive(simulation, math.pi / 2 / 0.8, 0.0, 0.8)
@@ -44,7 +44,7 @@ def test_robot_turns_on_the_spot(room: World, name: str, drive: Drive, request: 
     assert math.hypot(x, y) < 0.02
 
 
-def test_robot_slips_a_little(room: World, stage: Base, drive: Drive) -> None:
+def test_robot_slips_a_little(room: WorldModel, stage: Base, drive: Drive) -> None:
     simulation = Simulation(room, stage)
     drive(simulation, 3.0, 0.4)
     rolled = sum(simulation.wheel_angles(0)) / 2 * stage.wheels.radius
@@ -53,7 +53,7 @@ def test_robot_slips_a_little(room: World, stage: Base, drive: Drive) -> None:
 
 
 def test_robot_slips_more_on_a_slippery_floor(
-    make_world: Callable[[str], World], room: World, stage: Base, drive: Drive
+    make_world: Callable[[str], WorldModel], room: WorldModel, stage: Base, drive: Drive
 ) -> None:
     travelled = []
     for world in (make_world("floor_friction: 0.1\n"), room):
@@ -63,7 +63,7 @@ def test_robot_slips_more_on_a_slippery_floor(
     assert travelled[0] < 0.9 * travelled[1]
 
 
-def test_robot_stops_when_commands_cease(room: World, stage: Base, drive: Drive) -> None:
+def test_robot_stops_when_commands_cease(room: WorldModel, stage: Base, drive: Drive) -> None:
     simulation = Simulation(room, stage)
     drive(simulation, 1.0, 0.5)
     last = simulation.time
@@ -74,7 +74,7 @@ def test_robot_stops_when_commands_cease(room: World, stage: Base, drive: Drive)
     assert simulation.time - last > stage.limits.command_age
 
 
-def test_robot_does_not_pass_walls_and_its_wheels_spin(room: World, stage: Base, drive: Drive) -> None:
+def test_robot_does_not_pass_walls_and_its_wheels_spin(room: WorldModel, stage: Base, drive: Drive) -> None:
     simulation = Simulation(room, stage, start=(4.0, 0.0, 0.0))
     drive(simulation, 6.0, 0.5)
     front = max(x for x, _ in stage.footprint)
@@ -83,7 +83,7 @@ def test_robot_does_not_pass_walls_and_its_wheels_spin(room: World, stage: Base,
     assert sum(simulation.wheel_angles(0)) / 2 * stage.wheels.radius > 1.5  # 0.8 to the wall
 
 
-def test_robot_pushes_obstacles(make_world: Callable[[str], World], stage: Base, drive: Drive) -> None:
+def test_robot_pushes_obstacles(make_world: Callable[[str], WorldModel], stage: Base, drive: Drive) -> None:
     world = make_world("obstacles:\n  - {name: crate, pose: [0.6, 0, 0], size: [0.3, 0.3, 0.4], mass: 1}\n")
     simulation = Simulation(world, stage)
     ahead = stage.lidar.samples // 2 if stage.lidar else 0
@@ -94,7 +94,7 @@ def test_robot_pushes_obstacles(make_world: Callable[[str], World], stage: Base,
     assert simulation.scan(0)[ahead] < 0.2  # it is still in front of the robot
 
 
-def test_robot_lidar_sees_other_robots_and_not_itself(room: World, stage: Base) -> None:
+def test_robot_lidar_sees_other_robots_and_not_itself(room: WorldModel, stage: Base) -> None:
     simulation = Simulation(room, stage, robots=2)
     while not simulation.advance().scan:
         pass
@@ -106,26 +106,26 @@ def test_robot_lidar_sees_other_robots_and_not_itself(room: World, stage: Base) 
     assert simulation.scan(1)[ahead] == pytest.approx(5.0 - simulation.pose(1)[0] - lidar.pose[0], abs=6 * lidar.noise)
 
 
-def trajectory(simulation: Simulation, seconds: float) -> list[tuple[Tick, tuple[float, ...], list[float]]]:
+def trajectory(simulation: Simulation, seconds: float) -> list[tuple[SimulationTick, tuple[float, ...], list[float]]]:
     """Drive a curve and write everything down, to the last bit."""
     begin = simulation.time
-    rows: list[tuple[Tick, tuple[float, ...], list[float]]] = []
+    rows: list[tuple[SimulationTick, tuple[float, ...], list[float]]] = []
     while simulation.time < begin + seconds - 1e-9:
         t = round(simulation.time - begin, 6)
         simulation.command(0, 0.3 + 0.2 * math.sin(t), math.cos(3.0 * t))
         tick = simulation.advance()
         scan = simulation.scan(0).tolist() if tick.scan else []
         state = (*simulation.pose(0), *simulation.odometry(0).pose, *simulation.velocity(0))
-        rows.append((Tick(round(tick.time - begin, 6), tick.odometry, tick.scan), state, scan))
+        rows.append((SimulationTick(round(tick.time - begin, 6), tick.odometry, tick.scan), state, scan))
     return rows
 
 
-def test_simulation_repeats_itself_to_the_last_bit(room: World, stage: Base) -> None:
+def test_simulation_repeats_itself_to_the_last_bit(room: WorldModel, stage: Base) -> None:
     first = trajectory(Simulation(room, stage, seed=5), 4.0)
     assert trajectory(Simulation(room, stage, seed=5), 4.0) == first
 
 
-def test_simulation_repeats_itself_after_a_reset(make_world: Callable[[str], World], stage: Base) -> None:
+def test_simulation_repeats_itself_after_a_reset(make_world: Callable[[str], WorldModel], stage: Base) -> None:
     world = make_world("obstacles:\n  - {name: crate, pose: [1, 0, 0], size: [0.3, 0.3, 0.4], mass: 1}\n")
     simulation = Simulation(world, stage, seed=5)
     first = trajectory(simulation, 4.0)
@@ -136,13 +136,13 @@ def test_simulation_repeats_itself_after_a_reset(make_world: Callable[[str], Wor
     assert trajectory(simulation, 4.0) == first
 
 
-def test_simulation_of_another_seed_has_other_noise_but_the_same_physics(room: World, stage: Base) -> None:
+def test_simulation_of_another_seed_has_other_noise_but_the_same_physics(room: WorldModel, stage: Base) -> None:
     one, other = trajectory(Simulation(room, stage, seed=1), 1.0), trajectory(Simulation(room, stage, seed=2), 1.0)
     assert [row[1][:3] for row in one] == [row[1][:3] for row in other]
     assert one[-1][1][3:6] != other[-1][1][3:6]
 
 
-def test_simulation_does_not_depend_on_who_looks_at_scans(room: World, stage: Base) -> None:
+def test_simulation_does_not_depend_on_who_looks_at_scans(room: WorldModel, stage: Base) -> None:
     watched, alone = Simulation(room, stage), Simulation(room, stage)
     for _ in range(200):
         if watched.advance().scan:
@@ -151,7 +151,7 @@ def test_simulation_does_not_depend_on_who_looks_at_scans(room: World, stage: Ba
     assert watched.scan(0).tolist() == alone.scan(0).tolist()
 
 
-def test_simulation_keeps_the_rates_of_the_base(room: World, magni: Base) -> None:
+def test_simulation_keeps_the_rates_of_the_base(room: WorldModel, magni: Base) -> None:
     simulation = Simulation(room, magni)
     ticks = []
     while simulation.time < 5.0 - 1e-9:
@@ -161,7 +161,7 @@ def test_simulation_keeps_the_rates_of_the_base(room: World, magni: Base) -> Non
     assert sum(tick.scan for tick in ticks) == round(5.0 * magni.lidar.rate)
 
 
-def test_place_moves_a_robot_at_rest_without_its_odometry(room: World, stage: Base, drive: Drive) -> None:
+def test_place_moves_a_robot_at_rest_without_its_odometry(room: WorldModel, stage: Base, drive: Drive) -> None:
     simulation = Simulation(room, stage)
     drive(simulation, 1.0, 0.5)
     before = simulation.odometry(0).pose
@@ -184,7 +184,7 @@ def test_place_moves_a_robot_at_rest_without_its_odometry(room: World, stage: Ba
     ],
 )
 def test_place_refuses_what_is_not_free_and_changes_nothing(
-    make_world: Callable[[str], World], stage: Base, name: str, pose: tuple[float, float, float], message: str
+    make_world: Callable[[str], WorldModel], stage: Base, name: str, pose: tuple[float, float, float], message: str
 ) -> None:
     world = make_world("obstacles:\n  - {name: crate, pose: [2, 0, 0], size: [0.3, 0.3, 0.4], mass: 1}\n")
     simulation, untouched = Simulation(world, stage), Simulation(world, stage)
@@ -193,7 +193,7 @@ def test_place_refuses_what_is_not_free_and_changes_nothing(
     assert trajectory(simulation, 1.0) == trajectory(untouched, 1.0)
 
 
-def test_place_puts_an_obstacle_where_the_lidar_sees_it(make_world: Callable[[str], World], stage: Base) -> None:
+def test_place_puts_an_obstacle_where_the_lidar_sees_it(make_world: Callable[[str], WorldModel], stage: Base) -> None:
     world = make_world("obstacles:\n  - {name: crate, pose: [-4, 0, 0], size: [0.3, 0.3, 0.6], mass: 20}\n")
     simulation = Simulation(world, stage)
     for _ in range(300):  # long enough for the obstacle to have come to rest
@@ -208,12 +208,12 @@ def test_place_puts_an_obstacle_where_the_lidar_sees_it(make_world: Callable[[st
     assert simulation.scan(0)[ahead] == pytest.approx(2.0 - 0.15 - 0.1, abs=0.06)
 
 
-def test_simulation_refuses_to_start_in_a_wall(room: World, stage: Base) -> None:
+def test_simulation_refuses_to_start_in_a_wall(room: WorldModel, stage: Base) -> None:
     with pytest.raises(UserError, match="a wall"):
         Simulation(room, stage, start=(5.0, 0.0, 0.0))
 
 
-def test_collisions_count_a_scrape_once_and_a_second_bump_again(room: World, stage: Base, drive: Drive) -> None:
+def test_collisions_count_a_scrape_once_and_a_second_bump_again(room: WorldModel, stage: Base, drive: Drive) -> None:
     simulation = Simulation(room, stage, start=(4.5, 0.0, 0.0))
     drive(simulation, 3.0, 0.4)
     assert simulation.collisions == (1,)

@@ -11,7 +11,7 @@ from PIL import Image
 from scipy import ndimage
 
 from ur.source.diagnostic import UserError
-from ur.worlds.world_file import World, read_world
+from ur.worlds.world_file import WorldModel, read_world
 
 ROOT = Path(__file__).resolve().parents[3]
 PACKAGE = ROOT / "ubiquity_launches"
@@ -63,7 +63,7 @@ def test_worlds_are_closed_and_unknown_outside(name: str) -> None:
     assert 19 < pixels.shape[1] * 0.05 < 22
 
 
-def test_world_reads_boxes_obstacles_and_start(make_world: Callable[[str], World]) -> None:
+def test_world_reads_boxes_obstacles_and_start(make_world: Callable[[str], WorldModel]) -> None:
     world = make_world(
         "wall_height: 2\nstart: [1, 0.5, 0.3]\n"
         "boxes:\n  - {name: shelf, pose: [1, 1, 0.5, 0], size: [0.4, 0.2, 1.0]}\n"
@@ -93,7 +93,7 @@ def test_world_reads_boxes_obstacles_and_start(make_world: Callable[[str], World
     ],
 )
 def test_world_mistakes_are_named_with_their_place(
-    make_world: Callable[[str], World], lines: str, message: str
+    make_world: Callable[[str], WorldModel], lines: str, message: str
 ) -> None:
     with pytest.raises(UserError, match=message):
         make_world(lines)
@@ -110,7 +110,7 @@ def test_world_that_does_not_exist_is_named(tmp_path: Path) -> None:
         read_world(tmp_path / "gone.yaml")
 
 
-def test_fiducials_are_read_with_the_size_of_all_or_their_own(make_world: Callable[[str], World]) -> None:
+def test_fiducials_are_read_with_the_size_of_all_or_their_own(make_world: Callable[[str], WorldModel]) -> None:
     world = make_world(
         "fiducials:\n  dictionary: 4X4_50\n  size: 0.2\n  places:\n"
         "    - {id: 1, pose: [1, 2, 2.4, 3.14, 0, 0]}\n    - {id: 2, pose: [0, 0, 1, 0, 0, 0], size: 0.1}\n"
@@ -130,7 +130,9 @@ def test_fiducials_are_read_with_the_size_of_all_or_their_own(make_world: Callab
         ("  place: []\n", "place is not known"),
     ],
 )
-def test_fiducials_that_cannot_be_are_refused(make_world: Callable[[str], World], lines: str, message: str) -> None:
+def test_fiducials_that_cannot_be_are_refused(
+    make_world: Callable[[str], WorldModel], lines: str, message: str
+) -> None:
     with pytest.raises(UserError, match=message):
         make_world("fiducials:\n" + lines)
 

@@ -9,8 +9,8 @@ import numpy as np
 from tests.ur_nodes.slam.rooms import Floats, box, scan_at, walls_of
 
 from ur_nodes.geometry.pose import Pose2
-from ur_nodes.slam.mapper import Estimate
-from ur_nodes.slam.tracker import Tracker
+from ur_nodes.slam.mapper import MapEstimate
+from ur_nodes.slam.tracker import MapTracker
 
 WALLS = np.vstack((
     walls_of(box(-3.0, -2.0, 9.0, 3.0), box(0.0, 1.2, 1.8, 1.6), box(-2.0, -1.4, -1.5, -0.8)),
@@ -26,7 +26,9 @@ def drive(first: float, last: float, step: float = 0.12) -> list[Pose2]:
     return [Pose2(float(x), 0.3 * math.sin(x), 0.2 * math.sin(0.7 * x)) for x in np.linspace(first, last, count)]
 
 
-def feed(tracker: Tracker, walls: Floats, poses: Sequence[Pose2], odometry: Pose2, seed: int = 0) -> list[Estimate]:
+def feed(
+    tracker: MapTracker, walls: Floats, poses: Sequence[Pose2], odometry: Pose2, seed: int = 0
+) -> list[MapEstimate]:
     """Add the scans of a path; `odometry` is the pose of the true frame in that of odometry."""
     return [
         tracker.add_scan(scan_at(walls, pose, 0.01, seed + number), odometry.compose(pose))

@@ -8,13 +8,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ur_nodes.geometry.pose import Pose2
-from ur_nodes.geometry.scan import Mount
-from ur_nodes.slam.matching.scan import Scan, make_scan
+from ur_nodes.geometry.scan import SensorMount
+from ur_nodes.slam.matching.scan import MapScan, make_scan
 
 Floats = NDArray[np.float64]
 ANGLES = np.linspace(-math.pi, math.pi, 360, endpoint=False)
 DIRECTIONS = np.column_stack((np.cos(ANGLES), np.sin(ANGLES)))
-CENTRE = Mount(np.eye(3), np.zeros(3))
+CENTRE = SensorMount(np.eye(3), np.zeros(3))
 RANGE = 12.0
 
 
@@ -49,7 +49,7 @@ def ranges_at(walls: Floats, pose: Pose2, noise: float = 0.0, seed: int = 0, rea
 
 def scan_at(
     walls: Floats, pose: Pose2, noise: float = 0.0, seed: int = 0, view: float = 2.0 * math.pi, reach: float = RANGE
-) -> Scan:
+) -> MapScan:
     """The scan that a robot at a pose sees with a lidar of so wide a view (rad), ahead, and of so long a reach (m)."""
     ahead = np.abs(ANGLES) <= 0.5 * view
     ranges = ranges_at(walls, pose, noise, seed, reach)[ahead]

@@ -11,7 +11,7 @@ from tests.ur_nodes.slam.rooms import scan_at
 
 from ur_nodes.geometry.pose import Pose2, wrap_angle
 from ur_nodes.slam.gyro import Gyro, Headings
-from ur_nodes.slam.tracker import Tracker
+from ur_nodes.slam.tracker import MapTracker
 
 ROOMS = np.vstack((WALLS, SOFA))
 PERIOD = 0.2  # s between scans
@@ -39,13 +39,13 @@ def turning_wheels(path: Sequence[Pose2], error: float, slip: float = 0.0) -> li
 
 def map_rooms(
     error: float, sign: float | None, slip: float = 0.0, view: float = math.pi
-) -> tuple[Headings, Tracker, float]:
+) -> tuple[Headings, MapTracker, float]:
     """Map with wheels that turn wrongly by `error` rad/m: the headings, the map, the worst error in m.
 
     `sign` -1: the gyroscope hangs upside down; None: there is none.
     """
     truth = [PATH[0]] * 5 + PATH
-    headings, tracker, worst = Headings(), Tracker(), 0.0
+    headings, tracker, worst = Headings(), MapTracker(), 0.0
     for number, (pose, wheels) in enumerate(zip(truth, turning_wheels(PATH, error, slip), strict=True)):
         now = number * PERIOD
         step = truth[number - 1].inverse().compose(pose) if number else Pose2(0.0, 0.0, 0.0)

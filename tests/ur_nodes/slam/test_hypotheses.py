@@ -6,11 +6,11 @@ import numpy as np
 
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.slam.hypotheses import Hypotheses
-from ur_nodes.slam.relocation import Fit, Verdict
+from ur_nodes.slam.relocation import Fit, PlaceVerdict
 
 HERE = Pose2(4.0, 1.0, 0.5)
 STEP = Pose2(0.5, 0.0, 0.0)
-UNCLEAR, REFUTED = Verdict(None, refuted=False), Verdict(None, refuted=True)
+UNCLEAR, REFUTED = PlaceVerdict(None, refuted=False), PlaceVerdict(None, refuted=True)
 
 
 def fit_at(pose: Pose2) -> Fit:
@@ -32,9 +32,9 @@ def test_robot_that_was_not_carried_is_found_by_two_scans_once_people_have_gone(
     hypotheses.add(0, first, (), lambda _: REFUTED)  # people stand round
     hypotheses.add(1, second, (), lambda _: UNCLEAR)
     drifted = Pose2(0.3, -0.2, 0.1)  # so far the small map went wrong among them
-    hypotheses.add(2, third, (), lambda guess: Verdict(fit_at(guess.compose(drifted)), refuted=False))
+    hypotheses.add(2, third, (), lambda guess: PlaceVerdict(fit_at(guess.compose(drifted)), refuted=False))
     assert hypotheses.winner() is None
-    hypotheses.add(3, fourth, (), lambda guess: Verdict(fit_at(guess), refuted=False))
+    hypotheses.add(3, fourth, (), lambda guess: PlaceVerdict(fit_at(guess), refuted=False))
     winner = hypotheses.winner()
     assert winner is not None
     assert winner.expected

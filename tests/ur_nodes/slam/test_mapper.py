@@ -8,7 +8,7 @@ from tests.ur_nodes.slam.rooms import ROOM, Floats, box, scan_at, walls_of
 
 from ur_nodes.geometry.grid import OCCUPIED
 from ur_nodes.geometry.pose import Pose2, wrap_angle
-from ur_nodes.slam.mapper import Mapper
+from ur_nodes.slam.mapper import ScanMapper
 from ur_nodes.slam.occupancy import OccupancyMap
 
 # A ring of corridors 2 m wide and 12 m long, with niches, so that every place looks different.
@@ -39,14 +39,14 @@ def with_drift(poses: list[Pose2]) -> list[Pose2]:
     return found
 
 
-def run(walls: Floats, poses: list[Pose2], odometry: list[Pose2] | None) -> Mapper:
-    mapper = Mapper()
+def run(walls: Floats, poses: list[Pose2], odometry: list[Pose2] | None) -> ScanMapper:
+    mapper = ScanMapper()
     for number, pose in enumerate(poses):
         mapper.add_scan(scan_at(walls, pose, 0.01, number), odometry[number] if odometry else None)
     return mapper
 
 
-def worst_error(mapper: Mapper, poses: list[Pose2]) -> float:
+def worst_error(mapper: ScanMapper, poses: list[Pose2]) -> float:
     first = poses[0]
     return max(
         math.hypot(found.x - true.x, found.y - true.y)
@@ -75,7 +75,7 @@ def test_wheels_that_spin_on_the_spot_move_nothing() -> None:
 
 
 def test_estimate_tells_how_far_the_robot_moved_whatever_the_wheels_did() -> None:
-    mapper = Mapper()
+    mapper = ScanMapper()
     mapper.add_scan(scan_at(ROOM, Pose2(0.0, 0.0, 0.0), 0.01, 0), Pose2(0.0, 0.0, 0.0))
     step = mapper.add_scan(scan_at(ROOM, Pose2(0.0, 0.0, 0.0), 0.01, 1), Pose2(0.04, 0.0, 0.0)).step
     assert step

@@ -13,9 +13,9 @@ from tests.ur_nodes.slam.rooms import CENTRE, DIRECTIONS, RANGE, Floats, box, ra
 
 from ur_nodes.geometry.grid import OCCUPIED
 from ur_nodes.geometry.pose import Pose2
-from ur_nodes.slam.matching.scan import Scan, make_scan
+from ur_nodes.slam.matching.scan import MapScan, make_scan
 from ur_nodes.slam.occupancy import OccupancyMap
-from ur_nodes.slam.tracker import Tracker
+from ur_nodes.slam.tracker import MapTracker
 
 ROOMS = np.vstack((WALLS, SOFA))
 CLOSED_DOOR = np.array([((4.0, -0.5), (4.0, 0.6))])
@@ -24,10 +24,10 @@ PATH = [*drive(-2.0, 6.5, 0.15), *drive(6.5, 1.0, 0.15)]
 
 
 def run(
-    poses: Sequence[Pose2], see: Callable[[int, Pose2], Scan], odometry: Sequence[Pose2] | None
-) -> tuple[Tracker, float, int]:
+    poses: Sequence[Pose2], see: Callable[[int, Pose2], MapScan], odometry: Sequence[Pose2] | None
+) -> tuple[MapTracker, float, int]:
     """Map what is seen on a path: the tracker, the worst live error (m), and how often the robot counted as lost."""
-    tracker, worst, lost = Tracker(), 0.0, 0
+    tracker, worst, lost = MapTracker(), 0.0, 0
     for number, pose in enumerate(poses):
         estimate = tracker.add_scan(see(number, pose), odometry[number] if odometry else None)
         true = poses[0].inverse().compose(pose)
@@ -36,7 +36,7 @@ def run(
     return tracker, worst, lost
 
 
-def draw(tracker: Tracker, first: Pose2) -> Floats:
+def draw(tracker: MapTracker, first: Pose2) -> Floats:
     """The centres (n, 2) of the occupied cells of the map, in the frame of the rooms."""
     drawn = OccupancyMap()
     drawn.update(tracker.keyframes, tracker.scans, tracker.drives())
@@ -86,7 +86,7 @@ def test_door_that_closes_behind_the_robot_breaks_nothing() -> None:
 
 
 def test_people_who_walk_about_are_no_walls() -> None:
-    def see(number: int, pose: Pose2) -> Scan:
+    def see(number: int, pose: Pose2) -> MapScan:
         people = []
         for person, (x, y) in enumerate(((-1.0, -1.2), (2.0, 2.4), (6.0, -1.3))):
             x, y = x + 0.9 * math.sin(0.21 * number + person), y + 0.3 * math.cos(0.17 * number + 2.0 * person)
@@ -103,7 +103,7 @@ def test_wall_of_glass_spoils_no_other_wall() -> None:
     """A beam sees glass only where it meets it almost at a right angle, and else what is behind: here nothing."""
     behind = walls_of(box(-6.0, -2.5, -3.05, 2.5))
 
-    def see(number: int, pose: Pose2) -> Scan:
+    def see(number: int, pose: Pose2) -> MapScan:
         whole = ranges_at(ROOMS, pose, 0.01, number)
         turn = np.array(((math.cos(pose.yaw), math.sin(pose.yaw)), (-math.sin(pose.yaw), math.cos(pose.yaw))))
         beams = DIRECTIONS @ turn

@@ -12,13 +12,13 @@ from ur_nodes.slam.map_state import MapState
 from ur_nodes.slam.merge import Merged, NotMerged, merge_maps
 from ur_nodes.slam.occupancy import OccupancyMap
 from ur_nodes.slam.pose_graph.edge import find_drives
-from ur_nodes.slam.tracker import Tracker
+from ur_nodes.slam.tracker import MapTracker
 
 ELSEWHERE = walls_of(box(0.0, 0.0, 5.0, 4.0), box(1.5, 1.0, 2.5, 1.5), box(3.5, 2.6, 3.9, 4.0))
 
 
 def map_of(walls: Floats, poses: list[Pose2], seed: int) -> MapState:
-    tracker = Tracker()
+    tracker = MapTracker()
     feed(tracker, walls, poses, Pose2(0.0, 0.0, 0.0), seed)
     return MapState(tracker.keyframes, tracker.edges, tracker.scans, tracker.drives())
 

@@ -26,7 +26,7 @@ from ur_nodes.slam.gmapping.slam import entropy
 from ur_nodes.slam.matching.scan import make_scan
 from ur_nodes.slam.slam_gmapping_node import SlamGmappingNode
 from ur_nodes.slam.storage.convert import load_poses
-from ur_nodes.slam.tracker import Tracker
+from ur_nodes.slam.tracker import MapTracker
 
 BASE = load_base(launch_library(), "stage", "")
 WORLD = read_world(launch_library() / "n_simulator" / "worlds" / "maze.yaml")
@@ -148,7 +148,7 @@ def test_map_is_published_and_answered_and_the_transform_is_sent_at_its_rate() -
 def test_estimates_are_those_of_the_mapper_to_the_last_bit() -> None:
     stage = Stage()
     stage.drive(0.2, 0.8, 2.0)
-    tracker = Tracker()
+    tracker = MapTracker()
     mount = mount_of_pose(MOUNT)
     estimates = []
     for scan, odometry in stage.used:

@@ -9,28 +9,28 @@ from tests.ur_nodes.slam.rooms import box, walls_of
 
 from ur_nodes.geometry.grid import OCCUPIED
 from ur_nodes.geometry.pose import Pose2
-from ur_nodes.slam.mapper import Estimate
+from ur_nodes.slam.mapper import MapEstimate
 from ur_nodes.slam.occupancy import OccupancyMap
-from ur_nodes.slam.tracker import Tracker
+from ur_nodes.slam.tracker import MapTracker
 
 
-def error(estimate: Estimate, pose: Pose2, first: Pose2) -> float:
+def error(estimate: MapEstimate, pose: Pose2, first: Pose2) -> float:
     true = first.inverse().compose(pose)
     return math.hypot(estimate.pose.x - true.x, estimate.pose.y - true.y)
 
 
 @pytest.fixture(scope="module")
-def made() -> tuple[Tracker, list[Pose2]]:
+def made() -> tuple[MapTracker, list[Pose2]]:
     """A map of both rooms, and the path on which it was made."""
-    tracker, poses = Tracker(), drive(-2.0, 8.0)
+    tracker, poses = MapTracker(), drive(-2.0, 8.0)
     feed(tracker, np.vstack((WALLS, SOFA)), poses, Pose2(0.0, 0.0, 0.0))
     assert not tracker.lost
     return tracker, poses
 
 
-def test_stored_map_is_continued_from_another_place(made: tuple[Tracker, list[Pose2]]) -> None:
+def test_stored_map_is_continued_from_another_place(made: tuple[MapTracker, list[Pose2]]) -> None:
     before, path = made
-    tracker = Tracker()
+    tracker = MapTracker()
     tracker.restore(before.keyframes, before.edges, before.scans)
     assert tracker.lost
     poses = drive(3.0, -2.0)
@@ -53,9 +53,9 @@ def test_stored_map_is_continued_from_another_place(made: tuple[Tracker, list[Po
     assert np.sum(distances(places, MOVED_SOFA) < 0.05) > 15
 
 
-def test_robot_that_is_carried_to_the_other_room_is_found_again(made: tuple[Tracker, list[Pose2]]) -> None:
+def test_robot_that_is_carried_to_the_other_room_is_found_again(made: tuple[MapTracker, list[Pose2]]) -> None:
     path = made[1]
-    tracker = Tracker()
+    tracker = MapTracker()
     walls = np.vstack((WALLS, SOFA))
     feed(tracker, walls, path, Pose2(0.0, 0.0, 0.0))
     poses = drive(-1.5, 2.5)
@@ -73,7 +73,7 @@ def test_robot_that_is_carried_to_the_other_room_is_found_again(made: tuple[Trac
 
 def test_robot_that_is_carried_to_a_room_that_is_not_mapped_adds_it_once_it_drives_back() -> None:
     path = drive(-2.0, 1.5)
-    tracker = Tracker()
+    tracker = MapTracker()
     walls = np.vstack((WALLS, SOFA))
     feed(tracker, walls, path, Pose2(0.0, 0.0, 0.0))
     poses = drive(8.0, -1.5)
@@ -93,9 +93,9 @@ def test_robot_that_is_carried_to_a_room_that_is_not_mapped_adds_it_once_it_driv
 def test_robot_in_a_room_that_looks_the_same_from_both_ends_stays_lost() -> None:
     walls = walls_of(box(-3.0, -1.5, 3.0, 1.5))
     poses = [Pose2(0.1 * n, 0.2, 0.0) for n in range(12)]
-    before = Tracker()
+    before = MapTracker()
     feed(before, walls, poses, Pose2(0.0, 0.0, 0.0))
-    tracker = Tracker()
+    tracker = MapTracker()
     tracker.restore(before.keyframes, before.edges, before.scans)
     feed(tracker, walls, poses, Pose2(0.0, 0.0, 0.0), seed=1000)
     assert tracker.lost

@@ -5,13 +5,13 @@ import pytest
 from tests.ur_nodes.slam.rooms import CENTRE, box, scan_at, walls_of
 
 from ur_nodes.geometry.pose import Pose2
-from ur_nodes.slam.matching.scan import Scan, make_scan
+from ur_nodes.slam.matching.scan import MapScan, make_scan
 from ur_nodes.slam.wall_points import wall_points
 
 ROOM = walls_of(box(-2.0, -1.5, 2.0, 1.5))
 
 
-def ahead(scan: Scan) -> np.ndarray:
+def ahead(scan: MapScan) -> np.ndarray:
     """The beams that end on the wall ahead, at x = 2 m, away from its corners."""
     return (scan.hits[:, 0] > 1.8) & (np.abs(scan.hits[:, 1]) < 1.0)
 

@@ -8,9 +8,9 @@ import pytest
 
 from ur.source.diagnostic import UserError, error
 from ur_nodes.client.driver_text import DriverRequest
-from ur_nodes.client.model import GoalReport, GoalState, Snapshot
 from ur_nodes.client.mux import MuxRequest
-from ur_nodes.client.patrol_text import Answer, PatrolAction, PatrolState, PatrolStatus, Route
+from ur_nodes.client.patrol_text import PatrolAction, PatrolAnswer, PatrolRoute, PatrolState, PatrolStatus
+from ur_nodes.client.snapshot import GoalReport, LastGoalState, RobotSnapshot
 from ur_nodes.client.waypoints import WaypointStore
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2
@@ -27,11 +27,11 @@ class FakeNavigator:
     """A Navigator whose state the test sets, and that notes what was asked of it."""
 
     def __init__(self) -> None:
-        self.seen = Snapshot(grid=make_grid(), pose=Pose2(0.0, 0.0, 0.0))
+        self.seen = RobotSnapshot(grid=make_grid(), pose=Pose2(0.0, 0.0, 0.0))
         self.goals: list[Pose2] = []
         self.any_heading = False
         self.poses: list[Pose2] = []
-        self.patrols: list[tuple[PatrolAction, Route]] = []
+        self.patrols: list[tuple[PatrolAction, PatrolRoute]] = []
         self.patrol_problem = ""
         self.stops = 0
         self.searches = 0
@@ -41,7 +41,7 @@ class FakeNavigator:
         self.resumes = 0
         self.problem: UserError | None = None
 
-    def snapshot(self) -> Snapshot:
+    def snapshot(self) -> RobotSnapshot:
         return self.seen
 
     def go(self, place: Pose2, *, any_heading: bool = False) -> int:
@@ -50,12 +50,12 @@ class FakeNavigator:
         self.goals.append(place)
         self.any_heading = any_heading
         number = self.seen.goal.number + 1
-        self.seen = replace(self.seen, goal=GoalReport(number, place, GoalState.DRIVING, any_heading=any_heading))
+        self.seen = replace(self.seen, goal=GoalReport(number, place, LastGoalState.DRIVING, any_heading=any_heading))
         return number
 
-    def ask_patrol(self, action: PatrolAction, route: Route) -> str:
+    def ask_patrol(self, action: PatrolAction, route: PatrolRoute) -> str:
         self.patrols.append((action, route))
-        answer = Answer(f"id-{len(self.patrols)}", self.patrol_problem)
+        answer = PatrolAnswer(f"id-{len(self.patrols)}", self.patrol_problem)
         state: PatrolState = "driving" if action in ("start", "resume") and not self.patrol_problem else "ended"
         self.seen = replace(self.seen, patrol=PatrolStatus(state, route, answer=answer))
         return answer.id
@@ -63,11 +63,11 @@ class FakeNavigator:
     def stop(self) -> None:
         self.stops += 1
         if not self.seen.goal.over:
-            self.end(GoalState.STOPPED)
+            self.end(LastGoalState.STOPPED)
 
     def resume(self) -> None:
         self.resumes += 1
-        self.seen = replace(self.seen, goal=replace(self.seen.goal, state=GoalState.DRIVING, text=""))
+        self.seen = replace(self.seen, goal=replace(self.seen.goal, state=LastGoalState.DRIVING, text=""))
 
     def request_lease(self, request: DriverRequest) -> None:
         self.requests.append(request)
@@ -84,7 +84,7 @@ class FakeNavigator:
             raise UserError(error("service /global_localization: unavailable, expected one", rule="no-service"))
         self.searches += 1
 
-    def end(self, state: GoalState, text: str = "") -> None:
+    def end(self, state: LastGoalState, text: str = "") -> None:
         self.seen = replace(self.seen, goal=replace(self.seen.goal, state=state, text=text))
 
     def move(self, place: Pose2) -> None:

@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterator
 from types import TracebackType
 
 from ur_nodes.memory.bus import Bus
-from ur_nodes.teleop.terminal.raw import Terminal, own_terminal
+from ur_nodes.teleop.terminal.raw import RawTerminal, own_terminal
 
 LIMIT = 60.0  # s
 
@@ -18,7 +18,7 @@ LIMIT = 60.0  # s
 class Screen:
     """Runs `body(terminal, ended)` on a thread; a test types, and reads what is shown. Leaving it ends the body."""
 
-    def __init__(self, body: Callable[[Terminal, threading.Event], object]) -> None:
+    def __init__(self, body: Callable[[RawTerminal, threading.Event], object]) -> None:
         self.ended = threading.Event()
         self.text = ""
         """All that was written on the terminal."""

@@ -15,7 +15,7 @@ from ur_nodes.motion.cmd_vel_mux_node import start
 from ur_nodes.ports.actions import GoalHandle
 from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.values import Twist
-from ur_nodes.web.robot_end import RobotEnd
+from ur_nodes.web.robot_end import RobotSession
 
 ROOT = Path(__file__).parents[3]
 SOURCES = yaml.safe_load((ROOT / "ubiquity_launches/n_cmd_vel_mux/params/sources.yaml").read_text())
@@ -79,7 +79,7 @@ class World:
         self.node = self.bus.node("web")
         self.view, self.drive = Outlet(), Outlet()
         self.drive.take_line = self._take_line
-        self.end = RobotEnd(self.node, self.view, self.drive)
+        self.end = RobotSession(self.node, self.view, self.drive)
         self.challenge = [0, 0]
         self.pages: dict[str, Page] = {}
         self.bus.run(1.5)

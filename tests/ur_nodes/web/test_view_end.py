@@ -16,7 +16,7 @@ from ur_nodes.memory.stores import MemoryParameters
 from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.values import Battery, Map, PoseEstimate, Range, Scan, Transform
 from ur_nodes.ports.values import Path as PathValue
-from ur_nodes.web.robot_end import RobotEnd
+from ur_nodes.web.robot_end import RobotSession
 from ur_nodes.web.view_state import list_sources
 
 HERE = Pose2(0.0, 0.0, 0.0).in_space()
@@ -155,7 +155,7 @@ def test_sources_that_cannot_be_read_are_asked_for_again(world: World, monkeypat
         raise ConnectionResetError("the master was restarted")
 
     frames = Outlet()
-    end = RobotEnd(world.bus.node("web_again"), frames, Outlet())
+    end = RobotSession(world.bus.node("web_again"), frames, Outlet())
     end.take_view({"viewers": 1})
     with monkeypatch.context() as patch:
         patch.setattr(MemoryParameters, "get", fail)

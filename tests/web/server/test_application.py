@@ -20,7 +20,7 @@ from ur.web.access.origin import make_origins  # noqa: E402
 from ur.web.access.roles import Role  # noqa: E402
 from ur.web.server.application import Application  # noqa: E402
 from ur.web.server.connections.http_server import open_server  # noqa: E402
-from ur.web.server.gate import Gate  # noqa: E402
+from ur.web.server.gate import LoginGate  # noqa: E402
 from ur.web.server.static_files import load_files  # noqa: E402
 from ur.web.wire.frames import Kind, Layer, camera_frame, json_frame, key_of, points_frame  # noqa: E402
 
@@ -33,7 +33,7 @@ GUARDED = ["/", "/main.js", "/api/me", "/ws/view", DRIVE, RUNS, *PROGRAMS]
 @dataclass
 class Server:
     application: Application
-    gate: Gate
+    gate: LoginGate
     url: str
     client: Any
     log: list[str]
@@ -60,7 +60,7 @@ class Server:
 @pytest.fixture
 async def server(tmp_path: Path) -> AsyncIterator[Server]:
     port, log = free_port(), list[str]()
-    gate = Gate(make_origins((), port), tmp_path / "sessions.json", log.append)
+    gate = LoginGate(make_origins((), port), tmp_path / "sessions.json", log.append)
     environment = {"ROS_MASTER_URI": f"http://localhost:{free_port()}"}
     application = Application(gate, load_files(), environment, "bob", log.append)
     jar = aiohttp.CookieJar(unsafe=True)
@@ -339,7 +339,7 @@ async def test_plots_of_all_pages_are_asked_for_once_and_only_they_get_the_numbe
 
 
 async def test_server_ends_although_a_cancellation_is_lost(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    gate = Gate(make_origins((), free_port()), tmp_path / "sessions.json", lambda _: None)
+    gate = LoginGate(make_origins((), free_port()), tmp_path / "sessions.json", lambda _: None)
     application = Application(gate, load_files(), {}, "bob", lambda _: None)
     lost = 0
 

@@ -16,7 +16,7 @@ from ur.web.access.origin import make_origins  # noqa: E402
 from ur.web.access.roles import SESSION_LIFE, TOKEN_LIFE, Role  # noqa: E402
 from ur.web.server.application import Application  # noqa: E402
 from ur.web.server.connections.http_server import open_server  # noqa: E402
-from ur.web.server.gate import VIEWER_PATH, Gate  # noqa: E402
+from ur.web.server.gate import VIEWER_PATH, LoginGate  # noqa: E402
 from ur.web.server.static_files import load_files  # noqa: E402
 
 FILE = "/{name}"
@@ -63,7 +63,7 @@ OLD = "x" * 43
 
 @dataclass
 class Server:
-    gate: Gate
+    gate: LoginGate
     url: str
     routes: set[tuple[str, str]]
     client: Any
@@ -92,7 +92,7 @@ class Server:
 @pytest.fixture
 async def server(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> AsyncIterator[Server]:
     port, passed = free_port(), list[Any]()
-    gate = Gate(make_origins((), port), tmp_path / "sessions.json", lambda _: None)
+    gate = LoginGate(make_origins((), port), tmp_path / "sessions.json", lambda _: None)
     environment = {"ROS_MASTER_URI": f"http://localhost:{free_port()}", "HOME": str(tmp_path)}
     application = Application(gate, load_files(), environment, "bob", lambda _: None)
     monkeypatch.setattr(application.robot_end, "send", passed.append)

@@ -21,7 +21,7 @@ from ur.web.access.origin import make_origins  # noqa: E402
 from ur.web.access.roles import Role  # noqa: E402
 from ur.web.server.application import Application  # noqa: E402
 from ur.web.server.connections.http_server import open_server  # noqa: E402
-from ur.web.server.gate import Gate  # noqa: E402
+from ur.web.server.gate import LoginGate  # noqa: E402
 from ur.web.server.run_pages import RunPages  # noqa: E402
 from ur.web.wire import run_requests  # noqa: E402
 from ur.web.wire.requests import LONGEST, read_request  # noqa: E402
@@ -45,7 +45,7 @@ async def test_only_requests_that_are_well_formed_reach_the_robot(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     port, chance, log, passed = free_port(), random.Random(COUNT), list[str](), list[Any]()
-    gate = Gate(make_origins((), port), tmp_path / "sessions.json", log.append)
+    gate = LoginGate(make_origins((), port), tmp_path / "sessions.json", log.append)
     application = Application(gate, {}, {"ROS_MASTER_URI": f"http://localhost:{free_port()}"}, "bob", log.append)
     monkeypatch.setattr(application.robot_end, "send", passed.append)
     url, seeds = f"http://127.0.0.1:{port}", [json.dumps(each).encode() for each in VALID]
@@ -94,7 +94,7 @@ async def test_only_run_requests_that_are_well_formed_are_carried_out(
     done: list[Any] = []
     monkeypatch.setattr(RunPages, "_carry_out", lambda *given: done.append(given[3]))
     port, chance, log = free_port(), random.Random(COUNT), list[str]()
-    gate = Gate(make_origins((), port), tmp_path / "sessions.json", log.append)
+    gate = LoginGate(make_origins((), port), tmp_path / "sessions.json", log.append)
     environment = {"ROS_MASTER_URI": f"http://localhost:{free_port()}", "HOME": str(tmp_path)}
     built = Application(gate, {}, environment, "bob", log.append).build()
     url, seeds = f"http://127.0.0.1:{port}", [json.dumps(each).encode() for each in VALID_RUNS]

@@ -21,7 +21,7 @@ from ur.web.access.origin import make_origins  # noqa: E402
 from ur.web.access.roles import Role  # noqa: E402
 from ur.web.server.application import Application  # noqa: E402
 from ur.web.server.connections.http_server import open_server  # noqa: E402
-from ur.web.server.gate import Gate  # noqa: E402
+from ur.web.server.gate import LoginGate  # noqa: E402
 
 BAD_NAMES = (
     "../flat",
@@ -41,7 +41,7 @@ BAD_NAMES = (
 
 @dataclass
 class Server:
-    gate: Gate
+    gate: LoginGate
     url: str
     client: Any
     store: MapStore
@@ -66,7 +66,7 @@ class Server:
 @pytest.fixture
 async def server(tmp_path: Path) -> AsyncIterator[Server]:
     port = free_port()
-    gate = Gate(make_origins((), port), tmp_path / "sessions.json", lambda _: None)
+    gate = LoginGate(make_origins((), port), tmp_path / "sessions.json", lambda _: None)
     own = {"HOME": str(tmp_path), "XDG_DATA_HOME": str(tmp_path / "data")}
     environment = {**os.environ, **own, "ROS_MASTER_URI": f"http://localhost:{free_port()}"}
     store = own_store(environment)
@@ -110,7 +110,7 @@ async def test_names_that_no_map_can_have_reach_no_command(server: Server, monke
     async def run(*words: str, **_: object) -> None:
         pytest.fail(f"runs {words}")
 
-    monkeypatch.setattr("ur.web.runs.commands.Commands.run", run)
+    monkeypatch.setattr("ur.web.runs.commands.CommandQueue.run", run)
     for name in BAD_NAMES:
         assert (await server.post("delete", {"name": name}))[0] == 409, name
         assert (await server.post("rename", {"name": name, "new_name": "home"}))[0] == 409, name

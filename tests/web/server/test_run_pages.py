@@ -17,11 +17,11 @@ from ur.web.access.roles import Role  # noqa: E402
 from ur.web.server import run_pages  # noqa: E402
 from ur.web.server.application import Application  # noqa: E402
 from ur.web.server.connections.http_server import open_server  # noqa: E402
-from ur.web.server.gate import Gate  # noqa: E402
+from ur.web.server.gate import LoginGate  # noqa: E402
 
 
 class Server:
-    def __init__(self, gate: Gate, url: str, client: Any) -> None:
+    def __init__(self, gate: LoginGate, url: str, client: Any) -> None:
         self.gate, self.url, self.client = gate, url, client
 
     async def connect(self, role: Role = Role.DRIVE) -> Any:
@@ -34,7 +34,7 @@ class Server:
 @pytest.fixture
 async def server(tmp_path: Path) -> AsyncIterator[Server]:
     port = free_port()
-    gate = Gate(make_origins((), port), tmp_path / "sessions.json", lambda _: None)
+    gate = LoginGate(make_origins((), port), tmp_path / "sessions.json", lambda _: None)
     environment = {"ROS_MASTER_URI": f"http://localhost:{free_port()}", "HOME": str(tmp_path)}
     application = Application(gate, {}, environment, "bob", lambda _: None).build()
     async with (

@@ -16,7 +16,7 @@ from ur.web.access.origin import make_origins
 from ur.web.access.roles import Role
 from ur.web.server.application import Application
 from ur.web.server.connections.http_server import open_server
-from ur.web.server.gate import Gate
+from ur.web.server.gate import LoginGate
 from ur.web.server.static_files import load_files
 from ur.web.wire.frames import Kind, Layer, PoseSample, json_frame, pose_frame
 
@@ -41,7 +41,7 @@ class Robot:
 
     def __init__(self, folder: Path) -> None:
         self.port, self.asked = free_port(), list[Any]()
-        self._gate = Gate(make_origins((), self.port), folder / "sessions.json", lambda _: None)
+        self._gate = LoginGate(make_origins((), self.port), folder / "sessions.json", lambda _: None)
         environment = {"ROS_MASTER_URI": "http://localhost:1"}
         self._application = Application(self._gate, load_files(), environment, "bob", lambda _: None)
         end = self._application.robot_end

@@ -7,7 +7,7 @@ import zlib
 
 import pytest
 
-from ur.web.server.viewers import Frames
+from ur.web.server.viewers import FrameQueue
 from ur.web.wire.frames import (
     TILE,
     GridFrame,
@@ -71,7 +71,7 @@ def test_json_frames_hold_any_letters() -> None:
 
 
 def test_newer_frames_replace_older_ones_and_small_ones_go_first() -> None:
-    frames = Frames()
+    frames = FrameQueue()
     tile, pose = tile_frame(Layer.MAP, 3, 0, 0, bytes(TILE * TILE)), pose_frame(PoseSample(x=2.0))
     for each in (tile, pose_frame(PoseSample(x=1.0)), pose):
         frames.put(each)
@@ -79,7 +79,7 @@ def test_newer_frames_replace_older_ones_and_small_ones_go_first() -> None:
 
 
 def test_another_map_drops_the_tiles_of_the_one_before() -> None:
-    frames = Frames()
+    frames = FrameQueue()
     for each in (
         grid_frame(Layer.MAP, GRID),
         tile_frame(Layer.MAP, 2, 0, 0, bytes(TILE * TILE)),

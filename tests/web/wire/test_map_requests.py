@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ur.maps.record import MOST_STROKES, WIDEST_STROKE, Edit
+from ur.maps.record import MOST_STROKES, WIDEST_STROKE, MapEdit
 from ur.web.wire.map_requests import DrawWalls, RestoreWalls
 from ur.web.wire.reading import BadRequestError
 from ur.web.wire.requests import LONGEST, read_request
@@ -25,7 +25,7 @@ def draw(**change: Any) -> str:
 def test_strokes_of_a_page_are_edits_of_the_map() -> None:
     points = ((1.5, -2.25), (3.0, 4.0))
     asked = read_request(draw(strokes=[STROKE, [1, 0.8, *STROKE[2:]]]))
-    assert asked == DrawWalls("flat", (Edit("wall", points, 0.1), Edit("erase", points, 0.8)))
+    assert asked == DrawWalls("flat", (MapEdit("wall", points, 0.1), MapEdit("erase", points, 0.8)))
     assert read_request('{"t": "restore_walls", "map": "flat"}') == RestoreWalls("flat")
 
 

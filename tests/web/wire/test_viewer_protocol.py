@@ -10,14 +10,14 @@ import pytest
 from tests.fuzz.mutate import mutate
 
 from ur.web.wire.reading import BadRequestError
-from ur.web.wire.requests import Goal, InitialPose, read_request
+from ur.web.wire.requests import GoalRequest, InitialPose, read_request
 from ur.web.wire.viewer_protocol import (
     GOAL,
     POSE,
-    Advertised,
+    AdvertisedTopic,
     Advertisement,
     Publication,
-    Subscriptions,
+    SubscriptionMessage,
     Withdrawal,
     complete_server_info,
     read_message,
@@ -36,10 +36,10 @@ def pose(x: float = 1.0, y: float = 2.0, yaw: float = 0.5, frame: bytes = b"map"
 def test_subscriptions_are_passed_on_without_what_else_came_with_them() -> None:
     text = '{"op": "subscribe", "x": 1, "subscriptions": [{"id": 1, "channelId": 2, "evil": "y"}]}'
     found = read_message(text)
-    assert isinstance(found, Subscriptions)
+    assert isinstance(found, SubscriptionMessage)
     assert json.loads(found.text) == {"op": "subscribe", "subscriptions": [{"id": 1, "channelId": 2}]}
     found = read_message('{"op": "unsubscribe", "subscriptionIds": [1, 2]}')
-    assert isinstance(found, Subscriptions)
+    assert isinstance(found, SubscriptionMessage)
     assert json.loads(found.text) == {"op": "unsubscribe", "subscriptionIds": [1, 2]}
 
 
@@ -53,16 +53,16 @@ def test_what_is_not_offered_is_left_out() -> None:
 def test_topics_and_messages_of_clients_are_read() -> None:
     channel = {"id": 3, "topic": "initialpose", "schemaName": "x/Y", "encoding": "ros1"}
     text = json.dumps({"op": "advertise", "channels": [channel]})
-    assert read_message(text) == Advertisement((Advertised(3, POSE, "x/Y", "ros1"),))
+    assert read_message(text) == Advertisement((AdvertisedTopic(3, POSE, "x/Y", "ros1"),))
     assert read_message('{"op": "unadvertise", "channelIds": [3]}') == Withdrawal((3,))
     assert read_message(struct.pack("<BI", 1, 3) + b"data") == Publication(3, b"data")
 
 
-@pytest.mark.parametrize(("topic", "rest", "kind"), [(GOAL, 0, Goal), (POSE, 288, InitialPose)])
+@pytest.mark.parametrize(("topic", "rest", "kind"), [(GOAL, 0, GoalRequest), (POSE, 288, InitialPose)])
 def test_poses_in_the_form_of_ros_become_requests_of_a_page(topic: str, rest: int, kind: type) -> None:
     found = read_request(json.dumps({**read_request_of(topic, pose(rest=rest)), "n": [5, 6]}))
     assert isinstance(found, kind)
-    assert isinstance(found, (Goal, InitialPose))
+    assert isinstance(found, (GoalRequest, InitialPose))
     assert (found.answers, found.x, found.y) == ((5, 6), 1.0, 2.0)
     assert found.yaw == pytest.approx(0.5)
 

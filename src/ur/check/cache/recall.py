@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 from ur.check.cache.answers import CHECKED, Answers, digest_of
 from ur.check.cache.findings import TooLargeError, decode_hits, encode_hits
 from ur.check.findings.merge import Hit
-from ur.check.model import Package
+from ur.check.rule import Package
 from ur.check.worlds import CachedWorld, Question
 from ur.launchfile.syntax import LaunchFile
 from ur.launchfile.syntax.decode import decode_text
@@ -21,10 +21,10 @@ from ur.source.file import SourceFile
 
 
 @dataclass(frozen=True, slots=True)
-class Unit:
+class RecalledFile:
     """The findings of one file, as encode_hits gives them, with what they depend on.
 
-    `inputs` is a digest of what the check was given about the file; `questions` are indices in `Known.questions`.
+    `inputs` is a digest of what the check was given about the file; `questions`: indices in `KnownFindings.questions`.
     """
 
     inputs: str
@@ -33,22 +33,22 @@ class Unit:
 
 
 @dataclass(frozen=True, slots=True)
-class Known:
+class KnownFindings:
     """Findings of a check by the path of the file, and each question with the digest of its answer."""
 
     questions: Sequence[tuple[Question, str]] = ()
-    units: Mapping[str, Unit] = field(default_factory=dict)
+    units: Mapping[str, RecalledFile] = field(default_factory=dict)
 
 
 class Recall:
     """Findings of an earlier check, and those of this one."""
 
-    def __init__(self, known: Known | None = None) -> None:
-        self._known = known or Known()
+    def __init__(self, known: KnownFindings | None = None) -> None:
+        self._known = known or KnownFindings()
         self._valid: dict[int, bool] = {}
         self._numbers: dict[Question, int] = {}
         self._questions: list[tuple[Question, str]] = []
-        self._units: dict[str, Unit] = {}
+        self._units: dict[str, RecalledFile] = {}
         self.changed = False  # this check found something that the earlier one did not know
         self.recalled = 0  # files whose findings were taken from the earlier check
 
@@ -58,9 +58,9 @@ class Recall:
         return len(self._units) < len(self._known.units)
 
     @property
-    def now(self) -> Known:
+    def now(self) -> KnownFindings:
         """The findings of this check, for the next one."""
-        return Known(tuple(self._questions), dict(self._units))
+        return KnownFindings(tuple(self._questions), dict(self._units))
 
     def hits_of(self, path: str, inputs: object, world: Asked, compute: Callable[[], Iterable[Hit]]) -> list[Hit]:
         """Return the hits of a file: those known, or those that `compute` gives while `world` notes what it asks.
@@ -101,7 +101,7 @@ class Recall:
                 self._numbers[question] = len(self._questions)
                 self._questions.append((question, world.answers.digest_of(question)))
             numbers.append(self._numbers[question])
-        self._units[path] = Unit(inputs, numbers, hits)
+        self._units[path] = RecalledFile(inputs, numbers, hits)
 
 
 class Asked:

@@ -17,7 +17,7 @@ from collections.abc import Mapping, Sequence
 from contextlib import suppress
 
 from ur.check.cache.answers import is_question
-from ur.check.cache.recall import Known, Recall, Unit
+from ur.check.cache.recall import KnownFindings, Recall, RecalledFile
 from ur.source.replace import PRIVATE, make_folder, replace_file
 from ur.source.user_folders import user_folder
 
@@ -68,7 +68,7 @@ def store_recall(recall: Recall, path: str, program: str) -> None:
         _remove_oldest(folder)
 
 
-def _body_of(known: Known) -> dict[str, object]:
+def _body_of(known: KnownFindings) -> dict[str, object]:
     return {
         "questions": [[digest, *question] for question, digest in known.questions],
         "units": {path: [unit.inputs, list(unit.questions), unit.hits] for path, unit in known.units.items()},
@@ -84,7 +84,7 @@ def _read(path: str) -> bytes:
         return file.read()
 
 
-def _read_known(data: bytes, program: str) -> Known:
+def _read_known(data: bytes, program: str) -> KnownFindings:
     header, line_break, text = data.partition(b"\n")
     expected = {"format": FORMAT, "program": program, "digest": _digest(text)}
     if not line_break or len(header) > _HEADER or json.loads(header) != expected:
@@ -99,16 +99,16 @@ def _read_known(data: bytes, program: str) -> Known:
         questions.append((tuple(each[1:]), each[0]))
     if not isinstance(body["units"], dict):
         raise ValueError("not the findings of a check")
-    return Known(questions, {path: _read_unit(unit, len(questions)) for path, unit in body["units"].items()})
+    return KnownFindings(questions, {path: _read_unit(unit, len(questions)) for path, unit in body["units"].items()})
 
 
-def _read_unit(value: object, questions: int) -> Unit:
+def _read_unit(value: object, questions: int) -> RecalledFile:
     if not isinstance(value, list) or len(value) != 3 or not isinstance(value[0], str):
         raise ValueError("not the findings of a file")
     inputs, numbers, hits = value
     if not isinstance(numbers, list) or not all(type(each) is int and 0 <= each < questions for each in numbers):
         raise ValueError("not the questions of a file")
-    return Unit(inputs, numbers, hits)  # hits are checked when they are decoded
+    return RecalledFile(inputs, numbers, hits)  # hits are checked when they are decoded
 
 
 def _remove_oldest(folder: str) -> None:

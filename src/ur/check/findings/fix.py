@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
-from ur.check.model import Edit, Rule
+from ur.check.rule import Rule, TextEdit
 from ur.source.diagnostic import Diagnostic
 
 
@@ -20,7 +20,7 @@ class Repair:
 
 def plan_repairs(findings: Iterable[Diagnostic], rules: Mapping[str, Rule]) -> list[Repair]:
     """New texts for the files whose findings can be repaired. Of two edits that overlap, the first is made."""
-    edits: dict[str, list[tuple[Edit, Diagnostic]]] = {}
+    edits: dict[str, list[tuple[TextEdit, Diagnostic]]] = {}
     for found in findings:
         rule = rules.get(found.rule)
         if rule is not None and rule.fix is not None and found.span is not None:
@@ -29,7 +29,7 @@ def plan_repairs(findings: Iterable[Diagnostic], rules: Mapping[str, Rule]) -> l
     return [_apply(path, group) for path, group in sorted(edits.items())]
 
 
-def _apply(path: str, edits: list[tuple[Edit, Diagnostic]]) -> Repair:
+def _apply(path: str, edits: list[tuple[TextEdit, Diagnostic]]) -> Repair:
     edits.sort(key=lambda pair: pair[0].span.start)
     source = edits[0][0].span.file.text
     parts, position, done = [], 0, []

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
-from ur.check.model import Package
 from ur.check.queries.executables import is_misspelt
+from ur.check.rule import Package
 from ur.launchfile.world import World
 from ur.source.diagnostic import Diagnostic, Severity
 from ur.source.suggest import did_you_mean

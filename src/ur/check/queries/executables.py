@@ -21,7 +21,7 @@ _SAME = 0.88
 _SHORT = 5
 
 
-class Verdict(NamedTuple):
+class ExecutableLookup(NamedTuple):
     """Result of a lookup. `path` is the file that is not executable; `near` are programs with a similar name.
 
     `no-programs`: the package exists, but has neither programs nor files that say how they are built.
@@ -32,28 +32,28 @@ class Verdict(NamedTuple):
     near: tuple[str, ...] = ()
 
 
-def find_program(package: str, name: str, world: World) -> Verdict:
+def find_program(package: str, name: str, world: World) -> ExecutableLookup:
     """Look up the program of a node. One that the package's build files name counts as found."""
     if "/" in name:
-        return Verdict("unknown")
+        return ExecutableLookup("unknown")
     try:
         if world.find_executables(package, name):
-            return Verdict("found")
+            return ExecutableLookup("found")
         files = world.find_files(package, name)
         folder = world.find_package(package)
     except PackageNotFound:
-        return Verdict("no-package")
+        return ExecutableLookup("no-package")
     except (OSError, ValueError):
-        return Verdict("unknown")
+        return ExecutableLookup("unknown")
     if is_placeholder(folder, world):
-        return Verdict("unknown")
+        return ExecutableLookup("unknown")
     texts = list(_build_files(folder, world))
     if any(_builds(text, name) for text in texts):
-        return Verdict("found")
+        return ExecutableLookup("found")
     if files:
-        return Verdict("not-executable", files[0])
+        return ExecutableLookup("not-executable", files[0])
     near = tuple(_programs_near(package, folder, texts, world))
-    return Verdict("missing" if near or texts else "no-programs", near=near)
+    return ExecutableLookup("missing" if near or texts else "no-programs", near=near)
 
 
 def is_placeholder(folder: str, world: World) -> bool:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 
-from ur.check.model import LaunchView
+from ur.check.rule import LaunchView
 from ur.launchfile.syntax import Comment, Element
 
 _PLACE = re.compile(r"((?:n|m|rviz)_\w+)/launch/([^/]+)\Z")

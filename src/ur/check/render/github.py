@@ -5,12 +5,12 @@ Source of the format and of its escapes: GitHub's documentation, "Workflow comma
 
 from __future__ import annotations
 
-from ur.check.run import Report
+from ur.check.run import CheckReport
 from ur.source.diagnostic import Diagnostic
 from ur.source.printable import printable
 
 
-def render_github(report: Report) -> str:
+def render_github(report: CheckReport) -> str:
     """One line per finding; nothing for none."""
     return "".join(_line(found) + "\n" for found in report.findings)
 

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import json
 
-from ur.check.run import Report
+from ur.check.run import CheckReport
 from ur.source.diagnostic import Diagnostic
 from ur.source.file import Span
 
 
-def render_json(report: Report) -> str:
+def render_json(report: CheckReport) -> str:
     """One object: `findings`, in the order of their places, and a `summary`. Lines and columns count from 1."""
     body = {
         "findings": [_finding(found) for found in report.findings],

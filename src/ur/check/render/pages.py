@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from ur.check.model import Example, Group, Rule
 from ur.check.render.text import shorten_paths
-from ur.check.run import Report, check_paths
+from ur.check.rule import Example, Rule, RuleGroup
+from ur.check.run import CheckReport, check_paths
 from ur.launchfile.world import MemoryWorld
 from ur.source.render import render_human
 
@@ -24,7 +24,7 @@ OPEN, CLOSE = "«", "»"
 def render_rule_page(rule: Rule) -> str:
     """A rule as a page in Markdown, made from its own examples."""
     kinds = [f"group `{rule.group.value}`", rule.severity.value]
-    if rule.group is Group.CONVENTIONS:
+    if rule.group is RuleGroup.CONVENTIONS:
         kinds.append("only for packages that follow the conventions")
     if rule.fix is not None:
         kinds.append("repaired by `--fix`, where that is safe")
@@ -81,7 +81,7 @@ def render_index_page(rules: dict[str, Rule]) -> str:
     return "\n".join(lines) + "\n"
 
 
-def check_example(example: Example) -> Report:
+def check_example(example: Example) -> CheckReport:
     """Apply all rules to an example."""
     files = {f"{FOLDER}/package.xml": "<package><name>my_robot</name></package>", **_OTHERS}
     files |= {_place(path): strip_marks(text) for path, text in example.files.items()}

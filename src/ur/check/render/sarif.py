@@ -9,15 +9,15 @@ import json
 from collections.abc import Mapping
 from urllib.parse import quote
 
-from ur.check.model import Rule
-from ur.check.run import Report
+from ur.check.rule import Rule
+from ur.check.run import CheckReport
 from ur.source.diagnostic import Diagnostic
 from ur.source.file import Span
 
 SCHEMA = "https://json.schemastore.org/sarif-2.1.0.json"
 
 
-def render_sarif(report: Report, rules: Mapping[str, Rule], version: str) -> str:
+def render_sarif(report: CheckReport, rules: Mapping[str, Rule], version: str) -> str:
     """One run of the tool `ur check`, with the rules that found something."""
     used = sorted({found.rule for found in report.findings})
     driver = {

@@ -6,7 +6,7 @@ from dataclasses import replace
 from textwrap import fill
 
 from ur.check.findings.installed import NotInstalled, split_not_installed
-from ur.check.run import Report
+from ur.check.run import CheckReport
 from ur.source.diagnostic import Diagnostic, Note
 from ur.source.file import SourceFile, Span
 from ur.source.printable import printable
@@ -16,7 +16,7 @@ _WIDTH = 100
 _INSTALL = "'ur get --missing FOLDER' gets them; of packages built here: source their setup.bash"
 
 
-def render_text(report: Report, *, colour: bool = False) -> str:
+def render_text(report: CheckReport, *, colour: bool = False) -> str:
     """The findings, one paragraph about packages that are not installed, and one line that counts."""
     findings, not_installed = split_not_installed(report.findings)
     nothing = "nothing else found" if not_installed.packages else "nothing found"
@@ -34,7 +34,7 @@ def _describe_not_installed(missing: NotInstalled) -> str:
     return fill(text, _WIDTH, subsequent_indent="  ", break_on_hyphens=False) + f"\n  help: {_INSTALL}\n"
 
 
-def summarise(report: Report, *, nothing: str = "nothing found") -> str:
+def summarise(report: CheckReport, *, nothing: str = "nothing found") -> str:
     """`2 errors and 1 warning in 40 files`; `nothing` is for no finding."""
     warnings = len(report.findings) - report.errors
     counts = [_count(number, word) for number, word in ((report.errors, "error"), (warnings, "warning")) if number]
@@ -46,7 +46,7 @@ def _count(number: int, word: str) -> str:
     return f"{number} {word}" + ("" if number == 1 else "s")
 
 
-def shorten_paths(report: Report, folder: str) -> Report:
+def shorten_paths(report: CheckReport, folder: str) -> CheckReport:
     """The same report with the paths of its places relative to a folder, where they lie in it."""
     files: dict[int, SourceFile] = {}
     prefix = folder.rstrip("/") + "/"

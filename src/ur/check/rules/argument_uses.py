@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterable
 
 from ur.check.example_parts import speed_example
-from ur.check.model import Found, Group, LaunchView, Rule, launch_example
+from ur.check.rule import LaunchView, Rule, RuleFinding, RuleGroup, launch_example
 from ur.check.survey import walk_elements
 from ur.launchfile.syntax import Element, SubstitutionProblem, is_eval, parse_substitutions
 from ur.source.diagnostic import Severity
@@ -15,7 +15,7 @@ from ur.source.suggest import did_you_mean
 _ARG_CALL = re.compile(r"""(?<![\w.])arg\(\s*(["'])([^"']*)\1\s*\)""")
 
 
-def _find_undeclared_argument(element: Element, view: LaunchView) -> Iterable[Found]:
+def _find_undeclared_argument(element: Element, view: LaunchView) -> Iterable[RuleFinding]:
     # Resolving reports those that take part; here are the others, in branches that a condition leaves out.
     if any("$(" in name for name in view.declared):
         return
@@ -30,7 +30,7 @@ def _find_undeclared_argument(element: Element, view: LaunchView) -> Iterable[Fo
                     if near
                     else f'declare it before it is used: <arg name="{name}" default="..."/>'
                 )
-                yield Found(
+                yield RuleFinding(
                     element.piece_span(attribute, start, end),
                     f"argument '{name}' is not declared, expected <arg name=\"{name}\">",
                     help_,
@@ -52,7 +52,7 @@ def _arguments_in(value: str) -> Iterable[tuple[str, int, int]]:
             yield piece.words[0].text, piece.start, piece.end
 
 
-def _find_unused_argument(view: LaunchView) -> Iterable[Found]:
+def _find_unused_argument(view: LaunchView) -> Iterable[RuleFinding]:
     if _uses_all(view):
         return
     for name, elements in view.declared.items():
@@ -60,7 +60,7 @@ def _find_unused_argument(view: LaunchView) -> Iterable[Found]:
         if "$(" not in name and name not in view.used and not did_you_mean(name, set(view.used) - set(view.declared)):
             message = f"argument '{name}' is declared and not used, expected a place that uses it"
             help_ = "remove it, or use it where it was meant to be"
-            yield Found(elements[0].value_span("name"), message, help_, subject=name)
+            yield RuleFinding(elements[0].value_span("name"), message, help_, subject=name)
 
 
 def _uses_all(view: LaunchView) -> bool:
@@ -76,7 +76,7 @@ def _uses_all(view: LaunchView) -> bool:
 RULES = (
     Rule(
         id="undeclared-argument",
-        group=Group.ARGUMENTS,
+        group=RuleGroup.ARGUMENTS,
         severity=Severity.ERROR,
         summary="$(arg NAME) names an argument that the file does not declare.",
         explanation="""
@@ -105,7 +105,7 @@ refuses the file as soon as the place takes part.
     ),
     Rule(
         id="unused-argument",
-        group=Group.ARGUMENTS,
+        group=RuleGroup.ARGUMENTS,
         severity=Severity.WARNING,
         summary="An argument is declared and nothing uses it.",
         explanation="""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ur.check.example_parts import make_speed_launch, passing_example, speed_example
-from ur.check.model import Group, Rule, launch_example
+from ur.check.rule import Rule, RuleGroup, launch_example
 from ur.source.diagnostic import Severity
 
 _INCLUDES = """
@@ -18,7 +18,7 @@ _DECLARED = '<arg name="speed"/>'
 RULES = (
     Rule(
         id="arg-value-and-default",
-        group=Group.ARGUMENTS,
+        group=RuleGroup.ARGUMENTS,
         severity=Severity.ERROR,
         summary="An argument has both value= and default=.",
         explanation="""
@@ -29,7 +29,7 @@ RULES = (
     ),
     Rule(
         id="arg-without-value",
-        group=Group.ARGUMENTS,
+        group=RuleGroup.ARGUMENTS,
         severity=Severity.ERROR,
         summary="An argument is passed without a value.",
         explanation="""
@@ -41,7 +41,7 @@ own, pass its value, or use `pass_all_args`.
     ),
     Rule(
         id="bad-eval",
-        group=Group.ARGUMENTS,
+        group=RuleGroup.ARGUMENTS,
         severity=Severity.ERROR,
         summary="An expression in $(eval ...) cannot be evaluated.",
         explanation="""
@@ -67,7 +67,7 @@ Between `$(eval ` and `)` stands a Python expression over arguments, `env()`, `f
     ),
     Rule(
         id="bad-substitution",
-        group=Group.ARGUMENTS,
+        group=RuleGroup.ARGUMENTS,
         severity=Severity.ERROR,
         summary="A $(...) cannot be understood.",
         explanation="""
@@ -101,7 +101,7 @@ Known are `$(arg NAME)`, `$(find PACKAGE)`, `$(env NAME)`, `$(optenv NAME DEFAUL
     ),
     Rule(
         id="duplicate-arg",
-        group=Group.ARGUMENTS,
+        group=RuleGroup.ARGUMENTS,
         severity=Severity.ERROR,
         summary="An argument is declared twice.",
         explanation="""
@@ -130,7 +130,7 @@ that are not required only the defaults are judged: other values may not be mean
     ),
     Rule(
         id="fixed-arg",
-        group=Group.ARGUMENTS,
+        group=RuleGroup.ARGUMENTS,
         severity=Severity.ERROR,
         summary="An argument with a fixed value is passed.",
         explanation="""
@@ -141,7 +141,7 @@ An `<arg>` with `value=` cannot be given from outside. Where it is meant to be, 
     ),
     Rule(
         id="missing-argument",
-        group=Group.ARGUMENTS,
+        group=RuleGroup.ARGUMENTS,
         severity=Severity.ERROR,
         summary="A required argument of an included file is not passed.",
         explanation="""
@@ -167,7 +167,7 @@ only where the argument is used, and accepts it silently where it is not.
     ),
     Rule(
         id="unknown-argument",
-        group=Group.ARGUMENTS,
+        group=RuleGroup.ARGUMENTS,
         severity=Severity.ERROR,
         summary="An argument is passed that the included file does not declare.",
         explanation="""
@@ -179,7 +179,7 @@ has changed since.
     ),
     Rule(
         id="unset-variable",
-        group=Group.ARGUMENTS,
+        group=RuleGroup.ARGUMENTS,
         severity=Severity.ERROR,
         summary="$(env NAME) names a variable that is not set.",
         explanation="""
@@ -191,7 +191,7 @@ there is no example here. `$(optenv NAME DEFAULT)` works without it.
     ),
     Rule(
         id="value-too-long",
-        group=Group.ARGUMENTS,
+        group=RuleGroup.ARGUMENTS,
         severity=Severity.ERROR,
         summary="A value grows beyond 1 MB when its $(...) are replaced.",
         explanation="""

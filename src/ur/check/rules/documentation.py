@@ -13,18 +13,18 @@ from ur.check.example_parts import (
     make_launch,
     make_talk_launch,
 )
-from ur.check.model import Found, Group, LaunchView, Rule
 from ur.check.queries.layout import KNOWN_HEADINGS, comments_after, find_heading, heading_of, launch_directory
+from ur.check.rule import LaunchView, Rule, RuleFinding, RuleGroup
 from ur.launchfile.syntax import Comment, Element
 from ur.source.diagnostic import Severity
 from ur.source.file import Span
 from ur.source.suggest import did_you_mean
 
 
-def _find_missing_overview(view: LaunchView) -> Iterable[Found]:
+def _find_missing_overview(view: LaunchView) -> Iterable[RuleFinding]:
     launch = view.tree.launch
     if launch is not None and launch_directory(view) is not None and not find_heading(view, "Overview"):
-        yield Found(
+        yield RuleFinding(
             launch.span,
             "a launch file without an Overview, expected a few sentences, in Markdown, on how the file is used",
             "write <!--Overview: ...--> after <launch>",
@@ -32,10 +32,10 @@ def _find_missing_overview(view: LaunchView) -> Iterable[Found]:
         )
 
 
-def _find_missing_summary(view: LaunchView) -> Iterable[Found]:
+def _find_missing_summary(view: LaunchView) -> Iterable[RuleFinding]:
     launch = view.tree.launch
     if launch is not None and launch_directory(view) is not None and not find_heading(view, "Summary"):
-        yield Found(
+        yield RuleFinding(
             launch.span,
             "a launch file without a Summary, expected one line that says what the file does",
             "write <!--Summary: ...--> after <launch>",
@@ -43,7 +43,7 @@ def _find_missing_summary(view: LaunchView) -> Iterable[Found]:
         )
 
 
-def _find_undocumented(view: LaunchView) -> Iterable[Found]:
+def _find_undocumented(view: LaunchView) -> Iterable[RuleFinding]:
     launch = view.tree.launch
     if launch is None or launch_directory(view) is None:
         return
@@ -53,7 +53,7 @@ def _find_undocumented(view: LaunchView) -> Iterable[Found]:
             tags.setdefault(element.attributes["name"], []).append(element)
     for name, elements in tags.items():
         if not any(_is_documented(launch, element, name) for element in elements):
-            yield Found(
+            yield RuleFinding(
                 elements[-1].value_span("name"),
                 f"argument '{name}' is not documented, expected a comment after it",
                 f"write <!--{name}: ...--> in the next line",
@@ -70,7 +70,7 @@ def _headings(launch: Element, element: Element) -> list[tuple[str, str]]:
     return [heading for heading in map(heading_of, comments_after(launch, element)) if heading]
 
 
-def _find_unknown_documentation(view: LaunchView) -> Iterable[Found]:
+def _find_unknown_documentation(view: LaunchView) -> Iterable[RuleFinding]:
     launch = view.tree.launch
     if launch is None or launch_directory(view) is None:
         return
@@ -85,7 +85,7 @@ def _find_unknown_documentation(view: LaunchView) -> Iterable[Found]:
         # A comment of another kind may hold a colon, too: a name has no capital, and stands after an <arg>.
         near = did_you_mean(heading[0], view.declared)
         if near or (after_arg and heading[0].islower()):
-            yield Found(
+            yield RuleFinding(
                 _name_span(child, heading[0]),
                 f"'{heading[0]}' is documented, and there is no argument of this name",
                 f"did you mean {near}?" if near else "remove the comment, or declare the argument",
@@ -100,7 +100,7 @@ def _name_span(comment: Comment, name: str) -> Span:
 RULES = (
     Rule(
         id="missing-overview",
-        group=Group.CONVENTIONS,
+        group=RuleGroup.CONVENTIONS,
         severity=Severity.WARNING,
         summary="A launch file has no Overview.",
         explanation="""
@@ -112,7 +112,7 @@ RULES = (
     ),
     Rule(
         id="missing-summary",
-        group=Group.CONVENTIONS,
+        group=RuleGroup.CONVENTIONS,
         severity=Severity.WARNING,
         summary="A launch file has no Summary.",
         explanation="""
@@ -124,7 +124,7 @@ RULES = (
     ),
     Rule(
         id="undocumented-argument",
-        group=Group.CONVENTIONS,
+        group=RuleGroup.CONVENTIONS,
         severity=Severity.WARNING,
         summary="An argument is not documented.",
         explanation="""
@@ -146,7 +146,7 @@ After each `<arg>` follows `<!--name: ...-->`: what it means, in which unit, wha
     ),
     Rule(
         id="unknown-documentation",
-        group=Group.CONVENTIONS,
+        group=RuleGroup.CONVENTIONS,
         severity=Severity.WARNING,
         summary="A comment documents an argument that does not exist.",
         explanation="""

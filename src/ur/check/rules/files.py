@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator
 
 import yaml
 
-from ur.check.model import Example, Found, Group, Rule, YamlView, launch_example
+from ur.check.rule import Example, Rule, RuleFinding, RuleGroup, YamlView, launch_example
 from ur.source.diagnostic import Note, Severity
 from ur.source.file import SourceFile, Span
 from ur.source.foreign.yaml_text import check_depth
@@ -14,7 +14,7 @@ from ur.source.foreign.yaml_text import check_depth
 _Loader: type[yaml.SafeLoader] = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 
 
-def _find_bad_yaml(view: YamlView) -> Iterable[Found]:
+def _find_bad_yaml(view: YamlView) -> Iterable[RuleFinding]:
     source = view.source
     if not is_plain_yaml(source):
         return
@@ -31,9 +31,9 @@ def _find_bad_yaml(view: YamlView) -> Iterable[Found]:
         begun = problem.context_mark
         place = span_at(source, mark)
         notes = (Note("what is read there begins here", span_at(source, begun)),) if begun is not None else ()
-        yield Found(place, f"not valid YAML: {message}", help_, notes if notes and notes[0].span != place else ())
+        yield RuleFinding(place, f"not valid YAML: {message}", help_, notes if notes and notes[0].span != place else ())
     except yaml.YAMLError as problem:
-        yield Found(Span(source, 0, 1), f"not valid YAML: {str(problem).splitlines()[0]}")
+        yield RuleFinding(Span(source, 0, 1), f"not valid YAML: {str(problem).splitlines()[0]}")
 
 
 def _python_reads(text: str) -> bool:
@@ -45,7 +45,7 @@ def _python_reads(text: str) -> bool:
     return True
 
 
-def _find_duplicate_keys(view: YamlView) -> Iterable[Found]:
+def _find_duplicate_keys(view: YamlView) -> Iterable[RuleFinding]:
     if not is_plain_yaml(view.source):
         return
     try:
@@ -60,7 +60,7 @@ def _find_duplicate_keys(view: YamlView) -> Iterable[Found]:
             name = str(key.value)
             if name in first:
                 place = span_at(view.source, first[name].start_mark, first[name].end_mark)
-                yield Found(
+                yield RuleFinding(
                     span_at(view.source, key.start_mark, key.end_mark),
                     f"key '{name}' is given twice, expected once: only the last value counts",
                     "remove one of the two",
@@ -72,7 +72,7 @@ def _find_duplicate_keys(view: YamlView) -> Iterable[Found]:
 _YAML_RULES = (
     Rule(
         id="bad-yaml",
-        group=Group.YAML,
+        group=RuleGroup.YAML,
         severity=Severity.ERROR,
         summary="A text is not valid YAML.",
         explanation="""
@@ -94,7 +94,7 @@ are left alone.
     ),
     Rule(
         id="duplicate-key",
-        group=Group.YAML,
+        group=RuleGroup.YAML,
         severity=Severity.WARNING,
         summary="A mapping in YAML has the same key twice.",
         explanation="""
@@ -157,7 +157,7 @@ RULES = (
     *_YAML_RULES,
     Rule(
         id="broken-package",
-        group=Group.FILES,
+        group=RuleGroup.FILES,
         severity=Severity.ERROR,
         summary="A package.xml on the package path cannot be read.",
         explanation="""
@@ -170,7 +170,7 @@ here.
     ),
     Rule(
         id="deprecated-file",
-        group=Group.FILES,
+        group=RuleGroup.FILES,
         severity=Severity.WARNING,
         summary="A file says of itself that it is deprecated.",
         explanation="""
@@ -193,7 +193,7 @@ here.
     ),
     Rule(
         id="include-cycle",
-        group=Group.FILES,
+        group=RuleGroup.FILES,
         severity=Severity.ERROR,
         summary="A file includes itself, directly or through others.",
         explanation="""
@@ -219,7 +219,7 @@ roslaunch goes on until Python gives up. A condition that becomes false ends the
     ),
     Rule(
         id="include-too-deep",
-        group=Group.FILES,
+        group=RuleGroup.FILES,
         severity=Severity.ERROR,
         summary="Files are included 200 levels deep.",
         explanation="""
@@ -231,7 +231,7 @@ follow. The limit is part of what keeps `ur` from hanging, so there is no exampl
     ),
     Rule(
         id="too-many-includes",
-        group=Group.FILES,
+        group=RuleGroup.FILES,
         severity=Severity.ERROR,
         summary="More than 20,000 files are included.",
         explanation="""
@@ -243,7 +243,7 @@ from hanging, so there is no example here.
     ),
     Rule(
         id="unreadable-file",
-        group=Group.FILES,
+        group=RuleGroup.FILES,
         severity=Severity.ERROR,
         summary="A file cannot be read as text.",
         explanation="""

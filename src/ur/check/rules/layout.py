@@ -12,8 +12,8 @@ from ur.check.example_parts import (
     make_launch,
     make_talk_launch,
 )
-from ur.check.model import Example, Found, Group, LaunchView, PackageView, Rule
 from ur.check.queries.layout import file_name, heading_of, launch_directory
+from ur.check.rule import Example, LaunchView, PackageView, Rule, RuleFinding, RuleGroup
 from ur.check.survey import find_uses
 from ur.launchfile.syntax import Comment, Element
 from ur.source.diagnostic import Note, Severity
@@ -31,7 +31,7 @@ _HEADINGS = {"Summary": 0, "Overview": 1}
 _REQUIRED, _CONVENIENCE, _OPTIONAL, _REST = 2, 3, 4, 5
 
 
-def _find_disorder(view: LaunchView) -> Iterable[Found]:
+def _find_disorder(view: LaunchView) -> Iterable[RuleFinding]:
     launch = view.tree.launch
     if launch is None or launch_directory(view) is None:
         return
@@ -49,7 +49,7 @@ def _find_disorder(view: LaunchView) -> Iterable[Found]:
         if kind is None:
             continue
         if kind < latest:
-            yield Found(
+            yield RuleFinding(
                 _short_span(child),
                 f"{_KINDS[kind]} after {_KINDS[latest]}, expected it before",
                 "order: Summary, Overview, required, convenience (value=), optional (default=) arguments, the rest",
@@ -81,13 +81,13 @@ def _short_span(child: Element | Comment) -> Span:
 _SUFFIXES = (".launch.xml", ".launch")
 
 
-def _find_other_name(view: LaunchView) -> Iterable[Found]:
+def _find_other_name(view: LaunchView) -> Iterable[RuleFinding]:
     folder, name = launch_directory(view), file_name(view)
     if folder is None or view.tree.launch is None or not name.endswith(_SUFFIXES):
         return
     suffix = next(suffix for suffix in _SUFFIXES if name.endswith(suffix))
     if name != folder + suffix:
-        yield Found(
+        yield RuleFinding(
             view.tree.launch.span,
             f"the file is named {name}, expected {folder}{suffix} in {folder}/launch",
             f"rename it, or move it into a directory {name.removesuffix(suffix)}",
@@ -95,13 +95,13 @@ def _find_other_name(view: LaunchView) -> Iterable[Found]:
         )
 
 
-def _find_wrong_suffix(view: PackageView) -> Iterable[Found]:
+def _find_wrong_suffix(view: PackageView) -> Iterable[RuleFinding]:
     for launch_view in view.launch_files:
         launch, name = launch_view.tree.launch, file_name(launch_view)
         if launch is None or launch_directory(launch_view) is None or name.endswith(".launch.xml"):
             continue
         if not name.endswith(".launch"):
-            yield Found(
+            yield RuleFinding(
                 launch.span,
                 f"{name} holds a <launch>, expected the ending .launch or .launch.xml",
                 "rename it",
@@ -109,7 +109,7 @@ def _find_wrong_suffix(view: PackageView) -> Iterable[Found]:
             )
         elif launch_view.path in view.included:
             place = view.included[launch_view.path][0]
-            yield Found(
+            yield RuleFinding(
                 launch.span,
                 f"{name} is included by another file, expected the ending .launch.xml",
                 f"rename it to {name}.xml: .launch is for files that people start",
@@ -126,14 +126,14 @@ def _suffix_example(suffix: str, part: str) -> Example:
     return Example({"m_talk/launch/m_talk.launch": whole, included: part})
 
 
-def _find_unused_file(view: PackageView) -> Iterable[Found]:
+def _find_unused_file(view: PackageView) -> Iterable[RuleFinding]:
     for launch_view in view.launch_files:
         launch, name = launch_view.tree.launch, file_name(launch_view)
         if launch is None or launch_directory(launch_view) is None or not name.endswith(".launch.xml"):
             continue
         started = any(name in program.source.text for program in view.programs)
         if launch_view.path not in view.included and not started:
-            yield Found(
+            yield RuleFinding(
                 launch.span,
                 f"nothing uses {name}, expected a launch file that includes it or a program that starts it",
                 f"include it, write bin/ur_..., or rename it to {name.removesuffix('.xml')}: people start those",
@@ -148,7 +148,7 @@ _PROGRAM = PROGRAM_HEAD + 'exec roslaunch my_robot n_talker.launch.xml "$@"\n'
 RULES = (
     Rule(
         id="file-order",
-        group=Group.CONVENTIONS,
+        group=RuleGroup.CONVENTIONS,
         severity=Severity.WARNING,
         summary="A launch file does not read in the usual order.",
         explanation="""
@@ -186,7 +186,7 @@ it.
     ),
     Rule(
         id="launch-file-name",
-        group=Group.CONVENTIONS,
+        group=RuleGroup.CONVENTIONS,
         severity=Severity.WARNING,
         summary="A launch file is not named as its directory.",
         explanation="""
@@ -198,7 +198,7 @@ A directory `n_x`, `m_x` or `rviz_x` holds one launch file of this name, so that
     ),
     Rule(
         id="launch-suffix",
-        group=Group.CONVENTIONS,
+        group=RuleGroup.CONVENTIONS,
         severity=Severity.WARNING,
         summary="A launch file's ending does not say what it is for.",
         explanation="""
@@ -210,7 +210,7 @@ A directory `n_x`, `m_x` or `rviz_x` holds one launch file of this name, so that
     ),
     Rule(
         id="unused-launch-file",
-        group=Group.CONVENTIONS,
+        group=RuleGroup.CONVENTIONS,
         severity=Severity.WARNING,
         summary="Nothing uses a launch file.",
         explanation="""

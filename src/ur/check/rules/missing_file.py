@@ -6,8 +6,8 @@ import shlex
 from collections.abc import Iterable, Iterator
 from itertools import pairwise
 
-from ur.check.model import Found, Group, NodeView, ParamView, Rule, launch_example
 from ur.check.queries.executables import is_placeholder
+from ur.check.rule import LaunchedNode, ParamView, Rule, RuleFinding, RuleGroup, launch_example
 from ur.check.worlds import has_marker
 from ur.launchfile.syntax import Element
 from ur.launchfile.world import World
@@ -19,7 +19,7 @@ _READ = (".rviz", ".yaml")  # endings of files that a node reads, where a variab
 _CONFIGURATION = ("-d", "--display-config")
 
 
-def _find_in_arguments(view: NodeView) -> Iterable[Found]:
+def _find_in_arguments(view: LaunchedNode) -> Iterable[RuleFinding]:
     words = _split(view.node.args)
     named: list[str] = []
     if view.node.type == "rviz":
@@ -37,7 +37,7 @@ def _find_in_arguments(view: NodeView) -> Iterable[Found]:
                 yield from _missing([value], child, "value", view.world)
 
 
-def _find_in_command(view: ParamView) -> Iterable[Found]:
+def _find_in_command(view: ParamView) -> Iterable[RuleFinding]:
     words = _split(view.param.command or "")
     if not words or words[0].rpartition("/")[2] not in ("xacro", "xacro.py", "cat"):
         return ()
@@ -56,7 +56,7 @@ def _split(text: str) -> list[str]:
         return []
 
 
-def _missing(paths: Iterable[str], element: Element, attribute: str, world: World) -> Iterator[Found]:
+def _missing(paths: Iterable[str], element: Element, attribute: str, world: World) -> Iterator[RuleFinding]:
     # A path that is written out may be one of the computer where the file is used.
     if "$(" not in element.attributes.get(attribute, ""):
         return
@@ -65,7 +65,7 @@ def _missing(paths: Iterable[str], element: Element, attribute: str, world: Worl
             continue
         folder, _, name = path.rpartition("/")
         near = did_you_mean(name, world.list_folder(folder))
-        yield Found(
+        yield RuleFinding(
             element.value_span(attribute),
             f"{path}: no such file or directory, expected a file",
             f"did you mean {folder}/{near}?" if near else "check the path, or create the file",
@@ -91,7 +91,7 @@ _PART = """
 RULES = (
     Rule(
         id="missing-file",
-        group=Group.FILES,
+        group=RuleGroup.FILES,
         severity=Severity.ERROR,
         summary="A file that is named does not exist.",
         explanation="""

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from ur.check.example_parts import group_example
-from ur.check.model import Group, Rule, launch_example
+from ur.check.rule import Rule, RuleGroup, launch_example
 from ur.source.diagnostic import Severity
 
 RULES = (
     Rule(
         id="bad-clear-params",
-        group=Group.NAMES,
+        group=RuleGroup.NAMES,
         severity=Severity.ERROR,
         summary="clear_params stands without the name of what is cleared.",
         explanation="""
@@ -20,7 +20,7 @@ RULES = (
     ),
     Rule(
         id="bad-name",
-        group=Group.NAMES,
+        group=RuleGroup.NAMES,
         severity=Severity.ERROR,
         summary="A name is not one that ROS can use.",
         explanation="""
@@ -44,7 +44,7 @@ goes into `ns`.
     ),
     Rule(
         id="bad-remap",
-        group=Group.NAMES,
+        group=RuleGroup.NAMES,
         severity=Severity.ERROR,
         summary="A remapping is not made of two ROS names.",
         explanation="""
@@ -71,7 +71,7 @@ goes into `ns`.
     ),
     Rule(
         id="duplicate-machine",
-        group=Group.MACHINES,
+        group=RuleGroup.MACHINES,
         severity=Severity.ERROR,
         summary="Two machines have the same name and differ.",
         explanation="""
@@ -96,7 +96,7 @@ A machine may be defined again with equal attributes, for instance by two includ
     ),
     Rule(
         id="duplicate-node",
-        group=Group.NAMES,
+        group=RuleGroup.NAMES,
         severity=Severity.ERROR,
         summary="Two nodes have the same name.",
         explanation="""
@@ -122,7 +122,7 @@ the file.
     ),
     Rule(
         id="empty-namespace",
-        group=Group.NAMES,
+        group=RuleGroup.NAMES,
         severity=Severity.ERROR,
         summary="An ns attribute is empty.",
         explanation="""
@@ -133,7 +133,7 @@ roslaunch refuses `ns=''`. Leave the attribute away, or write `/` for the root.
     ),
     Rule(
         id="obsolete-machine",
-        group=Group.MACHINES,
+        group=RuleGroup.MACHINES,
         severity=Severity.ERROR,
         summary="A machine is described as before ROS Fuerte.",
         explanation="""
@@ -157,7 +157,7 @@ names a script that sets the environment.
     ),
     Rule(
         id="unknown-machine",
-        group=Group.MACHINES,
+        group=RuleGroup.MACHINES,
         severity=Severity.ERROR,
         summary="A node names a machine that is not defined.",
         explanation="""

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from ur.check.model import Found, Group, NodeView, Rule, launch_example
 from ur.check.queries.executables import find_program, is_misspelt
+from ur.check.rule import LaunchedNode, Rule, RuleFinding, RuleGroup, launch_example
 from ur.check.worlds import has_marker
 from ur.source.diagnostic import Severity
 from ur.source.suggest import did_you_mean
 
 
-def _find_missing_executable(view: NodeView) -> Iterable[Found]:
+def _find_missing_executable(view: LaunchedNode) -> Iterable[RuleFinding]:
     package, name = view.node.package, view.node.type
     if not view.local or has_marker(package) or has_marker(name):
         return
@@ -25,7 +25,7 @@ def _find_missing_executable(view: NodeView) -> Iterable[Found]:
         names = ", ".join(sorted(set(verdict.near))[:10]) or "no programs"
         help_ = f"did you mean {near}?" if near else f"{package} has: {names}"
     message = f"package {package} has no executable '{name}', expected one for node {view.node.full_name}"
-    yield Found(view.element.value_span("type"), message, help_, subject=name)
+    yield RuleFinding(view.element.value_span("type"), message, help_, subject=name)
 
 
 _CMAKE = """
@@ -34,7 +34,7 @@ add_executable(${PROJECT_NAME}_driver src/driver.cpp)
 """
 
 
-def _find_not_installed(view: NodeView) -> Iterable[Found]:
+def _find_not_installed(view: LaunchedNode) -> Iterable[RuleFinding]:
     package, name = view.node.package, view.node.type
     if not view.local or has_marker(package) or has_marker(name):
         return
@@ -42,14 +42,14 @@ def _find_not_installed(view: NodeView) -> Iterable[Found]:
     if verdict.kind == "no-package":
         near = did_you_mean(package, view.world.package_names())
         if near is None or not is_misspelt(package, near):
-            yield Found(
+            yield RuleFinding(
                 view.element.value_span("pkg"),
                 f"package '{package}' is not installed here, expected it where its nodes run",
                 f"install {package}, or source its workspace's setup.bash; what it holds is not checked until then",
                 subject=package,
             )
     elif verdict.kind == "no-programs":
-        yield Found(
+        yield RuleFinding(
             view.element.value_span("type"),
             f"package '{package}' holds no programs here, expected '{name}'",
             f"build {package}, or source its workspace's setup.bash; its programs are not checked until then",
@@ -65,7 +65,7 @@ _MANIFEST = """
 """
 
 
-def _find_unknown_package(view: NodeView) -> Iterable[Found]:
+def _find_unknown_package(view: LaunchedNode) -> Iterable[RuleFinding]:
     package = view.node.package
     if not view.local or has_marker(package) or has_marker(view.node.type):
         return
@@ -73,13 +73,13 @@ def _find_unknown_package(view: NodeView) -> Iterable[Found]:
         near = did_you_mean(package, view.world.package_names())
         if near and is_misspelt(package, near):
             message = f"package '{package}' is not found, expected an installed one"
-            yield Found(view.element.value_span("pkg"), message, f"did you mean {near}?", subject=package)
+            yield RuleFinding(view.element.value_span("pkg"), message, f"did you mean {near}?", subject=package)
 
 
 RULES = (
     Rule(
         id="missing-executable",
-        group=Group.FILES,
+        group=RuleGroup.FILES,
         severity=Severity.ERROR,
         summary="A package does not hold the program of a node.",
         explanation="""
@@ -128,7 +128,7 @@ CMakeLists.txt builds or installs count as there, and nodes of other computers a
     ),
     Rule(
         id="package-not-installed",
-        group=Group.FILES,
+        group=RuleGroup.FILES,
         severity=Severity.WARNING,
         summary="A package that is needed is not installed on this computer.",
         explanation="""
@@ -162,7 +162,7 @@ packages in one paragraph after the other findings.
     ),
     Rule(
         id="unknown-package",
-        group=Group.FILES,
+        group=RuleGroup.FILES,
         severity=Severity.ERROR,
         summary="A package cannot be found.",
         explanation="""

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from ur.check.model import Group, Rule, launch_example
+from ur.check.rule import Rule, RuleGroup, launch_example
 from ur.source.diagnostic import Severity
 
 RULES = (
     Rule(
         id="bad-param-type",
-        group=Group.VALUES,
+        group=RuleGroup.VALUES,
         severity=Severity.ERROR,
         summary="The type of a parameter is not known.",
         explanation="""
@@ -31,7 +31,7 @@ Known are `str`, `int`, `double`, `bool` and `yaml`; without `type` roslaunch gu
     ),
     Rule(
         id="bad-param-value",
-        group=Group.VALUES,
+        group=RuleGroup.VALUES,
         severity=Severity.ERROR,
         summary="A parameter's value is not of its type.",
         explanation="""
@@ -54,7 +54,7 @@ roslaunch converts the text to the type that `type=` names, and refuses the file
     ),
     Rule(
         id="bad-yaml-key",
-        group=Group.VALUES,
+        group=RuleGroup.VALUES,
         severity=Severity.ERROR,
         summary="A key in YAML is not a text.",
         explanation="""
@@ -81,7 +81,7 @@ Names of parameters are texts. YAML reads `1`, `yes` and `on` as something else,
     ),
     Rule(
         id="param-conflict",
-        group=Group.VALUES,
+        group=RuleGroup.VALUES,
         severity=Severity.WARNING,
         summary="A parameter lies inside another one that is a value.",
         explanation="""
@@ -106,7 +106,7 @@ A parameter is either a value or a namespace. roslaunch sets both, and the later
     ),
     Rule(
         id="param-value",
-        group=Group.VALUES,
+        group=RuleGroup.VALUES,
         severity=Severity.ERROR,
         summary="A parameter has no value, or more than one.",
         explanation="""
@@ -129,7 +129,7 @@ A parameter is either a value or a namespace. roslaunch sets both, and the later
     ),
     Rule(
         id="rosparam-file",
-        group=Group.VALUES,
+        group=RuleGroup.VALUES,
         severity=Severity.ERROR,
         summary="A rosparam deletes with a file.",
         explanation="""
@@ -152,7 +152,7 @@ A parameter is either a value or a namespace. roslaunch sets both, and the later
     ),
     Rule(
         id="rosparam-not-a-mapping",
-        group=Group.VALUES,
+        group=RuleGroup.VALUES,
         severity=Severity.ERROR,
         summary="A rosparam holds a value and does not say which parameter it is.",
         explanation="""
@@ -175,7 +175,7 @@ Without `param`, a `<rosparam>` holds names with values.
     ),
     Rule(
         id="too-many-params",
-        group=Group.VALUES,
+        group=RuleGroup.VALUES,
         severity=Severity.ERROR,
         summary="More than 500,000 parameters are set.",
         explanation="""

@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterable
 
 from ur.check.example_parts import PROGRAM_HEAD, make_talk_launch
-from ur.check.model import Example, Found, Group, LaunchView, ProgramView, Rule
+from ur.check.rule import Example, LaunchView, ProgramView, Rule, RuleFinding, RuleGroup
 from ur.source.diagnostic import Severity
 from ur.source.file import Span
 from ur.source.suggest import did_you_mean
@@ -14,13 +14,13 @@ from ur.source.suggest import did_you_mean
 _HEADINGS = {name: re.compile(rf"^##\s*{name}:\s*\S", re.MULTILINE) for name in ("Summary", "Overview")}
 
 
-def _find_undocumented(view: ProgramView) -> Iterable[Found]:
+def _find_undocumented(view: ProgramView) -> Iterable[RuleFinding]:
     if view.source.path.endswith("/bin/ur"):  # the command itself
         return
     missing = [name for name, pattern in _HEADINGS.items() if not pattern.search(view.source.text)]
     if missing:
         first_line = view.source.text.partition("\n")[0]
-        yield Found(
+        yield RuleFinding(
             Span(view.source, 0, len(first_line)),
             f"a program without {' and '.join(missing)}, expected comments that say what it does",
             "write " + " and ".join(f"##{name}: ..." for name in missing) + " after the first line",
@@ -45,7 +45,7 @@ _FILE = re.compile(r"(?<![\w.*$}])(?:[\w./-]*/)?(\w+\.launch(?:\.xml)?)(?![\w.])
 _ARGUMENT = re.compile(r"(?<![\w$])(\w+):=")
 
 
-def _find_wrong_launches(view: ProgramView) -> Iterable[Found]:
+def _find_wrong_launches(view: ProgramView) -> Iterable[RuleFinding]:
     by_name = {path.rpartition("/")[2]: launch for path, launch in view.launch_files.items()}
     if not by_name:
         return
@@ -58,7 +58,7 @@ def _find_wrong_launches(view: ProgramView) -> Iterable[Found]:
         if launch is None:
             near = did_you_mean(file.group(1), by_name)
             message = f"{view.package.name} has no launch file {file.group(1)}, expected one"
-            yield Found(span, message, f"did you mean {near}?" if near else "check the name")
+            yield RuleFinding(span, message, f"did you mean {near}?" if near else "check the name")
         else:
             yield from _check_arguments(command, launch, view)
 
@@ -68,13 +68,13 @@ def _is_ours(command: str, file: re.Match[str], view: ProgramView) -> bool:
     return bool(words) and words[-1].strip("\"'") == view.package.name
 
 
-def _check_arguments(command: re.Match[str], launch: LaunchView, view: ProgramView) -> Iterable[Found]:
+def _check_arguments(command: re.Match[str], launch: LaunchView, view: ProgramView) -> Iterable[RuleFinding]:
     for argument in _ARGUMENT.finditer(command.group()):
         name = argument.group(1)
         if name not in launch.declared and not name.startswith("_"):
             near = did_you_mean(name, launch.declared)
             known = ", ".join(sorted(launch.declared)) or "none"
-            yield Found(
+            yield RuleFinding(
                 Span(view.source, command.start() + argument.start(1), command.start() + argument.end(1)),
                 f"argument '{name}' is given, but {launch.path} does not declare it",
                 f"did you mean {near}?" if near else f"declared: {known}",
@@ -89,7 +89,7 @@ def _command_example(command: str) -> Example:
 RULES = (
     Rule(
         id="program-documentation",
-        group=Group.CONVENTIONS,
+        group=RuleGroup.CONVENTIONS,
         severity=Severity.WARNING,
         summary="A program does not say what it does.",
         explanation="""
@@ -106,7 +106,7 @@ lines with `##` that follow.
     ),
     Rule(
         id="program-launch-file",
-        group=Group.FILES,
+        group=RuleGroup.FILES,
         severity=Severity.ERROR,
         summary="A program starts a launch file that is not there, or gives it an unknown argument.",
         explanation="""

@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterable, Iterator
 
 from ur.check.example_parts import directory_example, make_talk_launch
-from ur.check.model import Found, Group, LaunchView, Rule, launch_example
+from ur.check.rule import LaunchView, Rule, RuleFinding, RuleGroup, launch_example
 from ur.launchfile.syntax import Element, Substitution, SubstitutionProblem, is_eval, parse_substitutions
 from ur.source.diagnostic import Severity
 
@@ -17,7 +17,7 @@ _PATH_START = ("/", "~", "$(find ", "$(dirname)", "$(env ", "$(optenv ")
 _TRUTHS = ("true", "false")
 
 
-def _find_argument_in_prefix(element: Element, view: LaunchView) -> Iterable[Found]:
+def _find_argument_in_prefix(element: Element, view: LaunchView) -> Iterable[RuleFinding]:
     value = element.attributes.get(_PREFIX, "")
     for piece in _pieces(value):
         # An argument in front is a command with its options, `gdb --args`: the words are what it is for.
@@ -25,7 +25,7 @@ def _find_argument_in_prefix(element: Element, view: LaunchView) -> Iterable[Fou
             yield _found(element, _PREFIX, piece)
 
 
-def _find_path_in_words(element: Element, view: LaunchView) -> Iterable[Found]:
+def _find_path_in_words(element: Element, view: LaunchView) -> Iterable[RuleFinding]:
     for attribute in (_ARGUMENTS, _PREFIX):
         value = element.attributes.get(attribute, "")
         for piece in _pieces(value):
@@ -77,11 +77,11 @@ def _is_path(name: str, view: LaunchView) -> bool:
     return bool(_PATH_NAME.search(name)) or any(default.startswith(_PATH_START) for default in defaults)
 
 
-def _found(element: Element, attribute: str, piece: Substitution) -> Found:
+def _found(element: Element, attribute: str, piece: Substitution) -> RuleFinding:
     text = f"$({piece.content})"
     what = f"argument '{_name(piece)}'" if piece.command == "arg" else f"'{text}'"
     variable = re.sub(r"\W", "_", _name(piece) or "folder").upper()
-    return Found(
+    return RuleFinding(
         element.piece_span(attribute, piece.start, piece.end),
         f"'{attribute}' of <{element.name}> holds {what}, whose blanks and quotation marks become ends of words",
         f'pass it in a variable, <env name="{variable}" value="{text}"/>, or in a parameter or remap of the node',
@@ -94,7 +94,7 @@ _FILE = '<arg name="map_file"/>'
 RULES = (
     Rule(
         id="argument-in-prefix",
-        group=Group.VALUES,
+        group=RuleGroup.VALUES,
         severity=Severity.WARNING,
         summary="A value in launch-prefix can become a command of its own.",
         explanation="""
@@ -133,7 +133,7 @@ examined.
     ),
     Rule(
         id="path-in-args",
-        group=Group.CONVENTIONS,
+        group=RuleGroup.CONVENTIONS,
         severity=Severity.WARNING,
         summary="A value in args can become further arguments.",
         explanation="""

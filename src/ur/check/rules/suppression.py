@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ur.check.model import Edit, Group, Rule, launch_example
+from ur.check.rule import Rule, RuleGroup, TextEdit, launch_example
 from ur.source.diagnostic import Diagnostic, Severity
 from ur.source.file import Span
 
@@ -14,7 +14,7 @@ _SUPPRESSED = """
 """
 
 
-def _remove_comment(found: Diagnostic) -> tuple[Edit, ...]:
+def _remove_comment(found: Diagnostic) -> tuple[TextEdit, ...]:
     # With its line, when nothing else stands there; only when it speaks of one rule.
     if found.span is None or "," in found.span.text.partition(":")[2].partition(":")[0]:
         return ()
@@ -22,14 +22,14 @@ def _remove_comment(found: Diagnostic) -> tuple[Edit, ...]:
     line_start = file.text.rfind("\n", 0, start) + 1
     line_end = file.text.find("\n", end)
     if line_end != -1 and not file.text[line_start:start].strip() and not file.text[end:line_end].strip():
-        return (Edit(Span(file, line_start, line_end + 1), ""),)
-    return (Edit(found.span, ""),)
+        return (TextEdit(Span(file, line_start, line_end + 1), ""),)
+    return (TextEdit(found.span, ""),)
 
 
 RULES = (
     Rule(
         id="bad-suppression",
-        group=Group.COMMENTS,
+        group=RuleGroup.COMMENTS,
         severity=Severity.WARNING,
         summary="A comment that is to hide a finding cannot be understood.",
         explanation="""
@@ -55,7 +55,7 @@ separated by commas. The reason is for whoever reads the file next, so it may no
     ),
     Rule(
         id="unused-suppression",
-        group=Group.COMMENTS,
+        group=RuleGroup.COMMENTS,
         severity=Severity.WARNING,
         summary="A comment hides a finding that is not there.",
         explanation="""

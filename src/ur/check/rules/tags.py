@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 
 from ur.check.example_parts import group_example
-from ur.check.model import Found, Group, LaunchView, Rule, launch_example
+from ur.check.rule import LaunchView, Rule, RuleFinding, RuleGroup, launch_example
 from ur.check.survey import is_switched_off
 from ur.launchfile.plan.tags.arguments import ARG_ATTRIBUTES
 from ur.launchfile.plan.tags.body import GROUP_ATTRIBUTES, INCLUDE_ATTRIBUTES, TAGS
@@ -31,7 +31,7 @@ _KNOWN: Mapping[str, Sequence[str]] = {
 _REFUSED = frozenset({"ros-root", "ros-package-path", "ros-ip", "ros-hostname"})  # obsolete-machine speaks of these
 
 
-def _find_unknown_attributes(element: Element, _view: LaunchView) -> Iterable[Found]:
+def _find_unknown_attributes(element: Element, _view: LaunchView) -> Iterable[RuleFinding]:
     known = _KNOWN.get(element.name)
     if known is None:
         return
@@ -39,7 +39,7 @@ def _find_unknown_attributes(element: Element, _view: LaunchView) -> Iterable[Fo
         if name in known or name in ("if", "unless") or name in _REFUSED or ":" in name:
             continue
         near = did_you_mean(name, [*known, "if", "unless"])
-        yield Found(
+        yield RuleFinding(
             element.name_span(name),
             f"unknown attribute '{name}' of <{element.name}>, expected one of {', '.join(known)}",
             f"did you mean {near}?" if near else "remove it: roslaunch ignores it",
@@ -50,7 +50,7 @@ _IN_NODE = ("remap", "param", "rosparam", "env")
 _INSIDE = {"launch": TAGS, "group": TAGS, "include": ("arg", "env"), "node": _IN_NODE, "test": _IN_NODE}
 
 
-def _find_unknown_tags(view: LaunchView) -> Iterable[Found]:
+def _find_unknown_tags(view: LaunchView) -> Iterable[RuleFinding]:
     # Resolving reports those that take part; here are the others, in branches that a condition leaves out.
     stack = [view.tree.launch] if view.tree.launch else []
     while stack:
@@ -68,9 +68,9 @@ def _find_unknown_tags(view: LaunchView) -> Iterable[Found]:
                 yield _explain(child, element, known)
 
 
-def _explain(child: Element, parent: Element, known: tuple[str, ...]) -> Found:
+def _explain(child: Element, parent: Element, known: tuple[str, ...]) -> RuleFinding:
     near = did_you_mean(child.name, known)
-    return Found(
+    return RuleFinding(
         child.span,
         f"unknown tag <{child.name}> inside <{parent.name}>, expected one of {', '.join(known)}",
         f"did you mean <{near}>?" if near else "remove it: roslaunch ignores it with all that is inside",
@@ -80,7 +80,7 @@ def _explain(child: Element, parent: Element, known: tuple[str, ...]) -> Found:
 RULES = (
     Rule(
         id="unknown-attribute",
-        group=Group.XML,
+        group=RuleGroup.XML,
         severity=Severity.ERROR,
         summary="An attribute is not one that its tag knows.",
         explanation="""
@@ -105,7 +105,7 @@ is not started again.
     ),
     Rule(
         id="unknown-tag",
-        group=Group.XML,
+        group=RuleGroup.XML,
         severity=Severity.ERROR,
         summary="A tag is not one that roslaunch knows.",
         explanation="""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from ur.check.example_parts import group_example
-from ur.check.model import Edit, Found, Group, LaunchView, Rule, launch_example
+from ur.check.rule import LaunchView, Rule, RuleFinding, RuleGroup, TextEdit, launch_example
 from ur.launchfile.syntax import Element
 from ur.source.diagnostic import Diagnostic, Severity
 
@@ -13,7 +13,7 @@ _FLAGS = ("respawn", "required", "clear_params", "pass_all_args", "subst_value")
 _MEANT = {"1": "true", "0": "false", "yes": "true", "no": "false", "on": "true", "off": "false"}
 
 
-def _find_bad_booleans(element: Element, view: LaunchView) -> Iterable[Found]:
+def _find_bad_booleans(element: Element, view: LaunchView) -> Iterable[RuleFinding]:
     if element is view.tree.launch:
         return
     for name, value in element.attributes.items():
@@ -21,33 +21,33 @@ def _find_bad_booleans(element: Element, view: LaunchView) -> Iterable[Found]:
             continue
         if name in ("if", "unless") and value.lower().strip() not in ("true", "false", "1", "0"):
             meant = _MEANT.get(value.lower().strip())
-            yield Found(
+            yield RuleFinding(
                 element.value_span(name),
                 f"'{name}' of <{element.name}> is '{value}', expected true, false, 1 or 0",
                 f'write {name}="{meant}"' if meant else None,
             )
         elif name in _FLAGS and value and value.lower() not in ("true", "false"):
             meant = _MEANT.get(value.lower().strip(), value.lower().strip())
-            yield Found(
+            yield RuleFinding(
                 element.value_span(name),
                 f"'{name}' of <{element.name}> is '{value}', expected true or false",
                 f'write {name}="{meant}"' if meant in ("true", "false") else None,
             )
 
 
-def _repair_boolean(found: Diagnostic) -> tuple[Edit, ...]:
+def _repair_boolean(found: Diagnostic) -> tuple[TextEdit, ...]:
     span = found.span
     if span is None:
         return ()
     written = span.text.strip().lower()
     meant = _MEANT.get(written, written)
-    return (Edit(span, meant),) if meant in ("true", "false") else ()
+    return (TextEdit(span, meant),) if meant in ("true", "false") else ()
 
 
 RULES = (
     Rule(
         id="bad-boolean",
-        group=Group.VALUES,
+        group=RuleGroup.VALUES,
         severity=Severity.ERROR,
         summary="Something that is true or false is neither.",
         explanation="""
@@ -83,7 +83,7 @@ RULES = (
     ),
     Rule(
         id="bad-choice",
-        group=Group.VALUES,
+        group=RuleGroup.VALUES,
         severity=Severity.ERROR,
         summary="An attribute takes one of a few words, and this is another.",
         explanation="""
@@ -107,7 +107,7 @@ RULES = (
     ),
     Rule(
         id="bad-condition",
-        group=Group.VALUES,
+        group=RuleGroup.VALUES,
         severity=Severity.ERROR,
         summary="A tag has both if and unless.",
         explanation="""
@@ -134,7 +134,7 @@ A tag takes one condition. Two of them are one expression: an `if` with `$(eval 
     ),
     Rule(
         id="bad-number",
-        group=Group.VALUES,
+        group=RuleGroup.VALUES,
         severity=Severity.ERROR,
         summary="A number was expected.",
         explanation="""
@@ -157,7 +157,7 @@ A tag takes one condition. Two of them are one expression: an `if` with `$(eval 
     ),
     Rule(
         id="bad-ready",
-        group=Group.VALUES,
+        group=RuleGroup.VALUES,
         severity=Severity.WARNING,
         summary="A ready: comment is not made of conditions.",
         explanation="""
@@ -185,7 +185,7 @@ for it. A part that it does not understand is left out, so nobody would wait for
     ),
     Rule(
         id="empty-attribute",
-        group=Group.VALUES,
+        group=RuleGroup.VALUES,
         severity=Severity.ERROR,
         summary="An attribute is empty that has to say something.",
         explanation="""
@@ -208,7 +208,7 @@ for it. A part that it does not understand is left out, so nobody would wait for
     ),
     Rule(
         id="misplaced-attribute",
-        group=Group.VALUES,
+        group=RuleGroup.VALUES,
         severity=Severity.ERROR,
         summary="An attribute of <node> stands in a <test>.",
         explanation="""
@@ -231,7 +231,7 @@ A test ends by itself: it is not respawned, and its output goes to the results.
     ),
     Rule(
         id="required-and-respawn",
-        group=Group.VALUES,
+        group=RuleGroup.VALUES,
         severity=Severity.ERROR,
         summary="A node is both required and respawned.",
         explanation="""
@@ -254,7 +254,7 @@ A test ends by itself: it is not respawned, and its output goes to the results.
     ),
     Rule(
         id="useless-condition",
-        group=Group.VALUES,
+        group=RuleGroup.VALUES,
         severity=Severity.WARNING,
         summary="A condition on <launch> has no effect.",
         explanation="""

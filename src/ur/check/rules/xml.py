@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from ur.check.example_parts import speed_example
-from ur.check.model import Group, Rule, launch_example
+from ur.check.rule import Rule, RuleGroup, launch_example
 from ur.source.diagnostic import Severity
 
 RULES = (
     Rule(
         id="attribute-too-long",
-        group=Group.XML,
+        group=RuleGroup.XML,
         severity=Severity.ERROR,
         summary="An attribute's value is longer than 1 MB.",
         explanation="""
@@ -21,7 +21,7 @@ keeps `ur` from hanging, so there is no example here.
     ),
     Rule(
         id="bad-xml",
-        group=Group.XML,
+        group=RuleGroup.XML,
         severity=Severity.ERROR,
         summary="The file is not well-formed XML.",
         explanation="""
@@ -54,7 +54,7 @@ and `&amp;`. roslaunch refuses the whole file, and every file that includes it.
     ),
     Rule(
         id="entity-declaration",
-        group=Group.XML,
+        group=RuleGroup.XML,
         severity=Severity.ERROR,
         summary="The file declares an XML entity.",
         explanation="""
@@ -75,7 +75,7 @@ used for.
     ),
     Rule(
         id="file-too-large",
-        group=Group.XML,
+        group=RuleGroup.XML,
         severity=Severity.ERROR,
         summary="The file is larger than any launch file.",
         explanation="""
@@ -88,7 +88,7 @@ keeps `ur` from hanging, so there is no example here.
     ),
     Rule(
         id="launch-element",
-        group=Group.XML,
+        group=RuleGroup.XML,
         severity=Severity.ERROR,
         summary="The file does not hold exactly one <launch>.",
         explanation="""
@@ -111,7 +111,7 @@ Everything in a launch file stands inside one `<launch>` element, which is the o
     ),
     Rule(
         id="missing-attribute",
-        group=Group.XML,
+        group=RuleGroup.XML,
         severity=Severity.ERROR,
         summary="A tag lacks an attribute that it cannot do without.",
         explanation="""
@@ -134,7 +134,7 @@ Everything in a launch file stands inside one `<launch>` element, which is the o
     ),
     Rule(
         id="nested-too-deep",
-        group=Group.XML,
+        group=RuleGroup.XML,
         severity=Severity.ERROR,
         summary="Elements or mappings are nested too deep.",
         explanation="""
@@ -146,7 +146,7 @@ keeps `ur` from hanging, so there is no example here.
     ),
     Rule(
         id="wrong-ros-version",
-        group=Group.XML,
+        group=RuleGroup.XML,
         severity=Severity.ERROR,
         summary="The file is a launch file for ROS 2.",
         explanation="""

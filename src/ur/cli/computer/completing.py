@@ -14,8 +14,8 @@ import sys
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 
+from ur.complete.completions import Completion, NameSources, Option, Source
 from ur.complete.line import split_line
-from ur.complete.model import Candidate, Known, Option, Source
 from ur.complete.verbs import complete_line
 from ur.source.diagnostic import UserError
 
@@ -42,7 +42,7 @@ def answer_completion(words: Sequence[str]) -> int:
     return 0
 
 
-def _row(candidate: Candidate, shell: str, line: str = "", replaced: str | None = None) -> str:
+def _row(candidate: Completion, shell: str, line: str = "", replaced: str | None = None) -> str:
     text: str | None = candidate.text
     if shell == "bash":
         from ur.complete.quoting import quote_insertion
@@ -51,18 +51,18 @@ def _row(candidate: Candidate, shell: str, line: str = "", replaced: str | None 
     return f"{'open' if candidate.open else 'done'}\t{text}\t{_flat(candidate.help)}\n" if text else ""
 
 
-def make_known(environment: Mapping[str, str]) -> Known:
+def make_known(environment: Mapping[str, str]) -> NameSources:
     """The sources of names on this computer."""
     from ur.request.environment import PACKAGE
 
-    def programs() -> Iterator[Candidate]:
+    def programs() -> Iterator[Completion]:
         from ur.request.programs import index_programs
 
         found = index_programs(PACKAGE, environment).programs
         names = [each.name for each in found]
         for each in found:
             qualified = f"{each.package}/{each.name}" if names.count(each.name) > 1 else each.name
-            yield Candidate(qualified, each.summary)
+            yield Completion(qualified, each.summary)
 
     def launch_file(name: str) -> str | None:
         from ur.request.programs import find_launch_file, find_program
@@ -72,7 +72,7 @@ def make_known(environment: Mapping[str, str]) -> Known:
             return str(path) if path else None
         return None
 
-    return Known(
+    return NameSources(
         {
             "verb": _verbs,
             "program": programs,
@@ -83,7 +83,7 @@ def make_known(environment: Mapping[str, str]) -> Known:
             "node": lambda: _nodes(environment),
             "rule": _rules,
             "map": lambda: _maps(environment),
-            "shell": lambda: [Candidate(each) for each in ("bash", "zsh", "fish")],
+            "shell": lambda: [Completion(each) for each in ("bash", "zsh", "fish")],
             **{kind: _commands(module) for kind, module in _RUN_COMMANDS.items()},
         },
         _kinds,
@@ -102,10 +102,10 @@ def _follow_selection(environment: dict[str, str]) -> dict[str, str]:
     return environment
 
 
-def _verbs() -> Iterator[Candidate]:
+def _verbs() -> Iterator[Completion]:
     from ur.cli.verbs import VERBS
 
-    yield from (Candidate(verb.name, verb.summary) for verb in VERBS.values())
+    yield from (Completion(verb.name, verb.summary) for verb in VERBS.values())
 
 
 def _kinds(verb: str) -> tuple[str, ...]:
@@ -138,41 +138,41 @@ def _options(verb: str) -> tuple[Option, ...]:
     return (*found, Option(("--help",), "Show this page."))
 
 
-def _robots(environment: Mapping[str, str]) -> Iterator[Candidate]:
+def _robots(environment: Mapping[str, str]) -> Iterator[Completion]:
     from ur.robot.discovery.record import load_records, records_folder
 
     for record in load_records(records_folder(environment)):
-        yield Candidate(record.name, " ".join(part for part in (record.base, record.variant) if part))
+        yield Completion(record.name, " ".join(part for part in (record.base, record.variant) if part))
 
 
-def _selections(environment: Mapping[str, str]) -> Iterator[Candidate]:
-    yield Candidate("sim", "a simulated robot on this computer")
+def _selections(environment: Mapping[str, str]) -> Iterator[Completion]:
+    yield Completion("sim", "a simulated robot on this computer")
     for base in _bases():
-        yield Candidate(f"sim:{base.text}", base.help)
+        yield Completion(f"sim:{base.text}", base.help)
         for variant in _variants(base.text):
-            yield Candidate(f"sim:{base.text}:{variant.text}", base.help)
+            yield Completion(f"sim:{base.text}:{variant.text}", base.help)
     del environment
 
 
-def _bases() -> Iterator[Candidate]:
+def _bases() -> Iterator[Completion]:
     from ur.request.environment import PACKAGE
 
     for path in sorted((PACKAGE / "bases").glob("*/base.yaml")):
         with path.open(encoding="utf-8") as file:
             summary = next((line for line in file if line.startswith("summary:")), "").partition(":")[2].strip()
-        yield Candidate(path.parent.name, summary)
+        yield Completion(path.parent.name, summary)
 
 
-def _variants(base: str) -> Iterable[Candidate]:
+def _variants(base: str) -> Iterable[Completion]:
     from ur.request.environment import PACKAGE
     from ur.robot.base import list_variants
 
     with suppress(UserError):
-        return [Candidate(name) for name in list_variants(PACKAGE, base)]
+        return [Completion(name) for name in list_variants(PACKAGE, base)]
     return []
 
 
-def list_values(name: str, given: Mapping[str, str], environment: Mapping[str, str]) -> Iterable[Candidate]:
+def list_values(name: str, given: Mapping[str, str], environment: Mapping[str, str]) -> Iterable[Completion]:
     """The values that an argument of a launch file may have, from its name; nothing for other names."""
     from ur.request.environment import PACKAGE, current_selection
 
@@ -184,33 +184,33 @@ def list_values(name: str, given: Mapping[str, str], environment: Mapping[str, s
     if name == "world":
         from ur.worlds.choice import list_worlds
 
-        return map(Candidate, list_worlds(PACKAGE))
+        return map(Completion, list_worlds(PACKAGE))
     if name == "map":
-        return [*_maps(environment), Candidate("latest", "the last one of this robot")]
+        return [*_maps(environment), Completion("latest", "the last one of this robot")]
     if name == "localisation":
         from ur.request.bases.localisation import METHODS
 
-        return [Candidate(each) for each in METHODS]
+        return [Completion(each) for each in METHODS]
     if name == "machine" or name.endswith("_machine"):
-        return [Candidate("localhost", "this computer"), *_robots(environment)]
+        return [Completion("localhost", "this computer"), *_robots(environment)]
     return ()
 
 
-def _maps(environment: Mapping[str, str]) -> Iterator[Candidate]:
+def _maps(environment: Mapping[str, str]) -> Iterator[Completion]:
     from ur.maps.store import own_store
 
-    yield from (Candidate(name, "a stored map") for name in own_store(environment).names())
+    yield from (Completion(name, "a stored map") for name in own_store(environment).names())
 
 
-def _rules() -> Iterator[Candidate]:
+def _rules() -> Iterator[Completion]:
     from ur.check.catalogue import load_rules
 
     rules = load_rules()
-    yield from (Candidate(rule.id, rule.summary) for rule in rules.values())
-    yield from (Candidate(name, "a group of rules") for name in sorted({rule.group.value for rule in rules.values()}))
+    yield from (Completion(rule.id, rule.summary) for rule in rules.values())
+    yield from (Completion(name, "a group of rules") for name in sorted({rule.group.value for rule in rules.values()}))
 
 
-def _names(path: str, argv: Sequence[str], environment: Mapping[str, str]) -> Iterator[Candidate]:
+def _names(path: str, argv: Sequence[str], environment: Mapping[str, str]) -> Iterator[Completion]:
     from ur.check.computer import make_world
     from ur.launchfile.query.explain import list_names
     from ur.request.arguments import split_argv
@@ -221,18 +221,20 @@ def _names(path: str, argv: Sequence[str], environment: Mapping[str, str]) -> It
     world = make_world([path], environment)
     request = make_request([path, *texts(split_argv(argv)[1])], world, current_selection(environment))
     files, arguments = request.files, texts(complete_arguments(request, local=True))
-    yield from (Candidate(name, kind) for name, kind in list_names(files.paths, arguments, world, files.parsed).items())
+    yield from (
+        Completion(name, kind) for name, kind in list_names(files.paths, arguments, world, files.parsed).items()
+    )
 
 
-def _runs(environment: Mapping[str, str]) -> Iterator[Candidate]:
+def _runs(environment: Mapping[str, str]) -> Iterator[Completion]:
     from ur.run.record.computer import read_computer
     from ur.run.record.registry import list_runs
 
     for entry in list_runs(environment, os.getuid(), read_computer()):
-        yield Candidate(entry.run, entry.title)
+        yield Completion(entry.run, entry.title)
 
 
-def _nodes(environment: Mapping[str, str]) -> Iterator[Candidate]:
+def _nodes(environment: Mapping[str, str]) -> Iterator[Completion]:
     from ur.run.record.computer import read_computer
     from ur.run.record.registry import list_runs
 
@@ -240,18 +242,18 @@ def _nodes(environment: Mapping[str, str]) -> Iterator[Candidate]:
         for log in sorted(os.listdir(entry.log_folder)) if os.path.isdir(entry.log_folder) else ():  # noqa: PTH112, PTH208 - pathlib is not worth its import here
             name, dash, rest = log.rpartition("-")
             if dash and rest.endswith("stdout.log"):
-                yield Candidate(name, entry.title)
+                yield Completion(name, entry.title)
 
 
 def _commands(module: str) -> Source:
-    def source() -> Iterator[Candidate]:
+    def source() -> Iterator[Completion]:
         from importlib import import_module
 
         import click
 
         group = import_module(module).command
         if isinstance(group, click.Group):
-            yield from (Candidate(name, each.get_short_help_str(80)) for name, each in group.commands.items())
+            yield from (Completion(name, each.get_short_help_str(80)) for name, each in group.commands.items())
 
     return source
 

@@ -12,18 +12,18 @@ from contextlib import ExitStack, contextmanager, nullcontext
 import click
 
 from ur.cli.computer.doctor_login import enter_robot, find_sudo, short_name
-from ur.cli.computer.doctor_report import Report, print_alone, print_json, print_report, print_seen
+from ur.cli.computer.doctor_report import DoctorReport, print_alone, print_json, print_report, print_seen
 from ur.cli.robots.fleet import ALL, ask_passwords, choose_robots, is_fleet, print_json_of_each, run_for_each
-from ur.devices.model import Expected
+from ur.devices.device import Expected
 from ur.request.environment import PACKAGE, current_selection
 from ur.request.remote.connection import robot_address
 from ur.request.remote.master_nodes import list_nodes
 from ur.robot.base import load_base
 from ur.robot.devices import expected_devices
-from ur.robot.discovery.record import Record, load_records, records_folder
-from ur.robot.discovery.seen import Seen, load_seen, note_seen, seen_path
+from ur.robot.discovery.record import RobotRecord, load_records, records_folder
+from ur.robot.discovery.seen import SeenRobot, load_seen, note_seen, seen_path
+from ur.robot.doctor.findings import ComputerPair, Finding, FixCommand
 from ur.robot.doctor.inspect import inspect_computer, inspect_pair, read_name
-from ur.robot.doctor.model import Command, Finding, Pair
 from ur.robot.doctor.route import explain_route, inspect_route, list_steps
 from ur.robot.doctor.rules import diagnose, diagnose_alone
 from ur.robot.doctor.side import Side
@@ -36,7 +36,7 @@ from ur.source.progress_line import show_progress
 from ur.system.debian_root import describe_system, find_root
 
 FIX_SECONDS = 600.0  # packages may have to be fetched
-Apply = Callable[[Sequence[tuple[str, Command]]], list[Finding]]
+Apply = Callable[[Sequence[tuple[str, FixCommand]]], list[Finding]]
 LOOKS = 3  # after the fixes: names need a moment until everybody knows them
 PAUSE = 2.0
 
@@ -103,7 +103,7 @@ def _examine(
     as_json: bool,
 ) -> int:
     pair = _inspect(here, there, refused)
-    report = Report({"here": pair.here.name, "there": pair.there.name}, diagnose(pair))
+    report = DoctorReport({"here": pair.here.name, "there": pair.there.name}, diagnose(pair))
     note_seen(seen_path(os.environ), _seen(pair))
     hint = f"ur doctor {pair.there.name} --fix"
     if not as_json:
@@ -111,7 +111,7 @@ def _examine(
             print_seen(pair)
         print_report(report, fixable="" if fix else hint)
 
-    def apply(commands: Sequence[tuple[str, Command]]) -> list[Finding]:
+    def apply(commands: Sequence[tuple[str, FixCommand]]) -> list[Finding]:
         if any(each.where == "there" and each.root for _, each in commands):
             find_sudo(there, password)
         _apply(commands, here, there, report, quiet=as_json)
@@ -123,7 +123,7 @@ def _examine(
 def _examine_alone(here: LocalShell, *, fix: bool, as_json: bool) -> int:
     side = _inspect_alone(here)
     simulation = not load_records(records_folder(os.environ))
-    report = Report({"here": side.name, "there": ""}, diagnose_alone(side, simulation=simulation))
+    report = DoctorReport({"here": side.name, "there": ""}, diagnose_alone(side, simulation=simulation))
     if simulation:
         known = {finding.rule for finding in report.findings}
         report.for_robot = [finding for finding in diagnose_alone(side) if finding.rule not in known]
@@ -131,14 +131,14 @@ def _examine_alone(here: LocalShell, *, fix: bool, as_json: bool) -> int:
         print_alone(side, describe_system(find_root(os.environ)))
         print_report(report, fixable="" if fix else "ur doctor --fix")
 
-    def apply(commands: Sequence[tuple[str, Command]]) -> list[Finding]:
+    def apply(commands: Sequence[tuple[str, FixCommand]]) -> list[Finding]:
         _apply(commands, here, here, report, quiet=as_json)
         return diagnose_alone(_inspect_alone(here), simulation=simulation)
 
     return _conclude(report, apply if fix else None, as_json=as_json)
 
 
-def _conclude(report: Report, apply: Apply | None, *, as_json: bool) -> int:
+def _conclude(report: DoctorReport, apply: Apply | None, *, as_json: bool) -> int:
     """Run the commands that are safe, print what is left after them, and return the exit code.
 
     `apply` runs commands, each with its rule, and returns the findings after them; None leaves everything as it is.
@@ -164,7 +164,7 @@ def _explain_route(here: LocalShell, address: Address, problem: UserError, *, as
     seen = load_seen(seen_path(os.environ)).get(short_name(address))
     side = _inspect_alone(here)
     findings = [*diagnose_alone(side), explain_route(address, route, seen, _record(short_name(address)), time.time())]
-    report = Report({"here": side.name, "there": short_name(address)}, findings, list_steps(address, route))
+    report = DoctorReport({"here": side.name, "there": short_name(address)}, findings, list_steps(address, route))
     if as_json:
         print_json(report)
     else:
@@ -173,7 +173,7 @@ def _explain_route(here: LocalShell, address: Address, problem: UserError, *, as
     return 2
 
 
-def _inspect(here: LocalShell, there: SshShell, refused: bool) -> Pair:
+def _inspect(here: LocalShell, there: SshShell, refused: bool) -> ComputerPair:
     selection = current_selection(os.environ)
     record = _record(read_name(there))
     with show_progress(f"examining this computer and {short_name(there.address)}"):
@@ -206,7 +206,9 @@ def _inspect_again(here: LocalShell, there: SshShell, before: Sequence[Finding])
     return left
 
 
-def _apply(commands: Sequence[tuple[str, Command]], here: Shell, there: Shell, report: Report, *, quiet: bool) -> None:
+def _apply(
+    commands: Sequence[tuple[str, FixCommand]], here: Shell, there: Shell, report: DoctorReport, *, quiet: bool
+) -> None:
     for rule, each in commands:
         shell = here if each.where == "here" else there
         try:
@@ -236,12 +238,12 @@ def _hold_computer() -> Iterator[None]:
         yield
 
 
-def _seen(pair: Pair) -> list[Seen]:
+def _seen(pair: ComputerPair) -> list[SeenRobot]:
     addresses = sorted(pair.here.resolves & set(pair.there.addresses))
-    return [Seen(pair.there.name, addresses[0], time.time())] if addresses else []
+    return [SeenRobot(pair.there.name, addresses[0], time.time())] if addresses else []
 
 
-def _expected(record: Record | None) -> tuple[Expected, ...]:
+def _expected(record: RobotRecord | None) -> tuple[Expected, ...]:
     """The devices that the robot's base needs, as far as this computer has a description of it."""
     try:
         return expected_devices(load_base(PACKAGE, record.base, record.variant)) if record and record.base else ()
@@ -249,5 +251,5 @@ def _expected(record: Record | None) -> tuple[Expected, ...]:
         return ()
 
 
-def _record(name: str) -> Record | None:
+def _record(name: str) -> RobotRecord | None:
     return next((record for record in load_records(records_folder(os.environ)) if record.name == name), None)

@@ -10,8 +10,8 @@ from dataclasses import asdict, dataclass, field
 import click
 
 from ur.cli.output import plain_text
-from ur.robot.doctor.model import Finding, Pair
-from ur.robot.doctor.route import Step
+from ur.robot.doctor.findings import ComputerPair, Finding
+from ur.robot.doctor.route import RouteStep
 from ur.robot.doctor.side import Side
 from ur.robot.doctor.summary import compare_packages, describe_ros2, summarize
 from ur.source.printable import printable, printable_lines
@@ -21,7 +21,7 @@ MARKS = {True: ("ok", "green"), False: ("NO", "red"), None: ("-", "bright_black"
 
 
 @dataclass(slots=True)
-class Report:
+class DoctorReport:
     """One run of the doctor. `names`: what the two computers are called in front of a command.
 
     `for_robot` are findings that are no problem before the first real robot is set up from here.
@@ -29,7 +29,7 @@ class Report:
 
     names: Mapping[str, str]
     findings: Sequence[Finding] = ()
-    steps: Sequence[Step] = ()
+    steps: Sequence[RouteStep] = ()
     fixed: list[tuple[str, str]] = field(default_factory=list)
     for_robot: Sequence[Finding] = ()
 
@@ -42,7 +42,7 @@ def print_alone(side: Side, ros1: str) -> None:
         click.echo(printable(line))
 
 
-def print_report(report: Report, *, fixable: str = "") -> None:
+def print_report(report: DoctorReport, *, fixable: str = "") -> None:
     """The steps that were gone, when the robot was not reached; each finding with what to do. `fixable`: how to."""
     for step in report.steps:
         mark, colour = MARKS[step.good]
@@ -66,7 +66,7 @@ def print_report(report: Report, *, fixable: str = "") -> None:
             click.echo(f"  {printable(finding.message)}")
 
 
-def print_json(report: Report) -> None:
+def print_json(report: DoctorReport) -> None:
     """The same for programs."""
     findings, for_robot = (
         [
@@ -93,7 +93,7 @@ def print_json(report: Report) -> None:
     click.echo(json.dumps(whole, indent=2))
 
 
-def print_seen(pair: Pair) -> None:
+def print_seen(pair: ComputerPair) -> None:
     """Everything that was looked at, side by side."""
     from rich.console import Console
     from rich.table import Table

@@ -7,11 +7,11 @@ import sys
 
 import click
 
-from ur.cli.changing import Reporter, show_changes
+from ur.cli.changing import ChangeReporter, show_changes
 from ur.complete.shells import SCRIPTS
 from ur.robot.setup.change import Change
 from ur.robot.setup.engine import apply_change, bring_about, gather, look, plan_changes, plan_undo
-from ur.robot.setup.facts import Facts
+from ur.robot.setup.facts import ComputerFacts
 from ur.robot.setup.viewer_states import base_request, wanted_here
 from ur.robot.setup.wanted import Wanted
 from ur.robot.ssh.shell import LocalShell
@@ -33,7 +33,7 @@ def command(dry_run: bool, undo: bool, only_mine: bool, yes: bool) -> int:
     shell = LocalShell(terminal=sys.stdin.isatty())
     base = base_request(user)
 
-    def want(facts: Facts) -> list[Wanted]:
+    def want(facts: ComputerFacts) -> list[Wanted]:
         return wanted_here(facts, state_folder(), system=not only_mine, completion=SCRIPTS)
 
     with show_progress("examining this computer"):
@@ -55,7 +55,7 @@ def command(dry_run: bool, undo: bool, only_mine: bool, yes: bool) -> int:
             apply_change(shell, change)
         click.echo("reverted; open a new terminal")
     else:
-        say = Reporter("", live=sys.stdout.isatty())
+        say = ChangeReporter("", live=sys.stdout.isatty())
 
         def report(change: Change) -> None:
             say(f"  {change.title} ...")

@@ -12,17 +12,17 @@ from typing import TYPE_CHECKING
 
 import click
 
-from ur.cli.files.new_parts import Target, find_target
+from ur.cli.files.new_parts import TargetPackage, find_target
 from ur.cli.files.new_things import FIGURES
 from ur.source.diagnostic import UserError, error, error_about
 from ur.source.foreign.files import MAX_MANIFEST, read_file, refuse_file
 from ur.source.read import read_source
 from ur.source.suggest import did_you_mean
-from ur.tools.new.model import NewFile
+from ur.tools.new.parts import NewFile
 
 if TYPE_CHECKING:
-    from ur.robot.description.load import Loaded
-    from ur.robot.description.reading import Reading
+    from ur.robot.description.load import LoadedDescription
+    from ur.robot.description.reading import DescriptionReading
     from ur.robot.description.surroundings import Surroundings
 
 
@@ -30,14 +30,14 @@ _EXPECTED = "a URDF or xacro file"
 
 
 @dataclass(frozen=True, slots=True)
-class Place:
+class BaseDestination:
     """The destination of a base: the folder of its files, and the package of the bases that it is like.
 
     In a workspace, `prefix` is before the path of each file, `url` is where RViz finds the files, and `marker` is what
     makes the folder one; all are empty in a package.
     """
 
-    target: Target
+    target: TargetPackage
     library: Path
     prefix: str = ""
     url: str = ""
@@ -48,7 +48,7 @@ class Place:
         return [*self.marker, *(replace(file, path=f"{self.prefix}{file.path}") for file in files)]
 
 
-def target_of(package: str | None, workspace: str | None) -> Place:
+def target_of(package: str | None, workspace: str | None) -> BaseDestination:
     """The destination that is asked for; without one the package around the current folder. Raises UserError."""
     from ur.request.environment import PACKAGE
     from ur.robot.base.search import MARKER
@@ -56,14 +56,14 @@ def target_of(package: str | None, workspace: str | None) -> Place:
     if workspace is None:
         help_ = "add --workspace ~/FOLDER, or change to the folder of a package, or name one with --package"
         target = find_target(package, help_)
-        return Place(target, target.folder)
+        return BaseDestination(target, target.folder)
     if package is not None:
         message = "--package and --workspace name two places for the base, expected one of them"
         raise UserError(error(message, rule="bad-value", help="leave one of them out"))
     root = Path(workspace).expanduser().resolve()
     prefix = f"share/{PACKAGE.name}/"
     marker = () if (root / MARKER).exists() else (NewFile(MARKER, ""),)
-    return Place(Target(PACKAGE.name, root), PACKAGE, prefix, (root / prefix).as_uri(), marker)
+    return BaseDestination(TargetPackage(PACKAGE.name, root), PACKAGE, prefix, (root / prefix).as_uri(), marker)
 
 
 def check_source(source: Path) -> None:
@@ -75,7 +75,7 @@ def check_source(source: Path) -> None:
         raise UserError(error_about(source, reason, rule="unreadable-file", help=help_))
 
 
-def next_step(place: Place, name: str) -> str:
+def next_step(place: BaseDestination, name: str) -> str:
     """The commands that use the new base."""
     if not place.prefix:
         return f"ur use sim:{name}"
@@ -130,7 +130,7 @@ def describe_base(
     return write_base_file(reading, summary or f"Robot {reading.name or source.stem}.", source.name)
 
 
-def _ask_for_lidar(reading: Reading) -> bool | None:
+def _ask_for_lidar(reading: DescriptionReading) -> bool | None:
     """The answer of a person; None without a terminal, and then the robot has none."""
     while sys.stdin.isatty():
         question = "the file has no lidar, which the way to a goal needs: add a usual one on top? [Y/n]"
@@ -165,17 +165,17 @@ def look_around(source: Path) -> Surroundings:
 
 def load_file(
     source: Path, around: Surroundings, arguments: Sequence[str] = (), *, consent: Callable[[str], bool] | None = None
-) -> Loaded:
+) -> LoadedDescription:
     """Read a description with the xacro and the packages of this computer. Raises UserError.
 
     `consent` is asked, with what would run, before a xacro runs that cannot be confined; without it none does.
     """
     from ur.request.environment import own_packages
-    from ur.robot.description.expansion.xacro import Computer
+    from ur.robot.description.expansion.xacro import ExpansionComputer
     from ur.robot.description.load import load_description
 
     made = Path(own_packages(os.environ))
-    computer = Computer(os.environ, lambda: list_packages(around), made, consent or (lambda _: False))
+    computer = ExpansionComputer(os.environ, lambda: list_packages(around), made, consent or (lambda _: False))
     return load_description(source, around, computer, arguments)
 
 
@@ -198,7 +198,7 @@ def list_packages(around: Surroundings) -> dict[str, str]:
     return found
 
 
-def _ask_for(source: Path, reading: Reading, lidar: bool | None) -> dict[str, float]:
+def _ask_for(source: Path, reading: DescriptionReading, lidar: bool | None) -> dict[str, float]:
     """The open figures, from a person; without a terminal all of them are named in one error."""
     if sys.stdin.isatty():
         return {key: _prompt(key) for key in reading.open}
@@ -252,7 +252,7 @@ def _check(key: str, value: float) -> float:
     raise UserError(error(message, rule="bad-value", help=f"give {option}: {FIGURES[key][0]}"))
 
 
-def _describe(reading: Reading) -> str:
+def _describe(reading: DescriptionReading) -> str:
     rows = [
         f"read: {key.replace('_', ' ')} {figure.value:.4g} ({figure.source})"
         for key, figure in reading.figures.items()

@@ -12,7 +12,7 @@ import click
 from ur.source.render import shows_colour
 
 if TYPE_CHECKING:
-    from ur.check.run import Report
+    from ur.check.run import CheckReport
 
 
 @click.command("check")
@@ -75,7 +75,7 @@ def command(
     program = "" if no_cache else digest_program()
     cache = f"{cache_folder(os.environ)}/{name_cache([*map(os.path.abspath, places), *names], chosen, values)}"
 
-    def check() -> Report:
+    def check() -> CheckReport:
         recall = None if no_cache else load_recall(cache, program)
         with show_progress("finding launch files") as progress:
             world = make_world(places, add_own_package(os.environ))
@@ -94,7 +94,7 @@ def command(
     return 1 if report.errors or (strict and report.findings) else 0
 
 
-def _repair(report: Report) -> None:
+def _repair(report: CheckReport) -> None:
     from ur.check.catalogue import load_rules
     from ur.check.findings.fix import plan_repairs
     from ur.cli.output import replace_file
@@ -110,7 +110,7 @@ def _words(given: tuple[str, ...]) -> list[str]:
     return [word for text in given for word in text.replace(",", " ").split()]
 
 
-def _show(report: Report, form: str) -> None:
+def _show(report: CheckReport, form: str) -> None:
     from ur.check.catalogue import load_rules
     from ur.check.render.text import render_text, shorten_paths
 

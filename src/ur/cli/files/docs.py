@@ -14,7 +14,7 @@ from ur.source.printable import printable
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from ur.docs.repository.collect import Repository
+    from ur.docs.repository.collect import DocumentedRepository
     from ur.source.progress import Progress
 
 PAGE = "launches.md"
@@ -79,7 +79,7 @@ def _write_documents(
     return _settle({target: page}, check, follow=output is not None)
 
 
-def _report(repository: Repository) -> None:
+def _report(repository: DocumentedRepository) -> None:
     import sys
 
     from ur.check.links import describe_left_out
@@ -90,7 +90,7 @@ def _report(repository: Repository) -> None:
         click.echo(note, err=True)
 
 
-def _page(repository: Repository, folder: str, progress: Progress) -> str:
+def _page(repository: DocumentedRepository, folder: str, progress: Progress) -> str:
     from ur.docs.build import describe_repository
     from ur.docs.markdown.page import render_markdown
 
@@ -99,7 +99,7 @@ def _page(repository: Repository, folder: str, progress: Progress) -> str:
     return render_markdown(describe_repository(repository, progress), "" if way == "." else f"{way}/")
 
 
-def _doc_attributes(repository: Repository) -> dict[Path, str]:
+def _doc_attributes(repository: DocumentedRepository) -> dict[Path, str]:
     from ur.docs.doc_attributes import add_doc_attributes
 
     changed = {}
@@ -140,7 +140,7 @@ def _settle(files: Mapping[Path, str], check: bool, *, brief: bool = False, foll
     return 1 if differences else 0
 
 
-def _settle_site(repository: Repository, folder: Path, check: bool, progress: Progress) -> int:
+def _settle_site(repository: DocumentedRepository, folder: Path, check: bool, progress: Progress) -> int:
     from ur.docs.build import describe_repository
     from ur.docs.site.render import render_site
 

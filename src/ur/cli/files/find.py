@@ -13,9 +13,9 @@ from ur.source.printable import printable
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from ur.tools.find.model import Occurrence
+    from ur.tools.find.occurrences import Occurrence
 
-_KINDS = ("arg", "node", "topic", "param", "file")  # as ur.tools.find.model has them; a test compares
+_KINDS = ("arg", "node", "topic", "param", "file")  # as ur.tools.find.occurrences has them; a test compares
 
 
 @click.command("find")
@@ -35,7 +35,7 @@ def command(name: str, paths: tuple[str, ...], kinds: tuple[str, ...], as_json: 
     from ur.check.computer import make_world
     from ur.request.environment import add_own_package
     from ur.source.progress_line import show_progress
-    from ur.tools.find.model import KINDS
+    from ur.tools.find.occurrences import KINDS
     from ur.tools.find.search import find_name
 
     places = list(paths) or ["."]

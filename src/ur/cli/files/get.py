@@ -15,7 +15,7 @@ from ur.source.diagnostic import UserError, error
 from ur.source.progress_line import show_progress
 
 if TYPE_CHECKING:
-    from ur.get.model import GetPlan, Needs
+    from ur.get.steps import GetPlan, Needs
 
 _SHOWN = 10  # addresses
 _ROUNDS = 5  # what was installed may name more

@@ -14,7 +14,7 @@ from ur.source.printable import printable
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
-    from ur.graph.model import Branch, Graph
+    from ur.graph.boxes import Branch, DrawnGraph
     from ur.graph.text import Line
 
 _COLOURS: dict[str, dict[str, object]] = {
@@ -124,7 +124,7 @@ def _show_live(nodes: Sequence[str], form: str) -> str:
     return _render(graph_system(state, wanted), form, f"nodes and topics at {master.uri}")
 
 
-def _render(graph: Graph, form: str, title: str) -> str:
+def _render(graph: DrawnGraph, form: str, title: str) -> str:
     from ur.graph.text import draw_graph, write_dot, write_mermaid
 
     if form == "mermaid":

@@ -180,8 +180,8 @@ def new_base(
     ARG:=VALUE are arguments of the xacro file.
     """
     from ur.cli.files.base_from import check_source, describe_base, next_step, refuse_arguments, target_of
-    from ur.tools.new.model import NewFile
     from ur.tools.new.package import write_base
+    from ur.tools.new.parts import NewFile
 
     if source is not None:
         check_source(Path(source))

@@ -12,7 +12,7 @@ import click
 
 from ur.source.diagnostic import UserError, error
 from ur.source.foreign.files import MAX_MANIFEST, read_text
-from ur.tools.new.model import NewFile
+from ur.tools.new.parts import NewFile
 
 SUMMARY = click.option("--summary", help="One line that says what it does.")
 in_package = click.option(
@@ -21,7 +21,7 @@ in_package = click.option(
 
 
 @dataclass(frozen=True, slots=True)
-class Target:
+class TargetPackage:
     """The package that gets new files."""
 
     name: str
@@ -31,7 +31,7 @@ class Target:
 class _Done:
     """Write files, and print their names and the next steps."""
 
-    def __call__(self, target: Target, files: Sequence[NewFile], then: str) -> int:
+    def __call__(self, target: TargetPackage, files: Sequence[NewFile], then: str) -> int:
         from ur.tools.new.write import write_files
 
         files = [_formatted(target, file) for file in files]
@@ -42,17 +42,17 @@ class _Done:
         return 0
 
     @staticmethod
-    def target(place: str | None) -> Target:
+    def target(place: str | None) -> TargetPackage:
         """The package of a name or folder, or the one around the current folder. Raises UserError."""
         return find_target(place)
 
     @staticmethod
-    def folder(name: str) -> Target:
+    def folder(name: str) -> TargetPackage:
         """The target of a new package. Raises UserError when the folder exists."""
         folder = Path.cwd() / name
         if folder.exists():
             raise UserError(error(f"{name} is there already, expected a new name", rule="file-exists", subject=name))
-        return Target(name, folder)
+        return TargetPackage(name, folder)
 
 
 show_done = _Done()
@@ -61,7 +61,7 @@ show_done = _Done()
 _NAME_A_PACKAGE = "change to the folder of a package, name one with --package, or create one: ur new package"
 
 
-def find_target(place: str | None, help_: str = _NAME_A_PACKAGE) -> Target:
+def find_target(place: str | None, help_: str = _NAME_A_PACKAGE) -> TargetPackage:
     """The package of a name or folder, or the one around the current folder.
 
     Raises UserError: no such folder or package, or no package around the folder, with the advice `help_`.
@@ -72,7 +72,7 @@ def find_target(place: str | None, help_: str = _NAME_A_PACKAGE) -> Target:
         from ur.request.environment import add_own_package
 
         try:
-            return Target(place, Path(SystemWorld(add_own_package(os.environ)).find_package(place)))
+            return TargetPackage(place, Path(SystemWorld(add_own_package(os.environ)).find_package(place)))
         except PackageNotFound:
             message = f"no folder or package named '{place}'"
             raise UserError(error(message, rule="unknown-package", help="create one: ur new package")) from None
@@ -80,12 +80,12 @@ def find_target(place: str | None, help_: str = _NAME_A_PACKAGE) -> Target:
     for folder in (start, *start.parents):
         if (folder / "package.xml").is_file():
             named = re.search(r"<name>\s*([\w-]+)\s*</name>", read_text(folder / "package.xml", MAX_MANIFEST))
-            return Target(named.group(1) if named else folder.name, folder)
+            return TargetPackage(named.group(1) if named else folder.name, folder)
     message = f"no package.xml in {start} or its parent folders"
     raise UserError(error(message, rule="no-package", help=help_))
 
 
-def _formatted(target: Target, file: NewFile) -> NewFile:
+def _formatted(target: TargetPackage, file: NewFile) -> NewFile:
     if isinstance(file.text, bytes) or not file.path.endswith((".launch", ".launch.xml")):
         return file
     from dataclasses import replace

@@ -14,11 +14,11 @@ from typing import TYPE_CHECKING
 
 import click
 
-from ur.cli.files.new_parts import Target
+from ur.cli.files.new_parts import TargetPackage
 from ur.source.diagnostic import UserError, error
 from ur.source.read import read_source
 from ur.source.suggest import did_you_mean
-from ur.tools.new.model import BaseRequest, NewFile, NodeRequest, Observed, Part
+from ur.tools.new.parts import BaseRequest, IncludedPart, NewFile, NodeRequest, Observed
 
 if TYPE_CHECKING:
     from ur.launchfile.world.protocol import World
@@ -55,7 +55,7 @@ def ask(value: str | None, option: str, question: str, default: str | None = Non
 
 
 def node_request(
-    name: str, package: str, kind: str, summary: str, target: Target, seconds: float | None, per_base: bool,
+    name: str, package: str, kind: str, summary: str, target: TargetPackage, seconds: float | None, per_base: bool,
     arguments: Sequence[str],
 ) -> NodeRequest:  # fmt: skip
     """The facts about a node; it is started and observed unless `seconds` is None."""
@@ -121,7 +121,7 @@ def find_program(package: str, kind: str) -> str:
     )
 
 
-def find_parts(names: Sequence[str], target: Target) -> list[Part]:
+def find_parts(names: Sequence[str], target: TargetPackage) -> list[IncludedPart]:
     """The launch files to include: `n_joy`, `m_robot_base`, `PACKAGE/n_x`. Raises UserError, did you mean."""
     from ur.launchfile.query.arguments import read_arguments
     from ur.launchfile.world.protocol import PackageNotFound
@@ -143,7 +143,7 @@ def find_parts(names: Sequence[str], target: Target) -> list[Part]:
                 found = {each.name: each for each in read_arguments(path, ["robot_base:=stage"], world)}
                 known = {name: each.default for name, each in found.items()}
                 docs = {name: each.doc for name, each in found.items()}
-                parts.append(Part(f"$(find {owner})/{name}/launch/{name}.launch.xml", known, docs))
+                parts.append(IncludedPart(f"$(find {owner})/{name}/launch/{name}.launch.xml", known, docs))
                 break
         else:
             folders = {each.name for each in target.folder.glob("[nm]_*")} | _ours(world.find_package)
@@ -200,7 +200,7 @@ def check_like(library: Path, name: str, like: str | None) -> str | None:
     )
 
 
-def check_launch_file(target: Target, launch: str) -> None:
+def check_launch_file(target: TargetPackage, launch: str) -> None:
     """Refuse a launch file that the package does not have. Raises UserError, did you mean."""
     from ur.launchfile.address import find_launch_file
 
@@ -227,14 +227,16 @@ def read_topics(topics: Sequence[str]) -> list[tuple[str, str]]:
     return read
 
 
-def _world_of(target: Target) -> World:
+def _world_of(target: TargetPackage) -> World:
     """The packages of this computer, and before them the one that gets new files."""
     from ur.launchfile.world.system import SystemWorld
 
     return SystemWorld({**os.environ, "ROS_PACKAGE_PATH": f"{target.folder}:{os.environ.get('ROS_PACKAGE_PATH', '')}"})
 
 
-def urdf_files(target: Target, name: str, text: str, like: str | None, library: Path, url: str = "") -> list[NewFile]:
+def urdf_files(
+    target: TargetPackage, name: str, text: str, like: str | None, library: Path, url: str = ""
+) -> list[NewFile]:
     """The files of a new base beside its base.yaml: a parameter file wherever base `like` has one, and its URDF.
 
     `library` is the package of `like`; `url` is that of the folder of the files, unless it is a package.

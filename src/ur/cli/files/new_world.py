@@ -63,7 +63,7 @@ def new_world(name: str | None, picture: str | None, width: float | None, size: 
 
 
 def _write(name: str, drawing: object, title: str) -> int:
-    from ur.tools.new.model import NewFile
+    from ur.tools.new.parts import NewFile
     from ur.tools.new.write import write_files
     from ur.worlds.drawing import Drawing, write_png, write_world
 

@@ -13,7 +13,7 @@ from ur.robot.selection import Selection
 from ur.source.diagnostic import Diagnostic, UserError
 
 if TYPE_CHECKING:
-    from ur.request.options import LaunchOptions, Query, Reporter
+    from ur.request.options import LaunchOptions, Query, StartReporter
 
 # What optparse finds wrong ends roslaunch with 2, everything later with 1.
 _WRONG_ARGUMENTS = frozenset({"bad-argument", "bad-options", "refused-option"})
@@ -29,22 +29,22 @@ def ask(argv: Sequence[str], query: Query) -> int:
     selection = current_selection(os.environ)
     if query[0] not in _OF_FILES or not selection.base:
         from ur.request.bases.robot_facts import know_robot
-        from ur.request.options import Reporter
+        from ur.request.options import StartReporter
 
-        selection = know_robot(selection, os.environ, split_argv(argv)[1], Reporter().report)
+        selection = know_robot(selection, os.environ, split_argv(argv)[1], StartReporter().report)
     return answer(argv, selection, query, shell)
 
 
 def act_on(argv: Sequence[str], options: LaunchOptions) -> int:
     """Answer the query or launch the file that `argv` names, and return the exit code. Raises UserError."""
     from ur.request.bases.robot_facts import know_robot
-    from ur.request.options import Reporter, choose_query
+    from ur.request.options import StartReporter, choose_query
 
     query = choose_query(options.queries)
     if query is not None and query[0] != "dry-run":
         return ask(argv, query)
     shell = dict(os.environ)
-    reporter = Reporter()
+    reporter = StartReporter()
     selection = know_robot(current_selection(os.environ), os.environ, split_argv(argv)[1], reporter.report)
     apply_selection(selection)
     if query is not None:
@@ -53,7 +53,7 @@ def act_on(argv: Sequence[str], options: LaunchOptions) -> int:
 
 
 def _dry_run(
-    argv: Sequence[str], selection: Selection, options: LaunchOptions, reporter: Reporter, shell: dict[str, str]
+    argv: Sequence[str], selection: Selection, options: LaunchOptions, reporter: StartReporter, shell: dict[str, str]
 ) -> int:
     from ur.request.dry_run import format_dry_run
     from ur.request.launch_request import make_request
@@ -71,7 +71,7 @@ def _dry_run(
     return 1 if problems else 0
 
 
-def _start(argv: Sequence[str], selection: Selection, options: LaunchOptions, reporter: Reporter) -> int:
+def _start(argv: Sequence[str], selection: Selection, options: LaunchOptions, reporter: StartReporter) -> int:
     from ur.cli.launch.start import run_launch
 
     if not options.detach:

@@ -13,12 +13,12 @@ from ur.request.options import LaunchOptions
 def make_xacro() -> None:
     """Make the ROS package xacro, recorded for `ur get --undo`. Raises UserError."""
     from ur.get.install import install
-    from ur.get.model import GetPlan, Missing, Step
     from ur.get.record import record_path
+    from ur.get.steps import GetPlan, InstallStep, Missing
     from ur.request.environment import own_packages
 
     sys.stderr.write("installing xacro, once ...\n")
-    plan = GetPlan((Step(Missing("xacro"), "pypi", ("xacro",)),))
+    plan = GetPlan((InstallStep(Missing("xacro"), "pypi", ("xacro",)),))
     install(plan, record_path(os.environ), Path(own_packages(os.environ)))
 
 
@@ -26,7 +26,7 @@ def offer(options: LaunchOptions, names: Iterable[str]) -> bool:
     """Ask whether `ur get` should look for packages, and run it; True once one has been installed."""
     import click
 
-    from ur.get.model import PACKAGE_NAME
+    from ur.get.steps import PACKAGE_NAME
     from ur.source.suggest import get_command
 
     wanted = sorted(name for name in names if PACKAGE_NAME.fullmatch(name))

@@ -27,10 +27,10 @@ def run_with_page(program: str, words: Sequence[str], *, foxglove: bool = False)
     need_all(["aiohttp", "segno"], "web.lock", "what the page needs (2 MB to download)")
     if foxglove:
         need_all(["foxglove"], "foxglove.lock", "what Foxglove and Lichtblick need (20 MB to download)")
-    from ur.web.server.serve import Options, serve
+    from ur.web.server.serve import ServerOptions, serve
 
     selection = current_selection(os.environ)
-    options = Options("simulated robot" if selection.simulated else selection.robot, foxglove=foxglove)
+    options = ServerOptions("simulated robot" if selection.simulated else selection.robot, foxglove=foxglove)
 
     async def run_both() -> int:
         process = await asyncio.create_subprocess_exec(

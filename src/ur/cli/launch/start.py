@@ -7,17 +7,17 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, closing, contextmanager
 from typing import TYPE_CHECKING
 
-from ur.request.options import LaunchOptions, Reporter
+from ur.request.options import LaunchOptions, StartReporter
 from ur.robot.selection import Selection
 from ur.source.diagnostic import Diagnostic, Severity, UserError, error
 
 if TYPE_CHECKING:
-    from ur.launchfile.plan.model import Plan
+    from ur.launchfile.plan.specs import Plan
     from ur.run.clients.protocol import Severity as EventSeverity
     from ur.run.output.console import Console
     from ur.run.process.detach import Detach
     from ur.run.record.entry import RunEntry
-    from ur.tui.start import Viewer
+    from ur.tui.start import InterfaceProcess
 
 
 def describe_finding(finding: Diagnostic) -> tuple[EventSeverity, str]:
@@ -29,7 +29,7 @@ def describe_finding(finding: Diagnostic) -> tuple[EventSeverity, str]:
 
 
 def run_launch(
-    argv: Sequence[str], selection: Selection, options: LaunchOptions, reporter: Reporter, detach: Detach | None
+    argv: Sequence[str], selection: Selection, options: LaunchOptions, reporter: StartReporter, detach: Detach | None
 ) -> int:
     """Start what a command line asks for, and return the exit code once it has ended. Raises UserError."""
     from ur.run.process.host_client import start_host  # now, not before: help and completion need none of it
@@ -64,7 +64,7 @@ def _call_started(console: Console, detach: Detach | None) -> Callable[[RunEntry
     return leave
 
 
-def _make_console(viewer: Viewer | None) -> Console:
+def _make_console(viewer: InterfaceProcess | None) -> Console:
     """The console; what it prints before the interface opens is the beginning of the interface's log too."""
     from ur.run.output.console import Console
 
@@ -88,18 +88,18 @@ def _make_console(viewer: Viewer | None) -> Console:
 
 
 @contextmanager
-def _viewer(plan: Plan, options: LaunchOptions, reporter: Reporter) -> Iterator[Viewer | None]:
+def _viewer(plan: Plan, options: LaunchOptions, reporter: StartReporter) -> Iterator[InterfaceProcess | None]:
     """Open the interface, on a terminal that no node needs. Its log begins with what was reported so far."""
     if options.plain or options.json or options.detach or any(node.terminal for node in plan.nodes):
         yield None
         return
-    from ur.tui.start import Viewer, look_for_mode
+    from ur.tui.start import InterfaceProcess, look_for_mode
 
     mode = look_for_mode(os.environ, calm=options.calm)
     if mode == "plain":
         yield None
         return
-    with Viewer(mode) as viewer:
+    with InterfaceProcess(mode) as viewer:
         for note in (*map(describe_finding, plan.diagnostics), *reporter.notices):
             viewer.note(*note)
         yield viewer

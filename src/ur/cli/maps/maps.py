@@ -173,11 +173,11 @@ def merge(first: str, second: str, new_name: str) -> int:
     The new map has the frame of FIRST. Where the two differ, SECOND counts as seen later. Edits and waypoints of both
     are taken over.
     """
-    from ur.cli.maps.merging import NotMerged, merge_maps
+    from ur.cli.maps.merging import MergeFailed, merge_maps
 
     try:
         click.echo(_guard(lambda: merge_maps(_store(), first, second, new_name)))
-    except NotMerged as problem:
+    except MergeFailed as problem:
         return int(problem.args[0])
     return 0
 

@@ -22,7 +22,7 @@ def merge_maps(store: MapStore, first: str, second: str, name: str) -> str:
     """Merge two maps of the user's store into a third one, with the waypoints of both; returns what it has become.
 
     Raises UserError, or OSError; then there is no new map. Diagnostics of the process are on standard error already
-    when `NotMerged` is raised.
+    when `MergeFailed` is raised.
     """
     first, second = store.resolve(first), store.resolve(second)
     check_map_name(name)
@@ -38,7 +38,7 @@ def merge_maps(store: MapStore, first: str, second: str, name: str) -> str:
         done = subprocess.run(command, capture_output=True, text=True, timeout=_SECONDS, check=False)
     sys.stderr.write(done.stderr)
     if done.returncode:
-        raise NotMerged(done.returncode)
+        raise MergeFailed(done.returncode)
     merged = json.loads(done.stdout)
     mine, other = (read_places(waypoint_path(each, os.environ)) for each in (first, second))
     places = {**move_places(other, tuple(merged["place"])), **mine}
@@ -49,5 +49,5 @@ def merge_maps(store: MapStore, first: str, second: str, name: str) -> str:
     return f"{name}: {merged['keyframes']} scans, {merged['links']} links between the two maps{kept}"
 
 
-class NotMerged(Exception):  # noqa: N818 - an outcome
+class MergeFailed(Exception):  # noqa: N818 - an outcome
     """The maps were not merged; the first argument is the exit code."""

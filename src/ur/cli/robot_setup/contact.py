@@ -10,7 +10,7 @@ from dataclasses import replace
 import click
 
 from ur.robot.discovery.record import load_records, records_folder
-from ur.robot.setup.contact import COMPARE, Contact, meet, needs_answer
+from ur.robot.setup.contact import COMPARE, OfferedHostKey, meet, needs_answer
 from ur.robot.setup.login import Task
 from ur.robot.ssh.host_key import parse_fingerprint
 from ur.source.diagnostic import UserError, error_about
@@ -44,7 +44,7 @@ def confirm_host_key(task: Task, *, fingerprint: str = "", yes: bool = False, ne
     return replace(task, host_key=contact.pinned, first_contact=contact.is_first)
 
 
-def _ask(task: Task, contact: Contact) -> None:
+def _ask(task: Task, contact: OfferedHostKey) -> None:
     assert contact.host_key
     offered = contact.host_key.fingerprint
     was = "another one was known before" if contact.state == "changed" else "not known to this computer"

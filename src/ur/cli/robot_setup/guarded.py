@@ -12,8 +12,8 @@ import click
 
 if TYPE_CHECKING:
     from ur.robot.commit_confirm.guarded import GuardedChange
-    from ur.robot.commit_confirm.perform import Addresses
-    from ur.robot.setup.facts import Facts
+    from ur.robot.commit_confirm.perform import ChangeAddresses
+    from ur.robot.setup.facts import ComputerFacts
     from ur.robot.ssh.address import Address
     from ur.robot.ssh.openssh import SshShell
     from ur.robot.ssh.secret import Secret
@@ -49,7 +49,7 @@ def become_root(shell: SshShell, given: str) -> list[Secret]:
     return become(shell, Secret(given) if given else None, ask if sys.stdin.isatty() else None)
 
 
-def show_plan(change: GuardedChange, facts: Facts) -> None:
+def show_plan(change: GuardedChange, facts: ComputerFacts) -> None:
     """Print the changes that would be made, for --dry-run."""
     from ur.cli.changing import show_changes
     from ur.robot.commit_confirm.guarded import list_changes
@@ -60,7 +60,7 @@ def show_plan(change: GuardedChange, facts: Facts) -> None:
         click.echo(f"then: {text}")
 
 
-def begin(shell: SshShell, change: GuardedChange, facts: Facts, wait: int) -> str:
+def begin(shell: SshShell, change: GuardedChange, facts: ComputerFacts, wait: int) -> str:
     """Hand the change to the robot; the identity of the attempt. Raises UserError when it did not begin."""
     from ur.robot.commit_confirm.begin import begin_change
 
@@ -69,7 +69,7 @@ def begin(shell: SshShell, change: GuardedChange, facts: Facts, wait: int) -> st
 
 
 def finish(
-    identity: str, change: GuardedChange, addresses: Addresses, wait: int, sudo: Sequence[Secret], known_as: str
+    identity: str, change: GuardedChange, addresses: ChangeAddresses, wait: int, sudo: Sequence[Secret], known_as: str
 ) -> Address:
     """Connect to the robot again and confirm; returns its address. Raises UserError: reverted, or not reached again."""
     from ur.robot.commit_confirm.perform import come_back, open_as

@@ -14,9 +14,9 @@ import click
 
 from ur.cli.changing import show_changes
 from ur.cli.robot_setup.image_answers import Given, Passwords, add_passwords, make_options, read_passwords, read_robots
-from ur.robot.discovery.record import Record, records_folder, render_record
+from ur.robot.discovery.record import RobotRecord, records_folder, render_record
 from ur.robot.image.copy import copied_image, packing_of
-from ur.robot.image.device import Device, check_device, is_device
+from ur.robot.image.device import DiskDevice, check_device, is_device
 from ur.robot.image.host_key import know_host_key, make_host_key
 from ur.robot.image.layout import find_layout
 from ur.robot.image.prepare import Write, plan_undo, plan_writes, read_seed, write_all
@@ -143,7 +143,7 @@ def _write_seed(
     return options, passwords
 
 
-def _protect(image: Path, device: Device | None) -> None:
+def _protect(image: Path, device: DiskDevice | None) -> None:
     if device is None:
         image.chmod(0o600)  # also one that an earlier version has prepared, with the mode of the download
         _say("only you can read this file: it holds the robot's host key and hashes of its passwords")
@@ -169,7 +169,7 @@ Commit = Callable[[Sequence[Write]], None]
 
 
 @contextmanager
-def _opened(source: Path, target: Path | None) -> Iterator[tuple[Path, Commit, Device | None]]:
+def _opened(source: Path, target: Path | None) -> Iterator[tuple[Path, Commit, DiskDevice | None]]:
     """The path to read, the function that writes to it, and the device if it is one. Raises UserError."""
     if is_device(source):
         if target:
@@ -254,7 +254,7 @@ def _text(content: bytes | None) -> str | None:
     return None if content is None else hide_secrets(content.decode(errors="replace"))
 
 
-def _confirm(device: Device | None, writes: Sequence[Write], *, yes: bool) -> None:
+def _confirm(device: DiskDevice | None, writes: Sequence[Write], *, yes: bool) -> None:
     if device is None or yes:
         return
     question = f"write {len(writes)} files onto {device}"
@@ -269,7 +269,7 @@ def _confirm(device: Device | None, writes: Sequence[Write], *, yes: bool) -> No
 
 
 def _remember(options: SeedOptions) -> None:
-    record = Record(options.robot.name, options.user, options.robot.base, options.robot.variant)
+    record = RobotRecord(options.robot.name, options.user, options.robot.base, options.robot.variant)
     path = records_folder(os.environ) / f"{record.name}.yaml"
     try:
         replace_file(path, render_record(record), parents=True)

@@ -16,8 +16,8 @@ from ur.request.environment import PACKAGE
 from ur.robot.base import list_bases, load_base
 from ur.robot.discovery.record import DEFAULT_USER
 from ur.robot.image.hashes import derive_network_key, hash_password, is_hash_of
-from ur.robot.image.seed import SeedOptions, Wifi
-from ur.robot.setup.robot_states import Robot, is_robot_name
+from ur.robot.image.seed import SeedNetwork, SeedOptions
+from ur.robot.setup.robot_states import WantedRobot, is_robot_name
 from ur.robot.ssh.secret import Secret
 from ur.source.diagnostic import UserError, error, error_about
 from ur.source.section import read_section
@@ -91,7 +91,7 @@ def make_options(given: Given) -> SeedOptions:
     variant = given.variant or ""
     load_base(PACKAGE, base, variant)
     return SeedOptions(
-        Robot(name, base, variant),
+        WantedRobot(name, base, variant),
         user,
         _read_keys(given.key),
         wifi=_wifi(given) if given.ssid else None,
@@ -128,7 +128,7 @@ def add_passwords(options: SeedOptions, passwords: Passwords, present: str) -> S
     return replace(options, password=password, wifi=wifi)
 
 
-def _wifi(given: Given) -> Wifi:
+def _wifi(given: Given) -> SeedNetwork:
     network = given.ssid or ""
     if len(network.encode()) > 32 or not network.isprintable():
         raise _bad(f"{network!r} cannot be the name of a WiFi network", "expected up to 32 bytes that can be printed")
@@ -137,7 +137,7 @@ def _wifi(given: Given) -> Wifi:
         raise _bad(f"{country!r} is not a country", "expected two letters, for instance DE (ISO 3166-1)")
     if not re.fullmatch(r"[a-z][a-z0-9]{0,14}", given.interface):
         raise _bad(f"{given.interface!r} cannot be the name of a radio", "expected one such as wlan0")
-    return Wifi(network, "", country, given.interface)
+    return SeedNetwork(network, "", country, given.interface)
 
 
 def _read_keys(given: str | None) -> tuple[str, ...]:

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from ur.robot.commit_confirm.guarded import GuardedChange
-    from ur.robot.commit_confirm.network_facts import Device, Networks
+    from ur.robot.commit_confirm.network_facts import NetworkDevice, Networks
     from ur.robot.ssh.openssh import SshShell
 
 LOOK_SECONDS = 60.0
@@ -104,7 +104,7 @@ def change_network(
     from ur.request.remote.connection import connect_robot, robot_address
     from ur.robot.commit_confirm.guarded import change_request
     from ur.robot.commit_confirm.network_facts import FACTS_SCRIPT, SCAN_SCRIPT, parse_networks
-    from ur.robot.commit_confirm.perform import Addresses
+    from ur.robot.commit_confirm.perform import ChangeAddresses
     from ur.robot.setup.engine import gather
     from ur.robot.ssh.address import Address
 
@@ -121,12 +121,12 @@ def change_network(
             return 0
         identity = begin(shell, change, facts, wait)
     after: tuple[Address, ...] = (*([Address(address.user, literal)] if literal else []), address)
-    finish(identity, change, Addresses(after, address), wait, sudo, address.host)
+    finish(identity, change, ChangeAddresses(after, address), wait, sudo, address.host)
     say(f"{change.title}: done" + (f"; {address.host} may need a moment until it leads there" if literal else ""))
     return 0
 
 
-def _find_device(shell: SshShell, networks: Networks, name: str | None) -> Device:
+def _find_device(shell: SshShell, networks: Networks, name: str | None) -> NetworkDevice:
     """The device that is meant: by its name, or the one that carries this connection. Raises UserError."""
     if name is None:
         fields = shell.run('echo "$SSH_CONNECTION"').out.split()

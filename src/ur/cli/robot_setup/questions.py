@@ -15,9 +15,9 @@ from ur.cli.robots.fleet import choose_robots
 from ur.request.environment import PACKAGE
 from ur.request.remote.connection import robot_address
 from ur.robot.base import list_bases, list_variants, load_base
-from ur.robot.discovery.record import DEFAULT_USER, Record, load_records, records_folder
+from ur.robot.discovery.record import DEFAULT_USER, RobotRecord, load_records, records_folder
 from ur.robot.setup.login import Task
-from ur.robot.setup.robot_states import Robot
+from ur.robot.setup.robot_states import WantedRobot
 from ur.robot.ssh.address import parse_address
 from ur.robot.ssh.host_key import parse_fingerprint
 from ur.robot.ssh.secret import Secret
@@ -37,7 +37,7 @@ def ask_task(host: str, name: str | None, base: str | None, variant: str | None)
     if name is None:
         name = _ask(f"name of the robot at {address.host}", address.host.split(".")[0])
     known = {record.name: record for record in load_records(records_folder(os.environ))}
-    record = known.get(name) or known.get(address.host.split(".")[0]) or Record(name, address.user, "")
+    record = known.get(name) or known.get(address.host.split(".")[0]) or RobotRecord(name, address.user, "")
     if base is None:
         base = _ask(f"base of {name} ({', '.join(list_bases(PACKAGE))})", record.base or None)
     load_base(PACKAGE, base)
@@ -45,7 +45,7 @@ def ask_task(host: str, name: str | None, base: str | None, variant: str | None)
         variant = _ask_variant(name, base, record.variant if record.base == base else "")
     variant = "" if variant == PLAIN else variant
     load_base(PACKAGE, base, variant)
-    return Task(address, Robot(name, base, variant))
+    return Task(address, WantedRobot(name, base, variant))
 
 
 def list_known_tasks() -> list[Task]:
@@ -54,7 +54,7 @@ def list_known_tasks() -> list[Task]:
     records = [known[name] for name in choose_robots([], every=True)]
     for record in records:
         load_base(PACKAGE, record.base, record.variant)
-    return [Task(robot_address(each.name), Robot(each.name, each.base, each.variant)) for each in records]
+    return [Task(robot_address(each.name), WantedRobot(each.name, each.base, each.variant)) for each in records]
 
 
 def _ask_variant(name: str, base: str, known: str) -> str:
@@ -102,7 +102,7 @@ def _read_fingerprint(item: Section) -> str:
 
 def _read_task(item: Section) -> Task:
     address = parse_address(item.text("host"), item.text("user", DEFAULT_USER))
-    robot = Robot(
+    robot = WantedRobot(
         item.text("name"),
         item.text("base"),
         item.text("variant", ""),

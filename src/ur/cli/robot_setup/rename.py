@@ -24,7 +24,7 @@ from ur.source.diagnostic import UserError, error, error_about
 
 if TYPE_CHECKING:
     from ur.robot.commit_confirm.guarded import GuardedChange
-    from ur.robot.setup.facts import Facts
+    from ur.robot.setup.facts import ComputerFacts
     from ur.robot.ssh.address import Address
     from ur.robot.ssh.openssh import SshShell
     from ur.robot.ssh.secret import Secret
@@ -66,10 +66,10 @@ def rename(robot: str, name: str, wait: int, password_from: int | None, dry_run:
         raise
     if made is None:
         return 0
-    from ur.robot.commit_confirm.perform import Addresses
+    from ur.robot.commit_confirm.perform import ChangeAddresses
 
     identity, change, facts, sudo = made
-    finish(identity, change, Addresses((later,), address), wait, sudo, address.host)
+    finish(identity, change, ChangeAddresses((later,), address), wait, sudo, address.host)
     remember(facts.hostname, name)
     say(f"{facts.hostname} is called {name} now: ur shell {name}")
     say("what ran there already, and was not started at boot, keeps the old name until it is started anew")
@@ -78,7 +78,7 @@ def rename(robot: str, name: str, wait: int, password_from: int | None, dry_run:
 
 def _begin(
     shell: SshShell, name: str, password: str, wait: int, *, dry_run: bool
-) -> tuple[str, GuardedChange, Facts, list[Secret]] | None:
+) -> tuple[str, GuardedChange, ComputerFacts, list[Secret]] | None:
     from ur.robot.commit_confirm.guarded import change_request, list_changes
     from ur.robot.commit_confirm.rename import plan_rename, rename_request
     from ur.robot.setup.engine import gather
@@ -100,7 +100,7 @@ def _begin(
     return begin(shell, change, facts, wait), change, facts, sudo
 
 
-def _check_free(there: Shell, here: Shell, name: str, facts: Facts) -> None:
+def _check_free(there: Shell, here: Shell, name: str, facts: ComputerFacts) -> None:
     """Raises UserError where another computer answers to the name, for the robot or for us."""
     from concurrent.futures import ThreadPoolExecutor
 
@@ -164,7 +164,7 @@ def remember(old: str, new: str) -> None:
     from ur.robot.discovery.record import load_records, records_folder, render_record
     from ur.robot.selection import selection_path, store_selection
     from ur.robot.setup.engine import bring_about
-    from ur.robot.setup.facts import Request
+    from ur.robot.setup.facts import FactsRequest
     from ur.robot.setup.wanted import Wanted, WantedFile
     from ur.robot.ssh.shell import LocalShell
 
@@ -173,7 +173,7 @@ def remember(old: str, new: str) -> None:
     records = {record.name: record for record in load_records(folder)}
     record = records.get(old)
 
-    def make(_: Facts) -> list[Wanted]:
+    def make(_: ComputerFacts) -> list[Wanted]:
         items: list[Wanted] = []
         if host_key:
             items.append(WantedKnownName(f"host key of {new}", old, new, host_key))
@@ -183,7 +183,9 @@ def remember(old: str, new: str) -> None:
         return items
 
     user = getpass.getuser()
-    bring_about(LocalShell(), make, user, Request(user), root=False, report=lambda change: say(f"here: {change.title}"))
+    bring_about(
+        LocalShell(), make, user, FactsRequest(user), root=False, report=lambda change: say(f"here: {change.title}")
+    )
     if record:
         (folder / f"{old}.yaml").unlink(missing_ok=True)
     selected = current_selection(os.environ)

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import click
 
-from ur.cli.changing import Reporter, show_changes
+from ur.cli.changing import ChangeReporter, show_changes
 from ur.cli.output import plain_text
 from ur.cli.robot_setup.contact import confirm_host_key, decide_robot_login, read_fingerprint
 from ur.cli.robot_setup.network import network
@@ -30,7 +30,7 @@ from ur.robot.devices import expected_devices, inspect_devices
 from ur.robot.selection import Selection, selection_path, store_selection
 from ur.robot.setup.login import Task, open_robot
 from ur.robot.setup.robot import prepare_viewer, preview, set_up
-from ur.robot.setup.robot_states import Viewer
+from ur.robot.setup.robot_states import ViewerFacts
 from ur.robot.setup.verify import Check, verify
 from ur.robot.ssh.secret import Secret
 from ur.robot.ssh.shell import LocalShell
@@ -191,8 +191,8 @@ def _check_robots(
         raise click.UsageError("--host-key is for one HOST, expected host_key in --from FILE for several")
 
 
-def _set_up(task: Task, here: LocalShell, viewer: Viewer, *, alone: bool) -> int:
-    say = Reporter(task.robot.name if alone else "", live=alone and sys.stdout.isatty())
+def _set_up(task: Task, here: LocalShell, viewer: ViewerFacts, *, alone: bool) -> int:
+    say = ChangeReporter(task.robot.name if alone else "", live=alone and sys.stdout.isatty())
     count = set_up(task, here, viewer, say, say.show_progress)
     # Looked at through the new name, by key, with strict host keys: as it will be used.
     with open_robot(replace(task, address=task.later, host_key=None, first_contact=False), say) as there:
@@ -240,8 +240,8 @@ def wait_for_master(host: str) -> bool:
     return False
 
 
-def _preview(task: Task, viewer: Viewer) -> int:
-    with open_robot(task, Reporter(task.robot.name)) as shell:
+def _preview(task: Task, viewer: ViewerFacts) -> int:
+    with open_robot(task, ChangeReporter(task.robot.name)) as shell:
         changes = preview(task, shell, viewer)
     click.echo(f"{task.robot.name} ({task.address}): " + ("" if changes else "nothing to do"))
     show_changes(changes)

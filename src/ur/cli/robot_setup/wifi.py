@@ -16,8 +16,8 @@ from ur.source.suggest import did_you_mean
 
 if TYPE_CHECKING:
     from ur.robot.commit_confirm.guarded import GuardedChange
-    from ur.robot.commit_confirm.network import Wifi
-    from ur.robot.commit_confirm.network_facts import Device, Networks, Profile
+    from ur.robot.commit_confirm.network import WirelessNetwork
+    from ur.robot.commit_confirm.network_facts import NetworkDevice, Networks, Profile
     from ur.robot.ssh.openssh import SshShell
 
 
@@ -77,9 +77,9 @@ def wifi(
     return change_network(robot, own_password, plan, wait, dry_run=dry_run, scan=True)
 
 
-def _choose(networks: Networks, ssid: str, password: str, *, hidden: bool, band: str) -> Wifi:
+def _choose(networks: Networks, ssid: str, password: str, *, hidden: bool, band: str) -> WirelessNetwork:
     """Build the WiFi settings to join; ask for a missing password. Raises UserError: out of reach, bad password."""
-    from ur.robot.commit_confirm.network import Wifi, check_password, choose_management, find_profile
+    from ur.robot.commit_confirm.network import WirelessNetwork, check_password, choose_management, find_profile
     from ur.robot.ssh.secret import Secret
 
     seen = next((each for each in networks.seen if each.ssid == ssid), None)
@@ -101,7 +101,7 @@ def _choose(networks: Networks, ssid: str, password: str, *, hidden: bool, band:
     if not password and secured and sys.stdin.isatty():
         password = getpass.getpass(f"password of {ssid}{' (empty: the one that the robot knows)' if known else ''}: ")
     if known and not password:  # its profile knows how, also with a user name
-        return Wifi(ssid, None, "", hidden, band)
+        return WirelessNetwork(ssid, None, "", hidden, band)
     if not password and seen and secured:
         raise UserError(
             error_about(
@@ -115,7 +115,7 @@ def _choose(networks: Networks, ssid: str, password: str, *, hidden: bool, band:
     secret = Secret(password) if password and management in ("wpa-psk", "sae") else None
     if secret:
         check_password(ssid, secret)
-    return Wifi(ssid, secret, management, hidden, band)
+    return WirelessNetwork(ssid, secret, management, hidden, band)
 
 
 def _refuse_wireless(place: str, networks: Networks) -> None:
@@ -153,7 +153,7 @@ def _find_known(networks: Networks, name: str) -> Profile:
     return profile
 
 
-def _show(networks: Networks, device: Device) -> None:
+def _show(networks: Networks, device: NetworkDevice) -> None:
     """Print the network that the robot uses, and those that it sees."""
     profile = networks.profile(device.profile)
     using = f"uses {profile.ssid or profile.name}" if profile else f"uses no network ({device.state})"

@@ -15,9 +15,9 @@ from ur.cli.robots.fleet import ALL, ask_passwords, choose_robots, is_fleet, run
 from ur.request.remote.connection import connect_robot, robot_address
 from ur.request.requirements.python_packages import need_all
 from ur.robot.boot.status import SCRIPT, describe_status, log_command, parse_status
-from ur.robot.boot.units import FOLDER, MASTER, PREFIX, Unit, is_unit_name, master_unit, program_unit
+from ur.robot.boot.units import FOLDER, MASTER, PREFIX, UnitFile, is_unit_name, master_unit, program_unit
 from ur.robot.setup.engine import bring_about
-from ur.robot.setup.facts import Facts, Request
+from ur.robot.setup.facts import ComputerFacts, FactsRequest
 from ur.robot.setup.packages import WantedService
 from ur.robot.setup.wanted import Wanted, WantedFile
 from ur.robot.ssh.openssh import SshShell
@@ -76,7 +76,7 @@ def install(
         copied = bring_library(request, shell, address.user, lambda change: show_changes([change])) if request else 0
         line = make_line(request, shell, known_as) if request else ""
 
-        def make(facts: Facts) -> list[Wanted]:
+        def make(facts: ComputerFacts) -> list[Wanted]:
             units = [master_unit(address.user, facts.home)]
             if line:
                 units.append(program_unit(called, line, address.user, facts.home))
@@ -87,7 +87,7 @@ def install(
             shell,
             make,
             address.user,
-            Request(address.user),
+            FactsRequest(address.user),
             root=True,
             report=lambda change: show_changes([change]),
         )
@@ -228,7 +228,7 @@ def _show_link(shell: SshShell, host: str, *, look: bool = False) -> None:
     click.echo(LISTENERS)
 
 
-def _wanted(unit: Unit) -> list[Wanted]:
+def _wanted(unit: UnitFile) -> list[Wanted]:
     service = f"{unit.service}.service"
     return [
         WantedFile(

@@ -13,8 +13,8 @@ from dataclasses import asdict
 import click
 
 from ur.cli.output import plain_text, write_exactly
+from ur.devices.device import Device, DeviceSnapshot, Expected
 from ur.devices.known import describe_device, find_known
-from ur.devices.model import Device, Expected, Snapshot
 from ur.devices.needs import Need, examine, list_problems
 from ur.devices.probe import SECONDS, list_questions, parse_answers, probe_script
 from ur.devices.udev import write_rules
@@ -80,7 +80,7 @@ def _find_expected(robot: str | None, base: str | None, variant: str) -> tuple[E
     return expected_devices(load_base(PACKAGE, base, variant)) if base else ()
 
 
-def _ask(shell: Shell, snapshot: Snapshot) -> Mapping[str, str]:
+def _ask(shell: Shell, snapshot: DeviceSnapshot) -> Mapping[str, str]:
     questions = list_questions(snapshot)
     if not questions:
         return {}
@@ -88,7 +88,7 @@ def _ask(shell: Shell, snapshot: Snapshot) -> Mapping[str, str]:
         return parse_answers(shell.run(probe_script(questions), timeout=10.0 + SECONDS * len(questions)).out)
 
 
-def _print_table(name: str, snapshot: Snapshot, answers: Mapping[str, str]) -> None:
+def _print_table(name: str, snapshot: DeviceSnapshot, answers: Mapping[str, str]) -> None:
     from rich.console import Console
     from rich.table import Table
 
@@ -118,7 +118,7 @@ def _with_id(device: Device, what: str) -> str:
     return f"{what} [{device.usb}{number}]" if device.usb else what
 
 
-def _print_needs(needs: Sequence[Need], snapshot: Snapshot) -> None:
+def _print_needs(needs: Sequence[Need], snapshot: DeviceSnapshot) -> None:
     for need in needs:
         if need.state == "ready":
             click.echo(printable(f"ok: {need.message}"))
@@ -132,7 +132,7 @@ def _print_needs(needs: Sequence[Need], snapshot: Snapshot) -> None:
             click.echo(printable(f"  help: {help}"))
 
 
-def _print_json(snapshot: Snapshot, needs: Sequence[Need], answers: Mapping[str, str]) -> None:
+def _print_json(snapshot: DeviceSnapshot, needs: Sequence[Need], answers: Mapping[str, str]) -> None:
     devices = [
         {
             **asdict(each),

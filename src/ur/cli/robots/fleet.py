@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING, Literal
 import click
 
 from ur.cli.robot_setup.answers import read_lines
+from ur.fleet.jobs import Fleet, Job, JobStatus, find_exit_code
 from ur.fleet.logs import logs_folder
-from ur.fleet.model import Fleet, Job, Status, find_exit_code
 from ur.fleet.processes import Output, Processes
 from ur.fleet.table import describe_end, describe_fleet, summarise
 from ur.request.remote.connection import robot_address
@@ -195,7 +195,7 @@ def _print_outputs(fleet: Fleet, outputs: Sequence[Output], show: Literal["faile
             click.echo(f"  {printable_lines(line)}".rstrip())
 
 
-def _as_dict(status: Status, output: Output) -> dict[str, object]:
+def _as_dict(status: JobStatus, output: Output) -> dict[str, object]:
     try:
         said = json.loads(output.log.read_all())
     except ValueError:

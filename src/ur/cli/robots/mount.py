@@ -10,7 +10,15 @@ from pathlib import Path
 import click
 
 from ur.request.remote.connection import connect_robot, robot_address
-from ur.robot.mount import REMOTE, Mount, default_target, mount_command, mounts_of, parse_mounts, unmount_command
+from ur.robot.mount import (
+    REMOTE,
+    MountedFolder,
+    default_target,
+    mount_command,
+    mounts_of,
+    parse_mounts,
+    unmount_command,
+)
 from ur.robot.ssh.address import Address
 from ur.robot.ssh.shell import quote, run_process
 from ur.source.diagnostic import UserError, error
@@ -63,12 +71,12 @@ def command(robot: str | None, at: Path | None, over: bool, folder: str) -> int:
     return 0
 
 
-def read_mounts() -> list[Mount]:
+def read_mounts() -> list[MountedFolder]:
     """The folders that sshfs has mounted on this computer."""
     return parse_mounts(Path("/proc/self/mounts").read_text(encoding="utf-8"))
 
 
-def _mounts_at(target: Path) -> list[Mount]:
+def _mounts_at(target: Path) -> list[MountedFolder]:
     return [mount for mount in read_mounts() if mount.target == target]
 
 

@@ -16,10 +16,10 @@ from ur.cli.output import plain_text
 from ur.cli.robots.fleet import read_names
 from ur.request.remote.robot_poller import STARTING_PERIOD, RobotPoller
 from ur.request.requirements.python_packages import need
-from ur.robot.discovery.announcements import Browser, Sighting
-from ur.robot.discovery.listing import Answer, Row, choose_rows, list_robots
+from ur.robot.discovery.announcements import Announcement, Browser
+from ur.robot.discovery.listing import RobotAnswer, RobotRow, choose_rows, list_robots
 from ur.robot.discovery.record import load_records, records_folder
-from ur.robot.discovery.seen import Seen, load_seen, note_seen, seen_path
+from ur.robot.discovery.seen import SeenRobot, load_seen, note_seen, seen_path
 from ur.source.printable import printable
 from ur.source.progress_line import show_progress
 
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 REFRESH = 1.0  # s between checks for changes, with --watch
 SETTLE_SECONDS = 6.0  # the longest that robots which are starting are waited for, beyond the time to look
-Look = Callable[[], list[Row]]
+Look = Callable[[], list[RobotRow]]
 
 
 @click.command("robots")
@@ -59,7 +59,7 @@ def command(names: tuple[str, ...], watch: bool, seconds: float, as_json: bool) 
     known = {*names_here, *memory, *wanted}
     with Browser(changed.set, known) as browser, RobotPoller(browser, seconds, changed.set, former, known) as asked:
 
-        def look() -> list[Row]:
+        def look() -> list[RobotRow]:
             asked.ask(browser.sightings)
             remembered = load_seen(seen_path(os.environ))
             records = load_records(records_folder(os.environ))
@@ -79,8 +79,8 @@ def command(names: tuple[str, ...], watch: bool, seconds: float, as_json: bool) 
                 with show_progress("listening for robots"):
                     rows = _listen(look, changed, seconds, settled, complete)
         finally:
-            here = [one for one in browser.sightings if asked.answers.get(one.host, Answer()).answers]
-            note_seen(seen_path(os.environ), [Seen(one.name, one.address, time.time()) for one in here])
+            here = [one for one in browser.sightings if asked.answers.get(one.host, RobotAnswer()).answers]
+            note_seen(seen_path(os.environ), [SeenRobot(one.name, one.address, time.time()) for one in here])
         if not watch:
             _show(rows, as_json)
             _tell_left_out(*browser.left_out)
@@ -90,11 +90,11 @@ def command(names: tuple[str, ...], watch: bool, seconds: float, as_json: bool) 
     return 1 if any(row.problem for row in rows) or not found else 0
 
 
-def _among(sightings: Sequence[Sighting], wanted: Collection[str]) -> list[Sighting]:
+def _among(sightings: Sequence[Announcement], wanted: Collection[str]) -> list[Announcement]:
     return [one for one in sightings if not wanted or one.name in wanted or one.host in wanted]
 
 
-def _show(rows: Sequence[Row], as_json: bool) -> None:
+def _show(rows: Sequence[RobotRow], as_json: bool) -> None:
     if as_json:
         click.echo(json.dumps([_as_dict(row) for row in rows], indent=2))
     elif rows:
@@ -117,7 +117,7 @@ def _listen(
     seconds: float,
     settled: Callable[[], bool],
     complete: Callable[[], bool],
-) -> list[Row]:
+) -> list[RobotRow]:
     """The robots after as long as the user wants to listen, and until those that are there have answered.
 
     Whoever announces itself is asked at once. Nothing is waited for once the list is `complete`.
@@ -132,9 +132,9 @@ def _listen(
     return rows
 
 
-def _watch(look: Look, changed: threading.Event, as_json: bool) -> list[Row]:
+def _watch(look: Look, changed: threading.Event, as_json: bool) -> list[RobotRow]:
     show = _show_lines if as_json or not sys.stdout.isatty() else _show_live
-    rows: list[Row] = []
+    rows: list[RobotRow] = []
     try:
         show(look, changed, as_json)
     except KeyboardInterrupt:
@@ -153,7 +153,7 @@ def _show_live(look: Look, changed: threading.Event, _: bool) -> None:
 
 
 def _show_lines(look: Look, changed: threading.Event, as_json: bool) -> None:
-    before: list[Row] | None = None
+    before: list[RobotRow] | None = None
     while True:
         rows = look()
         if rows != before:
@@ -166,14 +166,14 @@ def _show_lines(look: Look, changed: threading.Event, as_json: bool) -> None:
         changed.clear()
 
 
-def _print(rows: Sequence[Row]) -> None:
+def _print(rows: Sequence[RobotRow]) -> None:
     from rich.console import Console
 
     Console(soft_wrap=not sys.stdout.isatty()).print(_picture(rows))
     sys.stdout.flush()
 
 
-def _picture(rows: Sequence[Row]) -> RenderableType:
+def _picture(rows: Sequence[RobotRow]) -> RenderableType:
     from rich.console import Group
     from rich.table import Table
     from rich.text import Text
@@ -194,7 +194,7 @@ def _picture(rows: Sequence[Row]) -> RenderableType:
     return Group(table, *problems)
 
 
-def _as_dict(row: Row) -> dict[str, object]:
+def _as_dict(row: RobotRow) -> dict[str, object]:
     plain = {key: getattr(row, key) for key in ("name", "address", "base", "variant", "version", "problem", "help")}
     said = {
         "nodes": row.answer.nodes,

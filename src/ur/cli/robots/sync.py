@@ -20,9 +20,9 @@ from ur.fleet.processes import answer_confirmed
 from ur.request.remote.connection import connect_robot, robot_address
 from ur.robot.sync.compare import compare
 from ur.robot.sync.memory import load_memory, memory_path, store_memory
-from ur.robot.sync.model import SIDES, Side, SyncPlan
 from ur.robot.sync.show import describe_plan, summarise
-from ur.robot.sync.sync import WORKSPACE, Outcome, carry_out, look_at
+from ur.robot.sync.steps import SIDES, Side, SyncPlan
+from ur.robot.sync.sync import WORKSPACE, SyncOutcome, carry_out, look_at
 from ur.source.diagnostic import UserError, error
 from ur.source.printable import printable
 from ur.source.progress_line import show_progress
@@ -123,7 +123,7 @@ def _own_name(robot: str) -> str:
     return f"{socket.gethostname().split('.')[0]}-{getpass.getuser()}-{robot}"
 
 
-def _finish(plan: SyncPlan, outcome: Outcome) -> int:
+def _finish(plan: SyncPlan, outcome: SyncOutcome) -> int:
     left = {path: why for side in SIDES for path, why in outcome.left[side].items()}
     for path, why in sorted(left.items()):
         click.echo(f"warning: {printable(path)}: {printable(why)}: left as it is; run this again")

@@ -85,7 +85,7 @@ def command(
         need_all(["foxglove"], "foxglove.lock", "what Foxglove and Lichtblick need (20 MB to download)")
     from ur.robot.discovery.masters import list_masters
     from ur.web.access.roles import Role
-    from ur.web.server.serve import Options, serve
+    from ur.web.server.serve import ServerOptions, serve
 
     apply_selection(selection)
     if robot:  # programs that the page starts are for this robot, whichever is selected
@@ -95,7 +95,7 @@ def command(
         name = os.uname().nodename.split(".")[0]
     role = Role.LOOK if look else Role.DRIVE
     known = None if service else partial(list_masters, os.environ, selection, stored)
-    options = Options(
+    options = ServerOptions(
         name, port or 0, role, not no_browser, phone, service, foxglove, tuple(viewers), days,
         own=selection.robot if not service else name, known=known, child=child,
     )  # fmt: skip

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import click
 
 from ur.cli.output import plain_text
-from ur.robot.doctor.wifi import Wifi
+from ur.robot.doctor.wifi import WirelessLink
 from ur.robot.wireless.advice import advise
 from ur.robot.wireless.meter import Meter
 from ur.robot.wireless.plot import log_scale, plot, plot_bars
@@ -141,7 +141,7 @@ def _plot(text: Text, lines: Sequence[str], scale: Sequence[str], colour: str) -
         text.append("\n")
 
 
-def _link(link: Wifi) -> str:
+def _link(link: WirelessLink) -> str:
     parts = [
         "" if link.signal is None else f"{link.signal:.0f} dBm",
         "" if link.rate is None else f"{link.rate:g} Mbit/s",
@@ -150,7 +150,7 @@ def _link(link: Wifi) -> str:
     return ", ".join(part for part in parts if part) or link.device
 
 
-def _signal(link: Wifi | None) -> float | None:
+def _signal(link: WirelessLink | None) -> float | None:
     return link.signal if link else None
 
 

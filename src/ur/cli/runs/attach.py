@@ -26,7 +26,7 @@ from ur.run.clients.protocol import (
 )
 from ur.run.output.messages import describe_status
 from ur.run.record.entry import RunEntry
-from ur.run.supervisor.model import ExitStatus
+from ur.run.supervisor.state import ExitStatus
 from ur.source.render import shows_colour
 
 

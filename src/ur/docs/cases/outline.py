@@ -10,7 +10,7 @@ from ur.launchfile.syntax import Element, LaunchFile
 
 
 @dataclass(frozen=True, slots=True)
-class Outline:
+class FileOutline:
     """By place of the tag: `<node>`, `<test>` and `<include>` in order, and every tag's conditions, outermost first."""
 
     nodes: tuple[Element, ...]
@@ -21,7 +21,7 @@ class Outline:
     text: str
 
 
-def outline_file(tree: LaunchFile) -> Outline:
+def outline_file(tree: LaunchFile) -> FileOutline:
     """Find the tags of a file."""
     nodes: list[Element] = []
     includes: list[Element] = []
@@ -50,4 +50,4 @@ def outline_file(tree: LaunchFile) -> Outline:
 
     if tree.launch is not None:
         visit(tree.launch, (), ())
-    return Outline(tuple(nodes), tuple(includes), tuple(groups), conditions, raw, tree.source.text)
+    return FileOutline(tuple(nodes), tuple(includes), tuple(groups), conditions, raw, tree.source.text)

@@ -8,12 +8,12 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from ur.check.cases import resolve_cases
-from ur.check.model import LaunchView
+from ur.check.rule import LaunchView
 from ur.check.worlds import CachedWorld
-from ur.docs.cases.outline import Outline
-from ur.docs.cases.started import Started, StartedPlan, Starter, find_taking_part
-from ur.docs.model import Case
-from ur.launchfile.plan.model import IncludeSpec, NodeSpec
+from ur.docs.cases.outline import FileOutline
+from ur.docs.cases.started import StartedFile, StartedPlan, Starter, find_taking_part
+from ur.docs.documents import BaseCase
+from ur.launchfile.plan.specs import IncludeSpec, NodeSpec
 from ur.launchfile.syntax import Element
 
 MAX_CHANGED = 3
@@ -33,7 +33,7 @@ class Files:
     """The launch files of a repository by path, and their tags."""
 
     views: Mapping[str, LaunchView]
-    outline_of: Callable[[str], Outline]
+    outline_of: Callable[[str], FileOutline]
 
     def list_dormant(self, path: str, taking_part: set[int]) -> Iterator[Element]:
         """The conditional nodes and includes of a file that are not among those that take part."""
@@ -53,17 +53,17 @@ class Resolution:
     plan: StartedPlan
 
     @property
-    def started(self) -> Started:
+    def started(self) -> StartedFile:
         """The started nodes and includes."""
         assert self.plan.started is not None
         return self.plan.started
 
 
 @dataclass(frozen=True, slots=True)
-class Outcome:
+class ResolvedCase:
     """A launch file in one case: with its defaults, and with other values. `given` are the arguments of the case."""
 
-    case: Case
+    case: BaseCase
     given: Assignment
     default: Resolution
     others: tuple[Resolution, ...]
@@ -76,19 +76,19 @@ class Outcome:
 
 def resolve_outcomes(
     view: LaunchView, files: Files, world: CachedWorld, starter: Starter, given: Assignment = ()
-) -> tuple[Outcome, ...]:
+) -> tuple[ResolvedCase, ...]:
     """Resolve a launch file in each case, in the order of the bases; `given` arguments are the same in all.
 
     What no case starts is looked for with other values of the arguments that its conditions speak of.
     """
-    default: dict[Case, Resolution] = {}
-    others: dict[Case, list[Resolution]] = {}
-    arguments: dict[Case, tuple[tuple[str, str], ...]] = {}
+    default: dict[BaseCase, Resolution] = {}
+    others: dict[BaseCase, list[Resolution]] = {}
+    arguments: dict[BaseCase, tuple[tuple[str, str], ...]] = {}
     for resolved in resolve_cases(view, world, given, load=starter.load):
         plan = resolved.plan
         assert isinstance(plan, StartedPlan)
         values = dict(resolved.case.given)
-        case = Case(values.get("robot_base", ""), values.get("robot_variant", ""))
+        case = BaseCase(values.get("robot_base", ""), values.get("robot_variant", ""))
         flipped = resolved.case.flipped
         resolution = Resolution(f"{flipped}:={values[flipped]}" if flipped else "", plan)
         if case in default:
@@ -96,7 +96,7 @@ def resolve_outcomes(
         else:
             default[case], others[case], arguments[case] = resolution, [], resolved.case.given
     outcomes = tuple(
-        Outcome(case, arguments[case], resolution, tuple(others[case])) for case, resolution in default.items()
+        ResolvedCase(case, arguments[case], resolution, tuple(others[case])) for case, resolution in default.items()
     )
     extra = list(_find_switches(view, files, outcomes, world, starter))
     if not extra:
@@ -108,7 +108,7 @@ def resolve_outcomes(
 
 
 def _find_switches(
-    view: LaunchView, files: Files, outcomes: tuple[Outcome, ...], world: CachedWorld, starter: Starter
+    view: LaunchView, files: Files, outcomes: tuple[ResolvedCase, ...], world: CachedWorld, starter: Starter
 ) -> Iterator[Assignment]:
     there = find_taking_part(resolution.started for outcome in outcomes for resolution in outcome.resolutions)
     dormant = [(path, element) for path in list(there) for element in files.list_dormant(path, there[path])]
@@ -129,7 +129,7 @@ def _find_switches(
 
 
 def _apply_switches(
-    view: LaunchView, outcome: Outcome, extra: list[Assignment], world: CachedWorld, starter: Starter
+    view: LaunchView, outcome: ResolvedCase, extra: list[Assignment], world: CachedWorld, starter: Starter
 ) -> Iterator[Resolution]:
     for assignment in extra:
         label = " ".join(f"{name}:={value}" for name, value in assignment)
@@ -137,7 +137,7 @@ def _apply_switches(
 
 
 def _load_with(
-    view: LaunchView, outcome: Outcome, assignment: Assignment, world: CachedWorld, starter: Starter
+    view: LaunchView, outcome: ResolvedCase, assignment: Assignment, world: CachedWorld, starter: Starter
 ) -> StartedPlan:
     given = tuple(dict((*outcome.given, *assignment)).items())
     plan = next(resolve_cases(view, world, given, load=starter.load)).plan
@@ -159,7 +159,7 @@ def find_include(resolution: Resolution, start: int) -> IncludeSpec | None:
     return next((include for include in resolution.plan.includes if include.origin.span.start == start), None)
 
 
-def list_switches(takes_part: Iterator[tuple[Outcome, Resolution]]) -> str:
+def list_switches(takes_part: Iterator[tuple[ResolvedCase, Resolution]]) -> str:
     """The options that have to be changed for something that no default has; empty where a default has it."""
     labels: dict[str, None] = {}
     for outcome, resolution in takes_part:
@@ -169,7 +169,7 @@ def list_switches(takes_part: Iterator[tuple[Outcome, Resolution]]) -> str:
     return " or ".join(label for label in labels if label)
 
 
-def list_assignments(element: Element, view: LaunchView, outline: Outline) -> Iterator[Assignment]:
+def list_assignments(element: Element, view: LaunchView, outline: FileOutline) -> Iterator[Assignment]:
     """Values that may turn an element on, fewest changes first: of the arguments that its conditions speak of."""
     domains = _find_domains(outline.raw_conditions.get(element.start, ()), view)
     tries = 0

@@ -10,10 +10,10 @@ from dataclasses import dataclass, field
 from typing import Union
 
 from ur.check.worlds import CachedWorld
-from ur.launchfile.plan.model import IncludeSpec, NodeSpec, Plan
 from ur.launchfile.plan.names import read_assignments
 from ur.launchfile.plan.one_file import HERE, load_one_file
 from ur.launchfile.plan.problems import NOT_GIVEN
+from ur.launchfile.plan.specs import IncludeSpec, NodeSpec, Plan
 from ur.launchfile.syntax import Element, LaunchFile
 from ur.source.diagnostic import Diagnostic, Severity, error
 
@@ -22,7 +22,7 @@ MAX_FILES = 5_000  # that one root file may include, each set of arguments count
 
 
 @dataclass(eq=False, slots=True)
-class Started:
+class StartedFile:
     """A launch file with the arguments it got: its own plan, and its nodes and includes with what they start, in order.
 
     An include without a result could not be read, or leads back to a file that is being read. Names in `plan` start
@@ -35,12 +35,12 @@ class Started:
     cyclic: set[int] = field(default_factory=set)  # places of the includes that lead back
 
     @property
-    def included(self) -> Iterator[tuple[IncludeSpec, Started | None]]:
+    def included(self) -> Iterator[tuple[IncludeSpec, StartedFile | None]]:
         """The includes among the items."""
         return (item for item in self.items if isinstance(item, tuple))
 
 
-Item = Union[NodeSpec, tuple[IncludeSpec, Started | None]]  # noqa: UP007 - evaluated, and Started has no `|` yet
+Item = Union[NodeSpec, tuple[IncludeSpec, StartedFile | None]]  # noqa: UP007 - evaluated, and Started has no `|` yet
 _Key = tuple[str, frozenset[tuple[str, str]], bool, int]
 
 
@@ -48,7 +48,7 @@ _Key = tuple[str, frozenset[tuple[str, str]], bool, int]
 class StartedPlan(Plan):
     """The plan of a root file alone, with the findings of everything below it, and what is below it."""
 
-    started: Started | None = None
+    started: StartedFile | None = None
 
 
 class Starter:
@@ -56,7 +56,7 @@ class Starter:
 
     def __init__(self, trees: dict[str, LaunchFile]) -> None:
         self._trees = trees
-        self._known: dict[tuple[object, ...], Started] = {}
+        self._known: dict[tuple[object, ...], StartedFile] = {}
         self._defaults: dict[str, dict[str, str]] = {}
         self._closed: dict[str, bool] = {}
         self._findings: dict[int, tuple[Diagnostic, ...]] = {}
@@ -82,7 +82,7 @@ class Starter:
             started=started,
         )
 
-    def findings_of(self, started: Started) -> tuple[Diagnostic, ...]:
+    def findings_of(self, started: StartedFile) -> tuple[Diagnostic, ...]:
         """List the findings in a file and in the files that it includes, each once."""
         known = self._findings.get(id(started))
         if known is None:
@@ -105,7 +105,7 @@ class Starter:
         passes_all: bool,
         world: CachedWorld,
         above: tuple[_Key, ...],
-    ) -> Started | None:
+    ) -> StartedFile | None:
         # None: the file is being read above, with the same arguments.
         if not passes_all:
             defaults = self._literal_defaults(path)
@@ -114,10 +114,10 @@ class Starter:
         if key in self._known or key in above:
             return self._known.get(key)
         self._left -= 1
-        started = Started(path, load_one_file(path, arguments, world, self._trees, passes_all=passes_all))
+        started = StartedFile(path, load_one_file(path, arguments, world, self._trees, passes_all=passes_all))
         items: list[Item] = [*started.plan.all_nodes()]
         for include in started.plan.includes:
-            child: Started | None = None
+            child: StartedFile | None = None
             if include.found:
                 if len(above) < MAX_DEPTH and self._left > 0:
                     child = self._start(include.file, dict(include.arguments), include.passes_all, world, (*above, key))
@@ -176,7 +176,7 @@ class _Same:
         return hash(self._key)
 
 
-def walk_nodes(started: Started, namespace: str = "/", depth: int = 0) -> Iterator[tuple[str, NodeSpec]]:
+def walk_nodes(started: StartedFile, namespace: str = "/", depth: int = 0) -> Iterator[tuple[str, NodeSpec]]:
     """Every node that is started, with its full name, in document order."""
     for item in started.items:
         if isinstance(item, NodeSpec):
@@ -185,7 +185,7 @@ def walk_nodes(started: Started, namespace: str = "/", depth: int = 0) -> Iterat
             yield from walk_nodes(item[1], place_name(item[0].namespace, namespace), depth + 1)
 
 
-def find_taking_part(roots: Iterable[Started]) -> dict[str, set[int]]:
+def find_taking_part(roots: Iterable[StartedFile]) -> dict[str, set[int]]:
     """By path of a file: the places of its nodes and includes that take part below any of the roots."""
     found: dict[str, set[int]] = {}
     seen: set[int] = set()
@@ -209,7 +209,7 @@ def place_name(name: str, namespace: str) -> str:
     return namespace.rstrip("/") + "/" + name.removeprefix(HERE) if name.startswith(HERE) else name
 
 
-def _find_duplicates(started: Started) -> Iterator[Diagnostic]:
+def _find_duplicates(started: StartedFile) -> Iterator[Diagnostic]:
     # The name of a test may be the name of a node: roslaunch never runs both.
     seen: dict[str, NodeSpec] = {}
     for (name, node), _ in zip(walk_nodes(started), range(MAX_FILES), strict=False):
@@ -219,7 +219,7 @@ def _find_duplicates(started: Started) -> Iterator[Diagnostic]:
             yield error(f"a second node is named {name}", node.origin.span, rule="duplicate-node")
 
 
-def _explain(include: IncludeSpec, started: Started) -> Iterator[Diagnostic]:
+def _explain(include: IncludeSpec, started: StartedFile) -> Iterator[Diagnostic]:
     span = include.origin.span
     if span.start in started.cyclic:
         yield error(f"{include.file} includes itself", span, rule="include-cycle")
@@ -227,7 +227,7 @@ def _explain(include: IncludeSpec, started: Started) -> Iterator[Diagnostic]:
         yield error(f"{include.file}: no such file", span, rule="missing-file")
 
 
-def _as_included(found: Diagnostic, include: IncludeSpec, child: Started) -> Diagnostic:
+def _as_included(found: Diagnostic, include: IncludeSpec, child: StartedFile) -> Diagnostic:
     # Seen from the root an argument may be given; here somebody should have passed it.
     if found.rule == "missing-argument" and found.kind == NOT_GIVEN:
         message = f"argument '{found.subject}' of {child.path} is required and was not passed"

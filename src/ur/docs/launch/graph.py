@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
-from ur.docs.model import Case, TreeDoc, TreeItem
+from ur.docs.documents import BaseCase, TreeDoc, TreeItem
 from ur.docs.vary import name_cases
-from ur.graph.model import Arrow, Box, Graph, Kind
+from ur.graph.boxes import Arrow, DrawnGraph, GraphBox, Kind
 
 MAX_BOXES = 60
 
@@ -22,12 +22,12 @@ class _Edge:
     source: str
     target: str
     label: str
-    cases: tuple[Case, ...]
-    new_cases: tuple[Case, ...]
+    cases: tuple[BaseCase, ...]
+    new_cases: tuple[BaseCase, ...]
     by_default: bool
 
 
-def draw_graph(path: str, trees: Sequence[TreeDoc]) -> Graph:
+def draw_graph(path: str, trees: Sequence[TreeDoc]) -> DrawnGraph:
     """Boxes and arrows from the trees of a file. What occurs twice is one box; a large graph shows files only.
 
     The title of a box is the path of its file; cases are those of the documents, by key.
@@ -43,24 +43,24 @@ class _Drawing:
     def __init__(self, path: str, trees: Sequence[TreeDoc], *, with_nodes: bool) -> None:
         self.path = path
         self.with_nodes = with_nodes
-        self.boxes: dict[tuple[str, str], Box] = {}
-        self.edges: dict[tuple[str, str, str], dict[Case, None]] = {}
+        self.boxes: dict[tuple[str, str], GraphBox] = {}
+        self.edges: dict[tuple[str, str, str], dict[BaseCase, None]] = {}
         self.all_cases = [case for tree in trees for case in tree.cases]
         for tree in trees:
             top = self.box(tree.root)
             self.add(tree.root, top, tree.cases, set())
 
-    def box(self, item: TreeItem, parent: str = "") -> Box:
+    def box(self, item: TreeItem, parent: str = "") -> GraphBox:
         # A node is a box per file that starts it; a file is one box wherever it is included.
         key = (item.kind, item.path or item.name) if item.kind != "node" else ("node", f"{parent} {item.name}")
         if key not in self.boxes:
             kind: Kind = "this" if item.kind == "file" and item.path == self.path else item.kind
             shown: Kind = "missing" if kind == "cycle" else kind
             name = item.path.rpartition("/")[2] if kind == "off" and item.path else item.name
-            self.boxes[key] = Box(f"b{len(self.boxes)}", name, shown, item.path)
+            self.boxes[key] = GraphBox(f"b{len(self.boxes)}", name, shown, item.path)
         return self.boxes[key]
 
-    def add(self, item: TreeItem, box: Box, cases: tuple[Case, ...], seen: set[int]) -> None:
+    def add(self, item: TreeItem, box: GraphBox, cases: tuple[BaseCase, ...], seen: set[int]) -> None:
         if id(item) in seen:
             return
         seen.add(id(item))
@@ -72,9 +72,9 @@ class _Drawing:
             arrow.update(dict.fromkeys(cases))
             self.add(child, target, cases, seen)
 
-    def finish(self) -> Graph:
+    def finish(self) -> DrawnGraph:
         boxes = list(self.boxes.values())
-        reached: dict[str, set[Case]] = {box.id: set() for box in boxes}
+        reached: dict[str, set[BaseCase]] = {box.id: set() for box in boxes}
         reached[boxes[0].id].update(self.all_cases)
         for (_, target, _), where in self.edges.items():
             reached[target].update(where)
@@ -95,7 +95,7 @@ class _Drawing:
         incoming: dict[str, list[_Edge]] = {}
         for edge in edges:
             incoming.setdefault(edge.target, []).append(edge)
-        return Graph(
+        return DrawnGraph(
             tuple(_describe(box, incoming.get(box.id, [])) for box in boxes[:MAX_BOXES]),
             tuple(
                 Arrow(
@@ -110,7 +110,7 @@ class _Drawing:
         )
 
 
-def _describe(box: Box, edges: Sequence[_Edge]) -> Box:
+def _describe(box: GraphBox, edges: Sequence[_Edge]) -> GraphBox:
     # The note of a box is what all arrows to it have in common.
     labels = {edge.label for edge in edges}
     cases = dict.fromkeys(case for edge in edges for case in edge.cases)
@@ -125,5 +125,5 @@ def _join(*parts: str) -> str:
     return "; ".join(part for part in parts if part)
 
 
-def _keys(cases: Iterable[Case]) -> tuple[str, ...]:
+def _keys(cases: Iterable[BaseCase]) -> tuple[str, ...]:
     return tuple(case.key for case in cases if case.base)

@@ -4,22 +4,32 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 
-from ur.check.model import LaunchView
-from ur.docs.cases.outline import Outline, outline_file
-from ur.docs.cases.resolve import Files, Outcome, find_include, list_switches, resolve_outcomes
+from ur.check.rule import LaunchView
+from ur.docs.cases.outline import FileOutline, outline_file
+from ur.docs.cases.resolve import Files, ResolvedCase, find_include, list_switches, resolve_outcomes
 from ur.docs.cases.started import Starter
+from ur.docs.documents import (
+    ArgumentDoc,
+    BaseCase,
+    BaseDoc,
+    IncludeDoc,
+    LaunchDoc,
+    NodeDoc,
+    TargetDoc,
+    TargetState,
+    TreeDoc,
+)
 from ur.docs.launch.graph import draw_graph
 from ur.docs.launch.nodes import NodeDescriber
 from ur.docs.launch.support import describe_support, list_unreadable
 from ur.docs.launch.tree import TreeMaker
 from ur.docs.links import settle_links
-from ur.docs.model import ArgumentDoc, BaseDoc, Case, IncludeDoc, LaunchDoc, NodeDoc, TargetDoc, TargetState, TreeDoc
 from ur.docs.repository.bases import match_paths
-from ur.docs.repository.collect import Repository, relative_path
+from ur.docs.repository.collect import DocumentedRepository, relative_path
 from ur.docs.repository.comments import find_argument_doc, find_needs, find_overview, find_summary
 from ur.docs.repository.world import is_elsewhere, is_unknown
 from ur.docs.words import Words, describe_condition, describe_type, join_words, types_from_use
-from ur.graph.model import Graph
+from ur.graph.boxes import DrawnGraph
 from ur.launchfile.syntax import Element
 
 _NAMES = 4
@@ -28,13 +38,13 @@ _NAMES = 4
 class LaunchDescriber:
     """Describes the launch files of a repository. `bases` are all that it has, by name."""
 
-    def __init__(self, repository: Repository, bases: Mapping[str, BaseDoc]) -> None:
+    def __init__(self, repository: DocumentedRepository, bases: Mapping[str, BaseDoc]) -> None:
         self.repository = repository
         self.bases = bases
         self.starter = Starter(repository.trees)
-        self.outlines: dict[str, Outline] = {}
+        self.outlines: dict[str, FileOutline] = {}
         self.files = Files(repository.views, self.outline_of)
-        self.outcomes: dict[str, tuple[Outcome, ...]] = {}
+        self.outcomes: dict[str, tuple[ResolvedCase, ...]] = {}
         self.trees = TreeMaker(repository.views, self.outline_of, self.show_path)
         self.packages = {part.package.folder: part.package.name if part.is_package else "" for part in repository.parts}
         self.includers: dict[str, dict[str, None]] = {}
@@ -66,14 +76,14 @@ class LaunchDescriber:
         shown = self.show_path(path)
         return None if is_unknown(path) or shown.startswith("..") else shown
 
-    def outline_of(self, path: str) -> Outline:
+    def outline_of(self, path: str) -> FileOutline:
         """The tags of a file."""
         if path not in self.outlines:
             tree = self.repository.trees.get(path)
-            self.outlines[path] = outline_file(tree) if tree is not None else Outline((), (), (), {}, {}, "")
+            self.outlines[path] = outline_file(tree) if tree is not None else FileOutline((), (), (), {}, {}, "")
         return self.outlines[path]
 
-    def resolve(self, path: str) -> tuple[Outcome, ...]:
+    def resolve(self, path: str) -> tuple[ResolvedCase, ...]:
         """A file in every case."""
         if path not in self.outcomes:
             view = self.repository.views[path]
@@ -129,7 +139,7 @@ class LaunchDescriber:
             trees=trees,
             support=support if not unreadable else (),
             problems=tuple(dict.fromkeys((*unreadable, *problems))),
-            graph=draw_graph(path, trees) if outline.includes or outline.nodes else Graph((), ()),
+            graph=draw_graph(path, trees) if outline.includes or outline.nodes else DrawnGraph((), ()),
             source=view.tree.source.text,
         )
 
@@ -179,13 +189,13 @@ def describe_include(
     element: Element,
     conditions: tuple[str, ...],
     view: LaunchView,
-    outcomes: tuple[Outcome, ...],
+    outcomes: tuple[ResolvedCase, ...],
     words: Words,
     show_path: Callable[[str], str],
 ) -> IncludeDoc:
     """An `<include>`. Where its file depends on what only the user knows, every file that fits is named."""
     found = [(o, w, spec) for o in outcomes for w in o.resolutions if (spec := find_include(w, element.start))]
-    targets: dict[tuple[str, str, str], dict[Case, None]] = {}
+    targets: dict[tuple[str, str, str], dict[BaseCase, None]] = {}
     for outcome, _, spec in found:
         if is_elsewhere(spec.file):
             key = (words.show(spec.file, dict(outcome.given)), "", "elsewhere")

@@ -5,12 +5,12 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterable, Iterator, Sequence
 
-from ur.docs.cases.resolve import Outcome, Resolution, find_node, list_switches
-from ur.docs.model import Case, NodeDoc, ParamDoc, ParamFileDoc, TopicDoc, Value
+from ur.docs.cases.resolve import Resolution, ResolvedCase, find_node, list_switches
+from ur.docs.documents import BaseCase, NodeDoc, ParamDoc, ParamFileDoc, TopicDoc, Value
 from ur.docs.vary import vary
 from ur.docs.words import Words
-from ur.launchfile.plan.model import NodeSpec, ParamSpec
 from ur.launchfile.plan.one_file import HERE
+from ur.launchfile.plan.specs import NodeSpec, ParamSpec
 from ur.launchfile.query.topics import NameUse, find_name_uses
 from ur.launchfile.syntax import Element
 
@@ -32,15 +32,15 @@ class NodeDescriber:
     """Describes the nodes and parameters of one launch file. `find_inside`: a path from the root, None for others."""
 
     def __init__(
-        self, outcomes: tuple[Outcome, ...], words: Words, path: str, find_inside: Callable[[str], str | None]
+        self, outcomes: tuple[ResolvedCase, ...], words: Words, path: str, find_inside: Callable[[str], str | None]
     ) -> None:
         self.outcomes = outcomes
         self.words = words
         self.path = path
         self.find_inside = find_inside
         self.cases = tuple(outcome.case for outcome in outcomes)
-        self.params: dict[int, list[tuple[Outcome, ParamSpec]]] = {}  # by place, of the file itself
-        self.loaded: list[tuple[Outcome, ParamSpec]] = []  # from YAML files
+        self.params: dict[int, list[tuple[ResolvedCase, ParamSpec]]] = {}  # by place, of the file itself
+        self.loaded: list[tuple[ResolvedCase, ParamSpec]] = []  # from YAML files
         for outcome in outcomes:
             seen: set[str] = set()
             for resolution in outcome.resolutions:
@@ -76,7 +76,9 @@ class NodeDescriber:
             line=line,
         )
 
-    def vary_or_written(self, specs: Sequence[tuple[Outcome, NodeSpec]], field: str, written: str) -> tuple[Value, ...]:
+    def vary_or_written(
+        self, specs: Sequence[tuple[ResolvedCase, NodeSpec]], field: str, written: str
+    ) -> tuple[Value, ...]:
         """An attribute of a node in every case; as it is written where the node never takes part."""
         if not specs:
             return (Value(written),)
@@ -98,10 +100,10 @@ class NodeDescriber:
                 yield from self.describe_param(element, self.params[start], prefixes)
 
     def describe_param(
-        self, element: Element, found: list[tuple[Outcome, ParamSpec]], prefixes: tuple[str, ...]
+        self, element: Element, found: list[tuple[ResolvedCase, ParamSpec]], prefixes: tuple[str, ...]
     ) -> Iterator[ParamDoc]:
         """A parameter tag; a mapping in `<rosparam>` holds several parameters."""
-        by_name: dict[str, list[tuple[Case, str]]] = {}
+        by_name: dict[str, list[tuple[BaseCase, str]]] = {}
         for outcome, param in found:
             name = self.show_name(param.name, prefixes)
             by_name.setdefault(name, []).append((outcome.case, self.show_value(element, param, outcome)))
@@ -115,7 +117,7 @@ class NodeDescriber:
                 return "~" + self.words.show(name[len(prefix) :])
         return self.words.show(name)
 
-    def show_value(self, element: Element, param: ParamSpec, outcome: Outcome) -> str:
+    def show_value(self, element: Element, param: ParamSpec, outcome: ResolvedCase) -> str:
         """The value; what a program prints or a file holds is shown as it is written."""
         for attribute in ("command", "textfile", "binfile"):
             if element.name == "param" and attribute in element.attributes:
@@ -134,7 +136,7 @@ class NodeDescriber:
             if element.name != "rosparam" or not written or element.attributes.get("command", "load") != "load":
                 continue
             pattern = re.compile(".*".join(re.escape(part) for part in _PIECE.split(written)) + r"\Z")
-            files: dict[tuple[Case, str], None] = {}
+            files: dict[tuple[BaseCase, str], None] = {}
             names: dict[str, None] = {}
             for outcome, param in self.loaded:
                 path = param.origin.span.file.path
@@ -145,7 +147,7 @@ class NodeDescriber:
             values = vary(files, self.cases) if files else (Value(" ".join(written.split())),)
             yield ParamFileDoc(values, tuple(names), element.span.position.line)
 
-    def describe_topics(self, specs: Sequence[tuple[Outcome, NodeSpec]]) -> tuple[TopicDoc, ...]:
+    def describe_topics(self, specs: Sequence[tuple[ResolvedCase, NodeSpec]]) -> tuple[TopicDoc, ...]:
         """Describe the known topics, services and actions of a node, in any case."""
         found: dict[TopicDoc, None] = {}
         for outcome, node in specs:
@@ -153,7 +155,7 @@ class NodeDescriber:
                 found[self.describe_topic(use, outcome)] = None
         return tuple(found)
 
-    def describe_topic(self, use: NameUse, outcome: Outcome) -> TopicDoc:
+    def describe_topic(self, use: NameUse, outcome: ResolvedCase) -> TopicDoc:
         """One name that a node has to do with."""
         name = self.words.show(use.name.replace(HERE, ""), dict(outcome.given))
         rate = f"{use.rate:g} Hz" if use.rate is not None else ""
@@ -161,9 +163,9 @@ class NodeDescriber:
 
 
 def _first_per_case(
-    found: Iterable[tuple[Outcome, Resolution, NodeSpec]],
-) -> list[tuple[Outcome, Resolution, NodeSpec]]:
-    first: dict[Case, tuple[Outcome, Resolution, NodeSpec]] = {}
+    found: Iterable[tuple[ResolvedCase, Resolution, NodeSpec]],
+) -> list[tuple[ResolvedCase, Resolution, NodeSpec]]:
+    first: dict[BaseCase, tuple[ResolvedCase, Resolution, NodeSpec]] = {}
     for each in found:
         first.setdefault(each[0].case, each)
     return list(first.values())

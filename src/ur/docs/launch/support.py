@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 
-from ur.docs.cases.resolve import Outcome
-from ur.docs.model import BaseDoc, Case, SupportDoc
+from ur.docs.cases.resolve import ResolvedCase
+from ur.docs.documents import BaseCase, BaseDoc, SupportDoc
 from ur.docs.repository.bases import find_lacks
 from ur.docs.repository.world import is_unknown
 from ur.docs.words import Words
@@ -16,7 +16,7 @@ _NOT_HERE = frozenset({"unknown-package", "unset-variable", "unknown-machine", "
 
 
 def describe_support(
-    outcomes: tuple[Outcome, ...],
+    outcomes: tuple[ResolvedCase, ...],
     needs: tuple[str, ...],
     bases: Mapping[str, BaseDoc],
     words: Words,
@@ -40,7 +40,7 @@ def describe_support(
 
 
 def _list_lacks(
-    case: Case, needs: tuple[str, ...], bases: Mapping[str, BaseDoc], takes_variant: bool
+    case: BaseCase, needs: tuple[str, ...], bases: Mapping[str, BaseDoc], takes_variant: bool
 ) -> tuple[str, ...]:
     base = bases.get(case.base)
     if base is None:
@@ -51,7 +51,7 @@ def _list_lacks(
     return tuple(f"needs {' or '.join(need.split('|'))}" for need in lacks)
 
 
-def _list_errors(outcome: Outcome, words: Words) -> Iterator[str]:
+def _list_errors(outcome: ResolvedCase, words: Words) -> Iterator[str]:
     for found in outcome.default.plan.diagnostics:
         if found.severity is Severity.ERROR and found.rule not in _NOT_HERE and not is_unknown(found.message):
             yield describe_finding(found, words)

@@ -4,36 +4,38 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 
-from ur.check.model import LaunchView
-from ur.docs.cases.outline import Outline
-from ur.docs.cases.resolve import Outcome
-from ur.docs.cases.started import Item, Started, find_taking_part, place_name, place_of
-from ur.docs.model import Case, TreeDoc, TreeItem, TreeKind
+from ur.check.rule import LaunchView
+from ur.docs.cases.outline import FileOutline
+from ur.docs.cases.resolve import ResolvedCase
+from ur.docs.cases.started import Item, StartedFile, find_taking_part, place_name, place_of
+from ur.docs.documents import BaseCase, TreeDoc, TreeItem, TreeKind
 from ur.docs.repository.bases import match_paths
 from ur.docs.repository.world import is_elsewhere, is_unknown
 from ur.docs.words import Words
-from ur.launchfile.plan.model import NodeSpec
 from ur.launchfile.plan.one_file import HERE
+from ur.launchfile.plan.specs import NodeSpec
 from ur.launchfile.syntax import Element
 
 MAX_DEPTH = 40
-_Resolutions = Sequence[tuple[str, Started]]  # the option that is changed, and what is started then; the default first
+_Resolutions = Sequence[
+    tuple[str, StartedFile]
+]  # the option that is changed, and what is started then; the default first
 
 
 class TreeMaker:
     """Makes trees. `views`: the launch files by path; `outlines` tells their tags, `show_path` how a path is shown."""
 
     def __init__(
-        self, views: Mapping[str, LaunchView], outlines: Callable[[str], Outline], show_path: Callable[[str], str]
+        self, views: Mapping[str, LaunchView], outlines: Callable[[str], FileOutline], show_path: Callable[[str], str]
     ) -> None:
         self._views = views
         self._outlines = outlines
         self._show_path = show_path
         self._items: dict[tuple[object, ...], TreeItem] = {}
 
-    def make_trees(self, path: str, outcomes: Sequence[Outcome], words: Words) -> tuple[TreeDoc, ...]:
+    def make_trees(self, path: str, outcomes: Sequence[ResolvedCase], words: Words) -> tuple[TreeDoc, ...]:
         """The trees of a file: one for all cases in which it is the same."""
-        groups: dict[int, tuple[TreeItem, list[Case]]] = {}
+        groups: dict[int, tuple[TreeItem, list[BaseCase]]] = {}
         taking_part = find_taking_part(resolution.started for outcome in outcomes for resolution in outcome.resolutions)
         for outcome in outcomes:
             growing = _Growing(self, words, dict(outcome.given), taking_part)
@@ -60,7 +62,7 @@ class TreeMaker:
             item = self._items[key] = TreeItem(kind, name, path, detail, note, tuple(children))
         return item
 
-    def outline_of(self, path: str) -> Outline:
+    def outline_of(self, path: str) -> FileOutline:
         """The tags of a file."""
         return self._outlines(path)
 
@@ -114,7 +116,7 @@ class _Growing:
             made.append(self.grow_item(places[place], note, namespace, depth))
         return made
 
-    def list_dormant(self, path: str, outline: Outline) -> list[tuple[int, str]]:
+    def list_dormant(self, path: str, outline: FileOutline) -> list[tuple[int, str]]:
         # Conditional tags that are enabled in no case that was tried: listed as disabled.
         there = self.taking_part.get(path, set())
         found = []
@@ -126,7 +128,7 @@ class _Growing:
                 found.append((element.start, " ".join(what.split())))
         return found
 
-    def find_target(self, place: tuple[int, str], outline: Outline) -> str:
+    def find_target(self, place: tuple[int, str], outline: FileOutline) -> str:
         include = next((each for each in outline.includes if each.start == place[0]), None)
         paths = self.maker.targets_of(include, place[1]) if include is not None else []
         return paths[0] if len(paths) == 1 else ""

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from ur.docs.markdown.text import Page, code, inline
+from ur.docs.documents import ArgumentDoc, IncludeDoc, LaunchDoc, NodeDoc, ParamDoc, ParamFileDoc, Value
+from ur.docs.markdown.text import MarkdownPage, code, inline
 from ur.docs.markdown.tree import write_trees
-from ur.docs.model import ArgumentDoc, IncludeDoc, LaunchDoc, NodeDoc, ParamDoc, ParamFileDoc, Value
 from ur.docs.vary import name_cases
 from ur.graph.text import write_mermaid
 
 
-def write_launch_file(page: Page, doc: LaunchDoc, title: str, level: int) -> None:
+def write_launch_file(page: MarkdownPage, doc: LaunchDoc, title: str, level: int) -> None:
     """Everything about a launch file; parts without content are left out."""
     page.heading(level, title, key=f"launch {doc.path}")
     if doc.summary:
@@ -37,7 +37,7 @@ def write_launch_file(page: Page, doc: LaunchDoc, title: str, level: int) -> Non
         page.code_block(write_mermaid(doc.graph).splitlines(), "mermaid")
 
 
-def _list_places(page: Page, doc: LaunchDoc) -> Iterable[str]:
+def _list_places(page: MarkdownPage, doc: LaunchDoc) -> Iterable[str]:
     yield page.source_link(doc.path)
     if doc.included_by:
         yield "included by " + ", ".join(
@@ -49,7 +49,7 @@ def _list_places(page: Page, doc: LaunchDoc) -> Iterable[str]:
         )
 
 
-def _write_support(page: Page, doc: LaunchDoc) -> None:
+def _write_support(page: MarkdownPage, doc: LaunchDoc) -> None:
     if doc.needs:
         page.paragraph("Needs " + ", ".join(" or ".join(map(code, need.split("|"))) for need in doc.needs) + ".")
     works = [each.case for each in doc.support if not each.missing]
@@ -87,14 +87,14 @@ def _when(conditions: tuple[str, ...], only_with: str) -> str:
     return " and ".join(conditions)
 
 
-def _param_rows(page: Page, doc: LaunchDoc) -> Iterable[tuple[str, ...]]:
+def _param_rows(page: MarkdownPage, doc: LaunchDoc) -> Iterable[tuple[str, ...]]:
     for node in doc.nodes:
         yield from _rows_of(page, node.names[0].text, node.params, node.param_files)
     yield from _rows_of(page, "", doc.params, doc.param_files)
 
 
 def _rows_of(
-    page: Page, owner: str, params: Iterable[ParamDoc], files: Iterable[ParamFileDoc]
+    page: MarkdownPage, owner: str, params: Iterable[ParamDoc], files: Iterable[ParamFileDoc]
 ) -> Iterable[tuple[str, ...]]:
     shown = code(owner) if owner else "(all)"
     for file in files:
@@ -118,7 +118,7 @@ def _topic_rows(doc: LaunchDoc) -> Iterable[tuple[str, ...]]:
             yield (code(node.names[0].text), "remaps", remaps, "")
 
 
-def _include_row(page: Page, include: IncludeDoc) -> tuple[str, ...]:
+def _include_row(page: MarkdownPage, include: IncludeDoc) -> tuple[str, ...]:
     targets = []
     for target in include.targets:
         where = f" on {inline(name_cases(target.cases))}" if target.cases else ""
@@ -139,7 +139,7 @@ def _shorten(passes: Iterable[tuple[str, str]]) -> Iterable[tuple[str, str]]:
         yield (name, "") if value == f"$(arg {name})" else (name, value)
 
 
-def _show_values(values: tuple[Value, ...], page: Page | None = None) -> str:
+def _show_values(values: tuple[Value, ...], page: MarkdownPage | None = None) -> str:
     # With a page the values are files: those of the repository become links.
     shown = []
     for value in values:

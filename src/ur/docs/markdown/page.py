@@ -6,10 +6,10 @@ import shlex
 from collections.abc import Sequence
 from typing import Literal
 
+from ur.docs.documents import DirectoryDoc, Documents, LaunchDoc, PackageDoc, ProgramDoc
 from ur.docs.markdown.launch import write_launch_file
-from ur.docs.markdown.text import Page, code, escape_cell, inline
+from ur.docs.markdown.text import MarkdownPage, code, escape_cell, inline
 from ur.docs.markdown.tree import write_trees
-from ur.docs.model import DirectoryDoc, Documents, LaunchDoc, PackageDoc, ProgramDoc
 from ur.docs.vary import name_cases
 
 Kind = Literal["node", "task", "view", "other"]
@@ -23,7 +23,7 @@ KIND_TITLES: dict[Kind, str] = {
 
 def render_markdown(documents: Documents, folder: str = "") -> str:
     """`launches.md` for a file in `folder`: how links lead from there to the root of the repository ("", "../")."""
-    page = Page(folder)
+    page = MarkdownPage(folder)
     single = len(documents.packages) == 1
     first = documents.packages[0]
     page.heading(1, first.name if single else documents.title)
@@ -48,7 +48,7 @@ def render_markdown(documents: Documents, folder: str = "") -> str:
     return page.text()
 
 
-def _write_package(page: Page, package: PackageDoc, level: int) -> None:
+def _write_package(page: MarkdownPage, package: PackageDoc, level: int) -> None:
     by_path = {doc.path: doc for doc in package.launch_files}
     _write_how_to_run(page, package, level)
     if package.programs:
@@ -70,7 +70,7 @@ def _write_package(page: Page, package: PackageDoc, level: int) -> None:
             write_launch_file(page, doc, title, level + 1)
 
 
-def _write_how_to_run(page: Page, package: PackageDoc, level: int) -> None:
+def _write_how_to_run(page: MarkdownPage, package: PackageDoc, level: int) -> None:
     page.heading(level, "How to run")
     page.code_block(how_to_run(package), "sh")
 
@@ -109,7 +109,7 @@ def _example_value(name: str, doc: LaunchDoc) -> str:
     return name.upper()
 
 
-def _write_directories(page: Page, title: str, directories: Sequence[DirectoryDoc]) -> None:
+def _write_directories(page: MarkdownPage, title: str, directories: Sequence[DirectoryDoc]) -> None:
     if not directories:
         return
     rows = []
@@ -119,7 +119,7 @@ def _write_directories(page: Page, title: str, directories: Sequence[DirectoryDo
     page.table((title, "What it is for", "Files"), rows)
 
 
-def _write_bases(page: Page, package: PackageDoc, level: int) -> None:
+def _write_bases(page: MarkdownPage, package: PackageDoc, level: int) -> None:
     if not package.bases:
         return
     page.heading(level, "Bases")
@@ -130,7 +130,7 @@ def _write_bases(page: Page, package: PackageDoc, level: int) -> None:
     page.table(("`robot_base`", "What it is", "It has", "`robot_variant`"), rows)
 
 
-def _write_program(page: Page, program: ProgramDoc, by_path: dict[str, LaunchDoc], level: int) -> None:
+def _write_program(page: MarkdownPage, program: ProgramDoc, by_path: dict[str, LaunchDoc], level: int) -> None:
     page.heading(level, program.name, key=f"program {program.path}")
     if program.summary:
         page.paragraph(inline(program.summary))

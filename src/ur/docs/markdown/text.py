@@ -6,8 +6,8 @@ import posixpath
 import re
 from collections.abc import Sequence
 
+from ur.docs.documents import BaseCase, TreeDoc
 from ur.docs.links import map_links
-from ur.docs.model import Case, TreeDoc
 from ur.source.printable import printable, printable_lines
 
 _REFERENCE = re.compile("\x00([^\x00]*)\x00")
@@ -16,7 +16,7 @@ _CODE_OR_TAG = re.compile(r"(`+)(?:(?!\1).)*\1|<|&(?!#?\w+;)", re.DOTALL)
 _HEADING = re.compile(r"#{1,6}\s+(.*?)\s*#*\Z")
 
 
-class Page:
+class MarkdownPage:
     """A page in the making. Links to headings may come before the heading; one that never comes is no link."""
 
     def __init__(self, folder: str = "") -> None:
@@ -25,7 +25,7 @@ class Page:
         self._lines: list[str] = []
         self._slugs: dict[str, int] = {}
         self._anchors: dict[str, str] = {}
-        self._trees: dict[tuple[tuple[tuple[Case, ...], int], ...], tuple[str, str]] = {}
+        self._trees: dict[tuple[tuple[tuple[BaseCase, ...], int], ...], tuple[str, str]] = {}
 
     def note_trees(self, trees: tuple[TreeDoc, ...], title: str, key: str) -> tuple[str, str] | None:
         """Remember where trees are shown; title and key of the heading where they are already."""

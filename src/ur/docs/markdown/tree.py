@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from ur.docs.markdown.text import Page, code, inline
-from ur.docs.model import TreeDoc, TreeItem
+from ur.docs.documents import TreeDoc, TreeItem
+from ur.docs.markdown.text import MarkdownPage, code, inline
 from ur.docs.vary import name_cases
 
 MAX_LINES = 400
 
 
-def write_trees(page: Page, trees: Sequence[TreeDoc], title: str, key: str) -> None:
+def write_trees(page: MarkdownPage, trees: Sequence[TreeDoc], title: str, key: str) -> None:
     """Write the started nodes by case; the second time that it would be the same, a link to the first."""
     first = page.note_trees(tuple(trees), title, key)
     if first is not None:
@@ -28,7 +28,7 @@ def write_trees(page: Page, trees: Sequence[TreeDoc], title: str, key: str) -> N
         page.line()
 
 
-def _write_item(page: Page, item: TreeItem, depth: int, left: int) -> int:
+def _write_item(page: MarkdownPage, item: TreeItem, depth: int, left: int) -> int:
     if left <= 0:
         return left
     off = "off by default: " if item.kind == "off" else ""
@@ -40,7 +40,7 @@ def _write_item(page: Page, item: TreeItem, depth: int, left: int) -> int:
     return left
 
 
-def _describe(page: Page, item: TreeItem) -> str:
+def _describe(page: MarkdownPage, item: TreeItem) -> str:
     if item.kind == "file":
         return page.link_to(item.name, f"launch {item.path}")
     if item.kind == "node":

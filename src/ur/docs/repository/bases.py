@@ -5,9 +5,9 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Iterator
 
-from ur.check.model import LaunchView
+from ur.check.rule import LaunchView
 from ur.check.survey import walk_elements
-from ur.docs.model import BaseDoc
+from ur.docs.documents import BaseDoc
 from ur.launchfile.world import World
 from ur.source.diagnostic import UserError
 from ur.source.file import SourceFile

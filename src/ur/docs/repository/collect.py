@@ -11,7 +11,7 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 
 from ur.check.collect import Targets, collect_targets, is_script
-from ur.check.model import BaseNames, LaunchView, Package
+from ur.check.rule import BaseNames, LaunchView, Package
 from ur.check.survey import survey_launch_file
 from ur.check.worlds import CachedWorld
 from ur.docs.repository.bases import infer_bases
@@ -27,7 +27,7 @@ _TAG = re.compile(r"<[^>]*>")
 
 
 @dataclass(frozen=True, slots=True)
-class Part:
+class RepositoryPart:
     """A package of the repository, or what of it belongs to none."""
 
     package: Package
@@ -38,11 +38,11 @@ class Part:
 
 
 @dataclass(frozen=True, slots=True)
-class Repository:
+class DocumentedRepository:
     """Everything that is documented, and the world in which it is resolved. `findings`: what could not be read."""
 
     root: str
-    parts: tuple[Part, ...]
+    parts: tuple[RepositoryPart, ...]
     views: Mapping[str, LaunchView]  # by absolute path
     trees: dict[str, LaunchFile]
     world: CachedWorld
@@ -50,7 +50,7 @@ class Repository:
     left_out: tuple[str, ...] = ()  # links that lead out of it
 
 
-def collect_repository(path: str, world: World, progress: Progress = no_progress) -> Repository:
+def collect_repository(path: str, world: World, progress: Progress = no_progress) -> DocumentedRepository:
     """Read a package (by name or folder), a folder of packages, or any folder that holds launch files.
 
     Raises UserError when there is no such folder, or no launch file in it.
@@ -73,7 +73,7 @@ def collect_repository(path: str, world: World, progress: Progress = no_progress
     views = list(_read(targets, packages, sealed, findings, progress))
     views = list(_with_bases(views, packages))
     parts = tuple(_make_parts(root, packages, targets, views, cached))
-    return Repository(
+    return DocumentedRepository(
         root,
         parts,
         {view.path: view for view in views},
@@ -163,7 +163,7 @@ def _with_bases(views: Iterable[LaunchView], packages: dict[str, Package]) -> It
 
 def _make_parts(
     root: str, packages: Mapping[str, Package], targets: Targets, views: list[LaunchView], world: CachedWorld
-) -> Iterator[Part]:
+) -> Iterator[RepositoryPart]:
     programs = {path for path in targets.programs if not path.endswith("/bin/ur")}
     if root in packages and not world.is_file(f"{root}/package.xml"):
         entries = (f"{root}/bin/{name}" for name in world.list_folder(f"{root}/bin"))
@@ -174,7 +174,7 @@ def _make_parts(
         if own or sources:
             manifest = f"{folder}/package.xml"
             is_package = world.is_file(manifest)
-            yield Part(package, is_package, _describe(manifest, world) if is_package else "", own, sources)
+            yield RepositoryPart(package, is_package, _describe(manifest, world) if is_package else "", own, sources)
 
 
 def _read_programs(paths: Iterable[str], world: CachedWorld) -> Iterator[SourceFile]:

@@ -6,8 +6,8 @@ import inspect
 import re
 from collections.abc import Iterator
 
-from ur.check.model import LaunchView
 from ur.check.queries.layout import comments_after, heading_of
+from ur.check.rule import LaunchView
 from ur.launchfile.syntax import Comment, Element
 
 _LEGAL = re.compile(r"copyright|licen[sc]e|all rights reserved", re.IGNORECASE)

@@ -16,7 +16,7 @@ _HEADING = re.compile(r"##\s*(\w+):\s?(.*)")
 
 
 @dataclass(frozen=True, slots=True)
-class Start:
+class LaunchCall:
     """A line that starts a launch file: the file's name as written, the word before it, and the arguments given."""
 
     file: str
@@ -39,7 +39,7 @@ def read_headings(source: SourceFile) -> Mapping[str, str]:
     return {name: clean_markdown("\n".join(lines)) for name, lines in found.items()}
 
 
-def find_starts(source: SourceFile) -> tuple[Start, ...]:
+def find_starts(source: SourceFile) -> tuple[LaunchCall, ...]:
     """The launch files that a program names where it runs roslaunch or `ur launch`."""
     starts = []
     for command in _COMMAND.finditer(source.text):
@@ -51,5 +51,5 @@ def find_starts(source: SourceFile) -> tuple[Start, ...]:
         given = tuple(
             (name, value.strip("\"'")) for name, value in _ARGUMENT.findall(text[file.end() :]) if "$" not in value
         )
-        starts.append(Start(file.group(1), words[-1].strip("\"'") if words else "", given))
+        starts.append(LaunchCall(file.group(1), words[-1].strip("\"'") if words else "", given))
     return tuple(dict.fromkeys(starts))

@@ -8,8 +8,8 @@ from functools import lru_cache
 from html import escape
 from typing import TYPE_CHECKING
 
+from ur.docs.documents import BaseCase, Value
 from ur.docs.links import map_links
-from ur.docs.model import Case, Value
 from ur.docs.vary import name_cases
 
 if TYPE_CHECKING:
@@ -57,7 +57,7 @@ def link(target: str, content: str, extra: str = "") -> str:
     return f'<a href="{escape(target)}"{extra}>{content}</a>'
 
 
-def cases_attribute(cases: Iterable[Case]) -> str:
+def cases_attribute(cases: Iterable[BaseCase]) -> str:
     """The HTML attribute that the base switch reads."""
     keys = " ".join(case.key for case in cases if case.base)
     return f' data-cases="{escape(keys)}"' if keys else ""

@@ -9,8 +9,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from html import escape
 
+from ur.docs.documents import BaseCase, Documents, PackageDoc
 from ur.docs.markdown.page import KIND_TITLES
-from ur.docs.model import Case, Documents, PackageDoc
 from ur.docs.site.html import link
 from ur.source.printable import printable_lines
 
@@ -22,18 +22,18 @@ document.documentElement.classList.add("js")"""
 
 
 @dataclass(frozen=True, slots=True)
-class Plan:
+class SitePlan:
     """The pages of launch files and programs, by path in the repository, and all cases."""
 
     title: str
     launch_pages: Mapping[str, str]
     labels: Mapping[str, str]  # of launch files: the name where only one has it, else the path
     program_pages: Mapping[str, str]
-    cases: tuple[Case, ...]
+    cases: tuple[BaseCase, ...]
     navigation: tuple[tuple[str, tuple[tuple[str, str], ...]], ...]  # title, and (label, page) below it
 
 
-def plan_site(documents: Documents) -> Plan:
+def plan_site(documents: Documents) -> SitePlan:
     """Decide on the pages."""
     taken: set[str] = set()
     launch_pages = {
@@ -57,7 +57,7 @@ def plan_site(documents: Documents) -> Plan:
     if sum(len(entries) for _, entries in navigation) > MAX_NAVIGATION:
         navigation = []
     title = documents.packages[0].name if len(documents.packages) == 1 else documents.title
-    return Plan(title, launch_pages, labels, program_pages, tuple(cases), tuple(navigation))
+    return SitePlan(title, launch_pages, labels, program_pages, tuple(cases), tuple(navigation))
 
 
 def _page_name(folder: str, path: str, taken: set[str]) -> str:
@@ -92,7 +92,12 @@ def _short(path: str) -> str:
 
 
 def render_page(
-    plan: Plan, name: str, title: str, content: str, cases: Sequence[Case] = (), toc: Sequence[tuple[str, str]] = ()
+    plan: SitePlan,
+    name: str,
+    title: str,
+    content: str,
+    cases: Sequence[BaseCase] = (),
+    toc: Sequence[tuple[str, str]] = (),
 ) -> str:
     """A whole page. `cases` are those that its file is resolved for; `toc` are anchors and titles of its parts."""
     up = "../" * name.count("/")
@@ -141,7 +146,7 @@ Keys: <kbd>/</kbd> search, <kbd>↑</kbd> <kbd>↓</kbd> choose, <kbd>Enter</kbd
     return printable_lines(page)
 
 
-def _switch(plan: Plan) -> str:
+def _switch(plan: SitePlan) -> str:
     if not plan.cases:
         return ""
     options = "".join(f'<option value="{escape(case.key)}">{escape(case.label)}</option>' for case in plan.cases)
@@ -152,7 +157,7 @@ def _switch(plan: Plan) -> str:
     )
 
 
-def _navigation(plan: Plan, name: str, up: str) -> str:
+def _navigation(plan: SitePlan, name: str, up: str) -> str:
     if not plan.navigation:
         return f"<p>{link(f'{up}index.html', 'All programs and launch files')}</p>"
     parts = []

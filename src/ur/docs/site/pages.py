@@ -7,13 +7,13 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from html import escape
 
+from ur.docs.documents import BaseCase, Documents, LaunchDoc, PackageDoc, ProgramDoc, SupportDoc, TreeDoc, TreeItem
 from ur.docs.markdown.page import KIND_TITLES, how_to_run
-from ur.docs.model import Case, Documents, LaunchDoc, PackageDoc, ProgramDoc, SupportDoc, TreeDoc, TreeItem
 from ur.docs.site.html import blocks, cases_attribute, code, inline, link, section, table
-from ur.docs.site.layout import Plan, render_page, way_between
+from ur.docs.site.layout import SitePlan, render_page, way_between
 from ur.docs.site.parts import Parts
 from ur.docs.vary import name_cases
-from ur.graph.model import Box, Graph
+from ur.graph.boxes import DrawnGraph, GraphBox
 from ur.graph.svg import draw_inline
 
 _XML = re.compile(
@@ -29,7 +29,7 @@ _TREE_LINES = 1000
 class Pages:
     """Renders the pages of a site."""
 
-    def __init__(self, documents: Documents, plan: Plan) -> None:
+    def __init__(self, documents: Documents, plan: SitePlan) -> None:
         self.documents = documents
         self.plan = plan
         self.by_path = {doc.path: doc for package in documents.packages for doc in package.launch_files}
@@ -134,7 +134,7 @@ class Pages:
         title: str,
         head: Sequence[str],
         sections: Sequence[tuple[str, str, str]],
-        cases: Sequence[Case],
+        cases: Sequence[BaseCase],
     ) -> str:
         """A page of a head and sections."""
         content = "".join(head) + "".join(section(*each) for each in sections)
@@ -204,7 +204,7 @@ def _note(item: TreeItem) -> str:
     return ("off by default: " if item.kind == "off" else "") + inline(item.note)
 
 
-def _cases_of(groups: object) -> tuple[Case, ...]:
+def _cases_of(groups: object) -> tuple[BaseCase, ...]:
     return tuple(dict.fromkeys(case for cases in groups for case in cases))  # type: ignore[attr-defined]  # iterables
 
 
@@ -234,15 +234,15 @@ def _bases_table(package: PackageDoc) -> str:
     return table(("robot_base", "What it is", "It has", "robot_variant"), rows, "Bases")
 
 
-def draw_svg(graph: Graph, label: str, link_of: Callable[[str], str | None]) -> str:
+def draw_svg(graph: DrawnGraph, label: str, link_of: Callable[[str], str | None]) -> str:
     """The graph as an `<svg>`; nothing for one without arrows. `link_of`: the page of a path, None for no link."""
     boxes = tuple(_link(box, link_of) for box in graph.boxes)
     # What an arrow says stands in the box that it leads to.
     arrows = tuple(replace(arrow, label="") for arrow in graph.arrows)
-    return draw_inline(Graph(boxes, arrows), label)
+    return draw_inline(DrawnGraph(boxes, arrows), label)
 
 
-def _link(box: Box, link_of: Callable[[str], str | None]) -> Box:
+def _link(box: GraphBox, link_of: Callable[[str], str | None]) -> GraphBox:
     link = link_of(box.title) if box.title and box.kind != "this" else None
     return replace(box, label=_cut(box.label), note=_cut(box.note), title=box.title or box.label, link=link or "")
 

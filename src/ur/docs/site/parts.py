@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from html import escape
 
-from ur.docs.model import ArgumentDoc, IncludeDoc, LaunchDoc, NodeDoc, ParamDoc, ParamFileDoc
+from ur.docs.documents import ArgumentDoc, IncludeDoc, LaunchDoc, NodeDoc, ParamDoc, ParamFileDoc
 from ur.docs.site.html import cases_attribute, code, inline, link, show_values, table
 from ur.docs.vary import name_cases
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from importlib.resources import files
 
-from ur.docs.model import Documents, LaunchDoc
+from ur.docs.documents import Documents, LaunchDoc
 from ur.docs.site.layout import plan_site
 from ur.docs.site.pages import Pages
 from ur.source.printable import printable_lines

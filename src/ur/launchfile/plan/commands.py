@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Protocol
 
-from ur.launchfile.plan.model import ParamSpec, ParamValue, Plan
+from ur.launchfile.plan.specs import ParamSpec, ParamValue, Plan
 from ur.launchfile.plan.values.convert import convert_scalar
 from ur.launchfile.plan.values.yaml_values import YamlProblem, read_yaml
 from ur.source.diagnostic import Diagnostic, Note, error

@@ -4,7 +4,10 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from ur.launchfile.plan.model import (
+from ur.launchfile.plan.names import parents_of
+from ur.launchfile.plan.problems import TagRefused, refuse
+from ur.launchfile.plan.scope import Scope
+from ur.launchfile.plan.specs import (
     IncludeSpec,
     MachineSpec,
     NodeSpec,
@@ -15,9 +18,6 @@ from ur.launchfile.plan.model import (
     TestSpec,
     TraceStep,
 )
-from ur.launchfile.plan.names import parents_of
-from ur.launchfile.plan.problems import Refused, refuse
-from ur.launchfile.plan.scope import Scope
 from ur.launchfile.plan.values.budget import PER_PARAMETER, Budget, TooLong
 from ur.launchfile.syntax import Element, LaunchFile, parse_launch_file
 from ur.launchfile.world.protocol import World
@@ -88,7 +88,7 @@ class Draft:
         chain = scope.chain if scope else ()
         self.add_diagnostic(Diagnostic(Severity.WARNING, message, rule, span, notes, help, subject, kind), chain)
 
-    def refuse(self, refused: Refused, scope: Scope | None) -> None:
+    def refuse(self, refused: TagRefused, scope: Scope | None) -> None:
         """Report what made a tag impossible to resolve."""
         if refused.diagnostic is not None:
             self.add_diagnostic(refused.diagnostic, scope.chain if scope else ())

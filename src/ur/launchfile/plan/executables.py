@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 
-from ur.launchfile.plan.model import NodeSpec, Plan
+from ur.launchfile.plan.specs import NodeSpec, Plan
 from ur.launchfile.syntax import Element
 from ur.launchfile.world.protocol import PackageNotFound, World
 from ur.source.diagnostic import Diagnostic, Note, error

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from ur.launchfile.plan.draft import Draft, TooMuch
-from ur.launchfile.plan.model import MachineSpec, Plan, TraceStep
 from ur.launchfile.plan.names import initial_namespace, read_assignments
 from ur.launchfile.plan.problems import refuse
 from ur.launchfile.plan.scope import Scope
+from ur.launchfile.plan.specs import MachineSpec, Plan, TraceStep
 from ur.launchfile.plan.tags.body import resolve_file
 from ur.launchfile.plan.values.budget import Budget
 from ur.launchfile.syntax import LaunchFile

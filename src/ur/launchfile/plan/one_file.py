@@ -8,8 +8,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from ur.launchfile.plan.draft import Draft, TooMuch
-from ur.launchfile.plan.model import Plan
 from ur.launchfile.plan.scope import Scope
+from ur.launchfile.plan.specs import Plan
 from ur.launchfile.plan.tags.body import resolve_file
 from ur.launchfile.syntax import LaunchFile
 from ur.launchfile.world.protocol import World

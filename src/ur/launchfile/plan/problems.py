@@ -13,7 +13,7 @@ NOT_PYTHON = "not-python"  # a `bad-eval` that no argument can make right
 OBSOLETE = "obsolete"  # an `unknown-tag` that had a meaning once
 
 
-class Refused(Exception):  # noqa: N818 - carries a finding
+class TagRefused(Exception):  # noqa: N818 - carries a finding
     """A tag that roslaunch would refuse. Without a diagnostic it follows from one that was reported before."""
 
     def __init__(self, diagnostic: Diagnostic | None) -> None:
@@ -31,10 +31,10 @@ def refuse(
     *,
     kind: str = "",
     expected: tuple[str, ...] = (),
-) -> Refused:
+) -> TagRefused:
     """An exception to raise for a finding."""
     found = error(message, span, rule=rule, help=help, notes=notes, subject=subject, kind=kind, expected=expected)
-    return Refused(found)
+    return TagRefused(found)
 
 
 def as_warning(found: Diagnostic) -> Diagnostic:

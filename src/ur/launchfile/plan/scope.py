@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from ur.launchfile.plan.model import ParamSpec
 from ur.launchfile.plan.names import join_names, make_namespace
+from ur.launchfile.plan.specs import ParamSpec
 from ur.launchfile.syntax import Element
 from ur.source.file import Span
 

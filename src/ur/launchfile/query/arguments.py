@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from ur.launchfile.plan.draft import Draft
 from ur.launchfile.plan.names import initial_namespace, read_assignments
-from ur.launchfile.plan.problems import Refused
+from ur.launchfile.plan.problems import TagRefused
 from ur.launchfile.plan.scope import Scope
 from ur.launchfile.plan.tags.arguments import resolve_arg
 from ur.launchfile.plan.tags.attributes import is_wanted
@@ -52,7 +52,7 @@ def read_arguments(
         try:
             if is_wanted(element, draft, scope):
                 found.update(_read_argument(element, draft, scope, comments))
-        except Refused as refused:
+        except TagRefused as refused:
             draft.refuse(refused, scope)
             raise UserError(*draft.diagnostics) from None
     return tuple(found.values())

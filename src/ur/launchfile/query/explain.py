@@ -7,8 +7,8 @@ from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 
 from ur.launchfile.plan.load import load_plan
-from ur.launchfile.plan.model import ArgumentStep, NodeSpec, Origin, ParamSpec, Plan, RemapStep, TraceStep
 from ur.launchfile.plan.names import canonical_name, read_assignments
+from ur.launchfile.plan.specs import ArgumentStep, NodeSpec, Origin, ParamSpec, Plan, RemapStep, TraceStep
 from ur.launchfile.syntax import (
     Element,
     LaunchFile,
@@ -28,12 +28,12 @@ _LONG = 70
 
 
 @dataclass(frozen=True, slots=True)
-class Layer:
+class ExplanationStep:
     """One step on the way to a value, where it stands, and the steps that it rests on."""
 
     text: str
     span: Span | None = None
-    below: tuple[Layer, ...] = ()
+    below: tuple[ExplanationStep, ...] = ()
 
 
 def explain_name(
@@ -42,7 +42,7 @@ def explain_name(
     arguments: Sequence[str],
     world: World,
     parsed: dict[str, LaunchFile] | None = None,
-) -> tuple[Layer, ...]:
+) -> tuple[ExplanationStep, ...]:
     """Everything that launch files call `name`: parameters, arguments, remaps and nodes, each with its layers.
 
     A name without its namespace is enough: `rate` finds `/talker/rate`. `parsed` is that of `load_plan`. Raises
@@ -83,7 +83,7 @@ def list_names(
     return {**dict(sorted(names.items())), **dict(sorted(full.items()))}
 
 
-def format_layers(layers: Sequence[Layer], depth: int = 0) -> str:
+def format_layers(layers: Sequence[ExplanationStep], depth: int = 0) -> str:
     """Layers as indented lines, each with its place."""
     lines = []
     for layer in layers:
@@ -108,7 +108,7 @@ class _Explainer:
         self.params = [step for step in trace if isinstance(step, ParamSpec)]
         self.trees: dict[str, Element | None] = {}
 
-    def explain(self, name: str) -> Iterator[Layer]:
+    def explain(self, name: str) -> Iterator[ExplanationStep]:
         wanted = canonical_name(name)
         for node in self.plan.all_nodes():
             if _means(wanted, node.full_name):
@@ -123,58 +123,60 @@ class _Explainer:
             if wanted in (remap.source, canonical_name(remap.source)):
                 yield self.explain_remap(remap)
 
-    def explain_node(self, node: NodeSpec) -> Layer:
+    def explain_node(self, node: NodeSpec) -> ExplanationStep:
         text = f"node {node.full_name} runs {node.type} of package {node.package}"
-        return Layer(text, None, (self.tag_layer(node.origin), *self.includes(node.origin)))
+        return ExplanationStep(text, None, (self.tag_layer(node.origin), *self.includes(node.origin)))
 
-    def explain_param(self, steps: list[ParamSpec]) -> Layer:
+    def explain_param(self, steps: list[ParamSpec]) -> ExplanationStep:
         *earlier, last = steps
         value = f"what `{last.command}` prints" if last.command is not None else _short(repr(last.value))
         below = [self.tag_layer(last.origin), *self.includes(last.origin)]
         below += [
-            Layer(f"set to {_short(repr(step.value))} before, and replaced", step.origin.span)
+            ExplanationStep(f"set to {_short(repr(step.value))} before, and replaced", step.origin.span)
             for step in reversed(earlier)
         ]
-        return Layer(f"parameter {last.name} = {value}", None, tuple(below))
+        return ExplanationStep(f"parameter {last.name} = {value}", None, tuple(below))
 
-    def explain_remap(self, step: RemapStep) -> Layer:
+    def explain_remap(self, step: RemapStep) -> ExplanationStep:
         pair = (step.source, step.target)
         nodes = ", ".join(node.full_name for node in self.plan.nodes if pair in node.remaps) or "no node"
-        below = (self.tag_layer(step.origin), *self.includes(step.origin), Layer(f"in force for {nodes}"))
-        return Layer(f"remap {step.source} to {step.target}", None, below)
+        below = (self.tag_layer(step.origin), *self.includes(step.origin), ExplanationStep(f"in force for {nodes}"))
+        return ExplanationStep(f"remap {step.source} to {step.target}", None, below)
 
-    def explain_argument(self, step: ArgumentStep) -> Layer:
+    def explain_argument(self, step: ArgumentStep) -> ExplanationStep:
         value = "(no value)" if step.value is None else _short(repr(step.value))
         text = f"argument {step.name} = {value}"
         if step.kind == "value":
-            return Layer(text, step.origin.span, (self.written("value", step),))
-        below: list[Layer] = []
+            return ExplanationStep(text, step.origin.span, (self.written("value", step),))
+        below: list[ExplanationStep] = []
         if step.handed_over:
             below.append(self.passed_layer(step))
         elif not step.origin.includes and step.name in self.given:
-            below.append(Layer(f"given: {step.name}:={step.value}"))
+            below.append(ExplanationStep(f"given: {step.name}:={step.value}"))
         elif step.kind == "default":
-            return Layer(text, step.origin.span, (self.written("default", step),))
+            return ExplanationStep(text, step.origin.span, (self.written("default", step),))
         if step.kind == "default":
-            below.append(Layer(f'default="{_short(step.written)}" is not used', step.origin.span))
-        return Layer(text, step.origin.span, tuple(below))
+            below.append(ExplanationStep(f'default="{_short(step.written)}" is not used', step.origin.span))
+        return ExplanationStep(text, step.origin.span, tuple(below))
 
-    def passed_layer(self, step: ArgumentStep) -> Layer:
+    def passed_layer(self, step: ArgumentStep) -> ExplanationStep:
         outside, include = step.origin.includes[:-1], step.origin.includes[-1]
         for passed in self.passed:
             if (passed.name, passed.passed_to, passed.origin.includes) == (step.name, include, outside):
                 text = f'passed by the including file: {passed.kind}="{_short(passed.written)}"'
-                return Layer(text, passed.origin.span, self.uses(passed.written, outside, include))
-        return Layer("passed on by pass_all_args", include, tuple(self.argument_in(step.name, outside, include)))
+                return ExplanationStep(text, passed.origin.span, self.uses(passed.written, outside, include))
+        return ExplanationStep(
+            "passed on by pass_all_args", include, tuple(self.argument_in(step.name, outside, include))
+        )
 
-    def written(self, attribute: str, step: ArgumentStep) -> Layer:
+    def written(self, attribute: str, step: ArgumentStep) -> ExplanationStep:
         below = self.uses(step.written, step.origin.includes, step.origin.span, without=step.name)
-        return Layer(f'{attribute}="{_short(step.written)}"', None, below)
+        return ExplanationStep(f'{attribute}="{_short(step.written)}"', None, below)
 
-    def tag_layer(self, origin: Origin) -> Layer:
+    def tag_layer(self, origin: Origin) -> ExplanationStep:
         element = self.element_at(origin.span)
         if element is None:
-            return Layer(_short(origin.span.text) or "set here", origin.span)
+            return ExplanationStep(_short(origin.span.text) or "set here", origin.span)
         tag = " ".join(element.tag_span.text.split())
         below = [
             layer
@@ -182,28 +184,30 @@ class _Explainer:
             if "$(" in value
             for layer in self.uses(value, origin.includes, origin.span)
         ]
-        return Layer(_short(tag), origin.span, (*dict.fromkeys(below), *self.namespaces(element)))
+        return ExplanationStep(_short(tag), origin.span, (*dict.fromkeys(below), *self.namespaces(element)))
 
-    def includes(self, origin: Origin) -> Iterator[Layer]:
+    def includes(self, origin: Origin) -> Iterator[ExplanationStep]:
         for step in reversed(origin.includes):
             element = self.element_at(step)
             namespace = element.attributes.get("ns") if element is not None else None
-            yield Layer(f'included from here, into ns="{namespace}"' if namespace else "included from here", step)
+            yield ExplanationStep(
+                f'included from here, into ns="{namespace}"' if namespace else "included from here", step
+            )
 
-    def namespaces(self, element: Element) -> Iterator[Layer]:
+    def namespaces(self, element: Element) -> Iterator[ExplanationStep]:
         top = self.trees.get(element.source.path)
         while top is not None and top is not element:
             inner = next((child for child in top.elements if child.start <= element.start <= child.end), None)
             inner = inner or next((child for child in top.elements if child.start == element.start), None)
             if inner is not None and inner is not element and "ns" in inner.attributes:
-                yield Layer(f'inside <{inner.name} ns="{inner.attributes["ns"]}">', inner.span)
+                yield ExplanationStep(f'inside <{inner.name} ns="{inner.attributes["ns"]}">', inner.span)
             top = inner
 
-    def uses(self, text: str, includes: tuple[Span, ...], near: Span, without: str = "") -> tuple[Layer, ...]:
+    def uses(self, text: str, includes: tuple[Span, ...], near: Span, without: str = "") -> tuple[ExplanationStep, ...]:
         names = [name for name in dict.fromkeys(_arguments_in(text)) if name != without]
         return tuple(layer for name in names for layer in self.argument_in(name, includes, near))
 
-    def argument_in(self, name: str, includes: tuple[Span, ...], near: Span) -> Iterator[Layer]:
+    def argument_in(self, name: str, includes: tuple[Span, ...], near: Span) -> Iterator[ExplanationStep]:
         same = [
             step
             for step in self.declared

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from ur.launchfile.plan.model import Plan
 from ur.launchfile.plan.names import join_names
+from ur.launchfile.plan.specs import Plan
 from ur.source.diagnostic import UserError, error
 from ur.source.suggest import did_you_mean
 

@@ -6,8 +6,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Literal
 
-from ur.launchfile.plan.model import NodeSpec
 from ur.launchfile.plan.names import canonical_name, join_names
+from ur.launchfile.plan.specs import NodeSpec
 from ur.launchfile.query.known_nodes import find_interface
 
 Use = Literal[

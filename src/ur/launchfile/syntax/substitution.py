@@ -36,7 +36,7 @@ class SubstitutionProblem(Exception):  # noqa: N818 - carries a finding to where
 
 
 @dataclass(frozen=True, slots=True)
-class Word:
+class SubstitutionWord:
     """A word inside `$(...)` and where it stands in the value."""
 
     text: str
@@ -54,7 +54,7 @@ class Substitution:
 
     command: str
     content: str
-    words: tuple[Word, ...]
+    words: tuple[SubstitutionWord, ...]
     start: int
     end: int
 
@@ -113,11 +113,11 @@ def _content_end(text: str, start: int) -> int:
 
 def _substitution(text: str, start: int, close: int) -> Substitution:
     content = text[start + 2 : close]
-    words: list[Word] = []
+    words: list[SubstitutionWord] = []
     offset = start + 2
     for part in content.split(" "):
         if part:
-            words.append(Word(part, offset, offset + len(part)))
+            words.append(SubstitutionWord(part, offset, offset + len(part)))
         offset += len(part) + 1
     command = words[0].text if words else ""
     return Substitution(command, content, tuple(words[1:]), start, close + 1)

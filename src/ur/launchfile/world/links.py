@@ -11,7 +11,7 @@ from collections.abc import Iterator
 _KERNEL = ("/proc/", "/sys/", "/dev/")
 
 
-class Links:
+class FollowedLinks:
     """The folders that links have led to in one walk."""
 
     def __init__(self) -> None:
@@ -31,7 +31,7 @@ class Links:
 
 def walk_links(top: str) -> Iterator[tuple[str, list[str], list[str]]]:
     """Walk as `os.walk` with `followlinks`; a list of folders may be changed by the caller as well."""
-    links = Links()
+    links = FollowedLinks()
     for folder, folders, files in os.walk(top, followlinks=True):
         folders[:] = [
             name

@@ -13,7 +13,7 @@ import os
 import re
 from collections.abc import Mapping
 
-from ur.launchfile.world.links import Links
+from ur.launchfile.world.links import FollowedLinks
 from ur.source.foreign.files import MAX_MANIFEST, read_file
 
 SHARE = "/usr/share"
@@ -46,7 +46,7 @@ def find_packages(paths: list[str]) -> dict[str, str]:
 
 def _walk(top: str, found: dict[str, str]) -> None:
     seen: set[str] = set()
-    links = Links()
+    links = FollowedLinks()
     stack = [top]
     while stack:
         folder = stack.pop()
@@ -77,7 +77,7 @@ def _visit_package(folder: str, found: dict[str, str], seen: set[str]) -> bool:
     return True
 
 
-def _folders_in(folder: str, found: dict[str, str], seen: set[str], links: Links) -> list[str]:
+def _folders_in(folder: str, found: dict[str, str], seen: set[str], links: FollowedLinks) -> list[str]:
     files: set[str] = set()
     folders: list[str] = []
     try:

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 
-from ur.launchfile.plan.model import NodeSpec
+from ur.launchfile.plan.specs import NodeSpec
 from ur.launchfile.world.protocol import PackageNotFound, World
 from ur.request.bases.base_argument import FileBase
-from ur.robot.base import Base, Driver
+from ur.robot.base import Base, UpstreamDriver
 from ur.source.diagnostic import Diagnostic, UserError, error
 
 
@@ -36,7 +36,7 @@ def _missing(base: Base, nodes: Sequence[NodeSpec], world: World) -> Iterator[Di
             )
 
 
-def _is_installed(driver: Driver, world: World) -> bool:
+def _is_installed(driver: UpstreamDriver, world: World) -> bool:
     try:
         world.find_package(driver.package)
     except PackageNotFound:

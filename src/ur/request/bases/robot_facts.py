@@ -50,14 +50,14 @@ def know_base(
 def read_facts(master_uri: str) -> Facts | None:
     """`/ur/base_name` and `/ur/variant` from a parameter server. None: no master answers, or they are not set."""
     from ur.run.master.client import Master, parse_master_uri
-    from ur.run.master.xml_rpc import Refused, Unanswered
+    from ur.run.master.xml_rpc import CallRefused, Unanswered
     from ur.source.diagnostic import UserError
 
     try:
         asked = parse_master_uri(master_uri)
         master = Master(asked.uri, asked.host, asked.port, _PATIENCE)
         base, variant = master.call_many([("getParam", (BASE_NAME,)), ("getParam", (VARIANT,))])
-    except (Unanswered, Refused, UserError, ValueError, TypeError):
+    except (Unanswered, CallRefused, UserError, ValueError, TypeError):
         return None
     if not isinstance(base, str) or not base:
         return None

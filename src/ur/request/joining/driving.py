@@ -8,12 +8,12 @@ import sys
 import time
 from collections.abc import Callable, Mapping, Sequence
 
-from ur.launchfile.plan.model import NodeSpec, Plan
+from ur.launchfile.plan.specs import NodeSpec, Plan
 from ur.request.options import LaunchOptions, Report
 from ur.run.master.client import parse_master_uri
 from ur.run.paths import is_local_address
 from ur.run.record.computer import describe_user, read_computer
-from ur.run.remote.lease import Lease, Mode, belongs_to_other, describe_lease, read_lease
+from ur.run.remote.lease import Mode, RobotLease, belongs_to_other, describe_lease, read_lease
 from ur.run.remote.names import choose_names, describe_names, find_taken, rename_nodes
 from ur.run.remote.own_clients import clients_folder, list_clients
 from ur.run.startup.node_selection import may_drive
@@ -78,7 +78,7 @@ def ask_mode(description: str, ask: Callable[[str], str], *, lost: bool = False)
         question = f"  expected {', '.join(first)} or {last}: "
 
 
-def refuse(lease: Lease, robot: str) -> UserError:
+def refuse(lease: RobotLease, robot: str) -> UserError:
     """Make the error that another client drives the robot, or drove it and is out of reach."""
     return UserError(
         error(

@@ -7,11 +7,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from ur.launchfile.plan.model import Plan
+from ur.launchfile.plan.specs import Plan
 
 if TYPE_CHECKING:
     from ur.request.options import Report
-    from ur.request.plan_files import Loaded
+    from ur.request.plan_files import LoadedPlan
     from ur.run.record.entry import RunEntry
     from ur.run.remote.lease import Mode
 
@@ -28,7 +28,7 @@ class Joined:
     owners: tuple[RunEntry, ...] = ()
 
 
-def join(loaded: Loaded, client: str, report: Report) -> Joined | None:
+def join(loaded: LoadedPlan, client: str, report: Report) -> Joined | None:
     """Decide what starts beside what runs at the master already. `client` is the id of this run.
 
     None: another client drives, and the person at the terminal does not want to go on. Raises UserError: a node that

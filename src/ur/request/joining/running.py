@@ -16,10 +16,10 @@ from ur.run.record.entry import RunEntry
 from ur.source.diagnostic import Diagnostic, UserError, error
 
 if TYPE_CHECKING:
-    from ur.launchfile.plan.model import Plan
+    from ur.launchfile.plan.specs import Plan
     from ur.request.launch_request import LaunchRequest
     from ur.request.options import LaunchOptions, Report
-    from ur.request.plan_files import Loaded
+    from ur.request.plan_files import LoadedPlan
     from ur.run.join.decision import Decision, Held
 
 _WORLDS = "/n_simulator/worlds/"
@@ -69,7 +69,7 @@ def refuse_second_master() -> None:
     )
 
 
-def join_running(loaded: Loaded, report: Report) -> tuple[Plan, tuple[RunEntry, ...]]:
+def join_running(loaded: LoadedPlan, report: Report) -> tuple[Plan, tuple[RunEntry, ...]]:
     """The plan without the nodes that run already, and the runs of this user on this computer that it joins.
 
     Raises UserError: a node would end, the robot that runs is another than the arguments ask for, or every node of this
@@ -179,13 +179,13 @@ def _list_nodes(entry: RunEntry) -> frozenset[str]:
 
 
 def _find_foreign(names: Sequence[str], uri: str, *, elsewhere: bool) -> list[str]:
-    from ur.run.master.xml_rpc import Refused, Unanswered
+    from ur.run.master.xml_rpc import CallRefused, Unanswered
 
     known = parse_master_uri(uri)
     master = Master(known.uri, known.host, known.port, 1.0)
     try:
         live = master.find_live_nodes(names) if names else []
-    except (Unanswered, Refused, ValueError, TypeError):
+    except (Unanswered, CallRefused, ValueError, TypeError):
         return []
     if not live or not elsewhere:
         return live
@@ -215,7 +215,7 @@ def _check_refused(decision: Decision, *, declares_bring_up: bool) -> None:
         raise UserError(*problems)
 
 
-def _check_arguments(loaded: Loaded, decision: Decision, uri: str) -> None:
+def _check_arguments(loaded: LoadedPlan, decision: Decision, uri: str) -> None:
     """Raise UserError for an argument that the running robot contradicts."""
     if not decision.base or not loaded.request.arguments:
         return
@@ -235,7 +235,7 @@ def _check_arguments(loaded: Loaded, decision: Decision, uri: str) -> None:
         raise UserError(*problems)
 
 
-def _list_misfits(loaded: Loaded, decision: Decision, uri: str) -> list[tuple[str, str, str]]:
+def _list_misfits(loaded: LoadedPlan, decision: Decision, uri: str) -> list[tuple[str, str, str]]:
     from ur.launchfile.plan.load import load_plan
     from ur.request.bases.robot_facts import read_facts
     from ur.request.plan_files import texts

@@ -5,11 +5,11 @@ from __future__ import annotations
 from contextlib import suppress
 from urllib.parse import urlsplit
 
-from ur.robot.doctor.inspect import Node
-from ur.run.master.xml_rpc import Refused, Unanswered, call_method
+from ur.robot.doctor.inspect import RegisteredNode
+from ur.run.master.xml_rpc import CallRefused, Unanswered, call_method
 
 MASTER_PORT = 11311
-_FAILURES = (Refused, Unanswered, OSError, ValueError, TypeError, IndexError)
+_FAILURES = (CallRefused, Unanswered, OSError, ValueError, TypeError, IndexError)
 
 
 def list_node_names(host: str, timeout: float) -> list[str] | None:
@@ -21,11 +21,11 @@ def list_node_names(host: str, timeout: float) -> list[str] | None:
         return None
 
 
-def list_nodes(host: str) -> list[Node]:
+def list_nodes(host: str) -> list[RegisteredNode]:
     """The nodes, with host and port in the address of each; empty when no master answers."""
     found = []
     for name in list_node_names(host, 2.0) or ():
         with suppress(*_FAILURES):  # it ended in the meantime
             address = urlsplit(str(call_method((host, MASTER_PORT), "lookupNode", ["/ur", name], 2.0)[2]))
-            found.append(Node(name, address.hostname or "", address.port or 0))
+            found.append(RegisteredNode(name, address.hostname or "", address.port or 0))
     return found

@@ -13,11 +13,11 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from types import FrameType
 
-from ur.launchfile.plan.model import Plan
+from ur.launchfile.plan.specs import Plan
 from ur.request.environment import current_selection
 from ur.request.launch_request import LaunchRequest
 from ur.request.options import LaunchOptions, Report
-from ur.request.plan_files import Loaded, texts
+from ur.request.plan_files import LoadedPlan, texts
 from ur.request.remote.connection import robot_address
 from ur.request.remote.share_again import LinkReporter, ShareAgain, examine_robot
 from ur.request.remote.share_messages import describe_end, describe_part, explain_problem
@@ -29,7 +29,7 @@ from ur.robot.ssh.shell import quote
 from ur.run.record.computer import describe_user, read_computer
 from ur.run.remote.names import describe_names, rename_nodes
 from ur.run.remote.own_clients import clients_folder, list_clients
-from ur.run.remote.protocol import Answer, Client, Request, dump, parse_answer
+from ur.run.remote.protocol import Client, ShareAnswer, ShareRequest, dump, parse_answer
 from ur.run.remote.share import END_SECONDS
 from ur.run.remote.start import START_SECONDS
 from ur.run.startup.machine_assignment import keep_nodes
@@ -42,7 +42,7 @@ _WITH_US = ("setpriv", "--pdeathsig", "TERM", "--")  # it ends when this process
 
 
 @dataclass(frozen=True, slots=True)
-class Part:
+class SharedProgram:
     """A program whose robot's nodes run on the robot, and the others, `here`, on this computer.
 
     `run` is the id of the robot's run, '' for none; `client` is the id of this run among those that use the robot's.
@@ -107,7 +107,7 @@ class Part:
 
 
 @contextmanager
-def start_there(loaded: Loaded, client: str, report: Report) -> Iterator[Part]:
+def start_there(loaded: LoadedPlan, client: str, report: Report) -> Iterator[SharedProgram]:
     """Start the robot's nodes on the robot, or find them running; leave them with the context.
 
     They end when no other computer uses them. A run that is detached and has no node on this computer continues.
@@ -123,7 +123,7 @@ def start_there(loaded: Loaded, client: str, report: Report) -> Iterator[Part]:
     here = replace(here, commands=tuple(each for each in plan.commands if each.command == "dump"))
     ours = bool(here.nodes) or not launch.options.detach
     names = tuple(node.full_name for node in here.nodes if not _is_anonymous(node.full_name))
-    request = Request(
+    request = ShareRequest(
         "begin",
         loaded.robot,
         (*name_file(launch, loaded.robot), *texts(loaded.arguments)),
@@ -149,7 +149,7 @@ def start_there(loaded: Loaded, client: str, report: Report) -> Iterator[Part]:
     request = replace(request, client=describe_client(client, final, detached=not ours))
     again = _make_again(address, request, launch.argv)
     try:
-        yield Part(here, address, loaded.robot, answer.run, launch.options.detach, client, again)
+        yield SharedProgram(here, address, loaded.robot, answer.run, launch.options.detach, client, again)
     finally:
         again.close()
         if ours and (answer.run or answer.running):
@@ -163,7 +163,7 @@ def describe_client(client: str, nodes: tuple[str, ...], *, detached: bool) -> C
     return Client(client, name, describe_user(computer, os.getuid()), os.getpid(), nodes, detached)
 
 
-def _make_again(address: Address, request: Request, argv: Sequence[str]) -> ShareAgain:
+def _make_again(address: Address, request: ShareRequest, argv: Sequence[str]) -> ShareAgain:
     """Make the object that starts the robot's run again after a restart of the robot."""
 
     def begin() -> tuple[str, str]:
@@ -222,7 +222,7 @@ def _list_known() -> set[str]:
     return {record.name for record in load_records(records_folder(os.environ))}
 
 
-def _ask(address: Address, request: Request, seconds: float) -> Answer:
+def _ask(address: Address, request: ShareRequest, seconds: float) -> ShareAnswer:
     alive = tuple(list_clients(clients_folder(os.environ, os.getuid())))
     with connect(address) as shell:
         text = ask_part(shell, dump(replace(request, alive=alive)), seconds + MARGIN)
@@ -236,7 +236,7 @@ def _ask(address: Address, request: Request, seconds: float) -> Answer:
         ) from None
 
 
-def _end(address: Address, request: Request, robot: str) -> None:
+def _end(address: Address, request: ShareRequest, robot: str) -> None:
     """Leave the robot's run; where that fails it keeps running, which is reported. `robot` is its present name."""
     if robot != request.machine:
         address = replace(address, host=f"{robot}.local")
@@ -244,9 +244,9 @@ def _end(address: Address, request: Request, robot: str) -> None:
         answer = _ask(address, replace(request, action="end"), END_SECONDS)
         problem = answer.problem.message if answer.problem else ""
     except UserError as failed:
-        answer, problem = Answer(), failed.diagnostics[0].reason or failed.diagnostics[0].message
+        answer, problem = ShareAnswer(), failed.diagnostics[0].reason or failed.diagnostics[0].message
     except KeyboardInterrupt:
-        answer, problem = Answer(), "interrupted"
+        answer, problem = ShareAnswer(), "interrupted"
     for line in describe_end(robot, answer):
         _say(line)
     if problem:

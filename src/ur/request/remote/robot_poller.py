@@ -10,9 +10,9 @@ from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import replace
 
 from ur.request.remote.master_nodes import list_node_names
-from ur.robot.discovery.announcements import Browser, Sighting
+from ur.robot.discovery.announcements import Announcement, Browser
 from ur.robot.discovery.ask import ask_robot
-from ur.robot.discovery.listing import Answer, is_settled
+from ur.robot.discovery.listing import RobotAnswer, is_settled
 from ur.robot.discovery.record import DEFAULT_USER
 
 SSH_PORT = 22
@@ -38,7 +38,7 @@ class RobotPoller:
         former: Callable[[str], Sequence[str]] = lambda _: (),
         known: Collection[str] = (),
     ) -> None:
-        self.answers: dict[str, Answer] = {}
+        self.answers: dict[str, RobotAnswer] = {}
         self._browser, self._seconds, self._changed, self._former = browser, seconds, changed, former
         self._known = frozenset(known)
         self._next: dict[str, float] = {}
@@ -56,7 +56,7 @@ class RobotPoller:
         for pool in self._pools.values():
             pool.shutdown(wait=True)
 
-    def ask(self, sightings: Iterable[Sighting]) -> None:
+    def ask(self, sightings: Iterable[Announcement]) -> None:
         """Ask those who were not asked lately."""
         now = time.monotonic()
         for one in sightings:
@@ -66,14 +66,14 @@ class RobotPoller:
                 for question in (self._answers, self._nodes, self._services, self._twin):
                     pool.submit(question, one).add_done_callback(self._notify)
 
-    def is_settled(self, sightings: Iterable[Sighting]) -> bool:
+    def is_settled(self, sightings: Iterable[Announcement]) -> bool:
         """Return whether no more answers are expected soon of the robots found; of a crowd, of the known ones."""
         waited = [one for one in sightings if one.address]
         if len(waited) > AT_ONCE:
             waited = [one for one in waited if one.name in self._known]
-        return all(is_settled(self.answers.get(one.host, Answer())) for one in waited)
+        return all(is_settled(self.answers.get(one.host, RobotAnswer())) for one in waited)
 
-    def _answers(self, one: Sighting) -> None:
+    def _answers(self, one: Announcement) -> None:
         answers = True
         try:
             socket.create_connection((one.address, SSH_PORT), timeout=self._seconds).close()
@@ -83,11 +83,11 @@ class RobotPoller:
             answers = False
         self._note(one, answers=answers)
 
-    def _nodes(self, one: Sighting) -> None:
+    def _nodes(self, one: Announcement) -> None:
         names = list_node_names(one.address, self._seconds)
         self._note(one, nodes=None if names is None else len(names))
 
-    def _services(self, one: Sighting) -> None:
+    def _services(self, one: Announcement) -> None:
         login = f"{one.user or DEFAULT_USER}@{one.address}"
         names = dict.fromkeys((one.name, one.host, *self._former(one.address)))
         answer = ask_robot(login, [*names], max(self._seconds, SSH_SECONDS), time.time, self._over)
@@ -101,13 +101,13 @@ class RobotPoller:
         settled = is_settled(self.answers[one.host])
         self._next[one.host] = time.monotonic() + (PERIOD if settled else STARTING_PERIOD)
 
-    def _twin(self, one: Sighting) -> None:
+    def _twin(self, one: Announcement) -> None:
         if one.host == one.name:  # else it is the twin itself
             self._note(one, twin=self._browser.find_twin(one.name, self._seconds))
 
-    def _note(self, one: Sighting, **said: object) -> None:
+    def _note(self, one: Announcement, **said: object) -> None:
         with self._lock:
-            before = self.answers.get(one.host, Answer())
+            before = self.answers.get(one.host, RobotAnswer())
             self.answers[one.host] = replace(before, **said)  # type: ignore[arg-type] # keywords of this module
 
     def _notify(self, done: Future[None]) -> None:

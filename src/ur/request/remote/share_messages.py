@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from ur.run.remote.protocol import Answer, Problem
+from ur.run.remote.protocol import Problem, ShareAnswer
 from ur.source.diagnostic import UserError, error_about
 
 _MISSING = frozenset({"missing-file", "unknown-package"})  # of the command line: the launch file is not there
 
 
-def describe_part(robot: str, answer: Answer, count: int) -> list[str]:
+def describe_part(robot: str, answer: ShareAnswer, count: int) -> list[str]:
     """Describe what runs on the robot, in a line or two."""
     lines = []
     if answer.renamed_from:
@@ -28,7 +28,7 @@ def describe_part(robot: str, answer: Answer, count: int) -> list[str]:
     return lines
 
 
-def describe_end(robot: str, answer: Answer) -> list[str]:
+def describe_end(robot: str, answer: ShareAnswer) -> list[str]:
     """Describe what became of the robot's nodes when this run has left them."""
     lines = [f"{robot}: {run} has ended" for run in answer.ended]
     return [*lines, *(f"{robot}: {run} goes on for {', '.join(answer.clients)}" for run in answer.kept)]

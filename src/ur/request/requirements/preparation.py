@@ -21,7 +21,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Protocol
 
-from ur.launchfile.plan.model import NodeSpec, Plan
+from ur.launchfile.plan.specs import NodeSpec, Plan
 from ur.launchfile.world.protocol import PackageNotFound, World
 from ur.request.environment import PACKAGE
 from ur.request.programs import read_head_lines

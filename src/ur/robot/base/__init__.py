@@ -8,25 +8,33 @@ a field says otherwise.
 from __future__ import annotations
 
 from ur.robot.base.files import list_bases, list_variants, load_base, read_base
-from ur.robot.base.model import Base, Battery, Caster, Driver, Limits, Odometry, Wheels
-from ur.robot.base.sensors import Bumper, Bumpers, Camera, Cliff, Cliffs, Imu, Lidar, Sonar, Sonars
+from ur.robot.base.properties import (
+    Base,
+    BatteryProperties,
+    Caster,
+    MotionLimits,
+    OdometryErrors,
+    UpstreamDriver,
+    Wheels,
+)
+from ur.robot.base.sensors import Bumper, Bumpers, Camera, Cliff, Cliffs, ImuErrors, Lidar, Sonar, Sonars
 
 __all__ = [
     "Base",
-    "Battery",
+    "BatteryProperties",
     "Bumper",
     "Bumpers",
     "Camera",
     "Caster",
     "Cliff",
     "Cliffs",
-    "Driver",
-    "Imu",
+    "ImuErrors",
     "Lidar",
-    "Limits",
-    "Odometry",
+    "MotionLimits",
+    "OdometryErrors",
     "Sonar",
     "Sonars",
+    "UpstreamDriver",
     "Wheels",
     "list_bases",
     "list_variants",

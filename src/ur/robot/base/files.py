@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from ur.robot.base.model import Base
+from ur.robot.base.properties import Base
 from ur.robot.base.reader import read_whole
 from ur.robot.base.search import is_base_name
 from ur.source.diagnostic import UserError, error

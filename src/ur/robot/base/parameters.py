@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 
-from ur.robot.base.model import Base
+from ur.robot.base.properties import Base
 
 _OUTLINE = re.compile(r"^( *footprint:)\s*\[\[[^#]*?\]\]", re.MULTILINE)
 _SHARE = 0.6  # of the highest speed, at which a person starts to steer

@@ -6,8 +6,16 @@ import re
 from collections.abc import Iterator
 
 from ur.devices.known import find_rows, load_known
-from ur.robot.base.model import Base, Battery, Caster, Driver, Limits, Odometry, Wheels
 from ur.robot.base.outline import Point, find_crossing, is_inside, measure_area
+from ur.robot.base.properties import (
+    Base,
+    BatteryProperties,
+    Caster,
+    MotionLimits,
+    OdometryErrors,
+    UpstreamDriver,
+    Wheels,
+)
 from ur.robot.base.sensor_reader import SENSORS, Sensors, read_sensors, read_topic
 from ur.source.section import Section
 from ur.source.suggest import did_you_mean
@@ -88,10 +96,10 @@ def _caster(part: Section) -> Caster:
     return caster
 
 
-def _limits(part: Section) -> Limits:
+def _limits(part: Section) -> MotionLimits:
     acceleration = part.number("acceleration", minimum=0.01)
     angular_acceleration = part.number("angular_acceleration", minimum=0.01)
-    limits = Limits(
+    limits = MotionLimits(
         velocity=part.number("velocity", minimum=0.01),
         angular_velocity=part.number("angular_velocity", minimum=0.01),
         acceleration=acceleration,
@@ -105,8 +113,8 @@ def _limits(part: Section) -> Limits:
     return limits
 
 
-def _odometry(part: Section) -> Odometry:
-    odometry = Odometry(
+def _odometry(part: Section) -> OdometryErrors:
+    odometry = OdometryErrors(
         rate=part.number("rate", minimum=1.0),
         ticks_per_turn=part.integer("ticks_per_turn", minimum=1),
         wheel_noise=part.number("wheel_noise", minimum=0.0),
@@ -117,8 +125,8 @@ def _odometry(part: Section) -> Odometry:
     return odometry
 
 
-def _battery(part: Section) -> Battery:
-    battery = Battery(
+def _battery(part: Section) -> BatteryProperties:
+    battery = BatteryProperties(
         topic=read_topic(part, "battery_state"),
         technology=part.text("technology", choices=TECHNOLOGIES),
         design_capacity=part.number("design_capacity", minimum=0.01),
@@ -137,7 +145,7 @@ def _battery(part: Section) -> Battery:
     return battery
 
 
-def _drivers(part: Section, sensors: Sensors) -> Iterator[Driver]:
+def _drivers(part: Section, sensors: Sensors) -> Iterator[UpstreamDriver]:
     there = [name for name in SENSORS if getattr(sensors, name)]
     choice = ", ".join(there) or "(it has none)"
     for name in part.keys:
@@ -150,8 +158,8 @@ def _drivers(part: Section, sensors: Sensors) -> Iterator[Driver]:
         yield _driver(name, part.section(name))
 
 
-def _driver(name: str, part: Section) -> Driver:
-    driver = Driver(
+def _driver(name: str, part: Section) -> UpstreamDriver:
+    driver = UpstreamDriver(
         part=name,
         node=_word(part, "node", r"n_[a-z0-9_]+", "the name of a launch directory, as n_motor_node", ""),
         package=_word(part, "package", r"[a-z][a-z0-9_]*", "the name of a ROS package"),

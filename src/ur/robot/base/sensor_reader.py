@@ -6,7 +6,7 @@ import math
 import re
 from dataclasses import dataclass
 
-from ur.robot.base.sensors import Bumper, Bumpers, Camera, Cliff, Cliffs, Imu, Lidar, Sonar, Sonars
+from ur.robot.base.sensors import Bumper, Bumpers, Camera, Cliff, Cliffs, ImuErrors, Lidar, Sonar, Sonars
 from ur.source.section import Section
 
 SENSORS = ("lidar", "raspicam", "sonars", "bumpers", "cliffs", "imu")
@@ -23,7 +23,7 @@ class Sensors:
     sonars: Sonars | None = None
     bumpers: Bumpers | None = None
     cliffs: Cliffs | None = None
-    imu: Imu | None = None
+    imu: ImuErrors | None = None
 
 
 def read_sensors(part: Section | None) -> Sensors:
@@ -150,8 +150,8 @@ def _cliffs(part: Section, frames: dict[str, str]) -> Cliffs:
     return cliffs
 
 
-def _imu(part: Section, frames: dict[str, str]) -> Imu:
-    imu = Imu(
+def _imu(part: Section, frames: dict[str, str]) -> ImuErrors:
+    imu = ImuErrors(
         frame=_frame(part, frames),
         topic=read_topic(part, "imu/data"),
         pose=part.numbers("pose", 6),

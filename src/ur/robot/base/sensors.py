@@ -125,7 +125,7 @@ class Cliffs:
 
 
 @dataclass(frozen=True, slots=True)
-class Imu:
+class ImuErrors:
     """An inertial sensor (sensor_msgs/Imu): standard deviations per reading, rad/s and m/s^2; `rate` a second."""
 
     frame: str

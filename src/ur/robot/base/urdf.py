@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from ur.robot.base import Base, Camera, Cliff, Imu, Lidar, Sonar
+from ur.robot.base import Base, Camera, Cliff, ImuErrors, Lidar, Sonar
 
 _COLOURS = {
     "body": "0.16 0.45 0.70 1",
@@ -112,7 +112,7 @@ def _cliff(base: Base, cliff: Cliff) -> Iterator[str]:
     yield from _mount(base, cliff.frame, (*cliff.position, 0.0, 1.570796, 0.0))
 
 
-def _imu(base: Base, imu: Imu) -> Iterator[str]:
+def _imu(base: Base, imu: ImuErrors) -> Iterator[str]:
     yield from _link(imu.frame, _visual('<box size="0.020 0.016 0.003"/>', "board"))
     yield from _mount(base, imu.frame, imu.pose)
 

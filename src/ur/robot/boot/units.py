@@ -113,7 +113,7 @@ while True:
 
 
 @dataclass(frozen=True, slots=True)
-class Unit:
+class UnitFile:
     """A unit file: `service` is its name without the ending."""
 
     service: str
@@ -125,7 +125,7 @@ class Unit:
         return f"{FOLDER}/{self.service}.service"
 
 
-def master_unit(user: str, home: str) -> Unit:
+def master_unit(user: str, home: str) -> UnitFile:
     """The unit that keeps a ROS master up as a user, and tells it what base the robot is."""
     then = ["/usr/bin/python3", "-I", "-c", tell_base_script()]
     return _unit(MASTER, command_line(["roscore", "-w", str(MASTER_WORKERS)]), user, home, then=then)
@@ -139,7 +139,7 @@ def tell_base_script(path: Path = ROBOT_FILE, *, seconds: float = 60.0) -> str:
     return _TELL.format(path=str(path), seconds=seconds)
 
 
-def program_unit(name: str, line: str, user: str, home: str) -> Unit:
+def program_unit(name: str, line: str, user: str, home: str) -> UnitFile:
     """The unit of a command line of bash: started after the master, again when it ends, and with a new master."""
     return _unit(name, line, user, home, master=f"{PREFIX}{MASTER}.service")
 
@@ -174,7 +174,7 @@ def is_unit_name(text: str) -> bool:
     return text != MASTER and re.fullmatch(r"[a-z0-9][a-z0-9_-]{0,50}", text) is not None
 
 
-def _unit(name: str, line: str, user: str, home: str, *, master: str = "", then: Sequence[str] = ()) -> Unit:
+def _unit(name: str, line: str, user: str, home: str, *, master: str = "", then: Sequence[str] = ()) -> UnitFile:
     # A login shell, so that the environment is the one that the user has, too.
     start, after_start = (f"/bin/bash -lc {_quote(each)}" for each in (line, command_line(then)))
     service = f"{PREFIX}{name}"
@@ -191,7 +191,7 @@ def _unit(name: str, line: str, user: str, home: str, *, master: str = "", then:
         start=start,
         after_start=f"ExecStartPost=-{after_start}\n" if then else "",
     )
-    return Unit(service, text)
+    return UnitFile(service, text)
 
 
 def _quote(word: str) -> str:

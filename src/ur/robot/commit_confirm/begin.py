@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from ur.robot.commit_confirm.guarded import GuardedChange, Order
-from ur.robot.commit_confirm.perform import Link, Report, hand_over, is_doubtful, new_identity, refuse_pending
-from ur.robot.setup.facts import Facts
+from ur.robot.commit_confirm.perform import Report, RootShell, hand_over, is_doubtful, new_identity, refuse_pending
+from ur.robot.setup.facts import ComputerFacts
 from ur.robot.ssh.openssh import SshShell
 from ur.robot.ssh.secret import Secret
 from ur.source.diagnostic import UserError, error
@@ -37,7 +37,9 @@ def become_root(shell: SshShell, given: Secret | None, ask: Callable[[], Secret]
     )
 
 
-def begin_change(shell: Link, change: GuardedChange, facts: Facts, requester: str, wait: int, report: Report) -> str:
+def begin_change(
+    shell: RootShell, change: GuardedChange, facts: ComputerFacts, requester: str, wait: int, report: Report
+) -> str:
     """Hand a change to the robot, which reverts it unless it is confirmed within `wait` s.
 
     Returns the identity of the attempt, also when the connection broke meanwhile, so that nobody knows whether it has

@@ -9,8 +9,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from ur.robot.commit_confirm.guard import FOLDER
-from ur.robot.setup.change import Change, Command
-from ur.robot.setup.facts import Facts, Request
+from ur.robot.setup.change import Change, ChangeScript
+from ur.robot.setup.facts import ComputerFacts, FactsRequest
 from ur.robot.setup.wanted import Wanted
 from ur.robot.ssh.secret import Secret
 from ur.robot.ssh.shell import quote
@@ -45,27 +45,27 @@ class Order:
     change: GuardedChange
 
 
-def list_changes(change: GuardedChange, facts: Facts) -> list[Change]:
+def list_changes(change: GuardedChange, facts: ComputerFacts) -> list[Change]:
     """List the changes on the robot, for people and for `pack_order`."""
     return [planned for item in change.wanted if (planned := item.plan(facts))]
 
 
-def list_kept(change: GuardedChange, facts: Facts) -> list[str]:
+def list_kept(change: GuardedChange, facts: ComputerFacts) -> list[str]:
     """The files and folders that are to be restored, absolute."""
     requests = [item.request(facts.user) for item in change.wanted]
     paths = {path for request in requests for path in request.files}
     return [*sorted(facts.resolve(path) for path in paths), *change.also_kept]
 
 
-def change_request(change: GuardedChange, user: str) -> Request:
+def change_request(change: GuardedChange, user: str) -> FactsRequest:
     """The facts that `list_changes` looks at."""
-    request = Request(user)
+    request = FactsRequest(user)
     for item in change.wanted:
         request |= item.request(user)
     return request
 
 
-def pack_order(order: Order, facts: Facts) -> Secret:
+def pack_order(order: Order, facts: ComputerFacts) -> Secret:
     """All that the robot needs, as a tar archive in base64: a secret, since a new file may hold a password."""
     commands = [command for change in list_changes(order.change, facts) for command in change.commands]
     texts = {
@@ -92,7 +92,7 @@ def pack_order(order: Order, facts: Facts) -> Secret:
     return Secret(base64.encodebytes(buffer.getvalue()).decode())
 
 
-def apply_script(commands: Sequence[Command], facts: Facts) -> str:
+def apply_script(commands: Sequence[ChangeScript], facts: ComputerFacts) -> str:
     """The script, run by the guard, that makes the change; it stops at the first thing that fails."""
     lines = ["set -e", f"cd {FOLDER}/pending"]
     for number, command in enumerate(commands):
@@ -102,7 +102,7 @@ def apply_script(commands: Sequence[Command], facts: Facts) -> str:
     return "\n".join([*lines, "sh live", ""])
 
 
-def _steps(commands: Sequence[Command]) -> Iterator[tuple[str, str]]:
+def _steps(commands: Sequence[ChangeScript]) -> Iterator[tuple[str, str]]:
     for number, command in enumerate(commands):
         yield f"step{number}", command.script + "\n"
         given = command.stdin

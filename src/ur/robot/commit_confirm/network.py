@@ -9,9 +9,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from ur.robot.commit_confirm.guarded import GuardedChange
-from ur.robot.commit_confirm.network_facts import Device, Networks, Profile, Seen
-from ur.robot.setup.change import Change, Command
-from ur.robot.setup.facts import Facts, Request
+from ur.robot.commit_confirm.network_facts import NetworkDevice, Networks, Profile, SeenNetwork
+from ur.robot.setup.change import Change, ChangeScript
+from ur.robot.setup.facts import ComputerFacts, FactsRequest
 from ur.robot.setup.wanted import write_file
 from ur.robot.ssh.secret import Secret
 from ur.robot.ssh.shell import quote
@@ -40,7 +40,7 @@ class Addressing:
 
 
 @dataclass(frozen=True, slots=True)
-class Wifi:
+class WirelessNetwork:
     """A wireless network to join. `password` is None for an open one; `band` '' is any, '2.4' or '5' is in GHz."""
 
     ssid: str
@@ -64,30 +64,30 @@ class Wifi:
 class WantedProfile:
     """The profile of a wireless network. The change never shows its text, which holds the password."""
 
-    wifi: Wifi
+    wifi: WirelessNetwork
 
     @property
     def title(self) -> str:
         """A few words."""
         return f"profile of {self.wifi.ssid}"
 
-    def request(self, user: str) -> Request:
+    def request(self, user: str) -> FactsRequest:
         """The folder, which is kept as a whole by others."""
-        return Request(user)
+        return FactsRequest(user)
 
-    def plan(self, facts: Facts) -> Change | None:
+    def plan(self, facts: ComputerFacts) -> Change | None:
         """Write it, always: whether the password is the same is nobody's business."""
         text = render_profile(self.wifi)
         command = write_file(facts, self.wifi.path, text, 0o600)
-        secret = Command(command.script, root=True, stdin=Secret(text))
+        secret = ChangeScript(command.script, root=True, stdin=Secret(text))
         return Change(self.title, f"{self.wifi.path}: profile of {self.wifi.ssid!r}", (secret,))
 
-    def undo(self, facts: Facts) -> Change | None:  # noqa: ARG002 - of the protocol
+    def undo(self, facts: ComputerFacts) -> Change | None:  # noqa: ARG002 - of the protocol
         """It stays."""
         return None
 
 
-def render_profile(wifi: Wifi) -> str:
+def render_profile(wifi: WirelessNetwork) -> str:
     """The text of a keyfile (nm-settings-keyfile(5)). It is preferred over older profiles, which stay as they are."""
     security = ["[wifi-security]", f"key-mgmt={wifi.management}"] if wifi.management else []
     if wifi.management in ("wpa-psk", "sae") and wifi.password:
@@ -119,7 +119,7 @@ def _escape(text: str) -> str:
     return "\\s" * before + body + "\\s" * after
 
 
-def choose_management(seen: Seen | None, *, with_password: bool) -> str:
+def choose_management(seen: SeenNetwork | None, *, with_password: bool) -> str:
     """The key management of a network, in NetworkManager's word; '' for an open one. Raises UserError.
 
     `seen` is None for a hidden one: then it is what most are.
@@ -157,7 +157,7 @@ def check_password(ssid: str, password: Secret) -> None:
         )
 
 
-def plan_join(networks: Networks, wifi: Wifi, device: Device) -> GuardedChange:
+def plan_join(networks: Networks, wifi: WirelessNetwork, device: NetworkDevice) -> GuardedChange:
     """Join a network; the others' profiles stay, and are used where this one is not in reach."""
     known = find_profile(networks, wifi.ssid)
     use_known = known is not None and wifi.password is None
@@ -174,7 +174,7 @@ def plan_forget(networks: Networks, profile: Profile) -> GuardedChange:
     )
 
 
-def plan_addressing(networks: Networks, profile: Profile, device: Device, wanted: Addressing) -> GuardedChange:
+def plan_addressing(networks: Networks, profile: Profile, device: NetworkDevice, wanted: Addressing) -> GuardedChange:
     """Give a device its address by DHCP or by hand."""
     values = {
         "ipv4.method": "manual" if wanted.address else "auto",
@@ -220,7 +220,7 @@ def find_profile(networks: Networks, ssid: str) -> Profile | None:
     )
 
 
-def check_managed(networks: Networks, place: str, device: Device | None) -> None:
+def check_managed(networks: Networks, place: str, device: NetworkDevice | None) -> None:
     """Raises UserError where something else than NetworkManager is in charge of the device (None: of all)."""
     if networks.running and (device is None or device.managed):
         return

@@ -30,7 +30,7 @@ mark seen; nmcli -t -f IN-USE,SIGNAL,FREQ,SECURITY,SSID device wifi list --resca
 
 
 @dataclass(frozen=True, slots=True)
-class Device:
+class NetworkDevice:
     """A network device: nmcli's words for its type and state; its addresses, each with a prefix length."""
 
     name: str
@@ -57,7 +57,7 @@ class Profile:
 
 
 @dataclass(frozen=True, slots=True)
-class Seen:
+class SeenNetwork:
     """A wireless network in reach: signal in %, bands it is on, nmcli's word for its security ('' is open)."""
 
     ssid: str
@@ -72,18 +72,18 @@ class Networks:
     """All of it. `running`: NetworkManager is there; `others`: what else manages networks there."""
 
     running: bool
-    devices: tuple[Device, ...] = ()
+    devices: tuple[NetworkDevice, ...] = ()
     profiles: tuple[Profile, ...] = ()
-    seen: tuple[Seen, ...] = ()
+    seen: tuple[SeenNetwork, ...] = ()
     others: tuple[str, ...] = ()
     netplan: tuple[str, ...] = ()
 
     @property
-    def wireless(self) -> Device | None:
+    def wireless(self) -> NetworkDevice | None:
         """The first wireless device that NetworkManager may use."""
         return next((each for each in self.devices if each.kind == "wifi" and each.managed), None)
 
-    def device_with(self, address: str) -> Device | None:
+    def device_with(self, address: str) -> NetworkDevice | None:
         """The device that has this address."""
         bare = address.partition("%")[0]
         return next((each for each in self.devices if bare in (one.split("/")[0] for one in each.addresses)), None)
@@ -105,7 +105,7 @@ def parse_networks(output: str) -> Networks:
     return Networks(
         running=parts.get("running", "").strip() == "active",
         devices=tuple(
-            Device(name, kind, state, profile, addresses.get(name, ()))
+            NetworkDevice(name, kind, state, profile, addresses.get(name, ()))
             for name, kind, state, profile in _rows(parts.get("devices", ""), 4)
         ),
         profiles=tuple(
@@ -118,16 +118,16 @@ def parse_networks(output: str) -> Networks:
     )
 
 
-def _merge(rows: Iterator[list[str]]) -> tuple[Seen, ...]:
+def _merge(rows: Iterator[list[str]]) -> tuple[SeenNetwork, ...]:
     """One for each name, the used one and the best signal first: a network has many stations. No hidden ones."""
-    found: dict[str, Seen] = {}
+    found: dict[str, SeenNetwork] = {}
     for used, signal, frequency, security, ssid in rows:
         if not ssid:
             continue
         known = found.get(ssid)
         bands = {*(known.bands if known else ()), _band(frequency)}
         strength = parse_integer(signal) or 0
-        found[ssid] = Seen(
+        found[ssid] = SeenNetwork(
             ssid,
             max(strength, known.signal if known else 0),
             tuple(sorted(bands)),

@@ -23,11 +23,11 @@ from ur.robot.commit_confirm.guard import (
     pending_script,
 )
 from ur.robot.commit_confirm.guarded import Order, pack_order
-from ur.robot.setup.facts import Facts
+from ur.robot.setup.facts import ComputerFacts
 from ur.robot.ssh.address import Address
 from ur.robot.ssh.openssh import connect
 from ur.robot.ssh.secret import Secret
-from ur.robot.ssh.shell import Done, Shell
+from ur.robot.ssh.shell import Shell, ShellResult
 from ur.source.diagnostic import Note, UserError, error, error_about
 
 GRACE = 90.0  # s after the robot's own limit: it makes the change, goes back, and its network comes up again
@@ -37,18 +37,18 @@ CONNECT_SECONDS = 4
 Report = Callable[[str], None]
 
 
-class Link(Shell, Protocol):
+class RootShell(Shell, Protocol):
     """A shell on another computer that can become root there."""
 
     def find_sudo(self, candidates: Sequence[Secret]) -> bool:
         """Return whether root is reached, with one of the passwords or without any."""
 
 
-Open = Callable[[Address], AbstractContextManager[Link]]
+Open = Callable[[Address], AbstractContextManager[RootShell]]
 
 
 @dataclass(frozen=True, slots=True)
-class Addresses:
+class ChangeAddresses:
     """Addresses of the robot after the change, best first, and before it."""
 
     after: tuple[Address, ...]
@@ -59,7 +59,7 @@ def open_as(host: str) -> Open:
     """Connections that expect the host key that is known for `host`, whatever the robot is called or where it is."""
     settings = (f"HostKeyAlias={host}", "CheckHostIP=no", f"ConnectTimeout={CONNECT_SECONDS}")
 
-    def open_link(address: Address) -> AbstractContextManager[Link]:
+    def open_link(address: Address) -> AbstractContextManager[RootShell]:
         return connect(address, options=[word for each in settings for word in ("-o", each)])
 
     return open_link
@@ -70,7 +70,7 @@ def new_identity() -> str:
     return secrets.token_hex(4)
 
 
-def hand_over(shell: Shell, order: Order, facts: Facts) -> None:
+def hand_over(shell: Shell, order: Order, facts: ComputerFacts) -> None:
     """Arm the robot's guard, which begins a second later.
 
     Raises UserError: another change is pending, or the robot could not take it, and nothing has changed; or the
@@ -122,7 +122,7 @@ def is_doubtful(problem: UserError) -> bool:
 def come_back(
     identity: str,
     title: str,
-    addresses: Addresses,
+    addresses: ChangeAddresses,
     wait: int,
     sudo: Sequence[Secret],
     open_link: Open,
@@ -175,7 +175,7 @@ def come_back(
     )
 
 
-def _read(identity: str, done: Done) -> Ended | None:
+def _read(identity: str, done: ShellResult) -> Ended | None:
     if done.code in (EARLY, LATE):
         return None
     if done.code == GONE:

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from ur.robot.commit_confirm.guarded import GuardedChange
 from ur.robot.robot_file import ROBOT_FILE
 from ur.robot.setup.change import Change, show_difference
-from ur.robot.setup.facts import Facts, Request
+from ur.robot.setup.facts import ComputerFacts, FactsRequest
 from ur.robot.setup.keys import HOST_KEY, KNOWN_HOSTS
 from ur.robot.setup.robot_states import CLOUD
 from ur.robot.setup.wanted import Wanted, WantedFile, WantedLine, write_file
@@ -34,11 +34,11 @@ class WantedKnownName:
     new: str
     host_key: str
 
-    def request(self, user: str) -> Request:
+    def request(self, user: str) -> FactsRequest:
         """The file."""
-        return Request(user, files=frozenset({KNOWN_HOSTS}))
+        return FactsRequest(user, files=frozenset({KNOWN_HOSTS}))
 
-    def plan(self, facts: Facts) -> Change | None:
+    def plan(self, facts: ComputerFacts) -> Change | None:
         """Add the one, take away the other; other computers' lines stay."""
         state = facts.file(KNOWN_HOSTS)
         text = rename_known_host(state.text or "", self.old, self.new, self.host_key)
@@ -48,7 +48,7 @@ class WantedKnownName:
         difference = show_difference(KNOWN_HOSTS, state.text, text)
         return Change(self.title, difference, (write_file(facts, KNOWN_HOSTS, text, mode),))
 
-    def undo(self, facts: Facts) -> Change | None:  # noqa: ARG002 - of the protocol
+    def undo(self, facts: ComputerFacts) -> Change | None:  # noqa: ARG002 - of the protocol
         """It stays."""
         return None
 
@@ -88,12 +88,12 @@ def _means(entry: str, name: str) -> bool:
     return hmac.digest(salt, name.encode(), "sha1") == digest
 
 
-def rename_request(user: str) -> Request:
+def rename_request(user: str) -> FactsRequest:
     """The facts that `plan_rename` needs."""
-    return Request(user, files=frozenset({str(ROBOT_FILE), ANNOUNCEMENT, HOST_KEY, CLOUD}))
+    return FactsRequest(user, files=frozenset({str(ROBOT_FILE), ANNOUNCEMENT, HOST_KEY, CLOUD}))
 
 
-def plan_rename(facts: Facts, new: str) -> GuardedChange:
+def plan_rename(facts: ComputerFacts, new: str) -> GuardedChange:
     """The robot under another name: what was set up gets it, what is not there is left alone."""
     old = facts.hostname
     items: list[Wanted] = []

@@ -15,8 +15,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from ur.robot.deploy import repository_side
-from ur.robot.setup.change import Change, Command
-from ur.robot.setup.facts import Facts, Request
+from ur.robot.setup.change import Change, ChangeScript
+from ur.robot.setup.facts import ComputerFacts, FactsRequest
 from ur.robot.ssh.shell import quote
 from ur.source.project import list_files, project_file
 
@@ -50,11 +50,11 @@ class WantedRepository:
     files: dict[str, tuple[int, bytes]] = field(repr=False)
     title: str = "ubiquity_launches"
 
-    def request(self, user: str) -> Request:
+    def request(self, user: str) -> FactsRequest:
         """The facts to read: the installed repository."""
-        return Request(user, files=frozenset({COPY, WORKSPACE_COPY, STAMP}))
+        return FactsRequest(user, files=frozenset({COPY, WORKSPACE_COPY, STAMP}))
 
-    def plan(self, facts: Facts) -> Change | None:
+    def plan(self, facts: ComputerFacts) -> Change | None:
         """Copy it, unless the same copy is there, or a clone of the user's own."""
         stamp = facts.file(STAMP).text
         own = facts.file(WORKSPACE_COPY).folder or (facts.file(COPY).folder and stamp is None)
@@ -66,10 +66,10 @@ class WantedRepository:
         text = json.dumps({"folder": facts.resolve(COPY), "digest": self.digest, "files": files})
         size = sum(len(content) for _, content in self.files.values()) / 1e6
         difference = f"{COPY}: {'a new copy' if stamp is None else 'the copy is renewed'}, {size:.1f} MB"
-        command = Command(quote("python3", "-I", "-c", code), stdin=text, timeout=SECONDS)
+        command = ChangeScript(quote("python3", "-I", "-c", code), stdin=text, timeout=SECONDS)
         return Change(self.title, difference, (command,))
 
-    def undo(self, facts: Facts) -> Change | None:  # noqa: ARG002 - of the protocol
+    def undo(self, facts: ComputerFacts) -> Change | None:  # noqa: ARG002 - of the protocol
         """It stays: what starts at boot may need it."""
         return None
 
@@ -84,12 +84,12 @@ class WantedPrograms:
     digest: str
     title: str = "programs"
 
-    def request(self, user: str) -> Request:
+    def request(self, user: str) -> FactsRequest:
         """Request the project's folders and the record of what its environment was made from."""
         stamps = {f"{folder}/{READY}" for folder in (COPY, WORKSPACE_COPY)}
-        return Request(user, files=frozenset({COPY, WORKSPACE_COPY, STAMP, *stamps}))
+        return FactsRequest(user, files=frozenset({COPY, WORKSPACE_COPY, STAMP, *stamps}))
 
-    def plan(self, facts: Facts) -> Change | None:
+    def plan(self, facts: ComputerFacts) -> Change | None:
         """Make the environment. That of a clone of the user's own is made once, and renewed by its own `ur`."""
         folder = WORKSPACE_COPY if facts.file(WORKSPACE_COPY).folder else COPY
         made = facts.file(f"{folder}/{READY}").text
@@ -99,15 +99,15 @@ class WantedPrograms:
         script = _SET_UP.format(folder=quote(facts.resolve(folder)))
         log = facts.resolve(f"{folder}/.cache/set_up.log")
         difference = f"{folder}/.venv: {'a new environment' if made is None else 'the environment is renewed'}"
-        command = Command(script, timeout=SET_UP_SECONDS, fetches=True, log=log)
+        command = ChangeScript(script, timeout=SET_UP_SECONDS, fetches=True, log=log)
         return Change(self.title, difference, (command,), note="this takes some minutes")
 
-    def undo(self, facts: Facts) -> Change | None:
+    def undo(self, facts: ComputerFacts) -> Change | None:
         """Remove the environment of a copy. That of a clone of the user's own stays."""
         if facts.file(f"{COPY}/{READY}").text is None or facts.file(STAMP).text is None:
             return None
         folder = quote(facts.resolve(COPY))
-        command = Command(f"rm -rf {folder}/.venv {folder}/.cache", timeout=SECONDS)
+        command = ChangeScript(f"rm -rf {folder}/.venv {folder}/.cache", timeout=SECONDS)
         return Change(self.title, f"{COPY}/.venv: removed", (command,))
 
 

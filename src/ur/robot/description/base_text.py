@@ -7,19 +7,19 @@ import math
 from collections.abc import Iterator, Sequence
 
 from ur.robot.base.outline import Point
-from ur.robot.description.reading import BRAKING, Reading
+from ur.robot.description.reading import BRAKING, DescriptionReading
 from ur.robot.description.sensing import FoundSensor
 
 _WHOLE_TURN = 2.0 * math.pi + 0.001  # rad; 6.2832 is one, too
 
 
-def write_base_file(reading: Reading, summary: str, origin: str) -> str:
+def write_base_file(reading: DescriptionReading, summary: str, origin: str) -> str:
     """The text. `origin` names the description, for a comment. Nothing of `reading` may be open."""
     assert not reading.open
     return "\n".join(_lines(reading, " ".join(summary.split()), origin)) + "\n"
 
 
-def _lines(reading: Reading, summary: str, origin: str) -> Iterator[str]:
+def _lines(reading: DescriptionReading, summary: str, origin: str) -> Iterator[str]:
     figures = reading.figures
     value = {key: figure.value for key, figure in figures.items()}
     yield f"summary: {json.dumps(summary, ensure_ascii=False)}"
@@ -55,7 +55,7 @@ def _lines(reading: Reading, summary: str, origin: str) -> Iterator[str]:
         yield from _sonars(sonars)
 
 
-def _limits(reading: Reading) -> Iterator[str]:
+def _limits(reading: DescriptionReading) -> Iterator[str]:
     figures = reading.figures
     velocity, turning = figures["velocity"].value, figures["angular_velocity"].value
     acceleration = figures["acceleration"].value

@@ -8,9 +8,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from itertools import product
 
-from ur.robot.description.model import Description, Joint, Link, Shape
 from ur.robot.description.outlines import list_corners
 from ur.robot.description.pose import Pose, Vector
+from ur.robot.description.urdf_parts import Description, Joint, Link, Shape
 
 _UPRIGHT = 0.9  # the vertical part of a unit axis from which it is that of a swivel
 _SAME_AXLE = 0.02  # m
@@ -40,7 +40,7 @@ Sides = tuple[tuple[Wheel, ...], tuple[Wheel, ...]]  # left, right
 
 
 @dataclass(frozen=True, slots=True)
-class Contact:
+class FreeSupport:
     """A free support: where it touches the ground, in the root link, and its radius where it is known."""
 
     link: str
@@ -50,12 +50,12 @@ class Contact:
 
 
 @dataclass(frozen=True, slots=True)
-class Drive:
+class DriveGeometry:
     """The wheels that drive, as many left as right, and the free supports."""
 
     left: tuple[Wheel, ...] = ()
     right: tuple[Wheel, ...] = ()
-    casters: tuple[Contact, ...] = ()
+    casters: tuple[FreeSupport, ...] = ()
 
     @property
     def wheels(self) -> tuple[Wheel, ...]:
@@ -63,7 +63,7 @@ class Drive:
         return self.left + self.right
 
 
-def find_drive(description: Description) -> Drive:
+def find_drive(description: Description) -> DriveGeometry:
     """The driven wheels: those that a gazebo plugin names, else the largest pairs of wheels on one axle.
 
     A drive without wheels means that none were found.
@@ -79,7 +79,7 @@ def find_drive(description: Description) -> Drive:
     chosen = {wheel.joint.child for side in sides for wheel in side}
     axle = max((wheel.z for side in sides for wheel in side), default=math.inf) + _LEVEL
     others = [
-        Contact(w.joint.child, w.x, w.y, w.radius)
+        FreeSupport(w.joint.child, w.x, w.y, w.radius)
         for w in wheels
         if w.joint.child not in chosen and w.z - (w.radius or 0.0) <= axle  # else it is a joint of an arm
     ]
@@ -91,8 +91,8 @@ def find_drive(description: Description) -> Drive:
         if not solid or not alone or not _CASTER.search(name) or _has_wheel_below(children, name, known):
             continue
         if _lowest(link, places[name]) <= axle:
-            others.append(Contact(name, places[name].at[0], places[name].at[1], _size(link)[0]))
-    return Drive(sides[0], sides[1], tuple(others))
+            others.append(FreeSupport(name, places[name].at[0], places[name].at[1], _size(link)[0]))
+    return DriveGeometry(sides[0], sides[1], tuple(others))
 
 
 def _find_sides(description: Description, places: Mapping[str, Pose], wheels: list[Wheel]) -> Sides:
@@ -255,7 +255,7 @@ def _swivels(description: Description, places: Mapping[str, Pose]) -> set[str]:
     return found
 
 
-def find_steering(description: Description, drive: Drive) -> tuple[str, ...]:
+def find_steering(description: Description, drive: DriveGeometry) -> tuple[str, ...]:
     """The joints that steer wheels, as those of a car do: upright, with an end to their turn, and no casters'."""
     places = description.places()
     wheels = {wheel.joint.child for wheel in drive.wheels} | {contact.link for contact in drive.casters}

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from ur.robot.description.drive import Drive
-from ur.robot.description.model import Description
+from ur.robot.description.drive import DriveGeometry
+from ur.robot.description.urdf_parts import Description
 
 HIGHEST_VELOCITY = 0.6  # m/s, and rad/s below: what can be braked in that time without sliding
 HIGHEST_ANGULAR_VELOCITY = 1.5
@@ -20,7 +20,7 @@ class Figure:
     source: str
 
 
-def read_wheels(description: Description, drive: Drive, figures: dict[str, Figure]) -> None:
+def read_wheels(description: Description, drive: DriveGeometry, figures: dict[str, Figure]) -> None:
     """Read radius, separation and width of the wheels."""
     known = [wheel for wheel in drive.wheels if wheel.radius]
     if known:
@@ -55,7 +55,7 @@ def read_heights(figures: dict[str, Figure], heights: Sequence[float]) -> None:
     figures["ground_clearance"] = clearance
 
 
-def read_masses(description: Description, drive: Drive, figures: dict[str, Figure]) -> None:
+def read_masses(description: Description, drive: DriveGeometry, figures: dict[str, Figure]) -> None:
     """Read the masses of robot and wheels."""
     wheels = {wheel.joint.child for wheel in drive.wheels}
     masses = {link.name: link.inertia.mass for link in description.links if link.inertia}
@@ -69,7 +69,7 @@ def read_masses(description: Description, drive: Drive, figures: dict[str, Figur
         figures["wheel_mass"] = Figure(each_side, "inertia of the wheels") if fits else usual
 
 
-def read_limits(description: Description, drive: Drive, figures: dict[str, Figure]) -> None:
+def read_limits(description: Description, drive: DriveGeometry, figures: dict[str, Figure]) -> None:
     """Speeds of a gazebo plugin, else of joints; far higher ones are what their authors never set."""
     plugin = description.drive
     turns = [wheel.joint.velocity for wheel in drive.wheels]

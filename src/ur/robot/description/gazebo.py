@@ -9,9 +9,9 @@ import re
 from collections.abc import Iterable, Iterator, Sequence
 from xml.etree.ElementTree import Element
 
-from ur.robot.description.model import DrivePlugin, GazeboSensor
 from ur.robot.description.numbers import read_number, read_numbers
 from ur.robot.description.pose import Pose, make_pose
+from ur.robot.description.urdf_parts import DrivePlugin, GazeboSensor
 
 Extension = tuple[str, Element]  # the link that it is about ('' for the whole robot), and its tag
 

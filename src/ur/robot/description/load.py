@@ -7,14 +7,14 @@ from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
 
-from ur.robot.description.expansion.xacro import Computer, read_description
-from ur.robot.description.model import Description
+from ur.robot.description.expansion.xacro import ExpansionComputer, read_description
 from ur.robot.description.parse import parse_urdf
 from ur.robot.description.surroundings import Surroundings
+from ur.robot.description.urdf_parts import Description
 
 
 @dataclass(frozen=True, slots=True)
-class Loaded:
+class LoadedDescription:
     """A description, the packages that its xacro file includes files from and that are not here, and what is not read.
 
     `outside` are the meshes that are not read, since they lie outside of the description and of all packages.
@@ -25,7 +25,9 @@ class Loaded:
     outside: tuple[str, ...] = ()
 
 
-def load_description(path: Path, around: Surroundings, computer: Computer, arguments: Sequence[str] = ()) -> Loaded:
+def load_description(
+    path: Path, around: Surroundings, computer: ExpansionComputer, arguments: Sequence[str] = ()
+) -> LoadedDescription:
     """Read a URDF or xacro file, and its meshes. Raises UserError.
 
     `around` are the surroundings of the file; `arguments` are those of xacro. The packages of `computer` are found at
@@ -37,4 +39,4 @@ def load_description(path: Path, around: Surroundings, computer: Computer, argum
     expanded = read_description(path, around, computer, arguments)
     description = parse_urdf(expanded.text, str(path))
     measured, outside = measure_meshes(description, around, computer.packages)
-    return Loaded(measured, expanded.missing, outside)
+    return LoadedDescription(measured, expanded.missing, outside)

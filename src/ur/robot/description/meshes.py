@@ -8,9 +8,9 @@ from pathlib import Path
 from urllib.parse import unquote
 
 from ur.robot.description.mesh_file import SUFFIXES, read_mesh
-from ur.robot.description.model import Description, Link, Mesh, Shape
 from ur.robot.description.pose import Vector
 from ur.robot.description.surroundings import Surroundings
+from ur.robot.description.urdf_parts import Description, Link, Mesh, Shape
 
 _SMALLEST, _LARGEST = 0.001, 10.0  # m; a mesh of any other size is in other units
 _MOST_BYTES = 400_000_000  # of all mesh files of a description

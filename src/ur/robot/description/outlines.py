@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from itertools import pairwise, product
 
 from ur.robot.base.outline import Point, find_hull
-from ur.robot.description.model import Description, Link, Shape
 from ur.robot.description.pose import Pose, Vector
+from ur.robot.description.urdf_parts import Description, Link, Shape
 
 _SIDES = 16  # of the polygon round a circle
 _MOST_POINTS = 24

@@ -10,9 +10,9 @@ from typing import NoReturn
 from xml.etree.ElementTree import Element
 
 from ur.robot.description.gazebo import drives_sideways, read_drive, read_sensors
-from ur.robot.description.model import Description, Inertia, Joint, Link, Mesh, Shape
 from ur.robot.description.numbers import MOST, read_numbers
 from ur.robot.description.pose import Pose, Vector, make_pose
+from ur.robot.description.urdf_parts import Description, Inertia, Joint, Link, Mesh, Shape
 from ur.source.diagnostic import UserError, error
 from ur.source.foreign.xml_text import parse_xml
 

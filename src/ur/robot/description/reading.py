@@ -12,7 +12,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from ur.robot.base.outline import Point, is_inside
-from ur.robot.description.drive import Drive, find_drive, find_steering
+from ur.robot.description.drive import DriveGeometry, find_drive, find_steering
 from ur.robot.description.figures import (
     HIGHEST_ANGULAR_VELOCITY,
     HIGHEST_VELOCITY,
@@ -22,10 +22,10 @@ from ur.robot.description.figures import (
     read_masses,
     read_wheels,
 )
-from ur.robot.description.model import Description
 from ur.robot.description.outlines import Extent, draw_outline, measure_extent
 from ur.robot.description.pose import Pose, make_pose
 from ur.robot.description.sensing import FoundSensor, find_sensors, list_extra_sensors
+from ur.robot.description.urdf_parts import Description
 
 BRAKING = 0.13  # s from full speed to rest, so that a robot stops within 0.3 s of its last command
 # The least and the most that a base may have; anything else in a description is taken for a mistake, and asked for.
@@ -65,7 +65,7 @@ class Support:
 
 
 @dataclass(frozen=True, slots=True)
-class Reading:
+class DescriptionReading:
     """The facts of a description, in `base_footprint`. `open` are the figures of QUESTIONS that it does not give.
 
     `outline` and `body` are () while length or width is open. `notes` are what its reader should know.
@@ -86,7 +86,9 @@ class Reading:
         return any(sensor.kind == "lidar" for sensor in self.sensors)
 
 
-def read_base_figures(description: Description, given: Mapping[str, float], *, lidar: bool | None = None) -> Reading:
+def read_base_figures(
+    description: Description, given: Mapping[str, float], *, lidar: bool | None = None
+) -> DescriptionReading:
     """Read what a description says of a base; `given` figures (names of QUESTIONS) are taken instead.
 
     With `lidar` True a robot of which the description names no lidar gets a usual one on top; with False it has none.
@@ -129,7 +131,7 @@ def read_base_figures(description: Description, given: Mapping[str, float], *, l
         placed = (_add_lidar(description, figures, outline), *placed)
     if extra:
         notes.append(f"left out, since a base has no such sensor, or another one of its kind: {', '.join(extra)}")
-    return Reading(
+    return DescriptionReading(
         description.name,
         figures,
         tuple(key for key, ends in QUESTIONS.items() if key not in figures or not _fits(figures[key], ends)),
@@ -153,7 +155,9 @@ def _fits(figure: Figure, ends: tuple[float, float]) -> bool:
     return ends[0] <= figure.value <= ends[1]
 
 
-def _find_origin(description: Description, drive: Drive, figures: Mapping[str, Figure]) -> tuple[float, float, float]:
+def _find_origin(
+    description: Description, drive: DriveGeometry, figures: Mapping[str, Figure]
+) -> tuple[float, float, float]:
     """The point of the ground between the driven wheels, in the root link."""
     if drive.wheels:
         xs, ys, zs = ([getattr(wheel, axis) for wheel in drive.wheels] for axis in "xyz")
@@ -164,7 +168,7 @@ def _find_origin(description: Description, drive: Drive, figures: Mapping[str, F
 
 
 def _read_outline(
-    drive: Drive, figures: dict[str, Figure], points: Sequence[Point], origin: Sequence[float]
+    drive: DriveGeometry, figures: dict[str, Figure], points: Sequence[Point], origin: Sequence[float]
 ) -> tuple[tuple[Point, ...], tuple[Point, ...]]:
     inner = draw_outline(points)
     sizes: dict[str, float] = {}
@@ -195,7 +199,7 @@ def _span(points: Sequence[Point], axis: int) -> float:
 
 
 def _read_supports(
-    drive: Drive, figures: Mapping[str, Figure], outline: Sequence[Point], origin: Sequence[float]
+    drive: DriveGeometry, figures: Mapping[str, Figure], outline: Sequence[Point], origin: Sequence[float]
 ) -> tuple[Support, ...]:
     """The casters, or the outer axles of a skid steer; usual ones where the robot would tip over."""
     if not outline or "wheel_radius" not in figures or "wheel_separation" not in figures:

@@ -9,8 +9,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
-from ur.robot.description.model import Description, GazeboSensor
 from ur.robot.description.pose import Pose, make_pose
+from ur.robot.description.urdf_parts import Description, GazeboSensor
 
 Kind = Literal["lidar", "camera", "imu", "sonar"]
 

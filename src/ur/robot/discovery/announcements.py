@@ -31,7 +31,7 @@ _SCOPE = re.compile(r"[0-9A-Fa-f:.]+(?:%[A-Za-z0-9_.-]{1,15})?")
 
 
 @dataclass(frozen=True, slots=True)
-class Sighting:
+class Announcement:
     """A computer that announces itself. `host` is the name that its zeroconf daemon gave it, without .local.
 
     `name` is what its robot file says: the two differ when another computer had the name first. `version` is that of
@@ -52,7 +52,7 @@ class Sighting:
         return next((address for address in self.addresses if ":" not in address), "")
 
 
-def parse_sighting(host: str, addresses: Sequence[str], texts: Mapping[str, str]) -> Sighting | None:
+def parse_sighting(host: str, addresses: Sequence[str], texts: Mapping[str, str]) -> Announcement | None:
     """A sighting from an announcement's host name, addresses and text records; None where one has another shape.
 
     Anybody in the network may announce anything, and what is announced gets into command lines, files and texts.
@@ -67,7 +67,7 @@ def parse_sighting(host: str, addresses: Sequence[str], texts: Mapping[str, str]
         and len(addresses) <= MOST_ADDRESSES
         and all(map(_is_address, addresses))
     )
-    return Sighting(host, name, tuple(addresses), **known) if good else None
+    return Announcement(host, name, tuple(addresses), **known) if good else None
 
 
 def _is_address(text: str) -> bool:
@@ -115,7 +115,7 @@ class Browser:
             self._pool.shutdown(cancel_futures=True)
 
     @property
-    def sightings(self) -> list[Sighting]:
+    def sightings(self) -> list[Announcement]:
         """The robots that are visible now."""
         return self._crowd.sightings
 
@@ -176,7 +176,7 @@ class Browser:
         self._lookups.append(lookup)
 
     def _take(self, name: str, info: Any) -> None:
-        found: Sighting | None = None
+        found: Announcement | None = None
         with suppress(Exception):  # whatever the library makes of what anybody may send
             found = parse_sighting(info.server or "", info.parsed_addresses(), read_texts(info.properties))
         self._crowd.add(name, found)
@@ -188,13 +188,13 @@ class Crowd:
 
     def __init__(self, known: Collection[str] = ()) -> None:
         self._known = frozenset(known)
-        self._seen: dict[str, Sighting | None] = {}
+        self._seen: dict[str, Announcement | None] = {}
         self._asked: set[str] = set()
         self._late: set[str] = set()
         self._lock = threading.Lock()
 
     @property
-    def sightings(self) -> list[Sighting]:
+    def sightings(self) -> list[Announcement]:
         """Those that are kept."""
         with self._lock:
             return [one for one in self._seen.values() if one is not None]
@@ -220,7 +220,7 @@ class Crowd:
             self._note_late(name)
             return False
 
-    def add(self, name: str, sighting: Sighting | None) -> None:
+    def add(self, name: str, sighting: Announcement | None) -> None:
         """Keep what a service says, None for nonsense, unless there are too many of its kind already."""
         with self._lock:
             is_known = sighting is not None and sighting.name in self._known

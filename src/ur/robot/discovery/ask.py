@@ -10,7 +10,7 @@ from dataclasses import replace
 from typing import IO
 
 from ur.robot.boot.units import PREFIX
-from ur.robot.discovery.listing import Answer
+from ur.robot.discovery.listing import RobotAnswer
 
 ROUNDS = 4
 UNKNOWN_KEY = "host key unknown"
@@ -30,13 +30,13 @@ SCRIPT = (
 
 def ask_robot(
     login: str, names: Sequence[str], seconds: float, clock: Callable[[], float], over: threading.Event
-) -> Answer:
+) -> RobotAnswer:
     """Ask a robot at USER@ADDRESS, whose host key is known as NAME.local for one of `names`, which are tried in turn.
 
     Each gets so many seconds. `clock` gives the time here (s since 1970). When `over` is set, it ends at once. Without
     an answer, `refused` of the result is the reason. Raises nothing.
     """
-    answer = Answer()
+    answer = RobotAnswer()
     for name in names:
         answer = _ask(login, name, seconds, clock, over)
         if not answer.refused:
@@ -46,7 +46,7 @@ def ask_robot(
     return answer
 
 
-def _ask(login: str, name: str, seconds: float, clock: Callable[[], float], over: threading.Event) -> Answer:
+def _ask(login: str, name: str, seconds: float, clock: Callable[[], float], over: threading.Event) -> RobotAnswer:
     options = [
         *("BatchMode=yes", "StrictHostKeyChecking=yes", f"HostKeyAlias={name}.local", "CheckHostIP=no"),
         *(f"ConnectTimeout={max(1, round(seconds))}", "LogLevel=ERROR", "ForwardX11=no", "ControlPath=none"),
@@ -58,9 +58,11 @@ def _ask(login: str, name: str, seconds: float, clock: Callable[[], float], over
         assert process.stderr is not None
         said = list(_until_end(process.stdout))
         if said[-1:] == [END]:
-            return Answer(services=parse_services(said[:-1]), offset=_compare(process.stdin, process.stdout, clock))
-        return Answer(refused=explain_refusal(process.stderr.read(), seconds))
-    return Answer(refused=explain_refusal("", seconds))
+            return RobotAnswer(
+                services=parse_services(said[:-1]), offset=_compare(process.stdin, process.stdout, clock)
+            )
+        return RobotAnswer(refused=explain_refusal(process.stderr.read(), seconds))
+    return RobotAnswer(refused=explain_refusal("", seconds))
 
 
 def explain_refusal(said: str, seconds: float) -> str:

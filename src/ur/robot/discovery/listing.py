@@ -6,13 +6,13 @@ import re
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
-from ur.robot.discovery.announcements import Sighting
-from ur.robot.discovery.record import Record
-from ur.robot.discovery.seen import Seen, describe_age
+from ur.robot.discovery.announcements import Announcement
+from ur.robot.discovery.record import RobotRecord
+from ur.robot.discovery.seen import SeenRobot, describe_age
 
 
 @dataclass(frozen=True, slots=True)
-class Answer:
+class RobotAnswer:
     """The answers of a robot; None where there is none yet.
 
     `nodes`: how many its ROS master knows; `services`: what it starts at boot, and systemd's word for how that is;
@@ -31,7 +31,7 @@ class Answer:
 
 
 @dataclass(frozen=True, slots=True)
-class Row:
+class RobotRow:
     """A robot as it is listed. `address` is empty when it is away; `problem` is empty when there is none."""
 
     name: str
@@ -39,8 +39,8 @@ class Row:
     base: str = ""
     variant: str = ""
     version: str = ""
-    answer: Answer = Answer()
-    seen: Seen | None = None
+    answer: RobotAnswer = RobotAnswer()
+    seen: SeenRobot | None = None
     problem: str = ""
     help: str = ""
 
@@ -69,7 +69,7 @@ class Row:
         return f"away, {describe_age(now - self.seen.time)} at {self.seen.address}" if self.seen else "away"
 
 
-def is_settled(answer: Answer) -> bool:
+def is_settled(answer: RobotAnswer) -> bool:
     """Return whether no more answers are expected of a robot: it is away, has refused, or has answered completely.
 
     A master without nodes is not settled: on a robot that has just booted or was renamed the first node starts later.
@@ -82,47 +82,47 @@ def is_settled(answer: Answer) -> bool:
 
 
 def list_robots(
-    sightings: Iterable[Sighting],
-    records: Sequence[Record],
-    answers: Mapping[str, Answer] | None = None,
-    memory: Mapping[str, Seen] | None = None,
-) -> list[Row]:
+    sightings: Iterable[Announcement],
+    records: Sequence[RobotRecord],
+    answers: Mapping[str, RobotAnswer] | None = None,
+    memory: Mapping[str, SeenRobot] | None = None,
+) -> list[RobotRow]:
     """Everybody who is there, then those known from earlier who are not; each group by name.
 
     `answers` are by the host name of a sighting, `memory` by the name of a robot.
     """
     said = answers or {}
     heard = sorted(sightings, key=lambda one: (one.name, one.host))
-    there = [one for one in heard if said.get(one.host, Answer()).answers is not False]
+    there = [one for one in heard if said.get(one.host, RobotAnswer()).answers is not False]
     names = [one.name for one in there]
     recorded = {record.name for record in records}
     rows = [
-        _row(one, names.count(one.name) > 1, said.get(one.host, Answer()), is_recorded=one.name in recorded)
+        _row(one, names.count(one.name) > 1, said.get(one.host, RobotAnswer()), is_recorded=one.name in recorded)
         for one in there
     ]
     known = {
-        **{one.name: Record(one.name, one.user, one.base, one.variant) for one in heard},
+        **{one.name: RobotRecord(one.name, one.user, one.base, one.variant) for one in heard},
         **{record.name: record for record in records},
     }
     taken = {address for one in there for address in one.addresses}
     # Who was seen where another robot is now, and was never set up from here, is that robot by its former name.
     remembered = {name for name, seen in (memory or {}).items() if seen.address not in taken}
     for name in sorted({*known, *remembered} - {*names}):
-        record = known.get(name, Record(name, "", ""))
-        rows.append(Row(name, "", record.base, record.variant, seen=(memory or {}).get(name)))
+        record = known.get(name, RobotRecord(name, "", ""))
+        rows.append(RobotRow(name, "", record.base, record.variant, seen=(memory or {}).get(name)))
     return rows
 
 
-def choose_rows(rows: Sequence[Row], names: Collection[str]) -> list[Row]:
+def choose_rows(rows: Sequence[RobotRow], names: Collection[str]) -> list[RobotRow]:
     """The rows of these robots, with an empty one for a robot that nobody knows; all rows where no names are given."""
     if not names:
         return [*rows]
     chosen = [row for row in rows if row.name in names]
     missing = sorted(set(names) - {row.name for row in chosen})
-    return [*chosen, *(Row(name, "") for name in missing)]
+    return [*chosen, *(RobotRow(name, "") for name in missing)]
 
 
-def _row(one: Sighting, twice: bool, answer: Answer, *, is_recorded: bool) -> Row:
+def _row(one: Announcement, twice: bool, answer: RobotAnswer, *, is_recorded: bool) -> RobotRow:
     problem = help = ""
     name = one.name
     where = one.address or ", ".join(one.addresses)
@@ -145,4 +145,4 @@ def _row(one: Sighting, twice: bool, answer: Answer, *, is_recorded: bool) -> Ro
     elif answer.known_as not in ("", one.name):
         problem = f"{one.name} was renamed: this computer knows it as {answer.known_as}"
         help = f"ur robot rename {answer.known_as} {one.name}"
-    return Row(name, where, one.base, one.variant, one.version, answer, problem=problem, help=help)
+    return RobotRow(name, where, one.base, one.variant, one.version, answer, problem=problem, help=help)

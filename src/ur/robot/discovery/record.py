@@ -13,7 +13,7 @@ DEFAULT_USER = "ros"
 
 
 @dataclass(frozen=True, slots=True)
-class Record:
+class RobotRecord:
     """A robot that was set up from here, with the user to log in as.
 
     `robot_login` is whether the user lets it log in to this computer; None where nobody was asked.
@@ -31,7 +31,7 @@ def records_folder(environment: Mapping[str, str]) -> Path:
     return selection_path(environment).parent / "robots"
 
 
-def render_record(record: Record) -> str:
+def render_record(record: RobotRecord) -> str:
     """The text of a record's file."""
     rows = {"name": record.name, "user": record.user, "base": record.base, "variant": record.variant}
     texts = "".join(f'{key}: "{value}"\n' for key, value in rows.items() if value)
@@ -39,18 +39,18 @@ def render_record(record: Record) -> str:
     return f"# Written by ur robot setup.\n{texts}{login}"
 
 
-def load_records(folder: Path) -> list[Record]:
+def load_records(folder: Path) -> list[RobotRecord]:
     """All records, by name. Those that cannot be read are left out."""
     return [record for path in sorted(folder.glob("*.yaml")) if (record := _load_record(path))]
 
 
-def _load_record(path: Path) -> Record | None:
+def _load_record(path: Path) -> RobotRecord | None:
     from ur.source.section import read_section  # YAML is only needed where robots are listed
 
     try:
         top = read_section(path, "a record of a robot")
         login = top.boolean("robot_login", False) if top.has("robot_login") else None
-        return Record(top.text("name"), top.text("user"), top.text("base"), top.text("variant", ""), login)
+        return RobotRecord(top.text("name"), top.text("user"), top.text("base"), top.text("variant", ""), login)
     except UserError:
         return None
 

@@ -17,7 +17,7 @@ KEPT = 90 * 86400.0  # s
 
 
 @dataclass(frozen=True, slots=True)
-class Seen:
+class SeenRobot:
     """A robot's full name without .local, its IPv4 address, and when that was (seconds since 1970)."""
 
     name: str
@@ -30,17 +30,17 @@ def seen_path(environment: Mapping[str, str]) -> Path:
     return Path(user_folder("XDG_STATE_HOME", environment)) / "ubiquity_launches" / "seen.json"
 
 
-def load_seen(path: Path) -> dict[str, Seen]:
+def load_seen(path: Path) -> dict[str, SeenRobot]:
     """Load the last known addresses by name; nothing when the file makes no sense: it is only a memory."""
     try:
         entries = json.loads(path.read_text(encoding="utf-8"))
-        found = [Seen(str(each["name"]), str(each["address"]), float(each["time"])) for each in entries]
+        found = [SeenRobot(str(each["name"]), str(each["address"]), float(each["time"])) for each in entries]
     except (OSError, ValueError, TypeError, KeyError, RecursionError):
         return {}
     return {each.name: each for each in found}
 
 
-def note_seen(path: Path, robots: Iterable[Seen]) -> None:
+def note_seen(path: Path, robots: Iterable[SeenRobot]) -> None:
     """Remember where robots are now, and forget those that were not seen for long.
 
     Whoever reads the file sees the old or the new one; a full disk does no harm.

@@ -8,10 +8,10 @@ from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 
-from ur.devices.model import Expected
+from ur.devices.device import Expected
 from ur.robot.devices import inspect_devices
 from ur.robot.discovery.ask import clock_offset
-from ur.robot.doctor.model import Advertised, Owner, Pair, Where
+from ur.robot.doctor.findings import AdvertisedNode, ComputerPair, Owner, Where
 from ur.robot.doctor.observe import SHELL_FILES, STRICT, observe_script, parse_side
 from ur.robot.doctor.ros2.observe import hear_other, inspect_ros2
 from ur.robot.doctor.side import Side
@@ -35,7 +35,7 @@ server.accept()
 
 
 @dataclass(frozen=True, slots=True)
-class Node:
+class RegisteredNode:
     """A node as the master knows it: its name, and host and port in its address."""
 
     name: str
@@ -54,14 +54,14 @@ def inspect_computer(here: Shell) -> Side:
 def inspect_pair(
     here: Shell,
     there: SshShell,
-    nodes: Sequence[Node],
+    nodes: Sequence[RegisteredNode],
     *,
     key_refused: bool = False,
     known: bool = False,
     selected: str = "",
     robot_login: bool = True,
     expected: tuple[Expected, ...] = (),
-) -> Pair:
+) -> ComputerPair:
     """Inspect both computers at once. `selected` is the name of the selected robot; for the rest see Pair.
 
     Raises UserError when the connection is lost.
@@ -85,7 +85,7 @@ def inspect_pair(
             ros2 = replace(ros2[0], heard=heard[0].result()), replace(ros2[1], heard=heard[1].result())
         sides = replace(sides[0], ros2=ros2[0]), replace(sides[1], ros2=ros2[1])
     back = there.run(f"{STRICT} {quote(f'{sides[0].user}@{mine}.local')} true")
-    return Pair(
+    return ComputerPair(
         here=_with_journals(here, sides[0]),
         there=_with_journals(there, sides[1]),
         offset=_offset(here, there),
@@ -138,7 +138,7 @@ def _resolve(shell: Shell, host: str, seconds: int = 8) -> frozenset[str]:
     return frozenset(line.split()[0] for line in done.out.splitlines() if line.strip())
 
 
-def _advertised(here: Shell, there: Shell, nodes: Sequence[Node]) -> list[Advertised]:
+def _advertised(here: Shell, there: Shell, nodes: Sequence[RegisteredNode]) -> list[AdvertisedNode]:
     shells: tuple[tuple[Where, Shell], ...] = (("here", here), ("there", there))
     means = {host: [_resolve(shell, host) for _, shell in shells] for host in sorted({node.host for node in nodes})}
     found = []
@@ -147,7 +147,7 @@ def _advertised(here: Shell, there: Shell, nodes: Sequence[Node]) -> list[Advert
         owners = (_find_owner(where, shell, node.port) for where, shell in shells) if lost else ()
         owner = next((owner for owner in owners if owner), None)
         mine, theirs = means[node.host]
-        found.append(Advertised(node.name, node.host, mine, theirs, owner))
+        found.append(AdvertisedNode(node.name, node.host, mine, theirs, owner))
     return found
 
 

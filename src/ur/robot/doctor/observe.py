@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterable, Mapping
 
 from ur.robot.doctor.messages import MESSAGES_SCRIPT, parse_messages
-from ur.robot.doctor.side import Disk, Setting, Side, Unit
+from ur.robot.doctor.side import Disk, FailedUnit, Setting, Side
 from ur.robot.doctor.wifi import WIFI_SCRIPT, parse_wifi
 from ur.robot.ssh.public_key import parse_public_key
 from ur.robot.ssh.shell import quote
@@ -193,12 +193,12 @@ def _settings(lines: Iterable[str]) -> Iterable[Setting]:
             yield Setting(file, found[1])
 
 
-def _failing(lines: Iterable[str]) -> Iterable[Unit]:
+def _failing(lines: Iterable[str]) -> Iterable[FailedUnit]:
     for line in lines:
         name, _, restarts = line.partition(" ")
         count = parse_integer(restarts)
         if name and count is not None and count >= 0:
-            yield Unit(name, count)
+            yield FailedUnit(name, count)
 
 
 def _disks(lines: Iterable[str]) -> Iterable[Disk]:

@@ -10,9 +10,9 @@ from contextlib import suppress
 from dataclasses import dataclass
 from typing import Literal
 
-from ur.robot.discovery.record import Record
-from ur.robot.discovery.seen import Seen, describe_age
-from ur.robot.doctor.model import Command, Finding
+from ur.robot.discovery.record import RobotRecord
+from ur.robot.discovery.seen import SeenRobot, describe_age
+from ur.robot.doctor.findings import Finding, FixCommand
 from ur.robot.doctor.rules.login import know_host
 from ur.robot.ssh.address import Address
 from ur.robot.ssh.host_key import HostKey, fetch_host_key
@@ -24,7 +24,7 @@ Port = Literal["open", "refused", "silent", ""]
 
 
 @dataclass(frozen=True, slots=True)
-class Route:
+class RouteState:
     """State of each step to a robot. `resolves`: the addresses of the name; `ping`: it answers; `port`: port 22.
 
     `rule` and `reason` are why the login failed; `host_key` is the one that is shown now, where that matters;
@@ -41,7 +41,7 @@ class Route:
 
 
 @dataclass(frozen=True, slots=True)
-class Step:
+class RouteStep:
     """One step of a route: `good` is None after a step that failed."""
 
     title: str
@@ -49,18 +49,18 @@ class Step:
     seen: str = ""
 
 
-def inspect_route(here: Shell, address: Address, rule: str, reason: str) -> Route:
+def inspect_route(here: Shell, address: Address, rule: str, reason: str) -> RouteState:
     """Try each step, after a login failed with a diagnostic's `rule` and `reason`."""
     host = quote(address.host)
     found = here.run(f"timeout 8 getent ahostsv4 {host}").out.split("\n")
     resolves = tuple(dict.fromkeys(line.split()[0] for line in found if line.strip()))
     if not resolves:
-        return Route((), rule=rule, reason=reason)
+        return RouteState((), rule=rule, reason=reason)
     ping = here.run(f"ping -q -n -c 2 -i 0.2 -W 1 {quote(resolves[0])}").code == 0
     port = _knock(resolves[0])
     host_key = _fetch(address) if rule in ("changed-host-key", "unknown-host-key") else None
     twin = here.run(f"timeout 2 getent ahostsv4 {quote(_short(address) + '-2.local')}").out.split()[:1]
-    return Route(resolves, ping, port, rule, reason, host_key, tuple(twin))
+    return RouteState(resolves, ping, port, rule, reason, host_key, tuple(twin))
 
 
 def _fetch(address: Address) -> HostKey | None:
@@ -79,27 +79,29 @@ def _knock(address: str) -> Port:
     return "open"
 
 
-def list_steps(address: Address, route: Route) -> list[Step]:
+def list_steps(address: Address, route: RouteState) -> list[RouteStep]:
     """The steps from the name to the login; the first that is not good is the one that matters."""
     open_port = route.port == "open"
     wrong_key = route.rule in ("changed-host-key", "unknown-host-key")
     steps = [
-        Step(f"name {address.host}", bool(route.resolves), ", ".join(route.resolves) or "not resolved"),
+        RouteStep(f"name {address.host}", bool(route.resolves), ", ".join(route.resolves) or "not resolved"),
         # Some networks let no ping through: what answers at its port is there all the same.
-        Step("answer to ping", route.ping or open_port, "" if route.ping else "none"),
-        Step("port 22", open_port, {"silent": "no answer"}.get(route.port, route.port)),
-        Step(
+        RouteStep("answer to ping", route.ping or open_port, "" if route.ping else "none"),
+        RouteStep("port 22", open_port, {"silent": "no answer"}.get(route.port, route.port)),
+        RouteStep(
             "host key",
             not wrong_key,
             {"changed-host-key": "another one than is known"}.get(route.rule, "not known") if wrong_key else "",
         ),
-        Step(f"login as {address.user}", False, route.reason),
+        RouteStep(f"login as {address.user}", False, route.reason),
     ]
     end = next(index for index, step in enumerate(steps) if not step.good)
-    return [step if index <= end else Step(step.title, None) for index, step in enumerate(steps)]
+    return [step if index <= end else RouteStep(step.title, None) for index, step in enumerate(steps)]
 
 
-def explain_route(address: Address, route: Route, seen: Seen | None, record: Record | None, now: float) -> Finding:
+def explain_route(
+    address: Address, route: RouteState, seen: SeenRobot | None, record: RobotRecord | None, now: float
+) -> Finding:
     """Explain the step that fails, with a fix."""
     host, name = address.host, _short(address)
     if not route.resolves:
@@ -117,7 +119,7 @@ def explain_route(address: Address, route: Route, seen: Seen | None, record: Rec
             "no-ssh-server",
             f"{host} ({where}) answers, but runs no ssh server",
             "at the robot itself:",
-            (Command("there", line, root=True),),
+            (FixCommand("there", line, root=True),),
         )
     if route.port != "open":
         if route.ping:
@@ -126,7 +128,7 @@ def explain_route(address: Address, route: Route, seen: Seen | None, record: Rec
                 "closed-ssh-port",
                 f"{host} ({where}) is there, and a firewall keeps port 22 closed",
                 "at the robot itself:",
-                (Command("there", line, root=True),),
+                (FixCommand("there", line, root=True),),
             )
         return Finding(
             "robot-silent",
@@ -136,14 +138,14 @@ def explain_route(address: Address, route: Route, seen: Seen | None, record: Rec
     return _explain_login(address, route, record, name)
 
 
-def _explain_login(address: Address, route: Route, record: Record | None, name: str) -> Finding:
+def _explain_login(address: Address, route: RouteState, record: RobotRecord | None, name: str) -> Finding:
     host = address.host
     again = f"ur robot setup {quote(str(address))}" + (
         f" --name {quote(record.name)} --base {quote(record.base)}" if record else ""
     )
     shown = f"; its key now: {route.host_key.fingerprint}" if route.host_key else ""
     # The line holds the very key whose fingerprint is shown: what answers later has to be the same computer.
-    renew = (Command("here", know_host(name, route.host_key.key, host)),) if route.host_key else ()
+    renew = (FixCommand("here", know_host(name, route.host_key.key, host)),) if route.host_key else ()
     compare = "compare with the robot's own (ssh-keygen -lf /etc/ssh/ssh_host_ed25519_key.pub)"
     if route.rule == "changed-host-key":
         twin = f"; another computer has its name, too, and is {name}-2.local ({route.twin[0]})" if route.twin else ""
@@ -165,7 +167,7 @@ def _explain_login(address: Address, route: Route, record: Record | None, name: 
             "key-refused",
             f"{host} refuses {address.user}: it does not take this computer's key, and no password was given",
             "is that the user there? Then, once, with the password of that user:",
-            (Command("here", f"ssh-copy-id -i ~/.ssh/id_ed25519.pub {quote(str(address))}"),),
+            (FixCommand("here", f"ssh-copy-id -i ~/.ssh/id_ed25519.pub {quote(str(address))}"),),
         )
     return Finding(
         "no-login", f"{address}: {route.reason}", "run this again; at the robot itself: journalctl -u ssh -n 20"

@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from ur.robot.doctor.messages import Message
-from ur.robot.doctor.ros2.model import Ros2
-from ur.robot.doctor.wifi import Wifi
+from ur.robot.doctor.ros2.seen_graph import Ros2
+from ur.robot.doctor.wifi import WirelessLink
 from ur.system.releases import System
 
 ROS_1 = ("python3-roslaunch", "ros-noetic-roslaunch", "ros-one-roslaunch")  # packages that show it
@@ -23,7 +23,7 @@ class Disk:
 
 
 @dataclass(frozen=True, slots=True)
-class Unit:
+class FailedUnit:
     """A systemd unit that does not work: how often it was started again, and its last words in the journal."""
 
     name: str
@@ -67,7 +67,7 @@ class Side:
     public_key: str = ""
     x11: bool | None = None
     active: Mapping[str, str] = field(default_factory=dict)
-    failing: tuple[Unit, ...] = ()
+    failing: tuple[FailedUnit, ...] = ()
     announced: str = ""
     disks: tuple[Disk, ...] = ()
     large: Mapping[str, float] = field(default_factory=dict)
@@ -86,7 +86,7 @@ class Side:
     system: str = ""
     release: System | None = None
     ur: str = ""
-    wifi: tuple[Wifi, ...] = ()
+    wifi: tuple[WirelessLink, ...] = ()
     ros2: Ros2 = field(default_factory=Ros2)
 
     @property

@@ -5,8 +5,8 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 
-from ur.robot.doctor.model import Pair
-from ur.robot.doctor.ros2.model import NAMES, Ros2, domain_of, middleware_of
+from ur.robot.doctor.findings import ComputerPair
+from ur.robot.doctor.ros2.seen_graph import NAMES, Ros2, domain_of, middleware_of
 from ur.robot.doctor.side import Side
 
 _ROS = re.compile(
@@ -14,7 +14,7 @@ _ROS = re.compile(
 )
 
 
-def summarize(pair: Pair) -> list[tuple[str, str, str]]:
+def summarize(pair: ComputerPair) -> list[tuple[str, str, str]]:
     """Rows (property, value here, value there) of everything that was inspected."""
     here, there = pair.here, pair.there
     rows = [(what, left, right) for what, left, right in zip(_TITLES, _cells(here), _cells(there), strict=True)]
@@ -95,7 +95,7 @@ def _count(number: int, one: str, many: str) -> str:
     return f"{number} {one if number == 1 else many}"
 
 
-def compare_packages(pair: Pair) -> list[tuple[str, str, str]]:
+def compare_packages(pair: ComputerPair) -> list[tuple[str, str, str]]:
     """(package, version here, version there) of what differs: Debian's packages of ROS, and those of workspaces.
 
     A package of a workspace has no version that counts: it is there or not.

@@ -19,7 +19,7 @@ done"""
 
 
 @dataclass(frozen=True, slots=True)
-class Wifi:
+class WirelessLink:
     """A wireless link that is up: frequency (MHz), signal (dBm), rate (Mbit/s) of what it sends; None: not seen."""
 
     device: str
@@ -36,14 +36,14 @@ class Wifi:
         return "2.4 GHz" if self.frequency < 3000 else "5 GHz" if self.frequency < 5925 else "6 GHz"
 
 
-def parse_wifi(text: str) -> tuple[Wifi, ...]:
+def parse_wifi(text: str) -> tuple[WirelessLink, ...]:
     """Read what the script printed: the devices that are connected, in its order."""
     parts = re.split(r"^device (\S+)\n", text, flags=re.MULTILINE)[1:]
     found = (_parse_device(device, said) for device, said in zip(parts[::2], parts[1::2], strict=True))
     return tuple(wifi for wifi in found if wifi)
 
 
-def _parse_device(device: str, said: str) -> Wifi | None:
+def _parse_device(device: str, said: str) -> WirelessLink | None:
     if re.search(r"^Not connected", said, re.MULTILINE):
         return None
     signal = _number(r"^\s*signal: (-?[\d.]+) dBm", said)
@@ -53,7 +53,7 @@ def _parse_device(device: str, said: str) -> Wifi | None:
     frequency = _number(r"^\s*freq: ([\d.]+)", said)
     if signal is None and level is None and frequency is None:
         return None
-    return Wifi(
+    return WirelessLink(
         device,
         frequency,
         level if signal is None else signal,

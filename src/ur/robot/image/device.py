@@ -11,7 +11,7 @@ from ur.source.diagnostic import UserError, error
 
 
 @dataclass(frozen=True, slots=True)
-class Device:
+class DiskDevice:
     """A whole disk, as the kernel describes it."""
 
     path: Path
@@ -30,7 +30,7 @@ def is_device(path: Path) -> bool:
         return False
 
 
-def check_device(path: Path, *, system: Path = Path("/sys"), processes: Path = Path("/proc")) -> Device:
+def check_device(path: Path, *, system: Path = Path("/sys"), processes: Path = Path("/proc")) -> DiskDevice:
     """The disk, when nothing of it is in use and we may write to it.
 
     Raises UserError otherwise: a partition, mounted, used by this computer, or not ours to write.
@@ -64,7 +64,7 @@ def check_device(path: Path, *, system: Path = Path("/sys"), processes: Path = P
     model = " ".join(
         f"{_read(folder / 'device/vendor')} {_read(folder / 'device/model') or _read(folder / 'device/name')}".split()
     )
-    return Device(path, model or "no model name", size)
+    return DiskDevice(path, model or "no model name", size)
 
 
 def _check_unclaimed(path: Path) -> None:

@@ -8,7 +8,7 @@ from ur.robot.image.seed import HostKeyPair
 from ur.robot.image.volume import run_tool
 from ur.robot.setup.change import Change
 from ur.robot.setup.engine import bring_about
-from ur.robot.setup.facts import Facts, Request
+from ur.robot.setup.facts import ComputerFacts, FactsRequest
 from ur.robot.setup.keys import known_host
 from ur.robot.setup.wanted import Wanted, WantedFolder
 from ur.robot.ssh.guard import private_folder
@@ -31,11 +31,11 @@ def make_host_key(name: str) -> HostKeyPair:
 def know_host_key(name: str, pair: HostKeyPair) -> None:
     """Put the public half into this user's known_hosts, in place of the key that a robot of this name had."""
 
-    def make(_: Facts) -> list[Wanted]:
+    def make(_: ComputerFacts) -> list[Wanted]:
         return [WantedFolder("ssh folder", "~/.ssh", mode=0o700), known_host(f"host key of {name}", name, pair.public)]
 
     def ignore(_: Change) -> None:
         return None
 
     user = getpass.getuser()
-    bring_about(LocalShell(), make, user, Request(user), root=False, report=ignore)
+    bring_about(LocalShell(), make, user, FactsRequest(user), root=False, report=ignore)

@@ -13,7 +13,7 @@ import yaml
 
 from ur.robot.image.layout import SEED_FOLDER, Layout, Scheme
 from ur.robot.robot_file import ROBOT_FILE
-from ur.robot.setup.robot_states import KEEP_NAME, Robot, announcement, robot_file
+from ur.robot.setup.robot_states import KEEP_NAME, WantedRobot, announcement, robot_file
 from ur.robot.ssh.shell import quote
 from ur.source.diagnostic import UserError, error
 from ur.source.foreign.yaml_text import load_yaml
@@ -46,7 +46,7 @@ WantedBy=multi-user.target
 
 
 @dataclass(frozen=True, slots=True)
-class Wifi:
+class SeedNetwork:
     """A wireless network: its name, its key as 64 hexadecimal digits ('' for an open one), country and interface."""
 
     network: str
@@ -71,11 +71,11 @@ class SeedOptions:
     `host_key` is the one that it will have; None: it makes one itself.
     """
 
-    robot: Robot
+    robot: WantedRobot
     user: str
     keys: tuple[str, ...]
     password: str = ""
-    wifi: Wifi | None = None
+    wifi: SeedNetwork | None = None
     timezone: str = ""
     locale: str = ""
     host_key: HostKeyPair | None = None
@@ -158,7 +158,7 @@ def _first_commands(options: SeedOptions, *, raspberry: bool) -> list[str]:
     return lines
 
 
-def network_text(wifi: Wifi) -> str:
+def network_text(wifi: SeedNetwork) -> str:
     """cloud-init's network-config, version 2, which is netplan's: any wired network, and this wireless one."""
     point = {"password": wifi.key} if wifi.key else {}
     data = {

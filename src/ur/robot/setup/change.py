@@ -9,7 +9,7 @@ from ur.robot.ssh.secret import Secret
 
 
 @dataclass(frozen=True, slots=True)
-class Command:
+class ChangeScript:
     """One shell script. Run to its end, or killed anywhere, it leaves nothing half written.
 
     With `fetches` it fetches packages: it runs with the variables of a proxy where the computer needs one. `log` is a
@@ -33,7 +33,7 @@ class Change:
 
     title: str
     difference: str
-    commands: tuple[Command, ...]
+    commands: tuple[ChangeScript, ...]
     note: str = ""
 
 

@@ -21,7 +21,7 @@ COMPARE = "at the robot itself: ssh-keygen -lf /etc/ssh/ssh_host_ed25519_key.pub
 
 
 @dataclass(frozen=True, slots=True)
-class Contact:
+class OfferedHostKey:
     """The host key that a robot offers, before any login, and what this computer knows of it.
 
     `known`: the key is the known one of the address. `confirmed`: the address is not known, but the key is that of the
@@ -43,7 +43,7 @@ class Contact:
         return None if self.state in ("known", "away") else self.host_key
 
 
-def meet(address: Address, later: Address, *, with_key: bool = False) -> Contact:
+def meet(address: Address, later: Address, *, with_key: bool = False) -> OfferedHostKey:
     """Compare the host key that a robot offers with those that this computer knows. Nothing secret is sent.
 
     `later` is its address after the set-up. `with_key`: fetch the key also where it is known. Raises UserError: it has
@@ -51,16 +51,18 @@ def meet(address: Address, later: Address, *, with_key: bool = False) -> Contact
     """
     rule = check_known(address)
     if rule == "known":
-        return Contact("known", fetch_host_key(address) if with_key else None)
+        return OfferedHostKey("known", fetch_host_key(address) if with_key else None)
     if rule not in ("unknown-host-key", "changed-host-key"):
-        return Contact("away")
+        return OfferedHostKey("away")
     host_key = fetch_host_key(address)
     if host_key in find_known_keys(later.host) or is_noted(host_key):
-        return Contact("confirmed", host_key)
-    return Contact("changed" if rule == "changed-host-key" else "unknown", host_key)
+        return OfferedHostKey("confirmed", host_key)
+    return OfferedHostKey("changed" if rule == "changed-host-key" else "unknown", host_key)
 
 
-def needs_answer(address: Address, contact: Contact, *, fingerprint: str = "", new_host_key: bool = False) -> bool:
+def needs_answer(
+    address: Address, contact: OfferedHostKey, *, fingerprint: str = "", new_host_key: bool = False
+) -> bool:
     """Return whether the user has to confirm the host key. Raises UserError where it cannot be the right one.
 
     `fingerprint` is the one that the user has given, '' for none; with `new_host_key` the user has said that the known

@@ -10,8 +10,8 @@ from functools import reduce
 from pathlib import Path
 
 import ur.system
-from ur.robot.setup.change import Change, Command
-from ur.robot.setup.facts import Facts, Request, fact_script, parse_facts
+from ur.robot.setup.change import Change, ChangeScript
+from ur.robot.setup.facts import ComputerFacts, FactsRequest, fact_script, parse_facts
 from ur.robot.setup.made import RECORD
 from ur.robot.setup.wanted import Wanted
 from ur.robot.ssh.secret import Secret
@@ -19,7 +19,7 @@ from ur.robot.ssh.shell import Shell, quote
 from ur.source.diagnostic import UserError, error_about
 
 MOST_CHANGES = 300  # of one set-up, which has some dozens: a computer that says something else each time ends it
-Make = Callable[[Facts], Sequence[Wanted]]
+Make = Callable[[ComputerFacts], Sequence[Wanted]]
 Progress = Callable[[str, float, str], None]
 LOOK_SECONDS = 2.0
 _MOST_DIGITS = 16  # of the size of a log
@@ -36,23 +36,23 @@ def no_proxy() -> Secret:
     return Secret("\n\n")
 
 
-def gather(shell: Shell, request: Request, *, root: bool = False) -> Facts:
+def gather(shell: Shell, request: FactsRequest, *, root: bool = False) -> ComputerFacts:
     """Ask a computer for facts, in one round trip. `root`: files that only root may read are wanted."""
     done = shell.run(fact_script(request), root=root)
     return parse_facts(request, done.out)
 
 
-def look(shell: Shell, wanted: Sequence[Wanted], user: str, base: Request, *, root: bool) -> Facts:
+def look(shell: Shell, wanted: Sequence[Wanted], user: str, base: FactsRequest, *, root: bool) -> ComputerFacts:
     """The facts that these wanted states look at, and those of `base`."""
-    return gather(shell, reduce(Request.__or__, [item.request(user) for item in wanted], base), root=root)
+    return gather(shell, reduce(FactsRequest.__or__, [item.request(user) for item in wanted], base), root=root)
 
 
-def plan_changes(wanted: Sequence[Wanted], facts: Facts) -> list[Change]:
+def plan_changes(wanted: Sequence[Wanted], facts: ComputerFacts) -> list[Change]:
     """Plan the changes, in order; empty when all is as wanted."""
     return [change for item in wanted if (change := item.plan(facts))]
 
 
-def plan_together(wanted: Sequence[Wanted], facts: Facts, user: str, base: Request) -> list[Change]:
+def plan_together(wanted: Sequence[Wanted], facts: ComputerFacts, user: str, base: FactsRequest) -> list[Change]:
     """Plan the first changes, in order, that may follow one another without a new look at the computer.
 
     They end before one that looks at a file which an earlier one changes, and after one that changes much, as packages
@@ -81,7 +81,7 @@ def _overlap(path: str, other: str) -> bool:
     return path == other or path.startswith(f"{other}/") or other.startswith(f"{path}/")
 
 
-def plan_undo(wanted: Sequence[Wanted], facts: Facts) -> list[Change]:
+def plan_undo(wanted: Sequence[Wanted], facts: ComputerFacts) -> list[Change]:
     """Plan the changes that undo everything, last first."""
     return [change for item in reversed(wanted) if (change := item.undo(facts))]
 
@@ -118,13 +118,13 @@ def bring_about(
     shell: Shell,
     make: Make,
     user: str,
-    base: Request,
+    base: FactsRequest,
     *,
     root: bool,
     report: Callable[[Change], None],
     route: Callable[[], Secret] = no_proxy,
     progress: Progress | None = None,
-) -> tuple[Facts, int]:
+) -> tuple[ComputerFacts, int]:
     """Make a computer as wanted; the facts afterwards and how many changes it took.
 
     `make` says what is wanted given the facts of `base`; `report` is told before each change. The changes are made in
@@ -136,7 +136,7 @@ def bring_about(
     while len(made) < MOST_CHANGES:
         facts = gather(shell, asked, root=root)
         wanted = make(facts)
-        needed = reduce(Request.__or__, [item.request(user) for item in wanted], base)
+        needed = reduce(FactsRequest.__or__, [item.request(user) for item in wanted], base)
         if not asked.covers(needed):
             asked = needed
             facts = gather(shell, asked, root=root)
@@ -169,7 +169,7 @@ def bring_about(
 
 
 @contextmanager
-def _follow_log(shell: Shell, change: Change, command: Command, progress: Progress | None) -> Iterator[None]:
+def _follow_log(shell: Shell, change: Change, command: ChangeScript, progress: Progress | None) -> Iterator[None]:
     """Report now and then while the context lasts how far a command is by what it adds to its log, or the last line."""
     if progress is None or not command.log:
         yield

@@ -41,7 +41,7 @@ class ServiceState:
 
 
 @dataclass(frozen=True, slots=True)
-class Request:
+class FactsRequest:
     """The facts to read. A path that begins with ~/ lies in the home folder of the user."""
 
     user: str
@@ -49,12 +49,12 @@ class Request:
     packages: frozenset[str] = frozenset()
     services: frozenset[str] = frozenset()
 
-    def __or__(self, other: Request) -> Request:
-        return Request(
+    def __or__(self, other: FactsRequest) -> FactsRequest:
+        return FactsRequest(
             self.user, self.files | other.files, self.packages | other.packages, self.services | other.services
         )
 
-    def covers(self, other: Request) -> bool:
+    def covers(self, other: FactsRequest) -> bool:
         """Return whether the answer to this request holds all facts that the other one asks for."""
         return (
             self.user == other.user
@@ -65,7 +65,7 @@ class Request:
 
 
 @dataclass(frozen=True, slots=True)
-class Facts:
+class ComputerFacts:
     """The facts read from a computer. `packages` holds the versions of those that are installed.
 
     `system` is the text of its os-release. `addresses` are the computer's own, of scope global. `boot` names this boot:
@@ -95,7 +95,7 @@ class Facts:
         return self.home + path[1:] if path.startswith("~/") else path
 
 
-def fact_script(request: Request) -> str:
+def fact_script(request: FactsRequest) -> str:
     """The script that answers a request, to be run as root (files of others) or as the user (only own files)."""
     user = quote(request.user)
     parts = [
@@ -131,7 +131,7 @@ def _file_script(path: str) -> str:
     )
 
 
-def parse_facts(request: Request, output: str) -> Facts:
+def parse_facts(request: FactsRequest, output: str) -> ComputerFacts:
     """Read what the script of this request printed. Raises UserError when it breaks off, or is no answer."""
     sections: dict[str, str] = {}
     for part in output.split(_MARK)[1:]:
@@ -150,10 +150,10 @@ def parse_facts(request: Request, output: str) -> Facts:
         ) from None
 
 
-def _read_sections(request: Request, sections: Mapping[str, str]) -> Facts:
+def _read_sections(request: FactsRequest, sections: Mapping[str, str]) -> ComputerFacts:
     if "end" not in sections:
         raise LookupError("end")
-    return Facts(
+    return ComputerFacts(
         user=request.user,
         home=sections["home"].strip(),
         hostname=sections["hostname"].strip(),

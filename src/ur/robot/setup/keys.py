@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ur.robot.setup.change import Change, Command
-from ur.robot.setup.facts import Facts, Request
+from ur.robot.setup.change import Change, ChangeScript
+from ur.robot.setup.facts import ComputerFacts, FactsRequest
 from ur.robot.setup.made import RECORD, note_script
 from ur.robot.setup.wanted import Wanted, WantedFolder, WantedLine
 from ur.robot.ssh.public_key import PublicKey, parse_public_key
@@ -31,11 +31,11 @@ class WantedKeyPair:
     path: str
     comment: str
 
-    def request(self, user: str) -> Request:
+    def request(self, user: str) -> FactsRequest:
         """Both halves."""
-        return Request(user, files=frozenset({self.path, self.path + ".pub"}))
+        return FactsRequest(user, files=frozenset({self.path, self.path + ".pub"}))
 
-    def plan(self, facts: Facts) -> Change | None:
+    def plan(self, facts: ComputerFacts) -> Change | None:
         """Make it in one step, when there is none; make the public half again when only that is lost."""
         private, public = facts.file(self.path), facts.file(self.path + ".pub")
         path = quote(facts.resolve(self.path))
@@ -46,17 +46,17 @@ class WantedKeyPair:
                 f'ssh-keygen -q -t ed25519 -N "" -C {quote(self.comment)} -f "$d/key"; '
                 f'replace "$d/key.pub" {path}.pub; replace "$d/key" {path}'
             )
-            return Change(self.title, f"{self.path}: new key pair ({self.comment})", (Command(script),))
+            return Change(self.title, f"{self.path}: new key pair ({self.comment})", (ChangeScript(script),))
         if public.text is None:
             again = f"ssh-keygen -y -f {path} >{path}.pub.new && replace {path}.pub.new {path}.pub"
             script = f"{_NEEDS_KEYGEN}{REPLACE}{again}"
-            return Change(self.title, f"{self.path}.pub: made again from the private key", (Command(script),))
+            return Change(self.title, f"{self.path}.pub: made again from the private key", (ChangeScript(script),))
         if private.mode & 0o077:
             change = f"{self.path}: mode {private.mode:o} -> 600"
-            return Change(self.title, change, (Command(f"chmod 600 {path}"),))
+            return Change(self.title, change, (ChangeScript(f"chmod 600 {path}"),))
         return None
 
-    def undo(self, facts: Facts) -> Change | None:  # noqa: ARG002 - of the protocol
+    def undo(self, facts: ComputerFacts) -> Change | None:  # noqa: ARG002 - of the protocol
         """Keys stay: other computers may know them."""
         return None
 
@@ -67,11 +67,11 @@ class WantedOwnLogin:
 
     title: str
 
-    def request(self, user: str) -> Request:
+    def request(self, user: str) -> FactsRequest:
         """The key and who may log in."""
-        return Request(user, files=frozenset({KEY + ".pub", AUTHORIZED, RECORD}))
+        return FactsRequest(user, files=frozenset({KEY + ".pub", AUTHORIZED, RECORD}))
 
-    def plan(self, facts: Facts) -> Change | None:
+    def plan(self, facts: ComputerFacts) -> Change | None:
         """Add the key, also one that is only being made. Raises UserError: what is there is no key."""
         public, authorized = facts.file(KEY + ".pub").text, facts.file(AUTHORIZED).text
         if public and str(_read_key(self.title, KEY + ".pub", public)) in (authorized or "").split("\n"):
@@ -83,9 +83,9 @@ class WantedOwnLogin:
             'new=$(mktemp "$f.XXXXXX"); trap \'rm -f "$new"\' EXIT; [ ! -e "$f" ] || sed -e \'$a\\\' "$f" >"$new"; '
             f'cat {key} >>"$new"; replace "$new" "$f"'
         )
-        return Change(self.title, f"{AUTHORIZED}: + the key of this user", (Command(script),))
+        return Change(self.title, f"{AUTHORIZED}: + the key of this user", (ChangeScript(script),))
 
-    def undo(self, facts: Facts) -> Change | None:
+    def undo(self, facts: ComputerFacts) -> Change | None:
         """Remove the key."""
         public, authorized = facts.file(KEY + ".pub").text, facts.file(AUTHORIZED).text
         if not public or public.strip() not in (authorized or "").split("\n"):

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 
 from ur.robot.ssh.failures import lost_connection
-from ur.robot.ssh.guard import Lines
+from ur.robot.ssh.guard import PipeLines
 from ur.robot.ssh.openssh import ALIVE_SECONDS, SshShell
 from ur.robot.ssh.shell import quote
 from ur.source.diagnostic import UserError, error, error_about
@@ -51,7 +51,7 @@ def hold_robot(shell: SshShell, who: str, report: Callable[[str], None]) -> Iter
 
     heart = threading.Thread(target=beat, daemon=True)
     try:
-        lines = Lines(keeper.stdout.fileno())
+        lines = PipeLines(keeper.stdout.fileno())
         word, _, rest = (lines.read(WAIT_SECONDS) or "").partition(" ")
         if word == "held":
             report(f"{rest} is setting it up: waiting until that is done")

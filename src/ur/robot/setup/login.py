@@ -7,9 +7,9 @@ from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from ur.devices.model import Expected
+from ur.devices.device import Expected
 from ur.robot.setup.contact import note_contact
-from ur.robot.setup.robot_states import Robot
+from ur.robot.setup.robot_states import WantedRobot
 from ur.robot.setup.wanted import Wanted
 from ur.robot.ssh.address import Address
 from ur.robot.ssh.expired import renew_password
@@ -33,7 +33,7 @@ class Task:
     """
 
     address: Address
-    robot: Robot
+    robot: WantedRobot
     current: Secret | None = None
     new: Secret | None = None
     host_key: HostKey | None = None

@@ -8,8 +8,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ur.robot.setup.change import Change, Command
-from ur.robot.setup.facts import Facts, Request
+from ur.robot.setup.change import Change, ChangeScript
+from ur.robot.setup.facts import ComputerFacts, FactsRequest
 from ur.robot.ssh.shell import REPLACE, quote
 
 FOLDER = "~/.local/state/ubiquity_launches/setup"
@@ -21,17 +21,17 @@ def kept_path(path: str) -> str:
     return f"{FOLDER}/before{path.removeprefix('~').replace('/', '%')}"
 
 
-def is_made(facts: Facts, path: str) -> bool:
+def is_made(facts: ComputerFacts, path: str) -> bool:
     """Return whether it is known that this file or folder was not there before."""
     return facts.resolve(path) in (facts.file(RECORD).text or "").split("\n")
 
 
-def was_unended(facts: Facts, path: str) -> bool:
+def was_unended(facts: ComputerFacts, path: str) -> bool:
     """Return whether the last line of this file had no end."""
     return f"unended {facts.resolve(path)}" in (facts.file(RECORD).text or "").split("\n")
 
 
-def note_script(facts: Facts) -> str:
+def note_script(facts: ComputerFacts) -> str:
     """Shell functions. `own PATH` sets f to what PATH is without symbolic links, for the others.
 
     `note PATH NAME` is to be called before PATH is made or changed; NAME is what its user calls it. `keep PATH PLACE`
@@ -59,15 +59,15 @@ class WantedRecord:
 
     title: str = "record of what was there"
 
-    def request(self, user: str) -> Request:
+    def request(self, user: str) -> FactsRequest:
         """The record."""
-        return Request(user, files=frozenset({RECORD}))
+        return FactsRequest(user, files=frozenset({RECORD}))
 
-    def plan(self, facts: Facts) -> Change | None:  # noqa: ARG002 - of the protocol
+    def plan(self, facts: ComputerFacts) -> Change | None:  # noqa: ARG002 - of the protocol
         """It is written when something is."""
         return None
 
-    def undo(self, facts: Facts) -> Change | None:
+    def undo(self, facts: ComputerFacts) -> Change | None:
         """Remove it, and the folders that were made for it."""
         if facts.file(RECORD).text is None:
             return None
@@ -76,4 +76,4 @@ class WantedRecord:
             f'{note_script(facts)} all=$(cat "$r"); made() {{ printf "%s\\n" "$all" | grep -qxF -- "$1"; }}; '
             f'rm -f "$r"; d={folder}; r=/; while made "$d" && rmdir "$d" 2>/dev/null; do d=${{d%/*}}; done; :'
         )
-        return Change(self.title, f"{RECORD}: removed", (Command(script),))
+        return Change(self.title, f"{RECORD}: removed", (ChangeScript(script),))

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ur.robot.setup.change import Change, Command
-from ur.robot.setup.facts import APT_USERS, Facts, Request
+from ur.robot.setup.change import Change, ChangeScript
+from ur.robot.setup.facts import APT_USERS, ComputerFacts, FactsRequest
 from ur.robot.ssh.shell import quote
 
 APT_SECONDS = 3600.0
@@ -20,15 +20,15 @@ class WantedPackages:
     title: str
     names: tuple[str, ...]
 
-    def request(self, user: str) -> Request:
+    def request(self, user: str) -> FactsRequest:
         """All alternatives."""
-        return Request(user, packages=frozenset(name for entry in self.names for name in entry.split("|")))
+        return FactsRequest(user, packages=frozenset(name for entry in self.names for name in entry.split("|")))
 
-    def missing(self, facts: Facts) -> list[str]:
+    def missing(self, facts: ComputerFacts) -> list[str]:
         """The entries of which no alternative is installed."""
         return [entry for entry in self.names if not any(name in facts.packages for name in entry.split("|"))]
 
-    def plan(self, facts: Facts) -> Change | None:
+    def plan(self, facts: ComputerFacts) -> Change | None:
         """Install what is missing, after mending an installation that was interrupted."""
         missing = self.missing(facts)
         if not missing:
@@ -37,7 +37,7 @@ class WantedPackages:
         note = f"{facts.apt_user} installs something there: waiting for its end" if facts.apt_user else ""
         return Change(self.title, difference, (install_packages(missing),), note=note)
 
-    def undo(self, facts: Facts) -> Change | None:  # noqa: ARG002 - of the protocol
+    def undo(self, facts: ComputerFacts) -> Change | None:  # noqa: ARG002 - of the protocol
         """Packages stay: something else may need them by now."""
         return None
 
@@ -49,24 +49,26 @@ class WantedService:
     title: str
     unit: str
 
-    def request(self, user: str) -> Request:
+    def request(self, user: str) -> FactsRequest:
         """The unit."""
-        return Request(user, services=frozenset({self.unit}))
+        return FactsRequest(user, services=frozenset({self.unit}))
 
-    def plan(self, facts: Facts) -> Change | None:
+    def plan(self, facts: ComputerFacts) -> Change | None:
         """Enable and start it."""
         state = facts.services[self.unit]
         if state.enabled in ("enabled", "static", "alias") and state.active in ("active", "activating"):
             return None
         difference = f"{self.unit}: {state.active or 'absent'}, {state.enabled or 'absent'} -> active, enabled"
-        return Change(self.title, difference, (Command(f"systemctl enable --now {quote(self.unit)} 2>&1", root=True),))
+        return Change(
+            self.title, difference, (ChangeScript(f"systemctl enable --now {quote(self.unit)} 2>&1", root=True),)
+        )
 
-    def undo(self, facts: Facts) -> Change | None:  # noqa: ARG002 - of the protocol
+    def undo(self, facts: ComputerFacts) -> Change | None:  # noqa: ARG002 - of the protocol
         """Services stay: something else may need them by now."""
         return None
 
 
-def install_packages(entries: list[str]) -> Command:
+def install_packages(entries: list[str]) -> ChangeScript:
     """Install packages, in one script that goes on by itself when the connection breaks. Its output goes to APT_LOG."""
     choose = "".join(
         f'for n in {entry.replace("|", " ")}; do apt-cache show $n >/dev/null 2>&1 && break; done; set -- "$@" "$n"; '
@@ -86,7 +88,7 @@ def install_packages(entries: list[str]) -> Command:
         f'{apt} -y --no-install-recommends install "$@"; code=$?; [ $code -eq 0 ] || {{ '
         f"said=$(tail -n +$from {APT_LOG}); {_EXPLAIN}; }} >&3; exit $code"
     )
-    return Command(script, root=True, timeout=APT_SECONDS, fetches=True, log=APT_LOG)
+    return ChangeScript(script, root=True, timeout=APT_SECONDS, fetches=True, log=APT_LOG)
 
 
 # A package that was killed while it was unpacked keeps itself and all that need it from being configured.

@@ -11,16 +11,16 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from ur.robot.boot.units import tell_base_script
-from ur.robot.discovery.record import Record, render_record
+from ur.robot.discovery.record import RobotRecord, render_record
 from ur.robot.setup.change import Change
 from ur.robot.setup.contact import forget_contact, note_contact
 from ur.robot.setup.engine import Progress, bring_about, gather, look, plan_changes
-from ur.robot.setup.facts import Facts, Request
+from ur.robot.setup.facts import ComputerFacts, FactsRequest
 from ur.robot.setup.internet.share import share_internet
 from ur.robot.setup.keys import HOST_KEY, KEY, allowed_key, known_host, own_keys
 from ur.robot.setup.lock import hold_robot
 from ur.robot.setup.login import Report, Task, find_passwords, is_password, open_robot
-from ur.robot.setup.robot_states import Robot, Viewer, WantedPassword, base_request, wanted_there
+from ur.robot.setup.robot_states import ViewerFacts, WantedPassword, WantedRobot, base_request, wanted_there
 from ur.robot.setup.wanted import Wanted, WantedFile
 from ur.robot.ssh.address import Address
 from ur.robot.ssh.host_key import HostKey, find_known_keys
@@ -36,20 +36,20 @@ PAUSE_SECONDS = 0.5
 CLOCK_SECONDS = 120.0
 
 
-def prepare_viewer(shell: Shell, user: str) -> Viewer:
+def prepare_viewer(shell: Shell, user: str) -> ViewerFacts:
     """Make sure that this user has keys, and tell what a robot has to know."""
-    base = Request(user, files=frozenset({HOST_KEY, KEY + ".pub"}))
+    base = FactsRequest(user, files=frozenset({HOST_KEY, KEY + ".pub"}))
 
-    def make(facts: Facts) -> list[Wanted]:
+    def make(facts: ComputerFacts) -> list[Wanted]:
         return own_keys(user, facts.hostname, facts.file(HOST_KEY).text)
 
     with _alone_here():
         bring_about(shell, make, user, base, root=False, report=lambda _: None)
     facts = gather(shell, base)
-    return Viewer(user, facts.hostname, facts.file(KEY + ".pub").text or "", facts.file(HOST_KEY).text)
+    return ViewerFacts(user, facts.hostname, facts.file(KEY + ".pub").text or "", facts.file(HOST_KEY).text)
 
 
-def preview(task: Task, shell: SshShell, viewer: Viewer) -> list[Change]:
+def preview(task: Task, shell: SshShell, viewer: ViewerFacts) -> list[Change]:
     """Preview the changes on the robot."""
     user = task.address.user
     base = base_request(user)
@@ -57,12 +57,12 @@ def preview(task: Task, shell: SshShell, viewer: Viewer) -> list[Change]:
     return plan_changes(items, look(shell, items, user, base, root=True))
 
 
-def _wanted(task: Task, shell: SshShell, viewer: Viewer, facts: Facts) -> list[Wanted]:
+def _wanted(task: Task, shell: SshShell, viewer: ViewerFacts, facts: ComputerFacts) -> list[Wanted]:
     check_robot_system(shell.place, parse_os_release(facts.system))
     return wanted_there(facts, task.robot, viewer, _password(task, shell), library=task.library, devices=task.devices)
 
 
-def set_up(task: Task, here: Shell, viewer: Viewer, report: Report, progress: Progress | None = None) -> int:
+def set_up(task: Task, here: Shell, viewer: ViewerFacts, report: Report, progress: Progress | None = None) -> int:
     """Bring the robot, and what this computer knows of it, to the wanted state; the number of changes it took.
 
     `progress` gets what long changes do. Raises UserError, naming what failed, what to do, and leaving a robot that can
@@ -100,7 +100,7 @@ def set_up(task: Task, here: Shell, viewer: Viewer, report: Report, progress: Pr
     return count + 1
 
 
-def update_master(robot: Robot, shell: Shell, report: Report) -> int:
+def update_master(robot: WantedRobot, shell: Shell, report: Report) -> int:
     """Give a running ROS master the base and variant of the robot file; 1 where it had others, else 0.
 
     It is looked at each time, so that an interrupted set-up is completed. A master that does not run gets them at its
@@ -177,7 +177,7 @@ def _reboot(shell: SshShell) -> str:
     return ""
 
 
-def _remember(task: Task, host: str, here: Shell, viewer: Viewer, facts: Facts, report: Report) -> int:
+def _remember(task: Task, host: str, here: Shell, viewer: ViewerFacts, facts: ComputerFacts, report: Report) -> int:
     host_key, public_key = facts.file(HOST_KEY).text, facts.file(KEY + ".pub").text
     if not host_key or not public_key:
         raise UserError(
@@ -196,9 +196,9 @@ def _remember(task: Task, host: str, here: Shell, viewer: Viewer, facts: Facts, 
             )
         )
     robot = task.robot
-    record = Record(robot.name, task.address.user, robot.base, robot.variant, robot_login=task.robot_login)
+    record = RobotRecord(robot.name, task.address.user, robot.base, robot.variant, robot_login=task.robot_login)
 
-    def make(_: Facts) -> list[Wanted]:
+    def make(_: ComputerFacts) -> list[Wanted]:
         return [
             known_host(f"host key of {robot.name}", robot.name, host_key),
             *([allowed_key(f"login from {robot.name}", public_key)] if task.robot_login else []),
@@ -210,7 +210,7 @@ def _remember(task: Task, host: str, here: Shell, viewer: Viewer, facts: Facts, 
             here,
             make,
             viewer.user,
-            Request(viewer.user),
+            FactsRequest(viewer.user),
             root=False,
             report=lambda change: report(f"here: {change.title}"),
         )[1]
@@ -237,7 +237,7 @@ def _password(task: Task, shell: SshShell) -> WantedPassword | None:
 
 def _check_robot(task: Task, shell: SshShell) -> None:
     """Raise UserError where its system cannot have ROS 1, or another computer has the name that it is to have."""
-    mine = gather(shell, Request(task.address.user))
+    mine = gather(shell, FactsRequest(task.address.user))
     check_robot_system(shell.place, parse_os_release(mine.system))
     if mine.hostname == task.robot.name:
         return

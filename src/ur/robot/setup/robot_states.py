@@ -7,14 +7,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from importlib.metadata import version
 
-from ur.devices.model import Expected
+from ur.devices.device import Expected
 from ur.devices.observe import RULES_FILE
 from ur.devices.udev import RELOAD, write_rules
 from ur.robot.boot.units import master_unit
 from ur.robot.robot_file import ROBOT_FILE
-from ur.robot.setup.change import Change, Command
+from ur.robot.setup.change import Change, ChangeScript
 from ur.robot.setup.environment import robot_environment
-from ur.robot.setup.facts import Facts, Request
+from ur.robot.setup.facts import ComputerFacts, FactsRequest
 from ur.robot.setup.keys import HOST_KEY, KEY, allowed_key, known_host, own_keys
 from ur.robot.setup.packages import WantedPackages, WantedService
 from ur.robot.setup.wanted import Wanted, WantedFile, WantedFolder, WantedGroups, WantedLine
@@ -41,7 +41,7 @@ KEEP_NAME = "# Written by ur robot setup.\npreserve_hostname: true\nmanage_etc_h
 
 
 @dataclass(frozen=True, slots=True)
-class Viewer:
+class ViewerFacts:
     """The facts that a robot needs about the viewer. `host_key` is None when no ssh server is there."""
 
     user: str
@@ -51,7 +51,7 @@ class Viewer:
 
 
 @dataclass(frozen=True, slots=True)
-class Robot:
+class WantedRobot:
     """The name and base that a robot is to have. With `master`, it keeps a ROS master running from its boot on.
 
     With `programs`, everything that programs of this project need is installed there.
@@ -72,19 +72,19 @@ class WantedPassword:
     is_set: bool
     title: str = "password"
 
-    def request(self, user: str) -> Request:
+    def request(self, user: str) -> FactsRequest:
         """No facts."""
-        return Request(user)
+        return FactsRequest(user)
 
-    def plan(self, facts: Facts) -> Change | None:
+    def plan(self, facts: ComputerFacts) -> Change | None:
         """Set it, through standard input."""
         if self.is_set:
             return None
         line = Secret(f"{facts.user}:{self.password.reveal()}\n")
-        command = Command("chpasswd", root=True, stdin=line)
+        command = ChangeScript("chpasswd", root=True, stdin=line)
         return Change(self.title, f"new password for {facts.user}", (command,))
 
-    def undo(self, facts: Facts) -> Change | None:  # noqa: ARG002 - of the protocol
+    def undo(self, facts: ComputerFacts) -> Change | None:  # noqa: ARG002 - of the protocol
         """It stays."""
         return None
 
@@ -94,15 +94,15 @@ def is_robot_name(text: str) -> bool:
     return re.fullmatch(r"[a-z0-9]([a-z0-9-]{0,61}[a-z0-9])?", text) is not None
 
 
-def base_request(user: str) -> Request:
+def base_request(user: str) -> FactsRequest:
     """The facts that `wanted_there` needs."""
-    return Request(user, files=frozenset({HOST_KEY, KEY + ".pub", CLOUD, AVAHI, str(ROBOT_FILE)}))
+    return FactsRequest(user, files=frozenset({HOST_KEY, KEY + ".pub", CLOUD, AVAHI, str(ROBOT_FILE)}))
 
 
 def wanted_there(
-    facts: Facts,
-    robot: Robot,
-    viewer: Viewer,
+    facts: ComputerFacts,
+    robot: WantedRobot,
+    viewer: ViewerFacts,
     password: WantedPassword | None,
     *,
     library: Sequence[Wanted] = (),
@@ -175,7 +175,7 @@ def boot_master(user: str, home: str) -> list[Wanted]:
     ]
 
 
-def robot_file(robot: Robot, present: str | None = None) -> str:
+def robot_file(robot: WantedRobot, present: str | None = None) -> str:
     """The text of robot.yaml. What else the present one holds, such as devices, stays.
 
     Names and bases are plain words, which YAML may still take for numbers or truths: they stand in quotes.
@@ -190,7 +190,7 @@ def robot_file(robot: Robot, present: str | None = None) -> str:
     )
 
 
-def announcement(robot: Robot, user: str) -> str:
+def announcement(robot: WantedRobot, user: str) -> str:
     """The avahi service by which viewers find the robot. `version` is that of `ur`, which set it up."""
     own = {"name": robot.name, "base": robot.base, "variant": robot.variant, "user": user}
     records = {**own, "version": version("ubiquity-launches")}
@@ -202,7 +202,7 @@ def announcement(robot: Robot, user: str) -> str:
     )
 
 
-def time_source(viewer: Viewer) -> str:
+def time_source(viewer: ViewerFacts) -> str:
     """Chrony's settings: the viewer counts when there is no better source, as on a robot without internet."""
     return (
         "# Written by ur robot setup. The viewer's time, where no server of the internet answers.\n"

@@ -9,7 +9,7 @@ from ur.robot.boot.units import LIBRARIES
 from ur.robot.discovery.ask import clock_offset
 from ur.robot.robot_file import ROBOT_FILE
 from ur.robot.setup.login import Task
-from ur.robot.setup.robot_states import SERVICE_TYPE, Viewer, robot_file
+from ur.robot.setup.robot_states import SERVICE_TYPE, ViewerFacts, robot_file
 from ur.robot.ssh.openssh import SshShell
 from ur.robot.ssh.shell import Shell, quote
 
@@ -38,7 +38,9 @@ class Check:
     seen: str
 
 
-def verify(task: Task, here: Shell, there: SshShell, viewer: Viewer, find_master: Callable[[str], bool]) -> list[Check]:
+def verify(
+    task: Task, here: Shell, there: SshShell, viewer: ViewerFacts, find_master: Callable[[str], bool]
+) -> list[Check]:
     """All points, good or not. Raises UserError only when the connection is lost.
 
     `find_master` waits until a host's ROS master answers here; it starts after the network is there.

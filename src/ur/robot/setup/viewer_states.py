@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from ur.robot.setup.environment import viewer_environment
-from ur.robot.setup.facts import Facts, Request
+from ur.robot.setup.facts import ComputerFacts, FactsRequest
 from ur.robot.setup.keys import HOST_KEY, own_keys
 from ur.robot.setup.made import WantedRecord
 from ur.robot.setup.packages import WantedPackages, WantedService
@@ -37,13 +37,13 @@ allow fe80::/10
 """
 
 
-def base_request(user: str) -> Request:
+def base_request(user: str) -> FactsRequest:
     """The facts that `wanted_here` needs."""
-    return Request(user, files=frozenset({HOST_KEY}))
+    return FactsRequest(user, files=frozenset({HOST_KEY}))
 
 
 def wanted_here(
-    facts: Facts, repository: Path, *, system: bool = True, completion: Mapping[str, str] | None = None
+    facts: ComputerFacts, repository: Path, *, system: bool = True, completion: Mapping[str, str] | None = None
 ) -> list[Wanted]:
     """The viewer's wanted states, in the order of their making. Without `system`, only those that need no root.
 

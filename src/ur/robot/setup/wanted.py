@@ -9,8 +9,8 @@ import re
 from dataclasses import dataclass
 from typing import Protocol
 
-from ur.robot.setup.change import Change, Command, show_difference
-from ur.robot.setup.facts import Facts, Request
+from ur.robot.setup.change import Change, ChangeScript, show_difference
+from ur.robot.setup.facts import ComputerFacts, FactsRequest
 from ur.robot.setup.made import RECORD, is_made, kept_path, note_script, was_unended
 from ur.robot.ssh.shell import REPLACE, quote
 
@@ -22,13 +22,13 @@ class Wanted(Protocol):
     def title(self) -> str:
         """A few words that name it."""
 
-    def request(self, user: str) -> Request:
+    def request(self, user: str) -> FactsRequest:
         """The facts that `plan` and `undo` look at."""
 
-    def plan(self, facts: Facts) -> Change | None:
+    def plan(self, facts: ComputerFacts) -> Change | None:
         """Plan the missing changes."""
 
-    def undo(self, facts: Facts) -> Change | None:
+    def undo(self, facts: ComputerFacts) -> Change | None:
         """Plan the changes that undo it."""
 
 
@@ -45,11 +45,11 @@ class WantedFile:
     mode: int = 0o644
     then: str = ""
 
-    def request(self, user: str) -> Request:
+    def request(self, user: str) -> FactsRequest:
         """The file, and what is known of the time before it."""
-        return Request(user, files=frozenset({self.path, RECORD, kept_path(self.path)}))
+        return FactsRequest(user, files=frozenset({self.path, RECORD, kept_path(self.path)}))
 
-    def plan(self, facts: Facts) -> Change | None:
+    def plan(self, facts: ComputerFacts) -> Change | None:
         """Write it when text or mode differ. A file of the user that was there is put away."""
         state = facts.file(self.path)
         if state.text == self.text and state.mode == self.mode:
@@ -60,7 +60,7 @@ class WantedFile:
             self.title, difference, (write_file(facts, self.path, self.text, self.mode, self.then, keep=True),)
         )
 
-    def undo(self, facts: Facts) -> Change | None:
+    def undo(self, facts: ComputerFacts) -> Change | None:
         """Remove it when it is still ours, unchanged; put back what was there."""
         state, kept = facts.file(self.path), facts.file(kept_path(self.path)).text
         if state.text != self.text:
@@ -69,7 +69,7 @@ class WantedFile:
             return _remove_file(facts, self.title, self.path, state.text, self.then)
         place = quote(facts.resolve(kept_path(self.path)))
         script = f'{note_script(facts)} own {quote(facts.resolve(self.path))}; replace {place} "$f"'
-        return Change(self.title, show_difference(self.path, state.text, kept), (Command(script),))
+        return Change(self.title, show_difference(self.path, state.text, kept), (ChangeScript(script),))
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,11 +86,11 @@ class WantedLine:
     mode: int = 0o644
     old: tuple[str, ...] = ()
 
-    def request(self, user: str) -> Request:
+    def request(self, user: str) -> FactsRequest:
         """The file, and what is known of the time before it."""
-        return Request(user, files=frozenset({self.path, RECORD}))
+        return FactsRequest(user, files=frozenset({self.path, RECORD}))
 
-    def plan(self, facts: Facts) -> Change | None:
+    def plan(self, facts: ComputerFacts) -> Change | None:
         """Put it where it belongs; elsewhere in the file it is taken away. A wrong mode is set right only if wider."""
         state = facts.file(self.path)
         rest = self._rest(state.text)
@@ -108,7 +108,7 @@ class WantedLine:
         difference = show_difference(self.path, state.text, text) or f"{self.path}: mode {state.mode:o} -> {mode:o}"
         return Change(self.title, difference, (write_file(facts, self.path, text, mode),))
 
-    def undo(self, facts: Facts) -> Change | None:
+    def undo(self, facts: ComputerFacts) -> Change | None:
         """Take the line away, and the file when it was not there and nothing else is in it."""
         state = facts.file(self.path)
         if state.text is None or self.line not in state.text.split("\n"):
@@ -137,11 +137,11 @@ class WantedFolder:
     path: str
     mode: int = 0o755
 
-    def request(self, user: str) -> Request:
+    def request(self, user: str) -> FactsRequest:
         """The folder, and whether it was there."""
-        return Request(user, files=frozenset({self.path, RECORD}))
+        return FactsRequest(user, files=frozenset({self.path, RECORD}))
 
-    def plan(self, facts: Facts) -> Change | None:
+    def plan(self, facts: ComputerFacts) -> Change | None:
         """Make it. One that others shall not enter loses rights that are too wide."""
         state = facts.file(self.path)
         strict = not self.mode & 0o077
@@ -150,18 +150,18 @@ class WantedFolder:
         path = quote(facts.resolve(self.path))
         if state.folder:
             difference = f"{self.path}: mode {state.mode:o} -> {self.mode:o}"
-            return Change(self.title, difference, (Command(f"chmod {self.mode:o} {path}"),))
+            return Change(self.title, difference, (ChangeScript(f"chmod {self.mode:o} {path}"),))
         script = (
             f'{note_script(facts)} own {path}; note "$f" {path}; mkdir -p -m {self.mode:o} "$f" && last "${{f%/*}}"'
         )
-        return Change(self.title, f"{self.path}/: new folder", (Command(script),))
+        return Change(self.title, f"{self.path}/: new folder", (ChangeScript(script),))
 
-    def undo(self, facts: Facts) -> Change | None:
+    def undo(self, facts: ComputerFacts) -> Change | None:
         """Remove it when it was made and is empty, which is seen in trying. A strict one stays: it holds keys."""
         if not facts.file(self.path).folder or not self.mode & 0o077 or not is_made(facts, self.path):
             return None
         script = f'{note_script(facts)} own {quote(facts.resolve(self.path))}; prune "$f/."'
-        return Change(self.title, f"{self.path}/: removed if empty", (Command(script),))
+        return Change(self.title, f"{self.path}/: removed if empty", (ChangeScript(script),))
 
 
 @dataclass(frozen=True, slots=True)
@@ -171,11 +171,11 @@ class WantedGroups:
     title: str
     names: tuple[str, ...]
 
-    def request(self, user: str) -> Request:
+    def request(self, user: str) -> FactsRequest:
         """The facts to read: the groups."""
-        return Request(user, files=frozenset({"/etc/group"}))
+        return FactsRequest(user, files=frozenset({"/etc/group"}))
 
-    def plan(self, facts: Facts) -> Change | None:
+    def plan(self, facts: ComputerFacts) -> Change | None:
         """Join those that are missing; it takes effect at the next login."""
         existing = {line.split(":")[0] for line in (facts.file("/etc/group").text or "").splitlines()}
         missing = [name for name in self.names if name in existing and name not in facts.groups]
@@ -183,14 +183,16 @@ class WantedGroups:
             return None
         script = f"usermod --append --groups {','.join(missing)} {quote(facts.user)}"
         difference = f"{facts.user} joins {', '.join(missing)}"
-        return Change(self.title, difference, (Command(script, root=True),))
+        return Change(self.title, difference, (ChangeScript(script, root=True),))
 
-    def undo(self, facts: Facts) -> Change | None:  # noqa: ARG002 - of the protocol
+    def undo(self, facts: ComputerFacts) -> Change | None:  # noqa: ARG002 - of the protocol
         """Groups stay: something else may need them by now."""
         return None
 
 
-def write_file(facts: Facts, path: str, text: str, mode: int, then: str = "", *, keep: bool = False) -> Command:
+def write_file(
+    facts: ComputerFacts, path: str, text: str, mode: int, then: str = "", *, keep: bool = False
+) -> ChangeScript:
     """Write a file in one step: who reads it sees the old one or the new one, whatever is killed when.
 
     A file that is a symbolic link stays one: what it points to is written. With `keep`, a file of the user is put away.
@@ -211,12 +213,12 @@ def write_file(facts: Facts, path: str, text: str, mode: int, then: str = "", *,
     )
     if then:
         script += f"; {then}"
-    return Command(script, root=not own, stdin=text)
+    return ChangeScript(script, root=not own, stdin=text)
 
 
-def _remove_file(facts: Facts, title: str, path: str, text: str | None, then: str = "") -> Change:
+def _remove_file(facts: ComputerFacts, title: str, path: str, text: str | None, then: str = "") -> Change:
     own = path.startswith("~/")
     target = quote(facts.resolve(path))
     script = f'{note_script(facts)} own {target}; rm -f "$f"; prune "$f"' if own else f"rm -f {target}"
     script += f"; {then}" if then else ""
-    return Change(title, show_difference(path, text, None), (Command(script, root=not own),))
+    return Change(title, show_difference(path, text, None), (ChangeScript(script, root=not own),))

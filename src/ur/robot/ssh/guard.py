@@ -57,7 +57,7 @@ def private_folder() -> Iterator[Path]:
 
 
 @dataclass(slots=True)
-class Lines:
+class PipeLines:
     """The lines of a pipe, by its file descriptor, read with a limit to one's patience."""
 
     pipe: int
@@ -81,7 +81,7 @@ class Guarded:
     """A program that runs. What it says on its standard error goes to `log`."""
 
     log: Path
-    lines: Lines
+    lines: PipeLines
 
     def wait_for_line(self, line: str, seconds: float) -> bool:
         """Wait until it prints this line. False when it ends first or `seconds` pass."""
@@ -98,7 +98,7 @@ def run_guarded(command: Sequence[str], log: Path, environment: dict[str, str] |
     process = _spawn(["sh", "-c", _PROGRAM, "sh", str(log), *command], environment)
     assert process.stdout
     try:
-        yield Guarded(log, Lines(process.stdout.fileno()))
+        yield Guarded(log, PipeLines(process.stdout.fileno()))
     finally:
         _end(process)
 

@@ -13,7 +13,7 @@ from ur.robot.ssh.failures import explain_failure
 from ur.robot.ssh.guard import private_folder
 from ur.robot.ssh.openssh import CONNECT_SECONDS
 from ur.robot.ssh.public_key import parse_public_key
-from ur.robot.ssh.shell import Done, run_process
+from ur.robot.ssh.shell import ShellResult, run_process
 from ur.source.diagnostic import UserError, error_about
 
 _FINGERPRINT = re.compile(r"SHA256:[A-Za-z0-9+/]{43}")
@@ -94,7 +94,7 @@ def fetch_host_key(address: Address) -> HostKey:
         raise explain_failure(address, done.err) from None
 
 
-def _knock(address: Address, settings: list[str]) -> Done:
+def _knock(address: Address, settings: list[str]) -> ShellResult:
     """Connect as far as the host key. Logging in is tried with method `none`, which offers nothing."""
     none = ["BatchMode=yes", "PreferredAuthentications=none", "PubkeyAuthentication=no", "PasswordAuthentication=no"]
     none += ["KbdInteractiveAuthentication=no", "GSSAPIAuthentication=no", "HostbasedAuthentication=no"]

@@ -21,7 +21,7 @@ from ur.robot.ssh.failures import (
 )
 from ur.robot.ssh.guard import private_folder, run_guarded
 from ur.robot.ssh.secret import Secret
-from ur.robot.ssh.shell import Done, quote, run_process
+from ur.robot.ssh.shell import ShellResult, quote, run_process
 from ur.source.diagnostic import UserError
 from ur.source.progress import Waiting, no_waiting
 
@@ -63,7 +63,7 @@ class SshShell:
         """The ssh command, up to the address, that uses this connection: for programs that start ssh themselves."""
         return ["ssh", *_ONLY_SHARED, *self._options]
 
-    def run(self, script: str, *, root: bool = False, stdin: str | Secret = "", timeout: float = 60.0) -> Done:
+    def run(self, script: str, *, root: bool = False, stdin: str | Secret = "", timeout: float = 60.0) -> ShellResult:
         """Run a script with sh there. With `root`, by sudo, which reads the password from the connection.
 
         Raises UserError when the connection is gone.
@@ -73,7 +73,7 @@ class SshShell:
             done = self._run(script, root, stdin, timeout)  # it had not begun: the password is another one by now
         return done
 
-    def _run(self, script: str, root: bool, stdin: str | Secret, timeout: float) -> Done:
+    def _run(self, script: str, root: bool, stdin: str | Secret, timeout: float) -> ShellResult:
         text = stdin.reveal() if isinstance(stdin, Secret) else stdin
         # 255 is what ssh itself says when the connection breaks, so no script may.
         words = self._words(f"({script}\n); code=$?; [ $code -ne 255 ] || code=254; exit $code", root)

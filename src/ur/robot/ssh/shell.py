@@ -21,7 +21,7 @@ _CHUNK = 1 << 16
 
 
 @dataclass(frozen=True, slots=True)
-class Done:
+class ShellResult:
     """The result of a command."""
 
     code: int
@@ -43,7 +43,7 @@ class Shell(Protocol):
     def place(self) -> str:
         """The name of the computer in messages."""
 
-    def run(self, script: str, *, root: bool = False, stdin: str | Secret = "", timeout: float = 60.0) -> Done:
+    def run(self, script: str, *, root: bool = False, stdin: str | Secret = "", timeout: float = 60.0) -> ShellResult:
         """Run a script to its end. Raises UserError when it cannot be run at all, or not within `timeout` seconds."""
 
 
@@ -55,7 +55,7 @@ class LocalShell:
     def __init__(self, *, terminal: bool = False) -> None:
         self._terminal = terminal
 
-    def run(self, script: str, *, root: bool = False, stdin: str | Secret = "", timeout: float = 60.0) -> Done:
+    def run(self, script: str, *, root: bool = False, stdin: str | Secret = "", timeout: float = 60.0) -> ShellResult:
         """Run a script with sh. With `root`, by sudo, which asks on the terminal when there is one."""
         what = f"a command on {self.place}"
         if not root or os.geteuid() == 0:
@@ -78,7 +78,7 @@ def run_process(
     timeout: float,
     what: str,
     own_session: bool = True,
-) -> Done:
+) -> ShellResult:
     """Run a program to its end. When it is late or we are stopped it is killed; with `own_session`, all it started too.
 
     Raises UserError: not found, not done after `timeout` seconds, or more than MOST_BYTES of output.
@@ -127,7 +127,7 @@ def run_process(
             with suppress(OSError):
                 if stream:
                     stream.close()
-    return Done(process.returncode, out, err)
+    return ShellResult(process.returncode, out, err)
 
 
 def _exchange(process: subprocess.Popen[bytes], text: bytes, end: float) -> tuple[str, str]:

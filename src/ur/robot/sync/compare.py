@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
 
-from ur.robot.sync.model import SIDES, Agreed, Conflict, File, Identity, Manifest, Side, Step, SyncPlan
 from ur.robot.sync.side import is_ignored
+from ur.robot.sync.steps import SIDES, Agreed, Conflict, File, Identity, Manifest, Side, SyncPlan, SyncStep
 
 BOTH = "changed on both sides"
 FIRST = "different on both sides, and there was no sync before"
@@ -37,7 +37,7 @@ def compare(
             notes.append(f"everything is gone {side}: taken for a new workspace, so nothing is deleted")
             last = {}
     same: dict[str, Agreed] = {}
-    steps: list[Step] = []
+    steps: list[SyncStep] = []
     conflicts: list[Conflict] = []
     for path in sorted({*here.files, *there.files, *last}):
         if _is_below(path, skipped) or (only and not _is_below(path, only)):
@@ -46,7 +46,7 @@ def compare(
             continue
         mine, yours = here.files.get(path), there.files.get(path)
         found = _compare_path(path, mine, yours, last.get(path), take)
-        if isinstance(found, Step):
+        if isinstance(found, SyncStep):
             steps.append(found)
         elif isinstance(found, Conflict):
             conflicts.append(found)
@@ -68,18 +68,18 @@ def compare(
 
 def _compare_path(
     path: str, here: File | None, there: File | None, last: Agreed | None, take: Side | None
-) -> Step | Conflict | None:
+) -> SyncStep | Conflict | None:
     mine, yours, old = (each.identity if each else None for each in (here, there, last))
     if mine == yours:
         return None
     if mine == old:
-        return Step(path, "here", here, there)
+        return SyncStep(path, "here", here, there)
     if yours == old:
-        return Step(path, "there", there, here)
+        return SyncStep(path, "there", there, here)
     if take == "here":
-        return Step(path, "there", there, here, keep=there is not None)
+        return SyncStep(path, "there", there, here, keep=there is not None)
     if take == "there":
-        return Step(path, "here", here, there, keep=here is not None)
+        return SyncStep(path, "here", here, there, keep=here is not None)
     return Conflict(path, here, there, _reason(mine, yours, old))
 
 
@@ -89,7 +89,9 @@ def _reason(mine: Identity | None, yours: Identity | None, old: Identity | None)
     return BOTH if old else FIRST
 
 
-def _part_clashes(sides: Mapping[Side, Mapping[str, File]], steps: list[Step]) -> tuple[list[Step], list[Conflict]]:
+def _part_clashes(
+    sides: Mapping[Side, Mapping[str, File]], steps: list[SyncStep]
+) -> tuple[list[SyncStep], list[Conflict]]:
     """Take out steps that would put a file where the same side keeps a folder, or the other way round."""
     clashes: dict[str, Conflict] = {}
     while True:

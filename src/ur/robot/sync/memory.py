@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from ur.robot.sync.model import Agreed, File
+from ur.robot.sync.steps import Agreed, File
 from ur.source.diagnostic import UserError, error_about
 from ur.source.replace import replace_file
 from ur.source.user_folders import user_folder
@@ -16,7 +16,7 @@ VERSION = 1
 
 
 @dataclass(frozen=True, slots=True)
-class Pair:
+class WorkspacePair:
     """Two workspaces. `machine` names the other computer's system: it changes when that one is flashed again."""
 
     here: str
@@ -25,10 +25,10 @@ class Pair:
 
 
 @dataclass(frozen=True, slots=True)
-class Memory:
+class SyncMemory:
     """The last sync of a pair."""
 
-    pair: Pair
+    pair: WorkspacePair
     agreed: Mapping[str, Agreed] = field(default_factory=dict)
 
 
@@ -37,19 +37,19 @@ def memory_path(robot: str, environment: Mapping[str, str]) -> Path:
     return Path(user_folder("XDG_STATE_HOME", environment)) / "ubiquity_launches" / "sync" / f"{robot}.json"
 
 
-def load_memory(path: Path) -> Memory | None:
+def load_memory(path: Path) -> SyncMemory | None:
     """The last sync; None when there was none. One that cannot be read counts as none: then nothing is deleted."""
     try:
         top = json.loads(path.read_text(encoding="utf-8"))
         if top["version"] != VERSION:
             return None
         agreed = {name: Agreed(File(*row[0]), File(*row[1])) for name, row in top["agreed"].items()}
-        return Memory(Pair(**top["pair"]), agreed)
+        return SyncMemory(WorkspacePair(**top["pair"]), agreed)
     except (OSError, ValueError, TypeError, KeyError, IndexError, AttributeError, RecursionError):
         return None
 
 
-def store_memory(path: Path, memory: Memory) -> None:
+def store_memory(path: Path, memory: SyncMemory) -> None:
     """Write it in one step. Raises UserError."""
     rows = {name: [each.here.as_json(), each.there.as_json()] for name, each in memory.agreed.items()}
     pair = {"here": memory.pair.here, "there": memory.pair.there, "machine": memory.pair.machine}

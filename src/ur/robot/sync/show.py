@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from datetime import datetime, timezone, tzinfo
 
 from ur.robot.sync.compare import CLASH
-from ur.robot.sync.model import Conflict, File, Side, Step, SyncPlan
+from ur.robot.sync.steps import Conflict, File, Side, SyncPlan, SyncStep
 
 MANY = 60  # steps: more are shown by folder
 
@@ -28,7 +28,7 @@ def describe_plan(plan: SyncPlan, robot: str, *, zone: tzinfo | None = None) -> 
         yield f"  help: {_advise(plan.conflicts, robot)}"
 
 
-def _describe_steps(steps: Sequence[Step], robot: str) -> Iterator[str]:
+def _describe_steps(steps: Sequence[SyncStep], robot: str) -> Iterator[str]:
     if len(steps) <= MANY:
         for step in steps:
             yield f"  {_arrow(step.to, robot)}  {_what(step):<7}  {step.path}{_size(step)}"
@@ -89,13 +89,13 @@ def _arrow(to: Side, robot: str) -> str:
     return text.ljust(3 + max(len("here"), len(robot)))
 
 
-def _what(step: Step) -> str:
+def _what(step: SyncStep) -> str:
     if step.after is None:
         return "deleted"
     return "new" if step.before is None else "changed"
 
 
-def _size(step: Step) -> str:
+def _size(step: SyncStep) -> str:
     return f"  ({describe_size(step.after.size)})" if step.after and step.after.kind == "file" else ""
 
 

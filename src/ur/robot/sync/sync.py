@@ -17,8 +17,8 @@ from ur.robot.ssh.openssh import SshShell
 from ur.robot.ssh.shell import Shell, quote
 from ur.robot.sync import side as side_program
 from ur.robot.sync.compare import agree, drop_ignored
-from ur.robot.sync.memory import Memory, Pair, known_files
-from ur.robot.sync.model import SIDES, Manifest, Side, Step, SyncPlan, check_path, read_files
+from ur.robot.sync.memory import SyncMemory, WorkspacePair, known_files
+from ur.robot.sync.steps import SIDES, Manifest, Side, SyncPlan, SyncStep, check_path, read_files
 from ur.source.diagnostic import UserError, error, error_about
 
 WORKSPACE = "catkin_ws/src"
@@ -27,7 +27,7 @@ _RSYNC_LOST = {10, 12, 30, 35, 255}  # rsync(1), exit values: socket I/O, protoc
 
 
 @dataclass(frozen=True, slots=True)
-class Place:
+class SyncSide:
     """One side: where it is, and how to run something there. `shell` is None here."""
 
     side: Side
@@ -40,15 +40,15 @@ class Look:
 
     here: Manifest
     there: Manifest
-    pair: Pair
-    last: Memory | None
+    pair: WorkspacePair
+    last: SyncMemory | None
 
 
 @dataclass(frozen=True, slots=True)
-class Outcome:
+class SyncOutcome:
     """The result of a sync: the memory for the next one, and the paths left alone, with the reasons, by side."""
 
-    memory: Memory
+    memory: SyncMemory
     left: Mapping[Side, Mapping[str, str]]
 
 
@@ -66,11 +66,11 @@ class _Scan:
 _BAD_ANSWER = (LookupError, TypeError, ValueError, AttributeError)
 
 
-def look_at(shell: SshShell, root: Path, last: Memory | None) -> Look:
+def look_at(shell: SshShell, root: Path, last: SyncMemory | None) -> Look:
     """List both workspaces. Raises UserError."""
     agreed = last.agreed if last else {}
     answers = {}
-    for place, where in ((Place("here", None), str(root)), (Place("there", shell), f"~/{WORKSPACE}")):
+    for place, where in ((SyncSide("here", None), str(root)), (SyncSide("there", shell), f"~/{WORKSPACE}")):
         request = {"do": "scan", "root": where, "ignore": [], "known": known_files(agreed, place.side)}
         answers[place.side] = _read_scan(place, _ask(place, request))
         if not answers[place.side].has_rsync:
@@ -82,19 +82,26 @@ def look_at(shell: SshShell, root: Path, last: Memory | None) -> Look:
             )
     patterns = [*answers["here"].ignored, *answers["there"].ignored]
     sides = [drop_ignored(answers[side].manifest, patterns) for side in SIDES]
-    pair = Pair(answers["here"].root, answers["there"].root, answers["there"].machine)
+    pair = WorkspacePair(answers["here"].root, answers["there"].root, answers["there"].machine)
     return Look(sides[0], sides[1], pair, last if last and last.pair == pair else None)
 
 
 def carry_out(
-    plan: SyncPlan, pair: Pair, shell: SshShell, *, name: str, stamp: str, progress: bool, report: Callable[[str], None]
-) -> Outcome:
+    plan: SyncPlan,
+    pair: WorkspacePair,
+    shell: SshShell,
+    *,
+    name: str,
+    stamp: str,
+    progress: bool,
+    report: Callable[[str], None],
+) -> SyncOutcome:
     """Carry out a plan's steps. `name` marks this viewer's arriving files; `stamp` names the folder of kept ones.
 
     Interrupted anywhere, every file is either as it was or as it shall be. Raises UserError: the connection broke.
     """
     roots = {"here": pair.here, "there": pair.there}
-    places = {"here": Place("here", None), "there": Place("there", shell)}
+    places = {"here": SyncSide("here", None), "there": SyncSide("there", shell)}
     done: dict[Side, dict[str, Any]] = {"here": {}, "there": {}}
     left: dict[Side, dict[str, str]] = {"here": {}, "there": {}}
     for side in ("there", "here"):
@@ -115,10 +122,10 @@ def carry_out(
             left[side] = _read_texts(answer["left"])
         except _BAD_ANSWER as problem:
             raise _misshapen(places[side], problem) from None
-    return Outcome(Memory(pair, agree(plan, done)), left)
+    return SyncOutcome(SyncMemory(pair, agree(plan, done)), left)
 
 
-def _read_scan(place: Place, answer: Any) -> _Scan:
+def _read_scan(place: SyncSide, answer: Any) -> _Scan:
     try:
         return _Scan(
             Manifest(read_files(answer["files"]), _read_texts(answer["skipped"])),
@@ -135,7 +142,7 @@ def _read_texts(rows: Mapping[str, Any]) -> dict[str, str]:
     return {path and check_path(path): str(why) for path, why in rows.items()}  # '' is the workspace itself
 
 
-def _misshapen(place: Place, problem: Exception) -> UserError:
+def _misshapen(place: SyncSide, problem: Exception) -> UserError:
     who = "this computer" if place.shell is None else place.shell.place
     message = f"{who}: the list of its workspace makes no sense: {problem}"
     return UserError(error(message, rule="failed-sync", help="ur doctor"))
@@ -145,12 +152,12 @@ def _gone(done: Mapping[str, Any]) -> dict[str, None]:
     return {check_path(path): None for path, row in done.items() if row is None}
 
 
-def _render_step(step: Step) -> list[Any]:
+def _render_step(step: SyncStep) -> list[Any]:
     before, after = (each.as_json() if each else None for each in (step.before, step.after))
     return [step.path, before, after, step.keep]
 
 
-def _ask(place: Place, request: Mapping[str, Any]) -> Any:
+def _ask(place: SyncSide, request: Mapping[str, Any]) -> Any:
     if place.shell is None:
         # Through JSON as well: both sides answer alike.
         answer = {"scan": side_program.scan, "prepare": side_program.prepare, "apply": side_program.apply}[

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from ur.robot.doctor.rules.network import LATENCY_SECONDS
 from ur.robot.doctor.rules.wifi import SLOW_RATE, WEAK_SIGNAL
-from ur.robot.doctor.wifi import Wifi
+from ur.robot.doctor.wifi import WirelessLink
 from ur.robot.wireless.sample import Sample, summarize
 
 RECENT = 10  # s
@@ -52,7 +52,7 @@ def _explain_gap(samples: Sequence[Sample], name: str) -> str:
     return f"{name} has not answered for {away} s: go back to where it did, and put an access point between"
 
 
-def _crowded(links: Sequence[tuple[str, Wifi]]) -> str:
+def _crowded(links: Sequence[tuple[str, WirelessLink]]) -> str:
     if any(link.band == "2.4 GHz" for _, link in links):
         return "the 2.4 GHz band is crowded: 5 GHz, with a dual band (802.11ac) adapter"
     return "another channel, or fewer computers on it" if links else "what else uses the network?"

@@ -12,7 +12,7 @@ from collections.abc import Callable, Sequence
 from contextlib import suppress
 from types import TracebackType
 
-from ur.robot.doctor.wifi import WIFI_SCRIPT, Wifi, parse_wifi
+from ur.robot.doctor.wifi import WIFI_SCRIPT, WirelessLink, parse_wifi
 from ur.robot.ssh.shell import quote
 from ur.robot.wireless.sample import Echoes, Sample
 
@@ -24,7 +24,7 @@ _MARK = "\x1e"
 LOOP = f"while :; do ({WIFI_SCRIPT}\n); printf '\\036\\n' || exit; sleep 1; done"
 
 
-class Lines:
+class ProcessLines:
     """The lines of a process that is started again when it ends, handed to `read` in another thread."""
 
     def __init__(self, command: Callable[[], Sequence[str]], read: Callable[[str], None]) -> None:
@@ -75,7 +75,7 @@ class Radio:
     def __init__(self, clock: Callable[[], float]) -> None:
         self._clock = clock
         self._part: list[str] = []
-        self._latest: tuple[float, tuple[Wifi, ...]] | None = None
+        self._latest: tuple[float, tuple[WirelessLink, ...]] | None = None
         self.wireless: bool | None = None
 
     def read(self, line: str) -> None:
@@ -88,7 +88,7 @@ class Radio:
         self._latest = self._clock(), parse_wifi(text)
         self.wireless = bool(self.wireless) or text.startswith("device ")
 
-    def link(self) -> Wifi | None:
+    def link(self) -> WirelessLink | None:
         """The link as it is now."""
         if self._latest is None or self._clock() - self._latest[0] > OLD or not self._latest[1]:
             return None
@@ -112,9 +112,9 @@ class Meter:
     def __enter__(self) -> Meter:
         self._last = self._resolve()
         self._lines = [
-            Lines(self._ping, self._hear),
-            Lines(lambda: ["sh", "-c", LOOP], self.here.read),
-            Lines(self._ssh, self.there.read),
+            ProcessLines(self._ping, self._hear),
+            ProcessLines(lambda: ["sh", "-c", LOOP], self.here.read),
+            ProcessLines(self._ssh, self.there.read),
         ]
         return self
 

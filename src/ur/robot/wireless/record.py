@@ -5,7 +5,7 @@ from __future__ import annotations
 from datetime import datetime, timezone
 from typing import TextIO
 
-from ur.robot.doctor.wifi import Wifi
+from ur.robot.doctor.wifi import WirelessLink
 from ur.robot.wireless.sample import Sample
 
 _LINK = ("device", "signal_dbm", "rate_mbit_s", "frequency_mhz")
@@ -31,7 +31,7 @@ def write_row(file: TextIO, sample: Sample, start: float) -> None:
     file.flush()
 
 
-def _link(link: Wifi | None) -> tuple[str, ...]:
+def _link(link: WirelessLink | None) -> tuple[str, ...]:
     if link is None:
         return "", "", "", ""
     return link.device, *("" if value is None else f"{value:g}" for value in (link.signal, link.rate, link.frequency))

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from itertools import pairwise
 from statistics import median
 
-from ur.robot.doctor.wifi import Wifi
+from ur.robot.doctor.wifi import WirelessLink
 
 SETTLED = 5  # echoes after which one that is missing counts as lost: a second, at five a second
 _REPLY = re.compile(r"icmp_seq=(\d+).* time=([\d.]+) ms")
@@ -26,8 +26,8 @@ class Sample:
     sent: int = 0
     lost: int = 0
     latency: float | None = None
-    here: Wifi | None = None
-    there: Wifi | None = None
+    here: WirelessLink | None = None
+    there: WirelessLink | None = None
 
     @property
     def gap(self) -> bool:
@@ -94,6 +94,6 @@ def summarize(samples: Sequence[Sample]) -> Summary:
     )
 
 
-def _signals(links: Iterable[Wifi | None]) -> tuple[float, float] | None:
+def _signals(links: Iterable[WirelessLink | None]) -> tuple[float, float] | None:
     signals = [link.signal for link in links if link and link.signal is not None]
     return (min(signals), median(signals)) if signals else None

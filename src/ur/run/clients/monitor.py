@@ -6,13 +6,13 @@ import select
 from typing import TYPE_CHECKING
 
 from ur.run.supervisor.events import Event, RestartWanted, StartWanted, StopRequested, StopWanted
-from ur.run.supervisor.model import State
+from ur.run.supervisor.state import State
 
 if TYPE_CHECKING:
     from ur.run.clients.protocol import OutputSource, RunCommand, Severity
-    from ur.run.clients.publisher import Publisher
+    from ur.run.clients.publisher import RunPublisher
     from ur.run.output.console import Console
-    from ur.run.output.router import Outputs
+    from ur.run.output.router import NodeOutputs
     from ur.run.process.terminal import Terminal
     from ur.run.run import Run, RunClients
 
@@ -25,14 +25,14 @@ class Monitor:
         self._poll = poll
         self._console = console
         self._terminal = terminal
-        self._publisher: Publisher | None = None  # most runs are never watched
+        self._publisher: RunPublisher | None = None  # most runs are never watched
         self._viewer: int | None = None
         self._polled: dict[int, int] = {}
         if plan.listener is not None:
             self._polled = {plan.listener.fileno(): select.POLLIN}
             poll.register(plan.listener, select.POLLIN)
 
-    def open(self, run: Run, state: State, outputs: Outputs, now: float) -> None:
+    def open(self, run: Run, state: State, outputs: NodeOutputs, now: float) -> None:
         """Add the clients that are connected from the beginning."""
         self._run, self._state, self._outputs = run, state, outputs
         if self._plan.events is None and self._plan.viewer is None:
@@ -126,18 +126,18 @@ class Monitor:
         elif self._plan.listener is not None:
             self._plan.listener.close()
 
-    def _begin(self, now: float) -> Publisher:
+    def _begin(self, now: float) -> RunPublisher:
         from ur.run.clients.protocol import RunStarted
-        from ur.run.clients.publisher import NodeFacts, Publisher
+        from ur.run.clients.publisher import NodeConstants, RunPublisher
 
         describe = self._plan.describe
         started = RunStarted("", 0, "", "", "", 0.0) if describe is None else describe()
         outputs = self._outputs
-        self._publisher = Publisher(
+        self._publisher = RunPublisher(
             started,
             self._plan.listener,
             {
-                each.unit.name: NodeFacts(
+                each.unit.name: NodeConstants(
                     outputs.find_path(each), each.executable or each.argv[0], each.cwd or self._run.home
                 )
                 for each in self._run.programs

@@ -27,20 +27,20 @@ from ur.run.clients.protocol import (
 )
 from ur.run.clients.subscribers import Subscribers
 from ur.run.process.stats import Usage, read_usage
-from ur.run.supervisor.model import Phase, State, Status, UnitState
+from ur.run.supervisor.state import RunPhase, State, UnitState, UnitStatus
 
 SAMPLE_PERIOD = 1.0  # s between two samples of what nodes use
 TAIL_PERIOD = 0.1  # s between two looks into log files
-_NODE_STATES: dict[Status, NodeState] = {
-    Status.WAITING: "waiting",
-    Status.STARTING: "starting",
-    Status.RUNNING: "running",
-    Status.ENDED: "ended",
+_NODE_STATES: dict[UnitStatus, NodeState] = {
+    UnitStatus.WAITING: "waiting",
+    UnitStatus.STARTING: "starting",
+    UnitStatus.RUNNING: "running",
+    UnitStatus.ENDED: "ended",
 }
 
 
 @dataclass(frozen=True, slots=True)
-class NodeFacts:
+class NodeConstants:
     """Constant facts about a node: its log file, its executable, and its working directory."""
 
     log: str
@@ -48,14 +48,14 @@ class NodeFacts:
     folder: str
 
 
-class Publisher:
+class RunPublisher:
     """The subscribers of one run, and what they know."""
 
     def __init__(
         self,
         started: RunStarted,
         listener: socket.socket | None,
-        facts: Mapping[str, NodeFacts],
+        facts: Mapping[str, NodeConstants],
         read_back: Callable[[bool], None],
         state: State,
         now: float,
@@ -90,7 +90,7 @@ class Publisher:
         for old, new in zip(before.units, state.units, strict=True):
             if old is not new:
                 self._note_unit(old, new)
-        if before.phase is not state.phase and state.phase is Phase.STOPPING_NODES:
+        if before.phase is not state.phase and state.phase is RunPhase.STOPPING_NODES:
             self.subscribers.publish(RunStopping(state.cause or ""))
 
     def note_readiness(self, name: str, missing: tuple[str, ...]) -> None:
@@ -167,7 +167,7 @@ class Publisher:
 
     def _describe_unit(self, each: UnitState) -> NodeChanged:
         state = _NODE_STATES[each.status]
-        facts = self._facts.get(each.unit.name, NodeFacts("", "", ""))
+        facts = self._facts.get(each.unit.name, NodeConstants("", "", ""))
         stopping = each.alive and (each.request is not None or self._state.cause is not None)
         return NodeChanged(
             name=each.unit.name,

@@ -4,18 +4,18 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ur.run.debugger.choice import PACKAGES, DebugTools, Target, choose_terminal, gdb_prefix, python_prefix
+from ur.run.debugger.choice import PACKAGES, DebugTarget, DebugTools, choose_terminal, gdb_prefix, python_prefix
 from ur.system.debian_root import install_command
 
 
 @dataclass(frozen=True, slots=True)
-class NodeFacts:
+class DebuggedNode:
     """Facts about a node. `program` is its executable, `process` the one that its process runs ('' when there is none).
 
     `core_dump` is the command that opens its core file in gdb; where it is empty, `no_core_dump` is the reason.
     """
 
-    target: Target
+    target: DebugTarget
     program: str
     pid: int | None = None
     process: str = ""
@@ -52,7 +52,7 @@ class DebugMethods:
     note: str = ""
 
 
-def list_debug_methods(facts: NodeFacts, tools: DebugTools, address: str) -> DebugMethods | str:
+def list_debug_methods(facts: DebuggedNode, tools: DebugTools, address: str) -> DebugMethods | str:
     """List the methods to debug a node, best first; return an explanation as text where there is none.
 
     `address` is where a new Unix socket may be made, for a node that is started again.
@@ -85,7 +85,7 @@ def list_debug_methods(facts: NodeFacts, tools: DebugTools, address: str) -> Deb
 
 
 def _start_again(
-    facts: NodeFacts, key: str, text: str, tool: tuple[str, ...], tools: DebugTools, address: str
+    facts: DebuggedNode, key: str, text: str, tool: tuple[str, ...], tools: DebugTools, address: str
 ) -> DebugMethod:
     name = facts.target.name
     pane = (tools.python, "-I", tools.pane_program)

@@ -35,7 +35,7 @@ class DebugTools:
 
 
 @dataclass(frozen=True, slots=True)
-class Target:
+class DebugTarget:
     """A node to debug. `module`: a shell script of this project that runs one of its Python modules.
 
     `interpreter` runs a `python` one.
@@ -75,7 +75,7 @@ def choose_tool(kind: Kind) -> Tool:
     return "gdb" if kind == "binary" else "pudb"
 
 
-def plan_debugging(target: Target, tool: Tool, tools: DebugTools, port: int) -> Debugging:
+def plan_debugging(target: DebugTarget, tool: Tool, tools: DebugTools, port: int) -> Debugging:
     """Plan the start of a node under a debugger. `port` is a free one. Raises UserError: impossible, with a remedy."""
     _check_kind(target, tool)
     _check_installed(target.name, tool, tools)
@@ -111,19 +111,19 @@ def choose_terminal(tools: DebugTools) -> DebugTerminal:
     return "here" if tools.terminal else "log"
 
 
-def gdb_prefix(target: Target) -> tuple[str, ...]:
+def gdb_prefix(target: DebugTarget) -> tuple[str, ...]:
     """Build the arguments before a program that runs in gdb."""
     return ("gdb", *_RUN, *((target.interpreter,) if target.kind == "python" else ()))
 
 
-def python_prefix(target: Target, options: tuple[str, ...]) -> tuple[str, ...]:
+def python_prefix(target: DebugTarget, options: tuple[str, ...]) -> tuple[str, ...]:
     """Build the arguments before a Python program for these options of its interpreter."""
     if target.kind == "module":
         return ("env", f"UR_NODE_PYTHON_OPTIONS={' '.join(options)}")
     return (target.interpreter, *options)
 
 
-def _plan_gdb(target: Target, tools: DebugTools, terminal: DebugTerminal) -> Debugging:
+def _plan_gdb(target: DebugTarget, tools: DebugTools, terminal: DebugTerminal) -> Debugging:
     if terminal == "log":
         notes = (f"{target.name} runs in gdb; where it crashes, the log will have a backtrace of every thread",)
         program = (target.interpreter,) if target.kind == "python" else ()
@@ -146,7 +146,7 @@ def _run_in_terminal(name: str, argv: tuple[str, ...], terminal: DebugTerminal, 
     return Debugging(argv, terminal, tuple(notes))
 
 
-def _check_kind(target: Target, tool: Tool) -> None:
+def _check_kind(target: DebugTarget, tool: Tool) -> None:
     if tool == "gdb" and target.kind in ("binary", "python"):
         return
     if tool != "gdb" and target.kind in ("python", "module"):

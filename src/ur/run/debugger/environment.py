@@ -13,8 +13,8 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from ur.run.debugger import pane as debug_pane
-from ur.run.debugger.attach import NodeFacts
-from ur.run.debugger.choice import DebugTools, Target, find_kind
+from ur.run.debugger.attach import DebuggedNode
+from ur.run.debugger.choice import DebugTarget, DebugTools, find_kind
 from ur.run.debugger.core_dump import CoreRules, belongs_to, explain_no_core, plan_search
 
 _USES_PID = "/proc/sys/kernel/core_uses_pid"
@@ -38,17 +38,17 @@ def find_debug_tools(environment: Mapping[str, str], *, terminal: bool, python: 
     )
 
 
-def read_target(name: str, path: str) -> Target:
+def read_target(name: str, path: str) -> DebugTarget:
     """Read the kind of a node's program."""
     try:
         with Path(path).open("rb") as file:
             kind, interpreter = find_kind(file.read(4096))
     except OSError:
         kind, interpreter = "script", ""
-    return Target(name, kind, interpreter or "python3")
+    return DebugTarget(name, kind, interpreter or "python3")
 
 
-def read_node_facts(name: str, program: str, folder: str, pid: int | None, run_pid: int) -> NodeFacts:
+def read_node_facts(name: str, program: str, folder: str, pid: int | None, run_pid: int) -> DebuggedNode:
     """Collect facts about a node: its process, if any, the executable of that, and the core file of a crash.
 
     `folder` is where it is started, `run_pid` the supervisor, whose limits nodes have. Raises PermissionError when the
@@ -57,13 +57,13 @@ def read_node_facts(name: str, program: str, folder: str, pid: int | None, run_p
     target = read_target(name, program)
     if pid is not None:
         try:
-            return NodeFacts(target, program, pid, os.readlink(f"/proc/{pid}/exe"))  # noqa: PTH115 - a magic link
+            return DebuggedNode(target, program, pid, os.readlink(f"/proc/{pid}/exe"))  # noqa: PTH115 - a magic link
         except FileNotFoundError:
             pass  # it has just ended
     if target.kind != "binary":
-        return NodeFacts(target, program)
+        return DebuggedNode(target, program)
     core, why = find_core_dump(os.path.realpath(program), folder, read_core_rules(run_pid))
-    return NodeFacts(target, program, None, "", core, why)
+    return DebuggedNode(target, program, None, "", core, why)
 
 
 def read_core_rules(pid: int) -> CoreRules:

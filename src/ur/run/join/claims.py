@@ -10,7 +10,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from ur.launchfile.plan.model import NodeSpec, ParamSpec
+from ur.launchfile.plan.specs import NodeSpec, ParamSpec
 
 BASE_FILE = "/m_robot_base/launch/m_robot_base.launch.xml"
 _FILE = "claims.json"

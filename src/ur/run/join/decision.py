@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from ur.launchfile.plan.model import Plan
+from ur.launchfile.plan.specs import Plan
 from ur.run.join.claims import Definition, define_nodes, is_base
 from ur.run.startup.machine_assignment import keep_nodes
 

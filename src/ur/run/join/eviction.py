@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 
 from ur.run.master.client import Master, parse_master_uri
-from ur.run.master.xml_rpc import Refused, Unanswered
+from ur.run.master.xml_rpc import CallRefused, Unanswered
 from ur.run.paths import is_local_address
 from ur.run.record.computer import read_computer
 from ur.run.record.registry import list_runs
@@ -22,7 +22,7 @@ def examine_exit(event: Exited, master: Master) -> Event:
         asked = Master(master.uri, master.host, master.port, _PATIENCE)
         node = parse_master_uri(str(asked.call("lookupNode", event.name)))
         pid = int(Master(node.uri, node.host, node.port, _PATIENCE).call("getPid"))
-    except (Unanswered, Refused, UserError, ValueError, TypeError):
+    except (Unanswered, CallRefused, UserError, ValueError, TypeError):
         return event
     if not is_local_address(node.host):
         return Evicted(event.name, event.status, f"process {pid} on {node.host}")

@@ -11,7 +11,7 @@ from ur.run.clients.client import RunGone, connect_run
 from ur.run.clients.protocol import RunEnded, RunStopping
 from ur.run.join.claims import read_claims
 from ur.run.master.client import Master, parse_master_uri
-from ur.run.master.xml_rpc import Refused, Unanswered
+from ur.run.master.xml_rpc import CallRefused, Unanswered
 from ur.run.record.computer import read_computer
 from ur.run.record.entry import RunEntry
 from ur.run.record.registry import list_runs
@@ -33,7 +33,7 @@ def await_owner(entry: RunEntry, report: Callable[[str], None]) -> bool:
         try:
             if master.get_run_id() is not None:
                 return True
-        except (Unanswered, Refused):
+        except (Unanswered, CallRefused):
             pass
         if not reported and time.monotonic() > began + _PATIENCE:
             report(f"waiting for {entry.run} to start")

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from ur.run.master.xml_rpc import Refused, Unanswered, WrongServer, call_method
+from ur.run.master.xml_rpc import CallRefused, Unanswered, WrongServer, call_method
 from ur.source.diagnostic import UserError, error
 
 CALLER = "/roslaunch"  # the name under which roslaunch speaks: tools look for it
@@ -51,7 +51,7 @@ class Master:
         """The run id on the parameter server. None when there is none."""
         try:
             return str(self.call("getParam", "/run_id"))
-        except Refused:
+        except CallRefused:
             return None
 
     def set_parameters(self, parameters: Mapping[str, object], clear: Iterable[str] = ()) -> None:
@@ -62,8 +62,8 @@ class Master:
             return
         results = self.call_many([*removals, *settings])[len(removals) :]  # deleting what is not there is fine
         for (_, (name, _)), result in zip(settings, results, strict=True):
-            if isinstance(result, Refused):
-                raise Refused(f"{name}: {result}")
+            if isinstance(result, CallRefused):
+                raise CallRefused(f"{name}: {result}")
 
     def find_live_nodes(self, names: Sequence[str]) -> list[str]:
         """Those of these nodes that are registered, and answer."""
@@ -137,7 +137,7 @@ def _value(answer: object) -> object:
         raise WrongServer(f"expected the answer of a ROS master, got {str(answer)[:80]!r}")
     code, message, value = answer
     if code != 1:
-        raise Refused(str(message))
+        raise CallRefused(str(message))
     return value
 
 
@@ -154,12 +154,12 @@ def _is_nodes_by_name(kind: object) -> bool:
 
 def _result(each: object) -> object:
     if isinstance(each, dict):
-        return Refused(str(each.get("faultString", each)))
+        return CallRefused(str(each.get("faultString", each)))
     if not isinstance(each, list) or not each:
         raise Unanswered(f"expected the answer of a ROS master, got {str(each)[:80]!r}")
     try:
         return _value(each[0])
-    except Refused as refusal:
+    except CallRefused as refusal:
         return refusal
 
 
@@ -169,6 +169,6 @@ def _answers(uri: str, timeout: float) -> bool:
         call_method((node.host, node.port), "getPid", [CALLER], min(timeout, 0.5))
     except (Unanswered, UserError):
         return False
-    except Refused:
+    except CallRefused:
         return True
     return True

@@ -11,9 +11,9 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from threading import Event as Flag
 
-from ur.robot.addresses import Addresses
+from ur.robot.addresses import AddressCache
 from ur.run.master.client import Master
-from ur.run.master.xml_rpc import Refused, Unanswered
+from ur.run.master.xml_rpc import CallRefused, Unanswered
 from ur.run.supervisor.events import Event, LinkLost, LinkRestored, MasterGone, MasterReplaced, MasterReturned
 
 PERIOD = 0.3  # s between two questions
@@ -80,7 +80,7 @@ def choose_limit(state: LinkState, now: float) -> float:
 
 def watch_link(master: Master, report: Callable[[Event], None], over: Flag) -> None:
     """Poll a robot and its master until `over`, and report changes."""
-    addresses = Addresses()
+    addresses = AddressCache()
     state = LinkState(time.monotonic())
     heard = True
     while not over.wait(PERIOD if heard else 0.0):
@@ -91,7 +91,7 @@ def watch_link(master: Master, report: Callable[[Event], None], over: Flag) -> N
             report(event)
 
 
-def _ask(master: Master, addresses: Addresses, limit: float, over: Flag) -> tuple[MasterState | None, float]:
+def _ask(master: Master, addresses: AddressCache, limit: float, over: Flag) -> tuple[MasterState | None, float]:
     """Return the robot's answer within a limit (s), and the time when it was reachable or given up."""
     end = time.monotonic() + limit
     try:
@@ -108,5 +108,5 @@ def _ask(master: Master, addresses: Addresses, limit: float, over: Flag) -> tupl
         return MasterState(int(pid), run_id if isinstance(run_id, str) else ""), alive
     except Unanswered:
         return BUSY, alive
-    except (Refused, ValueError, TypeError):
+    except (CallRefused, ValueError, TypeError):
         return MasterState(None), alive  # something answers, and is no master

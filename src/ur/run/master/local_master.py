@@ -6,21 +6,21 @@ import shutil
 import time
 from collections.abc import Mapping
 
-from ur.launchfile.plan.model import ParamValue
+from ur.launchfile.plan.specs import ParamValue
 from ur.launchfile.world import World
 from ur.run.master.client import Master
-from ur.run.master.xml_rpc import Refused, Unanswered
-from ur.run.options import Options
-from ur.run.process.command import Program
+from ur.run.master.xml_rpc import CallRefused, Unanswered
+from ur.run.options import RunOptions
+from ur.run.process.command import UnitProgram
 from ur.run.supervisor.events import Event, MasterAnswered, SetupFailed
-from ur.run.supervisor.model import Unit
+from ur.run.supervisor.state import Unit
 from ur.source.diagnostic import UserError, error
 
 MASTER = "master"
 ROSOUT = "/rosout"
 
 
-def find_master_programs(master: Master, world: World, options: Options) -> tuple[Program, ...]:
+def find_master_programs(master: Master, world: World, options: RunOptions) -> tuple[UnitProgram, ...]:
     """The master and rosout. Raises UserError when they are not installed, or cannot listen at that address."""
     if ":" in master.host and world.environment.get("ROS_IPV6") != "on":
         raise UserError(
@@ -57,8 +57,8 @@ def find_master_programs(master: Master, world: World, options: Options) -> tupl
         *options.master_words,
     )
     return (
-        Program(Unit(MASTER, core=True, required=True), argv, log_name="master"),
-        Program(
+        UnitProgram(Unit(MASTER, core=True, required=True), argv, log_name="master"),
+        UnitProgram(
             Unit(ROSOUT, core=True, respawn=True),
             (rosout[0], "__name:=rosout"),
             (("ROS_NAMESPACE", None),),
@@ -85,7 +85,7 @@ def await_master(master: Master, limit: float) -> Event:
     while time.monotonic() < end:
         try:
             master.call("getPid")
-        except (Unanswered, Refused):  # noqa: PERF203 - asking again is the point
+        except (Unanswered, CallRefused):  # noqa: PERF203 - asking again is the point
             time.sleep(0.005)
         else:
             return MasterAnswered()

@@ -7,7 +7,7 @@ from collections.abc import Callable
 
 from ur.run.master.client import Master
 from ur.run.master.link_monitor import watch_link
-from ur.run.master.xml_rpc import Refused, Unanswered
+from ur.run.master.xml_rpc import CallRefused, Unanswered
 from ur.run.paths import is_local_address
 from ur.run.supervisor.events import Event, MasterLost, MasterReplaced, MasterReturned
 
@@ -49,5 +49,5 @@ def watch_master(master: Master, report: Callable[[Event], None], over: threadin
 def _read_pid(master: Master) -> int | None:
     try:
         return int(master.call("getPid"))
-    except (Unanswered, Refused, ValueError, TypeError):
+    except (Unanswered, CallRefused, ValueError, TypeError):
         return None

@@ -6,7 +6,7 @@ import shlex
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
-from ur.launchfile.plan.model import ParamSpec, ParamValue
+from ur.launchfile.plan.specs import ParamSpec, ParamValue
 from ur.launchfile.plan.values.convert import convert_scalar
 from ur.source.diagnostic import UserError, error
 

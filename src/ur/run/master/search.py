@@ -10,7 +10,7 @@ from pathlib import Path
 
 from ur.run.master.client import DEFAULT_PORT, Master, format_master_uri, parse_master_uri
 from ur.run.master.xml_rpc import SilentServer, Unanswered, WrongServer
-from ur.run.options import Options
+from ur.run.options import RunOptions
 from ur.run.output.console import Console
 from ur.run.paths import is_local_address
 from ur.source.diagnostic import UserError, error
@@ -21,7 +21,7 @@ BUSY_SECONDS = 3.0  # for which it may be a master that is busy, or one that is 
 _LISTEN = "0A"  # the state of a socket in /proc/net/tcp, proc(5)
 
 
-def find_master(environment: Mapping[str, str], options: Options) -> Master:
+def find_master(environment: Mapping[str, str], options: RunOptions) -> Master:
     """Find the master of a run, which may not run yet. Raises UserError for a ROS_MASTER_URI that is none."""
     master = parse_master_uri(environment.get("ROS_MASTER_URI") or f"http://localhost:{DEFAULT_PORT}")
     if options.port is None:
@@ -29,7 +29,7 @@ def find_master(environment: Mapping[str, str], options: Options) -> Master:
     return parse_master_uri(format_master_uri(master.host, options.port))
 
 
-def read_run_id(master: Master, options: Options, console: Console) -> str | None:
+def read_run_id(master: Master, options: RunOptions, console: Console) -> str | None:
     """The run id of the master that is there, '' when it has none; None when we may start one.
 
     A server that does not answer is named soon, and asked for BUSY_SECONDS, since it may be a busy master. So is one

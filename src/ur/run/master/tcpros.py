@@ -9,7 +9,7 @@ import socket
 import struct
 from urllib.parse import urlsplit
 
-from ur.run.master.xml_rpc import Refused, Unanswered, call_method
+from ur.run.master.xml_rpc import CallRefused, Unanswered, call_method
 
 LONGEST_MESSAGE = 256 << 20  # bytes; more is no message
 
@@ -18,7 +18,7 @@ class NoTopic(Exception):  # noqa: N818 - says what happened
     """The publisher does not answer, or does not give the topic."""
 
 
-class Listener:
+class TopicConnection:
     """A connection to one publisher of one topic. `keep` is the number of bytes of each message that are kept."""
 
     def __init__(self, link: socket.socket, keep: int) -> None:
@@ -72,7 +72,7 @@ class Listener:
         self._link.close()
 
 
-def listen_to(node_uri: str, topic: str, *, keep: int, timeout: float, caller: str) -> Listener:
+def listen_to(node_uri: str, topic: str, *, keep: int, timeout: float, caller: str) -> TopicConnection:
     """Connect to a publisher by its XML-RPC address. Raises NoTopic."""
     try:
         where = urlsplit(node_uri)
@@ -83,7 +83,7 @@ def listen_to(node_uri: str, topic: str, *, keep: int, timeout: float, caller: s
             raise NoTopic(str(message))
         _, address, topic_port = choice
         link = socket.create_connection((address, topic_port), timeout)
-    except (Unanswered, Refused, OSError, ValueError, TypeError) as problem:
+    except (Unanswered, CallRefused, OSError, ValueError, TypeError) as problem:
         raise NoTopic(str(problem)) from None
     fields = (f"callerid={caller}", "md5sum=*", "type=*", f"topic={topic}", "tcp_nodelay=1")
     header = b"".join(struct.pack("<I", len(field.encode())) + field.encode() for field in fields)
@@ -92,7 +92,7 @@ def listen_to(node_uri: str, topic: str, *, keep: int, timeout: float, caller: s
     except OSError as problem:
         link.close()
         raise NoTopic(str(problem)) from None
-    return Listener(link, keep)
+    return TopicConnection(link, keep)
 
 
 def read_frames(message: bytes) -> set[str]:

@@ -6,10 +6,10 @@ from collections.abc import Mapping
 from contextlib import suppress
 from pathlib import Path
 
-from ur.launchfile.plan.model import ParamValue, Plan
+from ur.launchfile.plan.specs import ParamValue, Plan
 from ur.run.master.client import Master
 from ur.run.master.parameters import CommandParameters, plain_values
-from ur.run.master.xml_rpc import Refused, Unanswered
+from ur.run.master.xml_rpc import CallRefused, Unanswered
 from ur.run.supervisor.events import Event, ParametersSet, SetupFailed, Unregistered
 from ur.source.diagnostic import UserError, error_about
 
@@ -22,7 +22,7 @@ def upload_parameters(
         _set_parameters(plan, master, extra, commands)
     except UserError as problem:
         return SetupFailed(str(problem))
-    except (Unanswered, Refused, ValueError) as problem:
+    except (Unanswered, CallRefused, ValueError) as problem:
         return SetupFailed(f"parameters cannot be set on the master at {master.uri}: {problem}")
     return ParametersSet()
 
@@ -34,7 +34,7 @@ def _set_parameters(plan: Plan, master: Master, extra: Mapping[str, ParamValue],
         else:
             try:
                 master.call("deleteParam", each.name)
-            except Refused:
+            except CallRefused:
                 continue  # not there
     values = plain_values(plan.params)
     printed = commands.collect()
@@ -54,6 +54,6 @@ def _dump_parameters(master: Master, name: str, file: str) -> None:
 
 def remove_registrations(master: Master, names: list[str]) -> Event:
     """Unregister nodes from the master that did not do so themselves."""
-    with suppress(Unanswered, Refused):  # a master that is gone has nothing registered
+    with suppress(Unanswered, CallRefused):  # a master that is gone has nothing registered
         master.remove_dead_nodes(names)
     return Unregistered()

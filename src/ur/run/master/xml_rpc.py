@@ -34,7 +34,7 @@ class SilentServer(WrongServer):
     """A server accepted the connection, and has not answered in time. It may also be busy."""
 
 
-class Refused(Exception):  # noqa: N818 - says what happened
+class CallRefused(Exception):  # noqa: N818 - says what happened
     """The server answered with a fault or a failure code."""
 
 
@@ -98,7 +98,7 @@ def parse_response(data: bytes, deadline: float | None = None) -> object:
         raise WrongServer(f"the answer is not XML-RPC: {problem}") from None
     if reader.fault:
         what = reader.values[0] if reader.values else {}
-        raise Refused(str(what.get("faultString", what)) if isinstance(what, dict) else str(what))
+        raise CallRefused(str(what.get("faultString", what)) if isinstance(what, dict) else str(what))
     if not reader.values:
         raise WrongServer("the answer holds no value")
     return reader.values[0]

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 from ur.run.supervisor.actions import ReportDeath
 from ur.run.supervisor.advice import Crash, advise
-from ur.run.supervisor.model import ExitStatus
+from ur.run.supervisor.state import ExitStatus
 
 
 def describe_status(status: ExitStatus) -> str:

@@ -24,17 +24,17 @@ if TYPE_CHECKING:
 
     from ur.run.clients.monitor import Monitor
     from ur.run.output.console import Console
-    from ur.run.output.router import Outputs
-    from ur.run.process.command import Program
+    from ur.run.output.router import NodeOutputs
+    from ur.run.process.command import UnitProgram
     from ur.run.run import Run
 
 KEPT_LINES = 30
 
 
-class Reporter:
+class RunReporter:
     """Formats reports of the supervisor as lines."""
 
-    def __init__(self, run: Run, console: Console, outputs: Outputs, monitor: Monitor) -> None:
+    def __init__(self, run: Run, console: Console, outputs: NodeOutputs, monitor: Monitor) -> None:
         self._folder = run.folder
         self._master = "" if run.master is None else run.master.uri
         self._robot = "" if run.master is None else run.master.host.removesuffix(".local")
@@ -124,6 +124,6 @@ class Reporter:
             lines = describe_death(death, last, self._outputs.find_path(program))
         self.fail("\n".join(lines))
 
-    def _find_own_log(self, program: Program) -> str | None:
+    def _find_own_log(self, program: UnitProgram) -> str | None:
         path = f"{self._folder}/{program.log_name}.log"
         return path if os.path.exists(path) else None  # noqa: PTH110 - pathlib is not worth its import here

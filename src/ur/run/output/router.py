@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 from ur.run.output.console import Console
 from ur.run.output.log_rotation import LogRotation
 from ur.run.output.node_output import FLOOD_PAUSE, KEPT_LINES, LineSplitter, Stream, make_printable, read_last_lines
-from ur.run.process.command import Program
+from ur.run.process.command import UnitProgram
 
 if TYPE_CHECKING:
     from ur.run.clients.protocol import OutputSource
@@ -32,7 +32,7 @@ class _Output:
     splitter: LineSplitter | None = None
 
 
-class Outputs:
+class NodeOutputs:
     """The outputs of all nodes of a run, by name."""
 
     def __init__(
@@ -57,7 +57,7 @@ class Outputs:
         self._paused: dict[int, float] = {}  # descriptors that are not polled until a time
         self._null = -1  # standard input of every node
 
-    def open(self, program: Program) -> None:
+    def open(self, program: UnitProgram) -> None:
         """Make, or go on with, the log file of a node that is about to start."""
         name = program.unit.name
         before = self._outputs.get(name)
@@ -72,7 +72,7 @@ class Outputs:
             output.read_back, output.splitter = before.read_back, before.splitter
         self._outputs[name] = output
 
-    def wire(self, program: Program) -> tuple[tuple[int, int, int], list[int]]:
+    def wire(self, program: UnitProgram) -> tuple[tuple[int, int, int], list[int]]:
         """The stdio of a node that was opened, and which of these to close once it is started."""
         name = program.unit.name
         output = self._outputs[name]
@@ -144,7 +144,7 @@ class Outputs:
         for name in self._outputs:
             self.drain(name)
 
-    def find_path(self, program: Program) -> str:
+    def find_path(self, program: UnitProgram) -> str:
         """The log file with what a node prints."""
         return f"{self._folder}/{program.log_name}-stdout.log"
 

@@ -11,16 +11,16 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from ur.launchfile.plan.model import NodeSpec, ReadyCondition
+from ur.launchfile.plan.specs import NodeSpec, ReadyCondition
 from ur.launchfile.world import PackageNotFound, World
 from ur.run.process.missing_package import describe_install
-from ur.run.supervisor.model import Unit
+from ur.run.supervisor.state import Unit
 from ur.source.diagnostic import Diagnostic, UserError, error
 from ur.source.suggest import did_you_mean
 
 
 @dataclass(frozen=True, slots=True)
-class Program:
+class UnitProgram:
     """A unit and how to start it. `changes` are laid over the environment of the run, None removes a variable.
 
     `log_name` is the stem of its log files; `screen` whether its standard output is shown to people; `ready` what else
@@ -42,7 +42,7 @@ class Program:
         return (*prefix, *self.argv[start:])
 
 
-def find_programs(nodes: Sequence[NodeSpec], world: World) -> tuple[tuple[Program, ...], tuple[Diagnostic, ...]]:
+def find_programs(nodes: Sequence[NodeSpec], world: World) -> tuple[tuple[UnitProgram, ...], tuple[Diagnostic, ...]]:
     """The program of each node, and an error for each that does not exist. Nothing is started.
 
     Log names are numbered from 1 in the order of the plan.
@@ -57,7 +57,7 @@ def find_programs(nodes: Sequence[NodeSpec], world: World) -> tuple[tuple[Progra
     return tuple(programs), tuple(problems)
 
 
-def number_logs(programs: Sequence[Program], first: int) -> tuple[Program, ...]:
+def number_logs(programs: Sequence[UnitProgram], first: int) -> tuple[UnitProgram, ...]:
     """The same programs, their log names numbered from `first`."""
     return tuple(
         replace(program, log_name=f"{program.log_name.rpartition('-')[0]}-{number}")
@@ -65,7 +65,7 @@ def number_logs(programs: Sequence[Program], first: int) -> tuple[Program, ...]:
     )
 
 
-def find_program(node: NodeSpec, world: World, number: int) -> Program:
+def find_program(node: NodeSpec, world: World, number: int) -> UnitProgram:
     """The program of a node. Raises UserError: no such package or executable, or arguments that cannot be split."""
     executable = find_executable(node, world)
     arguments = _split(node, "args", node.args)
@@ -73,7 +73,7 @@ def find_program(node: NodeSpec, world: World, number: int) -> Program:
     remaps = [f"{source}:={target}" for source, target in node.remaps]
     name = f"{node.full_name.lstrip('/')}-{number}"
     namespace = node.namespace.rstrip("/") or None
-    return Program(
+    return UnitProgram(
         unit=Unit(
             name=node.full_name,
             required=node.required,

@@ -11,7 +11,7 @@ from ur.run.host import __file__ as host_file
 from ur.run.host.descendants import inherit_orphans, kill_descendants
 from ur.run.host.protocol import SESSION, receive, send
 from ur.run.supervisor.events import Event, Exited, NothingLeft, Started, StartFailed
-from ur.run.supervisor.model import ExitStatus
+from ur.run.supervisor.state import ExitStatus
 from ur.source.diagnostic import UserError, error
 
 

@@ -7,8 +7,8 @@ import resource
 from typing import NamedTuple
 
 from ur.run.host.protocol import GROUP, SESSION
-from ur.run.output.router import Outputs
-from ur.run.process.command import Program
+from ur.run.output.router import NodeOutputs
+from ur.run.process.command import UnitProgram
 from ur.run.process.foreground import Foreground
 from ur.run.process.host_client import ProcessHost
 from ur.run.run import Run
@@ -19,7 +19,7 @@ FILES_SENT = 2  # the other ends
 
 
 class _Start(NamedTuple):
-    program: Program
+    program: UnitProgram
     argv: list[str]
     stdio: tuple[int, int, int]
     given: list[int]
@@ -32,7 +32,7 @@ class Starts:
     Everything for a burst is made before any of it is sent: the first nodes take processor time from what comes later.
     """
 
-    def __init__(self, run: Run, host: ProcessHost, outputs: Outputs, foreground: Foreground) -> None:
+    def __init__(self, run: Run, host: ProcessHost, outputs: NodeOutputs, foreground: Foreground) -> None:
         """Allow this process the open files that the programs of the run need."""
         self._run = run
         self._host = host
@@ -42,7 +42,7 @@ class Starts:
         self.prefixes: dict[str, tuple[str, ...]] = {}  # by name, for the next start only
         allow_open_files(100 + FILES_KEPT * len(run.programs) + FILES_SENT * MOST_STARTS)
 
-    def prepare(self, program: Program) -> None:
+    def prepare(self, program: UnitProgram) -> None:
         """Open the files of a process, and send the burst when it is full."""
         unit = program.unit
         self._outputs.open(program)

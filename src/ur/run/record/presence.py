@@ -9,9 +9,9 @@ from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from typing import TYPE_CHECKING
 
-from ur.launchfile.plan.model import NodeSpec, Plan
+from ur.launchfile.plan.specs import NodeSpec, Plan
 from ur.run.master.client import Master
-from ur.run.options import Options
+from ur.run.options import RunOptions
 from ur.run.output.console import Console
 from ur.run.record.computer import read_computer
 from ur.run.record.entry import RunEntry, runs_folders
@@ -65,7 +65,7 @@ def register(
     return entry, None
 
 
-def claim(entry: RunEntry, nodes: Sequence[NodeSpec], plan: Plan, options: Options) -> None:
+def claim(entry: RunEntry, nodes: Sequence[NodeSpec], plan: Plan, options: RunOptions) -> None:
     """Let other launches see which nodes a run starts, and which runs it has joined; and those runs, that it has."""
     if entry.folder:
         from ur.run.join.claims import make_claims, write_claims
@@ -86,7 +86,7 @@ def list_joined_runs(entry: RunEntry) -> Sequence[str]:
     return list_joined(entry.run, os.environ, os.getuid())
 
 
-def plan_clients(here: Registered, nodes: tuple[NodeSpec, ...], options: Options) -> RunClients:
+def plan_clients(here: Registered, nodes: tuple[NodeSpec, ...], options: RunOptions) -> RunClients:
     """Plan the monitoring of a registered run: its socket, viewer, event file and end record."""
     entry, listener = here
     call = options.call_started

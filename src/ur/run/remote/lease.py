@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from ur.run.master.client import Master, parse_master_uri
-from ur.run.master.xml_rpc import Refused, Unanswered
+from ur.run.master.xml_rpc import CallRefused, Unanswered
 from ur.run.remote.protocol import check_printable
 from ur.source.diagnostic import UserError
 
@@ -22,7 +22,7 @@ _DAY = 86400.0
 
 
 @dataclass(frozen=True, slots=True)
-class Lease:
+class RobotLease:
     """The client that drives a robot: its id, its computer's name, its program, and since when (s since the epoch).
 
     "lost": nothing was received from the client for a while; `until`: when it was received last, 0 if unknown. It still
@@ -38,17 +38,17 @@ class Lease:
     until: float = 0.0
 
 
-def read_lease(master_uri: str) -> Lease:
+def read_lease(master_uri: str) -> RobotLease:
     """Read the lease from a master. Free where nobody answers, or where no robot of ours runs."""
     try:
         asked = parse_master_uri(master_uri)
         text = Master(asked.uri, asked.host, asked.port, _PATIENCE).call("getParam", PARAMETER)
         return parse_lease(text)
-    except (Unanswered, Refused, UserError, ValueError, TypeError):
-        return Lease()
+    except (Unanswered, CallRefused, UserError, ValueError, TypeError):
+        return RobotLease()
 
 
-def parse_lease(text: object) -> Lease:
+def parse_lease(text: object) -> RobotLease:
     """Read a lease that another computer has sent. Raises ValueError or TypeError for anything else."""
     if not isinstance(text, str) or len(text) > _MAX_LENGTH:
         raise TypeError("expected a short text")
@@ -65,10 +65,10 @@ def parse_lease(text: object) -> Lease:
     client, name, program, computer = (
         check_printable(fields.get(key) or "") for key in ("client", "name", "program", "computer")
     )
-    return Lease(state, client, name, program, since, computer, until)
+    return RobotLease(state, client, name, program, since, computer, until)
 
 
-def describe_lease(lease: Lease, robot: str, now: float) -> str:
+def describe_lease(lease: RobotLease, robot: str, now: float) -> str:
     """Format a lease for people: 'laptop drives bob since 14:02 (keyboard_drive)'. `now` is in s since the epoch."""
     program = f" ({lease.program})" if lease.program else ""
     name = lease.name or "another computer"
@@ -79,7 +79,7 @@ def describe_lease(lease: Lease, robot: str, now: float) -> str:
     return f"{name} drives {robot}{since}{program}"
 
 
-def belongs_to_other(lease: Lease, name: str, computer: str, own: Iterable[str]) -> bool:
+def belongs_to_other(lease: RobotLease, name: str, computer: str, own: Iterable[str]) -> bool:
     """Return whether another client has the lease, also one that is lost.
 
     `name` and `computer` are this computer's; `own` are the ids of the clients that run on it. An own client that was

@@ -14,7 +14,7 @@ from ur.run.clients.client import RunGone, connect_run, iterate_events
 from ur.run.clients.protocol import NodeChanged, RunStopping, Synchronised
 from ur.run.master.client import parse_master_uri
 from ur.run.record.entry import RunEntry, runs_folders
-from ur.run.remote.protocol import Request
+from ur.run.remote.protocol import ShareRequest
 from ur.source.diagnostic import UserError
 from ur.source.run_users import read_birth
 
@@ -22,24 +22,24 @@ _MARK = "--part"
 _ANSWER_SECONDS = 5.0
 
 
-class BusyError(Exception):
+class RequestBusyError(Exception):
     """Another request is being carried out."""
 
 
 @dataclass(frozen=True, slots=True)
-class Holder:
+class HoldingRun:
     """A run and those of the wanted nodes that it has started and keeps running."""
 
     entry: RunEntry
     nodes: tuple[str, ...]
 
 
-def share_arguments(request: Request) -> list[str]:
+def share_arguments(request: ShareRequest) -> list[str]:
     """The end of a command line by which the share's run is known."""
     return [_MARK, request.machine, *request.options, "--", *request.words]
 
 
-def is_marked(command: Sequence[str], request: Request, earlier: str = "") -> bool:
+def is_marked(command: Sequence[str], request: ShareRequest, earlier: str = "") -> bool:
     """Return whether a command line is that of the run of a request. `earlier`: a former name of the robot."""
     mark = share_arguments(request)
     end = list(command[-len(mark) :])
@@ -55,7 +55,7 @@ def _without_name(words: Sequence[str], machine: str) -> list[str]:
     return [words[0], *(word[: -len(machine)] if word.endswith(value) else word for word in words[2:])]
 
 
-def find_share(runs: Iterable[RunEntry], request: Request) -> RunEntry | None:
+def find_share(runs: Iterable[RunEntry], request: ShareRequest) -> RunEntry | None:
     """The run that was started for a request like this."""
     for entry in runs:
         with suppress(OSError):
@@ -65,7 +65,7 @@ def find_share(runs: Iterable[RunEntry], request: Request) -> RunEntry | None:
     return None
 
 
-def find_holders(runs: Iterable[RunEntry], nodes: Collection[str], port: int) -> list[Holder]:
+def find_holders(runs: Iterable[RunEntry], nodes: Collection[str], port: int) -> list[HoldingRun]:
     """Runs that hold some of these nodes, at a master with this port."""
     found = []
     for entry in runs:
@@ -73,7 +73,7 @@ def find_holders(runs: Iterable[RunEntry], nodes: Collection[str], port: int) ->
             running = list_nodes(entry)
             held = tuple(name for name in nodes if name in running)
             if held:
-                found.append(Holder(entry, held))
+                found.append(HoldingRun(entry, held))
     return found
 
 
@@ -111,7 +111,7 @@ def wait_exit(entry: RunEntry, until: float) -> bool:
 
 @contextmanager
 def lock_shares(environment: Mapping[str, str], uid: int, patience: float) -> Iterator[None]:
-    """Let one request at a time begin or end shares. Raises BusyError: another one takes longer than `patience` s."""
+    """Let one request at a time begin or end shares. Raises RequestBusyError after `patience` s."""
     folder = Path(runs_folders(environment, uid)[0]).parent
     try:
         folder.mkdir(mode=0o700, parents=True, exist_ok=True)
@@ -123,7 +123,7 @@ def lock_shares(environment: Mapping[str, str], uid: int, patience: float) -> It
     try:
         while not _try_lock(lock):
             if time.monotonic() > until:
-                raise BusyError
+                raise RequestBusyError
             time.sleep(0.05)
         yield
     finally:

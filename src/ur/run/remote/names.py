@@ -7,7 +7,7 @@ import socket
 from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import replace
 
-from ur.launchfile.plan.model import LOCAL_ADDRESSES, NodeSpec, Plan
+from ur.launchfile.plan.specs import LOCAL_ADDRESSES, NodeSpec, Plan
 from ur.run.master.client import Master, parse_master_uri
 from ur.run.remote.signs import Sign, look_up_nodes, probe_node
 from ur.source.diagnostic import UserError

@@ -33,7 +33,7 @@ class Client:
 
 
 @dataclass(frozen=True, slots=True)
-class Request:
+class ShareRequest:
     """`machine` is the robot's name in the launch file, `words` the arguments of `ur launch` after its options.
 
     `nodes` are the full names of the share's nodes, as far as they are the same each time. `client` asks; `alive` are
@@ -65,7 +65,7 @@ class Problem:
 
 
 @dataclass(frozen=True, slots=True)
-class Answer:
+class ShareAnswer:
     """`run` is the id of the share's run, '' without one; `found`: it ran before; `running`: nodes of other runs.
 
     `clients` are the names of the other computers that use these runs; `names` are other full names for nodes of this
@@ -85,17 +85,17 @@ class Answer:
     problem: Problem | None = None
 
 
-def dump(value: Request | Answer) -> str:
+def dump(value: ShareRequest | ShareAnswer) -> str:
     """A value as one line of JSON."""
     return json.dumps(asdict(value))
 
 
-def parse_request(text: str) -> Request:
+def parse_request(text: str) -> ShareRequest:
     """Read a request from another computer. Raises ValueError or TypeError for anything else."""
     fields = _load(text)
     if fields.get("action") not in ("begin", "end"):
         raise ValueError("action")
-    return Request(
+    return ShareRequest(
         action=cast(Literal["begin", "end"], fields["action"]),
         machine=_take(fields, "machine", _name),
         words=_take(fields, "words", _list(_word)),
@@ -123,10 +123,10 @@ def parse_client(fields: object) -> Client:
     )
 
 
-def parse_answer(text: str) -> Answer:
+def parse_answer(text: str) -> ShareAnswer:
     """Read a robot's answer. Raises ValueError or TypeError for anything else."""
     fields = _load(text)
-    return Answer(
+    return ShareAnswer(
         run=_take(fields, "run", _line, ""),
         found=_take(fields, "found", _flag, False),
         running=_take(fields, "running", _list(_line), ()),

@@ -17,7 +17,7 @@ from dataclasses import replace
 
 from ur.robot.remote_run import MODULE
 from ur.run.master.client import Master, parse_master_uri
-from ur.run.master.xml_rpc import Refused, Unanswered
+from ur.run.master.xml_rpc import CallRefused, Unanswered
 from ur.run.record.computer import Computer, read_computer
 from ur.run.record.entry import RunEntry
 from ur.run.record.registry import list_runs
@@ -30,9 +30,17 @@ from ur.run.remote.clients import (
     remove_dead,
     write_clients,
 )
-from ur.run.remote.local_runs import BusyError, Holder, find_holders, find_share, is_stopping, lock_shares, wait_exit
+from ur.run.remote.local_runs import (
+    HoldingRun,
+    RequestBusyError,
+    find_holders,
+    find_share,
+    is_stopping,
+    lock_shares,
+    wait_exit,
+)
 from ur.run.remote.names import choose_names
-from ur.run.remote.protocol import MAX_BYTES, Answer, Client, Problem, Request, dump, parse_request
+from ur.run.remote.protocol import MAX_BYTES, Client, Problem, ShareAnswer, ShareRequest, dump, parse_request
 from ur.run.remote.signs import Sign, read_signs
 from ur.run.remote.start import scope, start_share
 from ur.source.diagnostic import UserError
@@ -43,7 +51,7 @@ _AGAIN_SECONDS = 2.0
 _WAIT = "--end-when-silent"
 
 
-def begin(request: Request) -> Answer:
+def begin(request: ShareRequest) -> ShareAnswer:
     """Find the share, or start it, and register its client with it and with every shared run that it relies on."""
     with lock_shares(os.environ, os.getuid(), END_SECONDS):
         computer = read_computer()
@@ -58,15 +66,15 @@ def begin(request: Request) -> Answer:
             # Its nodes and its master are registered under a name that nobody can look up any more.
             renamed_from = entry.host
             if not _stop(entry):
-                return Answer(problem=_not_ended(entry.run, request.machine))
+                return ShareAnswer(problem=_not_ended(entry.run, request.machine))
             runs = [each for each in runs if each.run != entry.run]
             entry = None
         return _begin(request, entry, runs, computer, renamed_from)
 
 
 def _begin(
-    request: Request, entry: RunEntry | None, runs: list[RunEntry], computer: Computer, renamed_from: str
-) -> Answer:
+    request: ShareRequest, entry: RunEntry | None, runs: list[RunEntry], computer: Computer, renamed_from: str
+) -> ShareAnswer:
     if request.master_uri:
         os.environ.update({"ROS_MASTER_URI": request.master_uri, "ROS_HOSTNAME": request.host})
         os.environ.pop("ROS_IP", None)
@@ -74,22 +82,24 @@ def _begin(
     holders = find_holders(others, request.nodes, _own_port())
     for holder in holders:
         if holder.entry.host != computer.host:
-            return Answer(problem=_renamed(holder, computer, request.machine))
+            return ShareAnswer(problem=_renamed(holder, computer, request.machine))
     relied = [holder.entry for holder in holders if is_shared(holder.entry.folder)]
     held = {name for holder in holders for name in holder.nodes}
     if entry is not None:
-        return _register([entry, *relied], request, Answer(entry.run, found=True, running=_in_order(request, held)))
+        return _register(
+            [entry, *relied], request, ShareAnswer(entry.run, found=True, running=_in_order(request, held))
+        )
     running = _in_order(request, held | set(_find_live(request)))
     if request.nodes and len(running) == len(request.nodes):
-        return _register(relied, request, Answer(running=running, renamed_from=renamed_from))
+        return _register(relied, request, ShareAnswer(running=running, renamed_from=renamed_from))
     run, problem = start_share(request, running)
     if problem is not None:
-        return Answer(running=running, problem=problem)
+        return ShareAnswer(running=running, problem=problem)
     started = [each for each in list_runs(os.environ, os.getuid(), computer) if each.run == run]
-    return _register([*started, *relied], request, Answer(run, running=running, renamed_from=renamed_from))
+    return _register([*started, *relied], request, ShareAnswer(run, running=running, renamed_from=renamed_from))
 
 
-def end(request: Request) -> Answer:
+def end(request: ShareRequest) -> ShareAnswer:
     """Take a client off every share that it uses; those that nobody else uses end."""
     ended, kept, names, problem = [], [], set[str](), None
     with lock_shares(os.environ, os.getuid(), END_SECONDS):
@@ -112,7 +122,7 @@ def end(request: Request) -> Answer:
                 ended.append(entry.run)
             else:
                 problem = _not_ended(entry.run, request.machine)
-    return Answer(ended=tuple(ended), kept=tuple(kept), clients=tuple(sorted(names)), problem=problem)
+    return ShareAnswer(ended=tuple(ended), kept=tuple(kept), clients=tuple(sorted(names)), problem=problem)
 
 
 def end_when_silent(run: str) -> None:
@@ -122,7 +132,7 @@ def end_when_silent(run: str) -> None:
         entry = next((each for each in list_runs(os.environ, os.getuid(), read_computer()) if each.run == run), None)
         if entry is None:
             return
-        with suppress(BusyError), lock_shares(os.environ, os.getuid(), END_SECONDS):
+        with suppress(RequestBusyError), lock_shares(os.environ, os.getuid(), END_SECONDS):
             clients, signs = _look_for_signs(entry, read_clients(entry.folder))
             if Sign.PRESENT in signs:
                 return
@@ -132,7 +142,7 @@ def end_when_silent(run: str) -> None:
         time.sleep(_AGAIN_SECONDS)
 
 
-def _register(entries: Iterable[RunEntry], request: Request, answer: Answer) -> Answer:
+def _register(entries: Iterable[RunEntry], request: ShareRequest, answer: ShareAnswer) -> ShareAnswer:
     """Register the client with runs; the answer names other clients, and new names for nodes that they have too."""
     if request.client is None:
         return answer
@@ -159,7 +169,7 @@ def _look_for_signs(entry: RunEntry, clients: Collection[Client]) -> tuple[tuple
     return left, [signs[client.client] for client in left]
 
 
-def _without_dead(clients: tuple[Client, ...], request: Request) -> tuple[Client, ...]:
+def _without_dead(clients: tuple[Client, ...], request: ShareRequest) -> tuple[Client, ...]:
     asking = request.client
     return clients if asking is None else remove_dead(clients, asking.machine, (asking.client, *request.alive))
 
@@ -183,10 +193,10 @@ def _stop(entry: RunEntry) -> bool:
     return wait_exit(entry, until)
 
 
-def _find_live(request: Request) -> tuple[str, ...]:
+def _find_live(request: ShareRequest) -> tuple[str, ...]:
     try:
         return tuple(_own_master().find_live_nodes(request.nodes)) if request.nodes else ()
-    except (Unanswered, Refused):
+    except (Unanswered, CallRefused):
         return ()
 
 
@@ -206,7 +216,7 @@ def _master_of(entry: RunEntry) -> Master:
         return Master("", "localhost", 11311, 1.0)
 
 
-def _in_order(request: Request, names: Iterable[str]) -> tuple[str, ...]:
+def _in_order(request: ShareRequest, names: Iterable[str]) -> tuple[str, ...]:
     found = set(names)
     return tuple(name for name in request.nodes if name in found)
 
@@ -215,7 +225,7 @@ def _not_ended(run: str, robot: str) -> Problem:
     return Problem(f"run {run} has not ended within {END_SECONDS:g} s", f"ur shell {robot} ur stop {run}", "not-ended")
 
 
-def _renamed(holder: Holder, computer: Computer, robot: str) -> Problem:
+def _renamed(holder: HoldingRun, computer: Computer, robot: str) -> Problem:
     entry, names = holder.entry, ", ".join(holder.nodes)
     return Problem(
         f"run {entry.run} started {names} when {robot} was called {entry.host.split('.')[0]}, "
@@ -234,9 +244,9 @@ def main() -> None:
         request = parse_request(sys.stdin.read(MAX_BYTES + 1))
         answer = begin(request) if request.action == "begin" else end(request)
     except (ValueError, TypeError) as problem:
-        answer = Answer(problem=Problem(f"the request cannot be read: {problem}", rule="bad-request"))
-    except BusyError:
-        answer = Answer(problem=Problem("another program is being started or ended there", "try again", "busy"))
+        answer = ShareAnswer(problem=Problem(f"the request cannot be read: {problem}", rule="bad-request"))
+    except RequestBusyError:
+        answer = ShareAnswer(problem=Problem("another program is being started or ended there", "try again", "busy"))
     sys.stdout.write("\n" + dump(answer) + "\n")
 
 

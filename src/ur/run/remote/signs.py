@@ -11,7 +11,7 @@ from enum import Enum
 from pathlib import Path
 
 from ur.run.master.client import Master, parse_master_uri
-from ur.run.master.xml_rpc import Refused, Unanswered
+from ur.run.master.xml_rpc import CallRefused, Unanswered
 from ur.run.remote.protocol import Client
 from ur.source.diagnostic import UserError
 
@@ -78,7 +78,7 @@ def look_up_nodes(names: Collection[str], master: Master) -> dict[str, str]:
     try:
         found = master.call_many([("lookupNode", (name,)) for name in names]) if names else []
         pairs = list(zip(names, found, strict=True))
-    except (Unanswered, Refused, ValueError, TypeError, LookupError) as problem:
+    except (Unanswered, CallRefused, ValueError, TypeError, LookupError) as problem:
         raise LookupError(str(problem)) from None
     return {name: uri for name, uri in pairs if isinstance(uri, str)}
 
@@ -94,7 +94,7 @@ def probe_node(uri: str) -> Sign:
         Master(uri, node.host, node.port, 1.0).call("getPid")
     except ConnectionRefusedError:
         return Sign.GONE
-    except Refused:
+    except CallRefused:
         return Sign.PRESENT
     except (Unanswered, UserError, OSError):
         return Sign.SILENT

@@ -12,12 +12,12 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from ur.run.remote.local_runs import share_arguments
-from ur.run.remote.protocol import Problem, Request
+from ur.run.remote.protocol import Problem, ShareRequest
 
 START_SECONDS = 60.0
 
 
-def start_share(request: Request, running: Sequence[str]) -> tuple[str, Problem | None]:
+def start_share(request: ShareRequest, running: Sequence[str]) -> tuple[str, Problem | None]:
     """Start the share without the nodes that run already; returns the id of its run, or why there is none."""
     with (
         tempfile.TemporaryFile("w+") as out,
@@ -46,7 +46,7 @@ def start_share(request: Request, running: Sequence[str]) -> tuple[str, Problem 
         return out.read().strip(), None
 
 
-def launch_arguments(request: Request, running: Sequence[str], report: str) -> list[str]:
+def launch_arguments(request: ShareRequest, running: Sequence[str], report: str) -> list[str]:
     """The arguments of `ur` that start the share, without nodes that run already."""
     left_out = [word for name in running for word in ("--runs-already", name)]
     return ["launch", "--plain", "--detach", "--report", report, *left_out, *share_arguments(request)]

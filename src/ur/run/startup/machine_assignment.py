@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Collection
 from dataclasses import dataclass, replace
 
-from ur.launchfile.plan.model import MachineSpec, NodeSpec, Plan
+from ur.launchfile.plan.specs import MachineSpec, NodeSpec, Plan
 
 
 @dataclass(frozen=True, slots=True)

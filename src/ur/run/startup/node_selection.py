@@ -6,9 +6,9 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import PurePath
 
-from ur.launchfile.plan.model import NodeSpec, Plan
+from ur.launchfile.plan.specs import NodeSpec, Plan
 from ur.launchfile.world import World
-from ur.run.options import Options
+from ur.run.options import RunOptions
 from ur.run.paths import is_local_address
 from ur.run.process.missing_package import describe_install
 from ur.source.diagnostic import Diagnostic, UserError, error
@@ -66,7 +66,7 @@ def leave_out_viewers(
     return tuple(node for node in nodes if node not in left_out), tuple(notes)
 
 
-def force_options(node: NodeSpec, options: Options) -> NodeSpec:
+def force_options(node: NodeSpec, options: RunOptions) -> NodeSpec:
     """A node as options for all nodes want it."""
     if options.force_screen:
         node = replace(node, output="screen")

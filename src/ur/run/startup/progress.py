@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from ur.run.startup.start_count import StartCount
 from ur.run.supervisor.changes import is_before
 from ur.run.supervisor.events import Event, MasterAnswered, ParametersSet, Started
-from ur.run.supervisor.model import Phase, State, Status
+from ur.run.supervisor.state import RunPhase, State, UnitStatus
 
 if TYPE_CHECKING:
     from ur.run.clients.monitor import Monitor
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from ur.run.startup.readiness import ReadinessProbe
 
 
-class Progress:
+class StartProgress:
     """Follows a run from its first process until all is up, and again whenever nodes come back."""
 
     def __init__(
@@ -48,10 +48,10 @@ class Progress:
     def follow(self, state: State) -> None:
         """Check the readiness of the nodes of this state while a client asks for it."""
         self._state = state
-        if self._count is not None and not is_before(state, Phase.STOPPING_NODES):
+        if self._count is not None and not is_before(state, RunPhase.STOPPING_NODES):
             self._count.stop()
         asked = self._monitor.wants_readiness or self._timings is not None or self.due is not None
-        wanted = asked and state.phase is Phase.RUNNING
+        wanted = asked and state.phase is RunPhase.RUNNING
         if self._probe is None and wanted and self._master is not None:
             from ur.run.startup.readiness import ReadinessProbe  # only for those who wait
 
@@ -115,6 +115,8 @@ class Progress:
         from ur.run.startup.timings import describe_timings, read_clock
 
         (timings.up if up else timings.started).setdefault(name, read_clock())
-        if all(each.unit.core or each.status is Status.ENDED or each.unit.name in timings.up for each in state.units):
+        if all(
+            each.unit.core or each.status is UnitStatus.ENDED or each.unit.name in timings.up for each in state.units
+        ):
             self._timings = None
             self._inform("\n".join(describe_timings(timings.born, timings.steps, timings.started, timings.up)))

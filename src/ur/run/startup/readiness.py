@@ -11,10 +11,10 @@ from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
 
-from ur.launchfile.plan.model import ReadyCondition
+from ur.launchfile.plan.specs import ReadyCondition
 from ur.run.master.client import CALLER, Master
-from ur.run.master.tcpros import Listener, NoTopic, listen_to, read_frames
-from ur.run.master.xml_rpc import Refused, Unanswered
+from ur.run.master.tcpros import NoTopic, TopicConnection, listen_to, read_frames
+from ur.run.master.xml_rpc import CallRefused, Unanswered
 
 PERIOD = 0.1  # s between two looks while something is missing
 TIMEOUT = 1.0  # s that a publisher gets to answer
@@ -25,7 +25,7 @@ Report = Callable[[str, int, tuple[str, ...]], None]
 
 
 @dataclass(frozen=True, slots=True)
-class Graph:
+class MasterGraph:
     """The master's nodes by topic and service: publishers, subscribers, and servers."""
 
     publishers: Mapping[str, Sequence[str]]
@@ -40,7 +40,7 @@ class Graph:
 
 
 @dataclass(slots=True)
-class Received:
+class ReceivedMessages:
     """Messages received on a topic: their times (any clock, s), and frames where it is one of tf."""
 
     times: deque[float] = field(default_factory=lambda: deque(maxlen=1000))
@@ -48,7 +48,11 @@ class Received:
 
 
 def find_missing(
-    node: str, conditions: Sequence[ReadyCondition], graph: Graph, received: Mapping[str, Received], now: float
+    node: str,
+    conditions: Sequence[ReadyCondition],
+    graph: MasterGraph,
+    received: Mapping[str, ReceivedMessages],
+    now: float,
 ) -> tuple[str, ...]:
     """List a running node's unmet readiness conditions, as text for people; empty when it is ready."""
     if not any(condition.kind == "process" for condition in conditions) and not graph.knows(node):
@@ -65,7 +69,9 @@ def measure_rate(times: Sequence[float], rate: float, now: float) -> float | Non
     return count / max(times[-1] - times[-1 - count], 1e-6)
 
 
-def _describe_unmet(condition: ReadyCondition, graph: Graph, received: Mapping[str, Received], now: float) -> str:
+def _describe_unmet(
+    condition: ReadyCondition, graph: MasterGraph, received: Mapping[str, ReceivedMessages], now: float
+) -> str:
     name = condition.name
     match condition.kind:
         case "topic":
@@ -82,7 +88,9 @@ def _describe_unmet(condition: ReadyCondition, graph: Graph, received: Mapping[s
     return ""
 
 
-def _describe_topic(name: str, rate: float | None, graph: Graph, received: Mapping[str, Received], now: float) -> str:
+def _describe_topic(
+    name: str, rate: float | None, graph: MasterGraph, received: Mapping[str, ReceivedMessages], now: float
+) -> str:
     if name not in graph.publishers:
         return f"topic {name} is not published"
     if rate is None:
@@ -108,8 +116,8 @@ class ReadinessProbe:
         self._reported: dict[tuple[str, int], tuple[str, ...]] = {}
         self._changed = threading.Event()
         self._over = False
-        self._listeners: dict[tuple[str, str], Listener] = {}
-        self._received: dict[str, Received] = {}
+        self._listeners: dict[tuple[str, str], TopicConnection] = {}
+        self._received: dict[str, ReceivedMessages] = {}
         self._thread = threading.Thread(target=self._check_nodes, daemon=True)
         self._thread.start()
 
@@ -139,11 +147,11 @@ class ReadinessProbe:
     def _look(self, open_: Mapping[str, int]) -> None:
         try:
             publishers, subscribers, services = (dict(kind) for kind in self._master.get_system_state())
-        except (Unanswered, Refused, ValueError, TypeError) as problem:
+        except (Unanswered, CallRefused, ValueError, TypeError) as problem:
             for name, pid in open_.items():
                 self._report(name, pid, (f"the master does not answer: {problem}",))
             return
-        graph = Graph(publishers, subscribers, services)
+        graph = MasterGraph(publishers, subscribers, services)
         self._connect({topic for name in open_ for topic in self._topics(name)}, graph)
         for name, pid in open_.items():
             self._report(
@@ -164,17 +172,17 @@ class ReadinessProbe:
                 found.add(condition.name)
         return found
 
-    def _connect(self, topics: set[str], graph: Graph) -> None:
+    def _connect(self, topics: set[str], graph: MasterGraph) -> None:
         for topic in topics:
             for node in graph.publishers.get(topic, ()):
                 if (topic, node) in self._listeners:
                     continue
-                with suppress(NoTopic, Unanswered, Refused):  # it is asked again at the next look
+                with suppress(NoTopic, Unanswered, CallRefused):  # it is asked again at the next look
                     uri = self._master.call("lookupNode", node)
                     keep = 1 << 20 if topic in TF_TOPICS else 0
                     listener = listen_to(uri, topic, keep=keep, timeout=TIMEOUT, caller=CALLER)
                     self._listeners[topic, node] = listener
-                    self._received.setdefault(topic, Received())
+                    self._received.setdefault(topic, ReceivedMessages())
 
     def _listen(self, period: float) -> None:
         end = time.monotonic() + period

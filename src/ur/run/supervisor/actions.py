@@ -4,18 +4,18 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ur.run.supervisor.model import ExitStatus
+from ur.run.supervisor.state import ExitStatus
 
 
 @dataclass(frozen=True, slots=True)
-class Start:
+class StartUnit:
     """Start the process of a unit."""
 
     name: str
 
 
 @dataclass(frozen=True, slots=True)
-class Signal:
+class SignalUnit:
     """Send a signal to the process group of a unit."""
 
     name: str
@@ -118,8 +118,8 @@ class Finish:
 
 
 Action = (
-    Start
-    | Signal
+    StartUnit
+    | SignalUnit
     | AwaitMaster
     | SetParameters
     | StartShare

@@ -7,7 +7,7 @@ import signal
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from ur.run.supervisor.model import ExitStatus
+from ur.run.supervisor.state import ExitStatus
 
 
 @dataclass(frozen=True, slots=True)

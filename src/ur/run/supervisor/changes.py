@@ -6,16 +6,16 @@ from collections.abc import Iterable
 from dataclasses import replace
 from signal import SIGINT, SIGKILL, SIGTERM
 
-from ur.run.supervisor.actions import Action, Start
-from ur.run.supervisor.model import Limits, Phase, State, Status, UnitState
+from ur.run.supervisor.actions import Action, StartUnit
+from ur.run.supervisor.state import RunPhase, State, TimeLimits, UnitState, UnitStatus
 
 Step = tuple[State, list[Action]]
 SIGNALS = (SIGINT, SIGTERM, SIGKILL)  # one after the other, ever stronger
 
-_ORDER = list(Phase)
+_ORDER = list(RunPhase)
 
 
-def is_before(state: State, phase: Phase) -> bool:
+def is_before(state: State, phase: RunPhase) -> bool:
     """True while the run has not reached a phase."""
     return _ORDER.index(state.phase) < _ORDER.index(phase)
 
@@ -30,12 +30,14 @@ def start_units(state: State, chosen: Iterable[UnitState], now: float) -> Step:
     """Start those that wait."""
     actions: list[Action] = []
     for each in chosen:
-        if each.status is Status.WAITING:
-            state = put_unit(state, replace(each, status=Status.STARTING, since=now, due=None, reason="", held=False))
-            actions.append(Start(each.unit.name))
+        if each.status is UnitStatus.WAITING:
+            state = put_unit(
+                state, replace(each, status=UnitStatus.STARTING, since=now, due=None, reason="", held=False)
+            )
+            actions.append(StartUnit(each.unit.name))
     return state, actions
 
 
-def signal_patience(limits: Limits, pressure: int) -> float:
+def signal_patience(limits: TimeLimits, pressure: int) -> float:
     """Time to wait, in s, after the signal that follows `pressure` others."""
     return (limits.interrupt, limits.terminate, 1.0)[pressure]

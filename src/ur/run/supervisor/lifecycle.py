@@ -5,21 +5,21 @@ from __future__ import annotations
 from dataclasses import replace
 from signal import SIGINT
 
-from ur.run.supervisor.actions import Action, ReportDeath, Signal
+from ur.run.supervisor.actions import Action, ReportDeath, SignalUnit
 from ur.run.supervisor.changes import SIGNALS, Step, is_before, put_unit
-from ur.run.supervisor.model import ExitStatus, Limits, Phase, State, Status, UnitState
 from ur.run.supervisor.requests import fulfil_request
 from ur.run.supervisor.shutdown import advance_end, begin_end
+from ur.run.supervisor.state import ExitStatus, RunPhase, State, TimeLimits, UnitState, UnitStatus
 
 
 def note_started(state: State, name: str, pid: int, now: float) -> Step:
     """A unit has a process; it gets the signal that was meant for it before it had one."""
     each = state.find(name)
-    if each is None or each.status is not Status.STARTING:
+    if each is None or each.status is not UnitStatus.STARTING:
         return state, []
-    state = put_unit(state, replace(each, status=Status.RUNNING, pid=pid, since=now))
-    pressure = 0 if each.unit.core and state.phase is Phase.STOPPING_NODES else state.pressure or each.pressure
-    return state, [Signal(name, SIGNALS[pressure - 1])] if pressure else []
+    state = put_unit(state, replace(each, status=UnitStatus.RUNNING, pid=pid, since=now))
+    pressure = 0 if each.unit.core and state.phase is RunPhase.STOPPING_NODES else state.pressure or each.pressure
+    return state, [SignalUnit(name, SIGNALS[pressure - 1])] if pressure else []
 
 
 def note_ended(state: State, name: str, status: ExitStatus, now: float, reason: str = "", evicted_by: str = "") -> Step:
@@ -32,7 +32,7 @@ def note_ended(state: State, name: str, status: ExitStatus, now: float, reason: 
         return state, []
     each = replace(
         before,
-        status=Status.ENDED,
+        status=UnitStatus.ENDED,
         pid=None,
         since=now,
         exit=status,
@@ -43,7 +43,7 @@ def note_ended(state: State, name: str, status: ExitStatus, now: float, reason: 
         gave_up=bool(evicted_by),
     )
     state = put_unit(state, each)
-    if not is_before(state, Phase.STOPPING_NODES):
+    if not is_before(state, RunPhase.STOPPING_NODES):
         return advance_end(state, now)
     if before.request is not None:
         return fulfil_request(state, each, before.request, now)
@@ -51,7 +51,7 @@ def note_ended(state: State, name: str, status: ExitStatus, now: float, reason: 
     if each.unit.terminal or each.unit.required:
         return _end_with(state, each, death, now)
     if each.unit.respawn and not evicted_by:
-        lived = now - before.since if before.status is Status.RUNNING else 0.0
+        lived = now - before.since if before.status is UnitStatus.RUNNING else 0.0
         return _respawn(state, each, death, lived, now)
     return _end_when_idle(state, [death], now)
 
@@ -81,14 +81,16 @@ def _respawn(state: State, each: UnitState, death: ReportDeath, lived: float, no
         each = replace(each, gave_up=True, reason=each.reason or f"died {quick} times in a row")
         return _end_when_idle(put_unit(state, each), [replace(death, deaths=quick)], now)
     delay = max(each.unit.respawn_delay, _backoff(quick, state.limits))
-    again = replace(each, status=Status.WAITING, due=now + delay, restarts=each.restarts + 1)
+    again = replace(each, status=UnitStatus.WAITING, due=now + delay, restarts=each.restarts + 1)
     return put_unit(state, again), [replace(death, restart_in=delay)]
 
 
 def _end_when_idle(state: State, told: list[Action], now: float) -> Step:
     """The run ends with its last node, unless a person stopped one and may want it back."""
     nodes = [other for other in state.units if not other.unit.core]
-    if state.phase is not Phase.RUNNING or any(other.status is not Status.ENDED or other.held for other in nodes):
+    if state.phase is not RunPhase.RUNNING or any(
+        other.status is not UnitStatus.ENDED or other.held for other in nodes
+    ):
         return state, told
     # As roslaunch, which has no limit to respawning: otherwise only what never started counts.
     failed = any(other.exit == ExitStatus() or other.gave_up for other in nodes)
@@ -96,12 +98,12 @@ def _end_when_idle(state: State, told: list[Action], now: float) -> Step:
     return state, told + actions
 
 
-def _is_storm(quick_deaths: int, status: ExitStatus, limits: Limits) -> bool:
+def _is_storm(quick_deaths: int, status: ExitStatus, limits: TimeLimits) -> bool:
     if not limits.quick_deaths:
         return False
     return quick_deaths >= (min(limits.bad_inputs, limits.quick_deaths) if status.code == 2 else limits.quick_deaths)
 
 
-def _backoff(quick_deaths: int, limits: Limits) -> float:
+def _backoff(quick_deaths: int, limits: TimeLimits) -> float:
     # The first restart is as prompt as roslaunch's; only a unit that keeps dying is slowed down.
     return 0.0 if quick_deaths < 2 else min(limits.longest_backoff, 0.25 * 2.0 ** min(quick_deaths - 2, 16))

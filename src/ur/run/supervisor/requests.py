@@ -4,15 +4,15 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from ur.run.supervisor.actions import Action, ReportPressure, ReportRequest, Signal
+from ur.run.supervisor.actions import Action, ReportPressure, ReportRequest, SignalUnit
 from ur.run.supervisor.changes import SIGNALS, Step, is_before, put_unit, signal_patience, start_units
 from ur.run.supervisor.events import RestartWanted, StartWanted, StopWanted
-from ur.run.supervisor.model import Phase, Request, State, Status, UnitState
+from ur.run.supervisor.state import RunPhase, State, StopRequest, UnitState, UnitStatus
 
 
 def apply_request(state: State, wanted: StartWanted | StopWanted | RestartWanted, now: float) -> Step:
     """Begin to carry a request out. While the run ends nobody can want anything any more."""
-    if not is_before(state, Phase.STOPPING_NODES):
+    if not is_before(state, RunPhase.STOPPING_NODES):
         return state, []
     each = state.find(wanted.name)
     if each is None:
@@ -22,14 +22,14 @@ def apply_request(state: State, wanted: StartWanted | StopWanted | RestartWanted
     match wanted:
         case StartWanted():
             if each.alive:
-                return (put_unit(state, replace(each, request=Request.RESTART)) if each.request else state), []
+                return (put_unit(state, replace(each, request=StopRequest.RESTART)) if each.request else state), []
             return _start_anew(state, each, now)
         case RestartWanted() if not each.alive:
             return _start_anew(state, each, now)
     if not each.alive:
-        held = replace(each, status=Status.ENDED, due=None, held=True)
+        held = replace(each, status=UnitStatus.ENDED, due=None, held=True)
         return put_unit(state, held), [] if each.held else [ReportRequest(wanted.name)]
-    request = Request.RESTART if isinstance(wanted, RestartWanted) else Request.STOP
+    request = StopRequest.RESTART if isinstance(wanted, RestartWanted) else StopRequest.STOP
     pressure = 2 if isinstance(wanted, StopWanted) and wanted.kill else each.pressure
     return press_unit(state, replace(each, request=request, pressure=pressure), now)
 
@@ -42,9 +42,9 @@ def press_unit(state: State, each: UnitState, now: float) -> Step:
     told: list[Action] = [ReportPressure((each.unit.name,), signum)] if each.pressure and each.deadline else []
     wait = signal_patience(state.limits, each.pressure)
     state = put_unit(state, replace(each, pressure=each.pressure + 1, deadline=now + wait))
-    if each.status is Status.STARTING:
+    if each.status is UnitStatus.STARTING:
         return state, told  # it hears the signal once it is there
-    return state, [*told, Signal(each.unit.name, signum)]
+    return state, [*told, SignalUnit(each.unit.name, signum)]
 
 
 def press_overdue(state: State, now: float) -> Step:
@@ -57,9 +57,9 @@ def press_overdue(state: State, now: float) -> Step:
     return state, actions
 
 
-def fulfil_request(state: State, each: UnitState, request: Request, now: float) -> Step:
+def fulfil_request(state: State, each: UnitState, request: StopRequest, now: float) -> Step:
     """The unit has ended as it was wanted."""
-    if request is Request.RESTART:
+    if request is StopRequest.RESTART:
         again = replace(each, restarts=each.restarts + 1)
         return _start_anew(put_unit(state, again), again, now)
     return put_unit(state, replace(each, held=True)), [ReportRequest(each.unit.name)]
@@ -71,15 +71,15 @@ def restart_all(state: State, now: float) -> Step:
     actions: list[Action] = []
     for each in state.units:
         if each.alive and each.request is None and not each.unit.core:
-            state, more = press_unit(state, replace(each, request=Request.RESTART), now)
+            state, more = press_unit(state, replace(each, request=StopRequest.RESTART), now)
             actions += more
     state, more = start_units(state, (each for each in state.units if each.due is not None and each.due <= now), now)
     return state, actions + more
 
 
 def _start_anew(state: State, each: UnitState, now: float) -> Step:
-    waiting = replace(each, status=Status.WAITING, due=now, quick_deaths=0, gave_up=False, held=False)
+    waiting = replace(each, status=UnitStatus.WAITING, due=now, quick_deaths=0, gave_up=False, held=False)
     state = put_unit(state, waiting)
-    if state.phase is not Phase.RUNNING or state.reviving:
+    if state.phase is not RunPhase.RUNNING or state.reviving:
         return state, []
     return start_units(state, [waiting], now)

@@ -5,17 +5,17 @@ from __future__ import annotations
 from dataclasses import replace
 from signal import SIGINT, SIGKILL, SIGTERM
 
-from ur.run.supervisor.actions import Action, Finish, ReportPressure, ReportStop, Signal, Sweep, Unregister
+from ur.run.supervisor.actions import Action, Finish, ReportPressure, ReportStop, SignalUnit, Sweep, Unregister
 from ur.run.supervisor.changes import SIGNALS, Step, put_unit, signal_patience
-from ur.run.supervisor.model import Phase, State, Status
+from ur.run.supervisor.state import RunPhase, State, UnitStatus
 
 
 def begin_end(state: State, cause: str, exit_code: int, now: float, *, failed: bool = False) -> Step:
     """End the run. `cause` is text for people, '' without one; `failed` when it could not even begin."""
-    state = replace(state, phase=Phase.STOPPING_NODES, exit_code=exit_code, cause=cause, pressure=0, deadline=None)
+    state = replace(state, phase=RunPhase.STOPPING_NODES, exit_code=exit_code, cause=cause, pressure=0, deadline=None)
     for each in state.units:
-        if each.status is Status.WAITING:
-            state = put_unit(state, replace(each, status=Status.ENDED, due=None))
+        if each.status is UnitStatus.WAITING:
+            state = put_unit(state, replace(each, status=UnitStatus.ENDED, due=None))
         else:
             state = put_unit(state, replace(each, request=None, pressure=0, deadline=None))
     told: list[Action] = [ReportStop(cause, failed)] if cause else []
@@ -25,19 +25,19 @@ def begin_end(state: State, cause: str, exit_code: int, now: float, *, failed: b
 
 def advance_end(state: State, now: float) -> Step:
     """Go on once nothing of this phase is left; send the first signal where that has not happened."""
-    if state.phase is Phase.STOPPING_NODES:
+    if state.phase is RunPhase.STOPPING_NODES:
         if any(each.alive for each in state.units if not each.unit.core):
             return (state, []) if state.pressure else press_all(state, now)
-        state = replace(state, phase=Phase.STOPPING_CORE, pressure=0, deadline=None)
-    if state.phase is Phase.STOPPING_CORE:
+        state = replace(state, phase=RunPhase.STOPPING_CORE, pressure=0, deadline=None)
+    if state.phase is RunPhase.STOPPING_CORE:
         left = [each for each in state.units if each.alive]
         if left:
             # The last core unit first: rosout says goodbye to a master that is still there.
             if state.pressure > 1:
                 return state, []
             deadline = state.deadline or now + state.limits.core
-            return replace(state, pressure=1, deadline=deadline), [Signal(left[-1].unit.name, SIGINT)]
-        state = replace(state, phase=Phase.SWEEPING, pressure=2, deadline=now + state.limits.sweep)
+            return replace(state, pressure=1, deadline=deadline), [SignalUnit(left[-1].unit.name, SIGINT)]
+        state = replace(state, phase=RunPhase.SWEEPING, pressure=2, deadline=now + state.limits.sweep)
         return state, [Sweep(SIGTERM)]
     return state, []
 
@@ -45,11 +45,11 @@ def advance_end(state: State, now: float) -> Step:
 def press_all(state: State, now: float) -> Step:
     """The next, stronger signal to all that is left; or the next phase where there is none stronger."""
     match state.phase:
-        case Phase.STOPPING_NODES:
+        case RunPhase.STOPPING_NODES:
             return _press_nodes(state, now)
-        case Phase.STOPPING_CORE:
+        case RunPhase.STOPPING_CORE:
             return _press_core(state, now)
-        case Phase.SWEEPING:
+        case RunPhase.SWEEPING:
             return _press_rest(state, now)
     return finish_end(state)
 
@@ -58,12 +58,12 @@ def remove_registrations(state: State, now: float) -> Step:
     """Nothing runs any more: clean up at a master that stays, where there is one."""
     if state.own_master:
         return finish_end(state)
-    return replace(state, phase=Phase.UNREGISTERING, deadline=now + state.limits.unregister), [Unregister()]
+    return replace(state, phase=RunPhase.UNREGISTERING, deadline=now + state.limits.unregister), [Unregister()]
 
 
 def finish_end(state: State) -> Step:
     """Nothing is left to do."""
-    return replace(state, phase=Phase.DONE, deadline=None), [Finish(state.exit_code)]
+    return replace(state, phase=RunPhase.DONE, deadline=None), [Finish(state.exit_code)]
 
 
 def _press_nodes(state: State, now: float) -> Step:
@@ -74,7 +74,7 @@ def _press_nodes(state: State, now: float) -> Step:
     told: list[Action] = [ReportPressure(left, signum)] if state.pressure else []
     wait = signal_patience(state.limits, state.pressure)
     state = replace(state, pressure=state.pressure + 1, deadline=now + wait)
-    return state, told + [Signal(name, signum) for name in left]
+    return state, told + [SignalUnit(name, signum) for name in left]
 
 
 def _press_core(state: State, now: float) -> Step:
@@ -82,7 +82,7 @@ def _press_core(state: State, now: float) -> Step:
         return _abandon(state, now)
     left = tuple(each.unit.name for each in state.units if each.alive)
     state = replace(state, pressure=len(SIGNALS), deadline=now + 1.0)
-    return state, [Signal(name, SIGKILL) for name in left]
+    return state, [SignalUnit(name, SIGKILL) for name in left]
 
 
 def _press_rest(state: State, now: float) -> Step:
@@ -94,6 +94,6 @@ def _press_rest(state: State, now: float) -> Step:
 def _abandon(state: State, now: float) -> Step:
     """Nothing survives SIGKILL except a process that hangs in the kernel: wait no longer for it."""
     for each in state.units:
-        if each.alive and each.unit.core == (state.phase is Phase.STOPPING_CORE):
-            state = put_unit(state, replace(each, status=Status.ENDED, pid=None))
+        if each.alive and each.unit.core == (state.phase is RunPhase.STOPPING_CORE):
+            state = put_unit(state, replace(each, status=UnitStatus.ENDED, pid=None))
     return advance_end(state, now)

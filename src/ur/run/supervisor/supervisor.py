@@ -48,19 +48,19 @@ from ur.run.supervisor.events import (
     Unregistered,
 )
 from ur.run.supervisor.lifecycle import note_ended, note_started
-from ur.run.supervisor.model import ExitStatus, Limits, Phase, State, Unit, UnitState
 from ur.run.supervisor.requests import apply_request, press_overdue, restart_all
 from ur.run.supervisor.shutdown import begin_end, finish_end, press_all, remove_registrations
+from ur.run.supervisor.state import ExitStatus, RunPhase, State, TimeLimits, Unit, UnitState
 
 
 def begin_state(
-    units: Iterable[Unit], *, own_master: bool, limits: Limits | None = None, shared: bool = False
+    units: Iterable[Unit], *, own_master: bool, limits: TimeLimits | None = None, shared: bool = False
 ) -> State:
     """The state before anything happened. Units start in this order, core units first and terminal units last."""
     ordered = sorted(units, key=lambda unit: (not unit.core, unit.terminal))
     places = {unit.name: place for place, unit in enumerate(ordered)}
     return State(
-        tuple(UnitState(unit) for unit in ordered), own_master, limits or Limits(), shared=shared, places=places
+        tuple(UnitState(unit) for unit in ordered), own_master, limits or TimeLimits(), shared=shared, places=places
     )
 
 
@@ -73,9 +73,9 @@ def step(state: State, event: Event, now: float) -> tuple[State, tuple[Action, .
 def next_deadline(state: State) -> float | None:
     """Latest time at which `Tick` is due; None when only events matter."""
     times = []
-    if state.phase is Phase.RUNNING and not state.reviving:
+    if state.phase is RunPhase.RUNNING and not state.reviving:
         times = [each.due for each in state.units if each.due is not None]
-    if is_before(state, Phase.STOPPING_NODES):
+    if is_before(state, RunPhase.STOPPING_NODES):
         times += [each.deadline for each in state.units if each.deadline is not None]
     if state.deadline is not None:
         times.append(state.deadline)
@@ -83,7 +83,7 @@ def next_deadline(state: State) -> float | None:
 
 
 def _handle(state: State, event: Event, now: float) -> Step:
-    if state.phase is Phase.DONE:
+    if state.phase is RunPhase.DONE:
         return state, []
     match event:
         case Started(name, pid):
@@ -96,10 +96,12 @@ def _handle(state: State, event: Event, now: float) -> Step:
             return note_ended(state, name, status, now, evicted_by=by)
         case OwnerEnded(cause):
             return (
-                begin_end(state, cause, 1, now, failed=True) if is_before(state, Phase.STOPPING_NODES) else (state, [])
+                begin_end(state, cause, 1, now, failed=True)
+                if is_before(state, RunPhase.STOPPING_NODES)
+                else (state, [])
             )
         case StopRequested(cause, exit_code):
-            if is_before(state, Phase.STOPPING_NODES):
+            if is_before(state, RunPhase.STOPPING_NODES):
                 return begin_end(state, cause, exit_code, now)
             return press_all(state, now)
         case StartWanted() | StopWanted() | RestartWanted():
@@ -112,49 +114,49 @@ def _handle(state: State, event: Event, now: float) -> Step:
 def _proceed(state: State, event: Event, now: float) -> Step:
     """From phase to phase: each of these events belongs to one phase and means nothing in another."""
     match event:
-        case Begin() if state.phase is Phase.MASTER:
+        case Begin() if state.phase is RunPhase.MASTER:
             return _begin(state, now)
-        case MasterAnswered() if state.phase is Phase.MASTER:
+        case MasterAnswered() if state.phase is RunPhase.MASTER:
             started, actions = start_units(state, (each for each in state.units if each.unit.core), now)
-            return replace(started, phase=Phase.PARAMETERS, deadline=None), [*actions, SetParameters()]
-        case ParametersSet() if state.phase is Phase.PARAMETERS:
-            running = replace(state, phase=Phase.RUNNING)
+            return replace(started, phase=RunPhase.PARAMETERS, deadline=None), [*actions, SetParameters()]
+        case ParametersSet() if state.phase is RunPhase.PARAMETERS:
+            running = replace(state, phase=RunPhase.RUNNING)
             return start_units(running, (each for each in running.units if not each.unit.core), now)
         case ParametersSet() if state.reviving:
             return restart_all(state, now)
         case SetupFailed() if state.reviving:
             return replace(state, reviving=False, stale=True), []  # the master is gone once more; it is looked after
-        case SetupFailed(reason) if is_before(state, Phase.STOPPING_NODES):
+        case SetupFailed(reason) if is_before(state, RunPhase.STOPPING_NODES):
             return begin_end(state, reason, 1, now, failed=True)
-        case NothingLeft() if state.phase is Phase.SWEEPING:
+        case NothingLeft() if state.phase is RunPhase.SWEEPING:
             return remove_registrations(state, now)
-        case Unregistered() if state.phase is Phase.UNREGISTERING:
+        case Unregistered() if state.phase is RunPhase.UNREGISTERING:
             return finish_end(state)
-        case _ if state.phase is Phase.RUNNING:
+        case _ if state.phase is RunPhase.RUNNING:
             return follow_master(state, event, now)
     return state, []
 
 
 def _begin(state: State, now: float) -> Step:
     if not state.own_master:
-        return replace(state, phase=Phase.PARAMETERS), [SetParameters()]
+        return replace(state, phase=RunPhase.PARAMETERS), [SetParameters()]
     first = next(each for each in state.units if each.unit.core)
     started, actions = start_units(state, [first], now)
     return replace(started, deadline=now + state.limits.master), [*actions, AwaitMaster()]
 
 
 def _tick(state: State, now: float) -> Step:
-    if is_before(state, Phase.STOPPING_NODES):
+    if is_before(state, RunPhase.STOPPING_NODES):
         pressed, actions = press_overdue(state, now)
         if actions:
             return pressed, actions
         state = pressed
-    if state.phase is Phase.RUNNING:
+    if state.phase is RunPhase.RUNNING:
         due = (each for each in state.units if each.due is not None and each.due <= now)
         return (state, []) if state.reviving else start_units(state, due, now)
     if state.deadline is None or now < state.deadline:
         return state, []
-    if state.phase is Phase.MASTER:
+    if state.phase is RunPhase.MASTER:
         return begin_end(state, f"the master did not answer within {state.limits.master:g} s", 1, now, failed=True)
     return press_all(state, now)
 

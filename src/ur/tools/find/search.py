@@ -8,15 +8,15 @@ from contextlib import suppress
 
 from ur.check.cases import resolve_cases
 from ur.check.collect import Targets, collect_targets
-from ur.check.model import LaunchView
+from ur.check.rule import LaunchView
 from ur.check.survey import find_uses, survey_launch_file, walk_elements
 from ur.check.worlds import CachedWorld, has_marker
-from ur.launchfile.plan.model import ParamSpec, Plan, RemapStep, TraceStep
+from ur.launchfile.plan.specs import ParamSpec, Plan, RemapStep, TraceStep
 from ur.launchfile.world import World
 from ur.source.diagnostic import UserError
 from ur.source.file import SourceFile, Span
 from ur.source.progress import Progress, counted, no_progress
-from ur.tools.find.model import KINDS, Kind, Occurrence, Wanted
+from ur.tools.find.occurrences import KINDS, Kind, Occurrence, WantedName
 
 _PIECE = re.compile(r"\$\([^)]*\)")
 _FILE_ATTRIBUTES = ("file", "textfile", "binfile")
@@ -37,7 +37,7 @@ def find_name(
     cached = CachedWorld(world)
     targets = collect_targets(paths, cached)
     _refuse_ros2(paths, targets, cached)
-    wanted = Wanted(name)
+    wanted = WantedName(name)
     found: dict[tuple[object, ...], Occurrence] = {}
     for each in _everything(targets, cached, frozenset(kinds), wanted, progress):
         if wanted.matches(each.name) and not has_marker(each.name):
@@ -58,7 +58,7 @@ def _rank(each: Occurrence) -> tuple[object, ...]:
 
 
 def _everything(
-    targets: Targets, world: CachedWorld, kinds: frozenset[Kind], wanted: Wanted, progress: Progress
+    targets: Targets, world: CachedWorld, kinds: frozenset[Kind], wanted: WantedName, progress: Progress
 ) -> Iterator[Occurrence]:
     views = [*_views(targets, world, progress)]
     if "file" in kinds:

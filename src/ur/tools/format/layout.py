@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from ur.tools.format.pieces import Note, Piece, Tag
+from ur.tools.format.pieces import CommentPiece, Piece, Tag
 
 WIDTH = 120
 MANY = 4  # attributes that stand on one line at most
@@ -41,7 +41,7 @@ def lay_out(tag: Tag, depth: int = 0) -> Iterator[str]:
         yield f"{opening[-1]}/>"
 
 
-def lay_out_note(note: Note, indent: str) -> str:
+def lay_out_note(note: CommentPiece, indent: str) -> str:
     """A comment at an indentation: its further lines move with the first."""
     first, *others = note.text.split("\n")
     shift = len(indent) - note.column if note.column is not None else 0
@@ -53,7 +53,7 @@ def _inside(pieces: Sequence[Piece], depth: int) -> Iterator[str]:
     line = ""
     for number, piece in enumerate(pieces):
         before = pieces[number - 1].what if number else None
-        if isinstance(piece.what, Note) and piece.same_line and isinstance(before, Tag):
+        if isinstance(piece.what, CommentPiece) and piece.same_line and isinstance(before, Tag):
             line += f" {lay_out_note(piece.what, indent)}"
             continue
         if number:
@@ -63,7 +63,7 @@ def _inside(pieces: Sequence[Piece], depth: int) -> Iterator[str]:
         if isinstance(piece.what, Tag):
             *done, line = lay_out(piece.what, depth)
             yield from done
-        elif isinstance(piece.what, Note):
+        elif isinstance(piece.what, CommentPiece):
             line = indent + lay_out_note(piece.what, indent)
         else:
             line = indent + piece.what.text

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
 from ur.check.survey import find_uses
-from ur.tools.format.pieces import Note, Piece, Tag
+from ur.tools.format.pieces import CommentPiece, Piece, Tag
 
 _SUMMARY, _OVERVIEW, _REQUIRED, _CONVENIENCE, _OPTIONAL, _REST = range(6)
 _TITLES = {
@@ -76,7 +76,7 @@ def _rank(tag: Tag, optional: set[str]) -> int:
 def _belongs(piece: Piece, unit: _Unit) -> bool:
     """Return whether a comment behind a tag speaks of it: on its line, or under the argument's name."""
     last = unit.pieces[-1].what
-    if piece.same_line and isinstance(last, Tag | Note) and isinstance(piece.what, Note):
+    if piece.same_line and isinstance(last, Tag | CommentPiece) and isinstance(piece.what, CommentPiece):
         return True
     tag = next((each.what for each in unit.pieces if isinstance(each.what, Tag)), None)
     if tag is None or tag.element is None or tag.name != "arg":
@@ -85,7 +85,7 @@ def _belongs(piece: Piece, unit: _Unit) -> bool:
 
 
 def _heading(piece: Piece) -> str | None:
-    match = _HEADING.match(piece.what.text) if isinstance(piece.what, Note) else None
+    match = _HEADING.match(piece.what.text) if isinstance(piece.what, CommentPiece) else None
     return match.group(1) if match else None
 
 
@@ -95,7 +95,7 @@ def is_title(comment: str) -> bool:
 
 
 def _is_title(piece: Piece) -> bool:
-    return isinstance(piece.what, Note) and is_title(piece.what.text)
+    return isinstance(piece.what, CommentPiece) and is_title(piece.what.text)
 
 
 def _join(units: Sequence[_Unit], titled: bool, moved: bool) -> Iterable[Piece]:
@@ -106,7 +106,7 @@ def _join(units: Sequence[_Unit], titled: bool, moved: bool) -> Iterable[Piece]:
             title = _TITLES.get(unit.rank) if titled else None
             apart = unit.rank >= _REQUIRED and (titled or moved)
             if title:
-                yield Piece(Note(title, None), blank_before=True)
+                yield Piece(CommentPiece(title, None), blank_before=True)
                 first = replace(first, blank_before=False)
             else:
                 first = replace(first, blank_before=first.blank_before or apart)

@@ -28,7 +28,7 @@ class Tag:
 
 
 @dataclass(frozen=True, slots=True)
-class Note:
+class CommentPiece:
     """A comment, from `<!--` to `-->`. `column` is how far its first line was indented; None behind something."""
 
     text: str
@@ -46,7 +46,7 @@ class Other:
 class Piece:
     """One of them in its place: whether a blank line stood before it, and whether it shared the line before it."""
 
-    what: Tag | Note | Other
+    what: Tag | CommentPiece | Other
     blank_before: bool = False
     same_line: bool = False
 
@@ -64,10 +64,10 @@ def read_pieces(root: Element) -> Tag:
     return Tag(root.name, attributes, tuple(_inside(root, tag.end)), element=root)
 
 
-def make_note(text: str, before: str) -> Note:
+def make_note(text: str, before: str) -> CommentPiece:
     """A comment; `before` is what stands before it."""
     line = before.rpartition("\n")[2]
-    return Note(text, None if line.strip() else len(line.expandtabs(4)))
+    return CommentPiece(text, None if line.strip() else len(line.expandtabs(4)))
 
 
 def _attributes(tag: str, position: int) -> Iterator[tuple[str, str]]:

@@ -8,10 +8,10 @@ from dataclasses import dataclass, fields, is_dataclass
 from typing import Any
 
 from ur.check.cases import resolve_cases
-from ur.check.model import Package
+from ur.check.rule import Package
 from ur.check.survey import survey_launch_file
 from ur.check.worlds import CachedWorld
-from ur.launchfile.plan.model import Origin, Plan
+from ur.launchfile.plan.specs import Origin, Plan
 from ur.launchfile.syntax import Comment, Element, LaunchFile, parse_launch_file
 from ur.launchfile.syntax.decode import decode_text
 from ur.launchfile.world import World

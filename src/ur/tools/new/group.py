@@ -5,21 +5,21 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from ur.tools.new.launch_text import LOCALHOST, hand_on, write_launch
-from ur.tools.new.model import Argument, NewFile, Part
+from ur.tools.new.parts import IncludedPart, NewArgument, NewFile
 
 _MACHINES = {
-    "robot_machine": Argument(
+    "robot_machine": NewArgument(
         "robot_machine", "The robot: where everything runs that drives or senses.", default="localhost"
     ),
-    "viewer_machine": Argument("viewer_machine", "The viewer: where people watch and steer.", default="localhost"),
+    "viewer_machine": NewArgument("viewer_machine", "The viewer: where people watch and steer.", default="localhost"),
 }
 _STANDARD = {
-    "robot_base": Argument("robot_base", "The base, for example `stage` or `magni`."),
-    "robot_variant": Argument("robot_variant", "The variant of the base; empty for the plain base.", default=""),
-    "simulate": Argument(
+    "robot_base": NewArgument("robot_base", "The base, for example `stage` or `magni`."),
+    "robot_variant": NewArgument("robot_variant", "The variant of the base; empty for the plain base.", default=""),
+    "simulate": NewArgument(
         "simulate", "`true`: the simulator stands for the robot; `false`: its own driver does.", default="true"
     ),
-    "world": Argument("world", "The simulated world.", default="maze"),
+    "world": NewArgument("world", "The simulated world.", default="maze"),
     **_MACHINES,
 }
 _RVIZ = """\
@@ -50,9 +50,9 @@ DISPLAYS = {"sensor_msgs/LaserScan": "LaserScan", "sensor_msgs/Range": "Range", 
              "visualization_msgs/MarkerArray": "MarkerArray", "sensor_msgs/PointCloud2": "PointCloud2"}  # fmt: skip
 
 
-def plan_multi(name: str, summary: str, parts: Sequence[Part]) -> tuple[NewFile, ...]:
+def plan_multi(name: str, summary: str, parts: Sequence[IncludedPart]) -> tuple[NewFile, ...]:
     """A launch file that includes others: what they need that nobody else says becomes an argument of it."""
-    arguments: dict[str, Argument] = {}
+    arguments: dict[str, NewArgument] = {}
     body: list[str] = []
     for part in parts:
         handed = list(_handed(part, arguments))
@@ -71,7 +71,7 @@ def _stem(file: str) -> str:
     return file.rpartition("/")[2].removesuffix(".xml").removesuffix(".launch")
 
 
-def _handed(part: Part, arguments: dict[str, Argument]) -> Iterator[tuple[str, str]]:
+def _handed(part: IncludedPart, arguments: dict[str, NewArgument]) -> Iterator[tuple[str, str]]:
     viewer = part.file.rpartition("/")[2].startswith(
         ("rviz_", "n_rviz", "n_teleop_twist_keyboard", "n_keyboard", "n_joy.")
     )
@@ -81,7 +81,7 @@ def _handed(part: Part, arguments: dict[str, Argument]) -> Iterator[tuple[str, s
             arguments.setdefault(ours, _STANDARD[ours])
         elif default is None:
             arguments.setdefault(
-                ours, Argument(ours, part.docs.get(theirs) or f"As {part.file.rpartition('/')[2]} has it.")
+                ours, NewArgument(ours, part.docs.get(theirs) or f"As {part.file.rpartition('/')[2]} has it.")
             )
         else:
             continue
@@ -105,9 +105,9 @@ def plan_rviz(
     names = ", ".join(f"`{topic.strip('/')}`" for topic, _ in shown)
     overview = f"It shows the robot{', ' + names if names else ''} in the frame `{frame}`."
     arguments = [
-        Argument("machine", "Where RViz runs: the viewer.", default="localhost"),
-        Argument("node_name", "The name of the node.", default=folder),
-        Argument("rviz_config", "The configuration file.", default=f"$(find {package})/{folder}/rviz/{name}.rviz"),
+        NewArgument("machine", "Where RViz runs: the viewer.", default="localhost"),
+        NewArgument("node_name", "The name of the node.", default=folder),
+        NewArgument("rviz_config", "The configuration file.", default=f"$(find {package})/{folder}/rviz/{name}.rviz"),
     ]
     # RViz reads the path from its arguments only, and roslaunch splits those: the folder may have a blank in its name.
     prefix = "sh -c 'exec &quot;$0&quot; -d &quot;$RVIZ_CONFIG&quot; &quot;$@&quot;'"

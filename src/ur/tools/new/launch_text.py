@@ -6,17 +6,17 @@ from collections.abc import Iterable, Iterator, Sequence
 from textwrap import fill
 from xml.sax.saxutils import escape, quoteattr
 
-from ur.tools.new.model import Argument
+from ur.tools.new.parts import NewArgument
 
 _WIDTH = 118
 LOCALHOST = (
     "<!-- roslaunch knows no machine by itself, not even this one; saying it twice does no harm. -->",
     '<machine name="localhost" address="localhost"/>',
 )
-MACHINE = Argument("machine", "Where the node runs.", default="localhost")
+MACHINE = NewArgument("machine", "Where the node runs.", default="localhost")
 
 
-def write_launch(summary: str, overview: str, arguments: Sequence[Argument], body: Iterable[str]) -> str:
+def write_launch(summary: str, overview: str, arguments: Sequence[NewArgument], body: Iterable[str]) -> str:
     """Summary, Overview, arguments by kind with their documentation, and the lines of the rest."""
     lines = ["<launch>", f"  <!--Summary: {say(summary)}-->"]
     paragraph = fill(say(overview), _WIDTH - 4, break_long_words=False, break_on_hyphens=False)
@@ -51,13 +51,13 @@ def hand_on(names: Iterable[tuple[str, str]]) -> Iterator[str]:
     yield from (f'  <arg name="{theirs}" value="$(arg {ours})"/>' for theirs, ours in names)
 
 
-def _kind(argument: Argument) -> str:
+def _kind(argument: NewArgument) -> str:
     if argument.value is not None:
         return "value"
     return "required" if argument.default is None else "default"
 
 
-def _argument(argument: Argument) -> Iterator[str]:
+def _argument(argument: NewArgument) -> Iterator[str]:
     given = ""
     if argument.value is not None:
         given = " " + attribute("value", argument.value)

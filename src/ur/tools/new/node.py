@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterator, Mapping
 
 from ur.tools.new.launch_text import LOCALHOST, MACHINE, attribute, write_launch
-from ur.tools.new.model import Argument, NewFile, NodeRequest, Topic
+from ur.tools.new.parts import NewArgument, NewFile, NodeRequest, NodeTopic
 
 _ORDINARY = re.compile(r"\W+")
 
@@ -28,13 +28,13 @@ def _launch(request: NodeRequest, package: str) -> str:
     topics = list(_arguments_of(request.observed.topics))
     arguments = [
         *(
-            [Argument("robot_base", "The base; the parameters are `params/<robot_base>.yaml`.")]
+            [NewArgument("robot_base", "The base; the parameters are `params/<robot_base>.yaml`.")]
             if request.per_base
             else ()
         ),
         MACHINE,
-        Argument("node_name", "The name of the node.", default=request.name),
-        Argument(own, f"The package that holds the executable `{request.type}`.", default=request.package),
+        NewArgument("node_name", "The name of the node.", default=request.name),
+        NewArgument(own, f"The package that holds the executable `{request.type}`.", default=request.package),
         *(argument for _, argument in topics),
     ]
     attributes = " ".join(
@@ -65,7 +65,7 @@ def _inside(request: NodeRequest, package: str) -> Iterator[str]:
         yield f'<rosparam command="load" file="$(find {package})/n_{request.name}/params/{name}.yaml"/>'
 
 
-def _arguments_of(topics: tuple[Topic, ...]) -> Iterator[tuple[Topic, Argument]]:
+def _arguments_of(topics: tuple[NodeTopic, ...]) -> Iterator[tuple[NodeTopic, NewArgument]]:
     taken = {"machine", "node_name", "robot_base"}
     for topic in topics:
         name = _ORDINARY.sub("_", topic.name).strip("_") or "topic"
@@ -74,10 +74,10 @@ def _arguments_of(topics: tuple[Topic, ...]) -> Iterator[tuple[Topic, Argument]]
         taken.add(name)
         verb = "publishes" if topic.published else "subscribes"
         kind = f" (`{topic.message}`)" if topic.message else ""
-        yield topic, Argument(name, f"The topic that it {verb} as `{topic.name}`{kind}.", default=topic.name)
+        yield topic, NewArgument(name, f"The topic that it {verb} as `{topic.name}`{kind}.", default=topic.name)
 
 
-def _remap(topic: Topic, argument: Argument) -> str:
+def _remap(topic: NodeTopic, argument: NewArgument) -> str:
     return f'<remap {attribute("from", topic.name)} to="$(arg {argument.name})"/>'
 
 

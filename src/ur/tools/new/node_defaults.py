@@ -6,7 +6,7 @@ import ast
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
-from ur.tools.new.model import Observed
+from ur.tools.new.parts import Observed
 
 _MOST_CHARACTERS = 1_000_000
 _READERS = {"number", "integer", "text", "boolean", "texts", "points", "any"}

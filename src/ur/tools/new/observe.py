@@ -16,7 +16,7 @@ from xmlrpc.client import Fault, ServerProxy
 from xmlrpc.server import SimpleXMLRPCRequestHandler, SimpleXMLRPCServer
 
 from ur.source.diagnostic import UserError, error, error_about
-from ur.tools.new.model import Observed, Topic
+from ur.tools.new.parts import NodeTopic, Observed
 
 NAME = "/observed"
 _ASKED = frozenset({"getParam", "hasParam", "subscribeParam", "searchParam"})
@@ -111,7 +111,7 @@ class _Listener:
             if name.startswith(f"{NAME}/"):
                 parameters.setdefault(name.removeprefix(f"{NAME}/"), None)
         parameters |= known
-        topics = [Topic(_relative(name), kind, out) for (name, out), kind in self._topics.items() if _counts(name)]
+        topics = [NodeTopic(_relative(name), kind, out) for (name, out), kind in self._topics.items() if _counts(name)]
         services = [
             _relative(name) for name in self._services if not name.endswith(("/get_loggers", "/set_logger_level"))
         ]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from xml.sax.saxutils import escape as escape_text
 
-from ur.tools.new.model import BaseRequest, NewFile
+from ur.tools.new.parts import BaseRequest, NewFile
 
 _PACKAGE = """\
 <?xml version="1.0"?>

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from ur.source.diagnostic import UserError, error, error_about
 from ur.source.replace import sync_folder
-from ur.tools.new.model import NewFile
+from ur.tools.new.parts import NewFile
 
 
 def write_files(package: Path, files: Sequence[NewFile]) -> None:

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 from ur.check.cases import resolve_cases
 from ur.check.collect import collect_targets
-from ur.check.model import LaunchView, Package
+from ur.check.rule import LaunchView, Package
 from ur.check.survey import survey_launch_file, walk_possible
 from ur.check.worlds import CachedWorld, has_marker
 from ur.launchfile.world import World

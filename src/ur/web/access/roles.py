@@ -55,7 +55,7 @@ class Grant:
 
 
 @dataclass(frozen=True, slots=True)
-class Device:
+class LoginDevice:
     """A device that logs in: the name of its kind for people, its address, and the `life` of the login in s."""
 
     name: str
@@ -79,7 +79,7 @@ def add_token(ledger: Ledger, role: Role, now: float) -> tuple[Ledger, str]:
     return replace(ledger, tokens=dict(list(tokens.items())[-_MOST_TOKENS:])), secret
 
 
-def use_token(ledger: Ledger, token: object, device: Device, now: float) -> tuple[Ledger, str | None]:
+def use_token(ledger: Ledger, token: object, device: LoginDevice, now: float) -> tuple[Ledger, str | None]:
     """Use a token up: the ledger with a new session, and the session's secret; None for a token that is not valid."""
     key = _key(token)
     grant = ledger.tokens.get(key) if key else None
@@ -89,7 +89,7 @@ def use_token(ledger: Ledger, token: object, device: Device, now: float) -> tupl
     return open_session(replace(ledger, tokens=tokens), grant.role, device, now)
 
 
-def open_session(ledger: Ledger, role: Role, device: Device, now: float) -> tuple[Ledger, str]:
+def open_session(ledger: Ledger, role: Role, device: LoginDevice, now: float) -> tuple[Ledger, str]:
     """The ledger with a new session, whose name no other one has, and the session's secret."""
     secret = secrets.token_urlsafe(32)
     sessions = _valid(ledger.sessions, now)

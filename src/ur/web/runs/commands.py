@@ -19,7 +19,7 @@ _REST = 1.0  # s for output after the end: a process that has detached itself ma
 
 
 @dataclass(frozen=True, slots=True)
-class Done:
+class EndedCommand:
     """A command that has ended: its exit code, and what it printed. `late`: it was ended for taking too long."""
 
     code: int
@@ -28,7 +28,7 @@ class Done:
     late: bool = False
 
 
-class Commands:
+class CommandQueue:
     """Runs commands, two side by side at most. They get no input and no terminal."""
 
     def __init__(self, environment: Mapping[str, str]) -> None:
@@ -36,7 +36,7 @@ class Commands:
         self._environment = {**kept, "NO_COLOR": "1"}
         self._turns = asyncio.Semaphore(_AT_ONCE)
 
-    async def run(self, *arguments: str, limit: float) -> Done:
+    async def run(self, *arguments: str, limit: float) -> EndedCommand:
         """Run `ur` with these arguments for at most `limit` s. When cancelled, the command is interrupted."""
         async with self._turns:
             process = await asyncio.create_subprocess_exec(
@@ -66,7 +66,9 @@ class Commands:
                 for task in reading:
                     task.cancel()
                 await asyncio.gather(*reading, return_exceptions=True)
-            return Done(process.returncode or 0, out.decode("utf-8", "replace"), err.decode("utf-8", "replace"), late)
+            return EndedCommand(
+                process.returncode or 0, out.decode("utf-8", "replace"), err.decode("utf-8", "replace"), late
+            )
 
 
 async def _read(stream: asyncio.StreamReader, into: bytearray) -> None:

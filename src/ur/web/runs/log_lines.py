@@ -17,7 +17,7 @@ _LONGEST = 1000  # characters of a line
 
 
 @dataclass(frozen=True, slots=True)
-class LogLine:
+class RunLogLine:
     """A line: the node that has printed it, or "" for the run itself, and its severity, "" where it has none."""
 
     node: str
@@ -29,13 +29,13 @@ class LogLines:
     """The last lines of a run. Numbers of lines begin with 0 and have no gaps."""
 
     def __init__(self, kept: int = KEPT) -> None:
-        self._lines: deque[LogLine] = deque(maxlen=kept)
+        self._lines: deque[RunLogLine] = deque(maxlen=kept)
         self._next = 0
 
     def add(self, node: str, severity: str, text: str) -> None:
         """Take a line; what is not text in it is removed or shown as an escape."""
         clean = printable(strip_styles(text).replace("\t", "    "))
-        self._lines.append(LogLine(node, severity, clean[:_LONGEST]))
+        self._lines.append(RunLogLine(node, severity, clean[:_LONGEST]))
         self._next += 1
 
     @property
@@ -43,7 +43,7 @@ class LogLines:
         """The number of the next line."""
         return self._next
 
-    def since(self, number: int, most: int) -> tuple[int, list[LogLine]]:
+    def since(self, number: int, most: int) -> tuple[int, list[RunLogLine]]:
         """At most `most` lines from a number on, and the number of the first of them: later where lines are lost."""
         first = min(max(number, self._next - len(self._lines)), self._next)
         skipped = first - (self._next - len(self._lines))

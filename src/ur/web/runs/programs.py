@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from ur.source.printable import printable_lines
-from ur.web.runs.commands import Commands, Done
+from ur.web.runs.commands import CommandQueue, EndedCommand
 from ur.web.wire.run_requests import StartProgram
 
 _FRESH = 20.0  # s for which a list is taken for current
@@ -24,7 +24,7 @@ class ProgramsError(Exception):
 class Programs:
     """Answers questions about programs. Each raises ProgramsError."""
 
-    def __init__(self, commands: Commands) -> None:
+    def __init__(self, commands: CommandQueue) -> None:
         self._commands = commands
         self._listed: tuple[float, list[dict[str, Any]]] | None = None
         self._finding: tuple[float, dict[str, Any]] | None = None
@@ -118,7 +118,7 @@ def _check_arguments(program: Mapping[str, Any], given: Mapping[str, str]) -> li
     return [f"{name}:={value}" for name, value in given.items()]
 
 
-def parse_output(done: Done, otherwise: str) -> Any:
+def parse_output(done: EndedCommand, otherwise: str) -> Any:
     """Parse the JSON that a command printed. Raises ProgramsError."""
     try:
         return json.loads(done.out)
@@ -126,7 +126,7 @@ def parse_output(done: Done, otherwise: str) -> Any:
         raise ProgramsError(explain_failure(done, otherwise)) from None
 
 
-def explain_failure(done: Done, otherwise: str) -> str:
+def explain_failure(done: EndedCommand, otherwise: str) -> str:
     """The reason for people: the first error that a command printed with its help, or `otherwise`."""
     if done.late:
         return f"{otherwise}: it took too long"

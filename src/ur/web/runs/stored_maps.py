@@ -9,7 +9,7 @@ from typing import Any
 
 from ur.maps.names import check_map_name
 from ur.source.diagnostic import UserError
-from ur.web.runs.commands import Commands
+from ur.web.runs.commands import CommandQueue
 from ur.web.runs.programs import ProgramsError, explain_failure, parse_output
 
 _READING = 60.0  # s that a command gets
@@ -21,7 +21,7 @@ _SHOWN = ("name", "changed", "width", "height", "places", "latest", "problem", "
 class StoredMaps:
     """Answers questions about stored maps, and changes them. Each method raises ProgramsError."""
 
-    def __init__(self, commands: Commands) -> None:
+    def __init__(self, commands: CommandQueue) -> None:
         self._commands = commands
         self._reading = asyncio.Lock()
         self._read_at = -math.inf

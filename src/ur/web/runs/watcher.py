@@ -27,7 +27,7 @@ from ur.run.record.ended import list_ended
 from ur.run.record.entry import RunEntry
 from ur.run.record.registry import list_runs
 from ur.web.runs.log_lines import LogLines, read_lines
-from ur.web.runs.model import RunView, begin_view, describe_runs, take_event
+from ur.web.runs.run_view import RunView, begin_view, describe_runs, take_event
 from ur.web.wire.run_requests import ChangeNode
 
 Show = Callable[[str, str, str], None]

@@ -15,18 +15,18 @@ from ur.web.access.rate import draw, make_bucket
 from ur.web.access.roles import Role
 from ur.web.server.cameras import Cameras
 from ur.web.server.data.data_pages import DataPages
-from ur.web.server.drivers import Driver, Drivers, describe_request
-from ur.web.server.gate import SESSION, VIEWER_PATH, Gate, demand_drive
+from ur.web.server.drivers import DrivingPage, DrivingPages, describe_request
+from ur.web.server.gate import SESSION, VIEWER_PATH, LoginGate, demand_drive
 from ur.web.server.logins.session_pages import SessionPages
 from ur.web.server.map_pages import MapPages
 from ur.web.server.recordings.recording_pages import RecordingPages
-from ur.web.server.robot_end import RobotEnd
+from ur.web.server.robot_end import RobotProcess
 from ur.web.server.robots.robot_pages import RobotPages
 from ur.web.server.robots.robots import OneRobot, Robots
 from ur.web.server.run_pages import RunPages
 from ur.web.server.static_files import StaticFile
 from ur.web.server.viewer_gate import ViewerGate
-from ur.web.server.viewers import Viewer, Viewers, limit_buffer
+from ur.web.server.viewers import Viewers, ViewingPage, limit_buffer
 from ur.web.wire.frames import Kind, Layer, key_of
 from ur.web.wire.reading import BadRequestError
 from ur.web.wire.requests import (
@@ -53,7 +53,7 @@ class Application:
 
     def __init__(
         self,
-        gate: Gate,
+        gate: LoginGate,
         files: Mapping[str, StaticFile],
         environment: Mapping[str, str],
         robot: str,
@@ -66,11 +66,11 @@ class Application:
         """
         self._gate, self._files, self._robot, self._log = gate, files, robot, log
         self._viewers = Viewers()
-        self._drivers = Drivers(self._send)
+        self._drivers = DrivingPages(self._send)
         self._cameras = Cameras()
         self._runs = RunPages(environment, log)
         self._devices = SessionPages(gate, self._drivers.rename, log)
-        self.robot_end = RobotEnd(environment, self.show, self._drivers.take, self._on_start, self._announce, log)
+        self.robot_end = RobotProcess(environment, self.show, self._drivers.take, self._on_start, self._announce, log)
         self._foxglove = ViewerGate(environment, self._drivers, self._send, self._is_up, log)
         self._data = DataPages(environment, self._is_up, log)
         self._maps = MapPages(environment, log)
@@ -230,7 +230,7 @@ class Application:
             sending.cancel()
         return socket
 
-    async def _change_view(self, viewer: Viewer) -> None:
+    async def _change_view(self, viewer: ViewingPage) -> None:
         """Show a page what it asks for until it is gone, asks too often, or sends anything else."""
         bucket = make_bucket(_VIEW_RATE, _VIEW_BURST, time.monotonic())
         async for message in viewer.socket:
@@ -260,7 +260,7 @@ class Application:
         socket = web.WebSocketResponse(heartbeat=_HEARTBEAT, compress=False, max_msg_size=LONGEST)
         await socket.prepare(request)
         limit_buffer(request, 2048)
-        driver = Driver(client, socket)
+        driver = DrivingPage(client, socket)
         name = await self._drivers.add(driver, grant.name, session)
         driver.answer({"t": "hello", "client": client, "name": name, "role": Role.DRIVE.value})
         sending = asyncio.create_task(driver.run())

@@ -15,7 +15,7 @@ from ur.web.wire.map_requests import DeleteZone, DrawWalls, ForgetPlace, NamePla
 from ur.web.wire.requests import (
     AskForLease,
     Emergency,
-    Goal,
+    GoalRequest,
     GoTo,
     LimitSpeed,
     Request,
@@ -43,7 +43,7 @@ class DriverPage(Protocol):
         """Take an answer of the robot's end."""
 
 
-class Driver:
+class DrivingPage:
     """One page. Of the challenges that it has not taken yet, only the newest is sent."""
 
     def __init__(self, client: str, socket: web.WebSocketResponse) -> None:
@@ -76,7 +76,7 @@ class Driver:
                     await self._due.wait()
 
 
-class Drivers:
+class DrivingPages:
     """All pages that may drive, by client id. `send` passes a message on to the robot's end."""
 
     def __init__(self, send: Callable[[Mapping[str, Any]], None]) -> None:
@@ -159,7 +159,7 @@ def describe_request(request: Request, text: str, hold: int) -> str:
     match request:
         case Stick():
             return "" if request.hold == hold else "stick"
-        case Goal():
+        case GoalRequest():
             heading = "" if request.yaw is None else f" {request.yaw:.2f}"
             return f"goal {request.x:.2f} {request.y:.2f}{heading}"
         case DrawWalls():

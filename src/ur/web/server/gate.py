@@ -52,7 +52,7 @@ _LONGEST_QUERY = 500  # characters
 _UNLIMITED = frozenset({"/api/stop", "/ws/drive"})
 
 
-class Gate:
+class LoginGate:
     """Lets requests in. Sessions are kept in a file that only the user can read, so that they outlive the server."""
 
     def __init__(

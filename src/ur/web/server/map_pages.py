@@ -8,7 +8,7 @@ from typing import Any
 from aiohttp import web
 
 from ur.web.access.roles import Role
-from ur.web.runs.commands import Commands
+from ur.web.runs.commands import CommandQueue
 from ur.web.runs.programs import ProgramsError
 from ur.web.runs.stored_maps import StoredMaps
 from ur.web.server.gate import SESSION, demand_drive, read_object
@@ -19,7 +19,7 @@ class MapPages:
 
     def __init__(self, environment: Mapping[str, str], log: Callable[[str], None]) -> None:
         self._log = log
-        self._maps = StoredMaps(Commands(environment))
+        self._maps = StoredMaps(CommandQueue(environment))
 
     def routes(self) -> list[web.RouteDef]:
         """The routes."""

@@ -26,7 +26,7 @@ _END_LIMIT = 5.0  # s
 _DRIVE_LINE = 1 << 16  # bytes
 
 
-class RobotEnd:
+class RobotProcess:
     """Keeps the process running until `run` is cancelled. Frames and messages of it are passed to callbacks.
 
     `on_start` is called after each start, before its first frame; `on_state` when `state` has changed.

@@ -15,7 +15,7 @@ from aiohttp import WSCloseCode, WSMsgType, web
 
 from ur.web.access.rate import draw, make_bucket
 from ur.web.access.roles import Role
-from ur.web.runs.commands import Commands
+from ur.web.runs.commands import CommandQueue
 from ur.web.runs.programs import Programs, ProgramsError
 from ur.web.runs.watcher import RunWatcher
 from ur.web.server.gate import SESSION
@@ -120,7 +120,7 @@ class RunPages:
         self._log = log
         self._viewers: set[_Viewer] = set()
         self._watcher = RunWatcher(environment, self._wake)
-        self._programs = Programs(Commands(environment))
+        self._programs = Programs(CommandQueue(environment))
         self._working: set[asyncio.Task[None]] = set()
 
     def routes(self) -> list[web.RouteDef]:

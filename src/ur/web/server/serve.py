@@ -28,7 +28,7 @@ from ur.web.access.roles import DAY, SESSION_LIFE, Role
 from ur.web.server.application import Application
 from ur.web.server.connections.http_server import open_server
 from ur.web.server.enter_key import call_on_enter
-from ur.web.server.gate import VIEWER_PATH, Gate
+from ur.web.server.gate import VIEWER_PATH, LoginGate
 from ur.web.server.link_files import LinkFiles
 from ur.web.server.links import FIRST_PORT, LISTENERS, draw_code, find_address, make_link
 from ur.web.server.logins.session_file import state_folder
@@ -36,7 +36,7 @@ from ur.web.server.logins.sessions import say_nothing
 from ur.web.server.robot_end import robot_environment
 from ur.web.server.robots.parent_server import ParentServer, take_connection
 from ur.web.server.robots.robot_servers import RobotServers
-from ur.web.server.robots.robots import Place, Robots
+from ur.web.server.robots.robots import Robots, ServerLogin
 from ur.web.server.static_files import load_files
 
 _PORTS = range(FIRST_PORT, 8100)
@@ -47,7 +47,7 @@ _LOG_LIMIT = 5.0  # s for the last lines
 
 
 @dataclass(frozen=True, slots=True)
-class Options:
+class ServerOptions:
     """`robot`: its name for people. `port`: 0 for the first free one of 8090 to 8099. `role`: of the first link.
 
     `phone`: other computers of the network reach the page, too. `service`: they do, and links are made by
@@ -72,7 +72,7 @@ class Options:
 
 
 async def serve(
-    options: Options, report: Callable[[str], None], until: Callable[[], Awaitable[object]] | None = None
+    options: ServerOptions, report: Callable[[str], None], until: Callable[[], Awaitable[object]] | None = None
 ) -> None:
     """Serve until SIGINT, SIGTERM or SIGHUP, or until what `until` makes is done. `report` prints lines for the user.
 
@@ -95,7 +95,7 @@ async def serve(
     quiet = options.service or parent is not None
     if parent is not None:  # a login is for this robot, and the port may have been another one's
         path.unlink(missing_ok=True)
-    gate = Gate(origins, path, log, links, options.origins, say_nothing if quiet else report, life)
+    gate = LoginGate(origins, path, log, links, options.origins, say_nothing if quiet else report, life)
     above = ParentServer(options.own, parent, gate.invite) if parent is not None else None
     robots = above or _make_robots(options, gate, log)
     application = Application(gate, load_files(), robot_environment(), options.robot, log, robots)
@@ -129,7 +129,7 @@ async def serve(
         await _wait_first(ended.wait, *((until,) if until is not None else ()))
 
 
-def _print_link(options: Options, gate: Gate, address: str, port: int, report: Callable[[str], None]) -> str:
+def _print_link(options: ServerOptions, gate: LoginGate, address: str, port: int, report: Callable[[str], None]) -> str:
     """Print a link for one more login, and return it."""
     link = make_link(address, port, gate.invite(options.role))
     if options.phone:
@@ -138,13 +138,13 @@ def _print_link(options: Options, gate: Gate, address: str, port: int, report: C
     return link
 
 
-def _make_robots(options: Options, gate: Gate, log: Callable[[str], None]) -> Robots | None:
+def _make_robots(options: ServerOptions, gate: LoginGate, log: Callable[[str], None]) -> Robots | None:
     if options.known is None:
         return None
     arguments = ["--days", str(options.days), *(["--phone"] if options.phone else [])]
 
-    def own_place(role: Role) -> Place:
-        return Place(gate.port, gate.invite(role))
+    def own_place(role: Role) -> ServerLogin:
+        return ServerLogin(gate.port, gate.invite(role))
 
     return RobotServers(options.own, options.known, own_place, arguments, robot_environment(), log)
 

@@ -16,11 +16,11 @@ _START_LIMIT = 20.0  # s
 _LOOPBACK = "127."
 
 
-class ViewerEndError(Exception):
+class ViewerProcessError(Exception):
     """The process does not start; the text says why, in a line."""
 
 
-class ViewerEnd:
+class ViewerProcess:
     """Keeps the process running while anybody holds it. `log` takes what it prints."""
 
     def __init__(self, environment: Mapping[str, str], log: Callable[[str], None]) -> None:
@@ -34,7 +34,7 @@ class ViewerEnd:
 
     @asynccontextmanager
     async def hold(self) -> AsyncIterator[tuple[str, int]]:
-        """Have the process run, and yield the loopback address of its server. Raises ViewerEndError."""
+        """Have the process run, and yield the loopback address of its server. Raises ViewerProcessError."""
         self._holders += 1
         try:
             async with self._lock:
@@ -68,10 +68,10 @@ class ViewerEnd:
             host, port = str(value["host"]), int(value["port"])
         except (OSError, ValueError, KeyError, TypeError, asyncio.TimeoutError):
             await self._end()
-            raise ViewerEndError("the topics of the robot cannot be offered; see web.log") from None
+            raise ViewerProcessError("the topics of the robot cannot be offered; see web.log") from None
         if not host.startswith(_LOOPBACK):
             await self._end()
-            raise ViewerEndError("the server of topics is not on the loopback interface")
+            raise ViewerProcessError("the server of topics is not on the loopback interface")
         self._address = host, port
 
     async def _end(self) -> None:

@@ -21,9 +21,9 @@ from aiohttp import WSCloseCode, WSMsgType, web
 
 from ur.web.access.rate import draw, make_bucket
 from ur.web.access.roles import Role
-from ur.web.server.drivers import Drivers
+from ur.web.server.drivers import DrivingPages
 from ur.web.server.gate import SESSION
-from ur.web.server.viewer_end import ViewerEnd, ViewerEndError
+from ur.web.server.viewer_end import ViewerProcess, ViewerProcessError
 from ur.web.server.viewers import limit_buffer
 from ur.web.wire.reading import BadRequestError
 from ur.web.wire.viewer_protocol import (
@@ -31,10 +31,10 @@ from ur.web.wire.viewer_protocol import (
     SCHEMAS,
     SUBPROTOCOLS,
     UPSTREAM,
-    Advertised,
+    AdvertisedTopic,
     Advertisement,
     Publication,
-    Subscriptions,
+    SubscriptionMessage,
     Withdrawal,
     complete_server_info,
     read_message,
@@ -63,7 +63,7 @@ class _Viewer:
     def __init__(self, socket: web.WebSocketResponse) -> None:
         self.socket = socket
         self.client = f"web-{secrets.token_hex(8)}"
-        self.topics: dict[int, Advertised] = {}
+        self.topics: dict[int, AdvertisedTopic] = {}
         self.proved: list[int] | None = None
         self.held: tuple[dict[str, object], float] | None = None  # a request that waits for a proof, until when
         self._newest: list[int] | None = None
@@ -119,12 +119,12 @@ class ViewerGate:
     def __init__(
         self,
         environment: Mapping[str, str],
-        drivers: Drivers,
+        drivers: DrivingPages,
         send: Callable[[Mapping[str, object]], None],
         is_up: Callable[[], bool],
         log: Callable[[str], None],
     ) -> None:
-        self._end = ViewerEnd(environment, log)
+        self._end = ViewerProcess(environment, log)
         self._drivers, self._send, self._is_up, self._log = drivers, send, is_up, log
         self._sockets: set[web.WebSocketResponse] = set()
         self._coming = 0
@@ -148,7 +148,7 @@ class ViewerGate:
                 address = f"http://{host}:{port}/"
                 async with session.ws_connect(address, protocols=(UPSTREAM,), max_msg_size=0) as topics:
                     return await self._join(request, topics)
-        except (ViewerEndError, aiohttp.ClientError) as problem:
+        except (ViewerProcessError, aiohttp.ClientError) as problem:
             raise web.HTTPServiceUnavailable(text=f"{problem}\n") from None
         finally:
             self._coming -= 1
@@ -209,7 +209,7 @@ class ViewerGate:
     async def _take(self, viewer: _Viewer, topics: Topics, data: object, who: str, *, publish: bool) -> None:
         """Do what a message of a viewer asks for. Raises BadRequestError."""
         found = read_message(data)
-        if isinstance(found, Subscriptions):
+        if isinstance(found, SubscriptionMessage):
             await topics.send_str(found.text)
         elif isinstance(found, Advertisement):
             viewer.topics.update((each.number, each) for each in found.topics)

@@ -14,12 +14,12 @@ from ur.web.wire.view_request import ViewRequest
 _BUFFER = 1 << 15  # bytes that wait in this process beyond what the kernel holds
 
 
-class Viewer:
+class ViewingPage:
     """One page, and what it shows. Frames that it has not taken yet are replaced by newer ones."""
 
     def __init__(self, socket: web.WebSocketResponse, shows: ViewRequest) -> None:
         self.socket, self.shows = socket, shows
-        self._pending = Frames()
+        self._pending = FrameQueue()
         self._due = asyncio.Event()
 
     def put(self, frame: bytes) -> None:
@@ -45,8 +45,8 @@ class Viewers:
     """All pages that look, and the frames that a new one begins with."""
 
     def __init__(self) -> None:
-        self._frames = Frames()
-        self._viewers: set[Viewer] = set()
+        self._frames = FrameQueue()
+        self._viewers: set[ViewingPage] = set()
 
     def __len__(self) -> int:
         return len(self._viewers)
@@ -79,22 +79,22 @@ class Viewers:
         """Return the plots that any page shows."""
         return frozenset(plot for each in self._viewers for plot in each.shows.plots)
 
-    def add(self, socket: web.WebSocketResponse, shows: ViewRequest) -> Viewer:
+    def add(self, socket: web.WebSocketResponse, shows: ViewRequest) -> ViewingPage:
         """A page has come."""
-        viewer = Viewer(socket, shows)
+        viewer = ViewingPage(socket, shows)
         for frame in self._frames:
             viewer.put(frame)
         self._viewers.add(viewer)
         return viewer
 
-    def change(self, viewer: Viewer, shows: ViewRequest) -> None:
+    def change(self, viewer: ViewingPage, shows: ViewRequest) -> None:
         """A page shows something else: it gets the newest frames of the layers that are new to it."""
         before, viewer.shows = viewer.shows, shows
         for frame in self._frames:
             if key_of(frame)[1] not in before.layers:
                 viewer.put(frame)
 
-    def remove(self, viewer: Viewer) -> None:
+    def remove(self, viewer: ViewingPage) -> None:
         """A page is gone."""
         self._viewers.discard(viewer)
 
@@ -112,7 +112,7 @@ def limit_buffer(request: web.Request, size: int = _BUFFER) -> None:
             sock.setsockopt(socket.IPPROTO_TCP, getattr(socket, "TCP_NOTSENT_LOWAT", 25), size)
 
 
-class Frames:
+class FrameQueue:
     """Frames by key. A grid of another generation drops the tiles of its layer."""
 
     def __init__(self) -> None:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from ur.maps.names import is_map_name
-from ur.maps.record import MOST_STROKES, WIDEST_STROKE, Edit
+from ur.maps.record import MOST_STROKES, WIDEST_STROKE, MapEdit
 from ur.web.wire.reading import FARTHEST, BadRequestError, read_name, read_number, read_pose
 
 MOST_CORNERS = 32
@@ -63,7 +63,7 @@ class DrawWalls:
     """Draw and erase walls of the map in use, which has to be the one that the page shows."""
 
     map: str
-    strokes: tuple[Edit, ...]
+    strokes: tuple[MapEdit, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,14 +100,14 @@ def _draw_walls(value: Mapping[str, Any]) -> DrawWalls:
     return DrawWalls(_map(value), tuple(_stroke(each) for each in found))
 
 
-def _stroke(found: object) -> Edit:
+def _stroke(found: object) -> MapEdit:
     """A stroke as the page packs it: 1 to erase or 0, the width, and x, y, x, y, ... of its points."""
     if not isinstance(found, list) or len(found) < 6 or len(found) % 2 or found[0] not in (0, 1):
         raise BadRequestError("strokes: expected 0 or 1, a width, and x, y, x, y, ... of 2 points or more")
     width, *numbers = (read_number({"strokes": each}, "strokes", FARTHEST) for each in found[1:])
     if not LEAST_WIDTH <= width <= WIDEST_STROKE:
         raise BadRequestError(f"strokes: expected a width from {LEAST_WIDTH:g} to {WIDEST_STROKE:g} m")
-    return Edit("erase" if found[0] else "wall", tuple(zip(numbers[::2], numbers[1::2], strict=True)), width)
+    return MapEdit("erase" if found[0] else "wall", tuple(zip(numbers[::2], numbers[1::2], strict=True)), width)
 
 
 MAP_READERS: Mapping[str, Callable[[Mapping[str, Any]], MapRequest]] = {

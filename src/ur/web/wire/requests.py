@@ -62,7 +62,7 @@ class LetGo:
 
 
 @dataclass(frozen=True, slots=True)
-class Goal:
+class GoalRequest:
     """Drive to a place in the map frame; any heading counts there where `yaw` is None."""
 
     answers: Stamp
@@ -148,7 +148,7 @@ Request = (
     Alive
     | Stick
     | LetGo
-    | Goal
+    | GoalRequest
     | GoTo
     | InitialPose
     | Cancel
@@ -234,7 +234,7 @@ _READERS: Mapping[str, Callable[[Mapping[str, Any]], Request]] = {
         _stamp(value), _hold(value), read_number(value, "forward", 100.0), read_number(value, "turn", 100.0)
     ),
     "let_go": lambda value: LetGo(_hold(value)),
-    "goal": lambda value: Goal(_stamp(value), *_goal(value)),
+    "goal": lambda value: GoalRequest(_stamp(value), *_goal(value)),
     "go_to": lambda value: GoTo(_stamp(value), read_name(value)),
     "pose": lambda value: InitialPose(_stamp(value), *read_pose(value)),
     "cancel": lambda _: Cancel(),

@@ -40,14 +40,14 @@ _PUBLISHED = struct.Struct("<BI")
 
 
 @dataclass(frozen=True, slots=True)
-class Subscriptions:
+class SubscriptionMessage:
     """A message about subscriptions; `text` is what it says, and nothing else that came with it."""
 
     text: str
 
 
 @dataclass(frozen=True, slots=True)
-class Advertised:
+class AdvertisedTopic:
     """A topic on which the client is going to publish, with the number that it gives it."""
 
     number: int
@@ -60,7 +60,7 @@ class Advertised:
 class Advertisement:
     """Topics on which the client is going to publish."""
 
-    topics: tuple[Advertised, ...]
+    topics: tuple[AdvertisedTopic, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,7 +78,7 @@ class Publication:
     data: bytes
 
 
-Message = Subscriptions | Advertisement | Withdrawal | Publication
+Message = SubscriptionMessage | Advertisement | Withdrawal | Publication
 
 
 def read_message(data: object) -> Message | None:
@@ -96,10 +96,10 @@ def read_message(data: object) -> Message | None:
             {"id": _number(each, "id"), "channelId": _number(each, "channelId")}
             for each in _list(value, "subscriptions")
         ]
-        return Subscriptions(json.dumps({"op": "subscribe", "subscriptions": wanted}))
+        return SubscriptionMessage(json.dumps({"op": "subscribe", "subscriptions": wanted}))
     if operation == "unsubscribe":
         numbers = _numbers(value, "subscriptionIds")
-        return Subscriptions(json.dumps({"op": "unsubscribe", "subscriptionIds": numbers}))
+        return SubscriptionMessage(json.dumps({"op": "unsubscribe", "subscriptionIds": numbers}))
     if operation == "advertise":
         return Advertisement(tuple(_advertised(each) for each in _list(value, "channels")))
     if operation == "unadvertise":
@@ -165,11 +165,11 @@ def _number(value: object, name: str) -> int:
     return found
 
 
-def _advertised(value: object) -> Advertised:
+def _advertised(value: object) -> AdvertisedTopic:
     number = _number(value, "id")
     found = cast("dict[str, Any]", value)
     texts = [found.get(name) for name in ("topic", "schemaName", "encoding")]
     if not all(isinstance(each, str) and len(each) <= _MOST_NAME for each in texts):
         raise BadRequestError("channels: expected topic, schemaName and encoding")
     topic, schema, encoding = cast("list[str]", texts)
-    return Advertised(number, "/" + topic.lstrip("/"), schema, encoding)
+    return AdvertisedTopic(number, "/" + topic.lstrip("/"), schema, encoding)

@@ -13,7 +13,7 @@ from ur_nodes.camera.calibration.board import Board
 from ur_nodes.camera.calibration.screen import Views, show_session, write_session
 from ur_nodes.camera.calibration.session import Session
 from ur_nodes.camera.calibration.solve import describe_result, solve_or_fail
-from ur_nodes.camera.calibration.store import CalibrationStore
+from ur_nodes.camera.calibration.store import CalibrationClient
 from ur_nodes.pictures.feed import PictureFeed
 from ur_nodes.ports.node import Node
 from ur_nodes.run import run_foreground
@@ -28,7 +28,7 @@ class Calibrator:
 
     feed: PictureFeed
     session: Session
-    store: CalibrationStore
+    store: CalibrationClient
 
 
 def start(node: Node) -> Calibrator:
@@ -40,7 +40,7 @@ def start(node: Node) -> Calibrator:
         own.integer("rows", 6, minimum=3),
         own.number("square", 0.025, minimum=0.001, maximum=1.0),
     )
-    return Calibrator(PictureFeed(node, f"{camera}/image"), Session(board), CalibrationStore(node, camera))
+    return Calibrator(PictureFeed(node, f"{camera}/image"), Session(board), CalibrationClient(node, camera))
 
 
 def calibrate(wired: Calibrator, ended: threading.Event) -> int:

@@ -19,7 +19,7 @@ _STILL = 0.004  # of the picture's width, from one picture to the next
 
 
 @dataclass(frozen=True, slots=True)
-class View:
+class BoardView:
     """Corners of the board in one picture (rows * columns, 2), and the size of the picture in pixels."""
 
     corners: Floats
@@ -48,7 +48,7 @@ class Coverage:
         return (have + min(self.views, ENOUGH_VIEWS)) / whole
 
 
-def measure_coverage(views: Sequence[View], board: Board) -> Coverage:
+def measure_coverage(views: Sequence[BoardView], board: Board) -> Coverage:
     """Compare views with what a calibration needs: corners all over the picture, and the board tilted each way."""
     cells = {(column, row) for column in range(CELLS[0]) for row in range(CELLS[1])}
     tilts = dict.fromkeys(_FACES)
@@ -61,7 +61,7 @@ def measure_coverage(views: Sequence[View], board: Board) -> Coverage:
     return Coverage(frozenset(cells), tuple(tilts), len(views))
 
 
-def list_tilts(view: View, board: Board) -> tuple[str, ...]:
+def list_tilts(view: BoardView, board: Board) -> tuple[str, ...]:
     """The edges of the board, as the picture shows it, that are farther away than the opposite ones."""
     top_left, top_right, bottom_right, bottom_left = _outline(view, board)
     across = _log_ratio(top_right - bottom_right, top_left - bottom_left)  # > 0: the right edge is nearer
@@ -74,13 +74,13 @@ def list_tilts(view: View, board: Board) -> tuple[str, ...]:
     return tuple(found)
 
 
-def is_novel(view: View, views: Sequence[View], board: Board) -> bool:
+def is_novel(view: BoardView, views: Sequence[BoardView], board: Board) -> bool:
     """Return whether a view differs enough from all that there are."""
     own = _features(view, board)
     return all(float(np.abs(own - _features(each, board)).max()) > _NOVEL for each in views)
 
 
-def is_still(view: View, before: View | None) -> bool:
+def is_still(view: BoardView, before: BoardView | None) -> bool:
     """Return whether the board has not moved since the picture before, so that this one is not blurred."""
     if before is None or before.corners.shape != view.corners.shape:
         return False
@@ -100,7 +100,7 @@ def advise(coverage: Coverage) -> str:
     return ""
 
 
-def _outline(view: View, board: Board) -> tuple[Floats, Floats, Floats, Floats]:
+def _outline(view: BoardView, board: Board) -> tuple[Floats, Floats, Floats, Floats]:
     """The outer corners as one sees them, clockwise from the top left one, however the board is turned."""
     grid = view.corners.reshape(board.rows, board.columns, 2)
     ring = [grid[0, 0], grid[0, -1], grid[-1, -1], grid[-1, 0]]
@@ -116,7 +116,7 @@ def _log_ratio(one: Floats, other: Floats) -> float:
     return math.log(max(float(np.linalg.norm(one)), 1e-6) / max(float(np.linalg.norm(other)), 1e-6))
 
 
-def _features(view: View, board: Board) -> Floats:
+def _features(view: BoardView, board: Board) -> Floats:
     """Place, size and tilt of the board, all of about 0 to 1."""
     a, b, c, d = _outline(view, board)
     centre = (a + b + c + d) / 4.0

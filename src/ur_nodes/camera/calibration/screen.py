@@ -14,7 +14,7 @@ from ur_nodes.teleop.camera.picture_screen import draw_picture_screen
 from ur_nodes.teleop.camera.viewer import Feed
 from ur_nodes.teleop.terminal.keys import Key, leaves_view
 from ur_nodes.teleop.terminal.quit_key import QuitKey
-from ur_nodes.teleop.terminal.raw import Terminal
+from ur_nodes.teleop.terminal.raw import RawTerminal
 
 _LINE_EVERY = 10.0  # s between two lines that say the same
 _PAUSE = 0.05  # s
@@ -53,7 +53,7 @@ class Views:
         return f"no picture on {view.topic}" + (f": {view.reason}" if view.reason else "")
 
 
-def show_session(terminal: Terminal, views: Views, ended: threading.Event, *, rich: bool) -> bool:
+def show_session(terminal: RawTerminal, views: Views, ended: threading.Event, *, rich: bool) -> bool:
     """Draw picture and progress until the views are complete or `c` is pressed; False after q or Ctrl-C."""
     session, picture = views.session, None
     while not ended.is_set() and not session.coverage.is_complete:

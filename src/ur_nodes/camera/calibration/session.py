@@ -11,8 +11,8 @@ from ur_nodes.camera.calibration.board import Board, find_corners
 from ur_nodes.camera.calibration.coverage import (
     CELLS,
     ENOUGH_VIEWS,
+    BoardView,
     Coverage,
-    View,
     advise,
     is_novel,
     is_still,
@@ -29,8 +29,8 @@ class Session:
     """Views so far. `look` takes a picture; all must have one size: another one begins anew."""
 
     board: Board
-    views: list[View] = field(default_factory=list)
-    last: View | None = None
+    views: list[BoardView] = field(default_factory=list)
+    last: BoardView | None = None
     event: str = "show the board to the camera"
 
     @property
@@ -48,7 +48,7 @@ class Session:
         if corners is None:
             self.last, self.event = None, f"no board of {self.board.columns} x {self.board.rows} inner corners is seen"
             return
-        view = View(corners, width, height)
+        view = BoardView(corners, width, height)
         if not is_still(view, self.last):
             self.event = "hold the board still"
         elif not is_novel(view, self.views, self.board) or len(self.views) >= MOST_VIEWS:

@@ -10,7 +10,7 @@ import numpy as np
 
 from ur.source.diagnostic import UserError, error
 from ur_nodes.camera.calibration.board import Board
-from ur_nodes.camera.calibration.coverage import View, list_tilts
+from ur_nodes.camera.calibration.coverage import BoardView, list_tilts
 from ur_nodes.ports.values import Calibration
 
 LARGEST_ERROR = 1.0  # pixels
@@ -20,7 +20,7 @@ _OUTLIER = 3.0  # times the median of the views' errors
 
 
 @dataclass(frozen=True, slots=True)
-class Result:
+class CalibrationResult:
     """A calibration and how far it can be trusted.
 
     `error` is its reprojection error (root mean square, pixels), `deviation` the relative standard deviation of its
@@ -53,7 +53,7 @@ class Result:
         return ""
 
 
-def solve(views: Sequence[View], board: Board) -> Result | None:
+def solve(views: Sequence[BoardView], board: Board) -> CalibrationResult | None:
     """Calibrate from at least three views of pictures of one size; None where that has no solution.
 
     Views with an error far above that of others, as of a moved board, are left out.
@@ -89,10 +89,10 @@ def solve(views: Sequence[View], board: Board) -> Result | None:
     )
     tilts = {face for view in kept for face in list_tilts(view, board)}
     deviation = float(max(deviations[0] / matrix[0, 0], deviations[1] / matrix[1, 1]))
-    return Result(calibration, float(found[0]), deviation, len(kept), len(views), len(tilts))
+    return CalibrationResult(calibration, float(found[0]), deviation, len(kept), len(views), len(tilts))
 
 
-def solve_or_fail(views: Sequence[View], board: Board) -> Result:
+def solve_or_fail(views: Sequence[BoardView], board: Board) -> CalibrationResult:
     """As `solve`. Raises UserError: there is no solution, or none that should be used."""
     result = solve(views, board)
     if result is None or result.problem:
@@ -101,7 +101,7 @@ def solve_or_fail(views: Sequence[View], board: Board) -> Result:
     return result
 
 
-def describe_result(result: Result) -> str:
+def describe_result(result: CalibrationResult) -> str:
     """A calibration and its quality in two lines."""
     matrix = result.calibration.matrix
     return (
@@ -112,7 +112,7 @@ def describe_result(result: Result) -> str:
     )
 
 
-def _solve(views: Sequence[View], board: Board) -> Any:
+def _solve(views: Sequence[BoardView], board: Board) -> Any:
     import cv2
 
     points = [board.points.astype(np.float32)] * len(views)

@@ -13,7 +13,7 @@ _LIMIT = 5.0  # s
 _POLL = 0.02  # s
 
 
-class CalibrationStore:
+class CalibrationClient:
     """Calls `CAMERA/set_camera_info`, for a user interface."""
 
     def __init__(self, node: Node, camera: str) -> None:

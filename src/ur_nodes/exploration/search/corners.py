@@ -28,7 +28,7 @@ class CornerSettings:
 
 
 @dataclass(frozen=True, slots=True)
-class Places:
+class Viewpoints:
     """Viewpoints by what they can show: `now`, those that are chosen from; `later`, after these; and `left_out`."""
 
     now: tuple[Viewpoint, ...]
@@ -47,7 +47,7 @@ def sort_corners(
     settings: CornerSettings,
     kept: tuple[float, float] | None = None,
     idle_distance: float = 0.0,
-) -> Places:
+) -> Viewpoints:
     """Sort viewpoints on a map with `known` m2 of floor; `kept` (m) is the frontier that the robot drives to.
 
     `idle_distance` (m): how far it has driven since the map last grew.
@@ -71,4 +71,4 @@ def sort_corners(
             break
         left_out.append(each)
     visited = tuple(corners[len(left_out) :])
-    return Places(rooms, visited, tuple(left_out)) if rooms else Places(visited, (), tuple(left_out))
+    return Viewpoints(rooms, visited, tuple(left_out)) if rooms else Viewpoints(visited, (), tuple(left_out))

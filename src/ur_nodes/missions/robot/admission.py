@@ -5,13 +5,13 @@ from __future__ import annotations
 from ur_nodes.client.patrol_text import PatrolRequest
 from ur_nodes.motion.lease.text import Lease
 from ur_nodes.navigation.goals.attendance import LATEST, clock_time, name_of_driver
-from ur_nodes.navigation.goals.goal_claim import Challenges, age_of_answer, lag_of_answer
+from ur_nodes.navigation.goals.goal_claim import ReceivedChallenges, age_of_answer, lag_of_answer
 
 _NANO = 1_000_000_000
 
 
 def refuse_request(
-    request: PatrolRequest, lease: Lease | None, own: str, challenges: Challenges, now: float, *, latched: bool
+    request: PatrolRequest, lease: Lease | None, own: str, challenges: ReceivedChallenges, now: float, *, latched: bool
 ) -> str:
     """Return the reason why a request is refused; '' when it is accepted.
 

@@ -9,15 +9,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 
-from ur_nodes.client.model import GoalState
-from ur_nodes.client.patrol_text import Answer, PatrolStatus, Route, Stop, name_stop
+from ur_nodes.client.patrol_text import PatrolAnswer, PatrolRoute, PatrolStatus, PatrolStop, name_stop
+from ur_nodes.client.snapshot import LastGoalState
 
 LATEST = 5.0
 """Seconds after which a goal is not sent any more, and in which navigation has to take it."""
 
 
 @dataclass(frozen=True, slots=True)
-class Inputs:
+class PatrolInputs:
     """The world now (s of a steady clock).
 
     `may_drive`: the patrol has the lease, or the mux has none; `other`: who has it else. `ready`: a goal can be sent.
@@ -30,7 +30,7 @@ class Inputs:
     ready: bool
     other: str = ""
     stopped: bool = False
-    goal: GoalState | None = None
+    goal: LastGoalState | None = None
     text: str = ""
 
 
@@ -48,17 +48,17 @@ class Patrol:
 
 
 @dataclass(frozen=True, slots=True)
-class Commands:
+class NavigationCommands:
     """Commands for navigation: `send` a goal, `cancel` the one that was sent."""
 
-    send: Stop | None = None
+    send: PatrolStop | None = None
     cancel: bool = False
 
 
-NOTHING = Commands()
+NOTHING = NavigationCommands()
 
 
-def start_patrol(patrol: Patrol, route: Route, now: float) -> Patrol:
+def start_patrol(patrol: Patrol, route: PatrolRoute, now: float) -> Patrol:
     """Begin a route, in place of the one before."""
     return Patrol(PatrolStatus("starting", route, answer=patrol.status.answer), now, now)
 
@@ -68,26 +68,26 @@ def resume_patrol(patrol: Patrol, now: float) -> Patrol:
     return _enter(replace(patrol, driven=False), "starting", now, now) if patrol.status.state == "paused" else patrol
 
 
-def pause_patrol(patrol: Patrol, reason: str, now: float) -> tuple[Patrol, Commands]:
+def pause_patrol(patrol: Patrol, reason: str, now: float) -> tuple[Patrol, NavigationCommands]:
     """Stop at the next moment, until a request to resume; one that is not active stays as it is."""
     if not patrol.status.active:
         return patrol, NOTHING
-    return _enter(patrol, "paused", now, now, reason), Commands(cancel=True)
+    return _enter(patrol, "paused", now, now, reason), NavigationCommands(cancel=True)
 
 
-def end_patrol(patrol: Patrol, reason: str, now: float) -> tuple[Patrol, Commands]:
+def end_patrol(patrol: Patrol, reason: str, now: float) -> tuple[Patrol, NavigationCommands]:
     """End the patrol; one that is over stays as it is."""
     if not (patrol.status.active or patrol.status.state == "paused"):
         return patrol, NOTHING
-    return _enter(patrol, "ended", now, now, reason), Commands(cancel=patrol.status.active)
+    return _enter(patrol, "ended", now, now, reason), NavigationCommands(cancel=patrol.status.active)
 
 
-def answer_request(patrol: Patrol, answer: Answer) -> Patrol:
+def answer_request(patrol: Patrol, answer: PatrolAnswer) -> Patrol:
     """Publish an answer with the status."""
     return replace(patrol, status=replace(patrol.status, answer=answer))
 
 
-def step_patrol(patrol: Patrol, inputs: Inputs, step_limit: float) -> tuple[Patrol, Commands]:
+def step_patrol(patrol: Patrol, inputs: PatrolInputs, step_limit: float) -> tuple[Patrol, NavigationCommands]:
     """The state after some time, and what follows. `step_limit` (s): so long may the way to a place take."""
     before, now = patrol, inputs.now
     patrol = replace(patrol, stepped=now, driven=patrol.driven or inputs.may_drive)
@@ -103,23 +103,23 @@ def step_patrol(patrol: Patrol, inputs: Inputs, step_limit: float) -> tuple[Patr
     return step(patrol, inputs, step_limit)
 
 
-def _start(patrol: Patrol, inputs: Inputs, _limit: float) -> tuple[Patrol, Commands]:
+def _start(patrol: Patrol, inputs: PatrolInputs, _limit: float) -> tuple[Patrol, NavigationCommands]:
     now = inputs.now
     if now - patrol.since > LATEST:
         why = f"{inputs.other} drives" if inputs.other else "navigation and mux do not answer"
         return pause_patrol(patrol, f"not sent within {LATEST:g} s: {why}", now)
     if not (inputs.may_drive and inputs.ready):
         return patrol, NOTHING
-    return _enter(patrol, "driving", now, now), Commands(send=patrol.status.stop)
+    return _enter(patrol, "driving", now, now), NavigationCommands(send=patrol.status.stop)
 
 
-def _drive(patrol: Patrol, inputs: Inputs, limit: float) -> tuple[Patrol, Commands]:
+def _drive(patrol: Patrol, inputs: PatrolInputs, limit: float) -> tuple[Patrol, NavigationCommands]:
     now, name = inputs.now, name_stop(patrol.status.stop)
-    if inputs.goal is GoalState.REACHED:
+    if inputs.goal is LastGoalState.REACHED:
         return _enter(patrol, "waiting", now, now), NOTHING
-    if inputs.goal is GoalState.FAILED:
+    if inputs.goal is LastGoalState.FAILED:
         return pause_patrol(patrol, f"{name} was not reached: {inputs.text}", now)
-    if inputs.goal is GoalState.STOPPED:
+    if inputs.goal is LastGoalState.STOPPED:
         return pause_patrol(patrol, inputs.text or "cancelled", now)
     if inputs.goal is None and now - patrol.since > LATEST:
         return pause_patrol(patrol, f"navigation did not take the goal within {LATEST:g} s", now)
@@ -128,7 +128,7 @@ def _drive(patrol: Patrol, inputs: Inputs, limit: float) -> tuple[Patrol, Comman
     return patrol, NOTHING
 
 
-def _wait(patrol: Patrol, inputs: Inputs, limit: float) -> tuple[Patrol, Commands]:
+def _wait(patrol: Patrol, inputs: PatrolInputs, limit: float) -> tuple[Patrol, NavigationCommands]:
     status, due = patrol.status, patrol.since + patrol.status.route.wait
     if inputs.now < due:
         return patrol, NOTHING

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import itertools
 
-from ur_nodes.client.goal_tracker import Tracker, report_at, track_result, track_sent, track_status
-from ur_nodes.client.model import GoalReport, GoalState, heading_there
-from ur_nodes.client.patrol_text import Stop
+from ur_nodes.client.goal_tracker import GoalTracker, report_at, track_result, track_sent, track_status
+from ur_nodes.client.patrol_text import PatrolStop
+from ur_nodes.client.snapshot import GoalReport, LastGoalState, heading_there
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.motion.challenge.freshness import REQUEST_FRESHNESS
 from ur_nodes.motion.lease.client import LeaseClient
@@ -24,7 +24,7 @@ class PatrolGoal:
         self._node, self._client = node, client
         self._map_frame, self._base_frame = frames
         self._transforms = node.transforms
-        self._tracker = Tracker()
+        self._tracker = GoalTracker()
         self._goal = ""
         self._numbers = itertools.count(1)
         self._prefix = f"{node.name}-patrol-"
@@ -34,7 +34,7 @@ class PatrolGoal:
     def report(self) -> GoalReport | None:
         """The state of the goal; None: there is none, or navigation has not mentioned it."""
         report = report_at(self._tracker, self._node.steady())
-        mentioned = self._goal and (self._tracker.known or report.state is GoalState.FAILED)
+        mentioned = self._goal and (self._tracker.known or report.state is LastGoalState.FAILED)
         return report if mentioned else None
 
     @property
@@ -43,7 +43,7 @@ class PatrolGoal:
         answers = self._client.view().state == "unknown" or self._answer() is not None
         return answers and self._goals.servers() > 0
 
-    def send(self, stop: Stop) -> None:
+    def send(self, stop: PatrolStop) -> None:
         """Drive to a stop whose place is known."""
         assert stop.x is not None, "looked up before the start"
         start = f"{self._prefix}{next(self._numbers)}-{self._node.now()}"

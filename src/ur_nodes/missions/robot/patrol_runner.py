@@ -6,20 +6,20 @@ from dataclasses import dataclass
 from functools import partial
 
 from ur_nodes.client.patrol_text import (
-    Answer,
     BadPatrolError,
+    PatrolAnswer,
     PatrolRequest,
+    PatrolRoute,
     PatrolStatus,
-    Route,
     describe_patrol,
     read_request,
     write_status,
 )
 from ur_nodes.missions.robot.admission import refuse_request
 from ur_nodes.missions.robot.patrol import (
-    Commands,
-    Inputs,
+    NavigationCommands,
     Patrol,
+    PatrolInputs,
     answer_request,
     end_patrol,
     pause_patrol,
@@ -32,7 +32,7 @@ from ur_nodes.missions.robot.place_lookup import PlaceLookup
 from ur_nodes.motion.lease.client import LeaseClient
 from ur_nodes.motion.lease.text import Lease, read_lease
 from ur_nodes.motion.lease.view import Identity
-from ur_nodes.navigation.goals.goal_claim import REMEMBERED, Challenges, note_challenge
+from ur_nodes.navigation.goals.goal_claim import REMEMBERED, ReceivedChallenges, note_challenge
 from ur_nodes.ports.node import Node, Sender
 from ur_nodes.ports.qualities import Quality
 
@@ -63,7 +63,7 @@ class PatrolRunner:
         self._shown: PatrolStatus | None = None
         self._line = ""
         self._lease: Lease | None = None
-        self._challenges = Challenges()
+        self._challenges = ReceivedChallenges()
         self._stopped = False
         identity = Identity(("patrol" + node.name.replace("/", "."))[:64], "patrol", "")
         mux, frames = settings.mux, (settings.map_frame, settings.base_frame)
@@ -84,9 +84,9 @@ class PatrolRunner:
         if not self._patrol.status.active and self._client.view().mine:
             self._client.release(final=False)
 
-    def _look(self) -> Inputs:
+    def _look(self) -> PatrolInputs:
         view, report = self._client.view(), self._goal.report
-        return Inputs(
+        return PatrolInputs(
             self._node.steady(),
             may_drive=view.state == "unknown" or (view.mine and view.state == "held"),
             ready=self._goal.ready,
@@ -96,7 +96,7 @@ class PatrolRunner:
             text=report.text if report else "",
         )
 
-    def _obey(self, commands: Commands) -> None:
+    def _obey(self, commands: NavigationCommands) -> None:
         if commands.cancel:
             self._goal.cancel()
         if commands.send is not None:
@@ -123,14 +123,14 @@ class PatrolRunner:
         latched = sender is not None and sender.kept
         self._places.find(request.route, partial(self._take_route, request, latched=latched))
 
-    def _take_route(self, request: PatrolRequest, route: Route | str, *, latched: bool) -> None:
+    def _take_route(self, request: PatrolRequest, route: PatrolRoute | str, *, latched: bool) -> None:
         problem = route if isinstance(route, str) else self._admit(request, route, latched=latched)
         if problem:
             self._node.log.warn(f"{request.action} refused: {problem}")
-        self._patrol = answer_request(self._patrol, Answer(request.id, problem[:300]))
+        self._patrol = answer_request(self._patrol, PatrolAnswer(request.id, problem[:300]))
         self._publish()
 
-    def _admit(self, request: PatrolRequest, route: Route, *, latched: bool) -> str:
+    def _admit(self, request: PatrolRequest, route: PatrolRoute, *, latched: bool) -> str:
         """Accept a request, or return why it is refused."""
         now, own = self._node.steady(), self._client.client
         refusal = refuse_request(request, self._lease, own, self._challenges, now, latched=latched)
@@ -138,10 +138,10 @@ class PatrolRunner:
             refusal = "the emergency stop is on, release it first"
         return refusal or self._accept(request, route, now)
 
-    def _accept(self, request: PatrolRequest, route: Route, now: float) -> str:
-        patrol, commands = self._patrol, Commands()
+    def _accept(self, request: PatrolRequest, route: PatrolRoute, now: float) -> str:
+        patrol, commands = self._patrol, NavigationCommands()
         if request.action == "start":
-            patrol, commands = start_patrol(patrol, route, now), Commands(cancel=True)
+            patrol, commands = start_patrol(patrol, route, now), NavigationCommands(cancel=True)
         elif request.action == "resume":
             if patrol.status.state != "paused":
                 return "no patrol is paused"

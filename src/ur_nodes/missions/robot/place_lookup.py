@@ -9,7 +9,7 @@ from dataclasses import replace
 from functools import partial
 
 from ur.source.diagnostic import UserError
-from ur_nodes.client.patrol_text import Route, Stop
+from ur_nodes.client.patrol_text import PatrolRoute, PatrolStop
 from ur_nodes.client.waypoints import PlaceSettings, WaypointStore, choose_file, read_settings
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.ports.node import Node, Subscription, Timer
@@ -23,7 +23,7 @@ NO_ANSWER = "expected a parameter server that answers"
 NO_MAP = "expected a map, whose waypoints have names"
 NO_NAME = "expected a map that has been saved under a name, whose waypoints have names"
 
-Take = Callable[[Route | str], None]
+Take = Callable[[PatrolRoute | str], None]
 """Takes a route with all poses, or why there is none."""
 
 
@@ -33,11 +33,11 @@ class PlaceLookup:
     def __init__(self, node: Node, keeper: str) -> None:
         """The parameters of the node `keeper` lead to the file of waypoints."""
         self._node, self._keeper = node, keeper
-        self._waiting: deque[tuple[Route, Take]] = deque()  # the first is being looked up
+        self._waiting: deque[tuple[PatrolRoute, Take]] = deque()  # the first is being looked up
         self._map: Subscription | None = None
         self._late: Timer | None = None
 
-    def find(self, route: Route, take: Take) -> None:
+    def find(self, route: PatrolRoute, take: Take) -> None:
         """Have the places of a route looked up, after those of earlier ones: requests keep their order.
 
         Of more than _MOST_WAITING that wait, the oldest is given up.
@@ -93,14 +93,14 @@ class PlaceLookup:
         route, _ = self._waiting[0]
         self._node.work(lambda: look_up(route, settings, grid), self._finish, "places")
 
-    def _finish(self, found: Route | str) -> None:
+    def _finish(self, found: PatrolRoute | str) -> None:
         _, take = self._waiting.popleft()
         take(found)
         if self._waiting:
             self._begin()
 
 
-def look_up(route: Route, settings: PlaceSettings, grid: Grid | None) -> Route | str:
+def look_up(route: PatrolRoute, settings: PlaceSettings, grid: Grid | None) -> PatrolRoute | str:
     """Return the route with all poses, or why there is none; `grid` is the map where the settings name none."""
     path = choose_file(settings, grid, os.environ)
     if path is None:
@@ -112,5 +112,5 @@ def look_up(route: Route, settings: PlaceSettings, grid: Grid | None) -> Route |
         return problem.diagnostics[0].message
 
 
-def _find(store: WaypointStore, stop: Stop) -> Stop:
-    return stop if stop.x is not None else Stop(stop.name, *store.find(stop.name))
+def _find(store: WaypointStore, stop: PatrolStop) -> PatrolStop:
+    return stop if stop.x is not None else PatrolStop(stop.name, *store.find(stop.name))

@@ -16,9 +16,9 @@ from typing import Literal, TypeVar
 
 from ur_nodes.motion.admission.probation import Probation, restart_proof, step_probation, too_slow
 from ur_nodes.motion.admission.stamps import Stamps, step_stamps
-from ur_nodes.motion.challenge.freshness import FRESHNESS, REQUEST_FRESHNESS, Challenges, Stamp, age_of, issue
+from ur_nodes.motion.challenge.freshness import FRESHNESS, REQUEST_FRESHNESS, IssuedChallenges, Stamp, age_of, issue
 from ur_nodes.motion.lease.record import ClientCommand, LeaseRecord, may_drive, step_lease
-from ur_nodes.motion.lease.text import Request, is_client
+from ur_nodes.motion.lease.text import LeaseRequest, is_client
 
 _MOST_PUBLISHERS = 32
 _MOST_STAMPS = 512  # of publishers: one that is forgotten could pass old commands off as new
@@ -33,7 +33,7 @@ Sent = tuple[int, float]  # when a command was sent (ns of the sender's clock), 
 class Admission:
     """Challenges, lease, the publishers of plain commands, and when each source last had a stamped command."""
 
-    challenges: Challenges
+    challenges: IssuedChallenges
     lease: LeaseRecord
     timeouts: tuple[float, ...]  # s, of the sources
     freshness: float = FRESHNESS
@@ -91,7 +91,7 @@ def _with(known: dict[Publisher, Kept], key: Publisher, value: Kept, most: int) 
     return kept
 
 
-def admit_request(admission: Admission, request: Request, now: float, unix: float) -> tuple[Admission, bool]:
+def admit_request(admission: Admission, request: LeaseRequest, now: float, unix: float) -> tuple[Admission, bool]:
     """The admission after a request about the lease; whether the request was fresh, and so counted."""
     if age_of(admission.challenges, request.answers, now, REQUEST_FRESHNESS) is None:
         return admission, False

@@ -18,12 +18,12 @@ from ur_nodes.motion.admission.admission import (
 )
 from ur_nodes.motion.admission.foreign import ForeignCommands
 from ur_nodes.motion.admission.probation import LockRelease, rate_needed, step_lock_release
-from ur_nodes.motion.admission.reports import Reports
-from ur_nodes.motion.challenge.freshness import Challenges
+from ur_nodes.motion.admission.reports import DropReports
+from ur_nodes.motion.challenge.freshness import IssuedChallenges
 from ur_nodes.motion.lease.record import LeaseRecord, start_lease
 from ur_nodes.motion.lease.store import make_store
 from ur_nodes.motion.lease.text import FREE, Lease, read_lease, read_request, write_lease
-from ur_nodes.motion.mux_events import Command, Event, LockMessage, MuxSettings, Velocity
+from ur_nodes.motion.mux_events import Event, LockMessage, MuxSettings, Velocity, VelocityCommand
 from ur_nodes.motion.writes import AsideLog, Writes, attempt
 from ur_nodes.ports.node import SECOND, Node, Sender
 from ur_nodes.ports.qualities import Quality
@@ -35,7 +35,7 @@ _ID = "#"  # between the name and the id of a publisher
 _MEMORY = 60.0  # s: for the driver before the master was started anew to return
 
 
-class Gate:
+class AdmissionGate:
     """Owns an Admission: issues challenges, publishes the lease, and passes on the commands that are admitted.
 
     `handle` is called with every event for the mux. Commands count from their challenge's issue; under simulated time,
@@ -60,12 +60,12 @@ class Gate:
         self._log = AsideLog(node)
         self._store = make_store(environment, node.name, str(node.facts.get("run_id", "")))
         self._admission = Admission(
-            Challenges(secrets.randbelow(2**30 * SECOND) + 1),
+            IssuedChallenges(secrets.randbelow(2**30 * SECOND) + 1),
             self._start_lease(lease_timeout),
             tuple(source.timeout for source in settings.sources),
             freshness,
         )
-        self._reports = Reports(freshness)
+        self._reports = DropReports(freshness)
         self._locks: dict[tuple[int, str], LockRelease] = {}
         self._announced: Lease | None = None
         self._saving = False
@@ -118,7 +118,7 @@ class Gate:
     def _pass(self, index: int, velocity: Velocity, now: float, verdict: float | Refusal, *, stamped: bool) -> None:
         """Let the mux have a command that is admitted at `now`, and count one that is not."""
         if isinstance(verdict, float):
-            self._handle(Command(index, velocity, None if self._node.facts.simulated_time else now - verdict))
+            self._handle(VelocityCommand(index, velocity, None if self._node.facts.simulated_time else now - verdict))
         elif not velocity.still:
             self._reports.count(self._settings.sources[index], verdict, stamped=stamped)
 

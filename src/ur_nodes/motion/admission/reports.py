@@ -11,7 +11,7 @@ from ur_nodes.motion.mux_events import Source
 _EVERY = 5.0  # s
 
 
-class Reports:
+class DropReports:
     """Counts dropped commands, and makes lines of the counts from time to time."""
 
     def __init__(self, freshness: float) -> None:

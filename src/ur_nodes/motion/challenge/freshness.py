@@ -22,7 +22,7 @@ NO_STAMP: Stamp = (0, 0)  # what a message has whose sender sets no stamp: never
 
 
 @dataclass(frozen=True, slots=True)
-class Challenges:
+class IssuedChallenges:
     """The challenges of the last `horizon` seconds, each with the time of its issue, oldest first."""
 
     offset: int  # ns: where the count begins; random, so that a mux that is started again repeats none
@@ -36,7 +36,7 @@ class Challenges:
             raise ValueError(f"offset: {self.offset}, expected a positive number of nanoseconds within 68 years")
 
 
-def issue(challenges: Challenges, now: float) -> tuple[Challenges, Stamp]:
+def issue(challenges: IssuedChallenges, now: float) -> tuple[IssuedChallenges, Stamp]:
     """Issue a challenge at `now`: greater than all before it, and unlike any that the same mux has issued."""
     number = max(challenges.offset + max(0, round(now * _NANO)), challenges.last + 1) % (_MOST_SECONDS * _NANO)
     stamp = divmod(number, _NANO)
@@ -46,13 +46,13 @@ def issue(challenges: Challenges, now: float) -> tuple[Challenges, Stamp]:
     while kept and now - kept[oldest := next(iter(kept))] > challenges.horizon:
         del kept[oldest]
     kept[stamp] = now
-    return Challenges(challenges.offset, challenges.horizon, kept, number), stamp
+    return IssuedChallenges(challenges.offset, challenges.horizon, kept, number), stamp
 
 
 _ROUNDING = 1e-6
 
 
-def age_of(challenges: Challenges, answer: Stamp, now: float, limit: float = FRESHNESS) -> float | None:
+def age_of(challenges: IssuedChallenges, answer: Stamp, now: float, limit: float = FRESHNESS) -> float | None:
     """Seconds since the challenge `answer` was issued; None if it was not, or longer ago than `limit`."""
     at = challenges.issued.get(answer)
     if at is None:

@@ -18,7 +18,7 @@ _LAST_WORDS, _PAUSE = 3, 0.02  # s
 _LANE = "device"
 
 
-class Device(Protocol):
+class JoystickDevice(Protocol):
     """A joystick's device. Calls may wait, none overlaps another."""
 
     path: str
@@ -64,7 +64,9 @@ class FileDevice:
 class JoyReader:
     """Publishes a device's state at each change, and again after a silence of `repeat` s."""
 
-    def __init__(self, node: Node, device: Device, settings: JoystickSettings, repeat: float, gather: float) -> None:
+    def __init__(
+        self, node: Node, device: JoystickDevice, settings: JoystickSettings, repeat: float, gather: float
+    ) -> None:
         """`gather` (s) is how long changes wait for others."""
         self._node, self._device, self._settings = node, device, settings
         self._repeat, self._gather = repeat, gather

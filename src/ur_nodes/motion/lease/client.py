@@ -8,8 +8,8 @@ from dataclasses import replace
 
 from ur_nodes.motion.challenge.freshness import REQUEST_FRESHNESS
 from ur_nodes.motion.challenge.link import ChallengeLink
-from ur_nodes.motion.lease.requests import Requests, step_requests, take_lease, want
-from ur_nodes.motion.lease.text import Action, Request, read_lease, write_request
+from ur_nodes.motion.lease.requests import LeaseRequests, step_requests, take_lease, want
+from ur_nodes.motion.lease.text import Action, LeaseRequest, read_lease, write_request
 from ur_nodes.motion.lease.view import Conduct, Identity, LeaseView, identify
 from ur_nodes.ports.node import SECOND, Node
 from ur_nodes.ports.qualities import Quality
@@ -45,7 +45,7 @@ class LeaseClient:
         self.conduct: Conduct = conduct or self.identity.conduct
         self.link = link or ChallengeLink(node, mux, on_challenge)
         self._node, self._hangs = node, hangs
-        self._requests = Requests(self.client, self.conduct)
+        self._requests = LeaseRequests(self.client, self.conduct)
         self._publisher = node.publish(f"{mux}/lease_request", str, Quality.EVERY)
         node.subscribe(f"{mux}/lease", str, self._take_lease, Quality.LATCHED)
         node.every(_PERIOD, self._step, steady=True)
@@ -104,7 +104,9 @@ class LeaseClient:
         answer = self.link.newest(REQUEST_FRESHNESS / 2.0)
         if answer is not None:
             who, (seconds, rest) = self.identity, divmod(answer, SECOND)
-            request = Request(who.client, who.name, who.program, action, who.attended, (seconds, rest), who.computer)
+            request = LeaseRequest(
+                who.client, who.name, who.program, action, who.attended, (seconds, rest), who.computer
+            )
             self._publisher.send(write_request(request))
 
     def _take_lease(self, text: str) -> None:

@@ -24,7 +24,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field, replace
 
-from ur_nodes.motion.lease.text import FREE, MOST_ASKING, Lease, Person, Request
+from ur_nodes.motion.lease.text import FREE, MOST_ASKING, Lease, LeaseRequest, Viewer
 
 _MOST_KNOWN = 64  # clients whose names are remembered
 
@@ -49,11 +49,11 @@ class LeaseRecord:
     timeout: float = 3.0
     received_at: float = -math.inf
     asked: tuple[float, ...] = ()  # as lease.asking
-    known: dict[str, Request] = field(default_factory=dict)  # the last request of each client, newest last
+    known: dict[str, LeaseRequest] = field(default_factory=dict)  # the last request of each client, newest last
     forget_at: float = math.inf
 
 
-LeaseEvent = Request | ClientCommand
+LeaseEvent = LeaseRequest | ClientCommand
 
 
 def start_lease(
@@ -85,7 +85,7 @@ def may_drive(record: LeaseRecord, client: str) -> bool:
     return not client or record.lease.client in ("", client)
 
 
-def _request(record: LeaseRecord, request: Request, now: float, unix: float) -> LeaseRecord:
+def _request(record: LeaseRecord, request: LeaseRequest, now: float, unix: float) -> LeaseRecord:
     lease, own = record.lease, record.lease.client == request.client
     if own and request.action in ("renew", "acquire", "ask", "take"):
         return _renew(record, request, now)
@@ -108,12 +108,12 @@ def _drive(record: LeaseRecord, event: ClientCommand, now: float, unix: float) -
             record, lease=replace(record.lease, state="held", until=None), received_at=now, forget_at=math.inf
         )
     if record.lease.state == "free" and event.motion:
-        known = record.known.get(event.client) or Request(event.client, event.client[:8], "", "acquire")
+        known = record.known.get(event.client) or LeaseRequest(event.client, event.client[:8], "", "acquire")
         return _grant(record, known, now, unix, taken=False)
     return record
 
 
-def _renew(record: LeaseRecord, request: Request, now: float) -> LeaseRecord:
+def _renew(record: LeaseRecord, request: LeaseRequest, now: float) -> LeaseRecord:
     lease = replace(
         record.lease,
         state="held",
@@ -126,7 +126,7 @@ def _renew(record: LeaseRecord, request: Request, now: float) -> LeaseRecord:
     return replace(record, lease=lease, received_at=now, forget_at=math.inf)
 
 
-def _grant(record: LeaseRecord, request: Request, now: float, unix: float, *, taken: bool) -> LeaseRecord:
+def _grant(record: LeaseRecord, request: LeaseRequest, now: float, unix: float, *, taken: bool) -> LeaseRecord:
     before = record.lease
     record = _withdraw(record, request.client)
     lease = Lease(
@@ -137,14 +137,14 @@ def _grant(record: LeaseRecord, request: Request, now: float, unix: float, *, ta
         unix,
         request.attended,
         record.lease.asking,
-        Person(before.client, before.name) if taken and before.client else None,
+        Viewer(before.client, before.name) if taken and before.client else None,
         unix if taken and before.client else None,
         request.computer,
     )
     return replace(record, lease=lease, received_at=now, forget_at=math.inf)
 
 
-def _is_available(lease: Lease, request: Request) -> bool:
+def _is_available(lease: Lease, request: LeaseRequest) -> bool:
     """Return whether a client may acquire the lease without taking it from somebody who may come back."""
     if lease.state != "lost":
         return lease.state == "free"
@@ -156,7 +156,7 @@ def _is_available(lease: Lease, request: Request) -> bool:
 def _grant_to_first(record: LeaseRecord, now: float, unix: float) -> LeaseRecord:
     """Give the lease to the first who asks for it."""
     first = record.lease.asking[0]
-    heir = record.known.get(first.client) or Request(first.client, first.name, "", "ask")
+    heir = record.known.get(first.client) or LeaseRequest(first.client, first.name, "", "ask")
     return _grant(record, heir, now, unix, taken=False)
 
 
@@ -166,7 +166,7 @@ def _release(record: LeaseRecord, now: float, unix: float) -> LeaseRecord:
     return replace(record, lease=FREE, received_at=-math.inf, forget_at=math.inf)
 
 
-def _ask(record: LeaseRecord, request: Request, now: float) -> LeaseRecord:
+def _ask(record: LeaseRecord, request: LeaseRequest, now: float) -> LeaseRecord:
     """Add a client to those who ask, or note that it still does."""
     clients = [each.client for each in record.lease.asking]
     if request.client in clients:
@@ -174,7 +174,7 @@ def _ask(record: LeaseRecord, request: Request, now: float) -> LeaseRecord:
         return replace(record, asked=(*record.asked[:index], now, *record.asked[index + 1 :]))
     if request.action != "ask" or len(clients) >= MOST_ASKING:
         return record
-    asking = (*record.lease.asking, Person(request.client, request.name))
+    asking = (*record.lease.asking, Viewer(request.client, request.name))
     return replace(record, lease=replace(record.lease, asking=asking), asked=(*record.asked, now))
 
 
@@ -197,12 +197,12 @@ def _expire(record: LeaseRecord, now: float, unix: float) -> LeaseRecord:
     return record
 
 
-def _with_asking(record: LeaseRecord, pairs: list[tuple[Person, float]]) -> LeaseRecord:
+def _with_asking(record: LeaseRecord, pairs: list[tuple[Viewer, float]]) -> LeaseRecord:
     asking, asked = tuple(person for person, _ in pairs), tuple(at for _, at in pairs)
     return replace(record, lease=replace(record.lease, asking=asking), asked=asked)
 
 
-def _remember(record: LeaseRecord, request: Request) -> LeaseRecord:
+def _remember(record: LeaseRecord, request: LeaseRequest) -> LeaseRecord:
     known = {client: each for client, each in record.known.items() if client != request.client}
     known[request.client] = request
     while len(known) > _MOST_KNOWN:

@@ -14,7 +14,7 @@ _START_PATIENCE = 4.5  # s: likewise at the start; by then a holder that was kil
 
 
 @dataclass(frozen=True, slots=True)
-class Requests:
+class LeaseRequests:
     """A client's part in the lease: the lease as it was received last, and what is wanted of it (`intent`).
 
     `taken` is the lease as another took it over from this client. `begun`: the conduct has had its first request;
@@ -41,12 +41,12 @@ class Requests:
         return view_lease(self.lease, self.client, self.taken, link_age, pending=pending)
 
 
-def want(state: Requests, action: Action, now: float) -> Requests:
+def want(state: LeaseRequests, action: Action, now: float) -> LeaseRequests:
     """The state in which an action is requested from now (s) on, until it has taken effect."""
     return replace(state, begun=True, silent=False, intent=action, give_up_at=now + PATIENCE)
 
 
-def take_lease(state: Requests, lease: Lease) -> Requests:
+def take_lease(state: LeaseRequests, lease: Lease) -> LeaseRequests:
     """The state after a lease was received."""
     taken = state.taken
     if lease.client == state.client:
@@ -57,7 +57,7 @@ def take_lease(state: Requests, lease: Lease) -> Requests:
     return replace(state, lease=lease, taken=taken, intent=None if settled else state.intent)
 
 
-def step_requests(state: Requests, now: float, *, linked: bool) -> tuple[Requests, Action | None]:
+def step_requests(state: LeaseRequests, now: float, *, linked: bool) -> tuple[LeaseRequests, Action | None]:
     """The state now (s), and what to send; `linked`: the mux is connected and its challenges arrive."""
     lease = state.lease
     if lease is None or state.silent:

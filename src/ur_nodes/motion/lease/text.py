@@ -21,7 +21,7 @@ _CLIENT = re.compile(r"[0-9A-Za-z_.:-]{1,64}", re.ASCII)
 
 
 @dataclass(frozen=True, slots=True)
-class Person:
+class Viewer:
     """A client, and the name of the computer that it runs on."""
 
     client: str
@@ -44,15 +44,15 @@ class Lease:
     program: str = ""
     since: float = 0.0
     attended: bool = True
-    asking: tuple[Person, ...] = ()
-    taken_from: Person | None = None
+    asking: tuple[Viewer, ...] = ()
+    taken_from: Viewer | None = None
     taken_at: float | None = None
     computer: str = ""
     until: float | None = None
 
 
 @dataclass(frozen=True, slots=True)
-class Request:
+class LeaseRequest:
     """A client's request about the lease, and the newest challenge that the client had received."""
 
     client: str
@@ -72,7 +72,7 @@ def is_client(text: object) -> bool:
     return isinstance(text, str) and _CLIENT.fullmatch(text) is not None
 
 
-def write_request(request: Request) -> str:
+def write_request(request: LeaseRequest) -> str:
     """The request as JSON."""
     return json.dumps(
         {
@@ -87,7 +87,7 @@ def write_request(request: Request) -> str:
     )
 
 
-def read_request(text: str) -> Request | str:
+def read_request(text: str) -> LeaseRequest | str:
     """The request that the text is, or why it is none, to be continued after "a request"."""
     value = _read_object(text, _LONGEST_REQUEST)
     if isinstance(value, str):
@@ -103,7 +103,7 @@ def read_request(text: str) -> Request | str:
     if not (isinstance(answers, list) and len(answers) == 2 and all(_is_count(each) for each in answers)):
         return "that answers no challenge"
     name, program = clean_name(value.get("name")), clean_name(value.get("program"))
-    return Request(
+    return LeaseRequest(
         str(client),
         name or str(client)[:8],
         program,
@@ -175,14 +175,14 @@ def clean_name(value: object) -> str:
     return "".join(each for each in value[: 4 * LONGEST_NAME] if each.isprintable()).strip()[:LONGEST_NAME]
 
 
-def _write_person(person: Person) -> dict[str, str]:
+def _write_person(person: Viewer) -> dict[str, str]:
     return {"client": person.client, "name": person.name}
 
 
-def _read_person(value: object) -> Person | None:
+def _read_person(value: object) -> Viewer | None:
     if not isinstance(value, Mapping) or not is_client(value.get("client")):
         return None
-    return Person(str(value["client"]), clean_name(value.get("name")))
+    return Viewer(str(value["client"]), clean_name(value.get("name")))
 
 
 def _read_time(value: object) -> float | None:

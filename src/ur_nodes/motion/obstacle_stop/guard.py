@@ -20,7 +20,7 @@ from typing import Literal
 
 import numpy as np
 
-from ur.robot.base import Limits
+from ur.robot.base import MotionLimits
 from ur_nodes.motion.obstacle_stop.hull import Floats, Hull, time_to_contact
 from ur_nodes.motion.obstacle_stop.sensors import covers
 from ur_nodes.motion.obstacle_stop.sight import Sight
@@ -55,7 +55,7 @@ class Cause:
 
 
 @dataclass(frozen=True, slots=True)
-class Verdict:
+class GuardVerdict:
     """The velocity that is permitted, m/s and rad/s, and the reason where that is less than the wanted one."""
 
     forward: float
@@ -71,7 +71,7 @@ class Guard:
     braking: tuple[float, float]
     lag: float
 
-    def permit(self, forward: float, turn: float, now: float) -> Verdict:
+    def permit(self, forward: float, turn: float, now: float) -> GuardVerdict:
         """The velocity to send at `now` (s) in place of a wanted one, on the same arc."""
         sight = self.sight
         cause = None
@@ -85,17 +85,17 @@ class Guard:
         touched = list(sight.touched.values())
         everything = np.concatenate((points, *touched)) if touched else points
         if not len(everything):
-            return Verdict(forward, turn, cause)
+            return GuardVerdict(forward, turn, cause)
         swept = self._sweep(everything, forward, turn, now)
         share, index = swept
         if share >= 1.0:
-            return Verdict(forward, turn, cause)
+            return GuardVerdict(forward, turn, cause)
         cause = self._describe(everything[index], index - len(points))
         if turn and forward and abs(share * forward) < _TURN_ONLY:
             alone, _ = self._sweep(everything, 0.0, turn, now)
             if alone > share:
-                return Verdict(0.0, alone * turn, cause)
-        return Verdict(share * forward, share * turn, cause)
+                return GuardVerdict(0.0, alone * turn, cause)
+        return GuardVerdict(share * forward, share * turn, cause)
 
     def _sweep(self, points: Floats, forward: float, turn: float, now: float) -> tuple[float, int]:
         """The share (0 to 1) of a velocity that is permitted, and which of the points limits it; -1 for none."""
@@ -151,12 +151,12 @@ class Guard:
         return Cause("bumper", side, 0.0)
 
 
-def make_guard(sight: Sight, limits: Limits, lag: float) -> Guard:
+def make_guard(sight: Sight, limits: MotionLimits, lag: float) -> Guard:
     """Return the guard of a base; `lag` (s) is from the mux's output to wheels that have obeyed it."""
     return Guard(sight, (min(_GENTLE, limits.deceleration), min(_GENTLE_TURN, limits.angular_deceleration)), lag)
 
 
-def reach_of(hull: Hull, limits: Limits) -> float:
+def reach_of(hull: Hull, limits: MotionLimits) -> float:
     """Return how far (m) from the origin of the base a point may matter."""
     braking = limits.velocity / min(_GENTLE, limits.deceleration) / 2.0
     return hull.radius + limits.velocity * (braking + SILENT + limits.lag) + 0.5

@@ -10,9 +10,9 @@ import numpy as np
 from ur.robot.base import Base
 from ur_nodes.motion.mux_time import read_mux_time
 from ur_nodes.motion.obstacle_stop.base import contact_points, contact_topics, explain_frame, make_sight
-from ur_nodes.motion.obstacle_stop.guard import Guard, Verdict, make_guard
-from ur_nodes.motion.obstacle_stop.report import CLEAR, OFF, Report, report_of, write_report
-from ur_nodes.motion.obstacle_stop.sight import Contact, Ranges, Sight, look, move, touch
+from ur_nodes.motion.obstacle_stop.guard import Guard, GuardVerdict, make_guard
+from ur_nodes.motion.obstacle_stop.report import CLEAR, OFF, ObstacleReport, report_of, write_report
+from ur_nodes.motion.obstacle_stop.sight import Contact, SensorRanges, Sight, look, move, touch
 from ur_nodes.motion.obstacle_stop.track import Odometer
 from ur_nodes.motion.writes import AsideLog, Writes
 from ur_nodes.ports.node import Node
@@ -53,7 +53,7 @@ class ObstacleStop:
         self._warned = False
         self._reported_at = self._logged_at = float("-inf")
         self._publisher = node.publish("~obstacle_stop", str, Quality.LATCHED)
-        self._publish(CLEAR if self._on else OFF if usable else Report())
+        self._publish(CLEAR if self._on else OFF if usable else ObstacleReport())
         if not usable:
             return
         self._watch(self._guard if self._on else None)
@@ -67,7 +67,7 @@ class ObstacleStop:
                 node.subscribe(topic, bool, partial(self._take_contact, contact), quality)
         node.serve_later("~set_obstacle_stop", Switch, self._choose)
 
-    def note(self, verdict: Verdict | None, wanted: tuple[float, float], output: tuple[float, float]) -> None:
+    def note(self, verdict: GuardVerdict | None, wanted: tuple[float, float], output: tuple[float, float]) -> None:
         """Publish the report of a verdict of the mux, for a wanted velocity and what was sent (m/s, rad/s)."""
         if not self._on:
             return
@@ -81,7 +81,7 @@ class ObstacleStop:
             self._log.info(report.text)
         self._publish(report)
 
-    def _publish(self, report: Report) -> None:
+    def _publish(self, report: ObstacleReport) -> None:
         self._reported = report
         self._publisher.send(write_report(report))
 
@@ -118,7 +118,7 @@ class ObstacleStop:
             return
         at, spacing = self._time_of(scan.stamp), max(0.0, scan.time_increment)
         angles = scan.angle_min, scan.angle_increment
-        reading = Ranges(scan.ranges, (scan.range_min, scan.range_max), at, *angles, spacing)
+        reading = SensorRanges(scan.ranges, (scan.range_min, scan.range_max), at, *angles, spacing)
         self._change(look(self._guard.sight, sensor, reading))
 
     def _take_range(self, value: Range) -> None:
@@ -127,7 +127,7 @@ class ObstacleStop:
             self._warn_of_frame(value.frame)
             return
         limits = value.range_min, value.range_max
-        reading = Ranges(np.array([value.range]), limits, self._time_of(value.stamp), cone=value.field_of_view)
+        reading = SensorRanges(np.array([value.range]), limits, self._time_of(value.stamp), cone=value.field_of_view)
         self._change(look(self._guard.sight, sensor, reading))
 
     def _warn_of_frame(self, frame: str) -> None:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Literal, cast, get_args
 
 from ur.source.printable import printable
-from ur_nodes.motion.obstacle_stop.guard import BLIND, Cause, Verdict
+from ur_nodes.motion.obstacle_stop.guard import BLIND, Cause, GuardVerdict
 
 State = Literal["none", "off", "clear", "slowed", "stopped"]
 
@@ -20,7 +20,7 @@ _TOO_LONG = 3600.0  # s
 
 
 @dataclass(frozen=True, slots=True)
-class Report:
+class ObstacleReport:
     """The state, and what it is about in a line: "stopped: obstacle 0.05 m ahead"; empty while nothing is in the way.
 
     `none`: the base has no sensor that the obstacle stop can use.
@@ -30,20 +30,20 @@ class Report:
     text: str = ""
 
 
-OFF = Report("off", "the obstacle stop is off")
-CLEAR = Report("clear")
+OFF = ObstacleReport("off", "the obstacle stop is off")
+CLEAR = ObstacleReport("clear")
 
 
-def report_of(verdict: Verdict | None, wanted: tuple[float, float], output: tuple[float, float]) -> Report:
+def report_of(verdict: GuardVerdict | None, wanted: tuple[float, float], output: tuple[float, float]) -> ObstacleReport:
     """The report of a verdict on a wanted velocity (m/s, rad/s), and what was sent instead."""
     if verdict is None or verdict.cause is None:
         return CLEAR
     if all(abs(sent) >= _NOTICED * abs(asked) for sent, asked in zip(output, wanted, strict=True)):
         return CLEAR
     if verdict.forward == 0.0 and verdict.turn == 0.0:
-        return Report("stopped", f"stopped: {_describe(verdict.cause)}")
+        return ObstacleReport("stopped", f"stopped: {_describe(verdict.cause)}")
     slow = f" to {BLIND:g} m/s" if verdict.cause.kind in ("unseen", "silent") else ""
-    return Report("slowed", f"slowed{slow}: {_describe(verdict.cause)}")
+    return ObstacleReport("slowed", f"slowed{slow}: {_describe(verdict.cause)}")
 
 
 def _describe(cause: Cause) -> str:
@@ -60,12 +60,12 @@ def _describe(cause: Cause) -> str:
     return f"obstacle {_STEP * math.floor(cause.distance / _STEP + 1e-6):.2f} m {cause.side}"
 
 
-def write_report(report: Report) -> str:
+def write_report(report: ObstacleReport) -> str:
     """The report as JSON."""
     return json.dumps({"state": report.state, "text": report.text})
 
 
-def read_report(text: str) -> Report | None:
+def read_report(text: str) -> ObstacleReport | None:
     """The report of JSON that a mux has published; None for anything else."""
     if len(text) > _MOST:
         return None
@@ -76,4 +76,4 @@ def read_report(text: str) -> Report | None:
     if not isinstance(value, dict) or value.get("state") not in get_args(State):
         return None
     line = value.get("text")
-    return Report(cast(State, value["state"]), printable(line)[:_LONGEST] if isinstance(line, str) else "")
+    return ObstacleReport(cast(State, value["state"]), printable(line)[:_LONGEST] if isinstance(line, str) else "")

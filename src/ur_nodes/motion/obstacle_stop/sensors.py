@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from ur.robot.base import Base
 from ur_nodes.geometry.rigid import from_angles
-from ur_nodes.geometry.scan import Mount
+from ur_nodes.geometry.scan import SensorMount
 from ur_nodes.motion.obstacle_stop.hull import Hull
 
 Floats = NDArray[np.float64]
@@ -31,7 +31,7 @@ class RangeSensor:
 
     name: str
     label: str
-    mount: Mount
+    mount: SensorMount
     start: float
     end: float
     reach: float
@@ -44,7 +44,7 @@ class RangeSensor:
         return _sees(points, self.mount, (self.start, self.end), self.reach)
 
 
-def _sees(points: Floats, mount: Mount, span: tuple[float, float], reach: float) -> NDArray[np.bool_]:
+def _sees(points: Floats, mount: SensorMount, span: tuple[float, float], reach: float) -> NDArray[np.bool_]:
     local = (points - mount.offset[:2]) @ mount.rotation[:2, :2]
     angles = (np.arctan2(local[:, 1], local[:, 0]) - span[0]) % (2.0 * math.pi)
     seen: NDArray[np.bool_] = (angles <= span[1] - span[0]) & (np.hypot(*local.T) <= reach)
@@ -81,7 +81,7 @@ def _sensor(
     hull: Hull, name: str, label: str, pose: tuple[float, ...], span: tuple[float, float], reach: float, period: float
 ) -> RangeSensor:
     rigid = from_angles(pose[:3], pose[3:])
-    mount = Mount(rigid[:3, :3], rigid[:3, 3])
+    mount = SensorMount(rigid[:3, :3], rigid[:3, 3])
     ahead, behind = (np.array([_sees(column, mount, span, reach).any() for column in strip]) for strip in _strips(hull))
     return RangeSensor(name, label, mount, *span, reach, period, ahead, behind)
 

@@ -29,7 +29,7 @@ _NONE: Floats = np.empty((0, 2))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Ranges:
+class SensorRanges:
     """A scan, or the range of a sonar: `ranges` (n) in m, `limits` the least and the greatest that count.
 
     `at` is when the first was measured (s of the mux's clock), `spacing` (s) and `increment` (rad) are from one to the
@@ -46,7 +46,7 @@ class Ranges:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Seen:
+class SeenPoints:
     """Points (n, 2) in the frame of odometry that a sensor saw at a time (s)."""
 
     points: Floats
@@ -54,7 +54,7 @@ class Seen:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Memory:
+class RememberedPoints:
     """Points (n, 2) in the frame of odometry that left the field of view of their sensor, and when each was seen."""
 
     points: Floats = field(default_factory=lambda: _NONE)
@@ -72,8 +72,8 @@ class Sight:
     sensors: tuple[RangeSensor, ...]
     reach: float  # m from the origin of the base: what is further away is left out
     track: Track = field(default_factory=Track)
-    seen: dict[str, Seen] = field(default_factory=dict)
-    memory: Memory = field(default_factory=Memory)
+    seen: dict[str, SeenPoints] = field(default_factory=dict)
+    memory: RememberedPoints = field(default_factory=RememberedPoints)
     touched: dict[tuple[Contact, str], Floats] = field(default_factory=dict)
 
     def points_at(self, now: float) -> Floats:
@@ -96,7 +96,7 @@ def move(sight: Sight, reading: Odometer) -> Sight:
     if not reading.finite:
         return sight
     track, same = follow(sight.track, reading)
-    return replace(sight, track=track) if same else replace(sight, track=track, seen={}, memory=Memory())
+    return replace(sight, track=track) if same else replace(sight, track=track, seen={}, memory=RememberedPoints())
 
 
 def touch(sight: Sight, contact: tuple[Contact, str], points: Floats | None) -> Sight:
@@ -105,7 +105,7 @@ def touch(sight: Sight, contact: tuple[Contact, str], points: Floats | None) -> 
     return replace(sight, touched=touched if points is None else {**touched, contact: points})
 
 
-def look(sight: Sight, sensor: RangeSensor, reading: Ranges) -> Sight:
+def look(sight: Sight, sensor: RangeSensor, reading: SensorRanges) -> Sight:
     """The sight after a reading of a sensor; unchanged by one that has measured nothing."""
     before = sight.seen.get(sensor.name)
     if before is not None and reading.at < before.at:
@@ -117,11 +117,11 @@ def look(sight: Sight, sensor: RangeSensor, reading: Ranges) -> Sight:
         return sight
     ends = _ends(sight, sensor, reading, np.where(returns.near, reading.limits[0], ranges), hits)
     seen = dict(sight.seen)
-    seen[sensor.name] = Seen(ends, reading.at)
+    seen[sensor.name] = SeenPoints(ends, reading.at)
     return replace(sight, seen=seen, memory=_remember(sight, sensor, reading, before))
 
 
-def _remember(sight: Sight, sensor: RangeSensor, reading: Ranges, before: Seen | None) -> Memory:
+def _remember(sight: Sight, sensor: RangeSensor, reading: SensorRanges, before: SeenPoints | None) -> RememberedPoints:
     """The points about which a reading says nothing: of the memory, and of the reading before of the same sensor."""
     memory = sight.memory
     points, times = memory.points, memory.times
@@ -133,10 +133,10 @@ def _remember(sight: Sight, sensor: RangeSensor, reading: Ranges, before: Seen |
     local = sight.track.pose_at(reading.at).inverse().transform_points(points)
     kept = (reading.at - times <= MEMORY) & _hidden(sensor, reading, local)
     kept &= np.hypot(*local.T) <= sight.reach
-    return Memory(points[kept][-_MOST:], times[kept][-_MOST:])
+    return RememberedPoints(points[kept][-_MOST:], times[kept][-_MOST:])
 
 
-def _hidden(sensor: RangeSensor, reading: Ranges, points: Floats) -> NDArray[np.bool_]:
+def _hidden(sensor: RangeSensor, reading: SensorRanges, points: Floats) -> NDArray[np.bool_]:
     """Return which earlier points (n, 2) of the base's frame a reading says nothing about."""
     hidden = ~sensor.sees(points)
     if reading.cone:
@@ -144,7 +144,7 @@ def _hidden(sensor: RangeSensor, reading: Ranges, points: Floats) -> NDArray[np.
     return hidden
 
 
-def _ends(sight: Sight, sensor: RangeSensor, reading: Ranges, ranges: Floats, hits: NDArray[np.bool_]) -> Floats:
+def _ends(sight: Sight, sensor: RangeSensor, reading: SensorRanges, ranges: Floats, hits: NDArray[np.bool_]) -> Floats:
     """The points (n, 2) in the frame of odometry where beams have ended near the base, its own parts left out."""
     if reading.cone and not hits[0]:
         return _NONE

@@ -16,14 +16,14 @@ from dataclasses import dataclass, replace
 from enum import Enum
 
 from ur_nodes.motion.lease.text import FREE, Lease
-from ur_nodes.navigation.goals.goal_claim import Challenges, Claim, age_of_answer, lag_of_answer
+from ur_nodes.navigation.goals.goal_claim import Claim, ReceivedChallenges, age_of_answer, lag_of_answer
 
 LATEST = 1.0
 """Seconds: a goal that answers an older challenge arrived late."""
 
 
 @dataclass(frozen=True, slots=True)
-class Settings:
+class AttendanceSettings:
     """`ask`: an attendant that returns has to confirm the goal. Times in s.
 
     `grace`: how long the attendant may be away; the mux counts it for the holder of the lease. `limit`: how long a
@@ -45,7 +45,7 @@ class Act(Enum):
 
 
 @dataclass(frozen=True, slots=True)
-class Verdict:
+class GoalVerdict:
     """The action for a goal now, and its reason as text for people."""
 
     act: Act
@@ -75,7 +75,7 @@ class Attendance:
         return not self.client
 
 
-def refuse_goal(claim: Claim | None, lease: Lease | None, challenges: Challenges, now: float) -> str:
+def refuse_goal(claim: Claim | None, lease: Lease | None, challenges: ReceivedChallenges, now: float) -> str:
     """Return the reason why a goal is refused; '' when it is accepted. `lease` is None where the mux has none."""
     if claim is None:
         return ""
@@ -102,27 +102,27 @@ def continue_goal(attendance: Attendance) -> Attendance:
 
 
 def step_attendance(
-    attendance: Attendance, lease: Lease | None, silence: float | None, settings: Settings, now: float
-) -> tuple[Attendance, Verdict]:
+    attendance: Attendance, lease: Lease | None, silence: float | None, settings: AttendanceSettings, now: float
+) -> tuple[Attendance, GoalVerdict]:
     """Decide what to do with a goal now. `silence`: seconds since the mux's last challenge, None when it sends none."""
     lease = lease or FREE
     attendance = _adopt(attendance, lease)
     if lease.state == "held" and attendance.client and lease.client != attendance.client:
-        return attendance, Verdict(Act.CANCEL, f"{name_of_driver(lease)} took over")
+        return attendance, GoalVerdict(Act.CANCEL, f"{name_of_driver(lease)} took over")
     absence = _find_absence(attendance, lease, silence, settings, now)
     if absence is not None:
         attendance = replace(attendance, absent_since=absence.since)
         if attendance.held_since is None:
             if now - absence.since < absence.patience:
-                return attendance, Verdict(Act.DRIVE)
+                return attendance, GoalVerdict(Act.DRIVE)
             attendance = replace(attendance, held_since=now)
         return _hold(replace(attendance, asking=False), absence.why, settings, now)
     attendance = replace(attendance, absent_since=None, present=attendance.present or lease.state == "held")
     if attendance.held_since is None:
-        return attendance, Verdict(Act.DRIVE)
+        return attendance, GoalVerdict(Act.DRIVE)
     if settings.ask and attendance.client and attendance.attended:
         return _hold(replace(attendance, asking=True), f"{_who(attendance)} is back; continue or cancel", settings, now)
-    return replace(attendance, held_since=None, asking=False), Verdict(Act.DRIVE)
+    return replace(attendance, held_since=None, asking=False), GoalVerdict(Act.DRIVE)
 
 
 def name_of_driver(lease: Lease) -> str:
@@ -158,7 +158,7 @@ def _adopt(attendance: Attendance, lease: Lease) -> Attendance:
 
 
 def _find_absence(
-    attendance: Attendance, lease: Lease, silence: float | None, settings: Settings, now: float
+    attendance: Attendance, lease: Lease, silence: float | None, settings: AttendanceSettings, now: float
 ) -> _Absence | None:
     if silence is not None and silence >= settings.grace:
         return _Absence(now - silence, "no word from the mux")
@@ -173,15 +173,15 @@ def _find_absence(
     return _Absence(now - settings.grace if since is None else since, why)  # the mux has waited that long
 
 
-def _hold(attendance: Attendance, why: str, settings: Settings, now: float) -> tuple[Attendance, Verdict]:
+def _hold(attendance: Attendance, why: str, settings: AttendanceSettings, now: float) -> tuple[Attendance, GoalVerdict]:
     assert attendance.held_since is not None
     held = now - attendance.held_since
     if settings.limit and held > settings.limit:
-        return attendance, Verdict(Act.CANCEL, f"held for {settings.limit:g} s: {why}")
+        return attendance, GoalVerdict(Act.CANCEL, f"held for {settings.limit:g} s: {why}")
     if attendance.asking:
-        return attendance, Verdict(Act.ASK, f"held: {why}")
+        return attendance, GoalVerdict(Act.ASK, f"held: {why}")
     away = now - (attendance.held_since if attendance.absent_since is None else attendance.absent_since)
-    return attendance, Verdict(Act.HOLD, f"held: {why} for {away:.0f} s")
+    return attendance, GoalVerdict(Act.HOLD, f"held: {why} for {away:.0f} s")
 
 
 def _who(attendance: Attendance) -> str:

@@ -33,7 +33,7 @@ class Claim:
 
 
 @dataclass(frozen=True, slots=True)
-class Challenges:
+class ReceivedChallenges:
     """The challenges (ns) of the last `REMEMBERED` seconds, each with the time (s) it arrived; oldest first."""
 
     received: tuple[tuple[int, float], ...] = ()
@@ -44,15 +44,15 @@ class Challenges:
         return None if self.newest_at is None else now - self.newest_at
 
 
-def note_challenge(challenges: Challenges, value: int, now: float) -> Challenges:
+def note_challenge(challenges: ReceivedChallenges, value: int, now: float) -> ReceivedChallenges:
     """A challenge has arrived."""
     old = 0
     while old < len(challenges.received) and now - challenges.received[old][1] > REMEMBERED:
         old += 1
-    return Challenges((*challenges.received[old:], (value, now)), now)
+    return ReceivedChallenges((*challenges.received[old:], (value, now)), now)
 
 
-def age_of_answer(challenges: Challenges, answer: int, now: float) -> float | None:
+def age_of_answer(challenges: ReceivedChallenges, answer: int, now: float) -> float | None:
     """Age (s) of what answers a challenge, at most; None when that challenge is not of the last `REMEMBERED` seconds.
 
     Challenges that were delayed arrive together: what is older than the newest by their own values is that old,
@@ -72,7 +72,7 @@ def age_of_answer(challenges: Challenges, answer: int, now: float) -> float | No
     return max(now - before[-1], behind) if before else None
 
 
-def lag_of_answer(challenges: Challenges, answer: int, now: float) -> float | None:
+def lag_of_answer(challenges: ReceivedChallenges, answer: int, now: float) -> float | None:
     """A guess at the age (s) of an answer that is not remembered any more, for messages; None when there is none."""
     if not challenges.received:
         return None

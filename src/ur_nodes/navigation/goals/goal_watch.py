@@ -9,14 +9,20 @@ from ur_nodes.motion.lease.text import Lease, read_lease
 from ur_nodes.navigation.goals.attendance import (
     Act,
     Attendance,
-    Settings,
-    Verdict,
+    AttendanceSettings,
+    GoalVerdict,
     attend_goal,
     continue_goal,
     refuse_goal,
     step_attendance,
 )
-from ur_nodes.navigation.goals.goal_claim import REMEMBERED, Challenges, age_of_answer, note_challenge, read_claim
+from ur_nodes.navigation.goals.goal_claim import (
+    REMEMBERED,
+    ReceivedChallenges,
+    age_of_answer,
+    note_challenge,
+    read_claim,
+)
 from ur_nodes.ports.actions import GoalId
 from ur_nodes.ports.node import Node
 from ur_nodes.ports.parameters import Parameters
@@ -33,18 +39,18 @@ class GoalWatch:
     a `stamp`, the newest challenge, it is ignored when it arrives late.
     """
 
-    def __init__(self, node: Node, mux: str, settings: Settings) -> None:
+    def __init__(self, node: Node, mux: str, settings: AttendanceSettings) -> None:
         """`mux` is the name of the mux's node."""
         self._node = node
         self._settings = settings
         self._lease: Lease | None = None
-        self._challenges = Challenges()
+        self._challenges = ReceivedChallenges()
         self._goal = ""
         self._attendance = Attendance()
         self._reported = True
         self._shown: tuple[str, Act] | None = None
         self._hold = node.publish("~hold", str, Quality.LATCHED)
-        self._publish_hold("", Verdict(Act.DRIVE))
+        self._publish_hold("", GoalVerdict(Act.DRIVE))
         self.link = ChallengeLink(node, mux, self._take_challenge)
         node.subscribe(f"{mux}/lease", str, self._take_lease, Quality.LATCHED)
         node.subscribe("~continue", GoalId, self._continue)
@@ -60,9 +66,9 @@ class GoalWatch:
     def finish(self) -> None:
         """Forget the goal: it has ended."""
         self._goal = ""
-        self._publish_hold("", Verdict(Act.DRIVE))
+        self._publish_hold("", GoalVerdict(Act.DRIVE))
 
-    def judge(self) -> Verdict:
+    def judge(self) -> GoalVerdict:
         """Decide what to do with the goal now, and publish it."""
         now = self._node.steady()
         silence = self._challenges.silence(now)
@@ -73,7 +79,7 @@ class GoalWatch:
         self._publish_hold(self._goal, verdict)
         return verdict
 
-    def _publish_hold(self, goal: str, verdict: Verdict) -> None:
+    def _publish_hold(self, goal: str, verdict: GoalVerdict) -> None:
         """Publish when the state changes; the text grows by seconds and is in the goal's status."""
         held = verdict.act in (Act.HOLD, Act.ASK)
         shown = (goal, verdict.act) if held else ("", Act.DRIVE)
@@ -104,9 +110,9 @@ class GoalWatch:
             self._attendance = continue_goal(self._attendance)
 
 
-def read_watch_settings(own: Parameters, mux: str) -> Settings:
+def read_watch_settings(own: Parameters, mux: str) -> AttendanceSettings:
     """From the parameters of the node and of the mux. Raises UserError."""
-    return Settings(
+    return AttendanceSettings(
         ask=own.text("on_return", "resume", choices=("resume", "ask")) == "ask",
         grace=own.of(mux).number("lease_timeout", 3.0, minimum=0.5, maximum=60.0),
         limit=own.number("hold_limit", 600.0, minimum=0.0),

@@ -18,7 +18,7 @@ _NEIGHBOURS = np.ones((3, 3), bool)  # diagonal ones count, as in the search ove
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Graph:
+class RegionGraph:
     """Nodes at `places` (n, 2) in cells (row, column), and the cost of each step between neighbours, in cells.
 
     `places` are centres of regions, or whole numbers for cells.
@@ -32,7 +32,7 @@ class Graph:
 class Regions:
     """The regions of blocks of `size` x `size` cells. `blocks` (n, 2) holds each region's block (row, column)."""
 
-    graph: Graph
+    graph: RegionGraph
     blocks: NDArray[np.int32]
     size: int
     shape: tuple[int, int]
@@ -92,7 +92,7 @@ def find_regions(
     return Regions(graph, np.concatenate(owners) if owners else np.empty((0, 2), np.int32), size, shape, costs, free)
 
 
-def cell_graph(costs: NDArray[np.uint8], weights: NDArray[np.float64], cells: NDArray[np.int64]) -> Graph:
+def cell_graph(costs: NDArray[np.uint8], weights: NDArray[np.float64], cells: NDArray[np.int64]) -> RegionGraph:
     """The graph of single cells, numbers row * width + column (n) in ascending order, with eight neighbours each.
 
     A step costs its length times the mean weight of its two cells.
@@ -185,9 +185,9 @@ def _distinct(a: NDArray[np.int32], b: NDArray[np.int32], count: int) -> NDArray
     return a[new].astype(np.int64) * (count + 1) + b[new]
 
 
-def _graph(places: NDArray[np.float64], loads: NDArray[np.float64], pairs: NDArray[np.int64]) -> Graph:
+def _graph(places: NDArray[np.float64], loads: NDArray[np.float64], pairs: NDArray[np.int64]) -> RegionGraph:
     a, b = pairs
     costs = np.hypot(*(places[a] - places[b]).T) * 0.5 * (loads[a] + loads[b])
     count = len(places)
     ends = (np.concatenate((a, b)), np.concatenate((b, a)))
-    return Graph(places, csr_array((np.concatenate((costs, costs)), ends), shape=(count, count)))
+    return RegionGraph(places, csr_array((np.concatenate((costs, costs)), ends), shape=(count, count)))

@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 from ur_nodes.costmap.costmap import FREE, LETHAL, Costmap
 from ur_nodes.costmap.footprint import Footprint
 from ur_nodes.geometry.pose import Pose2
-from ur_nodes.navigation.steering.rollout import Floats, FollowSettings, Motion, ReferencePath, roll_out
-from ur_nodes.navigation.steering.speed_profile import Limits
+from ur_nodes.navigation.steering.rollout import Floats, FollowSettings, ReferencePath, RolloutState, roll_out
+from ur_nodes.navigation.steering.speed_profile import SpeedLimits
 
 # Variants of the steering law: the share of the speed limit, the offset to the left of the path (m).
 _PLAIN = np.array(((1.0, 0.0),))
@@ -27,7 +27,7 @@ _SAMPLED = 0.1  # s between two poses of a sweep
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Step:
+class LocalCommand:
     """The next command: speed (m/s) and turn (rad/s). `ahead` (t, 3) are the poses that this leads to.
 
     `hindered`: an obstacle blocks the plain law, another variant was taken. `blocked`: every variant would
@@ -44,20 +44,20 @@ class Step:
 def follow_reference(
     reference: ReferencePath,
     index: int,
-    motion: Motion,
+    motion: RolloutState,
     costmap: Costmap,
     footprint: Footprint,
-    limits: Limits,
+    limits: SpeedLimits,
     settings: FollowSettings,
     period: float,
-) -> Step:
+) -> LocalCommand:
     """Return the next command for a robot near point `index` of the path; `period` is its duration (s).
 
     The command differs from the present motion by no more than the accelerations allow in `period`.
     """
     plain = roll_out(reference, index, motion, _PLAIN, limits, settings, period)
     if not _touches(plain.poses, motion.pose, costmap, footprint)[:, 0].any():
-        return Step(float(plain.speeds[0, 0]), float(plain.turns[0, 0]), plain.poses[:, 0])
+        return LocalCommand(float(plain.speeds[0, 0]), float(plain.turns[0, 0]), plain.poses[:, 0])
     others = roll_out(reference, index, motion, _VARIANTS, limits, settings, period)
     touching = _touches(others.poses, motion.pose, costmap, footprint)
     free = ~touching.any(axis=0)
@@ -67,10 +67,12 @@ def follow_reference(
     best = int(np.argmax(np.where(free, gains, -np.inf)))
     if gains[best] <= _LEAST_GAIN and abs(others.turns[:, best]).max() < _LEAST_TURN:
         return _stop(motion, limits, settings, period)
-    return Step(float(others.speeds[0, best]), float(others.turns[0, best]), others.poses[:, best], hindered=True)
+    return LocalCommand(
+        float(others.speeds[0, best]), float(others.turns[0, best]), others.poses[:, best], hindered=True
+    )
 
 
-def sweep_is_free(motion: Motion, seconds: float, costmap: Costmap, footprint: Footprint) -> bool:
+def sweep_is_free(motion: RolloutState, seconds: float, costmap: Costmap, footprint: Footprint) -> bool:
     """Return True when keeping the speed and turn for a while touches nothing (more than the robot does already)."""
     times = np.linspace(0.0, seconds, max(2, math.ceil(seconds / _SAMPLED) + 1))
     yaws = motion.pose.yaw + motion.turn * times
@@ -98,8 +100,8 @@ def _overlaps(poses: Floats, costmap: Costmap, footprint: Footprint) -> NDArray[
     return counts
 
 
-def _stop(motion: Motion, limits: Limits, settings: FollowSettings, period: float) -> Step:
+def _stop(motion: RolloutState, limits: SpeedLimits, settings: FollowSettings, period: float) -> LocalCommand:
     speed = max(0.0, motion.speed - limits.acceleration * period) if motion.speed > 0 else 0.0
     turn = math.copysign(max(0.0, abs(motion.turn) - limits.turn_acceleration * period), motion.turn)
     here = np.array(motion.pose)[None]
-    return Step(speed, turn, np.repeat(here, math.ceil(settings.horizon / settings.step), axis=0), blocked=True)
+    return LocalCommand(speed, turn, np.repeat(here, math.ceil(settings.horizon / settings.step), axis=0), blocked=True)

@@ -12,8 +12,8 @@ from ur_nodes.costmap.costmap import LETHAL, Costmap
 from ur_nodes.costmap.footprint import Footprint
 from ur_nodes.geometry.pose import Pose2, wrap_angle
 from ur_nodes.navigation.steering.local_plan import sweep_is_free
-from ur_nodes.navigation.steering.rollout import Motion
-from ur_nodes.navigation.steering.speed_profile import Limits, approach
+from ur_nodes.navigation.steering.rollout import RolloutState
+from ur_nodes.navigation.steering.speed_profile import SpeedLimits, approach
 
 _BACK_OFF = 0.3  # m
 
@@ -74,10 +74,10 @@ class RecoveryMotion:
 
 def move_to_recover(
     recovery: Recovery,
-    motion: Motion,
+    motion: RolloutState,
     costmap: Costmap,
     footprint: Footprint,
-    limits: Limits,
+    limits: SpeedLimits,
     period: float,
 ) -> RecoveryMotion:
     """One control step of ROTATE (once round) or BACK_OFF (0.3 m).
@@ -94,7 +94,7 @@ def move_to_recover(
         speed, turn = find_escape(motion, costmap, footprint, limits)
         over = done >= _BACK_OFF
     state = replace(recovery, began=began, done=done, last=motion.pose)
-    trial = Motion(motion.pose, speed, turn)
+    trial = RolloutState(motion.pose, speed, turn)
     if over or not sweep_is_free(trial, 0.5, costmap, footprint):
         return RecoveryMotion(state, 0.0, 0.0, finished=True)
     return RecoveryMotion(
@@ -105,13 +105,15 @@ def move_to_recover(
     )
 
 
-def find_escape(motion: Motion, costmap: Costmap, footprint: Footprint, limits: Limits) -> tuple[float, float]:
+def find_escape(
+    motion: RolloutState, costmap: Costmap, footprint: Footprint, limits: SpeedLimits
+) -> tuple[float, float]:
     """The speed and turn, slow, that lead to the most room without touching anything more; back rather than ahead."""
     distances = distance_transform_edt(costmap.costs != LETHAL) * costmap.resolution
     best, chosen = -math.inf, (-limits.backward, 0.0)
     for speed in (-limits.backward, limits.backward):
         for turn in (0.0, 0.5 * limits.turn, -0.5 * limits.turn):
-            trial = Motion(motion.pose, speed, turn)
+            trial = RolloutState(motion.pose, speed, turn)
             if not sweep_is_free(trial, 1.0, costmap, footprint):
                 continue
             yaw = motion.pose.yaw + turn

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.navigation.planning.path_geometry import Points, headings
-from ur_nodes.navigation.steering.speed_profile import Limits, speed_profile
+from ur_nodes.navigation.steering.speed_profile import SpeedLimits, speed_profile
 
 Floats = NDArray[np.float64]
 
@@ -64,7 +64,7 @@ class ReferencePath:
 
 
 @dataclass(frozen=True, slots=True)
-class Motion:
+class RolloutState:
     """Pose and velocity of the robot: pose in the frame of the path, m/s, rad/s."""
 
     pose: Pose2
@@ -72,7 +72,7 @@ class Motion:
     turn: float
 
 
-def make_reference(points: Points, limits: Limits, shares: Floats | None = None) -> ReferencePath:
+def make_reference(points: Points, limits: SpeedLimits, shares: Floats | None = None) -> ReferencePath:
     """Make a path of evenly spaced points (n, 2), n >= 2; `shares` (n) of the speed limit are allowed at them."""
     spacing = float(np.hypot(*(points[1] - points[0])))
     angle = float(headings(points)[max(0, len(points) - 4)])
@@ -125,9 +125,9 @@ class _Course:
 def roll_out(
     reference: ReferencePath,
     index: int,
-    motion: Motion,
+    motion: RolloutState,
     variants: Floats,
-    limits: Limits,
+    limits: SpeedLimits,
     settings: FollowSettings,
     period: float,
 ) -> Rollout:
@@ -169,7 +169,7 @@ def _steer(
     state: _State,
     near: int,
     variant: tuple[float, float],
-    limits: Limits,
+    limits: SpeedLimits,
     settings: FollowSettings,
     seconds: float,
 ) -> tuple[float, float]:
@@ -196,7 +196,7 @@ def _steer(
     return wanted, min(max(turning, -limits.turn), limits.turn)
 
 
-def _advance(state: _State, near: int, wanted: float, turning: float, limits: Limits, seconds: float) -> _State:
+def _advance(state: _State, near: int, wanted: float, turning: float, limits: SpeedLimits, seconds: float) -> _State:
     """Move for `seconds` with the wanted speed and turn, as far as the accelerations allow."""
     shift, swing = limits.acceleration * seconds, limits.turn_acceleration * seconds
     v = min(max(wanted, state.speed - shift), state.speed + shift)

@@ -13,7 +13,7 @@ from ur_nodes.navigation.planning.path_geometry import Points, curvatures
 
 
 @dataclass(frozen=True, slots=True)
-class Limits:
+class SpeedLimits:
     """Limits of the robot: m/s, rad/s, m/s^2, rad/s^2. `backward` is the greatest speed backwards, as a positive."""
 
     speed: float
@@ -23,7 +23,7 @@ class Limits:
     backward: float = 0.1
 
 
-def limit_speeds(limits: Limits, share: float) -> Limits:
+def limit_speeds(limits: SpeedLimits, share: float) -> SpeedLimits:
     """The limits with a share (0 to 1) of the speeds; accelerations stay."""
     speeds = (share * limits.speed, share * limits.turn, share * limits.backward)
     return replace(limits, speed=speeds[0], turn=speeds[1], backward=speeds[2])
@@ -41,7 +41,9 @@ def speed_shares(mask: Grid | None, points: Points) -> NDArray[np.float64] | Non
     return shares
 
 
-def speed_profile(points: Points, limits: Limits, shares: NDArray[np.float64] | None = None) -> NDArray[np.float64]:
+def speed_profile(
+    points: Points, limits: SpeedLimits, shares: NDArray[np.float64] | None = None
+) -> NDArray[np.float64]:
     """The greatest speed (n) in m/s at each point of an evenly spaced path (n, 2) that ends at rest.
 
     Bounded by the speed limit, or the share (n) of it that is allowed at a point, by turn / curvature, and by braking
@@ -61,7 +63,7 @@ def speed_profile(points: Points, limits: Limits, shares: NDArray[np.float64] | 
     return fastest
 
 
-def turn_rate(error: float, limits: Limits) -> float:
+def turn_rate(error: float, limits: SpeedLimits) -> float:
     """The rate in rad/s at which to turn on the spot by `error` rad, braking with 0.7 of the acceleration."""
     return math.copysign(min(limits.turn, math.sqrt(2.0 * 0.7 * limits.turn_acceleration * abs(error))), error)
 

@@ -24,6 +24,7 @@ from ur_nodes.ports.values.sensors import Battery, Imu, Range, Scan
 from ur_nodes.ports.values.shapes import Marker, MarkerChange, MarkerChanges, Markers, PointCloud, Shape
 
 __all__ = [
+    "NO_MATRIX",
     "Battery",
     "Calibration",
     "ClockTime",
@@ -40,7 +41,6 @@ __all__ = [
     "MarkerChange",
     "MarkerChanges",
     "Markers",
-    "NO_MATRIX",
     "Number",
     "Odometry",
     "Outline",

@@ -33,7 +33,7 @@ from rospy.exceptions import TransportInitError, TransportTerminated
 from rospy.impl import masterslave, registration, tcpros_base, tcpros_pubsub, tcpros_service
 from rospy.impl.transport import INBOUND
 
-from ur.robot.addresses import Addresses
+from ur.robot.addresses import AddressCache
 from ur_nodes.ros1.repairs.half_open import end_half_open, share_port
 from ur_nodes.ros1.repairs.sockets import (
     is_link_trouble,
@@ -103,7 +103,7 @@ def bound_connections() -> bool:
             ", ".join(missing) or "TCP_USER_TIMEOUT",
         )
         return False
-    addresses = Addresses(str) if rosgraph.network.use_ipv6() else Addresses()
+    addresses = AddressCache(str) if rosgraph.network.use_ipv6() else AddressCache()
     subscriptions = Subscriptions(addresses)
     _bound_xml_rpc(addresses)
     _bound_transport(addresses)
@@ -114,7 +114,7 @@ def bound_connections() -> bool:
     return True
 
 
-def _bound_xml_rpc(addresses: Addresses) -> None:
+def _bound_xml_rpc(addresses: AddressCache) -> None:
     """Bound all callers that rospy makes from now on, and those whom this node's own server answers."""
     handler = rosgraph.xmlrpc.SilenceableXMLRPCRequestHandler
     set_up = handler.setup
@@ -131,7 +131,7 @@ def _bound_xml_rpc(addresses: Addresses) -> None:
     _replace(handler, "setup", setup)
 
 
-def _bound_transport(addresses: Addresses) -> None:
+def _bound_transport(addresses: AddressCache) -> None:
     """Bound connections that this node makes: to publishers and to services."""
     transport = tcpros_base.TCPROSTransport
     connect, write_header = transport.connect, transport.write_header

@@ -16,7 +16,7 @@ import rospy
 from rospy.exceptions import TransportInitError
 from rospy.impl import registration, tcpros_base
 
-from ur.robot.addresses import Addresses
+from ur.robot.addresses import AddressCache
 from ur_nodes.ros1.repairs.sockets import CONNECT_LIMIT
 from ur_nodes.ros1.repairs.xml_rpc_links import BoundedTransport
 
@@ -35,7 +35,7 @@ _log = logging.getLogger("rosout")
 class Subscriptions:
     """Keeps this node's subscribers connected to their publishers."""
 
-    def __init__(self, addresses: Addresses) -> None:
+    def __init__(self, addresses: AddressCache) -> None:
         self._addresses = addresses
         self._lock = threading.Lock()
         self._connecting: set[tuple[str, str]] = set()

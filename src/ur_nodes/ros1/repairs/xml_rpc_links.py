@@ -14,7 +14,7 @@ import xmlrpc.client
 from collections.abc import Callable
 from typing import Any, cast
 
-from ur.robot.addresses import Addresses
+from ur.robot.addresses import AddressCache
 from ur_nodes.ros1.repairs.sockets import CONNECT_LIMIT, is_link_trouble, is_remote, limit_sending, watch_peer
 
 ANSWER_LIMIT = 30.0  # s that a peer which the network reaches may take: a busy master is slow
@@ -26,7 +26,7 @@ PAUSE = 0.2  # s between two tries
 class BoundedConnection(http.client.HTTPConnection):
     """An HTTP connection whose making, waiting and sending have limits (s)."""
 
-    def __init__(self, host: str, addresses: Addresses, answer_limit: float) -> None:
+    def __init__(self, host: str, addresses: AddressCache, answer_limit: float) -> None:
         super().__init__(host, timeout=answer_limit)
         self._addresses = addresses
         self._answer_limit = answer_limit
@@ -60,7 +60,7 @@ class BoundedTransport(xmlrpc.client.Transport):
 
     def __init__(
         self,
-        addresses: Addresses,
+        addresses: AddressCache,
         is_ending: Callable[[], bool],
         *,
         answer_limit: float = ANSWER_LIMIT,

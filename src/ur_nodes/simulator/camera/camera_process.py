@@ -25,8 +25,8 @@ import numpy.typing as npt
 
 from ur.robot.base import Base, Camera
 from ur.source.diagnostic import Diagnostic, UserError, error
-from ur.worlds.world_file import Fiducial, World
-from ur_nodes.simulator.model import build_model
+from ur.worlds.world_file import Fiducial, WorldModel
+from ur_nodes.simulator.mujoco_model import build_model
 from ur_nodes.simulator.scenery import build_scenery, draw_textures
 
 _REQUEST = struct.Struct("<iiiq")  # robot, pixels wanted, JPEG wanted, bytes of state
@@ -37,7 +37,7 @@ _INSTALL = "sudo apt-get install libegl1 libopengl0 libgl1-mesa-dri"
 
 
 @dataclass(frozen=True, slots=True)
-class Picture:
+class RenderedPicture:
     """One picture: RGB rows from the top (bytes) and a JPEG file; either is empty when it was not asked for."""
 
     pixels: bytes
@@ -49,7 +49,7 @@ class CameraProcess:
 
     def __init__(
         self,
-        world: World,
+        world: WorldModel,
         base: Base,
         camera: Camera,
         robots: int,
@@ -82,7 +82,7 @@ class CameraProcess:
         """The process that draws."""
         return self._process.pid
 
-    def take(self, robot: int, state: npt.NDArray[np.float64], *, pixels: bool, jpeg: bool) -> Picture:
+    def take(self, robot: int, state: npt.NDArray[np.float64], *, pixels: bool, jpeg: bool) -> RenderedPicture:
         """Render a robot's camera picture in a state (MuJoCo's qpos). Raises UserError when the process has ended."""
         assert self._process.stdin is not None
         assert self._process.stdout is not None
@@ -90,7 +90,7 @@ class CameraProcess:
             self._process.stdin.write(_REQUEST.pack(robot, pixels, jpeg, state.nbytes) + state.tobytes())
             self._process.stdin.flush()
             sizes = _ANSWER.unpack(_read(self._process.stdout, _ANSWER.size))
-            return Picture(*(_read(self._process.stdout, size) for size in sizes))
+            return RenderedPicture(*(_read(self._process.stdout, size) for size in sizes))
         except (OSError, ValueError, EOFError):
             message = "the simulated camera's process has ended, expected pictures"
             raise UserError(error(message, rule="no-renderer")) from None

@@ -10,17 +10,17 @@ import numpy.typing as npt
 
 from ur.robot.base import Base, Camera
 from ur.source.diagnostic import UserError
-from ur.worlds.world_file import World
+from ur.worlds.world_file import WorldModel
 from ur_nodes.ports.node import Node
 from ur_nodes.ports.values import Calibration, PackedPicture, Picture
 from ur_nodes.simulator.camera.camera_process import CameraProcess
-from ur_nodes.simulator.camera.camera_process import Picture as Drawing
+from ur_nodes.simulator.camera.camera_process import RenderedPicture as Drawing
 from ur_nodes.simulator.camera.frame_rate import FrameCount
 
 _TRY_EVERY = 10.0  # s: packages may be installed meanwhile
 
 
-class CameraTopics:
+class SimulatedCameraTopics:
     """Publishers of the cameras of all robots; their pictures are drawn beside the node.
 
     Nothing is started or drawn before there is a listener. A picture that is due while the last one is still being
@@ -32,7 +32,7 @@ class CameraTopics:
     def __init__(
         self,
         node: Node,
-        world: World,
+        world: WorldModel,
         base: Base,
         camera: Camera,
         prefixes: Sequence[str],

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ur.robot.base import Battery
+from ur.robot.base import BatteryProperties
 
 SECONDS_PER_HOUR = 3600.0
 
@@ -10,7 +10,7 @@ SECONDS_PER_HOUR = 3600.0
 class BatteryCharge:
     """The charge of a battery. Its voltage falls in a straight line from full to empty; it does not fall under load."""
 
-    def __init__(self, battery: Battery, fraction: float = 1.0) -> None:
+    def __init__(self, battery: BatteryProperties, fraction: float = 1.0) -> None:
         """`fraction` of its capacity is in it at first."""
         self._battery = battery
         self._charge = battery.design_capacity * min(1.0, max(0.0, fraction))

@@ -12,14 +12,14 @@ import numpy as np
 import numpy.typing as npt
 from scipy.spatial.transform import Rotation
 
-from ur.robot.base import Imu
-from ur_nodes.simulator.model import GRAVITY
+from ur.robot.base import ImuErrors
+from ur_nodes.simulator.mujoco_model import GRAVITY
 
 Floats = npt.NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)
-class Motion:
+class BodyMotion:
     """The motion of a body at an instant.
 
     `attitude` is the quaternion w, x, y, z, body to world; `velocity` that of the body's origin in the world, m/s;
@@ -38,7 +38,7 @@ class Motion:
 
 
 @dataclass(frozen=True, slots=True)
-class Reading:
+class ImuReading:
     """A reading of the unit, in its own axes: quaternion x, y, z, w (unit to world), rad/s, m/s^2."""
 
     orientation: tuple[float, float, float, float]
@@ -46,28 +46,28 @@ class Reading:
     force: tuple[float, float, float]
 
 
-_STILL = Motion(np.array([1.0, 0.0, 0.0, 0.0]), np.zeros(3), np.zeros(3))
+_STILL = BodyMotion(np.array([1.0, 0.0, 0.0, 0.0]), np.zeros(3), np.zeros(3))
 
 
 class InertialUnit:
     """One unit. Like a real one it integrates: a reading is the mean since the one before."""
 
-    def __init__(self, imu: Imu) -> None:
+    def __init__(self, imu: ImuErrors) -> None:
         self._imu = imu
         self._place = np.array(imu.pose[:3], np.float64)
         self._mount = Rotation.from_euler("xyz", imu.pose[3:])  # unit to body
-        self._span: tuple[tuple[Motion, float], tuple[Motion, float]] | None = None
+        self._span: tuple[tuple[BodyMotion, float], tuple[BodyMotion, float]] | None = None
 
     def forget(self) -> None:
         """The body was moved by hand: do not take that for an acceleration."""
         self._span = None
 
-    def sample(self, motion: Motion, time: float) -> None:
+    def sample(self, motion: BodyMotion, time: float) -> None:
         """Take the body's motion at a time (s); called at the unit's rate."""
         last = (motion, time)
         self._span = (self._span[1] if self._span else last, last)
 
-    def read(self, noise: Floats) -> Reading:
+    def read(self, noise: Floats) -> ImuReading:
         """The last sample, with `noise` (standard normal, shape (6,): gyro, accelerometer) scaled to the unit's.
 
         Before the first sample the unit is at rest in a level body.
@@ -79,10 +79,10 @@ class InertialUnit:
         turning = self._mount.inv().apply((before.turning + after.turning) / 2.0)
         gx, gy, gz = (turning + self._imu.gyro_noise * noise[:3]).tolist()
         ax, ay, az = (force + self._imu.accel_noise * noise[3:]).tolist()
-        return Reading(quaternion(after.rotation * self._mount), (gx, gy, gz), (ax, ay, az))
+        return ImuReading(quaternion(after.rotation * self._mount), (gx, gy, gz), (ax, ay, az))
 
 
-def specific_force(before: Motion, after: Motion, place: Floats, period: float) -> Floats:
+def specific_force(before: BodyMotion, after: BodyMotion, place: Floats, period: float) -> Floats:
     """The mean force per mass (m/s^2, in the body's axes) at `place` (m, in the body) between two instants.
 
     It is what an accelerometer there feels: its acceleration, less that of free fall.
@@ -99,6 +99,6 @@ def quaternion(rotation: Rotation) -> tuple[float, float, float, float]:
     return (x, y, z, w) if w >= 0.0 else (-x, -y, -z, -w)
 
 
-def _velocity_at(motion: Motion, place: Floats) -> Floats:
+def _velocity_at(motion: BodyMotion, place: Floats) -> Floats:
     velocity: Floats = motion.velocity + motion.rotation.apply(np.cross(motion.turning, place))
     return velocity

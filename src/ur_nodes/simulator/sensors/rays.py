@@ -6,7 +6,7 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 
-from ur_nodes.simulator.model import LIDAR_GROUPS
+from ur_nodes.simulator.mujoco_model import LIDAR_GROUPS
 
 Floats = npt.NDArray[np.float64]
 

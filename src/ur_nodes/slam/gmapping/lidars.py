@@ -8,13 +8,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from ur_nodes.geometry.pose import Pose2
-from ur_nodes.geometry.scan import Mount, directions_of_scan
+from ur_nodes.geometry.scan import SensorMount, directions_of_scan
 from ur_nodes.ports import values
 from ur_nodes.ports.node import SECOND, Node
 from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.scan_feed import SILENCE, ScanFeed
 from ur_nodes.slam.gmapping.settings import GmappingSettings
-from ur_nodes.slam.matching.scan import Scan, join_scans, make_scan
+from ur_nodes.slam.matching.scan import MapScan, join_scans, make_scan
 
 _APART = 0.15  # s between scans of two lidars that are joined
 _KEPT = 5  # scans of each of the others
@@ -22,11 +22,11 @@ _MISSED = 10  # in a row before it is reported: the first ones come before the c
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Reading:
+class LidarReading:
     """A scan and the mount of its lidar; `moved` is the robot's pose then in that of the first reading, None: equal."""
 
     scan: values.Scan
-    mount: Mount
+    mount: SensorMount
     moved: Pose2 | None = None
 
 
@@ -41,12 +41,12 @@ class Lidars:
         for topic, newest in self._others.items():
             node.subscribe(topic, values.Scan, newest.append, Quality.EVERY)
 
-    def readings(self, scan: values.Scan, odometry: Pose2 | None) -> list[Reading]:
+    def readings(self, scan: values.Scan, odometry: Pose2 | None) -> list[LidarReading]:
         """A scan of the first lidar, and those of the others at that time; none while its mount is not known."""
         mount = self._feed.mount(scan.frame)
         if mount is None:
             return []
-        found = [Reading(scan, mount)]
+        found = [LidarReading(scan, mount)]
         for topic, scans in self._others.items():
             other = min(scans, key=lambda each: abs(each.stamp - scan.stamp), default=None)
             if other is None or abs(other.stamp - scan.stamp) > _APART * SECOND:
@@ -60,17 +60,17 @@ class Lidars:
             then = self._feed.odometry(other.stamp) if odometry else None
             if mount is None or (odometry and then is None):
                 continue
-            found.append(Reading(other, mount, odometry.inverse().compose(then) if odometry and then else None))
+            found.append(LidarReading(other, mount, odometry.inverse().compose(then) if odometry and then else None))
         return found
 
 
-def join_readings(readings: Sequence[Reading], settings: GmappingSettings) -> Scan:
+def join_readings(readings: Sequence[LidarReading], settings: GmappingSettings) -> MapScan:
     """Make the scan of readings, at least one, in the robot's frame at the time of the first."""
     scans = [(_make(each, settings), each.moved) for each in readings]
     return join_scans([scan.moved(moved) if moved else scan for scan, moved in scans])
 
 
-def _make(reading: Reading, settings: GmappingSettings) -> Scan:
+def _make(reading: LidarReading, settings: GmappingSettings) -> MapScan:
     scan = reading.scan
     far = min(settings.max_range or math.inf, scan.range_max)
     # As upstream: beams without an echo are free floor only where less than the lidar's range is to be used.

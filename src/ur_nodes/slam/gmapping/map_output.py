@@ -22,7 +22,7 @@ SCANS = "scans"
 _DRAWING = "map"
 
 
-class MapOutput:
+class GridMapOutput:
     """The topics `map` and `map_metadata`, latched, and the service `dynamic_map`. No scan waits for a drawing."""
 
     def __init__(self, node: Node, settings: GmappingSettings, slam: Slam) -> None:

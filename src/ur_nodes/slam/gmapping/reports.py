@@ -7,14 +7,14 @@ from collections.abc import Callable, Sequence
 
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.ports.node import SECOND, Node
-from ur_nodes.slam.gmapping.slam import Step
+from ur_nodes.slam.gmapping.slam import SlamStep
 from ur_nodes.slam.gyro import Headings
 from ur_nodes.slam.slip import SlipWatch
 
 SLIP_SILENCE = 30.0  # s between two reports of wheels that slip
 
 
-class Reports:
+class SlamReports:
     """Logs what changes from scan to scan. `describe` is called with places on the map that look alike."""
 
     def __init__(self, node: Node, describe: Callable[[Sequence[Pose2]], None], *, lost: bool) -> None:
@@ -27,7 +27,7 @@ class Reports:
         self._last: Pose2 | None = None  # odometry at the last scan
         self._by_gyro = self._gyro_wrong = False  # as reported last
 
-    def take(self, step: Step) -> None:
+    def take(self, step: SlamStep) -> None:
         """Report what is new with a scan."""
         estimate = step.estimate
         if step.lost or self._lost:
@@ -51,7 +51,7 @@ class Reports:
             topic = self._node.resolve("imu")
             self._log.warn(f"the yaw rates on {topic} contradict the scans and are not used; is its frame right?")
 
-    def _report_search(self, step: Step) -> None:
+    def _report_search(self, step: SlamStep) -> None:
         if not step.lost:
             self._log.info("found again at ({:.2f}, {:.2f})".format(*step.estimate.pose[:2]))
             self._places = 0
@@ -62,7 +62,7 @@ class Reports:
             self._describe(step.places)
         self._places = len(step.places)
 
-    def _watch_wheels(self, step: Step) -> None:
+    def _watch_wheels(self, step: SlamStep) -> None:
         last, self._last = self._last, step.odometry
         estimate = step.estimate
         if estimate.still:

@@ -9,22 +9,22 @@ from dataclasses import dataclass
 import numpy as np
 
 from ur_nodes.geometry.pose import Pose2
-from ur_nodes.slam.gmapping.lidars import Reading, join_readings
+from ur_nodes.slam.gmapping.lidars import LidarReading, join_readings
 from ur_nodes.slam.gmapping.settings import GmappingSettings
 from ur_nodes.slam.map_state import MapState
-from ur_nodes.slam.mapper import Estimate
-from ur_nodes.slam.tracker import Tracker
+from ur_nodes.slam.mapper import MapEstimate
+from ur_nodes.slam.tracker import MapTracker
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Step:
+class SlamStep:
     """The outcome of a scan: an estimate, and `odometry` as it was given.
 
     `correction` is the pose of the odometry's frame in the map, or of the robot without odometry; None while `lost`.
     `places` are those, at least two, that fit equally while the robot is lost; else none. `first`: the map begins.
     """
 
-    estimate: Estimate
+    estimate: MapEstimate
     odometry: Pose2 | None
     correction: Pose2 | None
     lost: bool
@@ -37,13 +37,13 @@ class Slam:
 
     def __init__(self, settings: GmappingSettings) -> None:
         self._settings = settings
-        self._mapper = Tracker(settings.mapper)
+        self._mapper = MapTracker(settings.mapper)
 
     def restore(self, stored: MapState) -> None:
         """Begin with a map that was made before."""
         self._mapper.restore(stored.poses, stored.edges, stored.scans)
 
-    def step(self, readings: Sequence[Reading], odometry: Pose2 | None, heading: float | None) -> Step:
+    def step(self, readings: Sequence[LidarReading], odometry: Pose2 | None, heading: float | None) -> SlamStep:
         """Use the scans, at least one, of one moment."""
         scan = join_readings(readings, self._settings)
         mapper = self._mapper
@@ -51,7 +51,7 @@ class Slam:
         estimate = mapper.add_scan(scan, odometry, heading)
         known = estimate.pose.compose(odometry.inverse()) if odometry else estimate.pose
         places = mapper.candidates() if mapper.lost else []
-        return Step(estimate, odometry, None if mapper.lost else known, mapper.lost, places, first)
+        return SlamStep(estimate, odometry, None if mapper.lost else known, mapper.lost, places, first)
 
     def state(self) -> MapState:
         """The map as of now."""
@@ -59,7 +59,7 @@ class Slam:
         return MapState(list(mapper.keyframes), list(mapper.edges), list(mapper.scans), mapper.drives())
 
 
-def entropy(estimate: Estimate) -> float:
+def entropy(estimate: MapEstimate) -> float:
     """The differential entropy of the pose round the estimate (m and rad), higher when it is less certain."""
     sign, logarithm = np.linalg.slogdet(2.0 * math.pi * math.e * estimate.covariance)
     return 0.5 * float(logarithm) if sign > 0 else -math.inf

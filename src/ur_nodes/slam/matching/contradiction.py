@@ -5,14 +5,14 @@ from __future__ import annotations
 import numpy as np
 
 from ur_nodes.geometry.pose import Pose2, wrap_angle
-from ur_nodes.slam.matching.scan import Scan
+from ur_nodes.slam.matching.scan import MapScan
 from ur_nodes.slam.matching.surface import Surface
 
 _THROUGH = 0.3  # m: a beam that passes a wall by so much contradicts it
 _WIDEST_GAP = 0.05  # rad: what lies between beams farther apart is not in sight
 
 
-def contradiction(target: Surface, scan: Scan, pose: Pose2) -> float:
+def contradiction(target: Surface, scan: MapScan, pose: Pose2) -> float:
     """The share (0..1) of a map's points in sight of a scan at `pose` that its beams pass through.
 
     1 for a scan of fewer than two points, 0 where nothing of the map is in sight.

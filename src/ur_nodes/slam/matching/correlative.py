@@ -47,7 +47,7 @@ class Window:
 
 
 @dataclass(frozen=True, slots=True)
-class Found:
+class CorrelativeMatch:
     """The best pose, its score, and the best score of another place (each 0..1: 1 when all points lie on walls)."""
 
     pose: Pose2
@@ -199,7 +199,9 @@ class _Poses:
         return expanded
 
 
-def search(pyramid: Pyramid, points: Floats, guess: Pose2, window: Window, floor: float = 0.3) -> Found | None:
+def search(
+    pyramid: Pyramid, points: Floats, guess: Pose2, window: Window, floor: float = 0.3
+) -> CorrelativeMatch | None:
     """Find the pose with the best score in a window about a guess; None when none reaches `floor`.
 
     `points` (m, 2) are in the frame of the scan; a hundred or two suffice. Rivals with less than 0.8 of the score
@@ -210,7 +212,7 @@ def search(pyramid: Pyramid, points: Floats, guess: Pose2, window: Window, floor
 
 def search_slowly(
     pyramid: Pyramid, points: Floats, guess: Pose2, window: Window, floor: float = 0.3
-) -> Work[Found | None]:
+) -> Work[CorrelativeMatch | None]:
     """Do the same as `search`, with pauses."""
     within = _Poses(pyramid, points, guess, window)
     yield from within.prepare()
@@ -219,7 +221,7 @@ def search_slowly(
         return None
     winner, score = poses[int(np.argmax(scores))], float(scores.max())
     rivals = (yield from within.above(_KEPT * score, other_than=winner))[1]
-    return Found(within.pose(winner), score, float(rivals.max(initial=0.0)))
+    return CorrelativeMatch(within.pose(winner), score, float(rivals.max(initial=0.0)))
 
 
 def finish(work: Work[T]) -> T:

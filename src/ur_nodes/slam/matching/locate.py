@@ -10,7 +10,7 @@ from ur_nodes.geometry.pose import Pose2
 from ur_nodes.slam.matching.correlative import Window, search
 from ur_nodes.slam.matching.covariance import rotate_covariance
 from ur_nodes.slam.matching.local_map import LocalMap
-from ur_nodes.slam.matching.match import Match, match_surface
+from ur_nodes.slam.matching.match import ScanMatch, match_surface
 from ur_nodes.slam.matching.surface import Floats, Surface
 
 POOR = 0.6
@@ -28,7 +28,7 @@ _PRIOR_OF_SEARCH = 4.0  # times the covariance of the guess, which has failed
 
 def locate_surface(
     local: LocalMap, surface: Surface, guess: Pose2, prior: Floats, before: Pose2, spread: Floats
-) -> Match:
+) -> ScanMatch:
     """Match the surface of a scan to the map round the robot.
 
     `guess` is its pose by odometry, `prior` (3, 3) the covariance of that in the map's frame. Where the scan disagrees

@@ -33,7 +33,7 @@ _LEAST_RESIDUALS = 10  # points whose residuals tell the noise
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Match:
+class ScanMatch:
     """A pose, its covariance (3, 3) in the parent frame, and how good it is.
 
     `agreement` (0..1) is the share of the points that lie on the map; `noise` (m) their distance from its lines.
@@ -46,7 +46,7 @@ class Match:
     noise: float
 
 
-def match_surface(target: LocalMap, surface: Surface, guess: Pose2, prior: Floats | None = None) -> Match:
+def match_surface(target: LocalMap, surface: Surface, guess: Pose2, prior: Floats | None = None) -> ScanMatch:
     """Find the pose near `guess` at which a surface lies on the map; `prior` is the covariance (3, 3) of the guess."""
     information = np.zeros((3, 3)) if prior is None else np.linalg.inv(prior)
     pose, start = np.array(guess, dtype=np.float64), np.array(guess, dtype=np.float64)
@@ -70,7 +70,9 @@ def match_surface(target: LocalMap, surface: Surface, guess: Pose2, prior: Float
     covariance = np.asarray(
         np.linalg.inv(known / (noise * noise * _DEPENDENT) + np.eye(3) / _HUGE**2), dtype=np.float64
     )
-    return Match(Pose2(float(pose[0]), float(pose[1]), wrap_angle(float(pose[2]))), covariance, agreement, float(noise))
+    return ScanMatch(
+        Pose2(float(pose[0]), float(pose[1]), wrap_angle(float(pose[2]))), covariance, agreement, float(noise)
+    )
 
 
 def _normal_equations(

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ur_nodes.geometry.pose import Pose2
-from ur_nodes.geometry.scan import Mount, classify_ranges, ends_of_beams
+from ur_nodes.geometry.scan import SensorMount, classify_ranges, ends_of_beams
 from ur_nodes.slam.matching.surface import Floats, Surface, beam_spacing, surface_of_points
 
 MOST_POINTS = 400
@@ -20,7 +20,7 @@ _MOST_NUMBERS = 65535  # of beams, as they are stored
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Scan:
+class MapScan:
     """`hits` (n, 2) are the ends of beams that hit something, `misses` (m, 2) of the others; `surface` is matched.
 
     All are in the robot's frame, as is the lidar's place, `origin` (2). `numbers` (n) are those of the beams that hit.
@@ -45,9 +45,9 @@ class Scan:
         normals = np.column_stack((np.cos(facing), np.sin(facing)))
         return Surface(hits[::step], normals, self.flat, spacing[::step])
 
-    def moved(self, pose: Pose2) -> Scan:
+    def moved(self, pose: Pose2) -> MapScan:
         """Express the scan in the parent frame of `pose`, as if it was taken from elsewhere."""
-        return Scan(
+        return MapScan(
             pose.transform_points(self.hits).astype(np.float32),
             pose.transform_points(self.misses).astype(np.float32),
             pose.transform_points(self.origin),
@@ -65,9 +65,9 @@ def make_scan(
     ranges: NDArray[np.floating],
     directions: Floats,
     limits: tuple[float, float],
-    mount: Mount,
+    mount: SensorMount,
     free: float = 0.0,
-) -> Scan:
+) -> MapScan:
     """Make a scan from ranges (n) in m along `directions` (n, 2) in the lidar's plane.
 
     Readings within `limits` have hit something. Clear ones leave the floor free up to `free` m (0: they say nothing,
@@ -81,7 +81,7 @@ def make_scan(
     return restore_scan(points.astype(np.float32), stored, misses.astype(np.float32), mount.offset[:2])
 
 
-def join_scans(scans: Sequence[Scan]) -> Scan:
+def join_scans(scans: Sequence[MapScan]) -> MapScan:
     """Join scans, at least one, of several lidars of one robot at one time; its origin is the mean of theirs."""
     if len(scans) == 1:
         return scans[0]
@@ -97,8 +97,8 @@ def join_scans(scans: Sequence[Scan]) -> Scan:
 
 def restore_scan(
     hits: NDArray[np.float32], numbers: NDArray[np.uint16], misses: NDArray[np.float32], origin: Floats
-) -> Scan:
+) -> MapScan:
     """Make the scan again whose fields these are."""
     surface = surface_of_points(hits.astype(np.float64), numbers.astype(np.intp), origin, _step(len(hits)))
     facing = np.arctan2(surface.normals[:, 1], surface.normals[:, 0]).astype(np.float32)
-    return Scan(hits, misses, origin, numbers, facing, surface.flat)
+    return MapScan(hits, misses, origin, numbers, facing, surface.flat)

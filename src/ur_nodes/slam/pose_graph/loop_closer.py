@@ -8,9 +8,9 @@ from collections.abc import Sequence
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.slam.matching.correlative import Work
 from ur_nodes.slam.matching.covariance import LEAST_NOISE
-from ur_nodes.slam.matching.scan import Scan
+from ur_nodes.slam.matching.scan import MapScan
 from ur_nodes.slam.pose_graph.graph import PoseGraph
-from ur_nodes.slam.pose_graph.loops import RECENT, Group, Link, agree, find_groups, verify_group
+from ur_nodes.slam.pose_graph.loops import RECENT, KeyframeGroup, PoseLink, agree, find_groups, verify_group
 from ur_nodes.slam.pose_graph.neighbours import NeighbourMatcher
 
 _LONGEST = 20.0  # m: places that are less certain are not looked at
@@ -27,9 +27,9 @@ class Confirmation:
     def __init__(self, patience: int) -> None:
         """They wait for so many keyframes."""
         self._patience = patience
-        self._waiting: list[Link] = []
+        self._waiting: list[PoseLink] = []
 
-    def confirm(self, link: Link, poses: Sequence[Pose2]) -> list[Link]:
+    def confirm(self, link: PoseLink, poses: Sequence[Pose2]) -> list[PoseLink]:
         """Return the link and those that waited and agree with it; none, and it waits, when there is no such."""
         if link.sure:
             return [link]
@@ -49,12 +49,12 @@ class LoopCloser:
     To verify a place may take longer than there is between two scans, so it is done in parts, some with each scan.
     """
 
-    def __init__(self, graph: PoseGraph, scans: Sequence[Scan]) -> None:
+    def __init__(self, graph: PoseGraph, scans: Sequence[MapScan]) -> None:
         """`scans` are those of the graph's keyframes."""
         self._graph, self._scans = graph, scans
         self._waiting: deque[int] = deque()  # keyframes
-        self._groups: deque[tuple[int, Group]] = deque()  # places of the keyframe whose turn it is
-        self._verification: Work[Link | None] | None = None  # of one of them
+        self._groups: deque[tuple[int, KeyframeGroup]] = deque()  # places of the keyframe whose turn it is
+        self._verification: Work[PoseLink | None] | None = None  # of one of them
         self._confirmation = Confirmation(_PATIENCE)
         self._neighbours = NeighbourMatcher(graph, scans)
         self.loops = 0
@@ -114,7 +114,7 @@ class LoopCloser:
         self._verification = verify_group(group, number, self._graph.poses, self._scans)
         return True
 
-    def _add_link(self, link: Link | None) -> bool:
+    def _add_link(self, link: PoseLink | None) -> bool:
         """Add the links that a verified one (None: another place) confirms; returns whether poses moved."""
         links = self._confirmation.confirm(link, self._graph.poses) if link else []
         for each in links:

@@ -14,8 +14,8 @@ from ur_nodes.slam.matching.contradiction import contradiction
 from ur_nodes.slam.matching.correlative import Window, Work, search_slowly
 from ur_nodes.slam.matching.covariance import rotate_covariance
 from ur_nodes.slam.matching.local_map import LocalMap
-from ur_nodes.slam.matching.match import Match, match_surface
-from ur_nodes.slam.matching.scan import Scan
+from ur_nodes.slam.matching.match import ScanMatch, match_surface
+from ur_nodes.slam.matching.scan import MapScan
 from ur_nodes.slam.matching.surface import Floats
 
 RECENT = 12
@@ -37,7 +37,7 @@ _AGREEMENT = (0.25, 0.05)  # m, rad: corrections of two links that confirm each 
 
 
 @dataclass(frozen=True, slots=True)
-class Group:
+class KeyframeGroup:
     """Keyframes that were made one after the other near a place, and the uncertainty (m) of the place to them."""
 
     members: tuple[int, ...]
@@ -46,7 +46,7 @@ class Group:
 
 
 @dataclass(frozen=True, slots=True)
-class Link:
+class PoseLink:
     """The pose of keyframe `after` in the frame of `before`; not `sure`: it needs confirmation by another one."""
 
     before: int
@@ -57,7 +57,7 @@ class Link:
     correction: Pose2
 
 
-def find_groups(poses: Sequence[Pose2], number: int, spread: NDArray[np.float64], last: int) -> list[Group]:
+def find_groups(poses: Sequence[Pose2], number: int, spread: NDArray[np.float64], last: int) -> list[KeyframeGroup]:
     """Choose groups of the keyframes before `last` that keyframe `number` may see, the nearest first.
 
     `spread` (n) is how uncertain their places are relative to it, m; those with inf are left out.
@@ -75,11 +75,15 @@ def find_groups(poses: Sequence[Pose2], number: int, spread: NDArray[np.float64]
     for run in runs:
         nearest = int(run[np.argmin(gaps[run])])
         members = run[np.argsort(np.abs(run - nearest))[:_GROUP]]
-        groups.append((float(gaps[nearest]), Group(tuple(sorted(members.tolist())), nearest, float(spread[nearest]))))
+        groups.append(
+            (float(gaps[nearest]), KeyframeGroup(tuple(sorted(members.tolist())), nearest, float(spread[nearest])))
+        )
     return [group for _, group in sorted(groups, key=lambda each: each[0])[:_MOST_GROUPS]]
 
 
-def verify_group(group: Group, number: int, poses: Sequence[Pose2], scans: Sequence[Scan]) -> Work[Link | None]:
+def verify_group(
+    group: KeyframeGroup, number: int, poses: Sequence[Pose2], scans: Sequence[MapScan]
+) -> Work[PoseLink | None]:
     """Match the scan of a keyframe to a group; None when it was not taken there, or may have been taken elsewhere.
 
     The poses must not change meanwhile.
@@ -101,7 +105,7 @@ def verify_group(group: Group, number: int, poses: Sequence[Pose2], scans: Seque
     if not _fits(match, start, target, scan):
         return None
     anchor = poses[group.anchor]
-    return Link(
+    return PoseLink(
         group.anchor,
         number,
         anchor.inverse().compose(match.pose),
@@ -111,13 +115,13 @@ def verify_group(group: Group, number: int, poses: Sequence[Pose2], scans: Seque
     )
 
 
-def agree(one: Link, other: Link, place: Pose2) -> bool:
+def agree(one: PoseLink, other: PoseLink, place: Pose2) -> bool:
     """Test two links for the same correction of a pose on the map."""
     a, b = one.correction.compose(place), other.correction.compose(place)
     return math.hypot(a.x - b.x, a.y - b.y) < _AGREEMENT[0] and abs(wrap_angle(a.yaw - b.yaw)) < _AGREEMENT[1]
 
 
-def _fits(match: Match, start: Pose2, target: LocalMap, scan: Scan) -> bool:
+def _fits(match: ScanMatch, start: Pose2, target: LocalMap, scan: MapScan) -> bool:
     moved = math.hypot(match.pose.x - start.x, match.pose.y - start.y)
     return (
         match.agreement >= _LEAST_AGREEMENT

@@ -17,7 +17,7 @@ from ur_nodes.geometry.pose import Pose2
 from ur_nodes.slam.matching.covariance import LEAST_NOISE, rotate_covariance
 from ur_nodes.slam.matching.local_map import LocalMap
 from ur_nodes.slam.matching.match import match_surface
-from ur_nodes.slam.matching.scan import Scan
+from ur_nodes.slam.matching.scan import MapScan
 from ur_nodes.slam.pose_graph.graph import PoseGraph
 
 _NEAR = 2.0  # m: farther keyframes are no neighbours
@@ -35,7 +35,7 @@ _STEPS = 2  # of that computation: these edges move poses little
 class NeighbourMatcher:
     """Adds edges between keyframes near each other. A call of `step` takes no longer than a match of two of them."""
 
-    def __init__(self, graph: PoseGraph, scans: Sequence[Scan]) -> None:
+    def __init__(self, graph: PoseGraph, scans: Sequence[MapScan]) -> None:
         """`scans` are those of the graph's keyframes."""
         self._graph, self._scans = graph, scans
         self._waiting: deque[int] = deque()  # keyframes

@@ -11,11 +11,11 @@ from ur.maps.record import MapRecord
 from ur.maps.scan_file import StoredGraph, StoredScan, read_graph, read_scans
 from ur.source.diagnostic import UserError, error
 from ur_nodes.geometry.pose import Pose2
-from ur_nodes.slam.matching.scan import Scan, restore_scan
+from ur_nodes.slam.matching.scan import MapScan, restore_scan
 from ur_nodes.slam.pose_graph.edge import Edge
 
 
-def store_scan(scan: Scan) -> StoredScan:
+def store_scan(scan: MapScan) -> StoredScan:
     """The fields of a scan that are stored."""
     return StoredScan(scan.hits, scan.numbers, scan.misses, scan.origin)
 
@@ -31,16 +31,16 @@ def store_graph(poses: Sequence[Pose2], edges: Sequence[Edge]) -> StoredGraph:
     )
 
 
-def load_scans(folder: Path, record: MapRecord) -> list[Scan]:
+def load_scans(folder: Path, record: MapRecord) -> list[MapScan]:
     """Read the scans of a map. Raises UserError: a file is missing or damaged."""
-    scans: list[Scan] = []
+    scans: list[MapScan] = []
     for name in record.scans:
         stored = read_scans(folder / name)
         scans += [restore_scan(each.hits, each.numbers, each.misses, each.origin) for each in stored]
     return scans
 
 
-def load_poses(folder: Path, record: MapRecord) -> tuple[list[Pose2], list[Edge], list[Scan]]:
+def load_poses(folder: Path, record: MapRecord) -> tuple[list[Pose2], list[Edge], list[MapScan]]:
     """Read keyframes, edges and scans of a map.
 
     Raises UserError: the map has none, for example because it was imported, or a file is missing or damaged.

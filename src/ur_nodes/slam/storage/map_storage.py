@@ -15,7 +15,7 @@ from ur_nodes.ports.node import Node
 from ur_nodes.ports.parameters import Parameters
 from ur_nodes.ports.services import Trigger
 from ur_nodes.ports.values import Result
-from ur_nodes.slam.gmapping.map_output import MapOutput
+from ur_nodes.slam.gmapping.map_output import GridMapOutput
 from ur_nodes.slam.gmapping.slam import Slam
 from ur_nodes.slam.map_state import MapState
 from ur_nodes.slam.storage.convert import load_poses
@@ -57,7 +57,7 @@ class MapStorage:
     `continues`: the map has been stored before.
     """
 
-    def __init__(self, node: Node, settings: StorageSettings, output: MapOutput) -> None:
+    def __init__(self, node: Node, settings: StorageSettings, output: GridMapOutput) -> None:
         """Claim the map. Raises UserError: another program changes it."""
         self._node, self._settings, self._output = node, settings, output
         self._store = own_store(os.environ)

@@ -14,7 +14,7 @@ from ur.maps.scan_file import CHUNK, encode_graph, encode_scans
 from ur.source.replace import replace_file
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2
-from ur_nodes.slam.matching.scan import Scan
+from ur_nodes.slam.matching.scan import MapScan
 from ur_nodes.slam.pose_graph.edge import Edge
 from ur_nodes.slam.storage.convert import store_graph, store_scan
 
@@ -43,7 +43,7 @@ class MapWriter:
         names = (record.graph, *record.scans)
         self._number = max((int(name.split("_")[1].split(".")[0]) for name in names if name), default=0)
         full = list(record.scans[: record.keyframes // CHUNK])
-        self._full: list[tuple[str, list[Scan]]] = [(name, []) for name in full]  # none known: those of a run before
+        self._full: list[tuple[str, list[MapScan]]] = [(name, []) for name in full]  # none known: those of a run before
         for each in folder.glob("*.npz"):  # of a run that was killed
             if each.name not in names:
                 each.unlink(missing_ok=True)
@@ -53,7 +53,7 @@ class MapWriter:
         """The record as it was written last."""
         return self._record
 
-    def write(self, grid: Grid, poses: Sequence[Pose2], edges: Sequence[Edge], scans: Sequence[Scan]) -> None:
+    def write(self, grid: Grid, poses: Sequence[Pose2], edges: Sequence[Edge], scans: Sequence[MapScan]) -> None:
         """Write the map as it is now.
 
         Raises OSError; then the folder holds the map of the last time.
@@ -98,5 +98,5 @@ class MapWriter:
         replace_file(self._folder / name, content, parents=True)
 
 
-def _same(stored: Sequence[Scan], scans: Sequence[Scan]) -> bool:
+def _same(stored: Sequence[MapScan], scans: Sequence[MapScan]) -> bool:
     return not stored or all(one is other for one, other in zip(stored, scans, strict=True))

@@ -12,7 +12,7 @@ from ur_nodes.pictures.feed import FeedView, decode_view
 from ur_nodes.teleop.camera.picture_screen import describe_feed, describe_silence, draw_picture_screen
 from ur_nodes.teleop.terminal.keys import leaves_view
 from ur_nodes.teleop.terminal.quit_key import QuitKey
-from ur_nodes.teleop.terminal.raw import Terminal
+from ur_nodes.teleop.terminal.raw import RawTerminal
 
 _POLL = 0.05  # s
 _STATUS_EVERY = 0.5  # s: the status changes though no picture arrives
@@ -29,7 +29,7 @@ class Feed(Protocol):
         """The newest."""
 
 
-def show_pictures(terminal: Terminal, feed: Feed, ended: threading.Event, period: float, *, rich: bool) -> None:
+def show_pictures(terminal: RawTerminal, feed: Feed, ended: threading.Event, period: float, *, rich: bool) -> None:
     """Draw each picture, at most one every `period` s, until q or Ctrl-C is pressed or `ended` is set."""
     shown, drawn_at, redrawn_at = -1, 0.0, 0.0
     while not ended.is_set():

@@ -31,7 +31,7 @@ class Screen:
 
 
 @dataclass(frozen=True, slots=True)
-class Progress:
+class ExploreProgress:
     """The status of the exploration, the time between two lines (s), and a screen, where one can be drawn."""
 
     statuses: ExplorationStatus
@@ -39,12 +39,12 @@ class Progress:
     screen: Screen | None
 
 
-def start(node: Node) -> Progress:
+def start(node: Node) -> ExploreProgress:
     """Read the parameters and subscribe."""
     own = node.parameters
     every = own.number("print_every", 10.0, minimum=0.5, maximum=3600.0)
     drawn = own.boolean("show_map", True) and sys.stdin.isatty() and sys.stdout.isatty() and not is_plain(os.environ)
-    return Progress(ExplorationStatus(node), every, _make_screen(node) if drawn else None)
+    return ExploreProgress(ExplorationStatus(node), every, _make_screen(node) if drawn else None)
 
 
 def _make_screen(node: Node) -> Screen:
@@ -57,7 +57,7 @@ def _make_screen(node: Node) -> Screen:
     return Screen(growing, MuxLink(node, own.text("mux", "cmd_vel_mux")), saving)
 
 
-def follow(wired: Progress, ended: threading.Event) -> int:
+def follow(wired: ExploreProgress, ended: threading.Event) -> int:
     """Run until the exploration or the program ends; see `exit_code`."""
     if (screen := wired.screen) is not None:
         with own_terminal(0, 1, colours=allows_colour(os.environ)) as terminal:

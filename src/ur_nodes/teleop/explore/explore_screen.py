@@ -6,7 +6,7 @@ import textwrap
 
 from ur.source.ansi import BOLD, CYAN, DIM, GREEN, RED, RESET, REVERSE, YELLOW, cut_styled
 from ur_nodes.client.mux import MuxView, describe_emergency
-from ur_nodes.exploration.status import Status, describe_blocked, describe_done, describe_left, describe_status
+from ur_nodes.exploration.status import ExploreStatus, describe_blocked, describe_done, describe_left, describe_status
 
 FRONTIER, GIVEN_UP = "?", "x"
 """The characters of frontiers on the map."""
@@ -25,7 +25,7 @@ def room_for_map(columns: int, rows: int) -> tuple[int, int]:
 
 
 def draw_explore_screen(
-    status: Status, mux: MuxView, note: str, columns: int, rows: int, map_lines: list[str]
+    status: ExploreStatus, mux: MuxView, note: str, columns: int, rows: int, map_lines: list[str]
 ) -> list[str]:
     """The lines of a map, as many as `room_for_map` has given, and the exploration below it; at most `rows` lines.
 
@@ -40,7 +40,7 @@ def draw_explore_screen(
     return [*map_lines, *(cut_styled(line, columns) for line in below)][:rows]
 
 
-def _state_lines(status: Status, mux: MuxView, columns: int) -> tuple[str, str]:
+def _state_lines(status: ExploreStatus, mux: MuxView, columns: int) -> tuple[str, str]:
     """The line with the state, in colours, and a plain one with more about it."""
     if alarm := describe_emergency(mux, "r lets the robot drive again"):
         return f"{RED}{REVERSE}{BOLD} {alarm} {RESET}", describe_done(status)

@@ -12,14 +12,14 @@ from typing import Protocol
 
 from ur_nodes.client.exploration import ExplorationTopics
 from ur_nodes.client.map_saving import MapSaving
-from ur_nodes.client.model import Snapshot
-from ur_nodes.client.mux import Emergency
-from ur_nodes.exploration.status import Status, describe_left, describe_status
+from ur_nodes.client.mux import EmergencyStop
+from ur_nodes.client.snapshot import RobotSnapshot
+from ur_nodes.exploration.status import ExploreStatus, describe_left, describe_status
 from ur_nodes.teleop.explore.explore_screen import FRONTIER, GIVEN_UP, draw_explore_screen, room_for_map
 from ur_nodes.teleop.map_view.glyphs import Mark
 from ur_nodes.teleop.map_view.map_feed import MapFeed
 from ur_nodes.teleop.terminal.keys import Key
-from ur_nodes.teleop.terminal.raw import Terminal
+from ur_nodes.teleop.terminal.raw import RawTerminal
 from ur_nodes.teleop.terminal.request_keys import asks_to_save, mux_request_of
 
 _POLL = 0.1  # s
@@ -29,20 +29,20 @@ _REDRAW_ALL = 2.0  # s: other programs may have written on the screen
 class Statuses(Protocol):
     """The newest status of an exploration."""
 
-    newest: Status
+    newest: ExploreStatus
 
 
-def add_exploration(topics: ExplorationTopics, snapshot: Snapshot) -> tuple[Snapshot, Sequence[Mark]]:
+def add_exploration(topics: ExplorationTopics, snapshot: RobotSnapshot) -> tuple[RobotSnapshot, Sequence[Mark]]:
     """A snapshot with goal and path, and the frontiers as characters."""
     marks = [Mark(each.x, each.y, GIVEN_UP if each.blocked else FRONTIER, each.blocked) for each in topics.frontiers]
     return topics.add(snapshot), marks
 
 
 def show_exploration(
-    terminal: Terminal,
+    terminal: RawTerminal,
     statuses: Statuses,
     growing: MapFeed,
-    mux: Emergency,
+    mux: EmergencyStop,
     saving: MapSaving | None,
     ended: threading.Event,
 ) -> None:
@@ -78,14 +78,14 @@ def print_exploration(statuses: Statuses, every: float, ended: threading.Event) 
         status = statuses.newest
         if status.ended:
             return
-        if status == Status():
+        if status == ExploreStatus():
             continue
         if status.state != shown or time.monotonic() - shown_at >= every:
             shown, shown_at = status.state, time.monotonic()
             _print(describe_status(status))
 
 
-def finish(program: str, status: Status) -> int:
+def finish(program: str, status: ExploreStatus) -> int:
     """Print how the exploration has ended and where its map is; return the exit code."""
     if not status.ended:
         left = f"; {describe_left(replace(status, left=None))}" if status.known else ""
@@ -100,7 +100,7 @@ def finish(program: str, status: Status) -> int:
     return exit_code(status)
 
 
-def exit_code(status: Status) -> int:
+def exit_code(status: ExploreStatus) -> int:
     """0: complete, and saved. 1: it ended by itself before that. 130: the user ended it."""
     if not status.ended or status.state == "stopped":
         return 128 + signal.SIGINT

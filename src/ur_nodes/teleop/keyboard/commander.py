@@ -11,8 +11,8 @@ from ur_nodes.motion.lease.client import LeaseClient
 from ur_nodes.motion.lease.view import Conduct, LeaseView
 from ur_nodes.ports.node import Node
 from ur_nodes.ports.values import StampedTwist, Twist
-from ur_nodes.teleop.keyboard.drive import Motion
-from ur_nodes.teleop.keyboard.drive_screen import Link
+from ur_nodes.teleop.keyboard.drive import KeyVelocity
+from ur_nodes.teleop.keyboard.drive_screen import CommandTopic
 
 _CHOICES = ("auto", "true", "false")
 
@@ -22,10 +22,10 @@ class Commander(Protocol):
 
     conduct: Conduct
 
-    def send(self, motion: Motion) -> None:
+    def send(self, motion: KeyVelocity) -> None:
         """Publish a velocity, unless another client drives."""
 
-    def link(self) -> Link:
+    def link(self) -> CommandTopic:
         """The topic and its subscribers."""
 
     def view(self) -> LeaseView | None:
@@ -55,14 +55,14 @@ class LeasedCommander:
         publisher = AdaptivePublisher if adaptive else FreshPublisher
         self._publisher = publisher("cmd_vel", self._lease.link, self._lease.client)
 
-    def send(self, motion: Motion) -> None:
+    def send(self, motion: KeyVelocity) -> None:
         """Publish a velocity, unless another client drives."""
         if self._plain or may_command(self._lease.view(), self.conduct):
             self._publisher.send(twist_of(motion))
 
-    def link(self) -> Link:
+    def link(self) -> CommandTopic:
         """The topic and its subscribers."""
-        return Link(self._publisher.topic, self._publisher.listeners())
+        return CommandTopic(self._publisher.topic, self._publisher.listeners())
 
     def view(self) -> LeaseView | None:
         """Return the lease as this client sees it; None where there is no lease."""
@@ -103,18 +103,18 @@ class PlainCommander:
         self._stamped = node.publish("cmd_vel", StampedTwist) if stamped else None
         self._plain = None if stamped else node.publish("cmd_vel", Twist)
 
-    def send(self, motion: Motion) -> None:
+    def send(self, motion: KeyVelocity) -> None:
         """Publish a velocity."""
         if self._stamped:
             self._stamped.send(StampedTwist(self._node.now(), self._frame, twist_of(motion)))
         elif self._plain:
             self._plain.send(twist_of(motion))
 
-    def link(self) -> Link:
+    def link(self) -> CommandTopic:
         """The topic and its subscribers."""
         publisher = self._stamped or self._plain
         assert publisher is not None, "one of them is made"
-        return Link(publisher.topic, publisher.listeners())
+        return CommandTopic(publisher.topic, publisher.listeners())
 
     def view(self) -> None:
         """There is no lease."""
@@ -162,6 +162,6 @@ def explain_refusal(commander: Commander) -> str:
     return f"{since}; expected a robot that nobody drives (UR_LEASE=take takes over)"
 
 
-def twist_of(motion: Motion) -> Twist:
+def twist_of(motion: KeyVelocity) -> Twist:
     """The value that carries a velocity."""
     return Twist(motion.x, motion.yaw, motion.y, motion.z)

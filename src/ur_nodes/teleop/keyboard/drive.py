@@ -58,7 +58,7 @@ SPEED_KEYS: dict[str, tuple[float, float]] = {
 }
 
 
-class Motion(NamedTuple):
+class KeyVelocity(NamedTuple):
     """A velocity command: m/s forward, left, up; rad/s about z."""
 
     x: float = 0.0
@@ -67,7 +67,7 @@ class Motion(NamedTuple):
     yaw: float = 0.0
 
 
-STILL = Motion()
+STILL = KeyVelocity()
 
 
 @dataclass(frozen=True, slots=True)
@@ -116,7 +116,7 @@ def start_drive(settings: DriveSettings) -> DriveState:
     )
 
 
-def step_drive(state: DriveState, event: KeyEvent | None, now: float) -> tuple[DriveState, Motion | None]:
+def step_drive(state: DriveState, event: KeyEvent | None, now: float) -> tuple[DriveState, KeyVelocity | None]:
     """The state after `event` (None: time has passed), and what to publish; None means nothing.
 
     While a key drives every call returns its motion; after a stop the next `ZEROS` calls return zero, then silence.
@@ -135,12 +135,12 @@ def step_drive(state: DriveState, event: KeyEvent | None, now: float) -> tuple[D
     return state, None
 
 
-def motion_of(state: DriveState) -> Motion:
+def motion_of(state: DriveState) -> KeyVelocity:
     """The sum of the held keys, each axis at most at its speed."""
     if not state.held:
         return STILL
     total = [max(-1, min(1, sum(axis))) for axis in zip(*(DIRECTIONS[key] for key in state.held), strict=True)]
-    return Motion(total[0] * state.speed, total[1] * state.speed, total[2] * state.speed, total[3] * state.turn)
+    return KeyVelocity(total[0] * state.speed, total[1] * state.speed, total[2] * state.speed, total[3] * state.turn)
 
 
 def _take(state: DriveState, event: KeyEvent | None, now: float) -> DriveState:

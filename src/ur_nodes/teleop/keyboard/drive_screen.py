@@ -29,7 +29,7 @@ _SPEED_HELP = ("q / z   both speeds, up or down 10 %", "w / x   forward speed", 
 
 
 @dataclass(frozen=True, slots=True)
-class Link:
+class CommandTopic:
     """The topic of the commands: its full name and its number of subscribers."""
 
     topic: str
@@ -37,7 +37,7 @@ class Link:
 
 
 def draw_drive_screen(
-    state: DriveState, link: Link, mux: MuxView, columns: int, rows: int, driver: DriverLine = NO_LEASE
+    state: DriveState, link: CommandTopic, mux: MuxView, columns: int, rows: int, driver: DriverLine = NO_LEASE
 ) -> list[str]:
     """At most `rows` lines that fit `columns`, most important first when there is little room.
 
@@ -72,7 +72,7 @@ def map_room(columns: int, rows: int) -> tuple[int, int]:
 
 def draw_map_screen(
     state: DriveState,
-    link: Link,
+    link: CommandTopic,
     mux: MuxView,
     columns: int,
     map_lines: list[str],
@@ -91,7 +91,7 @@ def draw_map_screen(
 
 
 def _small_screen(
-    state: DriveState, link: Link, mux: MuxView, driver: DriverLine, columns: int, rows: int
+    state: DriveState, link: CommandTopic, mux: MuxView, driver: DriverLine, columns: int, rows: int
 ) -> list[str]:
     """The same for little room: state, notes and how to stop first, then keys and speeds while there is room."""
     notes = [line for note in _notes(state, link, mux, driver) for line in _wrap(note, columns)]
@@ -112,7 +112,7 @@ def _wrap(line: str, columns: int) -> list[str]:
     return [f"{start[0] if start else ''}{piece}{RESET}" for piece in textwrap.wrap(bare.strip(), max(columns, 1))]
 
 
-def describe_drive(state: DriveState, link: Link, mux: MuxView, driver: DriverLine = NO_LEASE) -> list[str]:
+def describe_drive(state: DriveState, link: CommandTopic, mux: MuxView, driver: DriverLine = NO_LEASE) -> list[str]:
     """Lines without colours for a terminal that cannot draw: what the keys do, and what has to be known now."""
     lines = (
         _PLAIN_HELP,
@@ -162,7 +162,7 @@ def _motion_line(state: DriveState, mux: MuxView, driver: DriverLine) -> str:
     return f"{GREEN}{BOLD}▲ driving{RESET}   {motion.x:+.2f} m/s  {motion.yaw:+.2f} rad/s{aside}"
 
 
-def _notes(state: DriveState, link: Link, mux: MuxView, driver: DriverLine) -> list[str]:
+def _notes(state: DriveState, link: CommandTopic, mux: MuxView, driver: DriverLine) -> list[str]:
     note = driver.text or state.note
     if not note and not link.listeners:
         note = f"no subscriber on {link.topic}; is the robot running?"
@@ -175,7 +175,7 @@ def _notes(state: DriveState, link: Link, mux: MuxView, driver: DriverLine) -> l
     return [f"{YELLOW}{note}{RESET}"]
 
 
-def _listeners(link: Link) -> str:
+def _listeners(link: CommandTopic) -> str:
     who = "1 subscriber" if link.listeners == 1 else f"{link.listeners} subscribers"
     return f"{DIM}{link.topic} · {who}{RESET}"
 

@@ -8,7 +8,7 @@ import time
 from ur_nodes.teleop.keyboard.drive_screen import describe_drive, draw_drive_screen, draw_map_screen, map_room
 from ur_nodes.teleop.keyboard.key_driver import DriveView, KeyDriver
 from ur_nodes.teleop.map_view.map_feed import MapFeed
-from ur_nodes.teleop.terminal.raw import Terminal
+from ur_nodes.teleop.terminal.raw import RawTerminal
 
 _AT_REST, _MOVING, _AFTER_A_KEY = 0.2, 0.03, 0.01  # s until the screen is drawn again
 _REDRAW_ALL = 2.0  # s: other programs may have written on the screen
@@ -16,7 +16,7 @@ _ALIVE_EVERY = 0.25  # s
 
 
 def drive_by_terminal(
-    terminal: Terminal, driver: KeyDriver, ended: threading.Event, growing: MapFeed | None = None
+    terminal: RawTerminal, driver: KeyDriver, ended: threading.Event, growing: MapFeed | None = None
 ) -> None:
     """Pass keys on and show the drive until Ctrl-C is pressed, the terminal is closed, or `ended` is set.
 
@@ -41,7 +41,7 @@ def drive_by_terminal(
         wait = _AFTER_A_KEY if keys else _MOVING if view.state.moving else _AT_REST
 
 
-def _show(terminal: Terminal, view: DriveView, growing: MapFeed | None, now: float, *, again: bool) -> None:
+def _show(terminal: RawTerminal, view: DriveView, growing: MapFeed | None, now: float, *, again: bool) -> None:
     state, link, mux, driver = view.state, view.link, view.mux, view.driver
     if terminal.plain:
         terminal.show(describe_drive(state, link, mux, driver))

@@ -7,11 +7,11 @@ from dataclasses import dataclass, replace
 
 from ur_nodes.client.driver_text import DriverLine, line_of
 from ur_nodes.client.map_saving import MapSaving
-from ur_nodes.client.mux import Emergency, MuxView
+from ur_nodes.client.mux import EmergencyStop, MuxView
 from ur_nodes.ports.node import Node
 from ur_nodes.teleop.keyboard.commander import Commander
 from ur_nodes.teleop.keyboard.drive import STILL, DriveSettings, DriveState, start_drive, step_drive
-from ur_nodes.teleop.keyboard.drive_screen import Link
+from ur_nodes.teleop.keyboard.drive_screen import CommandTopic
 from ur_nodes.teleop.terminal.keys import FocusLost, KeyEvent
 from ur_nodes.teleop.terminal.request_keys import (
     asks_to_save,
@@ -29,7 +29,7 @@ class DriveView:
     """The drive at one moment, for a screen."""
 
     state: DriveState
-    link: Link
+    link: CommandTopic
     mux: MuxView
     driver: DriverLine
 
@@ -51,7 +51,7 @@ class KeyDriver:
         settings: DriveSettings,
         rate: float,
         commander: Commander,
-        mux: Emergency,
+        mux: EmergencyStop,
         saving: MapSaving | None = None,
     ) -> None:
         """`rate` is the number of commands per second, besides answers to challenges."""

@@ -7,9 +7,9 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from ur.maps.viewport import Viewport
-from ur_nodes.client.model import GoalReport, Snapshot
+from ur_nodes.client.snapshot import GoalReport, RobotSnapshot
 from ur_nodes.geometry.pose import Pose2
-from ur_nodes.teleop.map_view.palette import Colour, Palette
+from ur_nodes.teleop.map_view.palette import Colour, MapPalette
 from ur_nodes.teleop.map_view.picture import ROBOT_LENGTH, SMALL_ROBOT
 
 _ARROWS = "→↗↑↖←↙↓↘"
@@ -41,14 +41,18 @@ class Mark:
     blocked: bool = False
 
 
-def place_marks(marks: Sequence[Mark], view: Viewport, palette: Palette) -> list[Glyph]:
+def place_marks(marks: Sequence[Mark], view: Viewport, palette: MapPalette) -> list[Glyph]:
     """The marks that lie in the view."""
     found = ((mark, _cell(view, Pose2(mark.x, mark.y, 0.0))) for mark in marks)
     return [Glyph(*cell, m.text, palette.scan if m.blocked else palette.label) for m, cell in found if cell]
 
 
 def place_glyphs(
-    snapshot: Snapshot, places: Mapping[str, Pose2], preview: GoalReport | None, view: Viewport, palette: Palette
+    snapshot: RobotSnapshot,
+    places: Mapping[str, Pose2],
+    preview: GoalReport | None,
+    view: Viewport,
+    palette: MapPalette,
 ) -> list[Glyph]:
     """Characters to be laid over the pixels; later ones cover earlier ones. `preview` is shown in place of the goal.
 
@@ -76,7 +80,7 @@ def place_glyphs(
     return glyphs + marks
 
 
-def scale_bar(view: Viewport, palette: Palette) -> list[Glyph]:
+def scale_bar(view: Viewport, palette: MapPalette) -> list[Glyph]:
     """A bar of 1, 2 or 5 times a power of ten metres in the lower left corner; none where there is no room."""
     rows = view.height // 2
     for power in range(-2, 4):

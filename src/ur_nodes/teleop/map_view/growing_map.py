@@ -11,7 +11,7 @@ import numpy as np
 
 from ur.maps.viewport import Viewport, fit_viewport
 from ur.source.ansi import RESET
-from ur_nodes.client.model import Snapshot
+from ur_nodes.client.snapshot import RobotSnapshot
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.teleop.map_view.cells import Run, cells_of_pixels
 from ur_nodes.teleop.map_view.glyphs import Mark, place_glyphs, place_marks, scale_bar
@@ -71,7 +71,7 @@ def press_zoom(zoom: Zoom | float, key: str, shown: Viewport | None) -> Zoom | f
 def follow(
     view: Viewport | None,
     growing: GrowingMap | None,
-    snapshot: Snapshot,
+    snapshot: RobotSnapshot,
     columns: int,
     rows: int,
     zoom: Zoom | float = Zoom.AUTOMATIC,
@@ -94,7 +94,7 @@ def follow(
 
 
 def draw_map_lines(
-    growing: GrowingMap | None, snapshot: Snapshot, view: Viewport, *, colour: bool, marks: Sequence[Mark] = ()
+    growing: GrowingMap | None, snapshot: RobotSnapshot, view: Viewport, *, colour: bool, marks: Sequence[Mark] = ()
 ) -> list[str]:
     """Draw map, path, scan, marks and robot: `view.height` / 2 lines of `view.width` characters.
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 from ur.maps.viewport import Viewport
-from ur_nodes.client.model import Snapshot
 from ur_nodes.client.navigation import RobotState
+from ur_nodes.client.snapshot import RobotSnapshot
 from ur_nodes.ports.newest_work import NewestWork
 from ur_nodes.ports.node import Node
 from ur_nodes.ports.qualities import Quality
@@ -16,7 +16,7 @@ from ur_nodes.teleop.map_view.growing_map import GrowingMap, Zoom, draw_map_line
 
 _EVERY = 0.25  # s between two pictures
 
-Additions = Callable[[Snapshot], tuple[Snapshot, Sequence[Mark]]]
+Additions = Callable[[RobotSnapshot], tuple[RobotSnapshot, Sequence[Mark]]]
 """Adds goal and path to a snapshot, and characters to draw on the map. Called by the thread of `lines`."""
 
 
@@ -41,7 +41,7 @@ class MapFeed:
         drawn_at, size, lines = self._shown
         if size == (columns, rows) and 0.0 <= now - drawn_at < _EVERY:
             return lines
-        snapshot = Snapshot(pose=self._robot.pose(), scan=self._robot.scan())
+        snapshot = RobotSnapshot(pose=self._robot.pose(), scan=self._robot.scan())
         marks: Sequence[Mark] = ()
         if self._additions:
             snapshot, marks = self._additions(snapshot)

@@ -8,7 +8,7 @@ Colour = tuple[int, int, int]
 
 
 @dataclass(frozen=True, slots=True)
-class Palette:
+class MapPalette:
     """The colour of each thing on the map (red, green, blue, 0 to 255)."""
 
     name: str
@@ -24,7 +24,7 @@ class Palette:
     few_colours: bool = False  # then nothing is shaded
 
 
-DARK = Palette(
+DARK = MapPalette(
     name="dark",
     unknown=(18, 18, 18),
     free=(38, 38, 38),
@@ -36,7 +36,7 @@ DARK = Palette(
     label=(215, 175, 255),
     ink=(18, 18, 18),
 )
-LIGHT = Palette(
+LIGHT = MapPalette(
     name="light",
     unknown=(208, 208, 208),
     free=(255, 255, 255),
@@ -50,7 +50,7 @@ LIGHT = Palette(
 )
 
 # Exactly those of Textual's and the console's 16: what lies between would become black, walls too.
-DARK_16 = Palette(
+DARK_16 = MapPalette(
     name="dark",
     unknown=(85, 85, 85),
     free=(0, 0, 0),
@@ -63,7 +63,7 @@ DARK_16 = Palette(
     ink=(0, 0, 0),
     few_colours=True,
 )
-LIGHT_16 = Palette(
+LIGHT_16 = MapPalette(
     name="light",
     unknown=(170, 170, 170),
     free=(255, 255, 255),
@@ -78,7 +78,7 @@ LIGHT_16 = Palette(
 )
 
 
-def choose_palette(*, light: bool, few_colours: bool) -> Palette:
+def choose_palette(*, light: bool, few_colours: bool) -> MapPalette:
     """The palette for a light or dark background, and for terminals of 16 colours."""
     if few_colours:
         return LIGHT_16 if light else DARK_16

@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ur.maps.viewport import Viewport
-from ur_nodes.client.model import Snapshot
+from ur_nodes.client.snapshot import RobotSnapshot
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2
-from ur_nodes.teleop.map_view.palette import Colour, Palette
+from ur_nodes.teleop.map_view.palette import Colour, MapPalette
 
 Pixels = NDArray[np.uint8]
 """(rows, columns, 3), red, green, blue."""
@@ -40,7 +40,7 @@ def index_grid(grid: Grid) -> GridIndex:
     return GridIndex(grid, _running_sum(grid.values >= _OCCUPIED), _running_sum(grid.values >= 0))
 
 
-def draw_map(index: GridIndex | None, view: Viewport, palette: Palette) -> Pixels:
+def draw_map(index: GridIndex | None, view: Viewport, palette: MapPalette) -> Pixels:
     """The bare map, (view.height, view.width, 3). Each wall is seen, and has one colour.
 
     A thin wall is one pixel wide, whether it lies within a pixel or on the edge of two.
@@ -68,7 +68,7 @@ def draw_map(index: GridIndex | None, view: Viewport, palette: Palette) -> Pixel
     return picture
 
 
-def draw_overlay(picture: Pixels, snapshot: Snapshot, view: Viewport, palette: Palette) -> Pixels:
+def draw_overlay(picture: Pixels, snapshot: RobotSnapshot, view: Viewport, palette: MapPalette) -> Pixels:
     """A copy of the picture with path, scan and (where it is large enough) the robot."""
     out: Pixels = picture.copy()
     if snapshot.path is not None and len(snapshot.path) > 1:
@@ -143,7 +143,7 @@ def _dot(out: Pixels, points: NDArray[np.float64], view: Viewport, colour: Colou
     out[py[inside].astype(np.intp), px[inside].astype(np.intp)] = colour
 
 
-def _fill_robot(out: Pixels, pose: Pose2, view: Viewport, palette: Palette) -> None:
+def _fill_robot(out: Pixels, pose: Pose2, view: Viewport, palette: MapPalette) -> None:
     """A disc on the pose, with a stripe from its middle to the edge that it faces."""
     size = ROBOT_LENGTH / view.scale
     column, row = view.to_pixel(pose.x, pose.y)

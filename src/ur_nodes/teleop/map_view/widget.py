@@ -16,12 +16,12 @@ from textual.strip import Strip
 from textual.widget import Widget
 
 from ur.maps.viewport import Viewport, fit_viewport, pan_viewport, resize_viewport, zoom_viewport
-from ur_nodes.client.model import GoalReport, GoalState, Snapshot, heading_there
+from ur_nodes.client.snapshot import GoalReport, LastGoalState, RobotSnapshot, heading_there
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.teleop.map_view.cells import Run, cells_of_pixels
 from ur_nodes.teleop.map_view.glyphs import place_glyphs, scale_bar
-from ur_nodes.teleop.map_view.palette import Colour, Palette
+from ur_nodes.teleop.map_view.palette import Colour, MapPalette
 from ur_nodes.teleop.map_view.picture import GridIndex, Pixels, draw_map, draw_overlay, index_grid
 
 _NO_MAP_BOX = (-5.0, -5.0, 5.0, 5.0)
@@ -32,7 +32,7 @@ _FOLLOW_SCALE = 0.08  # m per pixel: following starts at least this close
 
 
 class MapView(Widget, can_focus=False):
-    """Half-block picture of a `Snapshot`. Click: goal; drag: goal with heading; right drag: pan; wheel: zoom."""
+    """Half-block picture of a `RobotSnapshot`. Click: goal; drag: goal with heading; right drag: pan; wheel: zoom."""
 
     DEFAULT_CSS = "MapView { width: 1fr; height: 1fr; }"
 
@@ -46,17 +46,17 @@ class MapView(Widget, can_focus=False):
     class ViewChanged(Message):
         """Scale, place or following changed."""
 
-    def __init__(self, palette: Palette, *, id: str | None = None) -> None:
+    def __init__(self, palette: MapPalette, *, id: str | None = None) -> None:
         super().__init__(id=id)
         self.palette = palette
         self.following = False
         self.view = Viewport(0.0, 0.0, 0.05, 0, 0)
         self.hover: tuple[float, float] | None = None
         self._fitted = True  # until the user zooms or pans, the whole map is shown whatever the size
-        self._snapshot = Snapshot()
+        self._snapshot = RobotSnapshot()
         self._places: Mapping[str, Pose2] = {}
         self._index: GridIndex | None = None
-        self._base: tuple[Viewport, Palette, GridIndex | None, Pixels] | None = None
+        self._base: tuple[Viewport, MapPalette, GridIndex | None, Pixels] | None = None
         self._lines: list[tuple[Run, ...]] = []
         self._pressed: tuple[int, int, int] | None = None  # button, column, row
         self._dragged_to: tuple[int, int] | None = None
@@ -66,7 +66,7 @@ class MapView(Widget, can_focus=False):
         """Ignore the second press of a double click whose first one closed something above the map."""
         self._released = (time.monotonic(), None)
 
-    def show(self, snapshot: Snapshot, places: Mapping[str, Pose2]) -> None:
+    def show(self, snapshot: RobotSnapshot, places: Mapping[str, Pose2]) -> None:
         """Show another snapshot; only lines that differ are drawn again."""
         if snapshot.grid is not self._snapshot.grid:
             self._index = index_grid(snapshot.grid) if snapshot.grid is not None else None
@@ -75,7 +75,7 @@ class MapView(Widget, can_focus=False):
         self._keep_robot_in_view()
         self.redraw()
 
-    def set_palette(self, palette: Palette) -> None:
+    def set_palette(self, palette: MapPalette) -> None:
         """Other colours."""
         self.palette = palette
         self.redraw()
@@ -203,10 +203,10 @@ class MapView(Widget, can_focus=False):
         x, y = self.view.to_map(column + 0.5, row * 2 + 1.0)
         if self._dragged_to is None:
             place = Pose2(x, y, heading_there(self._snapshot.pose, x, y))
-            return GoalReport(place=place, state=GoalState.WAITING, any_heading=True)
+            return GoalReport(place=place, state=LastGoalState.WAITING, any_heading=True)
         to_column, to_row = self._dragged_to
         place = Pose2(x, y, math.atan2(2.0 * (row - to_row), to_column - column))
-        return GoalReport(place=place, state=GoalState.WAITING)
+        return GoalReport(place=place, state=LastGoalState.WAITING)
 
     def _move(self, columns: float, rows: float) -> None:
         self.following = self._fitted = False

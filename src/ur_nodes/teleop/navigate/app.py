@@ -11,9 +11,9 @@ from textual.widgets import Static
 
 from ur.source.diagnostic import UserError
 from ur.source.run_users import describe_users
-from ur_nodes.client.model import GoalState, format_place
 from ur_nodes.client.mux import MuxRequest
-from ur_nodes.client.patrol_text import Route
+from ur_nodes.client.patrol_text import PatrolRoute
+from ur_nodes.client.snapshot import LastGoalState, format_place
 from ur_nodes.client.waypoints import WaypointStore
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.teleop.map_view.widget import MapView
@@ -84,9 +84,13 @@ class NavigateApp(NavigateView):
     def enter(self, line: str) -> None:
         """Run the command of a line, or report what is wrong with it."""
         try:
-            answers = not line and self._snapshot.goal.state is GoalState.ASKING
-            command = c.Resume() if answers else c.parse_command(line)
-            if isinstance(command, (c.Go, c.GoTo)) and not self._was_ready and not reason_not_to_drive(self._snapshot):
+            answers = not line and self._snapshot.goal.state is LastGoalState.ASKING
+            command = c.ContinueGoal() if answers else c.parse_command(line)
+            if (
+                isinstance(command, (c.Go, c.GoToWaypoint))
+                and not self._was_ready
+                and not reason_not_to_drive(self._snapshot)
+            ):
                 self._wait_with(line)
             elif command is not None:
                 self._do(command)
@@ -138,25 +142,25 @@ class NavigateApp(NavigateView):
             self._leave()
         elif isinstance(command, (c.Help, c.ListPlaces, c.Follow, c.SwitchTheme)):
             self._change_view(command)
-        elif isinstance(command, c.Stop):
+        elif isinstance(command, c.CancelGoal):
             self._waiting_line = ""
             self._navigator.stop()
             self._say(describe_stop(self._snapshot), "yellow")
-        elif isinstance(command, c.Resume):
+        elif isinstance(command, c.ContinueGoal):
             self._resume()
         elif isinstance(command, c.AskLease):
             self._navigator.request_lease(command.request)
             self._say(REQUESTED[command.request])
         elif isinstance(command, c.AskMux):
             self._ask_mux(command.request)
-        elif isinstance(command, (c.Go, c.GoTo, c.AskPatrol)):
+        elif isinstance(command, (c.Go, c.GoToWaypoint, c.DrivePatrol)):
             self._drive(command)
         elif isinstance(command, c.SetPose):
             self._require_to_drive()
             place = Pose2(command.x, command.y, command.yaw)
             self._navigator.set_pose(place)
             self._say(f"pose set to {format_place(place)}")
-        elif isinstance(command, c.SaveMap):
+        elif isinstance(command, c.StoreMap):
             if self._saving is None:
                 raise c.bad_command_error(c.NO_MAPPING)
             self._saving.ask()
@@ -167,9 +171,9 @@ class NavigateApp(NavigateView):
         else:
             self._change_places(command)
 
-    def _drive(self, command: c.Go | c.GoTo | c.AskPatrol) -> None:
-        if isinstance(command, c.AskPatrol):
-            route = route_of(command, self._store()) if command.names else Route()
+    def _drive(self, command: c.Go | c.GoToWaypoint | c.DrivePatrol) -> None:
+        if isinstance(command, c.DrivePatrol):
+            route = route_of(command, self._store()) if command.names else PatrolRoute()
             self._asked = self._navigator.ask_patrol(command.action, route)
             self._say("asked the robot")
             return
@@ -187,7 +191,7 @@ class NavigateApp(NavigateView):
             self._switch_theme()
 
     def _resume(self) -> None:
-        if self._snapshot.goal.state is not GoalState.ASKING:
+        if self._snapshot.goal.state is not LastGoalState.ASKING:
             self._say("no goal to continue", "yellow")
             return
         self._navigator.resume()

@@ -8,32 +8,38 @@ from dataclasses import dataclass
 from ur.source.diagnostic import UserError
 from ur_nodes.client.driver_text import DriverRequest
 from ur_nodes.client.map_saving import MapSaving
-from ur_nodes.client.model import GoalState, Navigator, Snapshot, format_place
 from ur_nodes.client.mux import MuxRequest
-from ur_nodes.client.patrol_text import Route
+from ur_nodes.client.patrol_text import PatrolRoute
+from ur_nodes.client.snapshot import LastGoalState, NavigationClient, RobotSnapshot, format_place
 from ur_nodes.client.waypoints import WaypointStore
 from ur_nodes.geometry.pose import Pose2
-from ur_nodes.teleop.navigate.batch_text import Limits, describe_change, goal_change, reason_to_give_up, result_line
+from ur_nodes.teleop.navigate.batch_text import (
+    BatchTimeouts,
+    describe_change,
+    goal_change,
+    reason_to_give_up,
+    result_line,
+)
 from ur_nodes.teleop.navigate.commands import (
     NO_MAPPING,
     USAGE,
     AskLease,
     AskMux,
-    AskPatrol,
+    CancelGoal,
     Command,
+    ContinueGoal,
+    DrivePatrol,
     Follow,
     Forget,
     Go,
-    GoTo,
+    GoToWaypoint,
     Help,
     ListPlaces,
     Quit,
     Relocalise,
     Remember,
-    Resume,
-    SaveMap,
     SetPose,
-    Stop,
+    StoreMap,
     SwitchTheme,
     bad_command_error,
     error_line,
@@ -47,8 +53,10 @@ _PATROL_DONE = {"start": "started", "pause": "paused", "resume": "goes on", "end
 _CANCEL_WAIT = 1.0  # s: for the confirmation that a goal is cancelled
 
 Write = Callable[[str], None]
-_AtOnce = Remember | Forget | ListPlaces | Stop | Resume | SetPose | Relocalise | Follow | SwitchTheme | Help
-_Awaited = Go | GoTo | AskPatrol | AskLease | AskMux | SaveMap  # these wait for other computers or programs
+_AtOnce = (
+    Remember | Forget | ListPlaces | CancelGoal | ContinueGoal | SetPose | Relocalise | Follow | SwitchTheme | Help
+)
+_Awaited = Go | GoToWaypoint | DrivePatrol | AskLease | AskMux | StoreMap  # these wait for other computers or programs
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,7 +77,7 @@ class InterruptedBatchError(Exception):
     """The batch is to end now; the text is what became of the goal."""
 
 
-def wait_until_ready(navigator: Navigator, limits: Limits, around: BatchContext) -> str | None:
+def wait_until_ready(navigator: NavigationClient, limits: BatchTimeouts, around: BatchContext) -> str | None:
     """Wait for everything a goal needs. Returns None, or what is still missing when the time is up."""
     deadline = around.clock() + limits.start
     while missing := navigator.snapshot().missing:
@@ -81,7 +89,7 @@ def wait_until_ready(navigator: Navigator, limits: Limits, around: BatchContext)
 
 
 def run_batch(
-    lines: Iterable[str], navigator: Navigator, store: WaypointStore, limits: Limits, around: BatchContext
+    lines: Iterable[str], navigator: NavigationClient, store: WaypointStore, limits: BatchTimeouts, around: BatchContext
 ) -> int:
     """Run each line. Returns the exit code: 1 when a goal failed or a line could not be understood, else 0."""
     batch = _Batch(navigator, store, limits, around)
@@ -103,21 +111,23 @@ def run_batch(
 class _Batch:
     """Runs commands one after another. `text` is always the line of the command, which begins its result line."""
 
-    def __init__(self, navigator: Navigator, store: WaypointStore, limits: Limits, around: BatchContext) -> None:
+    def __init__(
+        self, navigator: NavigationClient, store: WaypointStore, limits: BatchTimeouts, around: BatchContext
+    ) -> None:
         self._navigator, self._store, self._limits, self._around = navigator, store, limits, around
 
     def run(self, command: _AtOnce | _Awaited, text: str) -> bool:
         """Run a command and return whether it succeeded. Raises UserError."""
         match command:
-            case Go() | GoTo():
+            case Go() | GoToWaypoint():
                 return self._drive(command, text)
             case AskLease():
                 return self._ask_lease(command.request, text)
-            case AskPatrol():
+            case DrivePatrol():
                 return self._ask_patrol(command, text)
             case AskMux():
                 return self._ask_mux(command.request, text)
-            case SaveMap():
+            case StoreMap():
                 return self._save_map(text)
             case _:
                 self._around.out(self._do_at_once(command, text))
@@ -152,9 +162,9 @@ class _Batch:
         self._around.out(f"{text}: {mux.problem or late or done}")
         return not (mux.problem or late)
 
-    def _ask_patrol(self, command: AskPatrol, text: str) -> bool:
+    def _ask_patrol(self, command: DrivePatrol, text: str) -> bool:
         """Send a request to the patrol of the robot and return whether it was accepted; it goes on by itself."""
-        route = route_of(command, self._store) if command.names else Route()
+        route = route_of(command, self._store) if command.names else PatrolRoute()
         deadline = self._around.clock() + _ANSWER_WAIT
         asked = self._navigator.ask_patrol(command.action, route)
         while self._around.clock() < deadline:
@@ -195,10 +205,10 @@ class _Batch:
             case ListPlaces():
                 places = (f"{name}: {format_place(place)}" for name, place in self._store.places().items())
                 return "\n".join(places) or f"{text}: no waypoints yet"
-            case Stop():
+            case CancelGoal():
                 self._navigator.stop()
                 return f"{text}: stopped"
-            case Resume():
+            case ContinueGoal():
                 raise bad_command_error("no goal to continue; commands run one at a time")
             case SetPose() | Relocalise():
                 return self._localise(command, text)
@@ -218,7 +228,7 @@ class _Batch:
 
     # -- goals -----------------------------------------------------------------------------------------------------
 
-    def _drive(self, command: Go | GoTo, text: str) -> bool:
+    def _drive(self, command: Go | GoToWaypoint, text: str) -> bool:
         """Send a goal and wait for its end; return whether it was reached."""
         navigator, around = self._navigator, self._around
         place, any_heading = target_of(command, navigator.snapshot(), self._store)
@@ -251,7 +261,7 @@ class _Batch:
             if around.sleep(0.05):
                 raise InterruptedBatchError(self._cancel())
         around.out(result_line(text, report, snapshot, seconds))
-        return report.state is GoalState.REACHED
+        return report.state is LastGoalState.REACHED
 
     def _wait_until_allowed(self) -> str:
         """Wait while the robot is silent or decides about a lost lease; return why no goal can be sent, or nothing."""
@@ -264,7 +274,7 @@ class _Batch:
         """Run a command that was typed while a goal is driven."""
         if isinstance(command, AskMux):
             self._ask_mux(command.request, "emergency" if command.request == "stop" else "release")
-        elif isinstance(command, Resume):
+        elif isinstance(command, ContinueGoal):
             self._navigator.resume()
         else:
             self._navigator.stop()
@@ -280,6 +290,6 @@ class _Batch:
         return f"the goal may not be cancelled: {silence_line(snapshot) or 'no answer'}"
 
 
-def _is_undecided(snapshot: Snapshot) -> bool:
+def _is_undecided(snapshot: RobotSnapshot) -> bool:
     lease = snapshot.lease
     return snapshot.silence is not None or (lease.lost_by_other and lease.pending)

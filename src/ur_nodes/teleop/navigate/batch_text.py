@@ -5,23 +5,23 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from ur_nodes.client.model import GoalReport, GoalState, Snapshot
+from ur_nodes.client.snapshot import GoalReport, LastGoalState, RobotSnapshot
 from ur_nodes.geometry.pose import wrap_angle
 from ur_nodes.teleop.navigate.status_text import silence_line
 
 
 @dataclass(frozen=True, slots=True)
-class Limits:
+class BatchTimeouts:
     """Seconds: until map, pose and navigation are there, and for one goal."""
 
     start: float = 30.0
     goal: float = 600.0
 
 
-def result_line(text: str, report: GoalReport, snapshot: Snapshot, seconds: float) -> str:
+def result_line(text: str, report: GoalReport, snapshot: RobotSnapshot, seconds: float) -> str:
     """Describe the end of a goal: `g 2 3 90: reached, 0.04 m and 1.2 degrees off, 12.3 s`."""
     goal, pose = report.place, snapshot.pose
-    if report.state is GoalState.REACHED and goal is not None and pose is not None:
+    if report.state is LastGoalState.REACHED and goal is not None and pose is not None:
         off = math.hypot(goal.x - pose.x, goal.y - pose.y)
         turned = math.degrees(abs(wrap_angle(goal.yaw - pose.yaw)))
         angle = "" if report.any_heading else f" and {turned:.1f} degrees"
@@ -30,12 +30,12 @@ def result_line(text: str, report: GoalReport, snapshot: Snapshot, seconds: floa
     return f"{text}: {report.state.value} after {seconds:.1f} s{why}"
 
 
-def reason_to_give_up(snapshot: Snapshot, seconds: float, limits: Limits, *, attended: bool) -> str:
+def reason_to_give_up(snapshot: RobotSnapshot, seconds: float, limits: BatchTimeouts, *, attended: bool) -> str:
     """Return the reason to stop waiting for a goal after `seconds`; empty while there is none.
 
     `attended`: somebody is there to answer whether a goal that was held goes on.
     """
-    if snapshot.goal.state is GoalState.ASKING and not attended:
+    if snapshot.goal.state is LastGoalState.ASKING and not attended:
         return f"stopped after {seconds:.1f} s: held, and a pipe cannot answer whether it goes on"
     silent = silence_line(snapshot)
     if seconds > limits.goal:
@@ -46,20 +46,20 @@ def reason_to_give_up(snapshot: Snapshot, seconds: float, limits: Limits, *, att
     return ""
 
 
-def goal_change(snapshot: Snapshot, noted: GoalState | None) -> GoalState | None:
+def goal_change(snapshot: RobotSnapshot, noted: LastGoalState | None) -> LastGoalState | None:
     """Return the state of a goal that is worth a note; None while it is driven. `noted` is the one before."""
     state = snapshot.goal.state
-    if state in (GoalState.HELD, GoalState.ASKING, GoalState.UNKNOWN):
+    if state in (LastGoalState.HELD, LastGoalState.ASKING, LastGoalState.UNKNOWN):
         return state
-    return None if state is GoalState.DRIVING else noted
+    return None if state is LastGoalState.DRIVING else noted
 
 
-def describe_change(snapshot: Snapshot, change: GoalState | None) -> str:
+def describe_change(snapshot: RobotSnapshot, change: LastGoalState | None) -> str:
     """A clause about a goal that is held or unknown, or that goes on (None)."""
-    if change is GoalState.HELD:
+    if change is LastGoalState.HELD:
         return snapshot.goal.text
-    if change is GoalState.ASKING:
+    if change is LastGoalState.ASKING:
         return "held: the robot waits for you; c continues, x cancels"
-    if change is GoalState.UNKNOWN:
+    if change is LastGoalState.UNKNOWN:
         return f"{silence_line(snapshot)}; the goal is unknown until it answers"
     return "driving"

@@ -26,14 +26,14 @@ class Go:
 
 
 @dataclass(frozen=True, slots=True)
-class GoTo:
+class GoToWaypoint:
     """Drive to a waypoint."""
 
     name: str
 
 
 @dataclass(frozen=True, slots=True)
-class AskPatrol:
+class DrivePatrol:
     """Start a patrol of waypoints, or pause, resume or end it. `wait` s at each; `loop`: again and again."""
 
     action: PatrolAction
@@ -71,12 +71,12 @@ class ListPlaces:
 
 
 @dataclass(frozen=True, slots=True)
-class Stop:
+class CancelGoal:
     """Cancel the goal."""
 
 
 @dataclass(frozen=True, slots=True)
-class Resume:
+class ContinueGoal:
     """Continue the goal that is held."""
 
 
@@ -100,7 +100,7 @@ class Relocalise:
 
 
 @dataclass(frozen=True, slots=True)
-class SaveMap:
+class StoreMap:
     """Save the map that is being made."""
 
 
@@ -126,18 +126,18 @@ class Quit:
 
 Command = (
     Go
-    | GoTo
-    | AskPatrol
+    | GoToWaypoint
+    | DrivePatrol
     | Remember
     | Forget
     | SetPose
     | ListPlaces
-    | Stop
-    | Resume
+    | CancelGoal
+    | ContinueGoal
     | AskLease
     | AskMux
     | Relocalise
-    | SaveMap
+    | StoreMap
     | Help
     | Follow
     | SwitchTheme
@@ -176,21 +176,21 @@ NO_MAPPING = "no map is being made, expected a mapping program as 'ur run make_m
 
 _PLAIN: dict[str, Command] = {
     "l": ListPlaces(),
-    "s": Stop(),
-    "c": Resume(),
+    "s": CancelGoal(),
+    "c": ContinueGoal(),
     "drive": AskLease("take"),
     "ask": AskLease("ask"),
     "give": AskLease("grant"),
     "e": AskMux("stop"),
     "r": AskMux("release"),
     "global": Relocalise(),
-    "save": SaveMap(),
+    "save": StoreMap(),
     "f": Follow(),
     "t": SwitchTheme(),
     "?": Help(),
     "q": Quit(),
 }
-_NAMED: dict[str, type[GoTo] | type[Remember] | type[Forget]] = {"m": GoTo, "w": Remember, "d": Forget}
+_NAMED: dict[str, type[GoToWaypoint] | type[Remember] | type[Forget]] = {"m": GoToWaypoint, "w": Remember, "d": Forget}
 _ALIASES = {"go": "g", "goto": "m", "move": "m", "list": "l", "stop": "s", "help": "?", "quit": "q", "exit": "q"}
 _ALIASES |= {"emergency": "e", "release": "r", "x": "s", "cancel": "s", "continue": "c", "take": "drive"}
 _ALIASES |= {"follow": "f", "theme": "t"}
@@ -242,10 +242,10 @@ def _split(line: str) -> list[str]:
         raise bad_command_error(f"{printable(line)!r} has an opening quote without a closing one") from None
 
 
-def _parse_patrol(given: list[str]) -> AskPatrol:
+def _parse_patrol(given: list[str]) -> DrivePatrol:
     _check_count("patrol", given, 1, MOST_PLACES + 2)
     if given in (["pause"], ["resume"], ["end"]):
-        return AskPatrol(cast("PatrolAction", given[0]))
+        return DrivePatrol(cast("PatrolAction", given[0]))
     loop, wait, names = False, 1.0, list(given)
     while names and (names[0] == "loop" or names[0].startswith("wait=")):
         option = names.pop(0)
@@ -256,7 +256,7 @@ def _parse_patrol(given: list[str]) -> AskPatrol:
     if not 0.0 <= wait <= LONGEST_WAIT:
         raise bad_command_error(f"wait={wait:g}: expected seconds from 0 to {LONGEST_WAIT:g}")
     _check_count("patrol", names, 1, MOST_PLACES)
-    return AskPatrol("start", tuple(_check_name(name) for name in names), loop, wait)
+    return DrivePatrol("start", tuple(_check_name(name) for name in names), loop, wait)
 
 
 def error_line(problem: UserError) -> str:

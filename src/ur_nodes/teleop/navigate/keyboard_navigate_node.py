@@ -13,7 +13,7 @@ from ur_nodes.client.navigation import Names
 from ur_nodes.client.navigator import RobotNavigator
 from ur_nodes.ports.node import Node
 from ur_nodes.run import run_foreground
-from ur_nodes.teleop.navigate.batch_text import Limits
+from ur_nodes.teleop.navigate.batch_text import BatchTimeouts
 from ur_nodes.teleop.navigate.line_program import run_lines
 from ur_nodes.teleop.navigate.target import StoreChoice, name_growing_map
 
@@ -21,16 +21,16 @@ _NAME = "keyboard_navigate"
 
 
 @dataclass(frozen=True, slots=True)
-class Navigation:
+class NavigateSession:
     """The robot, the waypoints of its map, and the saving of a map that is being made."""
 
     navigator: RobotNavigator
     stores: StoreChoice
-    limits: Limits
+    limits: BatchTimeouts
     saving: MapSaving | None
 
 
-def start(node: Node) -> Navigation:
+def start(node: Node) -> NavigateSession:
     """Read the parameters, and wire up the robot."""
     own = node.parameters
     names = Names(
@@ -39,16 +39,16 @@ def start(node: Node) -> Navigation:
         plan_topic=own.text("plan_topic", "move_base/NavfnROS/plan"),
         mux=own.text("mux", "cmd_vel_mux"),
     )
-    limits = Limits(
+    limits = BatchTimeouts(
         start=own.number("start_timeout", 60.0, minimum=0.0), goal=own.number("goal_timeout", 600.0, minimum=0.0)
     )
     map_name, file, service = own.text("map_name", ""), own.text("waypoints_file", ""), own.text("save_service", "")
     saving = MapSaving(node, service, hint="save: save the map") if service else None
     growing = name_growing_map(node, service) if service and not map_name and not file else None
-    return Navigation(RobotNavigator(node, names, _NAME), StoreChoice(file, map_name, growing), limits, saving)
+    return NavigateSession(RobotNavigator(node, names, _NAME), StoreChoice(file, map_name, growing), limits, saving)
 
 
-def navigate(wired: Navigation, ended: threading.Event) -> int:
+def navigate(wired: NavigateSession, ended: threading.Event) -> int:
     """Run until `q`, Ctrl-C, the end of the pipe, or the end of the node. Returns the exit code."""
     on_terminal = sys.stdin.isatty() and sys.stdout.isatty()
     if not on_terminal or is_plain(os.environ):

@@ -8,19 +8,19 @@ import threading
 import time
 
 from ur_nodes.client.map_saving import MapSaving
-from ur_nodes.client.model import Navigator
+from ur_nodes.client.snapshot import NavigationClient
 from ur_nodes.run import BROKEN_PIPE_EXIT_CODE, drop_output
 from ur_nodes.teleop.navigate.batch import BatchContext, InterruptedBatchError, run_batch, wait_until_ready
-from ur_nodes.teleop.navigate.batch_text import Limits
+from ur_nodes.teleop.navigate.batch_text import BatchTimeouts
 from ur_nodes.teleop.navigate.line_reader import LineReader
 from ur_nodes.teleop.navigate.target import StoreChoice
 
 
 def run_lines(
     name: str,
-    navigator: Navigator,
+    navigator: NavigationClient,
     stores: StoreChoice,
-    limits: Limits,
+    limits: BatchTimeouts,
     saving: MapSaving | None,
     ended: threading.Event,
     *,

@@ -9,7 +9,7 @@ from collections import deque
 from collections.abc import Iterator
 
 from ur.source.diagnostic import UserError
-from ur_nodes.teleop.navigate.commands import AskMux, Command, Quit, Resume, Stop, parse_command
+from ur_nodes.teleop.navigate.commands import AskMux, CancelGoal, Command, ContinueGoal, Quit, parse_command
 
 _PATIENCE = 0.2  # s between two checks of `ended`
 
@@ -44,7 +44,7 @@ class LineReader:
                 command = parse_command(line)
             except UserError:
                 continue  # it is reported at its turn
-            if isinstance(command, (Stop, AskMux, Resume, Quit)):
+            if isinstance(command, (CancelGoal, AskMux, ContinueGoal, Quit)):
                 self._lines.remove(line)
                 if isinstance(command, Quit):
                     self._lines.clear()

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 from ur_nodes.client.driver_text import DriverRequest
-from ur_nodes.client.model import GoalState, Snapshot, format_place
+from ur_nodes.client.snapshot import LastGoalState, RobotSnapshot, format_place
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.teleop.navigate.status_text import silence_line
 
@@ -19,34 +19,34 @@ REQUESTED: dict[DriverRequest, str] = {
 """The message when the lease was requested."""
 
 
-def announce_goal(snapshot: Snapshot) -> tuple[str, str]:
+def announce_goal(snapshot: RobotSnapshot) -> tuple[str, str]:
     """The message about the state of the goal, and its style. The goal has a place."""
     report = snapshot.goal
     assert report.place is not None
     where = format_place(report.place, any_heading=report.any_heading)
-    if report.state is GoalState.REACHED and snapshot.pose is not None:
+    if report.state is LastGoalState.REACHED and snapshot.pose is not None:
         off = math.hypot(report.place.x - snapshot.pose.x, report.place.y - snapshot.pose.y)
         return f"reached {where}, {off:.2f} m off", "green"
-    if report.state is GoalState.FAILED:
+    if report.state is LastGoalState.FAILED:
         return f"{where}: failed: {report.text}", "bold red"
-    if report.state is GoalState.STOPPED:
+    if report.state is LastGoalState.STOPPED:
         why = f": {report.text}" if report.text not in ("", "cancelled") else ""
         return f"stopped on the way to {where}{why}", "yellow"
-    if report.state in (GoalState.HELD, GoalState.ASKING):
+    if report.state in (LastGoalState.HELD, LastGoalState.ASKING):
         return f"held on the way to {where}", "yellow"
-    if report.state is GoalState.UNKNOWN:
+    if report.state is LastGoalState.UNKNOWN:
         return f"state of the goal {where} unknown", "yellow"
-    return f"{'sent' if report.state is GoalState.WAITING else 'driving'} to {where}", ""
+    return f"{'sent' if report.state is LastGoalState.WAITING else 'driving'} to {where}", ""
 
 
-def describe_stop(snapshot: Snapshot) -> str:
+def describe_stop(snapshot: RobotSnapshot) -> str:
     """The message after the goal was cancelled by a command."""
     if silent := silence_line(snapshot):
         return f"stop requested, but there is {silent}"
     return "no goal to stop" if snapshot.goal.over else "stopped"
 
 
-def visible_state(snapshot: Snapshot, places: Mapping[str, Pose2], size: object) -> tuple[object, ...]:
+def visible_state(snapshot: RobotSnapshot, places: Mapping[str, Pose2], size: object) -> tuple[object, ...]:
     """Return everything that the screen depends on, rounded to what can be seen."""
     pose = snapshot.pose
     return (

@@ -12,7 +12,7 @@ from textual.app import ComposeResult
 from textual.containers import VerticalScroll
 from textual.widgets import Static
 
-from ur_nodes.client.model import format_place
+from ur_nodes.client.snapshot import format_place
 from ur_nodes.geometry.pose import Pose2
 
 _WIDEST = 200

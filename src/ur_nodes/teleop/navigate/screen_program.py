@@ -11,7 +11,7 @@ from collections.abc import Callable
 from ur.source.run_users import FOLDER_VARIABLE, list_users
 from ur.tui.screen.query import ask_background, is_light, typed_text
 from ur_nodes.client.map_saving import MapSaving
-from ur_nodes.client.model import Navigator
+from ur_nodes.client.snapshot import NavigationClient
 from ur_nodes.run import log_folder
 from ur_nodes.teleop.navigate.app import NavigateApp
 from ur_nodes.teleop.navigate.target import StoreChoice
@@ -19,7 +19,7 @@ from ur_nodes.teleop.terminal.textual_screen import own_screen
 
 
 def run_screen(
-    name: str, navigator: Navigator, stores: StoreChoice, saving: MapSaving | None, ended: threading.Event
+    name: str, navigator: NavigationClient, stores: StoreChoice, saving: MapSaving | None, ended: threading.Event
 ) -> int:
     """Show the map and obey commands until `q`, Ctrl-C or `ended`; a goal that was sent is then cancelled.
 

@@ -9,21 +9,21 @@ from rich.table import Table
 from rich.text import Text
 
 from ur_nodes.client.driver_text import clock_time, describe_lost, describe_silence, name_holder
-from ur_nodes.client.model import ROBOT, GoalState, Snapshot, distance_left, format_number
 from ur_nodes.client.mux import describe_emergency, describe_obstacles
 from ur_nodes.client.patrol_text import describe_patrol
+from ur_nodes.client.snapshot import ROBOT, LastGoalState, RobotSnapshot, distance_left, format_number
 from ur_nodes.teleop.navigate.commands import MAP_USAGE, USAGE
 
 _SHOWN = {
-    GoalState.NONE: ("○", "dim"),
-    GoalState.WAITING: ("◌", "yellow"),
-    GoalState.DRIVING: ("▶", "bold green"),
-    GoalState.HELD: ("‖", "bold yellow"),
-    GoalState.ASKING: ("‖", "bold yellow"),
-    GoalState.UNKNOWN: ("?", "bold yellow"),
-    GoalState.REACHED: ("●", "bold green"),
-    GoalState.STOPPED: ("■", "yellow"),
-    GoalState.FAILED: ("✗", "bold red"),
+    LastGoalState.NONE: ("○", "dim"),
+    LastGoalState.WAITING: ("◌", "yellow"),
+    LastGoalState.DRIVING: ("▶", "bold green"),
+    LastGoalState.HELD: ("‖", "bold yellow"),
+    LastGoalState.ASKING: ("‖", "bold yellow"),
+    LastGoalState.UNKNOWN: ("?", "bold yellow"),
+    LastGoalState.REACHED: ("●", "bold green"),
+    LastGoalState.STOPPED: ("■", "yellow"),
+    LastGoalState.FAILED: ("✗", "bold red"),
 }
 _GAP = "  │  "
 _WIDE = 70  # columns: room for hints
@@ -38,7 +38,7 @@ MAP_KEYS = (
 )
 
 
-def status_line(snapshot: Snapshot, columns: int) -> Text:
+def status_line(snapshot: RobotSnapshot, columns: int) -> Text:
     """Pose, speed, goal, distance left, localisation: as many of them as fit; nothing that is not known any more."""
     if snapshot.silence is not None and snapshot.silence.who == ROBOT:
         lost = Text(silence_line(snapshot), "bold red")
@@ -58,12 +58,12 @@ def status_line(snapshot: Snapshot, columns: int) -> Text:
     return line
 
 
-def alarm_line(snapshot: Snapshot) -> str:
+def alarm_line(snapshot: RobotSnapshot) -> str:
     """Describe an emergency; empty when there is none."""
     return describe_emergency(snapshot.mux, "r and Enter let the robot drive again")
 
 
-def silence_line(snapshot: Snapshot) -> str:
+def silence_line(snapshot: RobotSnapshot) -> str:
     """Return the text about a sender that has fallen silent, or nothing."""
     silence = snapshot.silence
     return describe_silence(silence.who, silence.seconds) if silence else ""
@@ -75,14 +75,14 @@ def asking_line(columns: int) -> str:
     return long if len(long) < columns else "held: Enter or c continues, x cancels"
 
 
-def driver_line(snapshot: Snapshot, columns: int) -> str:
+def driver_line(snapshot: RobotSnapshot, columns: int) -> str:
     """The text about who drives, or asks to, or is slowed by obstacles; empty while this client drives or may."""
     obstacles = describe_obstacles(snapshot.mux)
     driver = _driver_line(snapshot, columns)
     return f"{driver}; {obstacles}" if driver and obstacles else driver or obstacles
 
 
-def _driver_line(snapshot: Snapshot, columns: int) -> str:
+def _driver_line(snapshot: RobotSnapshot, columns: int) -> str:
     view = snapshot.lease
     if line := _patrol_line(snapshot, columns):
         return line
@@ -98,7 +98,7 @@ def _driver_line(snapshot: Snapshot, columns: int) -> str:
     return text
 
 
-def _patrol_line(snapshot: Snapshot, columns: int) -> str:
+def _patrol_line(snapshot: RobotSnapshot, columns: int) -> str:
     """The text about a patrol that is active or paused, of any client."""
     patrol = snapshot.patrol
     if patrol is None or not (patrol.active or patrol.state == "paused"):
@@ -107,7 +107,7 @@ def _patrol_line(snapshot: Snapshot, columns: int) -> str:
     return describe_patrol(patrol) + (hint if columns >= _WIDE else "")
 
 
-def reason_not_to_drive(snapshot: Snapshot) -> str:
+def reason_not_to_drive(snapshot: RobotSnapshot) -> str:
     """Return the reason why this client must not send goals or set the pose, or nothing."""
     view = snapshot.lease
     if snapshot.silence is not None and snapshot.silence.who == ROBOT:
@@ -121,7 +121,7 @@ def reason_not_to_drive(snapshot: Snapshot) -> str:
     return ""
 
 
-def reason_not_to_send(snapshot: Snapshot) -> str:
+def reason_not_to_send(snapshot: RobotSnapshot) -> str:
     """The reason why no goal is sent now, or nothing."""
     if reason := reason_not_to_drive(snapshot):
         return reason
@@ -130,7 +130,7 @@ def reason_not_to_send(snapshot: Snapshot) -> str:
     return "the emergency stop is on; r and Enter let the robot drive again" if snapshot.mux.stopped else ""
 
 
-def waiting_line(snapshot: Snapshot) -> str:
+def waiting_line(snapshot: RobotSnapshot) -> str:
     """Describe what is missing; empty when nothing is."""
     return f"waiting for {' and '.join(snapshot.missing)} ..." if snapshot.missing else ""
 
@@ -148,7 +148,7 @@ def help_table() -> RenderableType:
     return table
 
 
-def _describe_driver(snapshot: Snapshot) -> str:
+def _describe_driver(snapshot: RobotSnapshot) -> str:
     view = snapshot.lease
     taken = f"{view.taken_by} took over at {clock_time(view.taken_at or view.since)}" if view.taken_by else ""
     if view.other:
@@ -161,7 +161,7 @@ def _describe_driver(snapshot: Snapshot) -> str:
     return "nobody drives; 'drive' drives from this computer" if free else ""
 
 
-def _pose(snapshot: Snapshot) -> Text | None:
+def _pose(snapshot: RobotSnapshot) -> Text | None:
     pose = snapshot.pose
     if pose is None:
         return None
@@ -175,18 +175,18 @@ def _pose(snapshot: Snapshot) -> Text | None:
     )
 
 
-def _speed(snapshot: Snapshot) -> Text | None:
+def _speed(snapshot: RobotSnapshot) -> Text | None:
     if snapshot.pose is None:
         return None
     return Text.assemble(f"{abs(snapshot.speed):.2f}", (" m/s", "dim"))
 
 
-def _goal(snapshot: Snapshot) -> Text:
+def _goal(snapshot: RobotSnapshot) -> Text:
     report = snapshot.goal
     sign, style = _SHOWN[report.state]
-    if report.state is GoalState.UNKNOWN:
+    if report.state is LastGoalState.UNKNOWN:
         return Text.assemble((f"{sign} goal unknown until it answers", style))
-    held = report.state in (GoalState.HELD, GoalState.ASKING)
+    held = report.state in (LastGoalState.HELD, LastGoalState.ASKING)
     text = Text.assemble((f"{sign} {(held and report.text) or report.state.value}", style))
     left = distance_left(snapshot)
     if not (report.over or held) and left is not None:
@@ -194,7 +194,7 @@ def _goal(snapshot: Snapshot) -> Text:
     return text
 
 
-def _spread(snapshot: Snapshot) -> Text | None:
+def _spread(snapshot: RobotSnapshot) -> Text | None:
     if snapshot.spread is None:
         return None
     style = "" if snapshot.spread < 0.25 else "yellow" if snapshot.spread < 0.6 else "bold red"

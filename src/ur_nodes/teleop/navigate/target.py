@@ -7,12 +7,12 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ur_nodes.client.map_saving import MapSaving
-from ur_nodes.client.model import Snapshot, heading_there
-from ur_nodes.client.patrol_text import Route, Stop
+from ur_nodes.client.patrol_text import PatrolRoute, PatrolStop
+from ur_nodes.client.snapshot import RobotSnapshot, heading_there
 from ur_nodes.client.waypoints import WaypointStore, name_of_map, waypoint_path
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.ports.node import Node
-from ur_nodes.teleop.navigate.commands import AskPatrol, Go, GoTo
+from ur_nodes.teleop.navigate.commands import DrivePatrol, Go, GoToWaypoint
 
 _SAVE_AGAIN = 2.0  # s until the name of a map that could not be saved is asked for again
 
@@ -33,7 +33,7 @@ class StoreChoice:
         """The name of the map, for a screen."""
         return Path(self.map_name).stem
 
-    def store_for(self, snapshot: Snapshot) -> WaypointStore | None:
+    def store_for(self, snapshot: RobotSnapshot) -> WaypointStore | None:
         """The waypoints, once the map has arrived; None while it has no name."""
         if self.file:
             return WaypointStore(Path(self.file).expanduser())
@@ -60,17 +60,17 @@ def name_growing_map(node: Node, service: str) -> MapSaving:
     return saving
 
 
-def target_of(command: Go | GoTo, snapshot: Snapshot, store: WaypointStore) -> tuple[Pose2, bool]:
+def target_of(command: Go | GoToWaypoint, snapshot: RobotSnapshot, store: WaypointStore) -> tuple[Pose2, bool]:
     """The goal of a command on the map, and whether any heading counts there.
 
     Raises UserError: no such waypoint.
     """
-    if isinstance(command, GoTo):
+    if isinstance(command, GoToWaypoint):
         return store.find(command.name), False
     yaw = heading_there(snapshot.pose, command.x, command.y) if command.yaw is None else command.yaw
     return Pose2(command.x, command.y, yaw), command.yaw is None
 
 
-def route_of(command: AskPatrol, store: WaypointStore) -> Route:
+def route_of(command: DrivePatrol, store: WaypointStore) -> PatrolRoute:
     """The route of a patrol. Raises UserError: no such waypoint."""
-    return Route(tuple(Stop(name, *store.find(name)) for name in command.names), command.loop, command.wait)
+    return PatrolRoute(tuple(PatrolStop(name, *store.find(name)) for name in command.names), command.loop, command.wait)

@@ -17,11 +17,11 @@ from ur.source.diagnostic import UserError
 from ur.tui.screen.app import FullScreenApp
 from ur.tui.screen.query import measure_terminal
 from ur_nodes.client.map_saving import MapSaving
-from ur_nodes.client.model import GoalReport, GoalState, Navigator, Snapshot, format_number
 from ur_nodes.client.patrol_text import PatrolStatus, describe_patrol
+from ur_nodes.client.snapshot import GoalReport, LastGoalState, NavigationClient, RobotSnapshot, format_number
 from ur_nodes.client.waypoints import WaypointStore
 from ur_nodes.geometry.pose import Pose2
-from ur_nodes.teleop.map_view.palette import Palette, choose_palette
+from ur_nodes.teleop.map_view.palette import MapPalette, choose_palette
 from ur_nodes.teleop.map_view.widget import MapView
 from ur_nodes.teleop.navigate import commands as c
 from ur_nodes.teleop.navigate.command_line import CommandLine
@@ -39,7 +39,7 @@ REFRESH = 1.0 / 6.0
 
 
 class NavigateView(FullScreenApp[None]):
-    """Shows a `Navigator`; a subclass obeys commands.
+    """Shows a `NavigationClient`; a subclass obeys commands.
 
     `store_for` returns the waypoints once a map is known, None as long as it has no name. With `saving` the map grows:
     it can be saved, and the view follows the robot from the start. `typed` is what was typed before the screen opened;
@@ -61,8 +61,8 @@ class NavigateView(FullScreenApp[None]):
 
     def __init__(
         self,
-        navigator: Navigator,
-        store_for: Callable[[Snapshot], WaypointStore | None],
+        navigator: NavigationClient,
+        store_for: Callable[[RobotSnapshot], WaypointStore | None],
         *,
         title: str = "",
         saving: MapSaving | None = None,
@@ -78,12 +78,12 @@ class NavigateView(FullScreenApp[None]):
         self._map_title = title
         self._saving = saving
         self._light = light
-        self._snapshot = Snapshot()
+        self._snapshot = RobotSnapshot()
         self._places: Mapping[str, Pose2] = {}
         self._sent = 0
         self._asked = ""  # the id of a request for a patrol that is not answered yet
         self._shown_key: tuple[object, ...] = ()
-        self._announced: tuple[int, GoalState] = (0, GoalState.NONE)
+        self._announced: tuple[int, LastGoalState] = (0, LastGoalState.NONE)
         self._result_shown = False  # the message is about the goal, or nothing came after it
         self._was_ready = False
         self._typed = typed
@@ -147,7 +147,7 @@ class NavigateView(FullScreenApp[None]):
             return Text(alarm, "bold white on red")
         if not silent and (waiting := waiting_line(snapshot)):
             return Text(waiting, "yellow")
-        if not silent and snapshot.goal.state is GoalState.ASKING:
+        if not silent and snapshot.goal.state is LastGoalState.ASKING:
             return Text(asking_line(self.size.width - 1), "bold black on yellow")
         if snapshot.goal.over and not self._result_shown:
             snapshot = replace(snapshot, goal=GoalReport(snapshot.goal.number))
@@ -172,7 +172,7 @@ class NavigateView(FullScreenApp[None]):
         left.no_wrap = True
         self.query_one("#head", Static).update(left)
 
-    def _announce(self, snapshot: Snapshot) -> None:
+    def _announce(self, snapshot: RobotSnapshot) -> None:
         report = snapshot.goal
         if (report.number, report.state) == self._announced:
             return
@@ -212,5 +212,5 @@ class NavigateView(FullScreenApp[None]):
     def _view_changed(self) -> None:
         self._draw_head()
 
-    def _palette(self) -> Palette:
+    def _palette(self) -> MapPalette:
         return choose_palette(light=self._light, few_colours=self.console.color_system == "standard")

@@ -19,7 +19,7 @@ _ENTER = f"\x1b[?1049h\x1b[?25l\x1b[?1004h\x1b[>{KITTY_FLAGS}u{ASK_FLAGS}"
 _LEAVE = f"\x1b[<u\x1b[?1004l\x1b[?25h{RESET}\x1b[?1049l"
 
 
-class Terminal:
+class RawTerminal:
     """A terminal in raw mode. Made by `own_terminal`."""
 
     plain = False
@@ -83,7 +83,7 @@ class Terminal:
                 data = data[os.write(self._screen, data) :]
 
 
-class PlainTerminal(Terminal):
+class PlainTerminal(RawTerminal):
     """A terminal that gets no escape sequence: what is new is added below."""
 
     plain = True
@@ -100,7 +100,7 @@ class PlainTerminal(Terminal):
 
 
 @contextlib.contextmanager
-def own_terminal(source: int, screen: int, *, plain: bool = False, colours: bool = True) -> Iterator[Terminal]:
+def own_terminal(source: int, screen: int, *, plain: bool = False, colours: bool = True) -> Iterator[RawTerminal]:
     """Own the terminal of these two file descriptors; on any exit it is as it was.
 
     Keys that make signals are read as keys: under roslaunch the program is not in the terminal's foreground
@@ -109,7 +109,7 @@ def own_terminal(source: int, screen: int, *, plain: bool = False, colours: bool
     none that names a colour.
     """
     before = termios.tcgetattr(source)
-    terminal = PlainTerminal(source, screen) if plain else Terminal(source, screen, colours=colours)
+    terminal = PlainTerminal(source, screen) if plain else RawTerminal(source, screen, colours=colours)
     try:
         termios.tcsetattr(source, termios.TCSAFLUSH, _raw(before))
         terminal._write("" if plain else _ENTER)  # noqa: SLF001 - the two are one thing

@@ -29,7 +29,7 @@ _PLACES = [3, 4, 2]  # x, y, heading among rotation and translation
 _Used = tuple[MapEntry, Sighting]
 
 
-class Localiser:
+class FiducialLocaliser:
     """A planar pose with its covariance: odometry moves it, pictures correct it (a small factor graph for each).
 
     The errors of the odometry are estimated meanwhile.

@@ -23,7 +23,7 @@ from ur_nodes.vision.estimation.graph import (
 )
 from ur_nodes.vision.estimation.observation import Observation, Sighting, choose_sighting
 from ur_nodes.vision.estimation.search import GATE, deviation
-from ur_nodes.vision.estimation.unsettled import Unsettled, View
+from ur_nodes.vision.estimation.unsettled import FiducialView, Unsettled
 from ur_nodes.vision.fiducial_map import MapEntry
 
 _STEP, _TURN = 0.15, 0.15  # m, rad: how far apart moments of the graph are where something is seen
@@ -32,7 +32,7 @@ _ORIGIN = Pose2(0.0, 0.0, 0.0)
 _NEARBY, _NEARLY = 0.3, 0.35  # m, rad by which a known fiducial may seem displaced without further thought
 
 
-class Mapper:
+class FiducialMapper:
     """Estimates the poses of robot and fiducials from odometry and observations. The same input gives the same map.
 
     A fiducial that is seen farther from its place in the map than all uncertainty explains (it was moved, or there are
@@ -186,7 +186,7 @@ class Mapper:
             if known is not None:
                 if sighting := choose_sighting(observation, invert(guess) @ known):
                     used.append((self._count, number, sighting))
-            elif (pose := self._unsettled.add(View(self._count, guess, observation))) is not None:
+            elif (pose := self._unsettled.add(FiducialView(self._count, guess, observation))) is not None:
                 self._poses[number] = pose
                 values.insert(fiducial_key(number), gtsam.Pose3(pose))
                 used += [(moment, number, sighting) for moment, sighting in self._unsettled.take(number, pose)]

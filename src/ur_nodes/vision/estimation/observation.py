@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ur_nodes.geometry.rigid import Floats, angle_between
-from ur_nodes.vision.detect import PIXEL_NOISE, Candidate
+from ur_nodes.vision.detect import PIXEL_NOISE, CandidatePose
 
 # Beside the noise of corners: calibration, size of the print, mounting of the camera, rolling of the base.
 _TURN_FLOOR = 0.01  # rad
@@ -59,7 +59,7 @@ def misfit(sighting: Sighting, expected: Floats) -> float:
     return float(angle_between(sighting.pose, expected) ** 2 / tolerance + sighting.cost)
 
 
-def make_observation(number: int, base_from_camera: Floats, candidates: Sequence[Candidate]) -> Observation:
+def make_observation(number: int, base_from_camera: Floats, candidates: Sequence[CandidatePose]) -> Observation:
     """Transform the candidates of a fiducial, at least one, from the camera to the robot.
 
     What detection cannot know is added to the covariances.

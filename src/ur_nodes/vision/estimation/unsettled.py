@@ -15,7 +15,7 @@ _CERTAIN = 0.1  # rad: standard deviation of the turn, all views together, below
 
 
 @dataclass(frozen=True, slots=True)
-class View:
+class FiducialView:
     """A fiducial seen at a moment of the graph by a robot at an estimated pose (4, 4)."""
 
     moment: int
@@ -27,9 +27,9 @@ class Unsettled:
     """Views of fiducials that wait for their pose to become clear."""
 
     def __init__(self) -> None:
-        self._views: dict[int, list[View]] = {}
+        self._views: dict[int, list[FiducialView]] = {}
 
-    def add(self, view: View) -> Floats | None:
+    def add(self, view: FiducialView) -> Floats | None:
         """Keep a view. Returns the pose (4, 4) in the map as soon as it is clear; then ask `take`."""
         views = self._views.setdefault(view.observation.id, [])
         views.append(view)
@@ -45,7 +45,7 @@ class Unsettled:
         return [(moment, sighting) for moment, sighting in chosen if sighting]
 
 
-def settle(views: list[View]) -> Floats | None:
+def settle(views: list[FiducialView]) -> Floats | None:
     """The one pose (4, 4) in the map that all views agree on much better than on any other, if there is one."""
     turns = [np.linalg.eigvalsh(s.covariance[:3, :3])[-1] for view in views for s in view.observation.sightings[:1]]
     if sum(1.0 / turn for turn in turns) < 1.0 / _CERTAIN**2:

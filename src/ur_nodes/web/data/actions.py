@@ -29,7 +29,7 @@ from ur_nodes.web.data.forms import BadValueError, make_template, read_fields, r
 from ur_nodes.web.data.guard import refuse_parameter, refuse_service
 from ur_nodes.web.data.publishing import Publishing
 from ur_nodes.web.messages.definition import read_definition
-from ur_nodes.web.scene.model import describe_mesh, describe_model
+from ur_nodes.web.scene.robot_model import describe_mesh, describe_model
 
 _MOST_CALLS = 4  # that have no answer yet
 _LONGEST_TEXT = 20_000
@@ -42,7 +42,7 @@ _UNSET = object()
 Request = Question | Publish | Call | SetParameter
 
 
-class Actions:
+class DataActions:
     """Carries requests out. `guard` says what is refused."""
 
     def __init__(self, node: Node) -> None:

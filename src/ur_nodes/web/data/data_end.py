@@ -9,7 +9,7 @@ from ur.web.wire.data_requests import Show, read_data_request
 from ur.web.wire.reading import BadRequestError
 from ur_nodes.ports.graph import Graph
 from ur_nodes.ports.node import Node
-from ur_nodes.web.data.actions import Actions
+from ur_nodes.web.data.actions import DataActions
 from ur_nodes.web.data.answers import Fields
 from ur_nodes.web.data.topics import TopicWatch
 from ur_nodes.web.layers.pacing import Every
@@ -21,7 +21,7 @@ _TICK = 0.05  # s
 _GRAPH_EVERY = 2.0  # s
 
 
-class DataEnd:
+class DataSession:
     """Joins what pages show and ask for to the server."""
 
     def __init__(self, node: Node, outlet: Outlet) -> None:
@@ -32,7 +32,7 @@ class DataEnd:
         self._graph_every = Every(_GRAPH_EVERY)
         send = outlet.send_frame
         self._topics, self._status, self._scene = TopicWatch(node, send), StatusFeed(node, send), SceneFeed(node, send)
-        self._actions = Actions(node)
+        self._actions = DataActions(node)
         send(pack_json(ALL, "hello", {"t": "hello"}))
         node.every(_TICK, self._step, steady=True)
 

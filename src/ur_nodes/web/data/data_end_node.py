@@ -13,7 +13,7 @@ import socket
 import sys
 
 from ur_nodes.ports.node import Node
-from ur_nodes.web.data.data_end import DataEnd
+from ur_nodes.web.data.data_end import DataSession
 from ur_nodes.web.server_link import Outlet, read_lines, run_for_server
 
 
@@ -24,7 +24,7 @@ def main() -> int:
 
 def start(node: Node, link: socket.socket) -> None:
     """Join the socket to what pages show and ask for."""
-    read_lines(node, {link: DataEnd(node, Outlet(node, link)).take})
+    read_lines(node, {link: DataSession(node, Outlet(node, link)).take})
 
 
 if __name__ == "__main__":

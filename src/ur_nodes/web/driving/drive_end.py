@@ -22,12 +22,12 @@ from ur.web.wire.requests import (
 )
 from ur_nodes.client.mux import MuxLink
 from ur_nodes.client.patrol_link import PatrolLink
-from ur_nodes.client.patrol_text import PatrolRequest, Route, Stop
+from ur_nodes.client.patrol_text import PatrolRequest, PatrolRoute, PatrolStop
 from ur_nodes.motion.challenge.freshness import Stamp
 from ur_nodes.motion.lease.text import clean_computer, clean_name, is_client
 from ur_nodes.ports.node import Node
 from ur_nodes.web.driving.driver_link import DriverLink
-from ur_nodes.web.driving.page_goals import Page, PageGoals
+from ur_nodes.web.driving.page_goals import GoalPage, PageGoals
 from ur_nodes.web.driving.page_lease import PageLease, may_drive, request_action, step_page, takes_part
 from ur_nodes.web.driving.stick import StickState, Verdict, end_stick, expire_stick, let_go, step_stick
 from ur_nodes.web.maps.map_changes import MapChanges, Reply
@@ -38,7 +38,7 @@ _MOST_PAGES = 100
 
 
 @dataclass(frozen=True, slots=True)
-class Robot:
+class DrivenRobot:
     """The end of the page that drives: mux, navigation, places, patrols and the map."""
 
     mux: MuxLink
@@ -48,12 +48,12 @@ class Robot:
     changes: MapChanges
 
 
-class DriveEnd:
+class DriverSession:
     """Pages that may drive, by client id; on the node's thread. `reply` sends an answer to one of them."""
 
-    def __init__(self, node: Node, link: DriverLink, robot: Robot, reply: Reply) -> None:
+    def __init__(self, node: Node, link: DriverLink, robot: DrivenRobot, reply: Reply) -> None:
         self._node, self._link, self._robot, self._reply = node, link, robot, reply
-        self._pages: dict[str, Page] = {}
+        self._pages: dict[str, GoalPage] = {}
         self._numbers = itertools.count(1)
         node.every(_TICK, self.expire, steady=True)
         node.on_end(self.leave_all)
@@ -63,7 +63,7 @@ class DriveEnd:
         if not is_client(client):
             return
         lease = PageLease(client, clean_computer(computer))
-        self._pages[client] = Page(clean_name(name) or "a page", lease, once=once)
+        self._pages[client] = GoalPage(clean_name(name) or "a page", lease, once=once)
         while len(self._pages) > _MOST_PAGES:
             self.leave(next(iter(self._pages)))
 
@@ -84,7 +84,7 @@ class DriveEnd:
             if page.once:
                 self._give_up(page)
 
-    def _give_up(self, page: Page) -> None:
+    def _give_up(self, page: GoalPage) -> None:
         """Cancel the goal of a client and release its lease, or withdraw its request for it."""
         lease, newest = self._link.lease, self._link.newest
         if lease is None or newest is None:
@@ -127,7 +127,7 @@ class DriveEnd:
         else:
             self._obey(client, page, request)
 
-    def _obey(self, client: str, page: Page, request: Request) -> None:
+    def _obey(self, client: str, page: GoalPage, request: Request) -> None:
         if isinstance(request, Stick):
             self._drive(client, page, request)
         elif isinstance(request, LetGo):
@@ -150,14 +150,14 @@ class DriveEnd:
             if after.goal != page.goal:
                 self._reply(client, {"t": "sent", "what": "goal", "number": after.goal})
 
-    def _ask_for_lease(self, client: str, page: Page, request: AskForLease) -> None:
+    def _ask_for_lease(self, client: str, page: GoalPage, request: AskForLease) -> None:
         lease = self._link.lease
         if request.action == "release" and page.goal and lease and lease.client == client:
             self._robot.goals.cancel()  # a goal whose client has left would be held
         page = replace(page, lease=request_action(page.lease, request.action, self._node.steady()))
         self._renew(client, page, request.answers)
 
-    def _drive(self, client: str, page: Page, command: Stick) -> None:
+    def _drive(self, client: str, page: GoalPage, command: Stick) -> None:
         age = self._link.age_of(command.answers)
         stick, verdict = step_stick(page.stick, command.hold, age, self._node.steady())
         why = "late"
@@ -174,26 +174,26 @@ class DriveEnd:
             self._link.drive(page.lease, command.answers, command.forward, command.turn)
         self._step(client, page, (stick, verdict), why)
 
-    def _step(self, client: str, page: Page, step: tuple[StickState, Verdict], why: str) -> None:
+    def _step(self, client: str, page: GoalPage, step: tuple[StickState, Verdict], why: str) -> None:
         stick, verdict = step
         self._pages[client] = replace(page, stick=stick)
         self._finish(page, verdict, why)
         if verdict == "over" and why:
             self._reply(client, {"t": "over", "hold": stick.hold, "why": why})
 
-    def _finish(self, page: Page, verdict: Verdict, why: str) -> None:
+    def _finish(self, page: GoalPage, verdict: Verdict, why: str) -> None:
         """Send a stop at once where a press is over; the mux would find out a moment later by itself."""
         if verdict == "over" and why != "driver" and may_drive(page.lease, self._link.lease):
             self._link.stop(page.lease)
 
-    def _renew(self, client: str, page: Page, answer: Stamp) -> None:
+    def _renew(self, client: str, page: GoalPage, answer: Stamp) -> None:
         page = self._robot.goals.note(page)
         lease, action = step_page(page.lease, self._link.lease, self._node.steady())
         page = self._pages[client] = replace(page, lease=lease)
         if action is not None:
             self._link.request(page.lease, page.name, action, answer)
 
-    def _ask_patrol(self, client: str, page: Page, request: AskPatrol) -> None:
+    def _ask_patrol(self, client: str, page: GoalPage, request: AskPatrol) -> None:
         """Pass a request on; the patrol's node checks its age, and who drives."""
 
         def answer(problem: str) -> None:
@@ -204,17 +204,17 @@ class DriveEnd:
         if None in stops:
             answer("no place")
             return
-        route = Route(tuple(each for each in stops if each), request.loop, request.wait)
+        route = PatrolRoute(tuple(each for each in stops if each), request.loop, request.wait)
         id = f"{client[:40]}-{next(self._numbers)}"
         asked = PatrolRequest(request.action, route, id, page.lease.client, page.name, request.answers)
         if not self._robot.patrol.request(asked, answer):
             answer("no patrol")
 
-    def _find_stop(self, stop: str | tuple[float, float]) -> Stop | None:
+    def _find_stop(self, stop: str | tuple[float, float]) -> PatrolStop | None:
         if not isinstance(stop, str):
-            return Stop("", *stop)
+            return PatrolStop("", *stop)
         place = self._robot.places.find(stop)
-        return None if place is None else Stop(stop, place.x, place.y)
+        return None if place is None else PatrolStop(stop, place.x, place.y)
 
     def _refuse(self, client: str, what: str, why: str) -> None:
         self._reply(client, {"t": "refused", "what": what, "why": why})

@@ -11,7 +11,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 from ur_nodes.motion.challenge.freshness import REQUEST_FRESHNESS, Stamp
-from ur_nodes.motion.lease.text import Action, Lease, Request, read_lease, write_request
+from ur_nodes.motion.lease.text import Action, Lease, LeaseRequest, read_lease, write_request
 from ur_nodes.ports.node import SECOND, Node
 from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.values import StampedTwist, Time, Twist
@@ -97,7 +97,7 @@ class DriverLink:
 
     def request(self, page: PageLease, name: str, action: Action, answer: Stamp) -> None:
         """Ask for the lease, in the name of a page."""
-        request = Request(page.client, name, _PROGRAM, action, True, answer, page.computer)
+        request = LeaseRequest(page.client, name, _PROGRAM, action, True, answer, page.computer)
         self._requests.send(write_request(request))
 
     def limit_speed(self, percent: float) -> None:

@@ -7,9 +7,9 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
-from ur.web.wire.requests import Goal, GoTo, InitialPose, Resume
-from ur_nodes.client.model import heading_there
+from ur.web.wire.requests import GoalRequest, GoTo, InitialPose, Resume
 from ur_nodes.client.navigation import NavigationTopics
+from ur_nodes.client.snapshot import heading_there
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.motion.challenge.freshness import Stamp
 from ur_nodes.navigation.goals.goal_claim import write_any_heading, write_goal_id
@@ -21,11 +21,11 @@ from ur_nodes.web.driving.stick import StickState
 Refuse = Callable[[str, str], None]
 """Refuses a request, by its name, for a reason."""
 
-_WHAT = {Goal: "goal", GoTo: "go_to", InitialPose: "pose", Resume: "resume"}
+_WHAT = {GoalRequest: "goal", GoTo: "go_to", InitialPose: "pose", Resume: "resume"}
 
 
 @dataclass(frozen=True, slots=True)
-class Page:
+class GoalPage:
     """A page: `once` it has left, it cannot come again; `goal` is the number of its last goal.
 
     The number is 0 where it has sent none, or its end is known.
@@ -51,14 +51,14 @@ class PageGoals:
         """Cancel the goal, whichever client has sent it."""
         self._topics.cancel_goals()
 
-    def note(self, page: Page) -> Page:
+    def note(self, page: GoalPage) -> GoalPage:
         """Note when the goal of a page has ended."""
         goal = self._topics.goal()
         if page.goal and (goal.number != page.goal or goal.over):
             return replace(page, goal=0, lease=note_end(page.lease, self._node.steady()))
         return page
 
-    def take(self, page: Page, request: Goal | GoTo | InitialPose | Resume, refuse: Refuse) -> Page:
+    def take(self, page: GoalPage, request: GoalRequest | GoTo | InitialPose | Resume, refuse: Refuse) -> GoalPage:
         """Take a request of a page. One that is refused hands the lease back, unless its page drives to a goal."""
         why = ""
         if isinstance(request, GoTo):
@@ -66,7 +66,7 @@ class PageGoals:
             if place is None:
                 why = "no place"
             else:
-                return self.take(page, Goal(request.answers, *place), refuse)
+                return self.take(page, GoalRequest(request.answers, *place), refuse)
         elif self._link.is_late(request.answers):
             why = "late"
         elif not may_drive(page.lease, self._link.lease):
@@ -78,11 +78,11 @@ class PageGoals:
             self._topics.continue_goal(number_of(request.answers))
         elif isinstance(request, InitialPose):
             self._topics.set_pose(Pose2(request.x, request.y, request.yaw))
-        elif isinstance(request, Goal):
+        elif isinstance(request, GoalRequest):
             return self._go(page, request)
         return page
 
-    def _go(self, page: Page, goal: Goal) -> Page:
+    def _go(self, page: GoalPage, goal: GoalRequest) -> GoalPage:
         goal_id, yaw = f"{self._node.name}-{next(self._numbers)}-{time.time():.3f}", goal.yaw
         if yaw is None:
             goal_id = write_any_heading(goal_id)
@@ -93,7 +93,7 @@ class PageGoals:
         number = self._topics.send_goal(goal_id, Pose2(goal.x, goal.y, yaw))
         return replace(page, goal=number, lease=replace(page.lease, ended_at=None))
 
-    def acquire(self, page: Page, answer: Stamp) -> Page:
+    def acquire(self, page: GoalPage, answer: Stamp) -> GoalPage:
         """Ask for the lease for a page that begins to drive, unless it has it."""
         lease = self._link.lease
         if lease is None or lease.client == page.lease.client:

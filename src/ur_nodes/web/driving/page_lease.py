@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from ur_nodes.motion.lease.requests import PATIENCE, Requests, step_requests
+from ur_nodes.motion.lease.requests import PATIENCE, LeaseRequests, step_requests
 from ur_nodes.motion.lease.text import Action, Lease
 
 HAND_BACK = 3.0
@@ -44,7 +44,7 @@ def step_page(page: PageLease, lease: Lease | None, now: float) -> tuple[PageLea
     """The request to send now that the page has proved to be there; None for none: it only watches."""
     if lease is None:
         return page, None
-    state = Requests(page.client, "watch", lease, intent=page.wanted, give_up_at=page.until, begun=True)
+    state = LeaseRequests(page.client, "watch", lease, intent=page.wanted, give_up_at=page.until, begun=True)
     state, action = step_requests(state, now, linked=True)
     page = replace(page, wanted=state.intent)
     over = page.wanted is None and page.ended_at is not None and now - page.ended_at >= HAND_BACK

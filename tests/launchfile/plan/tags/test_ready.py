@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from ur.launchfile.plan.model import ReadyCondition
+from ur.launchfile.plan.specs import ReadyCondition
 from ur.launchfile.plan.tags.ready import is_ready_comment, parse_ready
 
 

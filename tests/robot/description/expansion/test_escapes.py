@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from ur.robot.description.expansion import process, xacro
-from ur.robot.description.expansion.xacro import Computer, read_description
+from ur.robot.description.expansion.xacro import ExpansionComputer, read_description
 from ur.robot.description.surroundings import find_surroundings
 from ur.source.diagnostic import UserError
 
@@ -119,7 +119,7 @@ def expand(folder: Path, body: str, port: int, *, confined: bool = True) -> str:
     places = {"mark": f"{folder}/mark", "secret": f"{folder}/secret"}
     words = [f"code:={CODE.format(port=port, **places)}", *(f"{name}:={value}" for name, value in places.items())]
     environment = {"PATH": "/usr/bin:/bin", "TOKEN": "hunter2"}
-    computer = Computer(environment, dict, Path("/nonexistent"), lambda _: not confined)
+    computer = ExpansionComputer(environment, dict, Path("/nonexistent"), lambda _: not confined)
     try:
         return read_description(path, find_surroundings(path, environment), computer, words).text
     except UserError as problem:

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from ur.robot.description.expansion import process, xacro
-from ur.robot.description.expansion.xacro import Computer, DescriptionText, read_description
+from ur.robot.description.expansion.xacro import DescriptionText, ExpansionComputer, read_description
 from ur.robot.description.surroundings import find_surroundings
 from ur.source.diagnostic import UserError
 
@@ -26,7 +26,7 @@ def read(
     consent: Callable[[str], bool] = lambda _: False,
 ) -> DescriptionText:
     variables = {"PATH": "", **(environment or {})}
-    computer = Computer(variables, lambda: packages or {}, made, consent)
+    computer = ExpansionComputer(variables, lambda: packages or {}, made, consent)
     return read_description(path, find_surroundings(path, variables), computer, words)
 
 

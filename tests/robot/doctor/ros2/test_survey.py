@@ -12,8 +12,8 @@ from pathlib import Path
 import pytest
 from tests.ros2_session import PYTHON, ROOT, Ros2Session
 
-from ur.robot.doctor.ros2.model import Ros2
 from ur.robot.doctor.ros2.observe import inspect_ros2, parse_ros2
+from ur.robot.doctor.ros2.seen_graph import Ros2
 from ur.robot.doctor.rules import diagnose_alone
 from ur.robot.doctor.side import Side
 from ur.robot.ssh.shell import LocalShell

@@ -10,12 +10,12 @@ import pytest
 from tests.robot.doctor.pairs import BOB, LAPTOP, NOBODY, PAIR, ROBOT, WIFI
 from tests.robot.doctor.rules.ros2.cases import CASES as ROS2_CASES
 
-from ur.devices.model import Device, Expected, Holder, Snapshot
+from ur.devices.device import Device, DeviceHolder, DeviceSnapshot, Expected
+from ur.robot.doctor.findings import AdvertisedNode, ComputerPair, Owner
 from ur.robot.doctor.messages import Message
-from ur.robot.doctor.model import Advertised, Owner, Pair
 from ur.robot.doctor.rules import KINDS, diagnose, diagnose_alone
-from ur.robot.doctor.side import Disk, Setting, Side, Unit
-from ur.robot.doctor.wifi import Wifi
+from ur.robot.doctor.side import Disk, FailedUnit, Setting, Side
+from ur.robot.doctor.wifi import WirelessLink
 from ur.system.releases import System
 
 STOPPED = {"ssh.service": "active", "avahi-daemon.service": "inactive", "chrony.service": "active"}
@@ -26,11 +26,11 @@ MASTER = {"ROS_MASTER_URI": "http://bob.local:11311"}
 OTHER = {"std_msgs/String.msg": Message("xyz", "/usr/share/std_msgs")}
 
 
-def there(**changes: object) -> Pair:
+def there(**changes: object) -> ComputerPair:
     return replace(PAIR, there=replace(ROBOT, **changes))  # type: ignore[arg-type] # a test's own keywords
 
 
-def here(**changes: object) -> Pair:
+def here(**changes: object) -> ComputerPair:
     return replace(PAIR, here=replace(LAPTOP, **changes))  # type: ignore[arg-type] # a test's own keywords
 
 
@@ -63,7 +63,7 @@ CASES = [
     ("wrong-master", there(ros={"ROS_HOSTNAME": "bob.local"})),
     ("wrong-master", here(ros={"ROS_HOSTNAME": "laptop.local", "ROS_MASTER_URI": "http://localhost:11311"})),
     ("wrong-ros-hostname", here(ros={**MASTER, "ROS_HOSTNAME": "localhost"})),
-    ("unresolvable-node", replace(PAIR, advertised=(Advertised("/x", "robot", NOBODY, BOB),))),
+    ("unresolvable-node", replace(PAIR, advertised=(AdvertisedNode("/x", "robot", NOBODY, BOB),))),
     ("clock-offset", replace(PAIR, offset=-5.0)),
     ("no-time-synchronisation", there(active=NO_CHRONY)),
     ("weak-wifi", there(wifi=(replace(WIFI, signal=-78.0, rate=6.0),))),
@@ -73,18 +73,18 @@ CASES = [
     ("low-memory", there(memory_free=40.0)),
     ("under-voltage", there(throttled=0x50005)),
     ("under-voltage", there(throttled=0x10000)),
-    ("failing-boot-service", there(failing=(Unit("ubiquity-drive.service", 7),))),
-    ("failed-service", there(failing=(Unit("a.service"),))),
+    ("failing-boot-service", there(failing=(FailedUnit("ubiquity-drive.service", 7),))),
+    ("failed-service", there(failing=(FailedUnit("a.service"),))),
     ("missing-package", there(packages={name: "1" for name in ROBOT.packages if name != "xauth"})),
     ("missing-package", here(packages={name: "1" for name in LAPTOP.packages if name != "sshfs"})),
     ("different-messages", there(messages=OTHER)),
     *(
         (rule, replace(PAIR, devices=snapshot, expected=(Expected("lidar", "serial", "/dev/rplidar", "rplidar"),)))
         for rule, snapshot in (
-            ("missing-device", Snapshot("ros")),
-            ("device-without-name", Snapshot("ros", devices=(replace(DEVICE, links=()),))),
-            ("device-refused", Snapshot("ros", devices=(replace(DEVICE, allowed=False),))),
-            ("device-in-use", Snapshot("ros", devices=(replace(DEVICE, holders=(Holder(7, "agetty"),)),))),
+            ("missing-device", DeviceSnapshot("ros")),
+            ("device-without-name", DeviceSnapshot("ros", devices=(replace(DEVICE, links=()),))),
+            ("device-refused", DeviceSnapshot("ros", devices=(replace(DEVICE, allowed=False),))),
+            ("device-in-use", DeviceSnapshot("ros", devices=(replace(DEVICE, holders=(DeviceHolder(7, "agetty"),)),))),
         )
     ),
     ("unsupported-release", there(release=System("ubuntu", version="24.04", name="Ubuntu 24.04"))),
@@ -93,7 +93,7 @@ CASES = [
 
 
 @pytest.mark.parametrize(("rule", "pair"), CASES)
-def test_one_difference_is_one_finding_with_something_to_do(rule: str, pair: Pair) -> None:
+def test_one_difference_is_one_finding_with_something_to_do(rule: str, pair: ComputerPair) -> None:
     (finding,) = diagnose(pair)
     assert finding.rule == rule
     assert finding.help or finding.commands
@@ -111,8 +111,8 @@ def test_every_kind_of_finding_is_tried_here_and_explained_to_users() -> None:
         PAIR,
         replace(PAIR, selected=False, here=replace(LAPTOP, ros={"ROS_HOSTNAME": "localhost"})),
         here(wifi=(WIFI,)),
-        here(wifi=(Wifi("wlan0"),)),
-        here(failing=(Unit("cups.service"),)),  # no business of robots
+        here(wifi=(WirelessLink("wlan0"),)),
+        here(failing=(FailedUnit("cups.service"),)),  # no business of robots
         there(disks=(Disk("/var/log", 30.0, 0.4),)),  # small, and hardly used
         there(shell=ROBOT.ros),
         there(release=System("debian", version="13", name="Debian 13")),
@@ -120,7 +120,7 @@ def test_every_kind_of_finding_is_tried_here_and_explained_to_users() -> None:
         there(messages={"my_msgs/X.msg": Message("1", "~/catkin_ws/src/my_msgs")}),
     ],
 )
-def test_healthy_pair_has_no_findings(pair: Pair) -> None:
+def test_healthy_pair_has_no_findings(pair: ComputerPair) -> None:
     assert diagnose(pair) == []
 
 
@@ -140,7 +140,7 @@ def test_nothing_is_found_where_nothing_was_seen() -> None:
     assert [finding.rule for finding in diagnose_alone(Side(""))] == ["avahi-not-running"]
 
 
-def commands(pair: Pair) -> list[tuple[str, str, bool]]:
+def commands(pair: ComputerPair) -> list[tuple[str, str, bool]]:
     (finding,) = diagnose(pair)
     return [(command.where, command.typed, command.safe) for command in finding.commands]
 
@@ -178,7 +178,7 @@ def test_shell_that_is_older_than_the_selection_is_renewed() -> None:
 
 
 def test_node_with_a_lost_name_is_ended_where_it_runs_or_its_service_restarted() -> None:
-    lost = Advertised("/x", "robot", NOBODY, NOBODY, Owner("there", 12, "rostopic pub /x"))
+    lost = AdvertisedNode("/x", "robot", NOBODY, NOBODY, Owner("there", 12, "rostopic pub /x"))
     ((where, typed, safe),) = commands(replace(PAIR, advertised=(lost,)))
     assert (where, safe) == ("there", False)
     assert typed.startswith("kill -INT 12;")
@@ -244,4 +244,4 @@ def test_robot_whose_login_here_was_declined_is_not_asked_to_have_one() -> None:
 
 def test_container_is_not_blamed_for_devices_that_its_host_does_not_pass_on() -> None:
     expected = (Expected("base", "serial", "/dev/ttyAMA0", "pi-uart"),)
-    assert diagnose(replace(PAIR, devices=Snapshot("ros", container=True), expected=expected)) == []
+    assert diagnose(replace(PAIR, devices=DeviceSnapshot("ros", container=True), expected=expected)) == []

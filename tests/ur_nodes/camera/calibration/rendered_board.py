@@ -9,7 +9,7 @@ import cv2
 import numpy as np
 
 from ur_nodes.camera.calibration.board import Board, Floats
-from ur_nodes.camera.calibration.coverage import View
+from ur_nodes.camera.calibration.coverage import BoardView
 from ur_nodes.pictures.decode import Pixels
 
 WIDTH, HEIGHT = 640, 480
@@ -74,12 +74,12 @@ def rotate(pitch: float, yaw: float, roll: float) -> Floats:
     return turned
 
 
-def project_views(board: Board, noise: float = 0.1) -> list[View]:
+def project_views(board: Board, noise: float = 0.1) -> list[BoardView]:
     """The views of those poses without pictures: corners are projected, with noise in pixels."""
     random, views = np.random.default_rng(1), []
     centred = board.points - board.points.mean(axis=0)
     for rotation, translation in list_poses():
         turn = cv2.Rodrigues(rotation)[0]
         corners = cv2.projectPoints(centred, turn, translation, MATRIX, DISTORTION)[0].reshape(-1, 2)
-        views.append(View(corners + random.normal(0.0, noise, corners.shape), WIDTH, HEIGHT))
+        views.append(BoardView(corners + random.normal(0.0, noise, corners.shape), WIDTH, HEIGHT))
     return views

@@ -8,8 +8,8 @@ import pytest
 from ur_nodes.camera.calibration.board import Board, Floats, draw_page
 from ur_nodes.camera.calibration.coverage import (
     CELLS,
+    BoardView,
     Coverage,
-    View,
     advise,
     is_novel,
     is_still,
@@ -21,13 +21,13 @@ from ur_nodes.teleop.camera.picture_screen import draw_picture_screen
 BOARD = Board(5, 4)
 
 
-def make_view(x: float = 320.0, y: float = 240.0, size: float = 200.0, narrow: str = "") -> View:
+def make_view(x: float = 320.0, y: float = 240.0, size: float = 200.0, narrow: str = "") -> BoardView:
     """A board in the picture whose edge `narrow` is shorter than the opposite one."""
     u, v = np.meshgrid(np.linspace(-0.5, 0.5, BOARD.columns), np.linspace(-0.4, 0.4, BOARD.rows))
     shrink = {"left": 1 + 0.3 * u, "right": 1 - 0.3 * u, "top": 1 + 0.3 * v, "bottom": 1 - 0.3 * v}.get(narrow, 1.0)
     across, along = (u * shrink, v) if narrow in ("top", "bottom") else (u, v * shrink)
     corners: Floats = np.stack([x + size * across, y + size * along], axis=-1).reshape(-1, 2)
-    return View(corners, 640, 480)
+    return BoardView(corners, 640, 480)
 
 
 def test_without_views_everything_is_missing() -> None:
@@ -48,7 +48,7 @@ def test_cells_are_covered_where_corners_are() -> None:
 @pytest.mark.parametrize("turned", [False, True])
 def test_edge_that_is_farther_away_is_recognised_however_the_board_is_turned(edge: str, turned: bool) -> None:
     view = make_view(narrow=edge)
-    assert list_tilts(View(view.corners[::-1] if turned else view.corners, 640, 480), BOARD) == (edge,)
+    assert list_tilts(BoardView(view.corners[::-1] if turned else view.corners, 640, 480), BOARD) == (edge,)
     assert list_tilts(make_view(), BOARD) == ()
 
 

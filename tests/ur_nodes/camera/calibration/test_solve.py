@@ -6,15 +6,15 @@ from tests.ur_nodes.camera.calibration.rendered_board import MATRIX, Studio, lis
 
 from ur.source.diagnostic import UserError
 from ur_nodes.camera.calibration.board import Board, find_corners
-from ur_nodes.camera.calibration.coverage import View, measure_coverage
+from ur_nodes.camera.calibration.coverage import BoardView, measure_coverage
 from ur_nodes.camera.calibration.session import Session, describe, draw_overlay
-from ur_nodes.camera.calibration.solve import Result, solve, solve_or_fail
+from ur_nodes.camera.calibration.solve import CalibrationResult, solve, solve_or_fail
 
 BOARD = Board()
 VIEWS = project_views(BOARD)
 
 
-def assert_good(result: Result | None) -> None:
+def assert_good(result: CalibrationResult | None) -> None:
     """Within 1 % of the true calibration."""
     assert result is not None
     matrix = np.reshape(result.calibration.matrix, (3, 3))
@@ -68,7 +68,7 @@ def test_overlay_marks_what_is_missing_and_the_corners() -> None:
 
 
 def test_view_of_a_board_that_moved_is_left_out() -> None:
-    wrong = View(VIEWS[0].corners.copy(), 640, 480)
+    wrong = BoardView(VIEWS[0].corners.copy(), 640, 480)
     wrong.corners[::3] += 12.0
     result = solve([*VIEWS, wrong], BOARD)
     assert_good(result)
@@ -79,13 +79,13 @@ def test_view_of_a_board_that_moved_is_left_out() -> None:
 def test_large_error_and_uncertainty_are_refused_with_what_to_do() -> None:
     good = solve(VIEWS, BOARD)
     assert good is not None
-    assert "expected at most 1:" in Result(good.calibration, 1.4, 0.001, 15, 15, 4).problem
-    assert "tilt the board more" in Result(good.calibration, 0.2, 0.05, 15, 15, 4).problem
+    assert "expected at most 1:" in CalibrationResult(good.calibration, 1.4, 0.001, 15, 15, 4).problem
+    assert "tilt the board more" in CalibrationResult(good.calibration, 0.2, 0.05, 15, 15, 4).problem
 
 
 def test_views_from_the_front_alone_are_refused() -> None:
     flat = BOARD.points[:, :2] / 0.5 * 540.0
-    views = [View(flat + np.array([x, 150.0]), 640, 480) for x in (50.0, 150.0, 250.0)]
+    views = [BoardView(flat + np.array([x, 150.0]), 640, 480) for x in (50.0, 150.0, 250.0)]
     result = solve(views, BOARD)
     assert result is None or "not tilted enough" in result.problem
 

@@ -10,7 +10,7 @@ from tests.ur_nodes.camera.calibration.rendered_board import project_views
 from ur.source.diagnostic import UserError
 from ur_nodes.camera.calibration.board import Board
 from ur_nodes.camera.calibration.solve import describe_result, solve_or_fail
-from ur_nodes.camera.calibration.store import CalibrationStore
+from ur_nodes.camera.calibration.store import CalibrationClient
 from ur_nodes.memory.bus import Bus
 from ur_nodes.ports.services import UseCalibration
 from ur_nodes.ports.values import Result
@@ -22,7 +22,7 @@ SERVICE = "/left/set_camera_info"
 def keep(serve: Callable[[UseCalibration], Result] | None) -> str | None:
     """The answer of a camera's node on a bus, which runs beside the call."""
     bus = Bus()
-    store = CalibrationStore(bus.node("calibrate_camera"), "left")
+    store = CalibrationClient(bus.node("calibrate_camera"), "left")
     if serve is not None:
         bus.node("left").serve("left/set_camera_info", UseCalibration, serve)
     with ThreadPoolExecutor(1) as pool:
@@ -54,4 +54,4 @@ def test_refusal_and_missing_service_are_errors_that_name_it() -> None:
 def test_wait_ends_with_the_program() -> None:
     ended = threading.Event()
     ended.set()
-    assert CalibrationStore(Bus().node("calibrate_camera"), "left").keep(RESULT.calibration, ended) is None
+    assert CalibrationClient(Bus().node("calibrate_camera"), "left").keep(RESULT.calibration, ended) is None

@@ -5,9 +5,9 @@ import pytest
 from ur_nodes.client.patrol_text import PatrolAction, PatrolRequest
 from ur_nodes.missions.robot.admission import refuse_request
 from ur_nodes.motion.lease.text import FREE, Lease
-from ur_nodes.navigation.goals.goal_claim import Challenges, note_challenge
+from ur_nodes.navigation.goals.goal_claim import ReceivedChallenges, note_challenge
 
-HEARD = note_challenge(note_challenge(Challenges(), 7_000_000_000, 50.0), 9_000_000_000, 52.0)
+HEARD = note_challenge(note_challenge(ReceivedChallenges(), 7_000_000_000, 50.0), 9_000_000_000, 52.0)
 OTHERS = Lease("held", "laptop-1", "laptop", since=1.8e9)
 OWN = Lease("held", "patrol", "patrol")
 

@@ -16,11 +16,11 @@ from ur_nodes.motion.admission.admission import (
     admit_stamped,
     challenge,
 )
-from ur_nodes.motion.challenge.freshness import FRESHNESS, NO_STAMP, Challenges, Stamp
+from ur_nodes.motion.challenge.freshness import FRESHNESS, NO_STAMP, IssuedChallenges, Stamp
 from ur_nodes.motion.lease.record import start_lease
-from ur_nodes.motion.lease.text import Action, Request
+from ur_nodes.motion.lease.text import Action, LeaseRequest
 from ur_nodes.motion.mux import MuxState, start_mux, step
-from ur_nodes.motion.mux_events import Command, MuxSettings, Source, Velocity
+from ur_nodes.motion.mux_events import MuxSettings, Source, Velocity, VelocityCommand
 from ur_nodes.motion.ramp import Axis
 
 KEYBOARD, NAVIGATION = 0, 1
@@ -36,7 +36,9 @@ class Robot:
     """Admission and mux, with challenges that are issued on time."""
 
     admission: Admission = field(
-        default_factory=lambda: Admission(Challenges(1), start_lease(), tuple(source.timeout for source in SOURCES))
+        default_factory=lambda: Admission(
+            IssuedChallenges(1), start_lease(), tuple(source.timeout for source in SOURCES)
+        )
     )
     mux: MuxState = field(default_factory=lambda: start_mux(SETTINGS))
     now: float = 0.0
@@ -57,7 +59,7 @@ class Robot:
                 self.step(None)
         self.now = end
 
-    def step(self, command: Command | None) -> None:
+    def step(self, command: VelocityCommand | None) -> None:
         self.mux, output = step(self.mux, command, self.now)
         if output is not None:
             self.outputs.append((self.now, output.forward))
@@ -65,7 +67,7 @@ class Robot:
     def stamped(self, stamp: Stamp, client: str = "a", source: int = KEYBOARD) -> float | Refusal:
         self.admission, verdict = admit_stamped(self.admission, source, stamp, client, self.now, self.now, motion=True)
         if isinstance(verdict, float):
-            self.step(Command(source, AHEAD, self.now - verdict))
+            self.step(VelocityCommand(source, AHEAD, self.now - verdict))
         return verdict
 
     def plain(self, publisher: str = "/p", source: int = KEYBOARD, sent: float | None = None) -> float | Refusal:
@@ -73,11 +75,11 @@ class Robot:
         moment = None if sent is None else (round((sent + 100.0) * 1e9), self.now)
         self.admission, verdict = admit_plain(self.admission, source, publisher, self.now, motion=True, sent=moment)
         if isinstance(verdict, float):
-            self.step(Command(source, AHEAD, self.now - verdict))
+            self.step(VelocityCommand(source, AHEAD, self.now - verdict))
         return verdict
 
     def request(self, client: str, action: Action, stamp: Stamp | None = None) -> bool:
-        request = Request(client, client, "p", action, answers=stamp or self.newest)
+        request = LeaseRequest(client, client, "p", action, answers=stamp or self.newest)
         self.admission, counted = admit_request(self.admission, request, self.now, self.now)
         return counted
 

@@ -6,11 +6,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ur_nodes.motion.challenge.freshness import NO_STAMP, Challenges, Stamp, age_of, issue
+from ur_nodes.motion.challenge.freshness import NO_STAMP, IssuedChallenges, Stamp, age_of, issue
 
 
-def issue_all(times: list[float], offset: int = 1) -> tuple[Challenges, list[Stamp]]:
-    challenges, stamps = Challenges(offset), []
+def issue_all(times: list[float], offset: int = 1) -> tuple[IssuedChallenges, list[Stamp]]:
+    challenges, stamps = IssuedChallenges(offset), []
     for at in times:
         challenges, stamp = issue(challenges, at)
         stamps.append(stamp)
@@ -50,7 +50,7 @@ def test_restarted_issuer_does_not_know_the_challenges_of_the_one_before() -> No
 @pytest.mark.parametrize("offset", [0, -1, 2**32 * 10**9])
 def test_offset_without_room_is_refused(offset: int) -> None:
     with pytest.raises(ValueError, match="offset"):
-        Challenges(offset)
+        IssuedChallenges(offset)
 
 
 @given(st.lists(st.floats(0.0, 1e6), max_size=60), st.integers(1, 2**60))

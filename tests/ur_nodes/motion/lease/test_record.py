@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from ur_nodes.motion.lease.record import ClientCommand, LeaseEvent, LeaseRecord, may_drive, start_lease, step_lease
-from ur_nodes.motion.lease.text import MOST_ASKING, Action, Lease, Person, Request
+from ur_nodes.motion.lease.text import MOST_ASKING, Action, Lease, LeaseRequest, Viewer
 
 ACTIONS: tuple[Action, ...] = ("acquire", "renew", "ask", "take", "release", "grant")
 UNIX = 1_800_000_000.0
@@ -26,7 +26,7 @@ class LeaseRun:
         self, client: str, action: Action, *, attended: bool = True, name: str = "", computer: str = ""
     ) -> Lease:
         name = name or f"{client}-host"
-        return self.handle(Request(client, name, "keyboard_drive", action, attended, computer=computer))
+        return self.handle(LeaseRequest(client, name, "keyboard_drive", action, attended, computer=computer))
 
     def handle(self, event: LeaseEvent | None) -> Lease:
         self.record = step_lease(self.record, event, self.now, UNIX + self.now)
@@ -54,7 +54,7 @@ def test_held_lease_cannot_be_acquired_but_taken(run: LeaseRun) -> None:
     run.now = 1.0
     lease = run.request("b", "take")
     assert (lease.state, lease.client, lease.since) == ("held", "b", UNIX + 1.0)
-    assert (lease.taken_from, lease.taken_at) == (Person("a", "a-host"), UNIX + 1.0)
+    assert (lease.taken_from, lease.taken_at) == (Viewer("a", "a-host"), UNIX + 1.0)
 
 
 def test_holder_that_is_not_heard_is_lost_and_holds_again_when_it_is(run: LeaseRun) -> None:
@@ -83,7 +83,7 @@ def test_lost_lease_is_left_to_its_holder_until_another_takes_it_on_purpose(run:
     assert (lease.state, lease.client) == ("lost", "a")
     assert not may_drive(run.record, "b")
     lease = run.request("b", "take")
-    assert (lease.state, lease.client, lease.taken_from) == ("held", "b", Person("a", "a-host"))
+    assert (lease.state, lease.client, lease.taken_from) == ("held", "b", Viewer("a", "a-host"))
     assert run.request("a", "renew").client == "b"
 
 
@@ -135,7 +135,7 @@ def test_who_asks_gets_the_lease_by_grant_or_release_in_order(run: LeaseRun) -> 
     assert [each.client for each in run.request("c", "ask").asking] == ["b", "c"]
     assert run.request("b", "grant").client == "a"  # it is not b's to give
     lease = run.request("a", "grant")
-    assert (lease.client, lease.asking, lease.taken_from) == ("b", (Person("c", "c-host"),), None)
+    assert (lease.client, lease.asking, lease.taken_from) == ("b", (Viewer("c", "c-host"),), None)
     assert run.request("b", "release").client == "c"
     assert run.request("c", "release").state == "free"
 
@@ -203,7 +203,7 @@ def test_holder_before_the_master_was_started_anew_is_forgotten_unless_it_return
 clients = st.sampled_from(["a", "b", "c"])
 events = st.one_of(
     st.none(),
-    st.builds(lambda client, action: Request(client, client, "p", action), clients, st.sampled_from(ACTIONS)),
+    st.builds(lambda client, action: LeaseRequest(client, client, "p", action), clients, st.sampled_from(ACTIONS)),
     st.builds(ClientCommand, clients | st.just(""), motion=st.booleans()),
 )
 histories = st.lists(st.tuples(st.sampled_from([0.0, 0.2, 1.0, 2.9, 3.1]), events), max_size=60)
@@ -228,12 +228,12 @@ def test_invariants_hold_in_any_history(history: list[tuple[float, LeaseEvent | 
         if after.state == "held":
             assert run.now - received[after.client] <= 3.0
         if before.state == "held" and after.client != before.client:
-            assert isinstance(event, Request)
+            assert isinstance(event, LeaseRequest)
             assert event.action == "take" or event.client == before.client
         if before.state == "lost" and after.client not in ("", before.client):
-            assert isinstance(event, Request)
+            assert isinstance(event, LeaseRequest)
             assert event.action == "take" or event.client == before.client
         assert (after.until is not None) == (after.state == "lost")
         if before.client and after.client not in ("", before.client):
-            gone = isinstance(event, Request) and event.client == before.client
+            gone = isinstance(event, LeaseRequest) and event.client == before.client
             assert (after.taken_from is None) == gone

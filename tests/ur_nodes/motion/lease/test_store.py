@@ -9,9 +9,9 @@ from pathlib import Path
 import pytest
 
 from ur_nodes.motion.lease.store import LeaseStore, make_store
-from ur_nodes.motion.lease.text import FREE, Lease, Person
+from ur_nodes.motion.lease.text import FREE, Lease, Viewer
 
-LEASE = Lease("held", "a", "laptop", "keyboard_drive", 1.8e9, False, (Person("b", "desktop"),), computer="c1")
+LEASE = Lease("held", "a", "laptop", "keyboard_drive", 1.8e9, False, (Viewer("b", "desktop"),), computer="c1")
 
 
 @pytest.fixture

@@ -13,8 +13,8 @@ from ur_nodes.motion.lease.text import (
     FREE,
     LONGEST_NAME,
     Lease,
-    Person,
-    Request,
+    LeaseRequest,
+    Viewer,
     clean_name,
     read_lease,
     read_request,
@@ -22,8 +22,8 @@ from ur_nodes.motion.lease.text import (
     write_request,
 )
 
-REQUEST = Request("a1", "laptop", "keyboard_drive", "take", False, (1_234_567, 89))
-LEASE = Lease("held", "a1", "laptop", "p", 1.8e9, False, (Person("b", "desktop"),), Person("c", "phone"), 1.8e9)
+REQUEST = LeaseRequest("a1", "laptop", "keyboard_drive", "take", False, (1_234_567, 89))
+LEASE = Lease("held", "a1", "laptop", "p", 1.8e9, False, (Viewer("b", "desktop"),), Viewer("c", "phone"), 1.8e9)
 
 
 def change(text: str, **fields: Any) -> str:
@@ -89,7 +89,7 @@ def test_names_are_fit_to_be_shown() -> None:
     assert len(clean_name("n" * 1000)) == LONGEST_NAME
     assert clean_name(None) == ""
     nameless = read_request(change(write_request(REQUEST), name="\n"))
-    assert isinstance(nameless, Request)
+    assert isinstance(nameless, LeaseRequest)
     assert nameless.name == "a1"
 
 

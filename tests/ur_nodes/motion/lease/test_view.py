@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import pytest
 
-from ur_nodes.motion.lease.text import FREE, Action, Lease, Person
+from ur_nodes.motion.lease.text import FREE, Action, Lease, Viewer
 from ur_nodes.motion.lease.view import LeaseView, first_action, identify, is_settled, view_lease
 
 MINE = Lease("held", "me", "laptop", "keyboard_drive", 1.8e9)
-OTHER = Lease("held", "you", "desktop", "", 1.8e9, True, (Person("me", "laptop"), Person("3", "phone")))
+OTHER = Lease("held", "you", "desktop", "", 1.8e9, True, (Viewer("me", "laptop"), Viewer("3", "phone")))
 
 
 def test_identity_comes_from_the_environment() -> None:
@@ -73,7 +73,7 @@ def test_view_names_others_and_leaves_out_oneself() -> None:
 
 
 def test_view_says_who_took_over() -> None:
-    taken = Lease("held", "you", "desktop", "", 1.8e9, taken_from=Person("me", "laptop"), taken_at=1.8e9)
+    taken = Lease("held", "you", "desktop", "", 1.8e9, taken_from=Viewer("me", "laptop"), taken_at=1.8e9)
     view = view_lease(taken, "me", taken, 0.02)
     assert (view.taken_by, view.taken_at) == ("desktop", 1.8e9)
 
@@ -86,8 +86,8 @@ def test_lost_lease_of_another_is_told_from_ones_own() -> None:
 
 
 def test_view_forgets_who_took_over_once_somebody_else_drives() -> None:
-    taken = Lease("held", "you", "desktop", "", 1.8e9, taken_from=Person("me", "laptop"), taken_at=1.8e9)
-    third = Lease("held", "3", "phone", "", 1.8e9, taken_from=Person("you", "desktop"), taken_at=1.8e9)
+    taken = Lease("held", "you", "desktop", "", 1.8e9, taken_from=Viewer("me", "laptop"), taken_at=1.8e9)
+    third = Lease("held", "3", "phone", "", 1.8e9, taken_from=Viewer("you", "desktop"), taken_at=1.8e9)
     assert view_lease(third, "me", taken, 0.02).taken_by == ""
 
 

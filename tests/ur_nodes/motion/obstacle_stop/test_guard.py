@@ -12,13 +12,13 @@ from tests.ur_nodes.motion.obstacle_stop.conftest import guard_of, load, scan_of
 from ur.robot.base import Cliff, Cliffs
 from ur_nodes.motion.obstacle_stop.base import contact_points, contact_topics, explain_frame, make_sight
 from ur_nodes.motion.obstacle_stop.guard import BLIND, Cause, make_guard
-from ur_nodes.motion.obstacle_stop.sight import Contact, Ranges, Sight, touch
+from ur_nodes.motion.obstacle_stop.sight import Contact, SensorRanges, Sight, touch
 
 FRONT = 0.10  # m from the lidar of stage to its front edge
 
 
-def free(at: float) -> Ranges:
-    return Ranges(np.full(360, math.inf), (0.12, 12.0), at, -math.pi, math.pi / 180.0)
+def free(at: float) -> SensorRanges:
+    return SensorRanges(np.full(360, math.inf), (0.12, 12.0), at, -math.pi, math.pi / 180.0)
 
 
 def test_free_floor_permits_full_speed(sight: Sight) -> None:
@@ -53,7 +53,7 @@ def test_robot_at_a_wall_turns_and_backs_off(sight: Sight) -> None:
 def test_robot_before_a_pole_turns_while_the_way_forward_is_blocked(sight: Sight) -> None:
     ranges = np.full(360, math.inf)
     ranges[180] = FRONT + 0.02
-    guard = guard_of(seeing(sight, Ranges(ranges, (0.12, 12.0), 1.0, -math.pi, math.pi / 180.0)))
+    guard = guard_of(seeing(sight, SensorRanges(ranges, (0.12, 12.0), 1.0, -math.pi, math.pi / 180.0)))
     both = guard.permit(0.5, 1.0, 1.0)
     assert both.forward == 0.0
     assert both.turn > 0.1
@@ -85,7 +85,7 @@ def test_last_points_of_a_scan_that_stopped_still_stop(sight: Sight) -> None:
 def test_robot_drives_slowly_to_where_no_sensor_looks() -> None:
     sight = make_sight(load("magni"))
     for number in range(len(sight.sensors)):
-        sight = seeing(sight, Ranges(np.array([math.inf]), (0.05, 4.0), 1.0, cone=0.436), number)
+        sight = seeing(sight, SensorRanges(np.array([math.inf]), (0.05, 4.0), 1.0, cone=0.436), number)
     guard = guard_of(sight, "magni")
     assert guard.permit(0.5, 0.0, 1.0).cause is None
     back = guard.permit(-0.5, 0.5, 1.0)
@@ -156,7 +156,9 @@ def test_tight_passage_is_crept_through(sight: Sight) -> None:
     angles = -np.pi + np.arange(360) * np.pi / 180.0
     aside = np.abs(np.sin(angles))
     ranges = np.where(aside > 0.05, 0.205 / np.maximum(aside, 0.05), np.inf)
-    verdict = guard_of(seeing(sight, Ranges(ranges, (0.12, 12.0), 1.0, -np.pi, np.pi / 180.0))).permit(0.5, 0.0, 1.0)
+    verdict = guard_of(seeing(sight, SensorRanges(ranges, (0.12, 12.0), 1.0, -np.pi, np.pi / 180.0))).permit(
+        0.5, 0.0, 1.0
+    )
     assert 0.05 <= verdict.forward <= 0.1
 
 

@@ -11,12 +11,12 @@ from tests.ur_nodes.motion.obstacle_stop.conftest import load, scan_of, seeing
 
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.motion.obstacle_stop.base import contact_points, make_sight
-from ur_nodes.motion.obstacle_stop.sight import MEMORY, Contact, Ranges, Sight, move, touch
+from ur_nodes.motion.obstacle_stop.sight import MEMORY, Contact, SensorRanges, Sight, move, touch
 from ur_nodes.motion.obstacle_stop.track import Odometer
 
 
-def echo(distance: float, at: float) -> Ranges:
-    return Ranges(np.array([distance]), (0.05, 4.0), at, cone=0.436)
+def echo(distance: float, at: float) -> SensorRanges:
+    return SensorRanges(np.array([distance]), (0.05, 4.0), at, cone=0.436)
 
 
 def test_wall_ahead_lies_where_the_lidar_measured_it(sight: Sight) -> None:
@@ -42,24 +42,24 @@ def test_beams_of_a_turning_lidar_count_from_their_own_time(sight: Sight) -> Non
 
 @pytest.mark.parametrize("value", [math.nan, 0.0, 0.05, math.inf, 12.0, 20.0])
 def test_beams_that_met_nothing_or_measured_nothing_leave_no_point(sight: Sight, value: float) -> None:
-    reading = Ranges(np.array([0.5, value, math.inf]), (0.12, 12.0), 1.0, 0.0, 0.1)
+    reading = SensorRanges(np.array([0.5, value, math.inf]), (0.12, 12.0), 1.0, 0.0, 0.1)
     assert len(seeing(sight, reading).points_at(1.0)) == 1
 
 
 def test_beam_that_met_something_too_near_to_measure_counts_at_the_least_range(sight: Sight) -> None:
-    reading = Ranges(np.array([-math.inf, math.inf]), (0.12, 12.0), 1.0, 0.0, 0.1)
+    reading = SensorRanges(np.array([-math.inf, math.inf]), (0.12, 12.0), 1.0, 0.0, 0.1)
     assert seeing(sight, reading).points_at(1.0) == pytest.approx(np.array([[0.22, 0.0]]))
 
 
 def test_scan_without_a_measurement_is_no_scan(sight: Sight) -> None:
-    covered = seeing(sight, Ranges(np.full(360, math.nan), (0.12, 12.0), 1.0, -math.pi, 0.0175))
+    covered = seeing(sight, SensorRanges(np.full(360, math.nan), (0.12, 12.0), 1.0, -math.pi, 0.0175))
     assert covered.age(sight.sensors[0], 1.0) == math.inf
-    free = seeing(sight, Ranges(np.full(360, math.inf), (0.12, 12.0), 1.0, -math.pi, 0.0175))
+    free = seeing(sight, SensorRanges(np.full(360, math.inf), (0.12, 12.0), 1.0, -math.pi, 0.0175))
     assert free.age(sight.sensors[0], 1.2) == pytest.approx(0.2)
 
 
 def test_parts_of_the_robot_itself_are_left_out(sight: Sight) -> None:
-    inside = Ranges(np.array([0.15, math.inf]), (0.12, 12.0), 1.0, math.pi, 0.1)  # 5 cm behind the axle
+    inside = SensorRanges(np.array([0.15, math.inf]), (0.12, 12.0), 1.0, math.pi, 0.1)  # 5 cm behind the axle
     assert len(seeing(sight, inside).points_at(1.0)) == 0
 
 
@@ -92,7 +92,7 @@ def test_echo_is_remembered_once_it_is_out_of_the_cone_and_forgotten_when_the_co
 def test_upside_down_sonar_looks_where_its_file_says() -> None:
     loki = make_sight(load("loki"))
     left = next(n for n, sensor in enumerate(loki.sensors) if sensor.name == "sonar_8")
-    points = seeing(loki, Ranges(np.array([0.3]), (0.02, 4.0), 1.0, cone=0.436), left).points_at(1.0)
+    points = seeing(loki, SensorRanges(np.array([0.3]), (0.02, 4.0), 1.0, cone=0.436), left).points_at(1.0)
     assert points[:, 1].min() > 0.3
     assert loki.sensors[left].sees(np.array([(-0.126, 0.5), (-0.126, -0.5)])).tolist() == [True, False]
 

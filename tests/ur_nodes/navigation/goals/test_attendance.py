@@ -10,23 +10,23 @@ from ur_nodes.motion.lease.text import FREE, Lease
 from ur_nodes.navigation.goals.attendance import (
     Act,
     Attendance,
-    Settings,
-    Verdict,
+    AttendanceSettings,
+    GoalVerdict,
     attend_goal,
     clock_time,
     continue_goal,
     refuse_goal,
     step_attendance,
 )
-from ur_nodes.navigation.goals.goal_claim import Challenges, Claim, note_challenge
+from ur_nodes.navigation.goals.goal_claim import Claim, ReceivedChallenges, note_challenge
 
 SECOND = 1_000_000_000
 HELD = Lease("held", "aa", "laptop", since=50.0)
 LOST = replace(HELD, state="lost")
 OTHER = Lease("held", "bb", "laptop2", since=60.0)
 MINE = Claim("aa", SECOND)
-SETTINGS = Settings()
-ASK = Settings(ask=True)
+SETTINGS = AttendanceSettings()
+ASK = AttendanceSettings(ask=True)
 
 
 @dataclass
@@ -34,30 +34,30 @@ class Goal:
     """A goal under observation: `at` steps it."""
 
     attendance: Attendance
-    settings: Settings = SETTINGS
+    settings: AttendanceSettings = SETTINGS
 
-    def at(self, now: float, lease: Lease | None, silence: float | None = 0.0) -> Verdict:
+    def at(self, now: float, lease: Lease | None, silence: float | None = 0.0) -> GoalVerdict:
         self.attendance, verdict = step_attendance(self.attendance, lease, silence, self.settings, now)
         return verdict
 
 
 def test_goal_of_the_driver_is_held_as_soon_as_the_mux_has_lost_the_driver_and_goes_on_when_back() -> None:
     goal = Goal(attend_goal(MINE))
-    assert goal.at(0.0, HELD) == Verdict(Act.DRIVE)
-    assert goal.at(1.0, LOST) == Verdict(Act.HOLD, "held: no word from laptop for 3 s")
+    assert goal.at(0.0, HELD) == GoalVerdict(Act.DRIVE)
+    assert goal.at(1.0, LOST) == GoalVerdict(Act.HOLD, "held: no word from laptop for 3 s")
     assert goal.at(8.0, LOST).text == "held: no word from laptop for 10 s"
-    assert goal.at(8.1, HELD) == Verdict(Act.DRIVE)
+    assert goal.at(8.1, HELD) == GoalVerdict(Act.DRIVE)
 
 
 def test_goal_waits_for_an_answer_where_that_is_configured() -> None:
     goal = Goal(attend_goal(MINE), ASK)
     goal.at(-1.0, HELD)
     goal.at(0.0, LOST)
-    assert goal.at(1.0, HELD) == Verdict(Act.ASK, "held: laptop is back; continue or cancel")
+    assert goal.at(1.0, HELD) == GoalVerdict(Act.ASK, "held: laptop is back; continue or cancel")
     assert goal.at(2.0, LOST).act is Act.HOLD
     assert goal.at(3.0, HELD).act is Act.ASK
     goal.attendance = continue_goal(goal.attendance)
-    assert goal.at(4.0, HELD) == Verdict(Act.DRIVE)
+    assert goal.at(4.0, HELD) == GoalVerdict(Act.DRIVE)
 
 
 def test_nobody_can_continue_a_goal_whose_attendant_is_away() -> None:
@@ -91,7 +91,7 @@ def test_goal_that_was_sent_unattended_goes_on() -> None:
 def test_goal_of_a_script_drives_while_nobody_holds_the_lease(lease: Lease | None) -> None:
     goal = Goal(attend_goal(None))
     for now in range(0, 1000, 7):
-        assert goal.at(float(now), lease, None if lease is None else 0.0) == Verdict(Act.DRIVE)
+        assert goal.at(float(now), lease, None if lease is None else 0.0) == GoalVerdict(Act.DRIVE)
     assert goal.attendance.unattended
 
 
@@ -136,7 +136,7 @@ def test_goal_survives_a_short_restart_of_the_mux() -> None:
     assert goal.at(0.1, FREE).act is Act.DRIVE
     assert goal.at(2.0, HELD).act is Act.DRIVE
     assert goal.at(3.0, FREE).act is Act.DRIVE
-    assert goal.at(6.1, FREE) == Verdict(Act.HOLD, "held: no word from laptop for 3 s")
+    assert goal.at(6.1, FREE) == GoalVerdict(Act.HOLD, "held: no word from laptop for 3 s")
 
 
 def test_goal_that_overtook_the_lease_of_its_sender_is_driven_and_held_without_one() -> None:
@@ -153,22 +153,22 @@ def test_goal_is_held_while_the_mux_is_silent(claim: Claim | None) -> None:
     goal = Goal(attend_goal(claim))
     goal.at(0.0, HELD)
     assert goal.at(2.0, HELD, 2.0).act is Act.DRIVE
-    assert goal.at(4.0, HELD, 4.0) == Verdict(Act.HOLD, "held: no word from the mux for 4 s")
+    assert goal.at(4.0, HELD, 4.0) == GoalVerdict(Act.HOLD, "held: no word from the mux for 4 s")
     assert goal.at(5.0, HELD, 0.1).act is Act.DRIVE
 
 
 def test_held_goal_is_cancelled_after_the_limit_unless_there_is_none() -> None:
-    goal, patient = (Goal(attend_goal(MINE), Settings(limit=limit)) for limit in (60.0, 0.0))
+    goal, patient = (Goal(attend_goal(MINE), AttendanceSettings(limit=limit)) for limit in (60.0, 0.0))
     for each in (goal, patient):
         each.at(-1.0, HELD)
         each.at(0.0, LOST)
         assert each.at(59.0, LOST).act is Act.HOLD
-    assert goal.at(60.5, LOST) == Verdict(Act.CANCEL, "held for 60 s: no word from laptop")
+    assert goal.at(60.5, LOST) == GoalVerdict(Act.CANCEL, "held for 60 s: no word from laptop")
     assert patient.at(1e6, LOST).act is Act.HOLD
 
 
-def challenges(*arrivals: tuple[float, float]) -> Challenges:
-    made = Challenges()
+def challenges(*arrivals: tuple[float, float]) -> ReceivedChallenges:
+    made = ReceivedChallenges()
     for value, at in arrivals:
         made = note_challenge(made, round(value * SECOND), at)
     return made
@@ -179,7 +179,7 @@ def test_late_goal_is_refused_with_its_age() -> None:
     assert refuse_goal(MINE, HELD, heard, 13.2) == "the goal arrived late (3.2 s), send it again"
     assert refuse_goal(MINE, HELD, challenges((1.0, 10.0)), 10.9) == ""
     assert refuse_goal(MINE, HELD, challenges((1.0, 10.0)), 11.1).startswith("the goal arrived late (1.1 s)")
-    assert refuse_goal(MINE, HELD, Challenges(), 0.0) == "the goal arrived late, send it again"
+    assert refuse_goal(MINE, HELD, ReceivedChallenges(), 0.0) == "the goal arrived late, send it again"
 
 
 def test_goal_of_a_client_that_does_not_drive_is_refused_while_another_does() -> None:
@@ -204,7 +204,7 @@ STEPS = st.lists(st.tuples(st.floats(0.0, 5.0), LEASES, st.floats(0.0, 6.0), st.
 def test_robot_drives_only_while_nothing_forbids_it(
     claim: Claim | None, ask: bool, steps: list[tuple[float, Lease, float, bool]]
 ) -> None:
-    settings = Settings(ask=ask)
+    settings = AttendanceSettings(ask=ask)
     attendance, now, absent_since, held = attend_goal(claim), 0.0, None, False
     for gap, lease, silence, answered in steps:
         now += gap

@@ -6,8 +6,8 @@ from hypothesis import strategies as st
 
 from ur_nodes.navigation.goals.goal_claim import (
     REMEMBERED,
-    Challenges,
     Claim,
+    ReceivedChallenges,
     age_of_answer,
     has_any_heading,
     lag_of_answer,
@@ -20,9 +20,9 @@ from ur_nodes.navigation.goals.goal_claim import (
 SECOND = 1_000_000_000
 
 
-def hear(*arrivals: tuple[float, float]) -> Challenges:
+def hear(*arrivals: tuple[float, float]) -> ReceivedChallenges:
     """Challenges of (value, arrival), both in s."""
-    challenges = Challenges()
+    challenges = ReceivedChallenges()
     for value, at in arrivals:
         challenges = note_challenge(challenges, round(value * SECOND), at)
     return challenges
@@ -87,7 +87,7 @@ def test_age_of_an_unknown_or_forgotten_answer_is_unknown() -> None:
     challenges = hear((100.0, 5.0))
     assert age_of_answer(challenges, 99 * SECOND, 5.1) is None
     assert age_of_answer(challenges, 100 * SECOND, 5.1 + REMEMBERED) is None
-    assert age_of_answer(Challenges(), 100 * SECOND, 5.1) is None
+    assert age_of_answer(ReceivedChallenges(), 100 * SECOND, 5.1) is None
 
 
 def test_challenges_that_arrive_together_after_a_cut_are_as_old_as_their_values_say() -> None:
@@ -109,12 +109,12 @@ def test_answer_to_a_challenge_that_reached_the_client_first_counts_from_the_one
 def test_lag_of_a_forgotten_answer_is_guessed_from_the_values() -> None:
     assert lag_of_answer(hear((103.0, 5.0)), 100 * SECOND, 5.2) == pytest.approx(3.2)
     assert lag_of_answer(hear((3.0, 5.0)), 100 * SECOND, 5.2) is None
-    assert lag_of_answer(Challenges(), 100 * SECOND, 5.2) is None
+    assert lag_of_answer(ReceivedChallenges(), 100 * SECOND, 5.2) is None
 
 
 @given(st.lists(st.floats(0.0, 0.5), max_size=200))
 def test_no_more_than_the_last_seconds_are_remembered(gaps: list[float]) -> None:
-    challenges, now = Challenges(), 0.0
+    challenges, now = ReceivedChallenges(), 0.0
     for gap in gaps:
         now += gap
         challenges = note_challenge(challenges, round(now * SECOND), now)

@@ -9,7 +9,7 @@ from ur_nodes.costmap.costmap import LETHAL, Costmap
 from ur_nodes.costmap.footprint import footprint_of_outline
 from ur_nodes.geometry.pose import Pose2, wrap_angle
 from ur_nodes.navigation.steering.recovery import SEQUENCE, Behaviour, Recovery, find_escape, move_to_recover
-from ur_nodes.navigation.steering.rollout import Motion
+from ur_nodes.navigation.steering.rollout import RolloutState
 
 FOOTPRINT = footprint_of_outline(STAGE, 0.05, 0.01)
 
@@ -21,10 +21,10 @@ def window(*rows_columns: tuple[slice, slice]) -> Costmap:
     return Costmap(costs, 0.05, Pose2(-2.0, -2.0, 0.0))
 
 
-def play(behaviour: Behaviour, costmap: Costmap, steps: int = 400) -> tuple[Motion, float, float]:
+def play(behaviour: Behaviour, costmap: Costmap, steps: int = 400) -> tuple[RolloutState, float, float]:
     """The last motion, how far it turned and how far it went, of a behaviour played to its end."""
     recovery = Recovery(SEQUENCE.index(behaviour))
-    motion, turned, went = Motion(Pose2(0.0, 0.0, 0.0), 0.0, 0.0), 0.0, 0.0
+    motion, turned, went = RolloutState(Pose2(0.0, 0.0, 0.0), 0.0, 0.0), 0.0, 0.0
     for _ in range(steps):
         move = move_to_recover(recovery, motion, costmap, FOOTPRINT, LIMITS, 0.1)
         recovery = move.recovery
@@ -37,7 +37,7 @@ def play(behaviour: Behaviour, costmap: Costmap, steps: int = 400) -> tuple[Moti
             wrap_angle(yaw + 0.1 * move.turn),
         )
         turned, went = turned + 0.1 * abs(move.turn), went + 0.1 * abs(move.speed)
-        motion = Motion(pose, move.speed, move.turn)
+        motion = RolloutState(pose, move.speed, move.turn)
     raise AssertionError(f"{behaviour} does not end")
 
 
@@ -66,7 +66,7 @@ def test_back_off_does_not_run_into_what_is_behind() -> None:
 
 def test_find_way_out_goes_ahead_when_something_is_close_behind() -> None:
     speed, _ = find_escape(
-        Motion(Pose2(0.0, 0.0, 0.0), 0.0, 0.0), window((slice(30, 50), slice(34, 36))), FOOTPRINT, LIMITS
+        RolloutState(Pose2(0.0, 0.0, 0.0), 0.0, 0.0), window((slice(30, 50), slice(34, 36))), FOOTPRINT, LIMITS
     )
     assert speed > 0.0
 

@@ -11,7 +11,7 @@ from xmlrpc.server import SimpleXMLRPCServer
 
 import pytest
 
-from ur.robot.addresses import Addresses
+from ur.robot.addresses import AddressCache
 from ur_nodes.ros1.repairs.xml_rpc_links import BoundedConnection, BoundedTransport
 
 
@@ -27,7 +27,7 @@ def server() -> Iterator[SimpleXMLRPCServer]:
 
 
 def make_proxy(port: int, **limits: Any) -> xmlrpc.client.ServerProxy:
-    transport = BoundedTransport(Addresses(), lambda: False, **limits)
+    transport = BoundedTransport(AddressCache(), lambda: False, **limits)
     return xmlrpc.client.ServerProxy(f"http://127.0.0.1:{port}", transport=transport)
 
 
@@ -46,7 +46,7 @@ def test_call_that_nobody_answers_ends() -> None:
 
 def test_node_that_ends_does_not_wait_long_for_a_busy_master() -> None:
     with socket.create_server(("127.0.0.1", 0)) as silent:
-        transport = BoundedTransport(Addresses(), lambda: True)
+        transport = BoundedTransport(AddressCache(), lambda: True)
         address = f"http://127.0.0.1:{silent.getsockname()[1]}"
         began = time.monotonic()
         with xmlrpc.client.ServerProxy(address, transport=transport) as proxy, pytest.raises(TimeoutError) as problem:
@@ -84,7 +84,7 @@ def test_ending_node_does_not_try_again(server: SimpleXMLRPCServer, monkeypatch:
         raise OSError(errno.EHOSTUNREACH, "no route to host")
 
     monkeypatch.setattr(BoundedConnection, "connect", lose)
-    transport = BoundedTransport(Addresses(), lambda: True)
+    transport = BoundedTransport(AddressCache(), lambda: True)
     proxy = xmlrpc.client.ServerProxy(f"http://127.0.0.1:{server.server_address[1]}", transport=transport)
     with proxy, pytest.raises(OSError, match="no route"):
         proxy.getPid()

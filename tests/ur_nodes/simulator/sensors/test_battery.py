@@ -7,12 +7,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ur.robot.base import Base, Battery
-from ur.worlds.world_file import World
+from ur.robot.base import Base, BatteryProperties
+from ur.worlds.world_file import WorldModel
 from ur_nodes.simulator.sensors.battery import BatteryCharge
 from ur_nodes.simulator.simulation import Simulation
 
-BATTERY = Battery("battery_state", "lead-acid", 7.0, 25.6, 21.0, 1.0, 4.0)
+BATTERY = BatteryProperties("battery_state", "lead-acid", 7.0, 25.6, 21.0, 1.0, 4.0)
 Drive = Callable[..., None]
 
 
@@ -40,7 +40,7 @@ def test_charge_only_falls_and_voltage_follows_it(draws: list[tuple[float, float
         assert -4.0 <= battery.current <= -1.0
 
 
-def test_driving_base_draws_more_than_one_that_stands(room: World, stage: Base, drive: Drive) -> None:
+def test_driving_base_draws_more_than_one_that_stands(room: WorldModel, stage: Base, drive: Drive) -> None:
     def left_after(speed: float) -> float:
         simulation = Simulation(room, replace(stage, battery=BATTERY), charge=0.5)
         drive(simulation, 6.0, speed, 0.3 if speed else 0.0)
@@ -53,7 +53,7 @@ def test_driving_base_draws_more_than_one_that_stands(room: World, stage: Base, 
     assert 6.0 / 3600.0 * 3.0 < 3.5 - moving < 6.0 / 3600.0 * 4.0
 
 
-def test_reset_fills_the_battery_as_at_the_start(room: World, stage: Base, drive: Drive) -> None:
+def test_reset_fills_the_battery_as_at_the_start(room: WorldModel, stage: Base, drive: Drive) -> None:
     simulation = Simulation(room, replace(stage, battery=BATTERY), charge=0.5)
     drive(simulation, 3.0, 0.3)
     simulation.reset()

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ur.robot.base import Base, Bumper, Bumpers
-from ur.worlds.world_file import World
+from ur.worlds.world_file import WorldModel
 from ur_nodes.simulator.sensors.bumpers import HOLD, BumperRing, arcs_meet, span_arc
 from ur_nodes.simulator.simulation import Simulation
 
@@ -32,13 +32,13 @@ def pressed(simulation: Simulation) -> set[str]:
     return {name for name, closed in simulation.senses[0].pressed(simulation.time).items() if closed}
 
 
-def test_nothing_is_pressed_by_the_floor(room: World, stage: Base, drive: Drive) -> None:
+def test_nothing_is_pressed_by_the_floor(room: WorldModel, stage: Base, drive: Drive) -> None:
     simulation = Simulation(room, replace(stage, bumpers=RING))
     drive(simulation, 1.0, 0.3)
     assert simulation.senses[0].pressed(simulation.time) == {"front_left": False, "front_right": False, "back": False}
 
 
-def test_wall_ahead_presses_both_halves_of_the_front_and_lets_go(room: World, stage: Base, drive: Drive) -> None:
+def test_wall_ahead_presses_both_halves_of_the_front_and_lets_go(room: WorldModel, stage: Base, drive: Drive) -> None:
     simulation = Simulation(room, replace(stage, bumpers=RING), start=(4.6, 0.0, 0.0))
     drive(simulation, 2.5, 0.3)
     assert pressed(simulation) == {"front_left", "front_right"}
@@ -46,14 +46,14 @@ def test_wall_ahead_presses_both_halves_of_the_front_and_lets_go(room: World, st
     assert pressed(simulation) == set()
 
 
-def test_wall_behind_presses_the_back(room: World, stage: Base, drive: Drive) -> None:
+def test_wall_behind_presses_the_back(room: WorldModel, stage: Base, drive: Drive) -> None:
     simulation = Simulation(room, replace(stage, bumpers=RING), start=(-0.6, 0.0, 0.0))
     drive(simulation, 2.0, -0.3)
     assert pressed(simulation) == {"back"}
 
 
 @pytest.mark.parametrize(("side", "name"), [(1.0, "front_left"), (-1.0, "front_right")])
-def test_corner_presses_its_side_only(room: World, stage: Base, drive: Drive, side: float, name: str) -> None:
+def test_corner_presses_its_side_only(room: WorldModel, stage: Base, drive: Drive, side: float, name: str) -> None:
     simulation = Simulation(room, replace(stage, bumpers=RING), start=(0.0, 1.55 * side, 0.5 * side))
     seen: set[str] = set()
     while not seen and simulation.time < 5.0:

@@ -8,7 +8,7 @@ import pytest
 from tests.ur_nodes.simulator.conftest import MakeWorld
 
 from ur.robot.base import Base, Cliff, Cliffs
-from ur.worlds.world_file import Drop, World
+from ur.worlds.world_file import Drop, WorldModel
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.simulator.sensors.cliffs import see_drops
 from ur_nodes.simulator.simulation import Simulation
@@ -46,6 +46,6 @@ def test_robot_that_drives_to_a_drop_sees_it_and_no_longer_after_driving_back(
     assert simulation.senses[0].cliffs() == {"left": False, "right": False}
 
 
-def test_base_without_cliff_sensors_and_world_without_drops_see_none(room: World, stage: Base) -> None:
+def test_base_without_cliff_sensors_and_world_without_drops_see_none(room: WorldModel, stage: Base) -> None:
     assert Simulation(room, stage).senses[0].cliffs() == {}
     assert Simulation(room, replace(stage, cliffs=CLIFFS)).senses[0].cliffs() == {"left": False, "right": False}

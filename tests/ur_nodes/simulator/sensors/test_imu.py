@@ -10,10 +10,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from ur.robot.base import Base, Imu
-from ur.worlds.world_file import World
-from ur_nodes.simulator.model import GRAVITY
-from ur_nodes.simulator.sensors.imu import InertialUnit, Motion, Reading, quaternion, specific_force
+from ur.robot.base import Base, ImuErrors
+from ur.worlds.world_file import WorldModel
+from ur_nodes.simulator.mujoco_model import GRAVITY
+from ur_nodes.simulator.sensors.imu import BodyMotion, ImuReading, InertialUnit, quaternion, specific_force
 from ur_nodes.simulator.simulation import Simulation
 
 PERIOD = 0.02
@@ -23,17 +23,17 @@ number = st.floats(-3.0, 3.0)
 vector = st.tuples(number, number, number)
 
 
-def unit(pose: tuple[float, ...] = LEVEL, gyro: float = 0.0, accel: float = 0.0) -> Imu:
-    return Imu("imu", "imu/data", pose, 1.0 / PERIOD, gyro, accel)
+def unit(pose: tuple[float, ...] = LEVEL, gyro: float = 0.0, accel: float = 0.0) -> ImuErrors:
+    return ImuErrors("imu", "imu/data", pose, 1.0 / PERIOD, gyro, accel)
 
 
-def motion(rotation: Rotation) -> Motion:
+def motion(rotation: Rotation) -> BodyMotion:
     """A body that lies still."""
     x, y, z, w = rotation.as_quat()
-    return Motion(np.array([w, x, y, z]), np.zeros(3), np.zeros(3))
+    return BodyMotion(np.array([w, x, y, z]), np.zeros(3), np.zeros(3))
 
 
-def read(simulation: Simulation) -> Reading:
+def read(simulation: Simulation) -> ImuReading:
     """What the unit says when it is next due."""
     while not simulation.advance().imu:
         pass
@@ -61,7 +61,7 @@ def test_unit_in_free_fall_feels_nothing(
 
 @given(st.floats(0.1, 3.0), st.floats(0.05, 0.5))
 def test_unit_off_the_axis_feels_that_it_goes_round(rate: float, radius: float) -> None:
-    def at(angle: float) -> Motion:
+    def at(angle: float) -> BodyMotion:
         return replace(motion(Rotation.from_euler("z", angle)), turning=np.array([0.0, 0.0, rate]))
 
     period = 0.001
@@ -87,7 +87,7 @@ def test_unit_that_is_mounted_upside_down_says_so() -> None:
     assert [abs(each) for each in reading.orientation] == pytest.approx([1.0, 0.0, 0.0, 0.0])
 
 
-def test_simulated_unit_integrates_to_the_speed_and_the_heading_of_the_robot(room: World, stage: Base) -> None:
+def test_simulated_unit_integrates_to_the_speed_and_the_heading_of_the_robot(room: WorldModel, stage: Base) -> None:
     simulation = Simulation(room, replace(stage, imu=unit()))
     speed = heading = 0.0
     while simulation.time < 2.0:
@@ -102,7 +102,7 @@ def test_simulated_unit_integrates_to_the_speed_and_the_heading_of_the_robot(roo
     assert math.hypot(*read(simulation).orientation[2:]) == pytest.approx(1.0, abs=1e-3)
 
 
-def test_simulated_unit_feels_a_turn_sideways_and_gravity(room: World, stage: Base, drive: Drive) -> None:
+def test_simulated_unit_feels_a_turn_sideways_and_gravity(room: WorldModel, stage: Base, drive: Drive) -> None:
     simulation = Simulation(room, replace(stage, imu=unit()))
     drive(simulation, 2.0, 0.4, 0.5)
     readings = []
@@ -114,7 +114,7 @@ def test_simulated_unit_feels_a_turn_sideways_and_gravity(room: World, stage: Ba
     assert np.mean([each.turning[2] for each in readings]) == pytest.approx(0.5, abs=0.02)
 
 
-def test_simulated_unit_feels_the_bump_into_a_wall(room: World, stage: Base) -> None:
+def test_simulated_unit_feels_the_bump_into_a_wall(room: WorldModel, stage: Base) -> None:
     simulation = Simulation(room, replace(stage, imu=unit()), start=(4.4, 0.0, 0.0))
     hardest = 0.0
     while simulation.time < 3.0:
@@ -123,7 +123,7 @@ def test_simulated_unit_feels_the_bump_into_a_wall(room: World, stage: Base) -> 
     assert hardest < -3.0
 
 
-def test_simulated_unit_does_not_feel_that_it_is_placed_elsewhere(room: World, stage: Base, drive: Drive) -> None:
+def test_simulated_unit_does_not_feel_that_it_is_placed_elsewhere(room: WorldModel, stage: Base, drive: Drive) -> None:
     simulation = Simulation(room, replace(stage, imu=unit()))
     drive(simulation, 1.0, 0.5)
     simulation.place("robot", (3.0, 1.0, 1.0))
@@ -131,7 +131,7 @@ def test_simulated_unit_does_not_feel_that_it_is_placed_elsewhere(room: World, s
     assert max(abs(force[0]), abs(force[1]), abs(force[2] - GRAVITY)) < 0.6
 
 
-def test_noise_has_the_deviation_of_the_base_and_repeats_itself_after_a_reset(room: World, stage: Base) -> None:
+def test_noise_has_the_deviation_of_the_base_and_repeats_itself_after_a_reset(room: WorldModel, stage: Base) -> None:
     simulation = Simulation(room, replace(stage, imu=unit(gyro=0.01, accel=0.1)), seed=7)
     first = [read(simulation) for _ in range(400)]
     assert np.std([each.turning[0] for each in first[20:]]) == pytest.approx(0.01, rel=0.15)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from ur.robot.base import Base
-from ur.worlds.world_file import World
+from ur.worlds.world_file import WorldModel
 from ur_nodes.simulator.simulation import Simulation
 
 
@@ -20,7 +20,7 @@ def analytic(x: float, y: float, angle: float) -> float:
     return min(to_x, to_y)
 
 
-def first_scan(world: World, base: Base, start: tuple[float, float, float], **changes: Any) -> np.ndarray:
+def first_scan(world: WorldModel, base: Base, start: tuple[float, float, float], **changes: Any) -> np.ndarray:
     assert base.lidar is not None
     base = dataclasses.replace(base, lidar=dataclasses.replace(base.lidar, **changes))
     simulation = Simulation(world, base, start=start)
@@ -31,7 +31,7 @@ def first_scan(world: World, base: Base, start: tuple[float, float, float], **ch
 
 @pytest.mark.parametrize("start", [(0.0, 0.0, 0.0), (3.0, 1.0, 2.0), (1.0, -1.5, -1.0)])
 def test_lidar_ranges_are_the_distances_to_the_walls(
-    room: World, stage: Base, start: tuple[float, float, float]
+    room: WorldModel, stage: Base, start: tuple[float, float, float]
 ) -> None:
     lidar = stage.lidar
     assert lidar is not None
@@ -43,14 +43,14 @@ def test_lidar_ranges_are_the_distances_to_the_walls(
     assert ranges == pytest.approx(np.array(expected), abs=0.002)  # the robot sinks in by a fraction of a mm
 
 
-def test_lidar_noise_has_the_deviation_of_the_base(room: World, stage: Base) -> None:
+def test_lidar_noise_has_the_deviation_of_the_base(room: WorldModel, stage: Base) -> None:
     exact = first_scan(room, stage, (0.0, 0.0, 0.0), noise=0.0)
     noisy = first_scan(room, stage, (0.0, 0.0, 0.0), noise=0.02)
     assert np.std(noisy - exact) == pytest.approx(0.02, rel=0.15)
     assert abs(np.mean(noisy - exact)) < 0.004
 
 
-def test_lidar_says_infinite_beyond_its_range_and_minus_infinite_below(room: World, stage: Base) -> None:
+def test_lidar_says_infinite_beyond_its_range_and_minus_infinite_below(room: WorldModel, stage: Base) -> None:
     ranges = first_scan(room, stage, (0.0, 0.0, 0.0), noise=0.0, range_min=1.5, range_max=3.0)
     finite = ranges[np.isfinite(ranges)]
     assert ranges[180] == math.inf  # 4.9 m ahead

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from ur.robot.base import Base, Odometry
+from ur.robot.base import Base, OdometryErrors
 from ur_nodes.simulator.sensors.odometry import EncoderOdometry
 
 
@@ -21,7 +21,7 @@ def roll(base: Base, seed: int, left: float, right: float, steps: int = 100) -> 
 
 
 def with_errors(base: Base, **errors: Any) -> Base:
-    perfect = Odometry(rate=20.0, ticks_per_turn=100_000, wheel_noise=0.0, radius_error=0.0, separation_error=0.0)
+    perfect = OdometryErrors(rate=20.0, ticks_per_turn=100_000, wheel_noise=0.0, radius_error=0.0, separation_error=0.0)
     return dataclasses.replace(base, odometry=dataclasses.replace(perfect, **errors))
 
 

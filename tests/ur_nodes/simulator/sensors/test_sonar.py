@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from tests.ur_nodes.simulator.conftest import MakeWorld
 
 from ur.robot.base import Base, Sonar, Sonars
-from ur.worlds.world_file import World
+from ur.worlds.world_file import WorldModel
 from ur_nodes.simulator.sensors.sonar import SonarRing, cone_rays
 from ur_nodes.simulator.simulation import Simulation
 
@@ -39,7 +39,7 @@ def hear(simulation: Simulation) -> list[float]:
 AHEAD = (0.2, 0.0, 0.15, 0.0, 0.0, 0.0)
 
 
-def test_sonar_gives_the_distance_to_the_wall_it_faces(room: World, stage: Base) -> None:
+def test_sonar_gives_the_distance_to_the_wall_it_faces(room: WorldModel, stage: Base) -> None:
     left, back = (0.0, 0.2, 0.15, 0.0, 0.0, math.pi / 2), (-0.2, 0.0, 0.15, 0.0, 0.0, math.pi)
     simulation = Simulation(room, fit(stage, AHEAD, left, back), start=(3.0, 0.5, 0.0))
     assert hear(simulation) == pytest.approx([5.0 - 3.2, 2.0 - 0.7, math.inf], abs=0.005)
@@ -49,7 +49,7 @@ def test_sonar_gives_the_distance_to_the_wall_it_faces(room: World, stage: Base)
 
 @pytest.mark.parametrize("off", [0.0, 0.1, -0.2, 0.218])
 def test_sonar_hears_the_nearest_point_of_a_wall_that_it_faces_at_an_angle(
-    room: World, stage: Base, off: float
+    room: WorldModel, stage: Base, off: float
 ) -> None:
     simulation = Simulation(room, fit(stage, (0.0, 0.0, 0.15, 0.0, 0.0, off)), start=(3.0, 0.0, 0.0))
     assert hear(simulation)[0] == pytest.approx(2.0, rel=0.003)  # the foot of the perpendicular is in the cone
@@ -73,19 +73,19 @@ def test_sonar_hears_a_table_top_above_its_axis(make_world: MakeWorld, stage: Ba
     assert 1.5 < hear(simulation)[0] < 2.2
 
 
-def test_sonar_does_not_hear_its_own_robot_but_another_one(room: World, stage: Base) -> None:
+def test_sonar_does_not_hear_its_own_robot_but_another_one(room: WorldModel, stage: Base) -> None:
     simulation = Simulation(room, fit(stage, (0.0, 0.0, 0.15, 0.0, 0.0, 0.0)), robots=2)
     gap = simulation.pose(1)[0] - 0.2
     assert hear(simulation)[0] == pytest.approx(gap, abs=0.01)
 
 
-def test_sonar_says_what_is_too_near_and_too_far_after_rep_117(room: World, stage: Base) -> None:
+def test_sonar_says_what_is_too_near_and_too_far_after_rep_117(room: WorldModel, stage: Base) -> None:
     near = (4.98 - 4.5, 0.0, 0.15, 0.0, 0.0, 0.0)
     simulation = Simulation(room, fit(stage, near, AHEAD, range_max=0.2), start=(4.5, 0.0, 0.0))
     assert hear(simulation) == [-math.inf, math.inf]
 
 
-def test_sonar_noise_has_the_deviation_of_the_base_and_follows_the_seed(room: World, stage: Base) -> None:
+def test_sonar_noise_has_the_deviation_of_the_base_and_follows_the_seed(room: WorldModel, stage: Base) -> None:
     def run(seed: int) -> list[float]:
         simulation = Simulation(room, fit(stage, AHEAD, noise=0.02), seed=seed, start=(3.0, 0.0, 0.0))
         return [hear(simulation)[0] for _ in range(300)]
@@ -97,7 +97,7 @@ def test_sonar_noise_has_the_deviation_of_the_base_and_follows_the_seed(room: Wo
     assert np.mean(one) == pytest.approx(1.8, abs=0.005)
 
 
-def test_sonars_do_not_change_what_the_lidar_says(room: World, stage: Base) -> None:
+def test_sonars_do_not_change_what_the_lidar_says(room: WorldModel, stage: Base) -> None:
     scans = []
     for base in (stage, fit(stage, AHEAD, noise=0.02)):
         simulation = Simulation(room, base, seed=3)

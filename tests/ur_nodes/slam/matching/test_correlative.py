@@ -8,12 +8,12 @@ import pytest
 from tests.ur_nodes.slam.rooms import CORRIDOR, ROOM, Floats, scan_at
 
 from ur_nodes.geometry.pose import Pose2
-from ur_nodes.slam.matching.correlative import Found, Pyramid, Window, search, search_slowly
+from ur_nodes.slam.matching.correlative import CorrelativeMatch, Pyramid, Window, search, search_slowly
 
 HERE = Pose2(0.0, 0.0, 0.0)
 
 
-def look(true: Pose2, window: Window, walls: Floats = ROOM) -> Found | None:
+def look(true: Pose2, window: Window, walls: Floats = ROOM) -> CorrelativeMatch | None:
     pyramid = Pyramid(scan_at(walls, HERE).surface.points)
     return search(pyramid, scan_at(walls, true, 0.01).surface.points[::3], HERE, window)
 

@@ -6,7 +6,7 @@ import numpy as np
 from tests.ur_nodes.slam.rooms import ROOM, box, scan_at, walls_of
 
 from ur_nodes.geometry.pose import Pose2
-from ur_nodes.slam.matching.scan import Scan
+from ur_nodes.slam.matching.scan import MapScan
 from ur_nodes.slam.pose_graph.graph import PoseGraph
 from ur_nodes.slam.pose_graph.neighbours import NeighbourMatcher
 
@@ -28,7 +28,7 @@ def chain(noise: float = 1.0) -> PoseGraph:
     return graph
 
 
-def match_all(graph: PoseGraph, scans: list[Scan]) -> NeighbourMatcher:
+def match_all(graph: PoseGraph, scans: list[MapScan]) -> NeighbourMatcher:
     matcher = NeighbourMatcher(graph, scans)
     matcher.add_all()
     finish(matcher)

@@ -8,16 +8,16 @@ import numpy as np
 import pytest
 from tests.ur_nodes.slam.drives import WALLS, drive, feed
 
-from ur.maps.record import Edit, MapRecord
+from ur.maps.record import MapEdit, MapRecord
 from ur.maps.store import MapStore, own_store
 from ur_nodes.geometry.grid import OCCUPIED, load_map
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.slam.occupancy import OccupancyMap
 from ur_nodes.slam.storage import merging
 from ur_nodes.slam.storage.writer import MapWriter
-from ur_nodes.slam.tracker import Tracker
+from ur_nodes.slam.tracker import MapTracker
 
-WALL = Edit("wall", ((0.0, 0.0), (1.0, 0.0)))
+WALL = MapEdit("wall", ((0.0, 0.0), (1.0, 0.0)))
 
 
 @pytest.fixture
@@ -28,7 +28,7 @@ def store(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> MapStore:
 
 def put(store: MapStore, name: str, first: float, last: float) -> None:
     """Store a map of a drive, with a wall drawn by hand."""
-    tracker, drawn = Tracker(), OccupancyMap()
+    tracker, drawn = MapTracker(), OccupancyMap()
     feed(tracker, WALLS, drive(first, last), Pose2(0.0, 0.0, 0.0))
     drawn.update(tracker.keyframes, tracker.scans)
     store.path(name).mkdir(parents=True)

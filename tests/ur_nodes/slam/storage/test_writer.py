@@ -10,14 +10,14 @@ import pytest
 from tests.ur_nodes.slam.rooms import ROOM, scan_at
 
 from ur.maps import picture_file
-from ur.maps.record import Edit, MapRecord, read_record
+from ur.maps.record import MapEdit, MapRecord, read_record
 from ur.maps.scan_file import CHUNK
 from ur.source.diagnostic import UserError
 from ur.source.replace import replace_file
 from ur.worlds.map_file import read_map
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2
-from ur_nodes.slam.matching.scan import Scan
+from ur_nodes.slam.matching.scan import MapScan
 from ur_nodes.slam.pose_graph.edge import Edge
 from ur_nodes.slam.storage import writer as module
 from ur_nodes.slam.storage.convert import load_poses
@@ -27,7 +27,7 @@ SAVED_EVERY = 2  # keyframes, 2.5 s apart
 GRID = Grid(np.zeros((4, 4), np.int8), 0.05, Pose2(-1.0, 0.0, 0.0))
 
 
-def keyframes(count: int) -> tuple[list[Pose2], list[Edge], list[Scan]]:
+def keyframes(count: int) -> tuple[list[Pose2], list[Edge], list[MapScan]]:
     poses = [Pose2(0.01 * n, 0.0, 0.1) for n in range(count)]
     edges = [Edge(n, n + 1, Pose2(0.01, 0.0, 0.0), np.eye(3) * 0.01, robust=n % 2 == 0) for n in range(count - 1)]
     return poses, edges, [scan_at(ROOM, Pose2(0.0, 0.0, 0.0))] * count
@@ -153,7 +153,7 @@ def test_program_that_is_killed_at_twenty_points_loses_at_most_five_seconds_each
 
 def test_edits_are_drawn_into_each_picture(tmp_path: Path) -> None:
     poses, edges, scans = keyframes(2)
-    record = MapRecord(edits=(Edit("wall", ((-1.0, 0.025), (1.0, 0.025))),))
+    record = MapRecord(edits=(MapEdit("wall", ((-1.0, 0.025), (1.0, 0.025))),))
     MapWriter(tmp_path, record).write(GRID, poses, edges, scans)
     assert read_map(tmp_path / "map.yaml").values[0].tolist() == [100] * 4
 

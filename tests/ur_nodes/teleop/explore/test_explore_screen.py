@@ -4,15 +4,15 @@ from dataclasses import replace
 
 from ur.source.ansi import strip_styles
 from ur_nodes.client.mux import MuxView
-from ur_nodes.exploration.status import Status
+from ur_nodes.exploration.status import ExploreStatus
 from ur_nodes.teleop.explore.explore_screen import draw_explore_screen, room_for_map
 
 BLOCKED = ("too narrow at (3.00, 4.00): 0.31 m < 0.46 m", "behind an obstacle at (1.00, 2.00)")
-EXPLORING = Status("exploring", 3, 12.4, 40.2, 17.0, 65.0, BLOCKED)
+EXPLORING = ExploreStatus("exploring", 3, 12.4, 40.2, 17.0, 65.0, BLOCKED)
 FREE = MuxView(stopped=False)
 
 
-def shown(status: Status, mux: MuxView = FREE, note: str = "", columns: int = 100, rows: int = 30) -> list[str]:
+def shown(status: ExploreStatus, mux: MuxView = FREE, note: str = "", columns: int = 100, rows: int = 30) -> list[str]:
     wide, high = room_for_map(columns, rows)
     return [strip_styles(line) for line in draw_explore_screen(status, mux, note, columns, rows, ["#" * wide] * high)]
 
@@ -35,10 +35,12 @@ def test_narrow_terminal_keeps_the_frontiers_that_are_left_in_sight() -> None:
 
 
 def test_emergency_stop_comes_first_and_names_the_key_that_ends_it() -> None:
-    paused = Status("paused", 3, 12.4, 40.2, 17.0, 65.0, reason="the emergency stop is pressed")
+    paused = ExploreStatus("paused", 3, 12.4, 40.2, 17.0, 65.0, reason="the emergency stop is pressed")
     assert shown(paused, MuxView(stopped=True))[26].strip() == "EMERGENCY STOP: r lets the robot drive again"
     assert shown(paused)[26] == "■ paused: the emergency stop is pressed"
-    assert shown(Status(reason="no map on /map; is a mapping node running?"))[26].startswith("waiting: no map on /map")
+    assert shown(ExploreStatus(reason="no map on /map; is a mapping node running?"))[26].startswith(
+        "waiting: no map on /map"
+    )
 
 
 def test_small_terminal_shows_text_without_a_map() -> None:

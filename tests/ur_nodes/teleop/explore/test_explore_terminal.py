@@ -14,7 +14,7 @@ from tests.ur_nodes.teleop.screen import Screen, running
 from ur_nodes.client.exploration import ExplorationStatus, ExplorationTopics
 from ur_nodes.client.map_saving import MapSaving
 from ur_nodes.client.mux import MuxLink
-from ur_nodes.exploration.status import Status, write_status
+from ur_nodes.exploration.status import ExploreStatus, write_status
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.memory.bus import Bus
@@ -30,7 +30,7 @@ from ur_nodes.teleop.explore.explore_terminal import (
 )
 from ur_nodes.teleop.map_view.map_feed import MapFeed
 
-EXPLORING = Status("exploring", 2, 5.0, 8.0)
+EXPLORING = ExploreStatus("exploring", 2, 5.0, 8.0)
 
 
 class Run:
@@ -61,7 +61,7 @@ class Run:
             lambda terminal, ended: show_exploration(terminal, self.statuses, feed, link, saving, ended)
         )
 
-    def tell(self, status: Status) -> None:
+    def tell(self, status: ExploreStatus) -> None:
         self._statuses.send(write_status(status))
 
     def _save(self, _request: Trigger) -> Result:
@@ -97,7 +97,7 @@ def test_ctrl_c_ends_the_screen(run: Run) -> None:
 
 def test_end_of_the_exploration_ends_the_screen(run: Run) -> None:
     run.bus.node("explore").publish("status", str, Quality.LATCHED).send(
-        write_status(Status("complete", known=20.0, saved="flat"))
+        write_status(ExploreStatus("complete", known=20.0, saved="flat"))
     )
     run.screen.wait_end()
 
@@ -111,7 +111,7 @@ def test_lines_are_printed_for_each_state_and_at_the_end(capsys: pytest.CaptureF
     out = ""
     for status, line in (
         (EXPLORING, "2 frontiers left"),
-        (Status("paused", 2, 5.0, 8.0, reason="the emergency stop is pressed"), "paused: the emergency stop"),
+        (ExploreStatus("paused", 2, 5.0, 8.0, reason="the emergency stop is pressed"), "paused: the emergency stop"),
     ):
         publisher.send(write_status(status))
         bus.run(0.1)
@@ -119,7 +119,7 @@ def test_lines_are_printed_for_each_state_and_at_the_end(capsys: pytest.CaptureF
             assert thread.is_alive()
             thread.join(0.01)
             out += capsys.readouterr().out
-    publisher.send(write_status(Status("complete", known=20.0, saved="flat")))
+    publisher.send(write_status(ExploreStatus("complete", known=20.0, saved="flat")))
     bus.run(0.1)
     thread.join(60.0)
     assert out.count("\n") == 2
@@ -137,12 +137,12 @@ def test_exploration_without_a_map_names_that(capsys: pytest.CaptureFixture[str]
 @pytest.mark.parametrize(
     ("status", "code"),
     [
-        (Status("complete", saved="flat"), 0),
-        (Status("complete"), 1),
-        (Status("incomplete", saved="flat"), 1),
-        (Status("stopped", saved="flat"), 130),
-        (Status("exploring", saved="flat"), 130),
+        (ExploreStatus("complete", saved="flat"), 0),
+        (ExploreStatus("complete"), 1),
+        (ExploreStatus("incomplete", saved="flat"), 1),
+        (ExploreStatus("stopped", saved="flat"), 130),
+        (ExploreStatus("exploring", saved="flat"), 130),
     ],
 )
-def test_exit_code_tells_complete_incomplete_and_interrupted_apart(status: Status, code: int) -> None:
+def test_exit_code_tells_complete_incomplete_and_interrupted_apart(status: ExploreStatus, code: int) -> None:
     assert exit_code(status) == code

@@ -12,7 +12,7 @@ from ur_nodes.teleop.keyboard.drive import (
     ZEROS,
     DriveSettings,
     DriveState,
-    Motion,
+    KeyVelocity,
     start_drive,
     step_drive,
 )
@@ -24,11 +24,11 @@ TICK = 0.05
 
 def replay(
     events: Iterable[tuple[float, KeyEvent]], until: float, state: DriveState | None = None
-) -> dict[float, Motion]:
+) -> dict[float, KeyVelocity]:
     """What is published when, with ticks in between."""
     state = state or start_drive(SETTINGS)
     waiting = sorted(events, key=lambda item: item[0])
-    sent: dict[float, Motion] = {}
+    sent: dict[float, KeyVelocity] = {}
     for count in range(round(until / TICK) + 1):
         now = round(count * TICK, 3)
         while waiting and waiting[0][0] <= now:
@@ -51,7 +51,7 @@ def kitty() -> DriveState:
     return state
 
 
-def stop_time(sent: dict[float, Motion]) -> float:
+def stop_time(sent: dict[float, KeyVelocity]) -> float:
     return min(at for at, motion in sent.items() if motion == STILL)
 
 
@@ -62,7 +62,7 @@ def test_nothing_is_published_before_the_first_key() -> None:
 def test_held_key_drives_without_a_gap() -> None:
     sent = replay(held("i", 0.1, 3.0), 3.0)
     assert [at for at in sent if at >= 0.15] == pytest.approx([0.15 + TICK * i for i in range(len(sent) - 1)], abs=0.06)
-    assert set(sent.values()) == {Motion(x=0.4)}
+    assert set(sent.values()) == {KeyVelocity(x=0.4)}
 
 
 def test_released_key_stops_soon_after_the_last_repeat() -> None:
@@ -98,9 +98,9 @@ def test_release_stops_at_once_where_it_is_reported() -> None:
 def test_held_keys_add_up_where_releases_are_reported() -> None:
     events = [(0.1, Key("up")), (0.3, Key("left")), (0.6, Key("up", "release")), (0.8, Key("left", "release"))]
     sent = replay(events, 1.5, kitty())
-    assert sent[0.2] == Motion(x=0.4)
-    assert sent[0.4] == Motion(x=0.4, yaw=0.8)
-    assert sent[0.7] == Motion(yaw=0.8)
+    assert sent[0.2] == KeyVelocity(x=0.4)
+    assert sent[0.4] == KeyVelocity(x=0.4, yaw=0.8)
+    assert sent[0.7] == KeyVelocity(yaw=0.8)
     assert sent[0.8] == STILL
 
 
@@ -136,19 +136,19 @@ def test_key_timeout_replaces_every_hold() -> None:
 @pytest.mark.parametrize(
     ("key", "motion"),
     [
-        ("i", Motion(x=0.4)),
-        ("o", Motion(x=0.4, yaw=-0.8)),
-        ("j", Motion(yaw=0.8)),
-        ("m", Motion(x=-0.4, yaw=-0.8)),
-        (".", Motion(x=-0.4, yaw=0.8)),
-        ("J", Motion(y=0.4)),
-        ("<", Motion(x=-0.4)),
-        ("M", Motion(x=-0.4, y=0.4)),
-        ("down", Motion(x=-0.4)),
-        ("right", Motion(yaw=-0.8)),
+        ("i", KeyVelocity(x=0.4)),
+        ("o", KeyVelocity(x=0.4, yaw=-0.8)),
+        ("j", KeyVelocity(yaw=0.8)),
+        ("m", KeyVelocity(x=-0.4, yaw=-0.8)),
+        (".", KeyVelocity(x=-0.4, yaw=0.8)),
+        ("J", KeyVelocity(y=0.4)),
+        ("<", KeyVelocity(x=-0.4)),
+        ("M", KeyVelocity(x=-0.4, y=0.4)),
+        ("down", KeyVelocity(x=-0.4)),
+        ("right", KeyVelocity(yaw=-0.8)),
     ],
 )
-def test_layout_is_that_of_teleop_twist_keyboard(key: str, motion: Motion) -> None:
+def test_layout_is_that_of_teleop_twist_keyboard(key: str, motion: KeyVelocity) -> None:
     assert step_drive(start_drive(SETTINGS), Key(key), 0.0)[1] == motion
 
 

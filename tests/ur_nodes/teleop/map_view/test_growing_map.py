@@ -5,7 +5,7 @@ import re
 import numpy as np
 
 from ur.source.ansi import strip_styles
-from ur_nodes.client.model import Snapshot
+from ur_nodes.client.snapshot import RobotSnapshot
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.teleop.map_view.growing_map import Zoom, draw_map_lines, follow, prepare_map, press_zoom
@@ -20,7 +20,7 @@ def room(width: float, height: float) -> Grid:
 
 
 def test_small_map_is_shown_whole_and_letters_do_without_colours() -> None:
-    growing, robot = prepare_map(room(6.0, 3.0)), Snapshot(pose=Pose2(1.0, 1.0, 0.0))
+    growing, robot = prepare_map(room(6.0, 3.0)), RobotSnapshot(pose=Pose2(1.0, 1.0, 0.0))
     view = follow(None, growing, robot, 60, 20)
     lines = draw_map_lines(growing, robot, view, colour=False)
     assert len(lines) == 20
@@ -36,23 +36,25 @@ def test_small_map_is_shown_whole_and_letters_do_without_colours() -> None:
 
 def test_large_map_follows_the_robot_which_may_move_in_the_middle() -> None:
     growing = prepare_map(room(60.0, 40.0))
-    first = follow(None, growing, Snapshot(pose=Pose2(5.0, 5.0, 0.0)), 80, 20)
+    first = follow(None, growing, RobotSnapshot(pose=Pose2(5.0, 5.0, 0.0)), 80, 20)
     assert (first.x, first.y) == (5.0, 5.0)
-    assert follow(first, growing, Snapshot(pose=Pose2(6.0, 5.2, 0.0)), 80, 20) == first
-    moved = follow(first, growing, Snapshot(pose=Pose2(9.5, 5.0, 0.0)), 80, 20)
+    assert follow(first, growing, RobotSnapshot(pose=Pose2(6.0, 5.2, 0.0)), 80, 20) == first
+    moved = follow(first, growing, RobotSnapshot(pose=Pose2(9.5, 5.0, 0.0)), 80, 20)
     assert (moved.x, moved.scale) == (9.5, first.scale)
-    assert follow(moved, growing, Snapshot(pose=Pose2(9.5, 5.0, 0.0)), 50, 30).width == 50  # a new size of the terminal
+    assert (
+        follow(moved, growing, RobotSnapshot(pose=Pose2(9.5, 5.0, 0.0)), 50, 30).width == 50
+    )  # a new size of the terminal
 
 
 def test_nothing_known_shows_the_surroundings_of_the_begin() -> None:
-    view = follow(None, None, Snapshot(), 40, 10)
-    assert draw_map_lines(None, Snapshot(), view, colour=False)[0] == " " * 40
+    view = follow(None, None, RobotSnapshot(), 40, 10)
+    assert draw_map_lines(None, RobotSnapshot(), view, colour=False)[0] == " " * 40
     nothing = prepare_map(Grid(np.full((4, 4), -1, np.int8), 0.05, Pose2(0.0, 0.0, 0.0)))
-    assert follow(None, nothing, Snapshot(), 40, 10) == view
+    assert follow(None, nothing, RobotSnapshot(), 40, 10) == view
 
 
 def test_keys_show_the_whole_of_a_large_map_or_a_scale_of_the_persons_choice() -> None:
-    growing, robot = prepare_map(room(60.0, 40.0)), Snapshot(pose=Pose2(5.0, 5.0, 0.0))
+    growing, robot = prepare_map(room(60.0, 40.0)), RobotSnapshot(pose=Pose2(5.0, 5.0, 0.0))
     near = follow(None, growing, robot, 80, 20)
     whole = follow(near, growing, robot, 80, 20, Zoom.WHOLE)
     column, row = whole.to_pixel(60.0, 40.0)

@@ -9,10 +9,10 @@ from hypothesis import strategies as st
 from scipy.ndimage import label
 
 from ur.maps.viewport import Viewport
-from ur_nodes.client.model import Snapshot
+from ur_nodes.client.snapshot import RobotSnapshot
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2
-from ur_nodes.teleop.map_view.palette import DARK, DARK_16, Palette
+from ur_nodes.teleop.map_view.palette import DARK, DARK_16, MapPalette
 from ur_nodes.teleop.map_view.picture import draw_map, draw_overlay, index_grid, thin_walls
 
 
@@ -83,7 +83,7 @@ def test_no_map_is_all_unknown() -> None:
 def test_scan_and_path_are_drawn_and_clipped() -> None:
     view = Viewport(0.0, 0.0, 1.0, 10, 10)
     base = draw_map(None, view, DARK)
-    snapshot = Snapshot(scan=np.array([[2.5, 2.5], [99.0, 0.0]]), path=np.array([[-20.0, -2.5], [20.0, -2.5]]))
+    snapshot = RobotSnapshot(scan=np.array([[2.5, 2.5], [99.0, 0.0]]), path=np.array([[-20.0, -2.5], [20.0, -2.5]]))
     picture = draw_overlay(base, snapshot, view, DARK)
     assert picture[2, 7].tolist() == list(DARK.scan)
     assert (picture[7] == DARK.path).all()
@@ -92,7 +92,7 @@ def test_scan_and_path_are_drawn_and_clipped() -> None:
 
 def test_robot_close_by_is_drawn_to_scale() -> None:
     view = Viewport(0.0, 0.0, 0.02, 60, 60)
-    snapshot = Snapshot(pose=Pose2(0.0, 0.0, 0.0))
+    snapshot = RobotSnapshot(pose=Pose2(0.0, 0.0, 0.0))
     picture = draw_overlay(draw_map(None, view, DARK), snapshot, view, DARK)
     rows, columns = np.nonzero((picture == DARK.robot).all(axis=2))
     assert columns.max() - columns.min() == pytest.approx(0.45 / 0.02, abs=2)
@@ -110,7 +110,7 @@ def test_robot_close_by_is_drawn_to_scale() -> None:
     shift=st.floats(-0.5, 0.5),
 )
 def test_single_cell_of_wall_is_seen_at_any_scale(
-    palette: Palette, row: int, column: int, cells_per_pixel: float, yaw: float, shift: float
+    palette: MapPalette, row: int, column: int, cells_per_pixel: float, yaw: float, shift: float
 ) -> None:
     cells = np.zeros((60, 60), np.int8)
     cells[row, column] = 100

@@ -12,8 +12,8 @@ from tests.ur_nodes.teleop.navigate.app_screen import Screen, open_app
 
 from ur.source.diagnostic import UserError, error
 from ur_nodes.client.driver_text import clock_time
-from ur_nodes.client.model import GoalReport, GoalState, Silence
 from ur_nodes.client.mux import MuxView
+from ur_nodes.client.snapshot import GoalReport, LastGoalState, Silence
 from ur_nodes.client.waypoints import WaypointStore
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.motion.lease.view import LeaseView
@@ -44,14 +44,14 @@ def show(navigator: Any, **changes: Any) -> None:
 async def test_lost_link_is_shown_and_the_goal_is_unknown_not_failed_or_driving(screen: Screen, navigator: Any) -> None:
     await screen.type("g 2 3 90")
     show(navigator, silence=LOST, missing=("an update of the robot's pose",))
-    navigator.end(GoalState.UNKNOWN)
+    navigator.end(LastGoalState.UNKNOWN)
     await screen.refresh()
     assert "no word from the robot for 1.2 s" in screen.text("status")
     shown = screen.text("status") + screen.text("message")
     assert "driving" not in shown
     assert "failed" not in shown
     show(navigator, silence=None, missing=())
-    navigator.end(GoalState.DRIVING)
+    navigator.end(LastGoalState.DRIVING)
     await screen.refresh()
     assert "driving" in screen.text("status")
 
@@ -59,7 +59,7 @@ async def test_lost_link_is_shown_and_the_goal_is_unknown_not_failed_or_driving(
 async def test_lost_link_says_that_the_goal_is_unknown_where_there_is_room(wide: Screen, navigator: Any) -> None:
     await wide.type("g 2 3 90")
     show(navigator, silence=LOST)
-    navigator.end(GoalState.UNKNOWN)
+    navigator.end(LastGoalState.UNKNOWN)
     await wide.refresh()
     assert "goal unknown until it answers" in wide.text("status")
     assert "m/s" not in wide.text("status")
@@ -93,7 +93,7 @@ async def test_stop_that_failed_goes_before_the_lost_link_and_old_news_of_the_mu
 async def test_held_goal_that_asks_is_continued_or_cancelled(
     screen: Screen, navigator: Any, answer: str, resumed: bool
 ) -> None:
-    show(navigator, goal=GoalReport(1, THERE, GoalState.ASKING, "held: laptop is back; continue or cancel"))
+    show(navigator, goal=GoalReport(1, THERE, LastGoalState.ASKING, "held: laptop is back; continue or cancel"))
     await screen.refresh()
     assert "Enter or c continues, x cancels" in screen.text("status")
     await screen.type(answer)
@@ -108,7 +108,7 @@ async def test_nothing_is_continued_while_no_goal_asks(screen: Screen, navigator
 
 
 async def test_held_goal_says_why(screen: Screen, navigator: Any) -> None:
-    show(navigator, goal=GoalReport(1, THERE, GoalState.HELD, "held: no word from laptop2 for 3 s"))
+    show(navigator, goal=GoalReport(1, THERE, LastGoalState.HELD, "held: no word from laptop2 for 3 s"))
     await screen.refresh()
     assert "held: no word from laptop2 for 3 s" in screen.text("status")
     assert "driving" not in screen.text("message")
@@ -128,7 +128,7 @@ async def test_who_drives_is_shown_and_nothing_is_sent_meanwhile(screen: Screen,
 
 
 async def test_driver_who_was_taken_over_sees_by_whom_and_may_ask_or_take(screen: Screen, navigator: Any) -> None:
-    show(navigator, goal=GoalReport(1, THERE, GoalState.STOPPED, "laptop2 took over"))
+    show(navigator, goal=GoalReport(1, THERE, LastGoalState.STOPPED, "laptop2 took over"))
     show(navigator, lease=replace(OTHER, taken_by="laptop2", taken_at=200.0))
     await screen.refresh()
     assert f"laptop2 took over at {clock_time(200.0)}" in screen.text("driver")

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 from tests.ur_nodes.teleop.navigate.app_screen import Screen
 
-from ur_nodes.client.model import GoalState, Snapshot
+from ur_nodes.client.snapshot import LastGoalState, RobotSnapshot
 from ur_nodes.client.waypoints import WaypointStore
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.teleop.map_view.widget import MapView
@@ -33,11 +33,11 @@ async def test_goal_command_without_an_angle_shows_none(screen: Screen, navigato
 async def test_reaching_and_failing_are_announced(screen: Screen, navigator: Any) -> None:
     await screen.type("g 2 3 90")
     navigator.move(Pose2(2.0, 2.95, 1.5))
-    navigator.end(GoalState.REACHED)
+    navigator.end(LastGoalState.REACHED)
     await screen.refresh()
     assert "reached 2.00 3.00 90, 0.05 m off" in screen.text("message")
     await screen.type("g 0 5")
-    navigator.end(GoalState.FAILED, "the goal is in a wall")
+    navigator.end(LastGoalState.FAILED, "the goal is in a wall")
     await screen.refresh()
     assert "failed: the goal is in a wall" in screen.text("message")
 
@@ -57,7 +57,7 @@ async def test_stop_pose_and_search_reach_the_robot(screen: Screen, navigator: A
 
 async def test_result_of_a_goal_leaves_with_its_message(screen: Screen, navigator: Any) -> None:
     await screen.type("g 1 1")
-    navigator.end(GoalState.FAILED, "in a wall")
+    navigator.end(LastGoalState.FAILED, "in a wall")
     await screen.refresh()
     assert "failed" in screen.text("status")
     assert "in a wall" in screen.text("message")
@@ -67,7 +67,7 @@ async def test_result_of_a_goal_leaves_with_its_message(screen: Screen, navigato
 
 
 async def test_waiting_names_what_is_missing_and_goals_are_not_sent(screen: Screen, navigator: Any) -> None:
-    navigator.seen = Snapshot(missing=("the map (topic /map)", "navigation (action /move_base)"))
+    navigator.seen = RobotSnapshot(missing=("the map (topic /map)", "navigation (action /move_base)"))
     await screen.refresh()
     assert "waiting for the map (topic /map) and navigation (action /move_base)" in screen.text("status")
     await screen.pilot.click(MapView, offset=(50, 10))
@@ -80,7 +80,7 @@ async def test_goal_typed_before_the_robot_is_ready_waits_and_a_stop_drops_it(
     navigator: Any, store: WaypointStore, keys: list[str], sent: bool
 ) -> None:
     ready = navigator.seen
-    navigator.seen = Snapshot(missing=("the map (topic /map)",))
+    navigator.seen = RobotSnapshot(missing=("the map (topic /map)",))
     app = NavigateApp(navigator, lambda _: store, typed="g 1 ")
     async with app.run_test(size=(100, 36)) as pilot:
         screen = Screen(app, pilot)

@@ -8,14 +8,14 @@ from typing import Any
 import pytest
 
 from ur_nodes.client.driver_text import clock_time
-from ur_nodes.client.model import GoalReport, GoalState, Silence
 from ur_nodes.client.mux import MuxView
-from ur_nodes.client.patrol_text import Route, Stop
+from ur_nodes.client.patrol_text import PatrolRoute, PatrolStop
+from ur_nodes.client.snapshot import GoalReport, LastGoalState, Silence
 from ur_nodes.client.waypoints import WaypointStore
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.motion.lease.view import LeaseView
 from ur_nodes.teleop.navigate.batch import BatchContext, InterruptedBatchError, run_batch, wait_until_ready
-from ur_nodes.teleop.navigate.batch_text import Limits
+from ur_nodes.teleop.navigate.batch_text import BatchTimeouts
 
 
 @dataclass
@@ -41,20 +41,22 @@ def arriving(navigator: Any) -> Callable[[float], None]:
     def happens(_now: float) -> None:
         if not navigator.seen.goal.over:
             navigator.move(navigator.seen.goal.place)
-            navigator.end(GoalState.REACHED)
+            navigator.end(LastGoalState.REACHED)
 
     return happens
 
 
-def run(lines: list[str], navigator: Any, store: WaypointStore, world: World, limits: Limits | None = None) -> int:
-    return run_batch(lines, navigator, store, limits or Limits(), world.around())
+def run(
+    lines: list[str], navigator: Any, store: WaypointStore, world: World, limits: BatchTimeouts | None = None
+) -> int:
+    return run_batch(lines, navigator, store, limits or BatchTimeouts(), world.around())
 
 
 def test_goal_that_is_reached_says_how_well(navigator: Any, store: WaypointStore) -> None:
     def happens(now: float) -> None:
         if now > 12.29 and not navigator.seen.goal.over:
             navigator.move(Pose2(2.0, 2.96, math.radians(91.2)))
-            navigator.end(GoalState.REACHED)
+            navigator.end(LastGoalState.REACHED)
 
     world = World(happens)
     assert run(["g 2 3 90\n"], navigator, store, world) == 0
@@ -73,7 +75,7 @@ def test_goal_without_an_angle_asks_for_no_heading_and_its_result_names_none(
 
 
 def test_goal_that_fails_gives_the_reason_and_exit_code_1(navigator: Any, store: WaypointStore) -> None:
-    world = World(lambda _: navigator.end(GoalState.FAILED, "the goal is in a wall"))
+    world = World(lambda _: navigator.end(LastGoalState.FAILED, "the goal is in a wall"))
     assert run(["g 0 5"], navigator, store, world) == 1
     assert world.out == ["g 0 5: failed after 0.1 s: the goal is in a wall"]
 
@@ -87,7 +89,10 @@ def test_patrol_is_started_with_the_poses_of_its_waypoints_and_left_to_the_robot
     assert run(["patrol loop sofa hall", "patrol pause"], navigator, store, world) == 0
     assert world.out == ["patrol loop sofa hall: started", "patrol pause: paused"]
     (start, pause) = navigator.patrols
-    assert start == ("start", Route((Stop("sofa", 1.0, 2.0, 0.0), Stop("hall", 3.0, 0.0, 0.0)), loop=True))
+    assert start == (
+        "start",
+        PatrolRoute((PatrolStop("sofa", 1.0, 2.0, 0.0), PatrolStop("hall", 3.0, 0.0, 0.0)), loop=True),
+    )
     assert pause[0] == "pause"
     navigator.patrol_problem = "laptop drives since 14:02"
     assert run(["patrol resume"], navigator, store, world) == 1
@@ -151,14 +156,14 @@ def test_emergency_that_the_mux_does_not_answer_fails(navigator: Any, store: Way
 
 def test_goal_over_the_limit_is_cancelled(navigator: Any, store: WaypointStore) -> None:
     world = World()
-    assert run(["g 1 1"], navigator, store, world, Limits(goal=5.0)) == 1
+    assert run(["g 1 1"], navigator, store, world, BatchTimeouts(goal=5.0)) == 1
     assert "not reached after 5 s" in world.out[0]
     assert navigator.stops == 1
 
 
 def test_goal_that_is_replaced_by_somebody_else_fails(navigator: Any, store: WaypointStore) -> None:
     def happens(_: float) -> None:
-        navigator.seen = replace(navigator.seen, goal=GoalReport(7, Pose2(0, 0, 0), GoalState.DRIVING))
+        navigator.seen = replace(navigator.seen, goal=GoalReport(7, Pose2(0, 0, 0), LastGoalState.DRIVING))
 
     world = World(happens)
     assert run(["g 1 1"], navigator, store, world) == 1
@@ -179,13 +184,13 @@ def test_waiting_ends_when_everything_is_there(navigator: Any) -> None:
         if now > 3:
             navigator.seen = replace(navigator.seen, missing=())
 
-    assert wait_until_ready(navigator, Limits(), World(happens).around()) is None
+    assert wait_until_ready(navigator, BatchTimeouts(), World(happens).around()) is None
 
 
 def test_waiting_has_a_limit_and_says_what_is_missing(navigator: Any) -> None:
     navigator.seen = replace(navigator.seen, missing=("the map (topic /map)", "navigation (action /move_base)"))
     world = World()
-    missing = wait_until_ready(navigator, Limits(start=30.0), world.around())
+    missing = wait_until_ready(navigator, BatchTimeouts(start=30.0), world.around())
     assert missing == "the map (topic /map) and navigation (action /move_base)"
     assert world.now == pytest.approx(30.0, abs=0.2)
 
@@ -193,12 +198,12 @@ def test_waiting_has_a_limit_and_says_what_is_missing(navigator: Any) -> None:
 def test_held_goal_is_noted_once_and_reported_by_its_end(navigator: Any, store: WaypointStore) -> None:
     def happens(now: float) -> None:
         if 1.0 < now < 2.0:
-            navigator.end(GoalState.HELD, "held: no word from laptop for 3 s")
+            navigator.end(LastGoalState.HELD, "held: no word from laptop for 3 s")
         elif 2.0 <= now < 3.0:
-            navigator.end(GoalState.DRIVING)
+            navigator.end(LastGoalState.DRIVING)
         elif now >= 3.0:
             navigator.move(Pose2(1.0, 0.0, 0.0))
-            navigator.end(GoalState.REACHED)
+            navigator.end(LastGoalState.REACHED)
 
     world = World(happens)
     assert run(["g 1 0"], navigator, store, world) == 0
@@ -209,20 +214,20 @@ def test_held_goal_is_noted_once_and_reported_by_its_end(navigator: Any, store: 
 def test_lost_link_leaves_the_goal_open_and_is_given_up_as_unknown(navigator: Any, store: WaypointStore) -> None:
     def happens(now: float) -> None:
         navigator.seen = replace(navigator.seen, silence=Silence("the robot", now))
-        navigator.end(GoalState.UNKNOWN)
+        navigator.end(LastGoalState.UNKNOWN)
 
     world = World(happens)
-    assert run(["g 1 0"], navigator, store, world, Limits(start=30.0)) == 1
+    assert run(["g 1 0"], navigator, store, world, BatchTimeouts(start=30.0)) == 1
     assert world.err == ["note: g 1 0: no word from the robot for 0.1 s; the goal is unknown until it answers"]
     assert world.out == ["g 1 0: unknown after 30.0 s: no word from the robot for 30.0 s"]
 
 
 def test_goal_that_was_taken_over_or_came_late_says_so(navigator: Any, store: WaypointStore) -> None:
-    world = World(lambda _: navigator.end(GoalState.STOPPED, "laptop2 took over"))
+    world = World(lambda _: navigator.end(LastGoalState.STOPPED, "laptop2 took over"))
     assert run(["g 0 5"], navigator, store, world) == 1
     assert world.out == ["g 0 5: stopped after 0.1 s: laptop2 took over"]
     late = "the goal arrived late (3.2 s), send it again"
-    world = World(lambda _: navigator.end(GoalState.FAILED, late))
+    world = World(lambda _: navigator.end(LastGoalState.FAILED, late))
     assert run(["g 0 4"], navigator, store, world) == 1
     assert world.out == [f"g 0 4: failed after 0.1 s: {late}"]
 
@@ -230,7 +235,7 @@ def test_goal_that_was_taken_over_or_came_late_says_so(navigator: Any, store: Wa
 def test_goal_that_asks_for_an_answer_is_cancelled_since_a_pipe_cannot_answer(
     navigator: Any, store: WaypointStore
 ) -> None:
-    world = World(lambda _: navigator.end(GoalState.ASKING, "held: laptop is back"))
+    world = World(lambda _: navigator.end(LastGoalState.ASKING, "held: laptop is back"))
     assert run(["g 0 5"], navigator, store, world) == 1
     assert navigator.stops == 1
     assert world.out == ["g 0 5: stopped after 0.1 s: held, and a pipe cannot answer whether it goes on"]
@@ -266,7 +271,7 @@ def test_goal_waits_for_a_silent_robot_before_it_is_sent(navigator: Any, store: 
     assert run(["g 1 0"], navigator, store, world) == 0
     navigator.seen = replace(navigator.seen, silence=Silence("the robot", 2.0))
     silent = World()
-    assert run(["g 1 0"], navigator, store, silent, Limits(start=5.0)) == 1
+    assert run(["g 1 0"], navigator, store, silent, BatchTimeouts(start=5.0)) == 1
     assert silent.out == ["g 1 0: not sent: no word from the robot for 2.0 s"]
 
 

@@ -17,11 +17,11 @@ from ur_nodes.client.navigator import RobotNavigator
 from ur_nodes.memory.bus import Bus
 from ur_nodes.ports.services import Trigger
 from ur_nodes.ports.values import Result
-from ur_nodes.teleop.navigate.batch_text import Limits
+from ur_nodes.teleop.navigate.batch_text import BatchTimeouts
 from ur_nodes.teleop.navigate.line_program import run_lines
 from ur_nodes.teleop.navigate.target import StoreChoice, name_growing_map
 
-LIMITS = Limits(start=60.0, goal=600.0)
+LIMITS = BatchTimeouts(start=60.0, goal=600.0)
 
 
 @pytest.fixture(autouse=True)
@@ -45,7 +45,12 @@ class Program:
         self.ended = threading.Event()
 
     def run(
-        self, text: str, *, limits: Limits = LIMITS, attended: bool = False, until: Callable[[], bool] = lambda: False
+        self,
+        text: str,
+        *,
+        limits: BatchTimeouts = LIMITS,
+        attended: bool = False,
+        until: Callable[[], bool] = lambda: False,
     ) -> int:
         """The exit code; `ended` is set once `until` is true."""
         source, sink = os.pipe()
@@ -97,7 +102,7 @@ def test_failed_goal_and_malformed_line_exit_with_1(capsys: pytest.CaptureFixtur
 
 
 def test_missing_parts_are_named_after_the_limit(capsys: pytest.CaptureFixture[str]) -> None:
-    assert Program(robot=False).run("g 1 1\n", limits=Limits(start=0.2, goal=600.0)) == 2
+    assert Program(robot=False).run("g 1 1\n", limits=BatchTimeouts(start=0.2, goal=600.0)) == 2
     missing = "the map (topic /map) and the robot's pose (tf map -> base_footprint) and navigation (action /move_base)"
     assert f"still waiting for {missing} after 0.2 s" in capsys.readouterr().err
 

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from ur_nodes.teleop.navigate.commands import AskMux, Command, Quit, Resume, Stop
+from ur_nodes.teleop.navigate.commands import AskMux, CancelGoal, Command, ContinueGoal, Quit
 from ur_nodes.teleop.navigate.line_reader import LineReader
 
 
@@ -24,7 +24,7 @@ def test_lines_come_in_order_and_the_last_may_lack_its_end(pipe: tuple[int, int]
 
 
 @pytest.mark.parametrize(
-    ("line", "command"), [("x", Stop()), ("e", AskMux("stop")), ("r", AskMux("release")), ("c", Resume())]
+    ("line", "command"), [("x", CancelGoal()), ("e", AskMux("stop")), ("r", AskMux("release")), ("c", ContinueGoal())]
 )
 def test_urgent_command_is_taken_before_lines_that_wait(pipe: tuple[int, int], line: str, command: Command) -> None:
     os.write(pipe[1], f"g 1 2\nnonsense\n{line}\nl\n".encode())

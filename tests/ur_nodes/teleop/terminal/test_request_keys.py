@@ -3,7 +3,7 @@ from __future__ import annotations
 import pytest
 
 from ur_nodes.client.mux import MuxRequest, MuxView
-from ur_nodes.motion.obstacle_stop.report import Report, State
+from ur_nodes.motion.obstacle_stop.report import ObstacleReport, State
 from ur_nodes.teleop.keyboard.drive import DIRECTIONS, SPEED_KEYS
 from ur_nodes.teleop.terminal.keys import FocusLost, Key, KeyEvent
 from ur_nodes.teleop.terminal.request_keys import (
@@ -32,7 +32,7 @@ def test_only_a_press_without_ctrl_requests_something() -> None:
     [("none", None), ("off", "obstacles on"), ("clear", "obstacles off"), ("stopped", "obstacles off")],
 )
 def test_one_key_turns_the_obstacle_stop_off_and_on(state: State, expected: MuxRequest | None) -> None:
-    view = MuxView(False, obstacles=Report(state))
+    view = MuxView(False, obstacles=ObstacleReport(state))
     assert obstacle_request_of(Key("g"), view) == expected
     assert obstacle_request_of(Key("g", "repeat"), view) is None
     assert obstacle_request_of(Key("i"), view) is None

@@ -10,7 +10,7 @@ from tests.ur_nodes.vision.synthetic import drift, drive, look
 
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.vision.estimation.belief import UNKNOWN_ERRORS, Belief, guess
-from ur_nodes.vision.estimation.localise import Localiser
+from ur_nodes.vision.estimation.localise import FiducialLocaliser
 
 HERE = Pose2(0.0, 0.0, 0.0)
 EXACT = np.diag(np.square([0.001, 0.001, 0.001]))
@@ -53,7 +53,7 @@ def test_errors_of_the_wheels_are_told_by_where_the_robot_turns_out_to_be() -> N
 
 def test_robot_learns_on_the_way_how_its_wheels_err_and_strays_less_where_it_sees_nothing() -> None:
     random = np.random.default_rng(0)
-    learned, naive = Localiser(known().values(), start=HERE), Localiser(known().values(), start=HERE)
+    learned, naive = FiducialLocaliser(known().values(), start=HERE), FiducialLocaliser(known().values(), start=HERE)
     lap = [(0.0, 0.0), (8.2, 0.0), (8.2, 1.3), (7.6, 3.0), (7.8, 5.6)]
     for pose, said in drift(drive(lap), random):
         seen = look(pose, markers(), random)

@@ -11,8 +11,8 @@ from tests.ur_nodes.vision.synthetic import Marker, drift, drive, look
 from ur.worlds.world_file import read_world
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.geometry.rigid import angle_between, from_angles
-from ur_nodes.vision.estimation.localise import Localiser
-from ur_nodes.vision.estimation.mapping import Mapper
+from ur_nodes.vision.estimation.localise import FiducialLocaliser
+from ur_nodes.vision.estimation.mapping import FiducialMapper
 from ur_nodes.vision.fiducial_map import MapEntry
 
 OFFICE = Path(__file__).resolve().parents[4] / "ubiquity_launches" / "n_simulator" / "worlds" / "office.yaml"
@@ -27,9 +27,9 @@ def markers() -> tuple[Marker, ...]:
 
 
 @functools.cache
-def mapped() -> tuple[Mapper, float, float]:
+def mapped() -> tuple[FiducialMapper, float, float]:
     """A mapper after a lap, how far it believes to be from the truth, and how far odometry does."""
-    random, mapper = np.random.default_rng(1), Mapper()
+    random, mapper = np.random.default_rng(1), FiducialMapper()
     for pose, said in drift(drive(LAP), random):
         mapper.add(said, look(pose, markers(), random))
     robot = mapper.robot(said)
@@ -62,7 +62,7 @@ def test_covariances_grow_with_the_distance_from_the_start() -> None:
 
 
 def test_robot_finds_itself_on_the_map_and_follows() -> None:
-    random, localiser = np.random.default_rng(5), Localiser(mapped()[0].entries())
+    random, localiser = np.random.default_rng(5), FiducialLocaliser(mapped()[0].entries())
     offs = []
     for pose, said in drift(drive([(5.0, 0.0), (8.5, 0.0), (8.5, 2.5)]), random):
         localiser.add(said, look(pose, markers(), random))
@@ -75,7 +75,7 @@ def test_robot_finds_itself_on_the_map_and_follows() -> None:
 
 def test_robot_that_is_carried_away_finds_itself_again() -> None:
     random = np.random.default_rng(5)
-    localiser = Localiser(
+    localiser = FiducialLocaliser(
         [MapEntry(each.id, each.pose, np.eye(6) * 1e-4) for each in markers()], start=Pose2(0.0, 0.0, 0.0)
     )
     for pose, said in drift(drive([(0.0, 0.0), (1.0, 0.0)]), random):
@@ -91,7 +91,7 @@ def test_robot_that_is_carried_away_finds_itself_again() -> None:
 def test_mapping_goes_on_from_a_known_map_without_knowing_where_the_robot_is() -> None:
     random = np.random.default_rng(2)
     known = [MapEntry(each.id, each.pose, np.eye(6) * 1e-5) for each in markers()[::2]]
-    mapper = Mapper(known, start=None)
+    mapper = FiducialMapper(known, start=None)
     assert mapper.robot(Pose2(0.0, 0.0, 0.0)) is None
     for pose, said in drift(drive([(3.0, 0.0), (8.0, 0.0)]), random):
         mapper.add(said, look(pose, markers(), random))
@@ -102,7 +102,7 @@ def test_mapping_goes_on_from_a_known_map_without_knowing_where_the_robot_is() -
 
 
 def test_standing_still_adds_nothing() -> None:
-    random, mapper = np.random.default_rng(2), Mapper()
+    random, mapper = np.random.default_rng(2), FiducialMapper()
     here = Pose2(0.0, 0.0, 0.0)
     changes = [mapper.add(here, look(here, markers(), random)) for _ in range(10)]
     assert changes == [True] + [False] * 9
@@ -110,7 +110,7 @@ def test_standing_still_adds_nothing() -> None:
 
 
 def test_nothing_seen_is_no_map() -> None:
-    mapper = Mapper()
+    mapper = FiducialMapper()
     assert not mapper.add(Pose2(0.0, 0.0, 0.0), ())
     assert mapper.entries() == ()
     assert mapper.robot(Pose2(1.0, 0.0, 0.0)) == Pose2(0.0, 0.0, 0.0)
@@ -119,7 +119,7 @@ def test_nothing_seen_is_no_map() -> None:
 @pytest.mark.parametrize("seed", [1, 2])
 def test_same_input_gives_the_same_map(seed: int) -> None:
     def build() -> dict[int, list[float]]:
-        random, mapper = np.random.default_rng(seed), Mapper()
+        random, mapper = np.random.default_rng(seed), FiducialMapper()
         for pose, said in drift(drive([(0.0, 0.0), (1.5, 0.0)]), random):
             mapper.add(said, look(pose, markers(), random))
         return {number: pose.ravel().tolist() for number, pose in mapper.fiducials.items()}

@@ -13,8 +13,8 @@ from tests.ur_nodes.vision.synthetic import Marker, drift, drive, look
 
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.geometry.rigid import Floats, from_angles
-from ur_nodes.vision.estimation.localise import Localiser
-from ur_nodes.vision.estimation.mapping import Mapper
+from ur_nodes.vision.estimation.localise import FiducialLocaliser
+from ur_nodes.vision.estimation.mapping import FiducialMapper
 from ur_nodes.vision.estimation.observation import Observation
 from ur_nodes.vision.estimation.search import find_robot, without_twins
 from ur_nodes.vision.fiducial_map import MapEntry
@@ -39,7 +39,7 @@ def shifted(number: int, by: tuple[float, float]) -> tuple[Marker, ...]:
 
 def test_robot_that_sees_nothing_is_carried_on_by_its_wheels_ever_less_certainly() -> None:
     random = np.random.default_rng(3)
-    localiser = Localiser(known().values(), start=HERE)
+    localiser = FiducialLocaliser(known().values(), start=HERE)
     offs, spreads = [], []
     for pose, said in drift(drive([(0.0, 0.0), (5.0, 0.0)]), random):
         dark = 1.0 < pose.x < 4.0
@@ -57,7 +57,7 @@ def test_robot_that_sees_nothing_is_carried_on_by_its_wheels_ever_less_certainly
 
 def test_robot_that_has_seen_nothing_for_too_long_is_lost_until_it_sees_something() -> None:
     random = np.random.default_rng(3)
-    localiser = Localiser(known().values(), start=HERE, spread_limit=0.2)
+    localiser = FiducialLocaliser(known().values(), start=HERE, spread_limit=0.2)
     localiser.add(HERE, look(HERE, markers(), random))
     ways = []
     for pose, said in drift(drive([(0.0, 0.0), (40.0, 0.0)]), random):
@@ -73,7 +73,7 @@ def test_robot_that_has_seen_nothing_for_too_long_is_lost_until_it_sees_somethin
 @pytest.mark.parametrize("elsewhere", [Pose2(8.0, 0.2, 0.0), Pose2(13.5, 3.0, -1.5), Pose2(2.6, -5.0, 1.6)])
 def test_robot_that_is_carried_away_doubts_then_finds_itself_with_an_honest_covariance(elsewhere: Pose2) -> None:
     random = np.random.default_rng(5)
-    localiser = Localiser(known().values(), start=HERE)
+    localiser = FiducialLocaliser(known().values(), start=HERE)
     for pose, said in drift(drive([(0.0, 0.0), (1.0, 0.0)]), random):
         localiser.add(said, look(pose, markers(), random))
     doubts = 0
@@ -100,7 +100,7 @@ def test_moved_fiducial_does_not_take_the_robot_with_it() -> None:
     random = np.random.default_rng(7)
     number = look(Pose2(1.0, 0.0, 0.0), markers(), random)[0].id
     real = shifted(number, (0.6, 0.3))
-    localiser = Localiser(known().values(), start=HERE)
+    localiser = FiducialLocaliser(known().values(), start=HERE)
     offs, blamed = list[float](), set[int]()
     for pose, said in drift(drive([(0.0, 0.0), (5.0, 0.0)]), random):
         localiser.add(said, look(pose, real, random))
@@ -113,7 +113,7 @@ def test_moved_fiducial_does_not_take_the_robot_with_it() -> None:
 def test_lone_moved_fiducial_is_doubted_for_longer_than_the_robot() -> None:
     random = np.random.default_rng(7)
     number = look(HERE, markers(), random)[0].id
-    localiser = Localiser(known().values(), start=HERE)
+    localiser = FiducialLocaliser(known().values(), start=HERE)
     localiser.add(HERE, look(HERE, markers(), random))
     real = [each for each in shifted(number, (0.8, 0.0)) if each.id == number]
     for _ in range(20):
@@ -122,7 +122,7 @@ def test_lone_moved_fiducial_is_doubted_for_longer_than_the_robot() -> None:
 
 
 def test_fiducial_that_was_moved_does_not_bend_the_map() -> None:
-    random, mapper = np.random.default_rng(2), Mapper()
+    random, mapper = np.random.default_rng(2), FiducialMapper()
     there_and_back = list(drive([(0.0, 0.0), (6.0, 0.0), (0.0, 0.0)]))
     number = look(Pose2(2.0, 0.0, 0.0), markers(), random)[0].id
     real, blamed = markers(), set[int]()
@@ -138,7 +138,7 @@ def test_fiducial_that_was_moved_does_not_bend_the_map() -> None:
 
 
 def test_number_that_is_there_twice_is_overlooked_in_the_map() -> None:
-    random, mapper = np.random.default_rng(2), Mapper()
+    random, mapper = np.random.default_rng(2), FiducialMapper()
     first = look(Pose2(0.0, 0.0, 0.0), markers(), random)[0].id
     far = max(markers(), key=lambda each: float(each.pose[0, 3]) if abs(each.pose[1, 3]) < 1.5 else 0.0)
     twin = replace(next(each for each in markers() if each.id == far.id), id=first)

@@ -23,7 +23,7 @@ from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.raw import RawMessage
 from ur_nodes.ports.services import Trigger
 from ur_nodes.ports.values import Result
-from ur_nodes.web.data.actions import Actions, Request
+from ur_nodes.web.data.actions import DataActions, Request
 
 STRING = "std_msgs/String"
 
@@ -43,7 +43,7 @@ class World:
         self.bus.schemas[STRING] = "string data\n"
         self.other = self.bus.node("other")
         self.node = self.bus.node("web")
-        self.actions = Actions(self.node)
+        self.actions = DataActions(self.node)
 
     def ask(self, request: Request) -> dict[str, Any]:
         """The answer to a request."""

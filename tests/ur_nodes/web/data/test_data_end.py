@@ -14,7 +14,7 @@ from ur.web.wire.data_frames import unpack_frame
 from ur.web.wire.frames import LENGTH
 from ur_nodes.memory.bus import Bus
 from ur_nodes.ports.qualities import Quality
-from ur_nodes.web.data.data_end import DataEnd
+from ur_nodes.web.data.data_end import DataSession
 from ur_nodes.web.server_link import Outlet
 
 STRING, PICTURE = "std_msgs/String", "sensor_msgs/Image"
@@ -27,7 +27,7 @@ class World:
         self.bus.schemas.update({STRING: "string data\n", PICTURE: "uint8[] data\n"})
         self.other = self.bus.node("other")
         node = self.bus.node("web")
-        self.end = DataEnd(node, Outlet(node, its))
+        self.end = DataSession(node, Outlet(node, its))
 
     def say(self, page: int, **request: Any) -> None:
         self.end.take({"page": page, "m": json.dumps(request) if request else ""})

@@ -3,7 +3,7 @@ from __future__ import annotations
 import pytest
 
 from ur_nodes.motion.lease.requests import PATIENCE
-from ur_nodes.motion.lease.text import FREE, Lease, Person
+from ur_nodes.motion.lease.text import FREE, Lease, Viewer
 from ur_nodes.web.driving.page_lease import (
     HAND_BACK,
     PageLease,
@@ -27,7 +27,7 @@ def test_page_renews_what_it_holds_and_else_watches(lease: Lease | None, action:
 
 
 def test_page_that_asks_renews_that() -> None:
-    asked = Lease("held", "laptop-1", asking=(Person("web-1", "phone"),))
+    asked = Lease("held", "laptop-1", asking=(Viewer("web-1", "phone"),))
     assert step_page(PAGE, asked, 0.0)[1] == "renew"
 
 

@@ -25,8 +25,8 @@ from ur.web.access.roles import Role  # noqa: E402
 from ur.web.server.application import Application  # noqa: E402
 from ur.web.server.connections import listener as listening  # noqa: E402
 from ur.web.server.connections.http_server import Rarely, open_server  # noqa: E402
-from ur.web.server.connections.listener import Listener  # noqa: E402
-from ur.web.server.gate import Gate  # noqa: E402
+from ur.web.server.connections.listener import ConnectionListener  # noqa: E402
+from ur.web.server.gate import LoginGate  # noqa: E402
 from ur.web.server.static_files import load_files  # noqa: E402
 
 DRIVE = "/ws/drive?tab=0123456789ab"
@@ -35,8 +35,8 @@ PACKED = (lambda packer: packer.compress(bytes(1 << 26)) + packer.flush())(zlib.
 
 @dataclass
 class Server:
-    gate: Gate
-    listener: Listener
+    gate: LoginGate
+    listener: ConnectionListener
     port: int
     log: list[str]
     stopped: list[Any]
@@ -81,7 +81,7 @@ class Server:
 @pytest.fixture
 async def server(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> AsyncIterator[Server]:
     port, log, stopped = free_port(), list[str](), list[Any]()
-    gate = Gate(make_origins((), port), tmp_path / "sessions.json", log.append)
+    gate = LoginGate(make_origins((), port), tmp_path / "sessions.json", log.append)
     application = Application(gate, load_files(), {}, "bob", log.append)
 
     async def run() -> None:

@@ -12,7 +12,7 @@ pytest.importorskip("aiohttp", reason="aiohttp is not installed: requirements/we
 from aiohttp import web
 from aiohttp.test_utils import make_mocked_request
 
-from ur.web.runs.commands import Done
+from ur.web.runs.commands import EndedCommand
 from ur.web.server.data import three
 from ur.web.server.data.three import ThreeScript
 
@@ -23,10 +23,10 @@ class Commands:
     def __init__(self) -> None:
         self.run_words: list[tuple[str, ...]] = []
 
-    async def run(self, *words: str, limit: float) -> Done:
+    async def run(self, *words: str, limit: float) -> EndedCommand:
         assert limit > 0
         self.run_words.append(words)
-        return Done(1, "", "installing\nerror: jupyter_threejs_sage could not be installed: no network\n")
+        return EndedCommand(1, "", "installing\nerror: jupyter_threejs_sage could not be installed: no network\n")
 
 
 async def test_script_that_cannot_be_installed_is_explained(monkeypatch: pytest.MonkeyPatch) -> None:

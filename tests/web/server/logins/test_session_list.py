@@ -8,14 +8,14 @@ from pathlib import Path
 import pytest
 
 from ur.source.diagnostic import UserError
-from ur.web.access.roles import DAY, Device, Ledger, Role, find_session, open_session
+from ur.web.access.roles import DAY, Ledger, LoginDevice, Role, find_session, open_session
 from ur.web.server.logins.session_file import SessionFile
 from ur.web.server.logins.session_list import draw_logins, end_logins, find_logins
 
 NOW = time.mktime((2026, 11, 23, 12, 0, 0, 0, 0, -1))
 
 
-def store(folder: Path, port: int, *devices: Device) -> list[str]:
+def store(folder: Path, port: int, *devices: LoginDevice) -> list[str]:
     """A file of a server, and the secrets of its sessions."""
     ledger, secrets = Ledger(), []
     for device in devices:
@@ -29,8 +29,8 @@ def store(folder: Path, port: int, *devices: Device) -> list[str]:
 
 def test_logins_of_all_servers_are_in_one_table(tmp_path: Path) -> None:
     assert draw_logins(find_logins(tmp_path / "nothing", NOW)) == ["no device is logged in"]
-    store(tmp_path, 8090, Device("Linux", "192.168.1.7", DAY), Device("iPhone", "192.168.1.9", DAY))
-    store(tmp_path, 8091, Device("Linux", "127.0.0.1", 30 * DAY))
+    store(tmp_path, 8090, LoginDevice("Linux", "192.168.1.7", DAY), LoginDevice("iPhone", "192.168.1.9", DAY))
+    store(tmp_path, 8091, LoginDevice("Linux", "127.0.0.1", 30 * DAY))
     (tmp_path / "sessions-x.json").write_text("{}")
     lines = draw_logins(find_logins(tmp_path, NOW))
     assert sorted(line.split()[:4] for line in lines[1:]) == [
@@ -43,7 +43,7 @@ def test_logins_of_all_servers_are_in_one_table(tmp_path: Path) -> None:
 
 
 def test_login_is_ended_by_its_name_and_others_stay(tmp_path: Path) -> None:
-    first, second = store(tmp_path, 8090, Device("Linux"), Device("iPhone"))
+    first, second = store(tmp_path, 8090, LoginDevice("Linux"), LoginDevice("iPhone"))
     assert end_logins(find_logins(tmp_path, NOW), "linux") == 1
     ledger = SessionFile(tmp_path / "sessions-8090.json").load()
     assert find_session(ledger, first, NOW) is None
@@ -64,12 +64,12 @@ def test_damaged_files_list_no_logins(tmp_path: Path, text: str) -> None:
 
 def test_server_keeps_what_it_has_opened_while_another_process_ended_one(tmp_path: Path) -> None:
     path = tmp_path / "sessions-8090.json"
-    store(tmp_path, 8090, Device("Linux"), Device("iPhone"))
+    store(tmp_path, 8090, LoginDevice("Linux"), LoginDevice("iPhone"))
     server = SessionFile(path)
     ledger = server.load()
     assert list(server.list_ended()) == []
     assert end_logins(find_logins(tmp_path, NOW), "iPhone") == 1
-    ledger, secret = open_session(ledger, Role.LOOK, Device("Mac"), NOW)
+    ledger, secret = open_session(ledger, Role.LOOK, LoginDevice("Mac"), NOW)
     left = server.store(ledger)
     assert sorted(each.name for each in left.sessions.values()) == ["Linux", "Mac"]
     assert find_session(SessionFile(path).load(), secret, NOW) is not None

@@ -15,14 +15,14 @@ from ur.web.access.origin import make_origins  # noqa: E402
 from ur.web.access.roles import DAY, Role  # noqa: E402
 from ur.web.server.application import Application  # noqa: E402
 from ur.web.server.connections.http_server import open_server  # noqa: E402
-from ur.web.server.gate import Gate  # noqa: E402
+from ur.web.server.gate import LoginGate  # noqa: E402
 from ur.web.server.logins.session_file import SessionFile  # noqa: E402
 
 DRIVE = "/ws/drive?tab=0123456789ab"
 
 
 class Server:
-    def __init__(self, gate: Gate, url: str, path: Path, said: list[str], passed: list[Any]) -> None:
+    def __init__(self, gate: LoginGate, url: str, path: Path, said: list[str], passed: list[Any]) -> None:
         self.gate, self.url, self.path, self.said, self.passed = gate, url, path, said, passed
 
     async def log_in(self, role: Role = Role.DRIVE, agent: str = "X11; Linux", token: str = "") -> Any:
@@ -46,7 +46,7 @@ class Server:
 async def server(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> AsyncIterator[Server]:
     port, said, passed, path = free_port(), list[str](), list[Any](), tmp_path / "sessions-8090.json"
     origins = make_origins((), port)
-    gate = Gate(origins, path, lambda _: None, report=said.append, life=7 * DAY)
+    gate = LoginGate(origins, path, lambda _: None, report=said.append, life=7 * DAY)
     application = Application(gate, {}, {"ROS_MASTER_URI": f"http://localhost:{free_port()}"}, "bob", lambda _: None)
     monkeypatch.setattr(application.robot_end, "send", passed.append)
     async with open_server(application.build(), gate, "127.0.0.1", port, lambda _: None):

@@ -15,12 +15,12 @@ from pathlib import Path
 import pytest
 from tests.ros_session import RosSession
 
-from ur.web.server.recordings.recorder import Limits, Recorder, RecorderError, find_reason
+from ur.web.server.recordings.recorder import Recorder, RecorderError, RecordingLimits, find_reason
 from ur.web.server.recordings.store import Store
-from ur.web.server.recordings.topics import Selection, list_topics, select
+from ur.web.server.recordings.topics import TopicSelection, list_topics, select
 from ur.web.server.recordings.writer import NoWriterError, Rosbag
 
-LIMITS = Limits(all=1000, free=100, seconds=60.0)
+LIMITS = RecordingLimits(all=1000, free=100, seconds=60.0)
 # Writes a file as rosbag does: under another name until SIGINT.
 WRITES = 'trap "mv $0_0.bag.active $0_0.bag; exit" INT; echo 12345678 > $0_0.bag.active; while :; do sleep 0.05; done'
 STUBBORN = 'trap "" INT; echo 1 > $0_0.bag.active; while :; do sleep 0.05; done'
@@ -34,14 +34,16 @@ class Shell:
     def __init__(self, script: str) -> None:
         self.script = script
 
-    def make_command(self, stem: Path, _selection: Selection) -> list[str]:
+    def make_command(self, stem: Path, _selection: TopicSelection) -> list[str]:
         return ["/bin/sh", "-c", self.script, str(stem)]
 
 
 @asynccontextmanager
-async def record(folder: Path, script: str, limits: Limits | None = None) -> AsyncIterator[tuple[Recorder, Store]]:
+async def record(
+    folder: Path, script: str, limits: RecordingLimits | None = None
+) -> AsyncIterator[tuple[Recorder, Store]]:
     store = Store(folder / "recordings", ".bag", ".bag.active")
-    recorder = Recorder(store, Shell(script), dict(os.environ), lambda _: None, limits or Limits(free=0))
+    recorder = Recorder(store, Shell(script), dict(os.environ), lambda _: None, limits or RecordingLimits(free=0))
     try:
         yield recorder, store
     finally:
@@ -74,15 +76,15 @@ def test_limit_names_the_reason_of_the_end(used: int, free: int, seconds: float,
 async def test_recording_is_private_and_ends_when_it_is_stopped(tmp_path: Path) -> None:
     async with record(tmp_path, WRITES) as (recorder, store):
         assert not await recorder.stop("nothing")
-        recorder.start(Selection(("/scan",)))
+        recorder.start(TopicSelection(("/scan",)))
         with pytest.raises(RecorderError, match="under way"):
-            recorder.start(Selection())
+            recorder.start(TopicSelection())
         await wait_until(lambda: recorder.running and recorder.running.size)
         assert recorder.running is not None
         assert (recorder.running.size, recorder.running.topics) == (9, 1)
-        other = Recorder(store, Shell(WRITES), dict(os.environ), lambda _: None, Limits(free=0))
+        other = Recorder(store, Shell(WRITES), dict(os.environ), lambda _: None, RecordingLimits(free=0))
         with pytest.raises(RecorderError, match="another page"):
-            other.start(Selection())
+            other.start(TopicSelection())
         assert await recorder.stop("stopped by Linux")
         assert recorder.end == "stopped by Linux"
         (file,) = store.list()
@@ -92,24 +94,24 @@ async def test_recording_is_private_and_ends_when_it_is_stopped(tmp_path: Path) 
 
 @pytest.mark.parametrize(
     ("limits", "reason"),
-    [(Limits(all=5, free=0), "delete some"), (Limits(free=0, seconds=0.1), "minutes at most")],
+    [(RecordingLimits(all=5, free=0), "delete some"), (RecordingLimits(free=0, seconds=0.1), "minutes at most")],
 )
-async def test_recording_ends_at_a_limit(tmp_path: Path, limits: Limits, reason: str) -> None:
+async def test_recording_ends_at_a_limit(tmp_path: Path, limits: RecordingLimits, reason: str) -> None:
     script = WRITES if limits.all == 5 else WRITES.replace("12345678", "")
     async with record(tmp_path, script, limits) as (recorder, store):
-        recorder.start(Selection())
+        recorder.start(TopicSelection())
         await wait_until(lambda: recorder.running is None)
         assert reason in recorder.end
         assert len(store.list()) == 1
         if limits.all == 5:
             with pytest.raises(RecorderError, match="delete some"):
-                recorder.start(Selection())
+                recorder.start(TopicSelection())
 
 
 async def test_full_disk_refuses_the_start(tmp_path: Path) -> None:
     async with record(tmp_path, WRITES, replace(LIMITS, free=1 << 62)) as (recorder, _):
         with pytest.raises(RecorderError, match="free on the disk"):
-            recorder.start(Selection())
+            recorder.start(TopicSelection())
         assert recorder.running is None
 
 
@@ -118,7 +120,7 @@ async def test_process_that_does_not_end_is_killed_and_its_file_is_listed_as_cut
 ) -> None:
     monkeypatch.setattr("ur.web.server.recordings.recorder._PATIENCE", 0.2)
     async with record(tmp_path, STUBBORN) as (recorder, store):
-        recorder.start(Selection())
+        recorder.start(TopicSelection())
         await wait_until(lambda: recorder.running and recorder.running.size)
         assert await recorder.stop("x")
         assert [each.cut for each in store.list()] == [True]
@@ -126,18 +128,18 @@ async def test_process_that_does_not_end_is_killed_and_its_file_is_listed_as_cut
 
 async def test_recording_ends_with_the_server_and_none_starts_after_it(tmp_path: Path) -> None:
     async with record(tmp_path, WRITES) as (recorder, store):
-        recorder.start(Selection())
+        recorder.start(TopicSelection())
         await wait_until(lambda: recorder.running and recorder.running.size)
         await recorder.close()
         assert "server" in recorder.end
         assert len(store.list()) == 1
         with pytest.raises(RecorderError, match="server ends"):
-            recorder.start(Selection())
+            recorder.start(TopicSelection())
 
 
 async def test_program_that_ends_by_itself_is_reported_with_its_last_line(tmp_path: Path) -> None:
     async with record(tmp_path, "printf 'a\\n\\033[31mno disk\\n' >&2; exit 3") as (recorder, _):
-        recorder.start(Selection())
+        recorder.start(TopicSelection())
         await wait_until(lambda: recorder.running is None)
         assert "no disk" in recorder.end
         assert "\033" not in recorder.end
@@ -145,7 +147,7 @@ async def test_program_that_ends_by_itself_is_reported_with_its_last_line(tmp_pa
 
 def test_computer_without_rosbag_is_named(tmp_path: Path) -> None:
     with pytest.raises(NoWriterError, match="python3-rosbag"):
-        Rosbag({"PATH": str(tmp_path)}).make_command(tmp_path / "x", Selection())
+        Rosbag({"PATH": str(tmp_path)}).make_command(tmp_path / "x", TopicSelection())
 
 
 async def test_rosbag_records_the_topics_of_a_real_master(tmp_path: Path) -> None:
@@ -159,7 +161,7 @@ async def test_rosbag_records_the_topics_of_a_real_master(tmp_path: Path) -> Non
         await wait_until(lambda: names <= {each.name for each in list_topics(master)})
         writer = Rosbag(os.environ)
         store = Store(tmp_path / "recordings", writer.ending, writer.unfinished)
-        recorder = Recorder(store, writer, session.env, lambda _: None, Limits(free=0))
+        recorder = Recorder(store, writer, session.env, lambda _: None, RecordingLimits(free=0))
         recorder.start(select((), list_topics(master)))
         await wait_until(lambda: recorder.running and recorder.running.size > 5000)  # more than the head of a bag
         await recorder.stop("stopped by Linux")

@@ -17,10 +17,10 @@ from ur.web.access.origin import make_origins  # noqa: E402
 from ur.web.access.roles import Role  # noqa: E402
 from ur.web.server.application import Application  # noqa: E402
 from ur.web.server.connections.http_server import open_server  # noqa: E402
-from ur.web.server.gate import Gate  # noqa: E402
+from ur.web.server.gate import LoginGate  # noqa: E402
 from ur.web.server.recordings import recording_pages  # noqa: E402
 from ur.web.server.recordings.store import recordings_folder  # noqa: E402
-from ur.web.server.recordings.topics import Selection, Topic  # noqa: E402
+from ur.web.server.recordings.topics import PublishedTopic, TopicSelection  # noqa: E402
 
 NAME = "2026-03-01_14-05-31_0.bag"
 BYTES = b"#ROSBAG V2.0\n" + bytes(300_000)
@@ -32,13 +32,13 @@ class Writer:
 
     def __init__(self, _environment: object) -> None: ...
 
-    def make_command(self, stem: Path, selection: Selection) -> list[str]:
+    def make_command(self, stem: Path, selection: TopicSelection) -> list[str]:
         return ["/bin/sh", "-c", SCRIPT, str(stem), *selection.topics]
 
 
 @dataclass
 class Server:
-    gate: Gate
+    gate: LoginGate
     url: str
     client: Any
     folder: Path
@@ -63,7 +63,7 @@ class Server:
 async def server(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> AsyncIterator[Server]:
     monkeypatch.setattr(recording_pages, "Rosbag", Writer)
     port = free_port()
-    gate = Gate(make_origins((), port), tmp_path / "sessions.json", lambda _: None)
+    gate = LoginGate(make_origins((), port), tmp_path / "sessions.json", lambda _: None)
     environment = {"ROS_MASTER_URI": f"http://localhost:{free_port()}", "HOME": str(tmp_path), "PATH": "/usr/bin:/bin"}
     folder = recordings_folder(environment)
     folder.mkdir(parents=True)
@@ -124,7 +124,7 @@ async def test_recording_without_a_robot_and_with_bad_topics_is_refused(server: 
 
 
 async def test_page_starts_and_stops_a_recording(server: Server, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(recording_pages, "list_topics", lambda _: (Topic("/scan", "sensor_msgs/LaserScan"),))
+    monkeypatch.setattr(recording_pages, "list_topics", lambda _: (PublishedTopic("/scan", "sensor_msgs/LaserScan"),))
     monkeypatch.setattr("ur.web.server.recordings.store.Store.free", lambda _: 1 << 40)
     await server.log_in(Role.DRIVE)
     assert (await server.post("start", {"topics": ["/scan"]}))[0] == 200

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from ur.web.server.recordings.store import BusyError, Store, choose_stem, recordings_folder
+from ur.web.server.recordings.store import RecordingBusyError, Store, choose_stem, recordings_folder
 
 NAME = "2026-03-01_14-05-31_0.bag"
 
@@ -68,7 +68,7 @@ def test_one_records_at_a_time_and_leftovers_of_a_killed_one_are_listed_as_cut(s
     (store.folder / f"{NAME}.active").write_bytes(b"1")
     other = Store(store.folder, ".bag", ".bag.active")
     with store.lock():
-        with pytest.raises(BusyError), other.lock():
+        with pytest.raises(RecordingBusyError), other.lock():
             pass
         store.adopt()
     with other.lock():

@@ -6,7 +6,7 @@ import re
 
 import pytest
 
-from ur.web.server.recordings.topics import MOST_TOPICS, Selection, Topic, read_topics, select
+from ur.web.server.recordings.topics import MOST_TOPICS, PublishedTopic, TopicSelection, read_topics, select
 from ur.web.wire.reading import BadRequestError
 
 
@@ -26,11 +26,11 @@ def test_choice_that_is_no_short_list_is_refused(value: object) -> None:
 
 def test_chosen_topics_are_recorded_once_each() -> None:
     assert read_topics(["/scan", "/robot/odom", "/scan"]) == ("/scan", "/robot/odom")
-    assert select(("/image",), [Topic("/image", "sensor_msgs/Image")]) == Selection(("/image",))
+    assert select(("/image",), [PublishedTopic("/image", "sensor_msgs/Image")]) == TopicSelection(("/image",))
 
 
 def test_pictures_and_clouds_are_left_out_by_type_and_later_ones_by_name() -> None:
-    published = [Topic("/eye", "sensor_msgs/Image"), Topic("/scan", "sensor_msgs/LaserScan")]
+    published = [PublishedTopic("/eye", "sensor_msgs/Image"), PublishedTopic("/scan", "sensor_msgs/LaserScan")]
     selection = select((), published)
     assert selection.topics == ()
     out = ["/eye", "/camera/image_raw", "/camera/image_raw/compressed", "/depth/points", "/cloud", "/x/theora"]

@@ -14,9 +14,9 @@ from ur.web.access.origin import make_origins  # noqa: E402
 from ur.web.access.roles import Role  # noqa: E402
 from ur.web.server.application import Application  # noqa: E402
 from ur.web.server.connections.http_server import open_server  # noqa: E402
-from ur.web.server.gate import Gate  # noqa: E402
+from ur.web.server.gate import LoginGate  # noqa: E402
 from ur.web.server.robots.peer import PeerError  # noqa: E402
-from ur.web.server.robots.robots import Place, Row  # noqa: E402
+from ur.web.server.robots.robots import RobotEntry, ServerLogin  # noqa: E402
 
 
 @dataclass
@@ -26,14 +26,17 @@ class Played:
     own: str = "sim"
     opened: list[tuple[str, Role]] = field(default_factory=list)
 
-    async def list(self) -> list[Row]:
-        return [Row("sim", "simulated robot", answers=True, open=True), Row("bob", "bob", answers=False, open=False)]
+    async def list(self) -> list[RobotEntry]:
+        return [
+            RobotEntry("sim", "simulated robot", answers=True, open=True),
+            RobotEntry("bob", "bob", answers=False, open=False),
+        ]
 
-    async def invite(self, name: str, role: Role) -> Place:
+    async def invite(self, name: str, role: Role) -> ServerLogin:
         if name != "bob":
             raise PeerError("this robot is not in the list")
         self.opened.append((name, role))
-        return Place(8101, "secret")
+        return ServerLogin(8101, "secret")
 
     async def close(self) -> None:
         pass
@@ -41,7 +44,7 @@ class Played:
 
 @dataclass
 class Server:
-    gate: Gate
+    gate: LoginGate
     url: str
     robots: Played
     log: list[str]
@@ -60,7 +63,7 @@ class Server:
 @pytest.fixture
 async def server(tmp_path: Path) -> AsyncIterator[Server]:
     port, robots, log = free_port(), Played(), list[str]()
-    gate = Gate(make_origins((), port), tmp_path / "sessions.json", log.append)
+    gate = LoginGate(make_origins((), port), tmp_path / "sessions.json", log.append)
     environment = {"ROS_MASTER_URI": f"http://localhost:{free_port()}", "HOME": str(tmp_path)}
     application = Application(gate, {}, environment, "sim", log.append, robots)
     async with open_server(application.build(), gate, "127.0.0.1", port, log.append):

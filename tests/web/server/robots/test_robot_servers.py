@@ -25,11 +25,11 @@ from ur.web.access.origin import make_origins  # noqa: E402
 from ur.web.access.roles import Role  # noqa: E402
 from ur.web.server.application import Application  # noqa: E402
 from ur.web.server.connections.http_server import open_server  # noqa: E402
-from ur.web.server.gate import Gate  # noqa: E402
+from ur.web.server.gate import LoginGate  # noqa: E402
 from ur.web.server.robots import robot_servers  # noqa: E402
 from ur.web.server.robots.peer import PeerError  # noqa: E402
 from ur.web.server.robots.robot_servers import RobotServers  # noqa: E402
-from ur.web.server.robots.robots import Place  # noqa: E402
+from ur.web.server.robots.robots import ServerLogin  # noqa: E402
 
 pytestmark = pytest.mark.skipif(not Path("/usr/bin/rosmaster").exists(), reason="no rosmaster")
 
@@ -87,9 +87,9 @@ async def test_page_changes_to_another_robot_with_its_role_and_back(client: Any,
             RobotMaster("carla", "carla", f"http://localhost:{free_port()}"),
         )
         port = free_port()
-        gate = Gate(make_origins((), port), tmp_path / "sessions.json", log.append)
+        gate = LoginGate(make_origins((), port), tmp_path / "sessions.json", log.append)
         robots = RobotServers(
-            "sim", lambda: known, lambda role: Place(port, gate.invite(role)), (), environment, log.append
+            "sim", lambda: known, lambda role: ServerLogin(port, gate.invite(role)), (), environment, log.append
         )
         application = Application(gate, {}, environment, "simulated robot", log.append, robots)
         async with open_server(application.build(), gate, "127.0.0.1", port, log.append):
@@ -129,7 +129,7 @@ async def test_page_changes_to_another_robot_with_its_role_and_back(client: Any,
 async def test_server_that_does_not_start_is_reported_with_its_error(tmp_path: Path) -> None:
     environment, log = make_home(tmp_path), list[str]()
     known = (RobotMaster("sim", "sim:nosuchbase", f"http://localhost:{free_port()}"),)
-    robots = RobotServers("bob", lambda: known, lambda _: Place(1, ""), (), environment, log.append)
+    robots = RobotServers("bob", lambda: known, lambda _: ServerLogin(1, ""), (), environment, log.append)
     with pytest.raises(PeerError, match="nosuchbase"):
         await robots.invite("sim", Role.LOOK)
     await robots.close()

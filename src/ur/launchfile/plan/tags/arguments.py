@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import Literal
 
 from ur.launchfile.plan.draft import Draft
-from ur.launchfile.plan.model import ArgumentStep
-from ur.launchfile.plan.problems import NOT_GIVEN, Refused, as_warning, refuse
+from ur.launchfile.plan.problems import NOT_GIVEN, TagRefused, as_warning, refuse
 from ur.launchfile.plan.scope import Scope
+from ur.launchfile.plan.specs import ArgumentStep
 from ur.launchfile.plan.tags.attributes import check_attributes, read_optional, read_required
 from ur.launchfile.syntax import Element
 from ur.source.diagnostic import Note, error
@@ -35,7 +35,7 @@ def resolve_arg(element: Element, draft: Draft, scope: Scope) -> None:
                 "value= cannot be overridden, default= can: keep the one you mean",
             )
         _add(element, name, value, default, scope)
-    except Refused:
+    except TagRefused:
         if name is not None:
             scope.declared.setdefault(name, element)
             if scope.passing is not None:
@@ -69,7 +69,7 @@ def _add(element: Element, name: str, value: str | None, default: str | None, sc
         scope.missing[name] = element
 
 
-def _overridden(element: Element, name: str, scope: Scope) -> Refused:
+def _overridden(element: Element, name: str, scope: Scope) -> TagRefused:
     message = f"argument '{name}' has a fixed value here and cannot be given, expected default= instead of value="
     help_ = f"write default= in {scope.filename}, or do not pass '{name}'"
     place = element.value_span("name")
@@ -132,7 +132,7 @@ def check_used(element: Element, draft: Draft, scope: Scope) -> None:
         )
     for finding in found[:-1]:
         draft.add_diagnostic(finding, scope.chain[:-1])
-    raise Refused(found[-1])
+    raise TagRefused(found[-1])
 
 
 def warn_missing(draft: Draft, scope: Scope) -> None:

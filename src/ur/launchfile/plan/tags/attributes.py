@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import cache
 
 from ur.launchfile.plan.draft import Draft
-from ur.launchfile.plan.problems import NOT_GIVEN, Refused, refuse
+from ur.launchfile.plan.problems import NOT_GIVEN, TagRefused, refuse
 from ur.launchfile.plan.scope import Scope
 from ur.launchfile.plan.values.convert import CONDITIONS, read_boolean
 from ur.launchfile.plan.values.substitute import MissingArgument, substitute
@@ -53,7 +53,7 @@ def read_required(element: Element, name: str, draft: Draft, scope: Scope) -> st
     return value if "$" not in value else resolve_value(value, element, name, draft, scope)
 
 
-def missing_attribute(element: Element, name: str) -> Refused:
+def missing_attribute(element: Element, name: str) -> TagRefused:
     """An exception to raise when an attribute is not there."""
     near = did_you_mean(name, element.attributes)
     return refuse(
@@ -74,14 +74,14 @@ def resolve_value(value: str, element: Element, name: str, draft: Draft, scope: 
         raise explain_problem(problem, span, scope) from None
 
 
-def explain_problem(problem: SubstitutionProblem, span: Span, scope: Scope) -> Refused:
+def explain_problem(problem: SubstitutionProblem, span: Span, scope: Scope) -> TagRefused:
     """Turn a problem of a substitution into a finding."""
     if isinstance(problem, MissingArgument):
         return _explain_missing_argument(problem.name, span, scope)
     return refuse(problem.message, span, problem.rule, problem.help, subject=problem.subject, kind=problem.kind)
 
 
-def _explain_missing_argument(name: str, span: Span, scope: Scope) -> Refused:
+def _explain_missing_argument(name: str, span: Span, scope: Scope) -> TagRefused:
     if scope.passing is not None and scope.parent is not None:
         scope = scope.parent  # what an <include> passes on is the including file's
     declaration = scope.declared.get(name)
@@ -108,7 +108,7 @@ def _explain_missing_argument(name: str, span: Span, scope: Scope) -> Refused:
             name,
             kind=NOT_GIVEN,
         )
-    return Refused(
+    return TagRefused(
         error(
             f"argument '{name}' of {scope.filename} is required and was not passed",
             scope.chain[-1],

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from ur.launchfile.plan.draft import MAX_INCLUDES, Draft, TooMuch
-from ur.launchfile.plan.model import IncludeSpec, MachineSpec
-from ur.launchfile.plan.problems import OBSOLETE, Refused, refuse
+from ur.launchfile.plan.problems import OBSOLETE, TagRefused, refuse
 from ur.launchfile.plan.scope import Scope
+from ur.launchfile.plan.specs import IncludeSpec, MachineSpec
 from ur.launchfile.plan.tags.arguments import check_passed, check_used, resolve_arg, trace_arg, warn_missing
 from ur.launchfile.plan.tags.attributes import as_flag, check_attributes, is_wanted, read_optional, read_required
 from ur.launchfile.plan.tags.namespaces import resolve_namespace
@@ -39,7 +39,7 @@ def resolve_body(element: Element, draft: Draft, scope: Scope, machine: _Machine
                 _warn_unknown(child, draft, scope)
             elif ("if" not in child.attributes and "unless" not in child.attributes) or is_wanted(child, draft, scope):
                 machine = handler(child, draft, scope, machine)
-        except Refused as refused:  # noqa: PERF203 - the next tag is to be looked at
+        except TagRefused as refused:  # noqa: PERF203 - the next tag is to be looked at
             draft.refuse(refused, scope)
             if child.name == "arg" and "name" in child.attributes:
                 scope.poisoned.add(child.attributes["name"])
@@ -54,7 +54,7 @@ def resolve_file(parsed: LaunchFile, draft: Draft, scope: Scope) -> bool:
         return False
     try:
         check_launch_tag(parsed.launch, draft, None)
-    except Refused as refused:
+    except TagRefused as refused:
         draft.refuse(refused, None)
     resolve_body(parsed.launch, draft, scope, None)
     warn_missing(draft, scope)
@@ -173,7 +173,7 @@ def _pass_arguments(element: Element, draft: Draft, scope: Scope, child: Scope, 
                     "unknown-tag",
                     f"did you mean <{near}>?" if near else "put it beside the <include>, or into the included file",
                 )
-        except Refused as refused:
+        except TagRefused as refused:
             draft.refuse(refused, scope)
             failed = True
             if "name" in inner.attributes:
@@ -213,7 +213,7 @@ def _open(path: str, element: Element, draft: Draft, scope: Scope, child: Scope)
     return included
 
 
-def _too_deep(path: str, element: Element, draft: Draft, scope: Scope) -> Refused:
+def _too_deep(path: str, element: Element, draft: Draft, scope: Scope) -> TagRefused:
     name = draft.world.absolute(path)
     steps = [step for step in scope.chain if draft.world.absolute(step.file.path) == name]
     if steps:

@@ -6,10 +6,10 @@ import re
 from typing import Literal, cast
 
 from ur.launchfile.plan.draft import Draft
-from ur.launchfile.plan.model import MachineSpec, NodeSpec, ParamSpec, ReadyCondition, TestSpec
 from ur.launchfile.plan.names import canonical_name, is_legal_name
-from ur.launchfile.plan.problems import Refused, refuse
+from ur.launchfile.plan.problems import TagRefused, refuse
 from ur.launchfile.plan.scope import Scope
+from ur.launchfile.plan.specs import MachineSpec, NodeSpec, ParamSpec, ReadyCondition, TestSpec
 from ur.launchfile.plan.tags.attributes import (
     as_flag,
     as_number,
@@ -164,11 +164,11 @@ def _resolve_children(
     for child in element.elements:
         try:
             _resolve_child(child, element, draft, scope, private, own)
-        except Refused as refused:  # noqa: PERF203 - the next tag is to be looked at
+        except TagRefused as refused:  # noqa: PERF203 - the next tag is to be looked at
             draft.refuse(refused, scope)
             failed = True
     if failed:
-        raise Refused(None)
+        raise TagRefused(None)
     return own.all_remaps(), own.env
 
 

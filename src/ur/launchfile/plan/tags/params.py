@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from ur.launchfile.plan.draft import Draft
-from ur.launchfile.plan.model import Origin, ParamCommand, ParamSpec, ParamType, ParamValue
 from ur.launchfile.plan.names import canonical_name, is_private, join_names
-from ur.launchfile.plan.problems import Refused, refuse
+from ur.launchfile.plan.problems import TagRefused, refuse
 from ur.launchfile.plan.scope import Scope
+from ur.launchfile.plan.specs import Origin, ParamCommand, ParamSpec, ParamType, ParamValue
 from ur.launchfile.plan.tags.attributes import (
     as_flag,
     check_attributes,
@@ -66,7 +66,7 @@ def resolve_param(element: Element, draft: Draft, scope: Scope, *, force_private
         draft.add_param(param, scope)
 
 
-def _not_one_source(element: Element, sources: list[str]) -> Refused:
+def _not_one_source(element: Element, sources: list[str]) -> TagRefused:
     if sources:
         return refuse(
             f"<param> with {' and '.join(repr(name) for name in sources)}, expected one of them",
@@ -120,7 +120,7 @@ def _read_file(path: str, element: Element, attribute: str, draft: Draft) -> byt
         raise missing_file(path, problem, element, attribute, draft) from None
 
 
-def missing_file(path: str, problem: OSError, element: Element, attribute: str, draft: Draft) -> Refused:
+def missing_file(path: str, problem: OSError, element: Element, attribute: str, draft: Draft) -> TagRefused:
     """An exception to raise when a file cannot be read, with the name of one that is near, or in that folder."""
     reason = (problem.strerror or str(problem)).lower()
     folder, _, name = path.rpartition("/")
@@ -223,7 +223,7 @@ def _substitute_text(text: str, file: str | None, element: Element, draft: Draft
         raise explain_problem(problem, span, scope) from None
 
 
-def _bad_yaml(problem: YamlProblem, source: SourceFile | None, element: Element, *, same: bool) -> Refused:
+def _bad_yaml(problem: YamlProblem, source: SourceFile | None, element: Element, *, same: bool) -> TagRefused:
     help_ = problem.help
     offset = problem.offset
     if source is not None:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import re
 
-from ur.launchfile.plan.model import ReadyCondition, ReadyKind
 from ur.launchfile.plan.names import canonical_name, is_legal_name, join_names
+from ur.launchfile.plan.specs import ReadyCondition, ReadyKind
 
 _READY = re.compile(r"\s*ready\s*:")
 _CONDITION = re.compile(r"(topic|service|frame|action)\s+(\S+)(?:\s+(\d+(?:\.\d+)?)\s*Hz)?\Z", re.IGNORECASE)

@@ -8,10 +8,10 @@ from __future__ import annotations
 import os
 
 from ur.launchfile.plan.draft import Draft
-from ur.launchfile.plan.model import MachineSpec, RemapStep
 from ur.launchfile.plan.names import canonical_name, is_legal_name
 from ur.launchfile.plan.problems import refuse
 from ur.launchfile.plan.scope import Scope
+from ur.launchfile.plan.specs import MachineSpec, RemapStep
 from ur.launchfile.plan.tags.attributes import as_number, check_attributes, read_optional, read_required
 from ur.launchfile.syntax import Element
 from ur.launchfile.world.protocol import World

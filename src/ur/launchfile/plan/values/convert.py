@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ur.launchfile.plan.model import ParamType, ParamValue
+from ur.launchfile.plan.specs import ParamType, ParamValue
 
 _TYPES: dict[str, ParamType] = {
     "auto": "auto",

@@ -13,7 +13,7 @@ import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from typing import Any
 
-from ur.launchfile.plan.problems import NOT_PYTHON, Refused
+from ur.launchfile.plan.problems import NOT_PYTHON, TagRefused
 from ur.launchfile.plan.values.budget import PER_FUNCTION, PER_STEP, Budget, ExpressionProblem, TooLong
 from ur.launchfile.plan.values.expression_operations import Operations, describe
 from ur.launchfile.syntax.substitution import SubstitutionProblem
@@ -59,7 +59,7 @@ def evaluate_expression(
         value = evaluator.visit(tree.body)
         evaluator.budget.weigh(value)
         return str(value)
-    except (Refused, SubstitutionProblem):
+    except (TagRefused, SubstitutionProblem):
         raise
     except ExpressionProblem as problem:
         if problem.end <= problem.start and evaluator.at is not None:

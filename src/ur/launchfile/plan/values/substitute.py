@@ -12,7 +12,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable
 
-from ur.launchfile.plan.problems import Refused
+from ur.launchfile.plan.problems import TagRefused
 from ur.launchfile.plan.scope import Scope
 from ur.launchfile.plan.values.budget import Budget
 from ur.launchfile.plan.values.convert import guess_value
@@ -142,7 +142,7 @@ def look_up_argument(name: str, scope: Scope, start: int, end: int) -> str:
         return scope.args[name]
     except KeyError:
         if name in scope.poisoned:
-            raise Refused(None) from None
+            raise TagRefused(None) from None
         raise MissingArgument(name, start, end) from None
 
 
@@ -228,7 +228,7 @@ def _evaluate(piece: Substitution, scope: Scope, world: World, budget: Budget) -
 
     def look_up(name: str) -> object:
         if name in scope.poisoned and name not in scope.args:
-            raise Refused(None)
+            raise TagRefused(None)
         return guess_value(scope.args[name])
 
     try:

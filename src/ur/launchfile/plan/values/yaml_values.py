@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from functools import cache, lru_cache
 from typing import TYPE_CHECKING, Any
 
-from ur.launchfile.plan.model import ParamValue
+from ur.launchfile.plan.specs import ParamValue
 from ur.launchfile.plan.values.budget import PER_YAML_CHARACTER, Budget, TooLong
 
 if TYPE_CHECKING:

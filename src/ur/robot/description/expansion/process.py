@@ -22,7 +22,7 @@ _SCRIPT = Path(__file__).with_name("confined.py")
 
 
 @dataclass(frozen=True, slots=True)
-class Outcome:
+class Expansion:
     """The end of an expansion: `text` is the URDF, or `problem` is not empty.
 
     `unconfined` is the reason for which the process could not be confined; nothing of the description has run then.
@@ -35,7 +35,7 @@ class Outcome:
     missing: tuple[str, ...] = ()
 
 
-class Refused(Exception):  # noqa: N818 - an answer, with its reason
+class QuestionRefused(Exception):  # noqa: N818 - an answer, with its reason
     """A question of the process that is answered with a reason for not doing it."""
 
 
@@ -47,7 +47,7 @@ def expand(
     answers: Mapping[str, Answer],
     *,
     confined: bool = True,
-) -> Outcome:
+) -> Expansion:
     """Run xacro as `order` says (`library`, `file`, `folder`, `arguments`), and answer what it asks by its kind.
 
     An answer raises Refused. Unless it is `confined`, the process has all rights of its starter.
@@ -81,7 +81,7 @@ def expand(
             child.stdin.close()
     if report:
         return _read_report(report)
-    return Outcome(problem=f"it did not finish within {SECONDS} s" if late else "it ended without a result")
+    return Expansion(problem=f"it did not finish within {SECONDS} s" if late else "it ended without a result")
 
 
 def _converse(
@@ -99,7 +99,7 @@ def _converse(
             return dict(message)
         try:
             _send(to, {"value": answers[message["ask"]](str(message["of"]))})
-        except Refused as reason:
+        except QuestionRefused as reason:
             _send(to, {"error": str(reason)})
     return {"end": "done", "problem": f"it asked for more than {MOST_QUESTIONS:,} files and packages"}
 
@@ -109,13 +109,13 @@ def _send(to: IO[bytes], fields: Mapping[str, object]) -> None:
     to.flush()
 
 
-def _read_report(report: Mapping[str, object]) -> Outcome:
+def _read_report(report: Mapping[str, object]) -> Expansion:
     if report["end"] == "not confined":
-        return Outcome(unconfined=str(report.get("problem")) or "no reason is known")
+        return Expansion(unconfined=str(report.get("problem")) or "no reason is known")
     problem = str(report.get("problem", ""))
     if problem:
         lines = str(report.get("errors", "")).strip().splitlines()
         problem = next((line for line in lines if line.strip() not in ("", "error:")), problem)
     missing = report.get("missing", ())
     names = tuple(dict.fromkeys(map(str, missing))) if isinstance(missing, list) else ()
-    return Outcome(str(report.get("text", "")), problem, missing=names)
+    return Expansion(str(report.get("text", "")), problem, missing=names)

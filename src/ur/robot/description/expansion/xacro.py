@@ -16,7 +16,7 @@ from fnmatch import fnmatchcase
 from itertools import islice
 from pathlib import Path
 
-from ur.robot.description.expansion.process import MOST_READ, SECONDS, Answer, Outcome, Refused, expand
+from ur.robot.description.expansion.process import MOST_READ, SECONDS, Answer, Expansion, QuestionRefused, expand
 from ur.robot.description.surroundings import Surroundings, is_safe_program
 from ur.source.diagnostic import UserError, error
 from ur.source.read import read_source
@@ -36,7 +36,7 @@ class DescriptionText:
 
 
 @dataclass(frozen=True, slots=True)
-class Computer:
+class ExpansionComputer:
     """The parts of this computer that an expansion uses.
 
     `packages` finds the folders of packages by name, and is called for xacro files only. `made` is the folder of the
@@ -50,7 +50,7 @@ class Computer:
 
 
 def read_description(
-    path: Path, around: Surroundings, computer: Computer, arguments: Sequence[str] = ()
+    path: Path, around: Surroundings, computer: ExpansionComputer, arguments: Sequence[str] = ()
 ) -> DescriptionText:
     """Read a URDF file; a file named `.xacro` is expanded, with the defaults of all but the given arguments.
 
@@ -66,7 +66,7 @@ def read_description(
     return DescriptionText(text)
 
 
-def _expand(path: Path, around: Surroundings, computer: Computer, arguments: Sequence[str]) -> DescriptionText:
+def _expand(path: Path, around: Surroundings, computer: ExpansionComputer, arguments: Sequence[str]) -> DescriptionText:
     library = find_library(computer.made, around)
     if library is None:
         outcome = _run_program(path, around, computer, arguments)
@@ -95,7 +95,7 @@ def _expand(path: Path, around: Surroundings, computer: Computer, arguments: Seq
     raise UserError(error(message, rule="bad-xacro", help=help_, subject=str(path), reason=reason))
 
 
-def _ask(path: Path, why: str, computer: Computer, help_: str = "") -> None:
+def _ask(path: Path, why: str, computer: ExpansionComputer, help_: str = "") -> None:
     what = f"{why}, so Python in '{path}' and in the files that it includes would run with all your rights"
     if not computer.consent(what):
         help_ = (
@@ -104,7 +104,7 @@ def _ask(path: Path, why: str, computer: Computer, help_: str = "") -> None:
         raise UserError(error(f"did not expand '{path}': {what}", rule="not-confined", help=help_, subject=str(path)))
 
 
-def _run_program(path: Path, around: Surroundings, computer: Computer, arguments: Sequence[str]) -> Outcome:
+def _run_program(path: Path, around: Surroundings, computer: ExpansionComputer, arguments: Sequence[str]) -> Expansion:
     """Run the program xacro, which is not confined, if the user wants it."""
     program, refused = find_program(computer.environment, around)
     if program is None:
@@ -127,15 +127,15 @@ def _run_program(path: Path, around: Surroundings, computer: Computer, arguments
             timeout=SECONDS,
         )
     except subprocess.TimeoutExpired:
-        return Outcome(problem=f"it did not finish within {SECONDS} s")
+        return Expansion(problem=f"it did not finish within {SECONDS} s")
     except OSError as failed:
-        return Outcome(problem=f"'{program}' does not start: {(failed.strerror or str(failed)).lower()}")
+        return Expansion(problem=f"'{program}' does not start: {(failed.strerror or str(failed)).lower()}")
     lines = done.stderr.decode(errors="replace").strip().splitlines()
     problem = (lines[0] if lines else f"exit code {done.returncode}") if done.returncode else ""
-    return Outcome(done.stdout.decode(errors="replace"), problem)
+    return Expansion(done.stdout.decode(errors="replace"), problem)
 
 
-def _list_answers(around: Surroundings, computer: Computer) -> Mapping[str, Answer]:
+def _list_answers(around: Surroundings, computer: ExpansionComputer) -> Mapping[str, Answer]:
     """The answers to a confined xacro: files of the description and of packages, packages, variables."""
     packages = dict(computer.packages())
     left = MOST_READ
@@ -144,15 +144,15 @@ def _list_answers(around: Surroundings, computer: Computer) -> Mapping[str, Answ
         nonlocal left
         found = around.find_readable(path, packages.values())
         if found is None:
-            raise Refused(f"outside of '{around.folder}' and of all packages, or hidden")
+            raise QuestionRefused(f"outside of '{around.folder}' and of all packages, or hidden")
         try:
             text = read_source(found).text
         except UserError as problem:
             reason = problem.diagnostics[0].message.removeprefix(f"{found}: ")
-            raise Refused(reason) from None
+            raise QuestionRefused(reason) from None
         left -= len(text)
         if left < 0:
-            raise Refused(f"more than {MOST_READ:,} bytes are included in all")
+            raise QuestionRefused(f"more than {MOST_READ:,} bytes are included in all")
         return text
 
     def find(pattern: str) -> list[str]:

@@ -9,7 +9,17 @@ from collections.abc import Callable, Mapping
 from importlib.resources import files
 from typing import Any, TypeVar
 
-from ur.robot.doctor.ros2.model import End, Frame, Graph, Installation, Process, Qos, Received, Ros2, Topic
+from ur.robot.doctor.ros2.seen_graph import (
+    End,
+    Installation,
+    Process,
+    Qos,
+    Received,
+    Ros2,
+    SeenFrame,
+    SeenGraph,
+    SeenTopic,
+)
 from ur.robot.ssh.shell import Shell, quote
 
 VARIABLES = (
@@ -102,21 +112,21 @@ def _process(row: Any) -> Process:
     )
 
 
-def _graph(top: Any) -> Graph:
+def _graph(top: Any) -> SeenGraph:
     def ends(rows: Any) -> tuple[End, ...]:
         return _each(rows, lambda row: End(
             _text(row[0]), _text(row[1]), _text(row[2]),
             Qos(_truth(row[3]), _truth(row[4]), _period(row[5]), _period(row[6]), _truth(row[7])),
         ))  # fmt: skip
 
-    return Graph(
+    return SeenGraph(
         nodes=_texts(top["nodes"]),
-        topics=_each(top["topics"], lambda row: Topic(_text(row[0]), ends(row[1]), ends(row[2]))),
+        topics=_each(top["topics"], lambda row: SeenTopic(_text(row[0]), ends(row[1]), ends(row[2]))),
         simulated=_mapping(top["simulated"], _truth),
         states=_mapping(top["states"], _text),
         scans=_mapping(top["scans"], lambda row: Received(_whole(row[0]), None if row[1] is None else _number(row[1]))),
         charge=_mapping(top["charge"], _number),
-        frames=_mapping(top["frames"], lambda row: Frame(_texts(row[0]), _texts(row[1]))),
+        frames=_mapping(top["frames"], lambda row: SeenFrame(_texts(row[0]), _texts(row[1]))),
     )
 
 

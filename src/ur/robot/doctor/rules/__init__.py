@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ur.robot.doctor.model import Finding, Pair
+from ur.robot.doctor.findings import ComputerPair, Finding
 from ur.robot.doctor.rules import (
     clock,
     devices,
@@ -40,7 +40,7 @@ KINDS = {kind: meaning for rule in RULES for kind, meaning in rule.kinds.items()
 __all__ = ["KINDS", "RULES", "diagnose", "diagnose_alone"]
 
 
-def diagnose(pair: Pair) -> list[Finding]:
+def diagnose(pair: ComputerPair) -> list[Finding]:
     """All findings about two computers; empty for a healthy pair."""
     found: list[Finding] = []
     for rule in RULES:

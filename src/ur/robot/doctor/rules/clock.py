@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from ur.robot.doctor.model import Command, Finding, Pair, Where
+from ur.robot.doctor.findings import ComputerPair, Finding, FixCommand, Where
 from ur.robot.doctor.rules.registry import PairRule, Rule, SideRule
 from ur.robot.doctor.side import Side
 
@@ -13,7 +13,7 @@ CLOCK_SECONDS = 0.5  # tf's usual patience is about that
 STEP = "systemctl restart chrony && { chronyc waitsync 15 0.3 0 1 || chronyc makestep; }"
 
 
-def check_offset(pair: Pair) -> Iterator[Finding]:
+def check_offset(pair: ComputerPair) -> Iterator[Finding]:
     """Clocks that disagree."""
     if abs(pair.offset) > CLOCK_SECONDS:
         by = f"{abs(pair.offset):.1f} s {'ahead of' if pair.offset > 0 else 'behind'}"
@@ -21,7 +21,7 @@ def check_offset(pair: Pair) -> Iterator[Finding]:
             "clock-offset",
             f"the clock of {pair.there.name} is {by} the one of {pair.here.name}",
             "where it takes its time from: chronyc sources",
-            (Command("there", STEP, root=True, safe=True),),
+            (FixCommand("there", STEP, root=True, safe=True),),
         )
 
 
@@ -37,7 +37,7 @@ def check_daemon(where: Where, side: Side) -> Iterator[Finding]:
             "no-time-synchronisation",
             f"{side.name}: chrony does not run, so its clock drifts"
             + (", and robots without internet get no time from it" if where == "here" else ""),
-            commands=(Command(where, line, root=True, safe=True),),
+            commands=(FixCommand(where, line, root=True, safe=True),),
         )
 
 

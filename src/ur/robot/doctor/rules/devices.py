@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from ur.devices.model import Device, Snapshot
+from ur.devices.device import Device, DeviceSnapshot
 from ur.devices.needs import State, examine, find_unit, list_problems
 from ur.devices.observe import RULES_FILE
 from ur.devices.udev import RELOAD, write_rules
-from ur.robot.doctor.model import Command, Finding, Pair
+from ur.robot.doctor.findings import ComputerPair, Finding, FixCommand
 from ur.robot.doctor.rules.registry import PairRule, Rule
 from ur.robot.ssh.shell import quote
 
@@ -21,7 +21,7 @@ IDS: dict[State, str] = {
 }
 
 
-def check_devices(pair: Pair) -> Iterator[Finding]:
+def check_devices(pair: ComputerPair) -> Iterator[Finding]:
     """Check the devices of the robot against its base. A container has only those that its host passes on."""
     snapshot, name = pair.devices, pair.there.name
     if snapshot is None:
@@ -41,15 +41,17 @@ def check_devices(pair: Pair) -> Iterator[Finding]:
             yield Finding(IDS[state], f"{name}: {what} {device.path}", "" if commands else help, commands)
 
 
-def _commands(pair: Pair, snapshot: Snapshot, state: State, device: Device | None) -> Iterator[Command]:
+def _commands(
+    pair: ComputerPair, snapshot: DeviceSnapshot, state: State, device: Device | None
+) -> Iterator[FixCommand]:
     if state == "unnamed":
         line = f"printf %s {quote(write_rules(pair.expected))} >{RULES_FILE} && {RELOAD}"
-        yield Command("there", line, root=True, safe=True)
+        yield FixCommand("there", line, root=True, safe=True)
     elif state == "forbidden" and device and device.group not in ("", "root", *snapshot.member):
         line = f"usermod --append --groups {quote(device.group)} {quote(snapshot.user)}"
-        yield Command("there", line, root=True, safe=True)
+        yield FixCommand("there", line, root=True, safe=True)
     elif state == "busy" and device and (unit := find_unit(device)):
-        yield Command("there", f"systemctl disable --now {quote(unit)}", root=True)
+        yield FixCommand("there", f"systemctl disable --now {quote(unit)}", root=True)
 
 
 RULES: tuple[Rule, ...] = (

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from urllib.parse import urlsplit
 
-from ur.robot.doctor.model import Command, Finding, Pair, Where
+from ur.robot.doctor.findings import ComputerPair, Finding, FixCommand, Where
 from ur.robot.doctor.rules.registry import PairRule, Rule
 from ur.robot.doctor.side import Side
 from ur.robot.setup.environment import robot_setup_text
@@ -14,7 +14,7 @@ from ur.robot.ssh.shell import quote
 _OWN_FILE = "/.ros_setup"
 
 
-def check_robot(pair: Pair) -> Iterator[Finding]:
+def check_robot(pair: ComputerPair) -> Iterator[Finding]:
     """The robot's variables: of nodes that roslaunch starts there, and of terminals there."""
     side = pair.there
     for what, variables in _environments(side, ("for nodes that roslaunch starts", "in a terminal")):
@@ -25,7 +25,7 @@ def check_robot(pair: Pair) -> Iterator[Finding]:
             return
 
 
-def check_viewer(pair: Pair) -> Iterator[Finding]:
+def check_viewer(pair: ComputerPair) -> Iterator[Finding]:
     """This computer's, when the robot is the selected one: of the shell that asked, and of a new one."""
     side = pair.here
     if not pair.selected:
@@ -37,7 +37,7 @@ def check_viewer(pair: Pair) -> Iterator[Finding]:
             fresh = variables is side.shell
             commands = tuple(_comment(file, variable, "here") for file in files) if fresh else ()
             if not commands:
-                commands = (Command("here", "ur setup" if fresh else 'eval "$(ur env)"'),)
+                commands = (FixCommand("here", "ur setup" if fresh else 'eval "$(ur env)"'),)
             help = "" if fresh else "this shell was opened before the robot was selected, or has values of its own:"
             yield Finding(rule, message, help, commands)
         if found:
@@ -90,17 +90,17 @@ def _advice(side: Side, variable: str) -> str:
     return f"it is set in {', '.join(files)}; FILE.ur keeps the old text" if files else "~/.ros_setup is written again"
 
 
-def _fix(side: Side, variable: str) -> Iterator[Command]:
+def _fix(side: Side, variable: str) -> Iterator[FixCommand]:
     yield from (_comment(file, variable, "there") for file in _files(side, variable))
     wanted = robot_setup_text()
     if side.ros_setup != wanted or not _files(side, variable):
         lines = quote(*wanted.splitlines())
-        yield Command("there", f"printf '%s\\n' {lines} >~/.ros_setup", safe=True)
+        yield FixCommand("there", f"printf '%s\\n' {lines} >~/.ros_setup", safe=True)
 
 
-def _comment(file: str, variable: str, where: Where) -> Command:
+def _comment(file: str, variable: str, where: Where) -> FixCommand:
     pattern = f"/^[[:space:]]*(export[[:space:]]+)?{variable}=/s/^/# /"
-    return Command(where, f"sed -i.ur -E {quote(pattern)} {quote(file)}", root=file.startswith("/etc/"))
+    return FixCommand(where, f"sed -i.ur -E {quote(pattern)} {quote(file)}", root=file.startswith("/etc/"))
 
 
 RULES: tuple[Rule, ...] = (

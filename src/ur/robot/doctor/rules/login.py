@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from ur.robot.doctor.model import Command, Finding, Pair, Where
+from ur.robot.doctor.findings import ComputerPair, Finding, FixCommand, Where
 from ur.robot.doctor.rules.registry import PairRule, Rule, SideRule
 from ur.robot.doctor.side import Side
 from ur.robot.ssh.public_key import PATTERN
@@ -31,7 +31,7 @@ def check_rights(where: Where, side: Side) -> Iterator[Finding]:
         yield Finding(
             "loose-rights",
             f"{side.name}: others may write or read {paths}, so ssh refuses keys",
-            commands=(Command(where, line, safe=True),),
+            commands=(FixCommand(where, line, safe=True),),
         )
 
 
@@ -49,7 +49,7 @@ def check_server(where: Where, side: Side) -> Iterator[Finding]:
         yield Finding(
             "no-ssh-server",
             f"{side.name} runs no ssh server, so nothing there can be started from the other computer",
-            commands=(Command(where, line, root=True, safe=installed),),
+            commands=(FixCommand(where, line, root=True, safe=installed),),
         )
 
 
@@ -59,9 +59,9 @@ def check_own_login(where: Where, side: Side) -> Iterator[Finding]:
         return
     full = f"{side.name}.local"
     allow = f"{NEW_KEY}; cat ~/.ssh/id_ed25519.pub {_ALLOW}"
-    commands = [Command(where, allow, safe=True)] if not _is_about_host_key(side.own_login) else []
+    commands = [FixCommand(where, allow, safe=True)] if not _is_about_host_key(side.own_login) else []
     if side.host_key:
-        commands.append(Command(where, know_host(side.name, side.host_key), safe=True))
+        commands.append(FixCommand(where, know_host(side.name, side.host_key), safe=True))
     yield Finding(
         "no-login-to-itself",
         f"{side.name} cannot log in to itself as {full}: {side.own_login}",
@@ -69,7 +69,7 @@ def check_own_login(where: Where, side: Side) -> Iterator[Finding]:
     )
 
 
-def check_keys(pair: Pair) -> Iterator[Finding]:
+def check_keys(pair: ComputerPair) -> Iterator[Finding]:
     """The keys of each computer, at the other."""
     here, there = pair.here, pair.there
     if find_loose(there) or find_loose(here):
@@ -80,7 +80,7 @@ def check_keys(pair: Pair) -> Iterator[Finding]:
             "key-refused",
             f"{there.name} does not take the key of this computer",
             "" if here.public_key else "this computer has no key (~/.ssh/id_ed25519); then --fix takes it there",
-            (Command("there", add, safe=True),) if here.public_key else (Command("here", NEW_KEY, safe=True),),
+            (FixCommand("there", add, safe=True),) if here.public_key else (FixCommand("here", NEW_KEY, safe=True),),
         )
     if (
         not pair.way_back
@@ -91,13 +91,13 @@ def check_keys(pair: Pair) -> Iterator[Finding]:
     ):
         return
     stale = _is_about_host_key(pair.way_back)
-    commands: tuple[Command, ...]
+    commands: tuple[FixCommand, ...]
     if stale:
-        commands = (Command("there", know_host(here.name, here.host_key), safe=True),) if here.host_key else ()
+        commands = (FixCommand("there", know_host(here.name, here.host_key), safe=True),) if here.host_key else ()
     else:
         commands = (
-            Command("there", NEW_KEY, safe=True),
-            Command(
+            FixCommand("there", NEW_KEY, safe=True),
+            FixCommand(
                 "here",
                 f"ssh -- {quote(pair.login)} cat .ssh/id_ed25519.pub {_ONE_KEY} {_ALLOW}",
                 safe=pair.known,
@@ -126,7 +126,7 @@ def check_x11(where: Where, side: Side) -> Iterator[Finding]:
         yield Finding(
             "x11-off",
             f"{side.name}: its ssh server forwards no windows (X11Forwarding), so 'ur x' cannot show any",
-            commands=(Command(where, XFORWARD, root=True, safe=True),),
+            commands=(FixCommand(where, XFORWARD, root=True, safe=True),),
         )
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from ur.robot.doctor.model import Command, Finding, Where
+from ur.robot.doctor.findings import Finding, FixCommand, Where
 from ur.robot.doctor.rules.registry import Rule, SideRule
 from ur.robot.doctor.side import Disk, Side
 
@@ -28,7 +28,7 @@ def check_disks(where: Where, side: Side) -> Iterator[Finding]:
             large = _large_on(disk, side)
             what = ", ".join(f"{path} has {size:.0f} MB" for path, size in large)
             commands = tuple(
-                Command(where, line, root=root, safe=safe)
+                FixCommand(where, line, root=root, safe=safe)
                 for path, _ in large
                 for end, (line, root, safe) in _EMPTY.items()
                 if path.endswith(end)

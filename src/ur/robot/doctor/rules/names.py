@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from ur.robot.doctor.model import Command, Finding, Pair, Where
+from ur.robot.doctor.findings import ComputerPair, Finding, FixCommand, Where
 from ur.robot.doctor.rules.registry import PairRule, Rule, SideRule
 from ur.robot.doctor.side import Side
 from ur.robot.ssh.shell import quote
@@ -25,11 +25,11 @@ def check_avahi(where: Where, side: Side) -> Iterator[Finding]:
         yield Finding(
             "avahi-not-running",
             f"{side.name}: avahi-daemon does not run, so {side.name}.local does not resolve",
-            commands=(Command(where, START if installed else INSTALL, root=True, safe=True),),
+            commands=(FixCommand(where, START if installed else INSTALL, root=True, safe=True),),
         )
 
 
-def check_names(pair: Pair) -> Iterator[Finding]:
+def check_names(pair: ComputerPair) -> Iterator[Finding]:
     """Each computer's full name, as the other understands it."""
     for where, side, other in pair.sides():
         if not runs_avahi(side) or not runs_avahi(other):
@@ -41,7 +41,7 @@ def check_names(pair: Pair) -> Iterator[Finding]:
                 "name-not-found",
                 f"{side.name} does not find {other.name}.local, so it gets no data from that computer",
                 "are both in one network, and does it let multicast through (port 5353)?",
-                (Command(where, INSTALL, root=True, safe=True),) if missing else (),
+                (FixCommand(where, INSTALL, root=True, safe=True),) if missing else (),
             )
         elif wrong and other.addresses:
             name = quote(f"{other.name}.local")
@@ -51,7 +51,7 @@ def check_names(pair: Pair) -> Iterator[Finding]:
                 f"expected {', '.join(other.addresses)}",
                 "remove that line from /etc/hosts; /etc/hosts.ur keeps the old file",
                 (
-                    Command(
+                    FixCommand(
                         where,
                         f"cp -p /etc/hosts /etc/hosts.ur && grep -vwF -- {name} /etc/hosts.ur >/etc/hosts",
                         root=True,
@@ -61,7 +61,7 @@ def check_names(pair: Pair) -> Iterator[Finding]:
             )
 
 
-def check_duplicates(pair: Pair) -> Iterator[Finding]:
+def check_duplicates(pair: ComputerPair) -> Iterator[Finding]:
     """Two computers with one name: zeroconf gives the second another."""
     named = set()
     for _, side, _ in pair.sides():
@@ -81,7 +81,7 @@ def duplicate(name: str, answers_to: str, address: str, user: str) -> Finding:
         f"two computers are called {name}: the one at {address or 'another address'} answers to {answers_to}.local "
         f"only, and ROS there says {name}.local, which is the other one",
         "rename one of them; with its keys, if it is a robot:",
-        (Command("here", f"ur robot setup {login} --name {name}{answers_to.rpartition('-')[2]}"),),
+        (FixCommand("here", f"ur robot setup {login} --name {name}{answers_to.rpartition('-')[2]}"),),
     )
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from ur.robot.doctor.model import Command, Finding, Pair, Where
+from ur.robot.doctor.findings import ComputerPair, Finding, FixCommand, Where
 from ur.robot.doctor.rules.registry import PairRule, Rule, SideRule
 from ur.robot.doctor.side import Side
 from ur.robot.ssh.shell import quote
@@ -31,7 +31,7 @@ def check_address(where: Where, side: Side) -> Iterator[Finding]:  # noqa: ARG00
         )
 
 
-def check_ports(pair: Pair) -> Iterator[Finding]:
+def check_ports(pair: ComputerPair) -> Iterator[Finding]:
     """ROS nodes listen on ports that the system chooses: all above 1024 must be open both ways."""
     ways: tuple[tuple[bool, Where, Side, Side], ...] = (
         (pair.reaches_there, "there", pair.there, pair.here),
@@ -52,14 +52,14 @@ def check_ports(pair: Pair) -> Iterator[Finding]:
             )
 
 
-def _open(where: Where, firewall: str, other: Side) -> tuple[Command, ...]:
+def _open(where: Where, firewall: str, other: Side) -> tuple[FixCommand, ...]:
     line = _FIREWALLS.get(firewall)
     if not line or not other.addresses:
         return ()
-    return tuple(Command(where, line.format(address=quote(address)), root=True) for address in other.addresses)
+    return tuple(FixCommand(where, line.format(address=quote(address)), root=True) for address in other.addresses)
 
 
-def check_network(pair: Pair) -> Iterator[Finding]:
+def check_network(pair: ComputerPair) -> Iterator[Finding]:
     """Loss, latency, and whether full frames get through."""
     frames = [side for _, side, _ in pair.sides() if side.full_frames is False and (side.loss is None or side.loss < 1)]
     if frames:
@@ -80,7 +80,7 @@ def check_network(pair: Pair) -> Iterator[Finding]:
             )
 
 
-def _lost_frames(pair: Pair, side: Side) -> Finding:
+def _lost_frames(pair: ComputerPair, side: Side) -> Finding:
     other = pair.there if side is pair.here else pair.here
     message = f"full frames from {side.name} to {other.name} are lost, and large messages with them"
     if not (side.mtu and other.mtu and side.mtu != other.mtu):
@@ -91,7 +91,7 @@ def _lost_frames(pair: Pair, side: Side) -> Finding:
     return Finding(
         "mtu",
         f"{message}: the MTU of {odd.device} on {odd.name} is {odd.mtu}, the other one's is {mtu}",
-        commands=(Command(where, f"ip link set {quote(odd.device)} mtu {mtu}", root=True, safe=True),),
+        commands=(FixCommand(where, f"ip link set {quote(odd.device)} mtu {mtu}", root=True, safe=True),),
     )
 
 

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from ur.robot.doctor.model import Advertised, Command, Finding, Pair
+from ur.robot.doctor.findings import AdvertisedNode, ComputerPair, Finding, FixCommand
 from ur.robot.doctor.rules.registry import PairRule, Rule
 from ur.robot.ssh.shell import quote
 
 STUBBORN_SECONDS = 5
 
 
-def check_advertised(pair: Pair) -> Iterator[Finding]:
+def check_advertised(pair: ComputerPair) -> Iterator[Finding]:
     """Each node's name, as both computers understand it."""
     addresses = {*pair.here.addresses, *pair.there.addresses}
     for node in pair.advertised:
@@ -28,7 +28,7 @@ def check_advertised(pair: Pair) -> Iterator[Finding]:
             yield _explain(node, takes, pair)
 
 
-def _explain(node: Advertised, takes: str, pair: Pair) -> Finding:
+def _explain(node: AdvertisedNode, takes: str, pair: ComputerPair) -> Finding:
     message = f"node {node.node} says it is at {node.host}, and {takes}"
     owner = node.owner
     if owner is None:
@@ -40,7 +40,7 @@ def _explain(node: Advertised, takes: str, pair: Pair) -> Finding:
             "unresolvable-node",
             message,
             "it was started before the name was as it is now:",
-            (Command(owner.where, f"systemctl restart {quote(owner.unit)}", root=True),),
+            (FixCommand(owner.where, f"systemctl restart {quote(owner.unit)}", root=True),),
         )
     side = pair.here if owner.where == "here" else pair.there
     end = f"kill -INT {owner.pid}; timeout {STUBBORN_SECONDS} tail --pid={owner.pid} -f /dev/null || kill {owner.pid}"
@@ -48,7 +48,7 @@ def _explain(node: Advertised, takes: str, pair: Pair) -> Finding:
         "unresolvable-node",
         message,
         f"end it, then start it again from a new shell on {side.name}: {owner.words}",
-        (Command(owner.where, end),),
+        (FixCommand(owner.where, end),),
     )
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from ur.robot.doctor.model import Command, Finding, Pair, Where
+from ur.robot.doctor.findings import ComputerPair, Finding, FixCommand, Where
 from ur.robot.doctor.rules.registry import PairRule, Rule, SideRule
 from ur.robot.doctor.side import Side
 from ur.robot.setup import robot_states as there
@@ -37,17 +37,17 @@ def check_missing(where: Where, side: Side) -> Iterator[Finding]:
         yield Finding("missing-package", f"{side.name} lacks {names}", commands=(_install(where, missing),))
 
 
-def _install(where: Where, missing: list[list[str]]) -> Command:
+def _install(where: Where, missing: list[list[str]]) -> FixCommand:
     install = "DEBIAN_FRONTEND=noninteractive apt-get install -y --no-install-recommends"
     plain = [entry[0] for entry in missing if len(entry) == 1]
     lines = ["apt-get update"] + ([f"{install} {quote(*plain)}"] if plain else [])
     lines += [
         "{ " + " || ".join(f"{install} {quote(name)}" for name in entry) + "; }" for entry in missing if len(entry) > 1
     ]
-    return Command(where, " && ".join(lines), root=True, safe=True)
+    return FixCommand(where, " && ".join(lines), root=True, safe=True)
 
 
-def check_messages(pair: Pair) -> Iterator[Finding]:
+def check_messages(pair: ComputerPair) -> Iterator[Finding]:
     """Messages that both know, and not as the same."""
     differing: dict[str, list[str]] = {}
     for name, message in pair.here.messages.items():
@@ -78,17 +78,17 @@ def _debian(side: Side, package: str) -> list[str]:
     return [each for each in (f"python3-{name}", f"lib{name}-dev", f"ros-{name}") if each in side.packages]
 
 
-def _align(pair: Pair, package: str, name: str) -> tuple[str, tuple[Command, ...]]:
+def _align(pair: ComputerPair, package: str, name: str) -> tuple[str, tuple[FixCommand, ...]]:
     folders = [side.messages[name].folder for _, side, _ in pair.sides()]
     if not any(folder.startswith("~") for folder in folders):
         return "bring both to one release:", tuple(
-            Command(where, f"apt-get update && apt-get install -y --only-upgrade {quote(*names)}", root=True)
+            FixCommand(where, f"apt-get update && apt-get install -y --only-upgrade {quote(*names)}", root=True)
             for where, side, _ in pair.sides()
             if (names := _debian(side, package))
         )
     if "." not in name:
         help = "the definitions are the same, and one was built before the last change: build both"
-        return help, tuple(Command(where, BUILD) for where, side, _ in pair.sides() if side.built)
+        return help, tuple(FixCommand(where, BUILD) for where, side, _ in pair.sides() if side.built)
     mine = folders[0].startswith("~")
     folder = folders[0] if mine else folders[1]
     left, right = _path(folder), f"{quote(pair.login)}:{_path(folder).removeprefix('~/')}"
@@ -100,7 +100,7 @@ def _align(pair: Pair, package: str, name: str) -> tuple[str, tuple[Command, ...
     else:
         copy, help = f"rsync -a {right}/ {left}/", f"copy the one of {pair.there.name}, which lies in its workspace:"
     where, target, _ = pair.sides()[1 if mine else 0]
-    return help, (Command("here", copy), *([Command(where, BUILD)] if target.built else []))
+    return help, (FixCommand("here", copy), *([FixCommand(where, BUILD)] if target.built else []))
 
 
 def _path(folder: str) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 
-from ur.robot.doctor.model import Finding, Pair, Where
+from ur.robot.doctor.findings import ComputerPair, Finding, Where
 from ur.robot.doctor.side import Side
 
 
@@ -28,7 +28,7 @@ class PairRule:
     """A rule about two computers. `kinds` and `ros1` as in SideRule."""
 
     kinds: Mapping[str, str]
-    check: Callable[[Pair], Iterable[Finding]]
+    check: Callable[[ComputerPair], Iterable[Finding]]
     ros1: bool = False
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from ur.robot.boot.units import PREFIX
-from ur.robot.doctor.model import Command, Finding, Where
+from ur.robot.doctor.findings import Finding, FixCommand, Where
 from ur.robot.doctor.rules.registry import Rule, SideRule
 from ur.robot.doctor.side import Side
 from ur.robot.ssh.shell import quote
@@ -27,7 +27,7 @@ def check_services(where: Where, side: Side) -> Iterator[Finding]:
                 f"(so far {unit.restarts} times){last}",
                 f"fix the program and install it again (ur boot install); its output: journalctl -u {unit.name}; "
                 "or remove it:",
-                (Command("here", f"ur boot remove --robot {quote(side.name)} {quote(boot)}"),),
+                (FixCommand("here", f"ur boot remove --robot {quote(side.name)} {quote(boot)}"),),
             )
         else:
             name = quote(unit.name)
@@ -35,7 +35,7 @@ def check_services(where: Where, side: Side) -> Iterator[Finding]:
                 "failed-service",
                 f"{side.name}: {unit.name} failed{last}",
                 f"its output: journalctl -u {unit.name}",
-                (Command(where, f"systemctl restart {name} || systemctl reset-failed {name}", root=True),),
+                (FixCommand(where, f"systemctl restart {name} || systemctl reset-failed {name}", root=True),),
             )
 
 

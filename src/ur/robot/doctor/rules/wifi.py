@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from ur.robot.doctor.model import Command, Finding, Where
+from ur.robot.doctor.findings import Finding, FixCommand, Where
 from ur.robot.doctor.rules.registry import Rule, SideRule
 from ur.robot.doctor.side import Side
 from ur.robot.ssh.shell import quote
@@ -37,7 +37,7 @@ def check_wifi(where: Where, side: Side) -> Iterator[Finding]:
                 "wifi-power-save",
                 f"{side.name}: {wifi.device} saves power, so what is sent to it may wait 100 ms and more",
                 "for good: sudo nmcli connection modify NAME 802-11-wireless.powersave 2",
-                (Command(where, f"iw dev {quote(wifi.device)} set power_save off", root=True, safe=True),),
+                (FixCommand(where, f"iw dev {quote(wifi.device)} set power_save off", root=True, safe=True),),
             )
 
 

@@ -13,8 +13,8 @@ from typing import Any
 
 from aiohttp import web
 
-from ur.web.server.connections.listener import Listener
-from ur.web.server.gate import HEADERS, Gate
+from ur.web.server.connections.listener import ConnectionListener
+from ur.web.server.gate import HEADERS, LoginGate
 
 _END_LIMIT = 3.0  # s
 _KEEP_ALIVE = 300.0  # s: as long as browsers keep an idle connection
@@ -23,8 +23,8 @@ _LOGGED_EVERY = 60.0  # s
 
 @asynccontextmanager
 async def open_server(
-    application: web.Application, gate: Gate, host: str, port: int, log: Callable[[str], None]
-) -> AsyncIterator[Listener]:
+    application: web.Application, gate: LoginGate, host: str, port: int, log: Callable[[str], None]
+) -> AsyncIterator[ConnectionListener]:
     """Serve an application on a port until the block is left. Raises OSError: the port cannot be listened on.
 
     `log` gets a line a minute at most about connections that fail.
@@ -45,7 +45,7 @@ async def open_server(
     runner = web.AppRunner(application, access_log=None, handle_signals=False, **limits)
     await runner.setup()
     assert runner.server is not None, "set up"
-    listener = Listener(runner.server, gate.recognise, _answer, rarely)
+    listener = ConnectionListener(runner.server, gate.recognise, _answer, rarely)
     try:
         listener.open(host, port)
         yield listener

@@ -57,7 +57,7 @@ class _Waiting:
         return head is not None and head.body is not None and len(self.buffer) == len(head.data) + head.body
 
 
-class Listener:
+class ConnectionListener:
     """Accepts connections and has `handlers` make the protocol that serves each.
 
     `recognise` tells whether a head holds the secret of a session; it must be quick. `answer` makes the bytes of a

@@ -21,7 +21,7 @@ _WAITING = 1 << 20  # bytes of requests that the process has not taken
 State = Literal["off", "starting", "up"]
 
 
-class DataEnd:
+class DataProcess:
     """Keeps the process running from `open` to `close`. `on_start` is called before its first frame.
 
     `is_up` returns whether the robot is connected: without a master the process would not start.

@@ -14,8 +14,8 @@ from aiohttp import WSCloseCode, WSMsgType, web
 
 from ur.web.access.rate import draw, make_bucket
 from ur.web.access.roles import Role
-from ur.web.runs.commands import Commands
-from ur.web.server.data.data_end import DataEnd
+from ur.web.runs.commands import CommandQueue
+from ur.web.server.data.data_end import DataProcess
 from ur.web.server.data.three import ThreeScript
 from ur.web.server.gate import SESSION
 from ur.web.server.viewers import limit_buffer
@@ -100,9 +100,9 @@ class DataPages:
         self._log = log
         self._pages: dict[int, _Page] = {}
         self._numbers = itertools.count(ALL + 1)
-        self._end = DataEnd(environment, is_up, self._take, self._show_again, log)
+        self._end = DataProcess(environment, is_up, self._take, self._show_again, log)
         self._ending: asyncio.Task[None] | None = None
-        self._three = ThreeScript(Commands(environment))
+        self._three = ThreeScript(CommandQueue(environment))
 
     def routes(self) -> list[web.RouteDef]:
         """The routes."""

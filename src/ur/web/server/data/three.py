@@ -11,7 +11,7 @@ from pathlib import Path
 
 from aiohttp import web
 
-from ur.web.runs.commands import Commands
+from ur.web.runs.commands import CommandQueue
 
 _PACKAGE, _SCRIPT = "jupyter_threejs_sage", "static/r130/three.min.js"
 _INSTALL_LIMIT = 300.0  # s
@@ -30,7 +30,7 @@ def find_script() -> Path | None:
 class ThreeScript:
     """Serves the script; `commands` runs the one that installs it."""
 
-    def __init__(self, commands: Commands) -> None:
+    def __init__(self, commands: CommandQueue) -> None:
         self._commands = commands
         self._lock = asyncio.Lock()
         self._packed: bytes | None = None

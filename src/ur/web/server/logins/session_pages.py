@@ -11,7 +11,7 @@ from ur.source.diagnostic import UserError
 from ur.web.access.origin import LOOPBACK
 from ur.web.access.rate import Buckets
 from ur.web.access.roles import Grant, Role, clean_name
-from ur.web.server.gate import SESSION, Gate, demand_drive, read_object
+from ur.web.server.gate import SESSION, LoginGate, demand_drive, read_object
 from ur.web.server.links import draw_picture, find_address, link_to
 
 _INVITE_RATE, _INVITE_BURST = 0.1, 10.0
@@ -21,7 +21,7 @@ _OTHERS = "others"
 class SessionPages:
     """The routes. `rename` passes on that a session has another name; `log` takes a line about who does what."""
 
-    def __init__(self, gate: Gate, rename: Callable[[str, str], None], log: Callable[[str], None]) -> None:
+    def __init__(self, gate: LoginGate, rename: Callable[[str, str], None], log: Callable[[str], None]) -> None:
         self._gate, self._rename, self._log = gate, rename, log
         self._invitations = Buckets(_INVITE_RATE, _INVITE_BURST)
 

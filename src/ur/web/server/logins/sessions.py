@@ -10,9 +10,9 @@ from pathlib import Path
 
 from ur.web.access.roles import (
     SESSION_LIFE,
-    Device,
     Grant,
     Ledger,
+    LoginDevice,
     Role,
     add_token,
     add_viewer,
@@ -77,7 +77,7 @@ class Sessions:
         `before` is the id of the session that the browser has had: the new one takes its place, and its name.
         """
         now, former = time.time(), self.list().get(before)
-        device = Device(former.name if former else name, address, self._life)
+        device = LoginDevice(former.name if former else name, address, self._life)
         kept = end_sessions(self._ledger, [before])
         ledger, secret = use_token(kept, token, device, now)
         role = self._links.use(token) if secret is None and self._links is not None else None

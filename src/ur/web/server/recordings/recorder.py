@@ -12,9 +12,9 @@ from contextlib import ExitStack, suppress
 from dataclasses import dataclass
 
 from ur.source.printable import printable
-from ur.web.server.recordings.store import BusyError, Store
-from ur.web.server.recordings.topics import Selection
-from ur.web.server.recordings.writer import NoWriterError, Writer
+from ur.web.server.recordings.store import RecordingBusyError, Store
+from ur.web.server.recordings.topics import TopicSelection
+from ur.web.server.recordings.writer import NoWriterError, RecordingWriter
 
 _PERIOD = 0.5  # s between two looks at the limits
 _PATIENCE = 5.0  # s between SIGINT and SIGKILL
@@ -27,7 +27,7 @@ class RecorderError(Exception):
 
 
 @dataclass(frozen=True, slots=True)
-class Limits:
+class RecordingLimits:
     """Bytes of `all` recordings, bytes that stay `free` on the disk, and `seconds` of one recording."""
 
     all: int = 2_000_000_000
@@ -48,7 +48,7 @@ class Running:
     topics: int
 
 
-def find_reason(limits: Limits, used: int, free: int, seconds: float) -> str:
+def find_reason(limits: RecordingLimits, used: int, free: int, seconds: float) -> str:
     """The reason why a recording has to end, or must not begin; "" if it may go on."""
     if used >= limits.all:
         return f"all recordings have {limits.all / 1e9:g} GB: delete some"
@@ -65,13 +65,13 @@ class Recorder:
     def __init__(
         self,
         store: Store,
-        writer: Writer,
+        writer: RecordingWriter,
         environment: Mapping[str, str],
         log: Callable[[str], None],
-        limits: Limits | None = None,
+        limits: RecordingLimits | None = None,
     ) -> None:
         self._store, self._writer, self._log = store, writer, log
-        self._environment, self._limits = environment, limits or Limits()
+        self._environment, self._limits = environment, limits or RecordingLimits()
         self._task: asyncio.Task[None] | None = None
         self._asked: asyncio.Event = asyncio.Event()
         self._reason = ""
@@ -86,7 +86,7 @@ class Recorder:
             return None
         return Running(self._stem, self._store.measure(self._stem), time.monotonic() - self._started, self._topics)
 
-    def start(self, selection: Selection) -> None:
+    def start(self, selection: TopicSelection) -> None:
         """Start to record. Raises RecorderError."""
         if self._task is not None:
             raise RecorderError("a recording is under way: stop it first")
@@ -99,7 +99,7 @@ class Recorder:
                 self._store.adopt()
                 used, free, stem = self._store.measure(), self._store.free(), self._store.new_stem()
                 command = self._writer.make_command(self._store.folder / stem, selection)
-            except BusyError:
+            except RecordingBusyError:
                 raise RecorderError("another page of this computer records: stop it there") from None
             except NoWriterError as problem:
                 raise RecorderError(str(problem)) from None

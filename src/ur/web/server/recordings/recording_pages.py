@@ -9,14 +9,14 @@ from dataclasses import asdict
 
 from aiohttp import web
 
-from ur.run.master.xml_rpc import Refused, Unanswered
+from ur.run.master.xml_rpc import CallRefused, Unanswered
 from ur.source.diagnostic import UserError
 from ur.web.access.roles import Role
 from ur.web.server.gate import SESSION, demand_drive, read_object
 from ur.web.server.recordings.recorder import Recorder, RecorderError
-from ur.web.server.recordings.store import BusyError, Store, recordings_folder
-from ur.web.server.recordings.topics import Topic, list_topics, read_topics, select
-from ur.web.server.recordings.writer import Rosbag, Writer
+from ur.web.server.recordings.store import RecordingBusyError, Store, recordings_folder
+from ur.web.server.recordings.topics import PublishedTopic, list_topics, read_topics, select
+from ur.web.server.recordings.writer import RecordingWriter, Rosbag
 from ur.web.wire.reading import BadRequestError
 
 
@@ -26,7 +26,7 @@ class RecordingPages:
     def __init__(self, environment: Mapping[str, str], log: Callable[[str], None]) -> None:
         self._log = log
         self._master = environment.get("ROS_MASTER_URI", "http://localhost:11311")
-        writer: Writer = Rosbag(environment)
+        writer: RecordingWriter = Rosbag(environment)
         self._store = Store(recordings_folder(environment), writer.ending, writer.unfinished)
         self._recorder = Recorder(self._store, writer, environment, log)
 
@@ -51,7 +51,7 @@ class RecordingPages:
         value: dict[str, object] = {"running": asdict(running) if running else None, "end": self._recorder.end}
         if request[SESSION][1].role is Role.DRIVE:
             if running is None:
-                with suppress(BusyError, OSError), self._store.lock():
+                with suppress(RecordingBusyError, OSError), self._store.lock():
                     self._store.adopt()
             value["files"] = [asdict(each) for each in self._store.list()]
         return web.json_response(value)
@@ -106,11 +106,11 @@ class RecordingPages:
             raise web.HTTPConflict(text=f"{path.name}: {(problem.strerror or str(problem)).lower()}\n") from None
         return web.json_response({"ok": True})
 
-    async def _ask_topics(self) -> tuple[Topic, ...]:
+    async def _ask_topics(self) -> tuple[PublishedTopic, ...]:
         """List the topics. Raises HTTPConflict: no master answers."""
         try:
             return await asyncio.get_running_loop().run_in_executor(None, list_topics, self._master)
-        except (Unanswered, Refused, UserError):
+        except (Unanswered, CallRefused, UserError):
             raise web.HTTPConflict(text="the robot is not connected: start a program of it\n") from None
 
     def _note(self, request: web.Request, what: str) -> None:

@@ -24,7 +24,7 @@ _CUT = "_cut"
 _LOCK = "lock"
 
 
-class BusyError(Exception):
+class RecordingBusyError(Exception):
     """Another process records."""
 
 
@@ -86,13 +86,13 @@ class Store:
 
     @contextmanager
     def lock(self) -> Iterator[None]:
-        """Hold the right to record. Raises BusyError where another process has it, OSError without the folder."""
+        """Hold the right to record. Raises RecordingBusyError while another process has it, or OSError."""
         descriptor = os.open(self.folder / _LOCK, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, PRIVATE)
         try:
             fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
             yield
         except BlockingIOError:
-            raise BusyError from None
+            raise RecordingBusyError from None
         finally:
             os.close(descriptor)
 

@@ -27,7 +27,7 @@ _LARGE_BY_NAME = r"(/.*)?/(image|points|cloud)[^/]*(/.*)?|/.*/(compressed|compre
 
 
 @dataclass(frozen=True, slots=True)
-class Topic:
+class PublishedTopic:
     """A topic that is published, and its type."""
 
     name: str
@@ -35,7 +35,7 @@ class Topic:
 
 
 @dataclass(frozen=True, slots=True)
-class Selection:
+class TopicSelection:
     """The `topics` that are recorded. Without any: all, but those whose whole name matches the pattern `left_out`."""
 
     topics: tuple[str, ...] = ()
@@ -56,15 +56,15 @@ def read_topics(value: object) -> tuple[str, ...]:
     return tuple(dict.fromkeys(value))
 
 
-def select(chosen: tuple[str, ...], published: Iterable[Topic]) -> Selection:
+def select(chosen: tuple[str, ...], published: Iterable[PublishedTopic]) -> TopicSelection:
     """The selection for what a page has chosen: without a choice, all but what is large, also what starts later."""
     if chosen:
-        return Selection(chosen)
+        return TopicSelection(chosen)
     large = [each.name for each in published if each.kind in _LARGE][:_MOST_LEFT_OUT]
-    return Selection(left_out="|".join([*large, _LARGE_BY_NAME]))
+    return TopicSelection(left_out="|".join([*large, _LARGE_BY_NAME]))
 
 
-def list_topics(master: str) -> tuple[Topic, ...]:
+def list_topics(master: str) -> tuple[PublishedTopic, ...]:
     """List the topics that are published at a master; this waits for its answer.
 
     Raises Unanswered, Refused or UserError: there is no answer of a master.
@@ -73,4 +73,4 @@ def list_topics(master: str) -> tuple[Topic, ...]:
     if not isinstance(found, list):
         raise WrongServer("expected the topics of a ROS master")
     pairs = [each for each in found if isinstance(each, list) and len(each) == 2]
-    return tuple(Topic(name, str(kind)[:200]) for name, kind in sorted(pairs, key=str) if is_topic(name))
+    return tuple(PublishedTopic(name, str(kind)[:200]) for name, kind in sorted(pairs, key=str) if is_topic(name))

@@ -1,4 +1,4 @@
-"""Programs that write topics into files: `rosbag record`. Another format is another `Writer`."""
+"""Programs that write topics into files: `rosbag record`. Another format is another `RecordingWriter`."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Protocol
 
-from ur.web.server.recordings.topics import Selection
+from ur.web.server.recordings.topics import TopicSelection
 
 _PART = 512  # MB after which the next file begins
 _BUFFER = 64  # MB that wait for the disk
@@ -17,7 +17,7 @@ class NoWriterError(Exception):
     """The program is not installed; the text names what is missing."""
 
 
-class Writer(Protocol):
+class RecordingWriter(Protocol):
     """A program that writes until it gets SIGINT, and then finishes its files."""
 
     @property
@@ -28,7 +28,7 @@ class Writer(Protocol):
     def unfinished(self) -> str:
         """The ending of the names of files that are not finished."""
 
-    def make_command(self, stem: Path, selection: Selection) -> list[str]:
+    def make_command(self, stem: Path, selection: TopicSelection) -> list[str]:
         """The command that writes files whose paths begin with `stem`. Raises NoWriterError."""
 
 
@@ -41,7 +41,7 @@ class Rosbag:
     def __init__(self, environment: Mapping[str, str]) -> None:
         self._path = environment.get("PATH")
 
-    def make_command(self, stem: Path, selection: Selection) -> list[str]:
+    def make_command(self, stem: Path, selection: TopicSelection) -> list[str]:
         """The program behind `rosbag record`, without the command in front of it, which would be a second process."""
         command = shutil.which("rosbag", path=self._path)
         program = Path(command).resolve().parents[1] / "lib" / "rosbag" / "record" if command else None

@@ -11,7 +11,7 @@ from typing import Any
 from ur.source.diagnostic import UserError, error
 from ur.web.access.roles import Role
 from ur.web.server.robots.peer import LONGEST_LINE, Peer, PeerError
-from ur.web.server.robots.robots import Place, Row
+from ur.web.server.robots.robots import RobotEntry, ServerLogin
 
 IDLE_LIMIT = 600.0
 """Seconds after which a server that no page is connected to ends."""
@@ -43,15 +43,15 @@ class ParentServer:
             serving.cancel()
             await asyncio.gather(serving, return_exceptions=True)
 
-    async def list(self) -> list[Row]:
+    async def list(self) -> list[RobotEntry]:
         """List the robots."""
-        return [Row(**each) for each in await self._ask({"list": True})]
+        return [RobotEntry(**each) for each in await self._ask({"list": True})]
 
-    async def invite(self, name: str, role: Role) -> Place:
+    async def invite(self, name: str, role: Role) -> ServerLogin:
         """Have a server run for a robot of the list, and make a token of a role there. Raises PeerError."""
         if name == self.own:
             raise PeerError("this page shows this robot")
-        return Place(*await self._ask({"open": name, "role": role.value}))
+        return ServerLogin(*await self._ask({"open": name, "role": role.value}))
 
     async def close(self) -> None:
         """End nothing: the other server has started all servers."""

@@ -16,7 +16,7 @@ from ur.robot.discovery.masters import RobotMaster
 from ur.web.access.roles import Role
 from ur.web.server.robot_end import wait_or_kill
 from ur.web.server.robots.peer import LONGEST_LINE, Peer, PeerError
-from ur.web.server.robots.robots import Place, Row, write_rows
+from ur.web.server.robots.robots import RobotEntry, ServerLogin, write_rows
 
 LIMIT = 1.0
 _FRESH = 3.0  # s for which a result is good
@@ -36,7 +36,7 @@ class RobotServers:
         self,
         own: str,
         known: Callable[[], Sequence[RobotMaster]],
-        own_place: Callable[[Role], Place],
+        own_place: Callable[[Role], ServerLogin],
         options: Sequence[str],
         environment: Mapping[str, str],
         log: Callable[[str], None],
@@ -50,16 +50,17 @@ class RobotServers:
         self._starts = asyncio.Lock()
         self._closed = False
 
-    async def list(self) -> list[Row]:
+    async def list(self) -> list[RobotEntry]:
         """List the robots, and check their masters."""
         known = await self._read()
         masters = {each.name: self._master_of(each) for each in known}
         answering = await self._check.check(list(dict.fromkeys(masters.values())))
         return [
-            Row(each.name, label_of(each), masters[each.name] in answering, self._is_open(each.name)) for each in known
+            RobotEntry(each.name, label_of(each), masters[each.name] in answering, self._is_open(each.name))
+            for each in known
         ]
 
-    async def invite(self, name: str, role: Role) -> Place:
+    async def invite(self, name: str, role: Role) -> ServerLogin:
         """Have a server run for a robot of the list, and make a token of a role there. Raises PeerError."""
         if name == self.own:
             return self._own_place(role)
@@ -69,7 +70,7 @@ class RobotServers:
         server = await self._find_or_start(robot)
         token = await server.peer.ask({"invite": role.value})
         self._log(f"makes a link that may {role.value} to the page of {robot.name}")
-        return Place(server.port, str(token))
+        return ServerLogin(server.port, str(token))
 
     async def close(self) -> None:
         """End the servers."""

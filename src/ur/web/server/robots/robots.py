@@ -11,7 +11,7 @@ from ur.web.server.robots.peer import PeerError
 
 
 @dataclass(frozen=True, slots=True)
-class Row:
+class RobotEntry:
     """A robot in the list: `label` is its name for people; `open` whether a server for it runs."""
 
     name: str
@@ -21,7 +21,7 @@ class Row:
 
 
 @dataclass(frozen=True, slots=True)
-class Place:
+class ServerLogin:
     """The port of a robot's server, and a token for one login there."""
 
     port: int
@@ -35,10 +35,10 @@ class Robots(Protocol):
     def own(self) -> str:
         """The name of the robot that this server shows."""
 
-    async def list(self) -> list[Row]:
+    async def list(self) -> list[RobotEntry]:
         """List the robots."""
 
-    async def invite(self, name: str, role: Role) -> Place:
+    async def invite(self, name: str, role: Role) -> ServerLogin:
         """Have a server run for a robot of the list, and make a token of a role there."""
 
     async def close(self) -> None:
@@ -51,11 +51,11 @@ class OneRobot:
     def __init__(self, own: str, is_up: Callable[[], bool]) -> None:
         self.own, self._is_up = own, is_up
 
-    async def list(self) -> list[Row]:
+    async def list(self) -> list[RobotEntry]:
         """List this robot."""
-        return [Row(self.own, self.own, self._is_up(), open=True)]
+        return [RobotEntry(self.own, self.own, self._is_up(), open=True)]
 
-    async def invite(self, name: str, role: Role) -> Place:  # noqa: ARG002 - there is none
+    async def invite(self, name: str, role: Role) -> ServerLogin:  # noqa: ARG002 - there is none
         """Refuse. Raises PeerError."""
         raise PeerError("this robot is not in the list")
 
@@ -63,6 +63,6 @@ class OneRobot:
         """End nothing."""
 
 
-def write_rows(rows: list[Row]) -> list[dict[str, Any]]:
+def write_rows(rows: list[RobotEntry]) -> list[dict[str, Any]]:
     """Rows as JSON."""
     return [asdict(each) for each in rows]

@@ -7,8 +7,18 @@ from dataclasses import replace
 
 from tests.robot.doctor.pairs import LAPTOP, PAIR, ROBOT
 
-from ur.robot.doctor.model import Pair
-from ur.robot.doctor.ros2.model import End, Frame, Graph, Installation, Process, Qos, Received, Ros2, Topic
+from ur.robot.doctor.findings import ComputerPair
+from ur.robot.doctor.ros2.seen_graph import (
+    End,
+    Installation,
+    Process,
+    Qos,
+    Received,
+    Ros2,
+    SeenFrame,
+    SeenGraph,
+    SeenTopic,
+)
 
 TWIST, STAMPED, SCAN = "geometry_msgs/msg/Twist", "geometry_msgs/msg/TwistStamped", "sensor_msgs/msg/LaserScan"
 JAZZY = Installation("jazzy", "/opt/ros/jazzy", ("rmw_cyclonedds_cpp", "rmw_fastrtps_cpp"))
@@ -20,22 +30,22 @@ def process(distro: str = "jazzy", unit: str = "base.service", **variables: str)
     return Process(700, "ros", "/opt/ros/jazzy/lib/base/base --ros-args", distro, unit, {**DOMAIN, **variables})
 
 
-def twist(publisher: str = "/cmd_vel_mux", subscriber: str = "/base") -> Topic:
-    return Topic("/cmd_vel", (End(publisher, TWIST, "RIHS01_9c"),), (End(subscriber, TWIST, "RIHS01_9c"),))
+def twist(publisher: str = "/cmd_vel_mux", subscriber: str = "/base") -> SeenTopic:
+    return SeenTopic("/cmd_vel", (End(publisher, TWIST, "RIHS01_9c"),), (End(subscriber, TWIST, "RIHS01_9c"),))
 
 
-GRAPH = Graph(
+GRAPH = SeenGraph(
     nodes=("/base", "/cmd_vel_mux", "/lidar", "/slam"),
     topics=(
         twist(),
-        Topic("/map", (End("/slam", "nav_msgs/msg/OccupancyGrid", qos=Qos(latched=True)),)),
-        Topic("/scan", (End("/lidar", SCAN, qos=LOOSE),), (End("/slam", SCAN, qos=LOOSE),)),
+        SeenTopic("/map", (End("/slam", "nav_msgs/msg/OccupancyGrid", qos=Qos(latched=True)),)),
+        SeenTopic("/scan", (End("/lidar", SCAN, qos=LOOSE),), (End("/slam", SCAN, qos=LOOSE),)),
     ),
     simulated={"/base": False, "/slam": False},
     states={"/slam": "active"},
     scans={"/scan": Received(20, 0.05)},
     charge={"/battery_state": 0.8},
-    frames={"base_link": Frame(("/base",), ("odom",)), "odom": Frame(("/slam",), ("map",))},
+    frames={"base_link": SeenFrame(("/base",), ("odom",)), "odom": SeenFrame(("/slam",), ("map",))},
 )
 RUNNING = Ros2((JAZZY,), (process(), process(unit="lidar.service")), DOMAIN, graph=GRAPH, heard=True)
 TOOLS = Ros2((JAZZY,), shell=DOMAIN, called=DOMAIN, heard=True)
@@ -45,17 +55,19 @@ THERE = replace(ROBOT, ros={}, packages=NO_ROS1, messages={}, ros_setup=None, ro
 ROS2_PAIR = replace(PAIR, here=HERE, there=THERE, reaches_here=False, reaches_there=False, way_back="refused")
 
 
-def there(**changes: object) -> Pair:
+def there(**changes: object) -> ComputerPair:
     return replace(ROS2_PAIR, there=replace(THERE, ros2=replace(RUNNING, **changes)))  # type: ignore[arg-type] # a test's own keywords
 
 
-def here(variables: Mapping[str, str] | None = None, **changes: object) -> Pair:
+def here(variables: Mapping[str, str] | None = None, **changes: object) -> ComputerPair:
     called = {**DOMAIN, **(variables or {})}
     ros2 = replace(TOOLS, called=called, shell=called, **changes)  # type: ignore[arg-type] # a test's own keywords
     return replace(ROS2_PAIR, here=replace(HERE, ros2=ros2))
 
 
-def both(variables: Mapping[str, str], ports: tuple[int, ...] = (), *, mine: Mapping[str, str] | None = None) -> Pair:
+def both(
+    variables: Mapping[str, str], ports: tuple[int, ...] = (), *, mine: Mapping[str, str] | None = None
+) -> ComputerPair:
     """All processes of the robot, and this shell, with these variables; `mine` are those of this shell."""
     robot = replace(RUNNING, processes=(process(**variables),), ports=frozenset(ports))
     called = {**DOMAIN, **(variables if mine is None else mine)}
@@ -63,17 +75,17 @@ def both(variables: Mapping[str, str], ports: tuple[int, ...] = (), *, mine: Map
     return replace(ROS2_PAIR, here=replace(HERE, ros2=laptop), there=replace(THERE, ros2=robot))
 
 
-def graph(**changes: object) -> Pair:
+def graph(**changes: object) -> ComputerPair:
     return there(graph=replace(GRAPH, **changes))  # type: ignore[arg-type] # a test's own keywords
 
 
-def topics(*changed: Topic) -> Pair:
+def topics(*changed: SeenTopic) -> ComputerPair:
     names = {each.name for each in changed}
     return graph(topics=(*changed, *(each for each in GRAPH.topics if each.name not in names)))
 
 
-def scans(offered: Qos, requested: Qos) -> Pair:
-    return topics(Topic("/scan", (End("/lidar", SCAN, qos=offered),), (End("/slam", SCAN, qos=requested),)))
+def scans(offered: Qos, requested: Qos) -> ComputerPair:
+    return topics(SeenTopic("/scan", (End("/lidar", SCAN, qos=offered),), (End("/slam", SCAN, qos=requested),)))
 
 
 HUMBLE = Installation("humble", "/opt/ros/humble", ("rmw_fastrtps_cpp",))
@@ -82,10 +94,10 @@ ZENOH = {"RMW_IMPLEMENTATION": "rmw_zenoh_cpp"}
 WITH_ZENOH = replace(JAZZY, middlewares=("rmw_fastrtps_cpp", "rmw_zenoh_cpp"))
 SERVER = {"ROS_DISCOVERY_SERVER": "127.0.0.1:11811"}
 PROFILE = "/home/ros/fastdds.xml"
-CLOCK = Topic("/clock", (End("/simulator", "rosgraph_msgs/msg/Clock"),))
+CLOCK = SeenTopic("/clock", (End("/simulator", "rosgraph_msgs/msg/Clock"),))
 
 # Each is one seeded fault: the finding that names it, and the pair.
-CASES: list[tuple[str, Pair]] = [
+CASES: list[tuple[str, ComputerPair]] = [
     # How nodes discover one another on the robot.
     ("ros2-mixed-domains", there(processes=(process(), process(), process(unit="lidar.service", ROS_DOMAIN_ID="0")))),
     (
@@ -111,12 +123,17 @@ CASES: list[tuple[str, Pair]] = [
     ("ros2-discovery-server", here(SERVER, ports=frozenset({11811}))),
     ("ros2-no-discovery-server", both(SERVER, (), mine={"ROS_DISCOVERY_SERVER": "bob.local:11811"})),
     # Topics that never connect.
-    ("ros2-command-type", topics(Topic("/cmd_vel", (End("/teleop", TWIST),), (End("/base", STAMPED),)))),
-    ("ros2-command-type", topics(Topic("/cmd_vel", (End("/nav", STAMPED),), (End("/base", TWIST),)))),
-    ("ros2-topic-type", topics(Topic("/mode", (End("/a", "std_msgs/msg/Bool"),), (End("/b", "std_msgs/msg/String"),)))),
+    ("ros2-command-type", topics(SeenTopic("/cmd_vel", (End("/teleop", TWIST),), (End("/base", STAMPED),)))),
+    ("ros2-command-type", topics(SeenTopic("/cmd_vel", (End("/nav", STAMPED),), (End("/base", TWIST),)))),
+    (
+        "ros2-topic-type",
+        topics(SeenTopic("/mode", (End("/a", "std_msgs/msg/Bool"),), (End("/b", "std_msgs/msg/String"),))),
+    ),
     (
         "ros2-definition",
-        topics(Topic("/bumper", (End("/a", "my_msgs/msg/B", "RIHS01_1"),), (End("/b", "my_msgs/msg/B", "RIHS01_2"),))),
+        topics(
+            SeenTopic("/bumper", (End("/a", "my_msgs/msg/B", "RIHS01_1"),), (End("/b", "my_msgs/msg/B", "RIHS01_2"),))
+        ),
     ),
     ("ros2-qos", scans(LOOSE, Qos())),
     ("ros2-qos", scans(Qos(), Qos(latched=True))),
@@ -124,10 +141,10 @@ CASES: list[tuple[str, Pair]] = [
     ("ros2-qos", scans(Qos(deadline=0.5), Qos(deadline=0.1))),
     ("ros2-qos", scans(Qos(), Qos(manual=True))),
     ("ros2-qos", scans(Qos(lease=2.0), Qos(lease=1.0))),
-    ("ros2-no-base", topics(Topic("/cmd_vel", (End("/teleop", TWIST),)))),
+    ("ros2-no-base", topics(SeenTopic("/cmd_vel", (End("/teleop", TWIST),)))),
     (
         "ros2-second-commander",
-        topics(Topic("/cmd_vel", (End("/cmd_vel_mux", TWIST), End("/script", TWIST)), (End("/base", TWIST),))),
+        topics(SeenTopic("/cmd_vel", (End("/cmd_vel_mux", TWIST), End("/script", TWIST)), (End("/base", TWIST),))),
     ),
     # Nodes, and what they send.
     ("ros2-no-graph", there(graph=None, problem="No module named 'rclpy'")),
@@ -136,12 +153,12 @@ CASES: list[tuple[str, Pair]] = [
     ("ros2-mixed-time", graph(topics=(*GRAPH.topics, CLOCK), simulated={"/slam": True, "/base": False})),
     ("ros2-lifecycle", graph(states={"/map_server": "inactive", "/slam": "active"})),
     ("ros2-no-scan", graph(scans={"/scan": Received(0)})),
-    ("ros2-no-scan", topics(Topic("/scan", (), (End("/slam", SCAN, qos=LOOSE),)))),
+    ("ros2-no-scan", topics(SeenTopic("/scan", (), (End("/slam", SCAN, qos=LOOSE),)))),
     ("ros2-old-stamps", graph(scans={"/scan": Received(20, 4.2)})),
     ("ros2-low-battery", graph(charge={"/battery_state": 0.07})),
     ("ros2-low-battery", graph(charge={"/battery_state": 7.0})),
-    ("ros2-two-parents", graph(frames={"base_link": Frame(("/base", "/ekf"), ("odom", "odom_ekf"))})),
-    ("ros2-two-senders", graph(frames={"base_link": Frame(("/base", "/ekf"), ("odom",))})),
+    ("ros2-two-parents", graph(frames={"base_link": SeenFrame(("/base", "/ekf"), ("odom", "odom_ekf"))})),
+    ("ros2-two-senders", graph(frames={"base_link": SeenFrame(("/base", "/ekf"), ("odom",))})),
     ("clock-offset", replace(ROS2_PAIR, offset=3.0)),
 ]
 ZENOH_CASE = (

@@ -26,18 +26,18 @@ from tests.robot.doctor.rules.ros2.cases import (
     topics,
 )
 
-from ur.robot.doctor.model import Finding, Pair
-from ur.robot.doctor.ros2.model import End, Qos, Received, Ros2, Topic
+from ur.robot.doctor.findings import ComputerPair, Finding
+from ur.robot.doctor.ros2.seen_graph import End, Qos, Received, Ros2, SeenTopic
 from ur.robot.doctor.rules import diagnose, diagnose_alone
 
 
-def the_finding(pair: Pair) -> Finding:
+def the_finding(pair: ComputerPair) -> Finding:
     (finding,) = diagnose(pair)
     return finding
 
 
 @pytest.mark.parametrize(("rule", "pair"), CASES)
-def test_seeded_fault_is_named_with_its_fix(rule: str, pair: Pair) -> None:
+def test_seeded_fault_is_named_with_its_fix(rule: str, pair: ComputerPair) -> None:
     finding = the_finding(pair)
     assert finding.rule == rule
     assert finding.help or finding.commands
@@ -61,11 +61,13 @@ def test_at_least_twenty_kinds_of_faults_are_seeded() -> None:
         scans(Qos(deadline=0.1, lease=1.0, manual=True), Qos(deadline=0.5, lease=2.0)),
         graph(charge={"/battery_state": 80.0}),  # in percent
         graph(simulated={}, scans={"/scan": Received(5)}),
-        topics(Topic("/cmd_vel", (End("/cmd_vel_mux", TWIST),), (End("/base", TWIST),)), Topic("/teleop/cmd_vel")),
+        topics(
+            SeenTopic("/cmd_vel", (End("/cmd_vel_mux", TWIST),), (End("/base", TWIST),)), SeenTopic("/teleop/cmd_vel")
+        ),
         there(processes=(process("jazzy"), process("kilted"))),
     ],
 )
-def test_healthy_ros2_pair_has_no_findings(pair: Pair) -> None:
+def test_healthy_ros2_pair_has_no_findings(pair: ComputerPair) -> None:
     assert diagnose(pair) == []
 
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 from urllib.parse import urlsplit
 
-from ur.robot.doctor.model import Command, Finding, Where
-from ur.robot.doctor.ros2.model import NAMES, OLD_RELEASES, Process, domain_of, middleware_of
+from ur.robot.doctor.findings import Finding, FixCommand, Where
+from ur.robot.doctor.ros2.seen_graph import NAMES, OLD_RELEASES, Process, domain_of, middleware_of
 from ur.robot.doctor.rules.registry import Rule, SideRule
 from ur.robot.doctor.side import Side
 from ur.robot.ssh.shell import quote
@@ -68,19 +68,19 @@ def _differ(
             )
 
 
-def _set_in_unit(where: Where, process: Process, variable: str, value: str) -> Command:
+def _set_in_unit(where: Where, process: Process, variable: str, value: str) -> FixCommand:
     folder = f"/etc/systemd/system/{process.unit}.d"
     text = quote(f"[Service]\nEnvironment={variable}={value}\n")
     line = (
         f"mkdir -p {quote(folder)} && printf %s {text} >{quote(folder)}/ros2.conf && systemctl daemon-reload && "
         f"systemctl restart {quote(process.unit)}"
     )
-    return Command(where, line, root=True)
+    return FixCommand(where, line, root=True)
 
 
-def _stop(where: Where, processes: list[Process]) -> Iterator[Command]:
+def _stop(where: Where, processes: list[Process]) -> Iterator[FixCommand]:
     for unit in sorted({each.unit for each in processes if each.unit}):
-        yield Command(where, f"systemctl disable --now {quote(unit)}", root=True)
+        yield FixCommand(where, f"systemctl disable --now {quote(unit)}", root=True)
 
 
 def check_variables(where: Where, side: Side) -> Iterator[Finding]:  # noqa: ARG001 - of the protocol
@@ -140,7 +140,7 @@ def check_needs(where: Where, side: Side) -> Iterator[Finding]:
             f"{side.name}: its nodes use {ZENOH}, and no Zenoh router listens at port {ZENOH_PORT}; nodes do not "
             "discover one another",
             "start the router before the nodes, as a unit of its own:",
-            (Command(where, f"bash -c '. /opt/ros/{distro}/setup.bash && ros2 run {ZENOH} rmw_zenohd'"),),
+            (FixCommand(where, f"bash -c '. /opt/ros/{distro}/setup.bash && ros2 run {ZENOH} rmw_zenohd'"),),
         )
     for host, port in _servers(variables):
         own = {"127.0.0.1", "localhost", side.name, f"{side.name}.local", *side.addresses}
@@ -150,14 +150,14 @@ def check_needs(where: Where, side: Side) -> Iterator[Finding]:
                 f"{side.name}: ROS_DISCOVERY_SERVER is {host}:{port}, and no server listens there; nodes do not "
                 "discover one another",
                 "start the server, or remove the variable:",
-                (Command(where, f"fastdds discovery --udp-address 0.0.0.0 --udp-port {port}"),),
+                (FixCommand(where, f"fastdds discovery --udp-address 0.0.0.0 --udp-port {port}"),),
             )
     for device in side.ros2.no_multicast:
         yield Finding(
             "ros2-multicast-off",
             f"{side.name}: the network interface {device} takes no part in multicast; nodes of other computers are "
             "not discovered through it",
-            commands=(Command(where, f"ip link set {quote(device)} multicast on", root=True, safe=True),),
+            commands=(FixCommand(where, f"ip link set {quote(device)} multicast on", root=True, safe=True),),
         )
 
 

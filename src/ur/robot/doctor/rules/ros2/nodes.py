@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from ur.robot.doctor.model import Command, Finding, Where
-from ur.robot.doctor.ros2.model import Graph
+from ur.robot.doctor.findings import Finding, FixCommand, Where
+from ur.robot.doctor.ros2.seen_graph import SeenGraph
 from ur.robot.doctor.rules.registry import Rule, SideRule
 from ur.robot.doctor.side import Side
 from ur.robot.ssh.shell import quote
@@ -34,7 +34,7 @@ def check_graph(where: Where, side: Side) -> Iterator[Finding]:
         yield from _check_states(where, side, ros2.graph)
 
 
-def _check_names(side: Side, graph: Graph) -> Iterator[Finding]:
+def _check_names(side: Side, graph: SeenGraph) -> Iterator[Finding]:
     for name in sorted({each for each in graph.nodes if graph.nodes.count(each) > 1}):
         yield Finding(
             "ros2-same-name",
@@ -44,7 +44,7 @@ def _check_names(side: Side, graph: Graph) -> Iterator[Finding]:
         )
 
 
-def _check_time(where: Where, side: Side, graph: Graph) -> Iterator[Finding]:
+def _check_time(where: Where, side: Side, graph: SeenGraph) -> Iterator[Finding]:
     timed = {node: value for node, value in graph.simulated.items() if not _is_tool(node)}
     clocks = next((topic.publishers for topic in graph.topics if topic.name == "/clock"), ())
     simulated = sorted(node for node, value in timed.items() if value)
@@ -67,12 +67,12 @@ def _check_time(where: Where, side: Side, graph: Graph) -> Iterator[Finding]:
         )
 
 
-def _set_time(where: Where, side: Side, nodes: list[str], value: str) -> Iterator[Command]:
+def _set_time(where: Where, side: Side, nodes: list[str], value: str) -> Iterator[FixCommand]:
     for node in nodes[:SHOWN]:
-        yield Command(where, _ros2(side, "param", "set", node, "use_sim_time", value))
+        yield FixCommand(where, _ros2(side, "param", "set", node, "use_sim_time", value))
 
 
-def _check_states(where: Where, side: Side, graph: Graph) -> Iterator[Finding]:
+def _check_states(where: Where, side: Side, graph: SeenGraph) -> Iterator[Finding]:
     for node, state in sorted(graph.states.items()):
         if state == "active":
             continue
@@ -84,7 +84,7 @@ def _check_states(where: Where, side: Side, graph: Graph) -> Iterator[Finding]:
             "its manager (Nav2: lifecycle_manager, autostart) has not started it; its output says why, or:"
             if change
             else "start it again; its output says why it ended",
-            (Command(where, _ros2(side, "lifecycle", "set", node, change)),) if change else (),
+            (FixCommand(where, _ros2(side, "lifecycle", "set", node, change)),) if change else (),
         )
 
 
@@ -125,7 +125,7 @@ def check_data(where: Where, side: Side) -> Iterator[Finding]:
                 f"are {abs(scan.age):.1f} s {side_of} the clock of {side.name}; tf refuses the data",
                 "the computer of the driver has another clock (the base of TurtleBot 4 and Create 3 is one of its own: "
                 "give it this computer as NTP server):",
-                (Command(where, "chronyc sources"),),
+                (FixCommand(where, "chronyc sources"),),
             )
     for name, charge in sorted(graph.charge.items()):
         share = charge / 100 if charge > 1.5 else charge  # some drivers send percent
@@ -138,7 +138,7 @@ def check_data(where: Where, side: Side) -> Iterator[Finding]:
     yield from _check_frames(side, graph)
 
 
-def _check_frames(side: Side, graph: Graph) -> Iterator[Finding]:
+def _check_frames(side: Side, graph: SeenGraph) -> Iterator[Finding]:
     for child, frame in sorted(graph.frames.items()):
         if len(frame.parents) > 1:
             yield Finding(

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 
-from ur.robot.doctor.model import Command, Finding, Pair
-from ur.robot.doctor.ros2.model import NAMES, OLD_RELEASES, domain_of, middleware_of, peers_of, range_of
+from ur.robot.doctor.findings import ComputerPair, Finding, FixCommand
+from ur.robot.doctor.ros2.seen_graph import NAMES, OLD_RELEASES, domain_of, middleware_of, peers_of, range_of
 from ur.robot.doctor.rules.registry import PairRule, Rule
 from ur.robot.doctor.side import Side
 from ur.robot.ssh.shell import quote
@@ -14,7 +14,7 @@ _FOLLOW = "of a shell that follows the robot: "
 _LINK = "the page, the keys and 'ur' itself need none of this: they use the ssh connection"
 
 
-def check_both(pair: Pair) -> Iterator[Finding]:
+def check_both(pair: ComputerPair) -> Iterator[Finding]:
     """Check the settings of this shell against those of the robot's nodes, where the robot is selected."""
     here, there = pair.here, pair.there
     if not (here.ros2.present and there.ros2.present and pair.selected):
@@ -51,7 +51,7 @@ def _check_releases(here: Side, there: Side) -> Iterator[Finding]:
         )
 
 
-def _check_servers(pair: Pair, mine: Mapping[str, str], theirs: Mapping[str, str]) -> Iterator[Finding]:
+def _check_servers(pair: ComputerPair, mine: Mapping[str, str], theirs: Mapping[str, str]) -> Iterator[Finding]:
     own, other = (each.get("ROS_DISCOVERY_SERVER", "") for each in (mine, theirs))
     if bool(own) != bool(other):
         if other:
@@ -65,11 +65,11 @@ def _check_servers(pair: Pair, mine: Mapping[str, str], theirs: Mapping[str, str
                 "ros2-discovery-server",
                 f"this shell uses the discovery server {own}, and the nodes of {pair.there.name} use none",
                 "start the robot's nodes with the same ROS_DISCOVERY_SERVER, or use none here:",
-                (Command("here", "unset ROS_DISCOVERY_SERVER"),),
+                (FixCommand("here", "unset ROS_DISCOVERY_SERVER"),),
             )
 
 
-def _check_range(pair: Pair, mine: Mapping[str, str], theirs: Mapping[str, str]) -> Iterator[Finding]:
+def _check_range(pair: ComputerPair, mine: Mapping[str, str], theirs: Mapping[str, str]) -> Iterator[Finding]:
     here, there = pair.here, pair.there
     if mine.get("ROS_DISCOVERY_SERVER") and theirs.get("ROS_DISCOVERY_SERVER"):
         return
@@ -81,7 +81,7 @@ def _check_range(pair: Pair, mine: Mapping[str, str], theirs: Mapping[str, str])
             new = "0" if name == "ROS_LOCALHOST_ONLY" else "SUBNET"
             files = [file for file, variable in side.ros2.settings if variable == name]
             help = f"start its nodes with {name}={new}" + (f"; it is set in {', '.join(files)}" if files else "")
-            commands = (Command("here", f"export {name}={new}"),) if where == "here" else ()
+            commands = (FixCommand("here", f"export {name}={new}"),) if where == "here" else ()
             yield Finding(
                 "ros2-local-only",
                 f"{side.name}: {name} is {variables[name]}, so nodes of {other.name} are not discovered",
@@ -99,8 +99,8 @@ def _check_range(pair: Pair, mine: Mapping[str, str], theirs: Mapping[str, str])
             f"the access point or a guest network drops them; name the peers instead (Jazzy and later), as 'ur env' "
             f"does, or a discovery server on the robot; {_LINK}",
             (
-                Command("here", f"export ROS_STATIC_PEERS={quote(f'{there.name}.local')}"),
-                Command("there", f"export ROS_STATIC_PEERS={quote(f'{here.name}.local')}"),
+                FixCommand("here", f"export ROS_STATIC_PEERS={quote(f'{there.name}.local')}"),
+                FixCommand("there", f"export ROS_STATIC_PEERS={quote(f'{here.name}.local')}"),
             ),
         )
 
@@ -108,7 +108,7 @@ def _check_range(pair: Pair, mine: Mapping[str, str], theirs: Mapping[str, str])
 def _set_here(rule: str, message: str, side: Side, variable: str, value: str) -> Finding:
     files = [file for file, name in side.ros2.settings if name == variable]
     help = f"it is set in {', '.join(files)}; " if files else ""
-    return Finding(rule, message, f"{help}{_FOLLOW}", (Command("here", f"export {variable}={quote(value)}"),))
+    return Finding(rule, message, f"{help}{_FOLLOW}", (FixCommand("here", f"export {variable}={quote(value)}"),))
 
 
 RULES: tuple[Rule, ...] = (

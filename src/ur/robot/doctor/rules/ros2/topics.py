@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from ur.robot.doctor.model import Finding, Where
-from ur.robot.doctor.ros2.model import End, Qos, Topic
+from ur.robot.doctor.findings import Finding, Where
+from ur.robot.doctor.ros2.seen_graph import End, Qos, SeenTopic
 from ur.robot.doctor.rules.registry import Rule, SideRule
 from ur.robot.doctor.side import Side
 
@@ -40,7 +40,7 @@ def check_types(where: Where, side: Side) -> Iterator[Finding]:  # noqa: ARG001 
         yield from _check_hashes(side, topic)
 
 
-def _check_hashes(side: Side, topic: Topic) -> Iterator[Finding]:
+def _check_hashes(side: Side, topic: SeenTopic) -> Iterator[Finding]:
     known = {(end.kind, end.hash) for end in (*topic.publishers, *topic.subscribers) if end.hash}
     for kind in sorted({kind for kind, _ in known}):
         if sum(each == kind for each, _ in known) > 1:
@@ -128,11 +128,11 @@ def check_commands(where: Where, side: Side) -> Iterator[Finding]:  # noqa: ARG0
             )
 
 
-def _topics(side: Side) -> tuple[Topic, ...]:
+def _topics(side: Side) -> tuple[SeenTopic, ...]:
     return side.ros2.graph.topics if side.ros2.graph else ()
 
 
-def _all(topic: Topic) -> tuple[End, ...]:
+def _all(topic: SeenTopic) -> tuple[End, ...]:
     return (*topic.publishers, *topic.subscribers)
 
 

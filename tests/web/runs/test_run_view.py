@@ -14,7 +14,7 @@ from ur.run.clients.protocol import (
 )
 from ur.run.record.ended import EndedRun
 from ur.run.record.entry import RunEntry
-from ur.web.runs.model import MOST_ENDED, begin_view, describe_runs, take_event
+from ur.web.runs.run_view import MOST_ENDED, begin_view, describe_runs, take_event
 
 ENTRY = RunEntry("demo.7", 7, 1, "demo", "http://localhost:11311", "/secret/log", 100.0, True, "here", "/secret/run")
 RUNNING = NodeChanged("/talk", "running", pid=8, log="/secret/talk.log", program="/secret/talk", folder="/secret")

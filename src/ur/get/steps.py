@@ -12,7 +12,7 @@ PACKAGE_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]{0,99}")  # REP 127, and the ca
 
 
 @dataclass(frozen=True, slots=True)
-class Repository:
+class SourceRepository:
     """A repository of source code, as the index of a ROS distribution names it.
 
     `distribution` is that of the index ("kinetic"), "" where it is not an older one than noetic. `url` and `version`
@@ -58,12 +58,12 @@ class Needs:
     missing: tuple[Missing, ...]
     is_there: Callable[[str], bool]
     notes: tuple[str, ...] = ()
-    hints: tuple[Repository, ...] = ()
+    hints: tuple[SourceRepository, ...] = ()
     names: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
-class Step:
+class InstallStep:
     """One missing package and the way to get it.
 
     The way is "other" for a Debian package that is not one of ROS: a stranger's package.xml may name any.
@@ -76,7 +76,7 @@ class Step:
     missing: Missing
     way: Way
     names: tuple[str, ...] = ()
-    repository: Repository | None = None
+    repository: SourceRepository | None = None
     needs: tuple[str, ...] | None = None
     reason: str = ""
     here: bool = False
@@ -87,10 +87,10 @@ class Step:
 class GetPlan:
     """All missing packages with their ways, sorted by package. `notes` say which table or index is not here."""
 
-    steps: tuple[Step, ...]
+    steps: tuple[InstallStep, ...]
     notes: tuple[str, ...] = ()
 
-    def steps_by(self, way: Way) -> tuple[Step, ...]:
+    def steps_by(self, way: Way) -> tuple[InstallStep, ...]:
         """The steps of one way."""
         return tuple(step for step in self.steps if step.way == way)
 

@@ -27,7 +27,7 @@ class Occurrence:
     note: str = ""
 
 
-class Wanted:
+class WantedName:
     """A name to look for: `scan` means `/scan` and `/robot/scan`; `*` and `?` stand for any characters."""
 
     def __init__(self, name: str) -> None:

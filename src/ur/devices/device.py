@@ -9,7 +9,7 @@ Kind = Literal["serial", "camera", "joystick", "i2c", "hid", "usb"]
 
 
 @dataclass(frozen=True, slots=True)
-class Holder:
+class DeviceHolder:
     """A process that has a device open: its number, program and user ('' where that is not known)."""
 
     pid: int
@@ -38,7 +38,7 @@ class Device:
     owner: str = ""
     group: str = ""
     allowed: bool = True
-    holders: tuple[Holder, ...] = ()
+    holders: tuple[DeviceHolder, ...] = ()
 
     @property
     def stable(self) -> str:
@@ -49,7 +49,7 @@ class Device:
 
 
 @dataclass(frozen=True, slots=True)
-class Snapshot:
+class DeviceSnapshot:
     """The devices of a computer at one moment, as one user sees them.
 
     `groups` are those of the session that looked, `member` those that the next login gets. `complete`: the processes of
@@ -61,7 +61,7 @@ class Snapshot:
     groups: frozenset[str] = frozenset()
     member: frozenset[str] = frozenset()
     devices: tuple[Device, ...] = ()
-    grabbers: tuple[Holder, ...] = ()
+    grabbers: tuple[DeviceHolder, ...] = ()
     complete: bool = False
     container: bool = False
     ruled: bool = False

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from ur_nodes.web.scene.model import BadModelError, find_mesh, package_of, read_model
+from ur_nodes.web.scene.robot_model import BadModelError, find_mesh, package_of, read_model
 
 URDF = """<robot name="r"><material name="red"><color rgba="1 0 0 1"/></material>
 <link name="a"><visual><origin xyz="0 0 1"/><geometry><box size="1 2 3"/></geometry><material name="red"/></visual>

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Literal
 
-from ur.devices.model import Expected, Snapshot
+from ur.devices.device import DeviceSnapshot, Expected
 from ur.robot.doctor.side import Side
 from ur.robot.ssh.shell import quote
 
@@ -16,7 +16,7 @@ _SHELL_SIGNS = re.compile(r"[;&|<>$`(){}*?~]")
 
 
 @dataclass(frozen=True, slots=True)
-class Command:
+class FixCommand:
     """One line for a POSIX shell that cures, or helps to: on this computer or on the robot, as its user or as root.
 
     `safe`: it can do no harm, so that `--fix` runs it. What is printed and what `--fix` runs are the same text.
@@ -45,7 +45,7 @@ class Finding:
     rule: str
     message: str
     help: str = ""
-    commands: tuple[Command, ...] = ()
+    commands: tuple[FixCommand, ...] = ()
 
     @property
     def fixable(self) -> bool:
@@ -64,7 +64,7 @@ class Owner:
 
 
 @dataclass(frozen=True, slots=True)
-class Advertised:
+class AdvertisedNode:
     """A node and the host in the address under which it is registered, with what each computer takes that name for."""
 
     node: str
@@ -75,7 +75,7 @@ class Advertised:
 
 
 @dataclass(frozen=True, slots=True)
-class Pair:
+class ComputerPair:
     """Both computers. `offset` (s): how far the robot's clock is ahead.
 
     `way_back` is what ssh said from there to here, '' when it logged in. `reaches_...` tell for each direction whether
@@ -93,13 +93,13 @@ class Pair:
     reaches_there: bool
     reaches_here: bool
     key_refused: bool = False
-    advertised: tuple[Advertised, ...] = ()
+    advertised: tuple[AdvertisedNode, ...] = ()
     known: bool = False
     selected: bool = False
     twins: Mapping[str, frozenset[str]] = field(default_factory=dict)
     login: str = ""
     robot_login: bool = True
-    devices: Snapshot | None = None
+    devices: DeviceSnapshot | None = None
     expected: tuple[Expected, ...] = ()
 
     def sides(self) -> tuple[tuple[Where, Side, Side], tuple[Where, Side, Side]]:

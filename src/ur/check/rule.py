@@ -10,13 +10,13 @@ from typing import TYPE_CHECKING
 from ur.source.diagnostic import Diagnostic, Note, Severity
 
 if TYPE_CHECKING:
-    from ur.launchfile.plan.model import NodeSpec, ParamSpec
+    from ur.launchfile.plan.specs import NodeSpec, ParamSpec
     from ur.launchfile.syntax import Element, LaunchFile
     from ur.launchfile.world import World
     from ur.source.file import SourceFile, Span
 
 
-class Group(Enum):
+class RuleGroup(Enum):
     """The subject of a rule; `--select` and `--ignore` take these codes too."""
 
     XML = "xml"
@@ -31,7 +31,7 @@ class Group(Enum):
 
 
 @dataclass(frozen=True, slots=True)
-class Found:
+class RuleFinding:
     """A finding of a rule; the engine adds the rule's id and severity. `subject` as in a Diagnostic."""
 
     span: Span
@@ -42,7 +42,7 @@ class Found:
 
 
 @dataclass(frozen=True, slots=True)
-class Edit:
+class TextEdit:
     """A safe change of a text: these characters become `text`."""
 
     span: Span
@@ -122,7 +122,7 @@ class PackageView:
 
 
 @dataclass(frozen=True, slots=True)
-class NodeView:
+class LaunchedNode:
     """A node of a resolved launch file. `local`: it does not run on another computer, whose programs are there."""
 
     node: NodeSpec
@@ -146,24 +146,24 @@ class ParamView:
 class Rule:
     """One thing that can be wrong. A rule without a hook is one that reading and resolving launch files reports.
 
-    `id` never changes its meaning. Those of `Group.CONVENTIONS` apply only to packages that follow them.
+    `id` never changes its meaning. Those of `RuleGroup.CONVENTIONS` apply only to packages that follow them.
     """
 
     id: str
-    group: Group
+    group: RuleGroup
     severity: Severity
     summary: str
     explanation: str
     bad: tuple[Example, ...]
     good: tuple[Example, ...]
-    element: Callable[[Element, LaunchView], Iterable[Found]] | None = None
-    launch_file: Callable[[LaunchView], Iterable[Found]] | None = None
-    yaml_file: Callable[[YamlView], Iterable[Found]] | None = None
-    program: Callable[[ProgramView], Iterable[Found]] | None = None
-    whole_package: Callable[[PackageView], Iterable[Found]] | None = None
-    node: Callable[[NodeView], Iterable[Found]] | None = None
-    param: Callable[[ParamView], Iterable[Found]] | None = None
-    fix: Callable[[Diagnostic], tuple[Edit, ...]] | None = None
+    element: Callable[[Element, LaunchView], Iterable[RuleFinding]] | None = None
+    launch_file: Callable[[LaunchView], Iterable[RuleFinding]] | None = None
+    yaml_file: Callable[[YamlView], Iterable[RuleFinding]] | None = None
+    program: Callable[[ProgramView], Iterable[RuleFinding]] | None = None
+    whole_package: Callable[[PackageView], Iterable[RuleFinding]] | None = None
+    node: Callable[[LaunchedNode], Iterable[RuleFinding]] | None = None
+    param: Callable[[ParamView], Iterable[RuleFinding]] | None = None
+    fix: Callable[[Diagnostic], tuple[TextEdit, ...]] | None = None
 
 
 def launch_example(

@@ -56,7 +56,7 @@ class Agreed:
 
 
 @dataclass(frozen=True, slots=True)
-class Step:
+class SyncStep:
     """A change of one side. `before` is what it has, `after` what it gets; None: nothing. `keep`: save what it has."""
 
     path: str
@@ -83,9 +83,9 @@ class SyncPlan:
     With the paths in `same`, which both have alike, the next sync begins. `skipped` says what is left out, and why.
     """
 
-    steps: tuple[Step, ...] = ()
+    steps: tuple[SyncStep, ...] = ()
     conflicts: tuple[Conflict, ...] = ()
-    waiting: tuple[Step, ...] = ()
+    waiting: tuple[SyncStep, ...] = ()
     same: Mapping[str, Agreed] = field(default_factory=dict)
     skipped: Mapping[str, str] = field(default_factory=dict)
     notes: tuple[str, ...] = ()

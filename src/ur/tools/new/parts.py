@@ -16,7 +16,7 @@ class NewFile:
 
 
 @dataclass(frozen=True, slots=True)
-class Argument:
+class NewArgument:
     """An `<arg>`: required when it has neither a default nor a value."""
 
     name: str
@@ -26,7 +26,7 @@ class Argument:
 
 
 @dataclass(frozen=True, slots=True)
-class Topic:
+class NodeTopic:
     """A topic of a node: its name as the node writes it, its message type if known, and whether the node publishes."""
 
     name: str
@@ -41,7 +41,7 @@ class Observed:
     A parameter that the node asked for and nobody has set is None.
     """
 
-    topics: tuple[Topic, ...] = ()
+    topics: tuple[NodeTopic, ...] = ()
     services: tuple[str, ...] = ()
     parameters: Mapping[str, object] = field(default_factory=dict)
 
@@ -61,7 +61,7 @@ class NodeRequest:
 
 
 @dataclass(frozen=True, slots=True)
-class Part:
+class IncludedPart:
     """A launch file that another includes: how `$(find)` names it, and its arguments by name.
 
     `arguments` holds their defaults, None for required ones; `docs` what is said about them.

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from ur_nodes.client.driver_text import DriverRequest
 from ur_nodes.client.mux import MuxRequest, MuxView
-from ur_nodes.client.patrol_text import PatrolAction, PatrolStatus, Route
+from ur_nodes.client.patrol_text import PatrolAction, PatrolRoute, PatrolStatus
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.motion.lease.view import Conduct, LeaseView
@@ -21,7 +21,7 @@ ROBOT = "the robot"
 """The name of what is silent when the whole robot is."""
 
 
-class GoalState(Enum):
+class LastGoalState(Enum):
     """The state of the last goal; the value is its text for users."""
 
     NONE = "no goal"
@@ -45,14 +45,14 @@ class GoalReport:
 
     number: int = 0
     place: Pose2 | None = None
-    state: GoalState = GoalState.NONE
+    state: LastGoalState = LastGoalState.NONE
     text: str = ""
     any_heading: bool = False
 
     @property
     def over(self) -> bool:
         """True once the goal has ended."""
-        return self.state in (GoalState.NONE, GoalState.REACHED, GoalState.STOPPED, GoalState.FAILED)
+        return self.state in (LastGoalState.NONE, LastGoalState.REACHED, LastGoalState.STOPPED, LastGoalState.FAILED)
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,7 +64,7 @@ class Silence:
 
 
 @dataclass(frozen=True, eq=False)
-class Snapshot:
+class RobotSnapshot:
     """The state of the robot at one moment, in the map frame; None for what is not known.
 
     `scan` and `path` are (n, 2) in m; `speed` m/s and `turn` rad/s; `spread` the localiser's standard deviation in m;
@@ -88,10 +88,10 @@ class Snapshot:
     patrol: PatrolStatus | None = None
 
 
-class Navigator(Protocol):
+class NavigationClient(Protocol):
     """A robot that can be sent to places. No call blocks; what came of it is in later snapshots."""
 
-    def snapshot(self) -> Snapshot:
+    def snapshot(self) -> RobotSnapshot:
         """Return the newest state."""
 
     def go(self, place: Pose2, *, any_heading: bool = False) -> int:
@@ -106,7 +106,7 @@ class Navigator(Protocol):
     def request_lease(self, request: DriverRequest) -> None:
         """Ask to drive, or let another drive."""
 
-    def ask_patrol(self, action: PatrolAction, route: Route) -> str:
+    def ask_patrol(self, action: PatrolAction, route: PatrolRoute) -> str:
         """Ask the robot to start, pause, resume or end a patrol; return the request's id, which the answer names.
 
         Raises UserError: no node drives patrols.
@@ -125,7 +125,7 @@ class Navigator(Protocol):
         """Search for the robot on the whole map. Raises UserError when the localiser does not offer that."""
 
 
-def distance_left(snapshot: Snapshot) -> float | None:
+def distance_left(snapshot: RobotSnapshot) -> float | None:
     """Along the path from the robot to the goal, in m; the straight line when there is no path to this goal."""
     goal, pose, path = snapshot.goal.place, snapshot.pose, snapshot.path
     if goal is None or pose is None:

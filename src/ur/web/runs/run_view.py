@@ -25,7 +25,7 @@ _LAST_LINES = 12
 
 
 @dataclass(frozen=True, slots=True)
-class NodeView:
+class ShownNode:
     """A node: its last change, its readiness, and its use of processor (cores) and memory (bytes); None: unknown."""
 
     changed: NodeChanged
@@ -43,7 +43,7 @@ class RunView:
     """
 
     entry: RunEntry
-    nodes: Mapping[str, NodeView]
+    nodes: Mapping[str, ShownNode]
     stopping: str | None = None
     lost: float | None = None
     known: bool = False
@@ -58,9 +58,9 @@ def take_event(view: RunView, event: RunEvent) -> RunView:
     """The run after an event; the same value for one that changes nothing here."""
     match event:
         case NodeChanged():
-            before = view.nodes.get(event.name, NodeView(event))
+            before = view.nodes.get(event.name, ShownNode(event))
             same = before.changed.pid == event.pid and event.pid is not None
-            after = replace(before, changed=event) if same else NodeView(event)
+            after = replace(before, changed=event) if same else ShownNode(event)
             return replace(view, nodes={**view.nodes, event.name: after})
         case NodeReadiness(name=name) if name in view.nodes:
             after = replace(view.nodes[name], ready=event.ready, missing=event.missing)
@@ -109,7 +109,7 @@ def _describe_run(view: RunView) -> dict[str, Any]:
     }
 
 
-def _describe_node(node: NodeView) -> dict[str, Any]:
+def _describe_node(node: ShownNode) -> dict[str, Any]:
     hidden = ("log", "program", "folder")  # paths of this computer: of no use in a browser
     fields = {name: value for name, value in asdict(node.changed).items() if name not in hidden}
     restart_in = None if node.changed.restart_in is None else round(node.changed.restart_in)

@@ -13,7 +13,7 @@ from xml.sax.saxutils import quoteattr
 import numpy as np
 
 from ur.robot.base import Base, Caster
-from ur.worlds.world_file import Box, World
+from ur.worlds.world_file import Box, WorldModel
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.simulator.rectangles import merge_cells
 
@@ -38,7 +38,7 @@ class Scenery:
 
 
 def build_model(
-    world: World, base: Base, robots: int, start: tuple[float, float, float], scenery: Scenery | None = None
+    world: WorldModel, base: Base, robots: int, start: tuple[float, float, float], scenery: Scenery | None = None
 ) -> str:
     """MJCF of a world with a number of robots of one base; the first at `start`, the others behind it, out of reach.
 
@@ -80,7 +80,7 @@ def _body_top(base: Base) -> float:
     return max(base.height, base.lidar.pose[2] + _LIDAR_HEAD if base.lidar else 0.0)
 
 
-def _walls(world: World) -> Iterable[str]:
+def _walls(world: WorldModel) -> Iterable[str]:
     plan = world.floor_plan
     for number, cells in enumerate(merge_cells(plan.walls)):
         middle = np.array((cells.row + (cells.height - 1) / 2.0, cells.column + (cells.width - 1) / 2.0))

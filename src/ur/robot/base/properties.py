@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ur.robot.base.sensors import Bumpers, Camera, Cliffs, Imu, Lidar, Sonars
+from ur.robot.base.sensors import Bumpers, Camera, Cliffs, ImuErrors, Lidar, Sonars
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,7 +27,7 @@ class Caster:
 
 
 @dataclass(frozen=True, slots=True)
-class Limits:
+class MotionLimits:
     """Limits of motion: m/s, rad/s, m/s^2, rad/s^2; `command_age` (s) is when an old command means stop.
 
     The accelerations hold while it speeds up, the decelerations (at least as high; the same unless given) while it
@@ -45,7 +45,7 @@ class Limits:
 
 
 @dataclass(frozen=True, slots=True)
-class Odometry:
+class OdometryErrors:
     """Errors of encoder odometry: standard deviations, relative to the distance a wheel rolls.
 
     `wheel_noise` is random per step, in m per sqrt(m) rolled; `radius_error` is the spread of each wheel's fixed
@@ -60,7 +60,7 @@ class Odometry:
 
 
 @dataclass(frozen=True, slots=True)
-class Battery:
+class BatteryProperties:
     """The battery (sensor_msgs/BatteryState). `design_capacity` is in Ah; voltages are those at rest.
 
     `current_idle` flows while the base stands, `current_moving` at full speed.
@@ -76,7 +76,7 @@ class Battery:
 
 
 @dataclass(frozen=True, slots=True)
-class Driver:
+class UpstreamDriver:
     """The upstream node for a piece of hardware: `part` is 'base', or the sensor that it reads.
 
     `node` is the launch directory that starts it ('' when there is none), `device` where the hardware is ('' when it is
@@ -111,15 +111,15 @@ class Base:
     mass: float
     wheels: Wheels
     casters: tuple[Caster, ...]
-    limits: Limits
-    odometry: Odometry
+    limits: MotionLimits
+    odometry: OdometryErrors
     lidar: Lidar | None
     raspicam: Camera | None = None
     sonars: Sonars | None = None
     bumpers: Bumpers | None = None
     cliffs: Cliffs | None = None
-    imu: Imu | None = None
-    battery: Battery | None = None
-    driver: Driver | None = None
-    drivers: tuple[Driver, ...] = ()
+    imu: ImuErrors | None = None
+    battery: BatteryProperties | None = None
+    driver: UpstreamDriver | None = None
+    drivers: tuple[UpstreamDriver, ...] = ()
     body: tuple[tuple[float, float], ...] = ()

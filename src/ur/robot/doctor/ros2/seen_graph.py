@@ -60,7 +60,7 @@ class End:
 
 
 @dataclass(frozen=True, slots=True)
-class Topic:
+class SeenTopic:
     """A topic and its ends."""
 
     name: str
@@ -77,7 +77,7 @@ class Received:
 
 
 @dataclass(frozen=True, slots=True)
-class Frame:
+class SeenFrame:
     """A frame of tf: the nodes that send its pose, and the frames in which they send it."""
 
     senders: tuple[str, ...]
@@ -85,19 +85,19 @@ class Frame:
 
 
 @dataclass(frozen=True, slots=True)
-class Graph:
+class SeenGraph:
     """The graph as a node on the computer sees it. By node: `simulated` time, and lifecycle `states`.
 
     By topic: scans that arrived, and the charge of batteries (0..1).
     """
 
     nodes: tuple[str, ...] = ()
-    topics: tuple[Topic, ...] = ()
+    topics: tuple[SeenTopic, ...] = ()
     simulated: Mapping[str, bool] = field(default_factory=dict)
     states: Mapping[str, str] = field(default_factory=dict)
     scans: Mapping[str, Received] = field(default_factory=dict)
     charge: Mapping[str, float] = field(default_factory=dict)
-    frames: Mapping[str, Frame] = field(default_factory=dict)
+    frames: Mapping[str, SeenFrame] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)
@@ -118,7 +118,7 @@ class Ros2:
     files: Mapping[str, bool] = field(default_factory=dict)
     ports: frozenset[int] = frozenset()
     no_multicast: tuple[str, ...] = ()
-    graph: Graph | None = None
+    graph: SeenGraph | None = None
     problem: str = ""
     heard: bool | None = None
 

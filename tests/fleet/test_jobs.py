@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ur.fleet.model import (
+from ur.fleet.jobs import (
     Fleet,
     Job,
     answer_questions,

@@ -35,7 +35,7 @@ class Adjustments:
 
 
 @dataclass(frozen=True, slots=True)
-class Settings:
+class CameraSettings:
     """Requested pictures: size in pixels, rate in pictures a second, JPEG quality from 1 to 100, mirroring."""
 
     width: int = 640

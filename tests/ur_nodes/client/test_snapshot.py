@@ -6,12 +6,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ur_nodes.client.model import GoalReport, GoalState, Snapshot, distance_left, heading_there
+from ur_nodes.client.snapshot import GoalReport, LastGoalState, RobotSnapshot, distance_left, heading_there
 from ur_nodes.geometry.pose import Pose2
 
-DRIVING = Snapshot(
+DRIVING = RobotSnapshot(
     pose=Pose2(0.0, 0.0, 0.0),
-    goal=GoalReport(1, Pose2(3.0, 4.0, 0.0), GoalState.DRIVING),
+    goal=GoalReport(1, Pose2(3.0, 4.0, 0.0), LastGoalState.DRIVING),
     path=np.array([[-1.0, 0.0], [0.0, 0.0], [3.0, 0.0], [3.0, 4.0]]),
 )
 

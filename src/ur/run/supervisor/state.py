@@ -43,7 +43,7 @@ class ExitStatus:
         return 127 if self.code is None else self.code
 
 
-class Status(Enum):
+class UnitStatus(Enum):
     """The status of a unit."""
 
     WAITING = "waiting"  # not started yet, or due to start again
@@ -52,14 +52,14 @@ class Status(Enum):
     ENDED = "ended"  # and will not be started again
 
 
-class Request(Enum):
+class StopRequest(Enum):
     """A person's request for a unit that is being stopped."""
 
     STOP = "stop"
     RESTART = "restart"
 
 
-class Phase(Enum):
+class RunPhase(Enum):
     """The phase of a run. Phases only go forward."""
 
     MASTER = "master"  # waiting for the master to answer
@@ -73,7 +73,7 @@ class Phase(Enum):
 
 
 @dataclass(frozen=True, slots=True)
-class Limits:
+class TimeLimits:
     """Time limits of the steps, in s. The defaults stop everything within 5 s."""
 
     interrupt: float = 3.0  # from SIGINT to SIGTERM
@@ -98,14 +98,14 @@ class UnitState:
     """
 
     unit: Unit
-    status: Status = Status.WAITING
+    status: UnitStatus = UnitStatus.WAITING
     pid: int | None = None
     since: float = 0.0
     due: float | None = None
     quick_deaths: int = 0  # in a row
     restarts: int = 0
     exit: ExitStatus | None = None
-    request: Request | None = None
+    request: StopRequest | None = None
     pressure: int = 0
     deadline: float | None = None
     held: bool = False
@@ -115,7 +115,7 @@ class UnitState:
     @property
     def alive(self) -> bool:
         """True while the unit has a process, or is about to have one."""
-        return self.status in (Status.STARTING, Status.RUNNING)
+        return self.status in (UnitStatus.STARTING, UnitStatus.RUNNING)
 
 
 @dataclass(frozen=True, slots=True)
@@ -124,8 +124,8 @@ class State:
 
     units: tuple[UnitState, ...]
     own_master: bool
-    limits: Limits = field(default_factory=Limits)
-    phase: Phase = Phase.MASTER
+    limits: TimeLimits = field(default_factory=TimeLimits)
+    phase: RunPhase = RunPhase.MASTER
     deadline: float | None = None
     pressure: int = 0
     exit_code: int = 0

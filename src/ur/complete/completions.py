@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import NamedTuple
 
 
-class Candidate(NamedTuple):
+class Completion(NamedTuple):
     """Something to insert. `open` ones are not finished: no blank follows (`speed:=`, `launch/`)."""
 
     text: str
@@ -36,11 +36,11 @@ class Option(NamedTuple):
     choices: tuple[str, ...] = ()
 
 
-Source = Callable[[], Iterable[Candidate]]
+Source = Callable[[], Iterable[Completion]]
 
 
 @dataclass(frozen=True, slots=True)
-class Known:
+class NameSources:
     """The sources of names; each is asked when it is needed.
 
     `sources` are by kind (`program`, `robot`, `run`, `node`, `base`, `selection`, `rule`, `verb`); `kinds` of
@@ -53,5 +53,5 @@ class Known:
     kinds: Callable[[str], Sequence[str]] = lambda _verb: ()
     options: Callable[[str], Sequence[Option]] = lambda _verb: ()
     launch_file: Callable[[str], str | None] = lambda _program: None
-    values: Callable[[str, Mapping[str, str]], Iterable[Candidate]] = lambda _name, _given: ()
-    names: Callable[[str, Sequence[str]], Iterable[Candidate]] = lambda _path, _words: ()
+    values: Callable[[str, Mapping[str, str]], Iterable[Completion]] = lambda _name, _given: ()
+    names: Callable[[str, Sequence[str]], Iterable[Completion]] = lambda _path, _words: ()

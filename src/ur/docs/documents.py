@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-from ur.graph.model import Graph
+from ur.graph.boxes import DrawnGraph
 
 TreeKind = Literal["file", "node", "missing", "elsewhere", "unknown", "cycle", "off"]
 
@@ -14,7 +14,7 @@ TargetState = Literal["found", "missing", "elsewhere", "candidate"]
 
 
 @dataclass(frozen=True, slots=True)
-class Case:
+class BaseCase:
     """A base in one variant; both empty for files that depend on no base."""
 
     base: str = ""
@@ -36,7 +36,7 @@ class Value:
     """A text that holds in some cases; in all where `cases` is empty."""
 
     text: str
-    cases: tuple[Case, ...] = ()
+    cases: tuple[BaseCase, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,7 +90,7 @@ class NodeDoc:
     machine: str
     conditions: tuple[str, ...]
     only_with: str
-    cases: tuple[Case, ...]  # in which it starts by default
+    cases: tuple[BaseCase, ...]  # in which it starts by default
     traits: tuple[str, ...]
     params: tuple[ParamDoc, ...]
     param_files: tuple[ParamFileDoc, ...]
@@ -106,7 +106,7 @@ class TargetDoc:
     name: str
     path: str
     state: TargetState
-    cases: tuple[Case, ...] = ()
+    cases: tuple[BaseCase, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -137,7 +137,7 @@ class TreeItem:
 class TreeDoc:
     """The nodes that a launch file starts in some cases (without any: in all)."""
 
-    cases: tuple[Case, ...]
+    cases: tuple[BaseCase, ...]
     root: TreeItem
 
 
@@ -145,7 +145,7 @@ class TreeDoc:
 class SupportDoc:
     """Return whether a launch file works for a base; if not, what is missing."""
 
-    case: Case
+    case: BaseCase
     missing: tuple[str, ...]
 
 
@@ -169,7 +169,7 @@ class LaunchDoc:
     trees: tuple[TreeDoc, ...]
     support: tuple[SupportDoc, ...]
     problems: tuple[str, ...]
-    graph: Graph
+    graph: DrawnGraph
     source: str
 
     @property

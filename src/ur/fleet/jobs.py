@@ -21,7 +21,7 @@ class Job:
 
 
 @dataclass(frozen=True, slots=True)
-class Status:
+class JobStatus:
     """The state of a job. Times are in s, of the same clock; `line` is the last line of its output.
 
     `code` is the exit code of one that is done, with 128 added to the number of a signal.
@@ -35,12 +35,12 @@ class Status:
     code: int | None = None
 
 
-Fleet = tuple[Status, ...]
+Fleet = tuple[JobStatus, ...]
 
 
 def plan_fleet(jobs: Sequence[Job]) -> Fleet:
     """The state before anything has begun."""
-    return tuple(Status(job.name) for job in jobs)
+    return tuple(JobStatus(job.name) for job in jobs)
 
 
 def find_startable(fleet: Fleet, limit: int) -> list[int]:

@@ -23,7 +23,7 @@ class Branch:
 
 
 @dataclass(frozen=True, slots=True)
-class Box:
+class GraphBox:
     """A box of a graph; `title` is its long form, `note` a second line.
 
     `link` is the address that a picture leads to. `cases` are keys of those that the box exists in; none: all.
@@ -54,8 +54,8 @@ class Arrow:
 
 
 @dataclass(frozen=True, slots=True)
-class Graph:
+class DrawnGraph:
     """Boxes and arrows, each once, in the order in which they were met."""
 
-    boxes: tuple[Box, ...]
+    boxes: tuple[GraphBox, ...]
     arrows: tuple[Arrow, ...]
