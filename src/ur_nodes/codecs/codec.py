@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Generic, TypeVar
 
-from ur_nodes.codecs.dialect import Headed, ServiceType, time_of
+from ur_nodes.codecs.dialect import Headed, ServiceMessages, time_of
 from ur_nodes.ports.values import Result
 
 Message = TypeVar("Message")
@@ -38,7 +38,7 @@ class ServiceCodec(Generic[Request, Response, Value]):
     `response` raises ServiceFailureError where a failure cannot be told otherwise.
     """
 
-    service_class: ServiceType[Request, Response]
+    service_class: ServiceMessages[Request, Response]
     request: Callable[[Value], Request]
     request_of: Callable[[Request], Value]
     response: Callable[[Result], Response]

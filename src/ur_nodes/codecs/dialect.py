@@ -63,13 +63,13 @@ __all__ = [
     "LogMessage",
     "PosesMessage",
     "ScanMessage",
-    "ServiceType",
+    "ServiceMessages",
     "TimeMessage",
     "Transforms",
 ]
 
 
-class ServiceType(Protocol[Request, Response]):
+class ServiceMessages(Protocol[Request, Response]):
     """A class of services, as genpy makes it."""
 
     _request_class: type[Request]
@@ -130,7 +130,7 @@ def array_of(field: Sequence[float], dtype: type[Number]) -> NDArray[Number]:
     return np.asarray(field, dtype=dtype)
 
 
-def parts_of(service: ServiceType[Request, Response]) -> tuple[type[Request], type[Response]]:
+def parts_of(service: ServiceMessages[Request, Response]) -> tuple[type[Request], type[Response]]:
     """The classes of a service's request and response."""
     if ROS_2:
         return service.Request, service.Response  # type: ignore[attr-defined]  # of ROS 2's classes
