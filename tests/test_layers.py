@@ -1,4 +1,4 @@
-"""Imports point down: the table of docs/architecture.md, kept."""
+"""Imports point down: the table of docs/reference/layers.md, kept."""
 
 from __future__ import annotations
 

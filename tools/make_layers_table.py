@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Write the column "may import" of docs/architecture.md from the table that tests/test_layers.py enforces."""
+"""Write the column "may import" of docs/reference/layers.md from the table that tests/test_layers.py enforces."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import sys
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
-PAGE = ROOT / "docs" / "architecture.md"
+PAGE = ROOT / "docs" / "reference" / "layers.md"
 
 
 def main() -> None:

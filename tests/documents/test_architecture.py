@@ -1,4 +1,4 @@
-"""The page on architecture names packages, imports, modules and files as they are."""
+"""The page on architecture and those below it name packages, imports, modules and files as they are."""
 
 from __future__ import annotations
 
@@ -10,23 +10,47 @@ from tests.test_layers import MAY_IMPORT
 
 ROOT = Path(__file__).parents[2]
 SRC = ROOT / "src"
-PAGE = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
+PAGE = ROOT / "docs" / "architecture.md"
+LAYERS = ROOT / "docs" / "reference" / "layers.md"
+READMES = sorted(SRC.rglob("README.md"))
+PAGES = (
+    PAGE,
+    LAYERS,
+    *(ROOT / "docs" / each for each in ("reference/launch-library.md", "explain/own-code.md")),
+    *READMES,
+)
 _CODE = re.compile(r"`([^`\n]+)`")
-NAMES = sorted({each for each in _CODE.findall(PAGE) if re.fullmatch(r"ur(_nodes)?\.\S+", each)})
+_LINK = re.compile(r"\]\(([^)#\s]+)")
+TEXT = "\n".join(page.read_text(encoding="utf-8") for page in PAGES)
 
 
 def section(heading: str) -> str:
-    return PAGE.partition(f"\n## {heading}\n")[2].partition("\n## ")[0]
+    return PAGE.read_text(encoding="utf-8").partition(f"\n## {heading}\n")[2].partition("\n## ")[0]
+
+
+def test_the_page_is_read_in_ten_minutes() -> None:
+    assert len(PAGE.read_text(encoding="utf-8").splitlines()) <= 120, "expected details in the README of their package"
+
+
+def test_the_page_leads_to_the_readme_of_each_package_that_has_one() -> None:
+    named = {(PAGE.parent / target).resolve() for target in _LINK.findall(PAGE.read_text(encoding="utf-8"))}
+    assert {*PAGES[1:]} <= named
+
+
+@pytest.mark.parametrize("readme", READMES, ids=lambda path: path.relative_to(ROOT).as_posix())
+def test_links_of_readmes_lead_to_files(readme: Path) -> None:
+    targets = _LINK.findall(readme.read_text(encoding="utf-8"))
+    assert all("://" in target or (readme.parent / target).exists() for target in targets)
 
 
 def test_table_holds_the_packages_and_imports_that_are_enforced() -> None:
-    rows = [line.split(" | ") for line in section("Stages and packages").splitlines() if line.startswith("| `")]
+    rows = [line.split(" | ") for line in LAYERS.read_text(encoding="utf-8").splitlines() if line.startswith("| `")]
     table = {row[0].strip("| `"): tuple(_CODE.findall(row[-1])) for row in rows}
     assert table == MAY_IMPORT
 
 
 @pytest.mark.parametrize(
-    "name", sorted({each for each in _CODE.findall(PAGE) if re.fullmatch(r"ur(_nodes)?\.\S+", each)})
+    "name", sorted({each for each in _CODE.findall(TEXT) if re.fullmatch(r"ur(_nodes)?\.\S+", each)})
 )
 def test_modules_and_what_is_in_them_exist(name: str) -> None:
     *above, last = name.split(".")

@@ -1,6 +1,6 @@
 """Command lines of verbs that take launch files: names of packages and files, and arguments `NAME:=VALUE`.
 
-This is the only place of the project that splits them; everything after it takes `Argument`s. How roslaunch judges an
+Every verb splits them here; everything after it takes `Argument`s. How roslaunch judges an
 argument (`ur.launchfile.plan.names.read_assignments`) is a rule of launch files, and stays there.
 """
 

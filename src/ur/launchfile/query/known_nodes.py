@@ -1,7 +1,7 @@
 """Topics, services and actions of well-known nodes, by the name of their executable.
 
 Those of upstream's nodes are from their documentation on wiki.ros.org; those of our nodes, which replace them under
-the same names, are in docs/architecture.md. Names are as the node writes them: relative ones follow its namespace,
+the same names, are in src/ur_nodes/README.md. Names are as the node writes them: relative ones follow its namespace,
 `~name` belongs to it, and remaps apply.
 """
 
