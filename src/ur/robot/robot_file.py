@@ -2,19 +2,50 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 from pathlib import Path
 
+from ur.source.diagnostic import UserError, error_about
+
 ROBOT_FILE = Path("/etc/ubiquity/robot.yaml")
+_TEXTS = {  # by key, the shape of its value; each gets into command lines
+    "ros": re.compile(r"[a-z]{1,20}"),
+    "ros_domain": re.compile(r"[0-9]{1,3}"),
+    "ros_middleware": re.compile(r"(rmw_[a-z0-9_]{1,40})?"),
+    "ros_namespace": re.compile(r"((/[A-Za-z_][A-Za-z0-9_]{0,60}){1,5})?"),
+    "ros_commands": re.compile(r"(/[A-Za-z_][A-Za-z0-9_]{0,60}){1,6}"),
+}
+COMMANDS = "/cmd_vel"
+
+
+@dataclass(frozen=True, slots=True)
+class Ros2Robot:
+    """ROS 2 of a robot: its release, domain id, middleware ('': the release's own) and namespace ('': none).
+
+    `commands` is the topic that its base subscribes to.
+    """
+
+    distro: str
+    domain: str = "0"
+    middleware: str = ""
+    namespace: str = ""
+    commands: str = COMMANDS
+
+    def rows(self) -> dict[str, str]:
+        """The values by their keys in the robot file."""
+        values = (self.distro, self.domain, self.middleware, self.namespace, self.commands)
+        return dict(zip(_TEXTS, values, strict=True))
 
 
 @dataclass(frozen=True, slots=True)
 class RobotFile:
-    """The robot's name, its base and that base's variant ('' is the plain one)."""
+    """The robot's name, its base, that base's variant ('' is the plain one), and its ROS 2; None: it has ROS 1."""
 
     name: str
     base: str
     variant: str
+    ros2: Ros2Robot | None = None
 
 
 def load_robot_file(path: Path = ROBOT_FILE) -> RobotFile | None:
@@ -24,7 +55,28 @@ def load_robot_file(path: Path = ROBOT_FILE) -> RobotFile | None:
     from ur.source.section import read_section  # YAML is only needed on a robot
 
     top = read_section(path, "a robot file")
-    robot = RobotFile(top.text("name"), top.text("base"), top.text("variant", ""))
+    values = [top.text(key, default) for key, default in zip(_TEXTS, ("", "0", "", "", COMMANDS), strict=True)]
+    robot = RobotFile(top.text("name"), top.text("base"), top.text("variant", ""), make_ros2(str(path), values))
     top.has("devices")  # read by the drivers' set-up
     top.finish()
     return robot
+
+
+def make_ros2(place: str, values: list[str]) -> Ros2Robot | None:
+    """ROS 2 of a robot from the texts of its values; None where it has none. Raises UserError, which names `place`."""
+    if not values[0]:
+        return None
+    for (key, shape), value in zip(_TEXTS.items(), values, strict=True):
+        if not shape.fullmatch(value):
+            message = f"{key} is {value[:60]!r}, expected such as {_EXAMPLES[key]}"
+            raise UserError(error_about(place, message, rule="bad-robot-file", help="ur robot setup writes it again"))
+    return Ros2Robot(*values)
+
+
+_EXAMPLES = {
+    "ros": "jazzy",
+    "ros_domain": "0",
+    "ros_middleware": "rmw_cyclonedds_cpp",
+    "ros_namespace": "/robot1",
+    "ros_commands": "/robot1/cmd_vel",
+}

@@ -1,6 +1,6 @@
 """Survey of a graph for `ur doctor`: a program of one file that needs rclpy and the messages of its release alone.
 
-`ur` sends it to robots where nothing of this project is. It prints JSON (`ur.robot.doctor.ros2.seen_graph.SeenGraph`),
+`ur` sends it to robots where nothing of this project is; it prints JSON (see `ur.robot.ros2.seen_graph.SeenGraph`). It
 publishes nothing and changes nothing.
 """
 
@@ -177,7 +177,8 @@ class Listener:
 
         def take(message: Any) -> None:
             stamp = message.header.stamp
-            row[:] = [row[0] + 1, time.time() - (stamp.sec + stamp.nanosec / 1e9)]
+            age = time.time() - (stamp.sec + stamp.nanosec / 1e9)
+            row[:] = [row[0] + 1, age if row[1] is None else min(row[1], age, key=abs)]  # others have waited here
 
         self._node.create_subscription(LaserScan, topic, take, _LOOSE)
 
@@ -212,7 +213,15 @@ class Listener:
 
 def main() -> None:
     """Survey, and print the result."""
-    rclpy.init(args=["ur_doctor", "--ros-args", "--disable-stdout-logs", "--disable-rosout-logs"])
+    rclpy.init(
+        args=[
+            "ur_doctor",
+            "--ros-args",
+            "--disable-stdout-logs",
+            "--disable-rosout-logs",
+            "--disable-external-lib-logs",
+        ]
+    )
     node = rclpy.create_node(
         "ur_doctor", enable_rosout=False, start_parameter_services=False, enable_logger_service=False
     )

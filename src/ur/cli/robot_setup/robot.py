@@ -19,6 +19,7 @@ from ur.cli.robot_setup.contact import confirm_host_key, decide_robot_login, rea
 from ur.cli.robot_setup.network import network
 from ur.cli.robot_setup.questions import ask_task, check_names, list_known_tasks, read_passwords, read_tasks
 from ur.cli.robot_setup.rename import rename
+from ur.cli.robot_setup.ros2 import find_ros2, take_back_ros2
 from ur.cli.robot_setup.several import make_argv, set_up_each
 from ur.cli.robot_setup.wifi import wifi
 from ur.cli.robots.fleet import ALL
@@ -77,6 +78,7 @@ def command(context: click.Context) -> None:
 @click.option("--host-key", metavar="SHA256:...", help="The fingerprint of its host key, with one HOST: no question.")
 @click.option("--yes", is_flag=True, help="Accept an unknown host key without a question, in a network that you trust.")
 @click.option("--new-host-key", is_flag=True, help="It was flashed again: ask about its new host key.")
+@click.option("--undo", is_flag=True, help="Take back what was written on a robot with ROS 2; packages stay.")
 @click.option("--one-of-several", is_flag=True, hidden=True, help="Started by the set-up of several robots.")
 @click.option(
     "--robot-login/--no-robot-login",
@@ -97,6 +99,7 @@ def setup(
     host_key: str | None,
     yes: bool,
     new_host_key: bool,
+    undo: bool,
     one_of_several: bool,
     robot_login: bool | None,
 ) -> int:
@@ -124,14 +127,13 @@ def setup(
     if host_key:
         fingerprints = {tasks[0].robot.name: read_fingerprint(host_key)}
     check_names(tasks)
-    here = LocalShell()
-    viewer = prepare_viewer(here, getpass.getuser())
+    viewer = prepare_viewer(here := LocalShell(), getpass.getuser())
     met, refused = _meet(tasks, fingerprints, yes=yes, new_host_key=new_host_key)
     if not met:
         return refused
-    tasks = met if dry_run else decide_robot_login(met, robot_login)
+    tasks = met if dry_run or undo else decide_robot_login(met, robot_login)
     current, new = read_passwords(tasks, passwords_from, dry_run=dry_run)
-    if len(tasks) > 1 and not dry_run:
+    if len(tasks) > 1 and not dry_run and not undo:
         given = Secret("\n".join(each.reveal() if each else "" for each in (current, new)))
 
         def make(task: Task) -> list[str]:
@@ -139,8 +141,9 @@ def setup(
 
         return max(refused, set_up_each(tasks, make, given))
     tasks = [replace(task, current=current, new=new) for task in _equip(tasks, master=master, programs=programs)]
-    if dry_run:
-        return max(refused, *(_guard(task, lambda task: _preview(task, viewer)) for task in tasks))
+    if undo or dry_run:
+        work = take_back_ros2 if undo else _preview
+        return max(refused, *(_guard(task, lambda task: work(task, viewer)) for task in tasks))
     return max(refused, _guard(tasks[0], lambda task: _set_up(task, here, viewer, alone=not one_of_several)))
 
 
@@ -193,6 +196,7 @@ def _check_robots(
 
 def _set_up(task: Task, here: LocalShell, viewer: ViewerFacts, *, alone: bool) -> int:
     say = ChangeReporter(task.robot.name if alone else "", live=alone and sys.stdout.isatty())
+    task = find_ros2(task, say)
     count = set_up(task, here, viewer, say, say.show_progress)
     # Looked at through the new name, by key, with strict host keys: as it will be used.
     with open_robot(replace(task, address=task.later, host_key=None, first_contact=False), say) as there:
@@ -241,6 +245,7 @@ def wait_for_master(host: str) -> bool:
 
 
 def _preview(task: Task, viewer: ViewerFacts) -> int:
+    task = find_ros2(task, ChangeReporter(task.robot.name))
     with open_robot(task, ChangeReporter(task.robot.name)) as shell:
         changes = preview(task, shell, viewer)
     click.echo(f"{task.robot.name} ({task.address}): " + ("" if changes else "nothing to do"))

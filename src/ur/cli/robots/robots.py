@@ -179,12 +179,12 @@ def _picture(rows: Sequence[RobotRow]) -> RenderableType:
     from rich.text import Text
 
     table = Table()
-    for column in ("robot", "address", "base", "variant", "runs", "clock", "version", "seen"):
+    for column in ("robot", "address", "base", "variant", "ROS", "runs", "clock", "version", "seen"):
         table.add_column(column, overflow="fold")
     now = time.time()
     for row in rows:
         name = plain_text(f"{row.name} (!)", "red") if row.problem else plain_text(row.name)
-        cells = (row.address, row.base, row.variant, row.runs, row.clock, row.version, row.when(now))
+        cells = (row.address, row.base, row.variant, row.ros_name, row.runs, row.clock, row.version, row.when(now))
         table.add_row(name, *map(plain_text, cells), style="" if row.address else "dim")
     problems = [
         Text(f"warning: {printable(row.problem)}\n  help: {printable(row.help)}", "yellow")
@@ -195,7 +195,8 @@ def _picture(rows: Sequence[RobotRow]) -> RenderableType:
 
 
 def _as_dict(row: RobotRow) -> dict[str, object]:
-    plain = {key: getattr(row, key) for key in ("name", "address", "base", "variant", "version", "problem", "help")}
+    keys = ("name", "address", "base", "variant", "ros", "version", "problem", "help")
+    plain = {key: getattr(row, key) for key in keys}
     said = {
         "nodes": row.answer.nodes,
         "services": None if row.answer.services is None else dict(row.answer.services),

@@ -25,6 +25,7 @@ _SHAPES = {
     "base": _WORD,
     "variant": _WORD,
     "user": re.compile(r"(?:[a-z_][a-z0-9_-]{0,31})?"),
+    "ros": re.compile(r"[a-z]{0,20}"),
     "version": re.compile(r"(?:[A-Za-z0-9][A-Za-z0-9.+~_-]{0,62})?"),
 }
 _SCOPE = re.compile(r"[0-9A-Fa-f:.]+(?:%[A-Za-z0-9_.-]{1,15})?")
@@ -35,7 +36,7 @@ class Announcement:
     """A computer that announces itself. `host` is the name that its zeroconf daemon gave it, without .local.
 
     `name` is what its robot file says: the two differ when another computer had the name first. `version` is that of
-    the `ur` that set it up.
+    the `ur` that set it up; `ros` is its release of ROS 2, '' where it has ROS 1.
     """
 
     host: str
@@ -45,6 +46,7 @@ class Announcement:
     variant: str = ""
     user: str = ""
     version: str = ""
+    ros: str = ""
 
     @property
     def address(self) -> str:
@@ -59,7 +61,7 @@ def parse_sighting(host: str, addresses: Sequence[str], texts: Mapping[str, str]
     """
     host = host.rstrip(".").removesuffix(".local")
     base = re.sub(r"-\d+$", "", host)  # what avahi adds when a name is taken
-    known = {key: texts.get(key, "") for key in ("base", "variant", "user", "version")}
+    known = {key: texts.get(key, "") for key in ("base", "variant", "user", "ros", "version")}
     name = texts.get("name") or base
     good = (
         all(map(_NAME.fullmatch, (host, name)))

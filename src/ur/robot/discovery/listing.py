@@ -43,13 +43,19 @@ class RobotRow:
     seen: SeenRobot | None = None
     problem: str = ""
     help: str = ""
+    ros: str = ""
+
+    @property
+    def ros_name(self) -> str:
+        """Its ROS, as far as it is known: a robot that announces a base and no release of ROS 2 has ROS 1."""
+        return f"2 {self.ros.capitalize()}" if self.ros else "1" if self.base else ""
 
     @property
     def runs(self) -> str:
         """The ROS nodes and the boot services there, in a few words."""
         nodes = self.answer.nodes
         if nodes is None:
-            words = ["no ROS master"] if self.answer.services is not None else []
+            words = ["no ROS master"] if self.answer.services is not None and not self.ros else []
         else:
             words = ["no nodes yet" if nodes == 0 else "1 node" if nodes == 1 else f"{nodes} nodes"]
         words += [name if state == "active" else f"{name} ({state})" for name, state in self.answer.services or ()]
@@ -101,7 +107,7 @@ def list_robots(
         for one in there
     ]
     known = {
-        **{one.name: RobotRecord(one.name, one.user, one.base, one.variant) for one in heard},
+        **{one.name: RobotRecord(one.name, one.user, one.base, one.variant, ros=one.ros) for one in heard},
         **{record.name: record for record in records},
     }
     taken = {address for one in there for address in one.addresses}
@@ -109,7 +115,7 @@ def list_robots(
     remembered = {name for name, seen in (memory or {}).items() if seen.address not in taken}
     for name in sorted({*known, *remembered} - {*names}):
         record = known.get(name, RobotRecord(name, "", ""))
-        rows.append(RobotRow(name, "", record.base, record.variant, seen=(memory or {}).get(name)))
+        rows.append(RobotRow(name, "", record.base, record.variant, seen=(memory or {}).get(name), ros=record.ros))
     return rows
 
 
@@ -145,4 +151,4 @@ def _row(one: Announcement, twice: bool, answer: RobotAnswer, *, is_recorded: bo
     elif answer.known_as not in ("", one.name):
         problem = f"{one.name} was renamed: this computer knows it as {answer.known_as}"
         help = f"ur robot rename {answer.known_as} {one.name}"
-    return RobotRow(name, where, one.base, one.variant, one.version, answer, problem=problem, help=help)
+    return RobotRow(name, where, one.base, one.variant, one.version, answer, problem=problem, help=help, ros=one.ros)

@@ -16,7 +16,8 @@ DEFAULT_USER = "ros"
 class RobotRecord:
     """A robot that was set up from here, with the user to log in as.
 
-    `robot_login` is whether the user lets it log in to this computer; None where nobody was asked.
+    `robot_login` is whether the user lets it log in to this computer; None where nobody was asked. `ros` is its release
+    of ROS 2, '' where it has ROS 1.
     """
 
     name: str
@@ -24,6 +25,7 @@ class RobotRecord:
     base: str
     variant: str = ""
     robot_login: bool | None = None
+    ros: str = ""
 
 
 def records_folder(environment: Mapping[str, str]) -> Path:
@@ -33,7 +35,7 @@ def records_folder(environment: Mapping[str, str]) -> Path:
 
 def render_record(record: RobotRecord) -> str:
     """The text of a record's file."""
-    rows = {"name": record.name, "user": record.user, "base": record.base, "variant": record.variant}
+    rows = {"name": record.name, "user": record.user, "base": record.base, "variant": record.variant, "ros": record.ros}
     texts = "".join(f'{key}: "{value}"\n' for key, value in rows.items() if value)
     login = "" if record.robot_login is None else f"robot_login: {str(record.robot_login).lower()}\n"
     return f"# Written by ur robot setup.\n{texts}{login}"
@@ -50,7 +52,8 @@ def _load_record(path: Path) -> RobotRecord | None:
     try:
         top = read_section(path, "a record of a robot")
         login = top.boolean("robot_login", False) if top.has("robot_login") else None
-        return RobotRecord(top.text("name"), top.text("user"), top.text("base"), top.text("variant", ""), login)
+        texts = (top.text("name"), top.text("user"), top.text("base"), top.text("variant", ""))
+        return RobotRecord(*texts, login, top.text("ros", ""))
     except UserError:
         return None
 

@@ -13,8 +13,8 @@ from ur.robot.devices import inspect_devices
 from ur.robot.discovery.ask import clock_offset
 from ur.robot.doctor.findings import AdvertisedNode, ComputerPair, Owner, Where
 from ur.robot.doctor.observe import SHELL_FILES, STRICT, observe_script, parse_side
-from ur.robot.doctor.ros2.observe import hear_other, inspect_ros2
 from ur.robot.doctor.side import Side
+from ur.robot.ros2.observe import hear_other, inspect_ros2
 from ur.robot.ssh.openssh import SshShell
 from ur.robot.ssh.shell import Shell, quote
 from ur.source.diagnostic import UserError, error_about

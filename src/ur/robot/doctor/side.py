@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from ur.robot.doctor.messages import Message
-from ur.robot.doctor.ros2.seen_graph import Ros2
 from ur.robot.doctor.wifi import WirelessLink
+from ur.robot.ros2.seen_graph import Ros2
 from ur.system.releases import System
 
 ROS_1 = ("python3-roslaunch", "ros-noetic-roslaunch", "ros-one-roslaunch")  # packages that show it

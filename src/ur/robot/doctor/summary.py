@@ -6,8 +6,8 @@ import re
 from collections.abc import Mapping
 
 from ur.robot.doctor.findings import ComputerPair
-from ur.robot.doctor.ros2.seen_graph import NAMES, Ros2, domain_of, middleware_of
 from ur.robot.doctor.side import Side
+from ur.robot.ros2.seen_graph import NAMES, Ros2, domain_of, middleware_of
 
 _ROS = re.compile(
     r"^(ros-|python3-(ros|catkin|gen|actionlib|tf|rviz|message)|lib(ros|tf2?-|actionlib|xmlrpcpp|roscpp))"

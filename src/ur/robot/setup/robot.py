@@ -10,17 +10,18 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-from ur.robot.boot.units import tell_base_script
-from ur.robot.discovery.record import RobotRecord, render_record
+from ur.robot.boot.units import LIBRARIES, tell_base_script
+from ur.robot.discovery.record import RobotRecord, records_folder, render_record
 from ur.robot.setup.change import Change
 from ur.robot.setup.contact import forget_contact, note_contact
-from ur.robot.setup.engine import Progress, bring_about, gather, look, plan_changes
+from ur.robot.setup.engine import Progress, apply_change, bring_about, gather, look, plan_changes, plan_undo
 from ur.robot.setup.facts import ComputerFacts, FactsRequest
 from ur.robot.setup.internet.share import share_internet
 from ur.robot.setup.keys import HOST_KEY, KEY, allowed_key, known_host, own_keys
 from ur.robot.setup.lock import hold_robot
 from ur.robot.setup.login import Report, Task, find_passwords, is_password, open_robot
 from ur.robot.setup.robot_states import ViewerFacts, WantedPassword, WantedRobot, base_request, wanted_there
+from ur.robot.setup.ros2.states import wanted_on_ros2
 from ur.robot.setup.wanted import Wanted, WantedFile
 from ur.robot.ssh.address import Address
 from ur.robot.ssh.host_key import HostKey, find_known_keys
@@ -34,6 +35,12 @@ AGAIN_SECONDS = 15.0
 QUICK_SECONDS = 3
 PAUSE_SECONDS = 0.5
 CLOCK_SECONDS = 120.0
+# A copy of this project, and no clone of the user's own, which nothing that starts at boot needs.
+_NOTES = "~/.local/state/ubiquity_launches"
+_NO_EMPTY = "rmdir ~/.local/state ~/.local 2>/dev/null"
+_REMOVE_COPY = f"""\
+cd && [ -e {LIBRARIES[1]}/.copy ] && ! ls /etc/systemd/system/ubiquity-*.service >/dev/null 2>&1 &&
+rm -rf {LIBRARIES[1]} && echo removed"""
 
 
 def prepare_viewer(shell: Shell, user: str) -> ViewerFacts:
@@ -57,7 +64,30 @@ def preview(task: Task, shell: SshShell, viewer: ViewerFacts) -> list[Change]:
     return plan_changes(items, look(shell, items, user, base, root=True))
 
 
+def take_back(task: Task, viewer: ViewerFacts, report: Report) -> int:
+    """Take back what the set-up wrote on a robot that has ROS 2, and here; the number of changes. Packages stay.
+
+    The login by key is the last. Raises UserError.
+    """
+    user = task.address.user
+    base = base_request(user)
+    with open_robot(task, report) as shell:
+        items = _wanted(task, shell, viewer, gather(shell, base, root=True))
+        changes = plan_undo(items, look(shell, items, user, base, root=True))
+        for change in changes:
+            report(f"{change.title}: taken back")
+            apply_change(shell, change)
+        copy = shell.run(_REMOVE_COPY).out.strip()
+        shell.run(f"rm -rf {_NOTES}; {_NO_EMPTY}")
+    record = Path(records_folder(os.environ), f"{task.robot.name}.yaml")
+    known = record.exists()
+    record.unlink(missing_ok=True)
+    return len(changes) + bool(copy) + known
+
+
 def _wanted(task: Task, shell: SshShell, viewer: ViewerFacts, facts: ComputerFacts) -> list[Wanted]:
+    if task.robot.ros2:
+        return wanted_on_ros2(facts, task.robot, viewer, _password(task, shell), library=task.library)
     check_robot_system(shell.place, parse_os_release(facts.system))
     return wanted_there(facts, task.robot, viewer, _password(task, shell), library=task.library, devices=task.devices)
 
@@ -90,7 +120,7 @@ def set_up(task: Task, here: Shell, viewer: ViewerFacts, report: Report, progres
         if task.host_key:
             forget_contact(task.host_key)
         if facts.hostname == task.robot.name:
-            return count + update_master(task.robot, shell, report)
+            return count + (0 if task.robot.ros2 else update_master(task.robot, shell, report))
         at = shell.run('set -- $SSH_CONNECTION; echo "$3"').out.strip()
         at = shell.address.host if "%" in at else at  # an address that means something over there only
         report(f"reboot as {task.later.host}")
@@ -179,7 +209,7 @@ def _reboot(shell: SshShell) -> str:
 
 def _remember(task: Task, host: str, here: Shell, viewer: ViewerFacts, facts: ComputerFacts, report: Report) -> int:
     host_key, public_key = facts.file(HOST_KEY).text, facts.file(KEY + ".pub").text
-    if not host_key or not public_key:
+    if not host_key or (task.robot_login and not public_key):
         raise UserError(
             error_about(task.address, "it has no ssh keys after the set-up", rule="failed-change", help="ur doctor")
         )
@@ -196,12 +226,13 @@ def _remember(task: Task, host: str, here: Shell, viewer: ViewerFacts, facts: Co
             )
         )
     robot = task.robot
-    record = RobotRecord(robot.name, task.address.user, robot.base, robot.variant, robot_login=task.robot_login)
+    ros = robot.ros2.distro if robot.ros2 else ""
+    record = RobotRecord(robot.name, task.address.user, robot.base, robot.variant, task.robot_login, ros)
 
     def make(_: ComputerFacts) -> list[Wanted]:
         return [
             known_host(f"host key of {robot.name}", robot.name, host_key),
-            *([allowed_key(f"login from {robot.name}", public_key)] if task.robot_login else []),
+            *([allowed_key(f"login from {robot.name}", public_key)] if task.robot_login and public_key else []),
             WantedFile("memory of it", f"~/.config/ubiquity_launches/robots/{record.name}.yaml", render_record(record)),
         ]
 
@@ -238,7 +269,8 @@ def _password(task: Task, shell: SshShell) -> WantedPassword | None:
 def _check_robot(task: Task, shell: SshShell) -> None:
     """Raise UserError where its system cannot have ROS 1, or another computer has the name that it is to have."""
     mine = gather(shell, FactsRequest(task.address.user))
-    check_robot_system(shell.place, parse_os_release(mine.system))
+    if not task.robot.ros2:
+        check_robot_system(shell.place, parse_os_release(mine.system))
     if mine.hostname == task.robot.name:
         return
     done = shell.run(f"getent ahostsv4 {quote(task.later.host)}")

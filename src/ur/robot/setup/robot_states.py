@@ -11,7 +11,7 @@ from ur.devices.device import Expected
 from ur.devices.observe import RULES_FILE
 from ur.devices.udev import RELOAD, write_rules
 from ur.robot.boot.units import master_unit
-from ur.robot.robot_file import ROBOT_FILE
+from ur.robot.robot_file import ROBOT_FILE, Ros2Robot
 from ur.robot.setup.change import Change, ChangeScript
 from ur.robot.setup.environment import robot_environment
 from ur.robot.setup.facts import ComputerFacts, FactsRequest
@@ -35,6 +35,7 @@ PROGRAM_PACKAGES = (
     "python3-std-srvs",
 )
 GROUPS = ("dialout", "video", "plugdev", "input", "gpio", "i2c")
+_OURS = r"(?m)^(?:(?:name|base|variant|ros|ros_[a-z]+)[ \t]*:.*|# .* Written by ur robot setup\.)\n?"
 CLOUD = "/etc/cloud/cloud.cfg"
 AVAHI = "/etc/avahi/avahi-daemon.conf"
 KEEP_NAME = "# Written by ur robot setup.\npreserve_hostname: true\nmanage_etc_hosts: false\n"
@@ -54,7 +55,8 @@ class ViewerFacts:
 class WantedRobot:
     """The name and base that a robot is to have. With `master`, it keeps a ROS master running from its boot on.
 
-    With `programs`, everything that programs of this project need is installed there.
+    With `programs`, everything that programs of this project need is installed there. `ros2` is the ROS 2 that it has;
+    None: it gets ROS 1.
     """
 
     name: str
@@ -62,6 +64,7 @@ class WantedRobot:
     variant: str = ""
     master: bool = True
     programs: bool = True
+    ros2: Ros2Robot | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -182,18 +185,15 @@ def robot_file(robot: WantedRobot, present: str | None = None) -> str:
     """
     head = "# What this robot is; read by ur. Written by ur robot setup.\n"
     rows = {"name": robot.name, "base": robot.base, "variant": robot.variant}
+    rows |= robot.ros2.rows() if robot.ros2 else {}
     ours = "".join(f'{key}: "{value}"\n' for key, value in rows.items() if value)
-    return (
-        head
-        + ours
-        + re.sub(r"(?m)^(?:(?:name|base|variant)[ \t]*:.*|# .* Written by ur robot setup\.)\n?", "", present or "")
-    )
+    return head + ours + re.sub(_OURS, "", present or "")
 
 
 def announcement(robot: WantedRobot, user: str) -> str:
     """The avahi service by which viewers find the robot. `version` is that of `ur`, which set it up."""
     own = {"name": robot.name, "base": robot.base, "variant": robot.variant, "user": user}
-    records = {**own, "version": version("ubiquity-launches")}
+    records = {**own, "ros": robot.ros2.distro if robot.ros2 else "", "version": version("ubiquity-launches")}
     texts = "".join(f"    <txt-record>{key}={value}</txt-record>\n" for key, value in records.items() if value)
     return (
         '<?xml version="1.0" standalone="no"?>\n<!DOCTYPE service-group SYSTEM "avahi-service.dtd">\n'

@@ -27,6 +27,15 @@ move_base_msgs.msg, visualization_msgs.msg, std_srvs.srv, numpy, scipy, mujoco, 
 done
 echo "nothing is set up there" >&2; exit 1"""
 
+_PROGRAMS_ROS2 = f"""\
+for d in {" ".join(f'"$HOME"/{place}' for place in LIBRARIES)}; do
+  [ -r "$d/.venv/ready-run" ] || continue
+  "$d/.venv/bin/python" -c "import rclpy, geometry_msgs.msg, sensor_msgs.msg, nav_msgs.msg, numpy, ur_nodes" || exit
+  "$d/.venv/bin/python" -I -m ur --version || exit
+  exit
+done
+echo "nothing is set up there" >&2; exit 1"""
+
 
 @dataclass(frozen=True, slots=True)
 class Check:
@@ -45,6 +54,8 @@ def verify(
 
     `find_master` waits until a host's ROS master answers here; it starts after the network is there.
     """
+    if task.robot.ros2:
+        return _verify_ros2(task, here, there)
     name, user = task.robot.name, task.address.user
     robot, laptop = f"{name}.local", f"{viewer.name}.local"
     checks = [
@@ -74,6 +85,27 @@ def verify(
         checks.append(_expect(there, "login by key", login, viewer.name))
     elif task.robot_login:
         checks.append(Check("login by key", there.place, False, "no ssh server on this computer; run: ur setup"))
+    return checks
+
+
+def _verify_ros2(task: Task, here: Shell, there: SshShell) -> list[Check]:
+    name, user = task.robot.name, task.address.user
+    login = f"{STRICT} {quote(f'{user}@{name}.local')} cat /proc/sys/kernel/hostname"
+    served = f"systemctl is-active avahi-daemon && grep -o {SERVICE_TYPE} /etc/avahi/services/*"
+    assert task.robot.ros2
+    setup = f"/opt/ros/{task.robot.ros2.distro}/setup.bash"
+    nodes = f". {setup} >/dev/null && cd / && "
+    checks = [
+        _expect(there, "host name", "cat /proc/sys/kernel/hostname", name),
+        _file(there, task),
+        _succeed(here, f"name {name}.local", f"getent ahostsv4 {quote(f'{name}.local')}", first=True),
+        _expect(here, "login by key", login, name),
+        _succeed(there, "announcement", served),
+    ]
+    if task.robot.programs:
+        done = there.run(quote("bash", "-c", nodes + _PROGRAMS_ROS2), timeout=120.0)
+        last = (done.err.strip().splitlines() or [f"exit code {done.code}"])[-1]
+        checks.append(Check("programs", there.place, done.code == 0, _one_line(last if done.code else done.out)))
     return checks
 
 

@@ -8,17 +8,7 @@ from dataclasses import replace
 from tests.robot.doctor.pairs import LAPTOP, PAIR, ROBOT
 
 from ur.robot.doctor.findings import ComputerPair
-from ur.robot.doctor.ros2.seen_graph import (
-    End,
-    Installation,
-    Process,
-    Qos,
-    Received,
-    Ros2,
-    SeenFrame,
-    SeenGraph,
-    SeenTopic,
-)
+from ur.robot.ros2.seen_graph import End, Installation, Process, Qos, Received, Ros2, SeenFrame, SeenGraph, SeenTopic
 
 TWIST, STAMPED, SCAN = "geometry_msgs/msg/Twist", "geometry_msgs/msg/TwistStamped", "sensor_msgs/msg/LaserScan"
 JAZZY = Installation("jazzy", "/opt/ros/jazzy", ("rmw_cyclonedds_cpp", "rmw_fastrtps_cpp"))

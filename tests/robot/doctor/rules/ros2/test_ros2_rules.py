@@ -27,8 +27,8 @@ from tests.robot.doctor.rules.ros2.cases import (
 )
 
 from ur.robot.doctor.findings import ComputerPair, Finding
-from ur.robot.doctor.ros2.seen_graph import End, Qos, Received, Ros2, SeenTopic
 from ur.robot.doctor.rules import diagnose, diagnose_alone
+from ur.robot.ros2.seen_graph import End, Qos, Received, Ros2, SeenTopic
 
 
 def the_finding(pair: ComputerPair) -> Finding:

@@ -6,9 +6,9 @@ from collections.abc import Callable, Iterator, Mapping
 from urllib.parse import urlsplit
 
 from ur.robot.doctor.findings import Finding, FixCommand, Where
-from ur.robot.doctor.ros2.seen_graph import NAMES, OLD_RELEASES, Process, domain_of, middleware_of
 from ur.robot.doctor.rules.registry import Rule, SideRule
 from ur.robot.doctor.side import Side
+from ur.robot.ros2.seen_graph import NAMES, OLD_RELEASES, Process, domain_of, middleware_of
 from ur.robot.ssh.shell import quote
 from ur.source.foreign.numbers import parse_integer
 

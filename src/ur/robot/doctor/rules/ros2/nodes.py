@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from ur.robot.doctor.findings import Finding, FixCommand, Where
-from ur.robot.doctor.ros2.seen_graph import SeenGraph
 from ur.robot.doctor.rules.registry import Rule, SideRule
 from ur.robot.doctor.side import Side
+from ur.robot.ros2.seen_graph import SeenGraph
 from ur.robot.ssh.shell import quote
 
 LOW_CHARGE = 0.15

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 
 from ur.robot.doctor.findings import ComputerPair, Finding, FixCommand
-from ur.robot.doctor.ros2.seen_graph import NAMES, OLD_RELEASES, domain_of, middleware_of, peers_of, range_of
 from ur.robot.doctor.rules.registry import PairRule, Rule
 from ur.robot.doctor.side import Side
+from ur.robot.ros2.seen_graph import NAMES, OLD_RELEASES, domain_of, middleware_of, peers_of, range_of
 from ur.robot.ssh.shell import quote
 
 _FOLLOW = "of a shell that follows the robot: "

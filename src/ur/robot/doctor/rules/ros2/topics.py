@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from ur.robot.doctor.findings import Finding, Where
-from ur.robot.doctor.ros2.seen_graph import End, Qos, SeenTopic
 from ur.robot.doctor.rules.registry import Rule, SideRule
 from ur.robot.doctor.side import Side
+from ur.robot.ros2.seen_graph import End, Qos, SeenTopic
 
 TWIST, STAMPED = "geometry_msgs/msg/Twist", "geometry_msgs/msg/TwistStamped"
 MUXES = ("cmd_vel_mux", "twist_mux")

@@ -70,7 +70,7 @@ class SeenTopic:
 
 @dataclass(frozen=True, slots=True)
 class Received:
-    """Number of messages received on a topic while it was listened to, and the age of the newest stamp (s)."""
+    """Number of messages received on a topic while it was listened to, and the least age of their stamps (s)."""
 
     messages: int
     age: float | None = None

@@ -12,10 +12,10 @@ from pathlib import Path
 import pytest
 from tests.ros2_session import PYTHON, ROOT, Ros2Session
 
-from ur.robot.doctor.ros2.observe import inspect_ros2, parse_ros2
-from ur.robot.doctor.ros2.seen_graph import Ros2
 from ur.robot.doctor.rules import diagnose_alone
 from ur.robot.doctor.side import Side
+from ur.robot.ros2.observe import inspect_ros2, parse_ros2
+from ur.robot.ros2.seen_graph import Ros2
 from ur.robot.ssh.shell import LocalShell
 
 SURVEY = ROOT / "src/ur_nodes/ros2/survey.py"
@@ -82,8 +82,8 @@ def test_answer_that_makes_no_sense_is_no_ros2(lie: str) -> None:
 
 
 def test_finder_needs_nothing_of_this_project() -> None:
-    program = ROOT / "src/ur/robot/doctor/ros2/finder.py"
-    request = json.dumps({"variables": [], "files": [], "graph": ""})
+    program = ROOT / "src/ur/robot/ros2/finder.py"
+    request = json.dumps({"variables": [], "files": [], "graph": "", "environment": {}})
     environment = {"PATH": os.environ["PATH"]}
     done = subprocess.run(
         ["/usr/bin/python3", "-I", "-c", program.read_text()],

@@ -1,8 +1,8 @@
 """Finds ROS 2 on a computer: a program of one file that needs the standard library alone.
 
-It reads a request as JSON from standard input: `variables` to read, `files` that shells read, and `graph`, the text of
-the program that reads the graph. It prints the answer as JSON. `ur` sends it to robots that have nothing of this
-project.
+It reads a request as JSON from standard input: `variables` to read, `files` that shells read, `graph`, the text of the
+program that reads the graph, and `environment`, variables for that program. It prints the answer as JSON. `ur` sends it
+to robots that have nothing of this project.
 """
 
 # A program for small computers, which run it before anything of ours is there.
@@ -178,8 +178,9 @@ def find_no_multicast() -> list[str]:
     return found
 
 
-def read_graph(program: str, installations: Any, processes: Any, shell: dict[str, str], variables: Any) -> Any:
+def read_graph(request: dict[str, Any], installations: Any, processes: Any, shell: dict[str, str]) -> Any:
     """Run the program that reads the graph with the Python of a release, in the domain of its processes."""
+    program, variables = request["graph"], request["variables"]
     readable = [each for each in processes if each["readable"]]
     settings = [json.dumps(each["variables"], sort_keys=True) for each in readable]
     chosen = max(settings, key=settings.count) if settings else ""
@@ -187,6 +188,7 @@ def read_graph(program: str, installations: Any, processes: Any, shell: dict[str
     base = {name: os.environ[name] for name in ("HOME", "PATH", "LANG", "USER") if name in os.environ}
     # A shell of its own user sets these, too, where no process is there to be asked.
     base.update(leader["variables"] if leader else {name: shell[name] for name in variables if name in shell})
+    base.update(request["environment"])
     folders = [each["folder"] for each in installations]
     wanted = f"/opt/ros/{leader['distro']}" if leader else ""
     folder = wanted if wanted in folders else folders[-1] if folders else ""
@@ -225,7 +227,7 @@ def find(request: dict[str, Any]) -> dict[str, Any]:
     called = {name: os.environ[name] for name in variables if os.environ.get(name)}
     graph, problem = None, ""
     if request["graph"]:
-        graph, problem = read_graph(request["graph"], installations, processes, shell, variables)
+        graph, problem = read_graph(request, installations, processes, shell)
     for each in processes:
         del each["environment"]
     return {

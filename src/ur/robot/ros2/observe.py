@@ -9,17 +9,7 @@ from collections.abc import Callable, Mapping
 from importlib.resources import files
 from typing import Any, TypeVar
 
-from ur.robot.doctor.ros2.seen_graph import (
-    End,
-    Installation,
-    Process,
-    Qos,
-    Received,
-    Ros2,
-    SeenFrame,
-    SeenGraph,
-    SeenTopic,
-)
+from ur.robot.ros2.seen_graph import End, Installation, Process, Qos, Received, Ros2, SeenFrame, SeenGraph, SeenTopic
 from ur.robot.ssh.shell import Shell, quote
 
 VARIABLES = (
@@ -54,16 +44,24 @@ print("heard" if heard else "silent")
 Value = TypeVar("Value")
 
 
-def inspect_ros2(shell: Shell, shell_files: tuple[str, ...], *, graph: bool = True, root: bool = False) -> Ros2:
+def inspect_ros2(
+    shell: Shell,
+    shell_files: tuple[str, ...],
+    *,
+    graph: bool = True,
+    root: bool = False,
+    environment: Mapping[str, str] | None = None,
+) -> Ros2:
     """Inspect a computer. Nothing where its answer makes no sense. Raises UserError when the connection is lost.
 
     With `graph`, nodes are asked, too, which takes some seconds. With `root`, processes of all users can be read.
+    `environment` are variables for reading the graph; None: those of the processes that can be read.
     """
-    program = files("ur.robot.doctor.ros2").joinpath("finder.py").read_text("utf-8")
+    program = files("ur.robot.ros2").joinpath("finder.py").read_text("utf-8")
     survey = files("ur_nodes.ros2").joinpath("survey.py").read_text("utf-8") if graph else ""
-    request = json.dumps({"variables": VARIABLES, "files": shell_files, "graph": survey})
+    wanted = {"variables": VARIABLES, "files": shell_files, "graph": survey, "environment": environment or {}}
     line = f"timeout {FIND_SECONDS:.0f} python3 -I -c {quote(program)}"
-    done = shell.run(line, stdin=request, timeout=FIND_SECONDS + 30.0, root=root)
+    done = shell.run(line, stdin=json.dumps(wanted), timeout=FIND_SECONDS + 30.0, root=root)
     return parse_ros2(done.out)
 
 

@@ -1,0 +1,1 @@
+"""The set-up of robots that have ROS 2 already."""

@@ -1,0 +1,104 @@
+"""Wanted states of a robot that has ROS 2 already: what this project needs there, and nothing else."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from ur.robot.robot_file import COMMANDS, ROBOT_FILE, Ros2Robot
+from ur.robot.ros2.seen_graph import (
+    DEFAULT_MIDDLEWARE,
+    OLD_RELEASES,
+    End,
+    Ros2,
+    SeenGraph,
+    SeenTopic,
+    domain_of,
+    middleware_of,
+)
+from ur.robot.setup.facts import ComputerFacts
+from ur.robot.setup.keys import allowed_key
+from ur.robot.setup.packages import WantedPackages, WantedService
+from ur.robot.setup.robot_states import ViewerFacts, WantedPassword, WantedRobot, announcement, robot_file
+from ur.robot.setup.wanted import Wanted, WantedFile, WantedFolder, WantedLine
+from ur.source.diagnostic import UserError, error_about
+
+# ROS 2 itself, its domain, middleware, discovery and units stay as they are.
+PACKAGES = ("openssh-server", "avahi-daemon", "libnss-mdns", "rsync", "python3", "python3-venv")
+TWISTS = ("geometry_msgs/msg/Twist", "geometry_msgs/msg/TwistStamped")
+_MUX = "cmd_vel_mux"
+
+
+def find_ros2(place: str, found: Ros2) -> Ros2Robot | None:
+    """Find where the nodes of a robot are, from what was seen there; None: it has no ROS 2.
+
+    Raises UserError: its release is too old.
+    """
+    if not found.present:
+        return None
+    distro = found.distro
+    if distro in OLD_RELEASES:
+        raise UserError(
+            error_about(
+                place,
+                f"it has ROS 2 {distro.capitalize()}, expected Jazzy, Kilted or Lyrical",
+                rule="old-ros",
+                help="install a newer release there: nodes of the two do not understand each other",
+            )
+        )
+    middleware = middleware_of(found.variables)
+    commands = find_commands(found.graph) if found.graph else ""
+    return Ros2Robot(
+        distro,
+        domain_of(found.variables),
+        "" if middleware == DEFAULT_MIDDLEWARE else middleware,
+        commands.removesuffix(COMMANDS) if commands.endswith(COMMANDS) else "",
+        commands or COMMANDS,
+    )
+
+
+def find_commands(graph: SeenGraph) -> str:
+    """Find the topic that the base subscribes to; '' where there is none.
+
+    The base is the end of the chain: a topic named cmd_vel goes before others, one that is not a mux before a mux.
+    """
+
+    def rank(topic: SeenTopic) -> tuple[bool, bool, int, str]:
+        nodes = [end.node.rpartition("/")[2] for end in _takers(topic)]
+        last = topic.name.rpartition("/")[2]
+        return all(each == _MUX for each in nodes), last != COMMANDS[1:], topic.name.count("/"), topic.name
+
+    topics = [each for each in graph.topics if _takers(each)]
+    return min(topics, key=rank).name if topics else ""
+
+
+def _takers(topic: SeenTopic) -> list[End]:
+    return [end for end in topic.subscribers if end.kind in TWISTS]
+
+
+def wanted_on_ros2(
+    facts: ComputerFacts,
+    robot: WantedRobot,
+    viewer: ViewerFacts,
+    password: WantedPassword | None,
+    *,
+    library: Sequence[Wanted] = (),
+) -> list[Wanted]:
+    """List the states in the order of their making. The name is changed only where another one is wanted."""
+    present = facts.file(str(ROBOT_FILE)).text
+    items: list[Wanted] = [
+        WantedFolder("ssh folder", "~/.ssh", mode=0o700),
+        allowed_key("login from the viewer", viewer.public_key),
+        WantedFile("robot file", str(ROBOT_FILE), robot_file(robot, present)),
+        WantedPackages("packages", PACKAGES),
+        WantedService("names ending in .local", "avahi-daemon.service"),
+        WantedFile("announcement", "/etc/avahi/services/ubiquity.service", announcement(robot, facts.user)),
+    ]
+    if password:
+        items.append(password)
+    items += library
+    if facts.hostname != robot.name:
+        items += [
+            WantedLine("host name (hosts)", "/etc/hosts", f"127.0.1.1\t{robot.name}", old=("127.0.1.1",)),
+            WantedFile("host name", "/etc/hostname", f"{robot.name}\n"),
+        ]
+    return items
