@@ -17,28 +17,10 @@ def load(name: str, variant: str) -> Base:
 def list_topics(base: Base) -> dict[str, str]:
     """Topics that a base publishes, absolute, with their types."""
     topics = {"/odom": "nav_msgs/Odometry", "/joint_states": "sensor_msgs/JointState"}
-    if base.lidar:
-        topics[f"/{base.lidar.topic}"] = "sensor_msgs/LaserScan"
-    if base.sonars:
-        topics[f"/{base.sonars.topic}"] = "sensor_msgs/Range"
-    if base.imu:
-        topics[f"/{base.imu.topic}"] = "sensor_msgs/Imu"
-    if base.battery:
-        topics[f"/{base.battery.topic}"] = "sensor_msgs/BatteryState"
-    if base.bumpers:
-        topics |= {f"/{base.bumpers.topic}/{bumper.name}": "std_msgs/Bool" for bumper in base.bumpers.at}
-    if base.cliffs:
-        topics |= {f"/{base.cliffs.topic}/{cliff.name}": "std_msgs/Bool" for cliff in base.cliffs.at}
-    if base.raspicam:
-        topics[f"/{base.raspicam.name}/image_raw"] = "sensor_msgs/Image"
-        topics[f"/{base.raspicam.name}/image/compressed"] = "sensor_msgs/CompressedImage"
-        topics[f"/{base.raspicam.name}/camera_info"] = "sensor_msgs/CameraInfo"
-    return topics
+    return topics | {f"/{name}": kind for _, sensor in base.list_sensors() for name, kind in sensor.topics().items()}
 
 
 def list_frames(base: Base) -> set[str]:
     """Frames that messages of a base are in."""
     frames = {"odom", "base_footprint"}
-    frames |= {part.frame for part in (base.lidar, base.imu, base.raspicam) if part}
-    frames |= {cliff.frame for cliff in (base.cliffs.at if base.cliffs else ())}
-    return frames | {sonar.frame for sonar in (base.sonars.at if base.sonars else ())}
+    return frames.union(*(sensor.frames() for _, sensor in base.list_sensors()))

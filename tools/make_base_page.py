@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from ur.robot.base import Base, UpstreamDriver, list_bases, list_variants, load_base
+from ur.robot.base import SENSORS, Base, Driver, list_bases, list_variants, load_base
 from ur_nodes.motion.obstacle_stop.base import make_sight
 from ur_nodes.motion.obstacle_stop.guard import BLIND
 from ur_nodes.motion.obstacle_stop.sensors import covers
@@ -43,18 +42,7 @@ def load_all(package: Path, name: str) -> list[Base]:
 
 def list_sensors(base: Base) -> list[str]:
     """In words, of the overview."""
-    return [
-        text
-        for text, there in (
-            ("lidar", base.lidar),
-            ("camera", base.raspicam),
-            (f"{len(base.sonars.at)} sonars" if base.sonars else "", base.sonars),
-            ("bumpers", base.bumpers),
-            ("cliff sensors", base.cliffs),
-            ("inertial sensor", base.imu),
-        )
-        if there
-    ]
+    return [text for _, sensor in base.list_sensors() if (text := sensor.overview())]
 
 
 def _name(base: Base) -> str:
@@ -73,6 +61,9 @@ def _pictures(variants: Sequence[Base]) -> list[str]:
 
 def _figures(variants: Sequence[Base]) -> list[str]:
     rows = [[title, *(figure(base) for base in variants)] for title, figure in _ROWS]
+    for key, kind in SENSORS.items():
+        found = [dict(base.list_sensors()).get(key) for base in variants]
+        rows.append([kind.title, *(sensor.describe() if sensor else "none" for sensor in found)])
     shown = [row for row in rows if any(cell != "none" for cell in row[1:])]
     heads = [f"variant `{base.variant}`" if base.variant else f"`{base.name}`" for base in variants]
     return _table(["", *heads], shown)
@@ -121,41 +112,6 @@ def _braking(base: Base) -> str:
     return f"{base.limits.deceleration:g} m/s², {base.limits.angular_deceleration:g} rad/s²"
 
 
-def _lidar(base: Base) -> str:
-    if not (lidar := base.lidar):
-        return "none"
-    turn = math.degrees(lidar.angle_max - lidar.angle_min) * lidar.samples / (lidar.samples - 1)
-    reach = f"{lidar.range_min:g} to {lidar.range_max:g} m"
-    return f"`{lidar.topic}`: {lidar.samples} beams over {turn:.0f}°, {lidar.rate:g} Hz, {reach}"
-
-
-def _camera(base: Base) -> str:
-    if not (camera := base.raspicam):
-        return "none"
-    looks = "up" if math.sin(camera.pose[4]) < -0.7 else "ahead"
-    size = f"{camera.width} x {camera.height}, {camera.rate:g} Hz"
-    return f"`{camera.name}`: {size}, {math.degrees(camera.field_of_view):.0f}° wide, looks {looks}"
-
-
-def _sonars(base: Base) -> str:
-    if not (sonars := base.sonars):
-        return "none"
-    cone = f"{math.degrees(sonars.field_of_view):.0f}°, {sonars.range_min:g} to {sonars.range_max:g} m"
-    return f"`{sonars.topic}`: {len(sonars.at)}, each {sonars.rate:g} Hz, {cone}"
-
-
-def _bumpers(base: Base) -> str:
-    if not base.bumpers:
-        return "none"
-    return f"`{base.bumpers.topic}`: {', '.join(bumper.name for bumper in base.bumpers.at)}"
-
-
-def _cliffs(base: Base) -> str:
-    if not base.cliffs:
-        return "none"
-    return f"`{base.cliffs.topic}`: {', '.join(cliff.name for cliff in base.cliffs.at)}"
-
-
 def _obstacle_stop(base: Base) -> str:
     """Describe where the base sees obstacles while people drive it."""
     sensors = make_sight(base).sensors
@@ -167,17 +123,6 @@ def _obstacle_stop(base: Base) -> str:
     return " and ".join(seen) + (f"; {' and '.join(slow)} at most {BLIND:g} m/s" if slow else "")
 
 
-def _imu(base: Base) -> str:
-    return f"`{base.imu.topic}`: {base.imu.rate:g} Hz" if base.imu else "none"
-
-
-def _battery(base: Base) -> str:
-    if not (battery := base.battery):
-        return "none"
-    volts = f"{battery.voltage_full:g} to {battery.voltage_empty:g} V"
-    return f"`{battery.topic}`: {battery.technology}, {battery.design_capacity:g} Ah, {volts}"
-
-
 _ROWS: tuple[tuple[str, Callable[[Base], str]], ...] = (
     ("length x width x height", _size),
     ("mass", lambda base: f"{base.mass:g} kg"),
@@ -185,14 +130,7 @@ _ROWS: tuple[tuple[str, Callable[[Base], str]], ...] = (
     ("speed", _speed),
     ("speeding up", _starting),
     ("braking", _braking),
-    ("lidar", _lidar),
-    ("camera", _camera),
-    ("sonars", _sonars),
-    ("bumpers", _bumpers),
-    ("cliff sensors", _cliffs),
     ("stops before obstacles", _obstacle_stop),
-    ("inertial sensor", _imu),
-    ("battery", _battery),
 )
 
 

@@ -6,8 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from ur.robot.base import Bumper, list_bases, list_variants, load_base, read_base
-from ur.robot.base.sensor_reader import SENSORS
+from ur.robot.base import SENSORS, Bumper, list_bases, list_variants, load_base, read_base
 from ur.source.diagnostic import UserError
 
 PACKAGE = Path(__file__).parents[2] / "ubiquity_launches"
@@ -186,7 +185,7 @@ def test_base_without_sensors_battery_and_driver_is_good(tmp_path: Path) -> None
     path = tmp_path / "base.yaml"
     path.write_text(GOOD[: GOOD.index("sensors:")], encoding="utf-8")
     base = read_base(path, "plain")
-    for part in (*SENSORS, "battery", "driver"):
+    for part in (*SENSORS, "driver"):
         assert getattr(base, part) is None
     assert base.drivers == ()
 

@@ -9,8 +9,7 @@ from typing import Any
 
 import pytest
 
-from ur.robot.base import list_bases, read_base
-from ur.robot.base.sensor_reader import SENSORS
+from ur.robot.base import SENSORS, list_bases, read_base
 
 ROOT = Path(__file__).parents[2]
 
@@ -52,5 +51,5 @@ def test_example_of_the_how_to_is_a_good_base_file(tmp_path: Path) -> None:
     path.write_text(example, encoding="utf-8")
     base = read_base(path, "mower", "blind")
     assert base.lidar is None
-    for part in (*SENSORS, "battery", "driver", "drivers"):
+    for part in (*SENSORS, "driver", "drivers"):
         assert getattr(read_base(path, "mower"), part), f"the example shows {part}"

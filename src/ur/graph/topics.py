@@ -12,7 +12,6 @@ from ur.source.diagnostic import UserError
 
 _PACKAGE = "ubiquity_launches"
 _MAX_ROBOTS = 100
-_CAMERA = ("image_raw", "image/compressed", "camera_info")
 _Found = Iterator[tuple[str, Use, str]]
 
 # What every ROS node has; it would hide everything else.
@@ -160,15 +159,8 @@ def _sensor_topics(own: Mapping[str, ParamValue]) -> Iterator[tuple[str, str]]:
     if base is None:
         yield "scan", "only if the base has a lidar"
         return
-    for part in (base.lidar, base.sonars, base.imu, base.battery):
-        if part is not None:
-            yield part.topic, ""
-    if base.bumpers is not None:
-        yield from ((f"{base.bumpers.topic}/{bumper.name}", "") for bumper in base.bumpers.at)
-    if base.cliffs is not None:
-        yield from ((f"{base.cliffs.topic}/{cliff.name}", "") for cliff in base.cliffs.at)
-    if base.raspicam is not None:
-        yield from ((f"raspicam_node/{name}", "") for name in _CAMERA)
+    for _, sensor in base.list_sensors():
+        yield from ((topic, "") for topic in sensor.topics())
 
 
 def _adapted(own: Mapping[str, ParamValue]) -> _Found:
@@ -184,7 +176,7 @@ def _adapted(own: Mapping[str, ParamValue]) -> _Found:
     if own.get("bumper_messages"):
         yield "driver/bumpers", "subscribes", ""
         if base is not None and base.bumpers is not None:
-            yield from ((f"{base.bumpers.topic}/{bumper.name}", "publishes", "") for bumper in base.bumpers.at)
+            yield from ((topic, "publishes", "") for topic in base.bumpers.topics())
 
 
 def _load(own: Mapping[str, ParamValue]) -> Base | None:

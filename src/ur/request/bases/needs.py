@@ -1,7 +1,6 @@
 """Needs of launch files and programs from a base: the comment `<!--Needs: ...-->`, compared with what a base has.
 
-A need is the name of a field of `ur.robot.base.Base`: `lidar`, `raspicam`, `sonars`, `bumpers`, `cliffs`, `imu`,
-`battery`.
+A need is the key of a sensor (`ur.robot.base.SENSORS`).
 Several stand one after the other, alternatives have a bar between them: `<!--Needs: raspicam lidar|sonars-->`.
 """
 
@@ -13,13 +12,11 @@ from pathlib import Path
 from ur.launchfile.syntax import LaunchFile
 from ur.launchfile.syntax.parse import parse_launch_file
 from ur.launchfile.world.protocol import World
-from ur.robot.base import Base, list_variants, load_base
+from ur.robot.base import SENSORS, Base, list_variants, load_base
 
 NEEDS = "Needs:"
 Need = tuple[str, ...]
 """Alternatives: a base that has one of them has what is needed."""
-
-_ARTICLES = {"lidar": "a lidar", "raspicam": "a raspicam", "imu": "an imu", "battery": "a battery"}
 
 
 def read_needs(path: str, world: World) -> tuple[Need, ...]:
@@ -53,7 +50,7 @@ def find_variants(package: Path, base: Base, needs: Sequence[Need]) -> tuple[str
 
 def describe_need(need: Need) -> str:
     """For people: `a lidar`, `a lidar or sonars`."""
-    return " or ".join(_ARTICLES.get(name, name) for name in need)
+    return " or ".join(f"{SENSORS[name].article} {name}".strip() if name in SENSORS else name for name in need)
 
 
 def describe_lack(base: Base, lacks: Sequence[Need]) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ur.robot.base.sensors import Bumpers, Camera, Cliffs, ImuErrors, Lidar, Sonars
+from ur.robot.base.sensors import Sensors
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,23 +60,7 @@ class OdometryErrors:
 
 
 @dataclass(frozen=True, slots=True)
-class BatteryProperties:
-    """The battery (sensor_msgs/BatteryState). `design_capacity` is in Ah; voltages are those at rest.
-
-    `current_idle` flows while the base stands, `current_moving` at full speed.
-    """
-
-    topic: str
-    technology: str
-    design_capacity: float
-    voltage_full: float
-    voltage_empty: float
-    current_idle: float
-    current_moving: float
-
-
-@dataclass(frozen=True, slots=True)
-class UpstreamDriver:
+class Driver:
     """The upstream node for a piece of hardware: `part` is 'base', or the sensor that it reads.
 
     `node` is the launch directory that starts it ('' when there is none), `device` where the hardware is ('' when it is
@@ -95,7 +79,7 @@ class UpstreamDriver:
 
 
 @dataclass(frozen=True, slots=True)
-class Base:
+class Base(Sensors):
     """A base in one variant ('' is the plain one). `footprint` is the outline, counter-clockwise, at least 3 points.
 
     `driver` is None for a base that is only ever simulated; `drivers` are those of sensors with a driver of their own.
@@ -111,15 +95,8 @@ class Base:
     mass: float
     wheels: Wheels
     casters: tuple[Caster, ...]
-    limits: MotionLimits
-    odometry: OdometryErrors
-    lidar: Lidar | None
-    raspicam: Camera | None = None
-    sonars: Sonars | None = None
-    bumpers: Bumpers | None = None
-    cliffs: Cliffs | None = None
-    imu: ImuErrors | None = None
-    battery: BatteryProperties | None = None
-    driver: UpstreamDriver | None = None
-    drivers: tuple[UpstreamDriver, ...] = ()
+    limits: Limits
+    odometry: Odometry
+    driver: Driver | None = None
+    drivers: tuple[Driver, ...] = ()
     body: tuple[tuple[float, float], ...] = ()

@@ -3,30 +3,22 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from typing import Any
 
 from ur.devices.known import find_rows, load_known
+from ur.robot.base.model import Base, Caster, Driver, Limits, Odometry, Wheels
 from ur.robot.base.outline import Point, find_crossing, is_inside, measure_area
-from ur.robot.base.properties import (
-    Base,
-    BatteryProperties,
-    Caster,
-    MotionLimits,
-    OdometryErrors,
-    UpstreamDriver,
-    Wheels,
-)
-from ur.robot.base.sensor_reader import SENSORS, Sensors, read_sensors, read_topic
+from ur.robot.base.sensors import read_sensors
 from ur.source.section import Section
 from ur.source.suggest import did_you_mean
 
-TECHNOLOGIES = ("lead-acid", "lifepo4", "lithium-ion", "lithium-polymer", "nicd", "nimh")
 _TOLERANCE = 0.001  # m
 
 
 def read_whole(top: Section, name: str, variant: str) -> Base:
     """Read a file (with a variant's values already laid over the others)."""
-    sensors = read_sensors(top.optional_section("sensors"))
+    sensors = read_sensors(top)
     footprint = _outline(top, "footprint")
     base = Base(
         name=name,
@@ -40,13 +32,7 @@ def read_whole(top: Section, name: str, variant: str) -> Base:
         casters=tuple(_caster(item) for item in top.sections("casters")),
         limits=_limits(top.section("limits")),
         odometry=_odometry(top.section("odometry")),
-        lidar=sensors.lidar,
-        raspicam=sensors.raspicam,
-        sonars=sensors.sonars,
-        bumpers=sensors.bumpers,
-        cliffs=sensors.cliffs,
-        imu=sensors.imu,
-        battery=_battery(part) if (part := top.optional_section("battery")) else None,
+        **sensors,
         driver=_driver("base", part) if (part := top.optional_section("driver")) else None,
         drivers=tuple(_drivers(part, sensors)) if (part := top.optional_section("drivers")) else (),
         body=_body(top, footprint) if top.has("body") else (),
@@ -125,28 +111,8 @@ def _odometry(part: Section) -> OdometryErrors:
     return odometry
 
 
-def _battery(part: Section) -> BatteryProperties:
-    battery = BatteryProperties(
-        topic=read_topic(part, "battery_state"),
-        technology=part.text("technology", choices=TECHNOLOGIES),
-        design_capacity=part.number("design_capacity", minimum=0.01),
-        voltage_full=part.number("voltage_full", minimum=0.1),
-        voltage_empty=part.number("voltage_empty", minimum=0.1),
-        current_idle=part.number("current_idle", minimum=0.0),
-        current_moving=part.number("current_moving", minimum=0.0),
-    )
-    if battery.voltage_empty >= battery.voltage_full:
-        text = f"voltage_empty: {battery.voltage_empty:g} in {part.name}, expected less than voltage_full"
-        part.fail("voltage_empty", text)
-    if battery.current_moving < battery.current_idle:
-        text = f"current_moving: {battery.current_moving:g} in {part.name}, expected at least current_idle"
-        part.fail("current_moving", text)
-    part.finish()
-    return battery
-
-
-def _drivers(part: Section, sensors: Sensors) -> Iterator[UpstreamDriver]:
-    there = [name for name in SENSORS if getattr(sensors, name)]
+def _drivers(part: Section, sensors: Mapping[str, Any]) -> Iterator[Driver]:
+    there = [name for name in sensors if name != "battery"]
     choice = ", ".join(there) or "(it has none)"
     for name in part.keys:
         if name not in there:

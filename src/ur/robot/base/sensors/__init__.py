@@ -1,0 +1,74 @@
+"""The sensors that a base may have: `Sensors` is their table, with a module for each beside it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any, get_args, get_type_hints
+
+from ur.robot.base.sensors.battery import Battery
+from ur.robot.base.sensors.bumpers import Bumper, Bumpers
+from ur.robot.base.sensors.camera import Camera
+from ur.robot.base.sensors.cliffs import Cliff, Cliffs
+from ur.robot.base.sensors.imu import Imu
+from ur.robot.base.sensors.lidar import Lidar
+from ur.robot.base.sensors.sensor import Frames, Sensor
+from ur.robot.base.sensors.sonars import Sonar, Sonars
+from ur.source.section import Section
+
+__all__ = [
+    "SENSORS",
+    "Battery",
+    "Bumper",
+    "Bumpers",
+    "Camera",
+    "Cliff",
+    "Cliffs",
+    "Imu",
+    "Lidar",
+    "Sensor",
+    "Sensors",
+    "Sonar",
+    "Sonars",
+    "read_sensors",
+]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Sensors:
+    """The sensors of a base, by their keys in `sensors` of its file; `battery` is a key of the file itself."""
+
+    lidar: Lidar | None = None
+    raspicam: Camera | None = None
+    sonars: Sonars | None = None
+    bumpers: Bumpers | None = None
+    cliffs: Cliffs | None = None
+    imu: Imu | None = None
+    battery: Battery | None = None
+
+    def list_sensors(self) -> Iterator[tuple[str, Sensor]]:
+        """The sensors that there are, with their keys, in the order of the table."""
+        for name in SENSORS:
+            if (found := getattr(self, name)) is not None:
+                yield name, found
+
+
+SENSORS: Mapping[str, type[Sensor]] = {name: get_args(hint)[0] for name, hint in get_type_hints(Sensors).items()}
+"""Every kind of sensor by its key."""
+_AT_TOP = frozenset({"battery"})
+
+
+def read_sensors(top: Section) -> dict[str, Any]:
+    """Read the sensors of a base file, by key. Every frame has one owner."""
+    inner = top.optional_section("sensors")
+    found: dict[str, Any] = {}
+    frames = Frames()
+    for name, kind in SENSORS.items():
+        outer = top if name in _AT_TOP else inner
+        part = outer.optional_section(name) if outer is not None else None
+        if part:
+            found[name] = kind.read(part, frames)
+            part.finish()
+    if inner is not None:
+        inner.finish()
+    return found

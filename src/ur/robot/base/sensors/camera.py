@@ -1,0 +1,83 @@
+"""A camera."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import ClassVar
+
+from ur.robot.base.sensors.sensor import Frames, Sensor
+from ur.robot.base.urdf_parts import joint, link, mount, visual
+from ur.source.section import Section
+
+
+@dataclass(frozen=True, slots=True)
+class Camera(Sensor):
+    """A camera without distortion. Its body has the pose: it looks along its x axis.
+
+    `frame` is the optical frame (REP 103: z forward, x right, y down); `name` is the node, and so the namespace of the
+    topics. `width` and `height` are in pixels, `field_of_view` is the horizontal angle, `rate` is in images a second.
+    """
+
+    title: ClassVar[str] = "camera"
+    article: ClassVar[str] = "a"
+
+    frame: str
+    name: str
+    pose: tuple[float, ...]
+    width: int
+    height: int
+    field_of_view: float
+    rate: float
+
+    @classmethod
+    def read(cls, part: Section, frames: Frames) -> Camera:
+        """Read its section."""
+        frame = frames.read(part, "raspicam")
+        frames.claim(part, "frame", f"{frame}_body", "raspicam")
+        return cls(
+            frame=frame,
+            name=part.text("name", "raspicam_node"),
+            pose=part.numbers("pose", 6),
+            width=part.integer("width", minimum=16),
+            height=part.integer("height", minimum=16),
+            field_of_view=part.number("field_of_view", minimum=0.1, maximum=2.6),
+            rate=part.number("rate", minimum=0.1, maximum=200.0),
+        )
+
+    @property
+    def focal_length(self) -> float:
+        """Of the pinhole, in pixels, along both axes."""
+        return self.width / 2.0 / math.tan(self.field_of_view / 2.0)
+
+    def topics(self) -> Mapping[str, str]:
+        """Its pictures, plain and compressed, and its calibration."""
+        return {
+            f"{self.name}/image_raw": "sensor_msgs/Image",
+            f"{self.name}/image/compressed": "sensor_msgs/CompressedImage",
+            f"{self.name}/camera_info": "sensor_msgs/CameraInfo",
+        }
+
+    def frames(self) -> tuple[str, ...]:
+        """Its optical frame."""
+        return (self.frame,)
+
+    def urdf(self, axle: float) -> Iterator[str]:
+        """A body that looks along x, and in it the optical frame (REP 103)."""
+        body = f"{self.frame}_body"
+        lens = '<cylinder radius="0.004" length="0.006"/>'
+        parts = [
+            *visual('<box size="0.004 0.025 0.024"/>', "board", (-0.002, 0.0, 0.0)),
+            *visual(lens, "sensor", (0.003, 0.0, 0.0), (0.0, 1.570796, 0.0)),
+        ]
+        yield from link(body, parts)
+        yield from mount(body, self.pose, axle)
+        yield f'  <link name="{self.frame}"/>'
+        yield from joint(self.frame, (0.0, 0.0, 0.0), parent=body, angles=(-1.570796, 0.0, -1.570796))
+
+    def describe(self) -> str:
+        """Node, size, angle and direction."""
+        looks = "up" if math.sin(self.pose[4]) < -0.7 else "ahead"
+        size = f"{self.width} x {self.height}, {self.rate:g} Hz"
+        return f"`{self.name}`: {size}, {math.degrees(self.field_of_view):.0f}° wide, looks {looks}"

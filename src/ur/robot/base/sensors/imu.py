@@ -1,0 +1,55 @@
+"""An inertial sensor."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import ClassVar
+
+from ur.robot.base.sensors.sensor import Frames, Sensor, read_topic
+from ur.robot.base.urdf_parts import link, mount, visual
+from ur.source.section import Section
+
+
+@dataclass(frozen=True, slots=True)
+class Imu(Sensor):
+    """An inertial sensor (sensor_msgs/Imu): standard deviations per reading, rad/s and m/s^2; `rate` a second."""
+
+    title: ClassVar[str] = "inertial sensor"
+    article: ClassVar[str] = "an"
+
+    frame: str
+    topic: str
+    pose: tuple[float, ...]
+    rate: float
+    gyro_noise: float
+    accel_noise: float
+
+    @classmethod
+    def read(cls, part: Section, frames: Frames) -> Imu:
+        """Read its section."""
+        return cls(
+            frame=frames.read(part),
+            topic=read_topic(part, "imu/data"),
+            pose=part.numbers("pose", 6),
+            rate=part.number("rate", minimum=0.1, maximum=1000.0),
+            gyro_noise=part.number("gyro_noise", minimum=0.0),
+            accel_noise=part.number("accel_noise", minimum=0.0),
+        )
+
+    def topics(self) -> Mapping[str, str]:
+        """Its readings."""
+        return {self.topic: "sensor_msgs/Imu"}
+
+    def frames(self) -> tuple[str, ...]:
+        """Its own."""
+        return (self.frame,)
+
+    def urdf(self, axle: float) -> Iterator[str]:
+        """A small board."""
+        yield from link(self.frame, visual('<box size="0.020 0.016 0.003"/>', "board"))
+        yield from mount(self.frame, self.pose, axle)
+
+    def describe(self) -> str:
+        """Topic and rate."""
+        return f"`{self.topic}`: {self.rate:g} Hz"

@@ -1,0 +1,95 @@
+"""A sensor of a base: from its section in the base file to its topics, frames, URDF and words.
+
+A `pose` is x, y, z, roll, pitch, yaw in `base_footprint`. A `topic` is relative to the robot's namespace.
+"""
+
+from __future__ import annotations
+
+import re
+from abc import ABC, abstractmethod
+from collections.abc import Iterator, Mapping
+from typing import Any, ClassVar
+
+from ur.source.section import Section
+
+BODY_FRAMES = ("base_footprint", "base_link", "left_wheel", "right_wheel")
+
+
+class Sensor(ABC):
+    """One sensor, or all of a kind, of a base."""
+
+    __slots__ = ()
+    title: ClassVar[str]
+    """Its name in tables."""
+    article: ClassVar[str] = ""
+    """Before its key in sentences: `a` lidar."""
+
+    @classmethod
+    @abstractmethod
+    def read(cls, part: Section, frames: Frames) -> Any:
+        """Read its section of a base file. Raises UserError with file, line and column."""
+
+    @abstractmethod
+    def topics(self) -> Mapping[str, str]:
+        """The topics that it publishes, with their types."""
+
+    @abstractmethod
+    def describe(self) -> str:
+        """Its figures in one line of Markdown."""
+
+    def overview(self) -> str:
+        """A word or two for the list of bases; '' to be left out there."""
+        return self.title
+
+    def frames(self) -> tuple[str, ...]:
+        """The frames of its messages."""
+        return ()
+
+    def urdf(self, axle: float) -> Iterator[str]:  # noqa: ARG002 - for those that have frames
+        """Its links and joints; `axle` is the height of `base_link` above the ground."""
+        yield from ()
+
+
+class Frames:
+    """The frames of a base, each with its owner."""
+
+    def __init__(self) -> None:
+        self._owners = dict.fromkeys(BODY_FRAMES, "the body")
+
+    def read(self, part: Section, default: str | None = None) -> str:
+        """The key `frame` of a section, claimed for it."""
+        frame = part.text("frame") if default is None else part.text("frame", default)
+        self.claim(part, "frame", frame, part.name.rpartition(", ")[2])
+        return frame
+
+    def claim(self, part: Section, key: str, frame: str, owner: str) -> None:
+        """Note the owner of a frame. Fails at `key` if the frame has one, or is no name."""
+        if not re.fullmatch(r"[A-Za-z]\w*", frame):
+            part.fail(key, f"frame {frame!r} in {part.name}, expected a name of letters, digits and _")
+        if re.fullmatch(r"caster_\d+", frame):
+            part.fail(key, f"frame {frame!r} in {part.name} is the name of a caster, expected one of its own")
+        if frame in self._owners:
+            part.fail(key, f"frame {frame!r} in {part.name} is taken by {self._owners[frame]}, expected one of its own")
+        self._owners[frame] = owner
+
+
+def read_topic(part: Section, default: str) -> str:
+    """The key `topic`: a ROS name."""
+    topic = part.text("topic", default)
+    if not re.fullmatch(r"[A-Za-z/][\w/]*", topic):
+        part.fail("topic", f"topic: {topic!r} in {part.name}, expected a ROS name, as {default}")
+    return topic
+
+
+def read_places(part: Section, what: str, expected: str) -> Section:
+    """The key `at`: what there is, by name. Fails when there is nothing."""
+    places = part.section("at")
+    if not places.keys:
+        part.fail("at", f"at: no {what} in {part.name}, expected {expected}")
+    return places
+
+
+def check_order(part: Section, low: str, least: float, high: str, most: float) -> None:
+    """Fail unless the value of `high` is more than that of `low`."""
+    if most <= least:
+        part.fail(high, f"{high}: {most:g} in {part.name}, expected more than {low}")
