@@ -87,7 +87,9 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
         "ur.robot.base",
         "ur.worlds",
         "ur_nodes.geometry",
-        "ur_nodes.simulator.mujoco_model",
+        "ur_nodes.ports",
+        "ur_nodes.simulator.model",
+        "ur_nodes.simulator.physics",
         "ur_nodes.simulator.scenery",
     ),
     "ur_nodes.mapping": (

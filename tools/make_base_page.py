@@ -1,4 +1,7 @@
-"""Make docs/reference/bases.md from the base files. A test compares what is committed with this."""
+"""Make docs/reference/bases.md from the base files, and the sensors of docs/how-to/describe-a-base.md.
+
+A test compares what is committed with this.
+"""
 
 from __future__ import annotations
 
@@ -13,6 +16,7 @@ from ur_nodes.motion.obstacle_stop.sensors import covers
 ROOT = Path(__file__).resolve().parents[1]
 PACKAGE = ROOT / "ubiquity_launches"
 PAGE = ROOT / "docs" / "reference" / "bases.md"
+EXPLAINED = ROOT / "docs" / "how-to" / "describe-a-base.md"
 PICTURES = "../images/bases"
 
 _INTRODUCTION = """# Robot bases
@@ -33,6 +37,15 @@ def make_page(package: Path = PACKAGE) -> str:
     for name, variants in bases.items():
         parts += [f"## {name}\n\n", *_pictures(variants), *_figures(variants), "\n", *_drivers(variants)]
     return "".join(parts).rstrip() + "\n"
+
+
+def explain_sensors(page: str) -> str:
+    """The page on base files with the examples of all sensors between the keys `sensors` and `driver`."""
+    inner = [kind.example.strip("\n") for name, kind in SENSORS.items() if name != "battery"]
+    lines = [*(f"  {line}" for text in inner for line in text.splitlines()), SENSORS["battery"].example.strip("\n")]
+    before, head, rest = page.partition("\nsensors: # all may be left out\n")
+    _, tail, after = rest.partition("\ndriver: ")
+    return before + head + "\n".join(lines) + tail + after
 
 
 def load_all(package: Path, name: str) -> list[Base]:
@@ -138,7 +151,8 @@ def main() -> None:
     """Write the page."""
     PAGE.parent.mkdir(parents=True, exist_ok=True)
     PAGE.write_text(make_page(), encoding="utf-8")
-    print(PAGE)
+    EXPLAINED.write_text(explain_sensors(EXPLAINED.read_text(encoding="utf-8")), encoding="utf-8")
+    print(PAGE, EXPLAINED, sep="\n")
 
 
 if __name__ == "__main__":

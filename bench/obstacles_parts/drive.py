@@ -28,7 +28,9 @@ from ur_nodes.motion.obstacle_stop.sensors import RangeSensor
 from ur_nodes.motion.obstacle_stop.sight import MEMORY, SensorRanges, Sight, look, move, touch
 from ur_nodes.motion.obstacle_stop.track import Odometer
 from ur_nodes.motion.ramp import axes_of
-from ur_nodes.simulator.simulation import Simulation, SimulationTick
+from ur_nodes.simulator.sensors.bumpers import BumperSense
+from ur_nodes.simulator.sensors.sonars import SonarSense
+from ur_nodes.simulator.simulation import Simulation, Tick
 
 _COMMAND_DELAY, _SENSOR_DELAY = 0.01, 0.02  # s
 _COMMANDS = 30.0  # Hz
@@ -127,16 +129,16 @@ class Drive:
             scan = SensorRanges(ranges, limits, at, base.lidar.angle_min, step)
             seen.append((self._sight.sensors[0], math.inf))
             self._look(self._sight.sensors[0], scan, at)
-        if tick.sonars and base.sonars:
+        if "sonars" in tick.due and base.sonars:
             sonars = self._sight.sensors[1 if base.lidar else 0 :]
             limits = base.sonars.range_min, base.sonars.range_max
-            for sensor, value in zip(sonars, self.simulation.senses[0].ranges(), strict=True):
+            for sensor, value in zip(sonars, self.simulation.senses[0].find(SonarSense).ranges(), strict=True):
                 seen.append((sensor, float(value)))
                 self._look(sensor, SensorRanges(np.array([value]), limits, at, cone=base.sonars.field_of_view), at)
         if seen:
             self._past.append((at, self.simulation.pose(0), tuple(seen)))
             self._past = [each for each in self._past if at - each[0] < MEMORY]
-        pressed = self.simulation.senses[0].pressed(at)
+        pressed = self.simulation.senses[0].find(BumperSense).pressed(at) if base.bumpers else {}
         for name, state in pressed.items():
             if self._pressed.get(name, False) is not state:
                 points = contact_points(base, self._sight.hull, ("bumper", name)) if state else None

@@ -23,6 +23,11 @@ def test_committed_page_is_what_the_base_files_say(tool: dict[str, Any]) -> None
     assert tool["PAGE"].read_text(encoding="utf-8") == tool["make_page"](), "run tools/make_base_page.py"
 
 
+def test_how_to_shows_the_example_of_every_sensor(tool: dict[str, Any]) -> None:
+    page = tool["EXPLAINED"].read_text(encoding="utf-8")
+    assert page == tool["explain_sensors"](page), "run tools/make_base_page.py"
+
+
 def test_every_base_is_pictured_and_no_picture_is_left_over(tool: dict[str, Any]) -> None:
     text = tool["PAGE"].read_text(encoding="utf-8")
     linked = set(re.findall(r"\.\./images/bases/(\S+\.png)", text))

@@ -13,6 +13,8 @@ from ur_nodes.simulator.sensor_topics import SensorTopics
 from ur_nodes.simulator.settings import SimulatorSettings, list_prefixes
 from ur_nodes.simulator.simulation import Simulation
 
+_UNSTAMPED = frozenset(("control", "picture"))
+
 
 class Operation:
     """Advances a simulation when its ticks are due. Commands and services come between two ticks."""
@@ -59,8 +61,8 @@ class Operation:
         tick = self._simulation.advance()
         stamp = self._stamp(tick.time)
         joints = tick.time >= self._next_joints
-        placed = tick.odometry or tick.scan or tick.sonars
-        stamped = placed or joints or tick.imu or tick.battery
+        placed = tick.placed
+        stamped = placed or joints or not tick.due <= _UNSTAMPED
         if self._clock and (stamped or tick.time >= self._next_clock):
             self._next_clock = tick.time + 1.0 / self._settings.clock_rate - 1e-6
             self._clock.send(ClockTime(stamp))

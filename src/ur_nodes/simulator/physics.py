@@ -3,24 +3,42 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
+from typing import Any
 
 import mujoco
 import numpy as np
 import numpy.typing as npt
+from scipy.spatial.transform import Rotation
 
-from ur.robot.base import Base
 from ur_nodes.geometry.pose import Pose2, quaternion_of_yaw, yaw_of_quaternion
-from ur_nodes.simulator.sensors.imu import BodyMotion
-from ur_nodes.simulator.sensors.lidar import LidarBeams
-from ur_nodes.simulator.sensors.sonar import SonarRing
 
 _STATE = mujoco.mjtState.mjSTATE_INTEGRATION
+
+
+@dataclass(frozen=True, slots=True)
+class Motion:
+    """The motion of a body at an instant.
+
+    `attitude` is the quaternion w, x, y, z, body to world; `velocity` that of the body's origin in the world, m/s;
+    `turning` the angular velocity in the body, rad/s.
+    """
+
+    attitude: npt.NDArray[np.float64]
+    velocity: npt.NDArray[np.float64]
+    turning: npt.NDArray[np.float64]
+
+    @property
+    def rotation(self) -> Rotation:
+        """Body to world."""
+        w, x, y, z = self.attitude
+        return Rotation.from_quat([x, y, z, w])
 
 
 class Physics:
     """A model of `ur_nodes.simulator.mujoco_model` with `robots` robots, and its state. Poses are x, y, yaw: m, rad."""
 
-    def __init__(self, text: str, robots: int, base: Base) -> None:
+    def __init__(self, text: str, robots: int) -> None:
         self._model = mujoco.MjModel.from_xml_string(text)
         self._data = mujoco.MjData(self._model)
         self._robots = robots
@@ -34,8 +52,6 @@ class Physics:
         self._owner = np.full(self._model.ngeom, -1)
         for n in range(robots):
             self._owner[self._model.geom(f"chassis_{n}").id] = n
-        self._lidars = [LidarBeams(self._model, base.lidar, n) for n in range(robots)] if base.lidar else []
-        self._sonars = [SonarRing(self._model, base.sonars, n) for n in range(robots)] if base.sonars else []
         self._spins = [
             [int(self._model.joint(f"{side}_{n}").dofadr[0]) for side in ("left", "right")] for n in range(robots)
         ]
@@ -88,13 +104,15 @@ class Physics:
         qpos, qvel = self._data.qpos, self._data.qvel
         return BodyMotion(qpos[q + 3 : q + 7].copy(), qvel[v : v + 3].copy(), qvel[v + 3 : v + 6].copy())
 
-    def cast(self, robot: int, noise: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
-        """The ranges of a robot's lidar now; see LidarBeams.cast."""
-        return self._lidars[robot].cast(self._data, noise)
+    @property
+    def model(self) -> Any:
+        """MuJoCo's model, for sensors that cast rays."""
+        return self._model
 
-    def listen(self, robot: int, noise: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
-        """The ranges of a robot's sonars now; see SonarRing.listen."""
-        return self._sonars[robot].listen(self._data, noise)
+    @property
+    def data(self) -> Any:
+        """MuJoCo's state, likewise."""
+        return self._data
 
     def touching(self) -> frozenset[int]:
         """The robots whose chassis touches something: a wall, a box, an obstacle, another robot."""

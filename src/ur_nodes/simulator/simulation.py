@@ -16,13 +16,13 @@ from ur_nodes.geometry.pose import Pose2
 from ur_nodes.simulator.drive import WheelDrive
 from ur_nodes.simulator.mujoco_model import TIME_STEP, build_model
 from ur_nodes.simulator.physics import Physics
-from ur_nodes.simulator.senses import BATTERY_RATE, Senses
+from ur_nodes.simulator.senses import Senses
+from ur_nodes.simulator.sensors.lidar import LidarBeams
 from ur_nodes.simulator.sensors.odometry import EncoderOdometry
 
 CONTROL_RATE = 50.0  # Hz
 COLLISION_PAUSE = 0.5  # s
-_PLACED = frozenset(("odometry", "scan", "sonars"))  # they come with the robot's place
-_TOLD = ("odometry", "scan", "picture", "sonars", "imu", "battery")
+_PLACED = frozenset(("odometry", "scan"))  # they come with the robot's place
 
 
 class Schedule:
@@ -47,16 +47,28 @@ class Schedule:
 
 
 @dataclass(frozen=True, slots=True)
-class SimulationTick:
-    """The sensors and pictures that are due at a time (s since the start), of those that the base has."""
+class Tick:
+    """All that is due at a time (s since the start): control, odometry, scan, picture, and sensors by key."""
 
     time: float
-    odometry: bool
-    scan: bool
-    picture: bool = False
-    sonars: bool = False
-    imu: bool = False
-    battery: bool = False
+    due: frozenset[str]
+    placed: bool = False
+    """True: something in it comes with the robot's place."""
+
+    @property
+    def odometry(self) -> bool:
+        """The odometry is due."""
+        return "odometry" in self.due
+
+    @property
+    def scan(self) -> bool:
+        """The lidar is due."""
+        return "scan" in self.due
+
+    @property
+    def picture(self) -> bool:
+        """A picture is due."""
+        return "picture" in self.due
 
 
 class Simulation:
@@ -74,16 +86,19 @@ class Simulation:
     ) -> None:
         """`charge` is how full batteries are at first, 0 to 1. Raises UserError when a robot would begin in a wall."""
         self.base = base
-        self._charge = charge
         self.robots = robots
         self._world = world
         self._seed = seed
-        self._physics = Physics(build_model(world, base, robots, start or world.start), robots, base)
+        self._physics = Physics(build_model(world, base, robots, start or world.start), robots)
+        beams = range(robots) if base.lidar else ()
+        self._lidars = [LidarBeams(self._physics.model, base.lidar, robot) for robot in beams if base.lidar]
         self._steps_before = 0
         self._step: int = 0
         self._noise: list[npt.NDArray[np.float64]] = []
         self._schedules: dict[str, Schedule] = {}
         self._picture_rate = 0.0
+        seeds = np.random.SeedSequence(seed).spawn(3 * robots)[2 * robots :]
+        self.senses = [Senses(base, self._physics, robot, own, charge, world.drops) for robot, own in enumerate(seeds)]
         self._begin()
         for robot in range(robots):
             pose = self._physics.pose(robot)
@@ -115,21 +130,17 @@ class Simulation:
         self._step = due
         self._notice_touch()
         now = [name for name, schedule in self._schedules.items() if due >= schedule.step and schedule.take(due)]
-        if not _PLACED.isdisjoint(now):
+        placed = not self._placed.isdisjoint(now)
+        if placed:
             for robot, odometry in enumerate(self._odometry):
                 odometry.update(*self._physics.wheel_angles(robot), self.time)
         if "scan" in now:
             self._noise = [random.standard_normal(self._noise[0].size) for random in self._random]
         for senses in self.senses:
-            if "sonars" in now:
-                senses.listen()
-            if "imu" in now:
-                senses.feel_motion(self._step * TIME_STEP)
-            if "battery" in now:
-                senses.drain()
+            senses.sample(now, self._step * TIME_STEP)
         if "control" in now:
             self._update_drives()
-        return SimulationTick(self.time, **{name: name in now for name in _TOLD})
+        return Tick(self.time, frozenset(now), placed)
 
     def take_pictures(self, rate: float) -> None:
         """Make a picture due `rate` times a second from now on; 0: never."""
@@ -148,7 +159,7 @@ class Simulation:
 
     def scan(self, robot: int) -> npt.NDArray[np.float64]:
         """The ranges that a robot's lidar sees (m); see LidarBeams.cast. For bases that have a lidar."""
-        return self._physics.cast(robot, self._noise[robot])
+        return self._lidars[robot].cast(self._physics.data, self._noise[robot])
 
     def pose(self, robot: int) -> Pose2:
         """Return a robot's true pose in the map."""
@@ -214,22 +225,20 @@ class Simulation:
             "control": CONTROL_RATE,
             "odometry": base.odometry.rate,
             "scan": base.lidar.rate if base.lidar else 0.0,
-            "sonars": base.sonars.rate if base.sonars else 0.0,
-            "imu": base.imu.rate if base.imu else 0.0,
-            "battery": BATTERY_RATE if base.battery else 0.0,
         }
-        self._schedules = {name: Schedule(rate) for name, rate in rates.items() if rate > 0.0}
-        self.take_pictures(self._picture_rate)
-        self._drives = [WheelDrive(base, 1.0 / CONTROL_RATE) for _ in range(self.robots)]
+        self._drives = [Drive(base, 1.0 / CONTROL_RATE) for _ in range(self.robots)]
         seeds = np.random.SeedSequence(self._seed).spawn(3 * self.robots)
         randoms = [np.random.Generator(np.random.PCG64(seed)) for seed in seeds[: 2 * self.robots]]
         self._odometry: list[EncoderOdometry] = [EncoderOdometry(base, random) for random in randoms[::2]]
         self._random: list[np.random.Generator] = randoms[1::2]
         self._noise = [np.zeros(base.lidar.samples if base.lidar else 0) for _ in range(self.robots)]
-        self.senses: list[Senses] = [
-            Senses(base, self._physics, robot, seed, self._charge, self._world.drops)
-            for robot, seed in enumerate(seeds[2 * self.robots :])
-        ]
+        for senses in self.senses:
+            senses.begin()
+        own = self.senses[0].each if self.senses else {}
+        rates |= {name: sense.rate for name, sense in own.items()}
+        self._placed = _PLACED | {name for name, sense in own.items() if sense.placed}
+        self._schedules = {name: Schedule(rate) for name, rate in rates.items() if rate > 0.0}
+        self.take_pictures(self._picture_rate)
         self._touched = [-math.inf] * self.robots
         self._collisions = [0] * self.robots
         for robot, odometry in enumerate(self._odometry):

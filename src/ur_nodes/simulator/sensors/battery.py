@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
-from ur.robot.base import BatteryProperties
+from ur.robot.base import Battery
+from ur_nodes.ports.node import Node
+from ur_nodes.ports.qualities import Quality
+from ur_nodes.ports.values import Battery as State
+from ur_nodes.simulator.sensors.sense import Send, Sense, Site
 
 SECONDS_PER_HOUR = 3600.0
 
@@ -42,3 +46,41 @@ class BatteryCharge:
         idle = self._battery.current_idle
         self._current = idle + effort * (self._battery.current_moving - idle)
         self._charge = max(0.0, self._charge - self._current * seconds / SECONDS_PER_HOUR)
+
+
+class BatterySense(Sense):
+    """The battery of one robot: it gives what the wheels take."""
+
+    rate = 1.0  # Hz
+
+    def __init__(self, battery: Battery, site: Site) -> None:
+        self._battery, self._site = battery, site
+        self.begin()
+
+    def begin(self) -> None:
+        """It is as full as at first."""
+        self.charge = BatteryCharge(self._battery, self._site.charge)
+        self._rolled = self._site.physics.wheel_angles(self._site.robot)
+
+    def sample(self, time: float) -> None:  # noqa: ARG002 - it is due at its rate
+        """Draw what the wheels took since the last time."""
+        rolled = self._site.physics.wheel_angles(self._site.robot)
+        turned = sum(abs(now - then) for now, then in zip(rolled, self._rolled, strict=True)) / 2.0
+        self._rolled = rolled
+        speed = turned * self._site.base.wheels.radius * self.rate
+        self.charge.draw(min(1.0, speed / self._site.base.limits.velocity), 1.0 / self.rate)
+
+    def open(self, node: Node, prefix: str, quality: Quality) -> Send:
+        """Open the topic of its state."""
+        publisher = node.publish(prefix + self._battery.topic, State, quality)
+
+        def send(_time: float, stamp: int) -> None:
+            if publisher.listeners():
+                now, battery = self.charge, self._battery
+                state = now.voltage, now.current, now.charge, battery.design_capacity, now.fraction
+                publisher.send(State(stamp, *state, technology=battery.technology))
+
+        return send
+
+
+SENSE = BatterySense

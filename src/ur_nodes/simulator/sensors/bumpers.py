@@ -9,6 +9,9 @@ import numpy as np
 import numpy.typing as npt
 
 from ur.robot.base import Bumpers
+from ur_nodes.ports.node import Node
+from ur_nodes.ports.qualities import Quality
+from ur_nodes.simulator.sensors.sense import Send, Sense, Site, open_switches
 
 Floats = npt.NDArray[np.float64]
 Sector = tuple[float, float]
@@ -51,3 +54,31 @@ def arcs_meet(one: Sector, other: Sector) -> bool:
     """Return True when two arcs (rad, counter-clockwise from, to, at most a turn) share a direction, ends included."""
     turn = 2.0 * math.pi
     return (other[0] - one[0]) % turn <= one[1] - one[0] or (one[0] - other[0]) % turn <= other[1] - other[0]
+
+
+class BumperSense(Sense):
+    """The bumpers of one robot."""
+
+    def __init__(self, bumpers: Bumpers, site: Site) -> None:
+        self._bumpers, self._site = bumpers, site
+        self.begin()
+
+    def begin(self) -> None:
+        """None is pressed."""
+        self._ring = BumperRing(self._bumpers)
+
+    def feel_touch(self, time: float) -> None:
+        """Note what touches the robot."""
+        self._ring.press(self._site.physics.touches(self._site.robot), time)
+
+    def pressed(self, time: float) -> dict[str, bool]:
+        """Return the states at a time (s), by name."""
+        return self._ring.state(time)
+
+    def open(self, node: Node, prefix: str, quality: Quality) -> Send:  # noqa: ARG002 - switches are latched
+        """Open a topic for each."""
+        topics = {each.name: f"{prefix}{self._bumpers.topic}/{each.name}" for each in self._bumpers.at}
+        return open_switches(node, topics, self.pressed)
+
+
+SENSE = BumperSense

@@ -12,33 +12,19 @@ import numpy as np
 import numpy.typing as npt
 from scipy.spatial.transform import Rotation
 
-from ur.robot.base import ImuErrors
-from ur_nodes.simulator.mujoco_model import GRAVITY
+from ur.robot.base import Imu
+from ur_nodes.ports.node import Node
+from ur_nodes.ports.qualities import Quality
+from ur_nodes.ports.values import Imu as Message
+from ur_nodes.simulator.model import GRAVITY
+from ur_nodes.simulator.physics import Motion
+from ur_nodes.simulator.sensors.sense import Send, Sense, Site, draw_noise
 
 Floats = npt.NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)
-class BodyMotion:
-    """The motion of a body at an instant.
-
-    `attitude` is the quaternion w, x, y, z, body to world; `velocity` that of the body's origin in the world, m/s;
-    `turning` the angular velocity in the body, rad/s.
-    """
-
-    attitude: Floats
-    velocity: Floats
-    turning: Floats
-
-    @property
-    def rotation(self) -> Rotation:
-        """Body to world."""
-        w, x, y, z = self.attitude
-        return Rotation.from_quat([x, y, z, w])
-
-
-@dataclass(frozen=True, slots=True)
-class ImuReading:
+class Reading:
     """A reading of the unit, in its own axes: quaternion x, y, z, w (unit to world), rad/s, m/s^2."""
 
     orientation: tuple[float, float, float, float]
@@ -46,7 +32,8 @@ class ImuReading:
     force: tuple[float, float, float]
 
 
-_STILL = BodyMotion(np.array([1.0, 0.0, 0.0, 0.0]), np.zeros(3), np.zeros(3))
+_ORIENTATION_VARIANCE = 1e-6  # rad^2
+_STILL = Motion(np.array([1.0, 0.0, 0.0, 0.0]), np.zeros(3), np.zeros(3))
 
 
 class InertialUnit:
@@ -102,3 +89,46 @@ def quaternion(rotation: Rotation) -> tuple[float, float, float, float]:
 def _velocity_at(motion: BodyMotion, place: Floats) -> Floats:
     velocity: Floats = motion.velocity + motion.rotation.apply(np.cross(motion.turning, place))
     return velocity
+
+
+class ImuSense(Sense):
+    """The inertial unit of one robot."""
+
+    def __init__(self, imu: Imu, site: Site) -> None:
+        self._imu, self._site, self.rate = imu, site, imu.rate
+        self.begin()
+
+    def begin(self) -> None:
+        """It has been at rest."""
+        self._unit = InertialUnit(self._imu)
+        self._count = 0
+        self.sample(0.0)
+
+    def sample(self, time: float) -> None:
+        """Take the motion of the robot."""
+        self._unit.sample(self._site.physics.motion(self._site.robot), time)
+        self._count += 1
+
+    def forget_motion(self) -> None:
+        """Do not take the new place for an acceleration."""
+        self._unit.forget()
+
+    def read(self) -> Reading:
+        """Return the newest reading."""
+        return self._unit.read(draw_noise(self._site.key, self._count, 6))
+
+    def open(self, node: Node, prefix: str, quality: Quality) -> Send:
+        """Open its topic."""
+        publisher = node.publish(prefix + self._imu.topic, Message, quality)
+        variances = _ORIENTATION_VARIANCE, self._imu.gyro_noise**2, self._imu.accel_noise**2
+
+        def send(_time: float, stamp: int) -> None:
+            if publisher.listeners():
+                reading = self.read()
+                measured = reading.orientation, reading.turning, reading.force
+                publisher.send(Message(stamp, prefix + self._imu.frame, *measured, *variances))
+
+        return send
+
+
+SENSE = ImuSense

@@ -7,9 +7,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ur.robot.base import Base, BatteryProperties
-from ur.worlds.world_file import WorldModel
-from ur_nodes.simulator.sensors.battery import BatteryCharge
+from ur.robot.base import Base, Battery
+from ur.worlds.world_file import World
+from ur_nodes.simulator.sensors.battery import BatteryCharge, BatterySense
 from ur_nodes.simulator.simulation import Simulation
 
 BATTERY = BatteryProperties("battery_state", "lead-acid", 7.0, 25.6, 21.0, 1.0, 4.0)
@@ -44,7 +44,7 @@ def test_driving_base_draws_more_than_one_that_stands(room: WorldModel, stage: B
     def left_after(speed: float) -> float:
         simulation = Simulation(room, replace(stage, battery=BATTERY), charge=0.5)
         drive(simulation, 6.0, speed, 0.3 if speed else 0.0)
-        battery = simulation.senses[0].battery
+        battery = simulation.senses[0].find(BatterySense).charge
         assert battery is not None
         return battery.charge
 
@@ -57,6 +57,6 @@ def test_reset_fills_the_battery_as_at_the_start(room: WorldModel, stage: Base, 
     simulation = Simulation(room, replace(stage, battery=BATTERY), charge=0.5)
     drive(simulation, 3.0, 0.3)
     simulation.reset()
-    battery = simulation.senses[0].battery
+    battery = simulation.senses[0].find(BatterySense).charge
     assert battery is not None
     assert battery.charge == 3.5

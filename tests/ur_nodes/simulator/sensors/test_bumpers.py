@@ -10,8 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ur.robot.base import Base, Bumper, Bumpers
-from ur.worlds.world_file import WorldModel
-from ur_nodes.simulator.sensors.bumpers import HOLD, BumperRing, arcs_meet, span_arc
+from ur.worlds.world_file import World
+from ur_nodes.simulator.sensors.bumpers import HOLD, BumperRing, BumperSense, arcs_meet, span_arc
 from ur_nodes.simulator.simulation import Simulation
 
 RING = Bumpers(
@@ -29,13 +29,17 @@ part = st.integers(-1000, 1000).map(lambda mm: mm / 1000.0)
 
 
 def pressed(simulation: Simulation) -> set[str]:
-    return {name for name, closed in simulation.senses[0].pressed(simulation.time).items() if closed}
+    return {name for name, closed in simulation.senses[0].find(BumperSense).pressed(simulation.time).items() if closed}
 
 
 def test_nothing_is_pressed_by_the_floor(room: WorldModel, stage: Base, drive: Drive) -> None:
     simulation = Simulation(room, replace(stage, bumpers=RING))
     drive(simulation, 1.0, 0.3)
-    assert simulation.senses[0].pressed(simulation.time) == {"front_left": False, "front_right": False, "back": False}
+    assert simulation.senses[0].find(BumperSense).pressed(simulation.time) == {
+        "front_left": False,
+        "front_right": False,
+        "back": False,
+    }
 
 
 def test_wall_ahead_presses_both_halves_of_the_front_and_lets_go(room: WorldModel, stage: Base, drive: Drive) -> None:

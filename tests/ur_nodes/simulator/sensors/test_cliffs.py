@@ -10,7 +10,7 @@ from tests.ur_nodes.simulator.conftest import MakeWorld
 from ur.robot.base import Base, Cliff, Cliffs
 from ur.worlds.world_file import Drop, WorldModel
 from ur_nodes.geometry.pose import Pose2
-from ur_nodes.simulator.sensors.cliffs import see_drops
+from ur_nodes.simulator.sensors.cliffs import CliffSense, see_drops
 from ur_nodes.simulator.simulation import Simulation
 
 CLIFFS = Cliffs("cliff", (Cliff("left", (0.1, 0.1, 0.02)), Cliff("right", (0.1, -0.1, 0.02))))
@@ -39,13 +39,16 @@ def test_robot_that_drives_to_a_drop_sees_it_and_no_longer_after_driving_back(
     make_world: MakeWorld, stage: Base, drive: Drive
 ) -> None:
     simulation = Simulation(make_world(DROPS), replace(stage, cliffs=CLIFFS), start=(1.2, 0.0, 0.0))
-    assert simulation.senses[0].cliffs() == {"left": False, "right": False}
+    assert simulation.senses[0].find(CliffSense).seen() == {"left": False, "right": False}
     drive(simulation, 2.0, 0.3)
-    assert simulation.senses[0].cliffs() == {"left": True, "right": True}
+    assert simulation.senses[0].find(CliffSense).seen() == {"left": True, "right": True}
     drive(simulation, 2.0, -0.3)
-    assert simulation.senses[0].cliffs() == {"left": False, "right": False}
+    assert simulation.senses[0].find(CliffSense).seen() == {"left": False, "right": False}
 
 
-def test_base_without_cliff_sensors_and_world_without_drops_see_none(room: WorldModel, stage: Base) -> None:
-    assert Simulation(room, stage).senses[0].cliffs() == {}
-    assert Simulation(room, replace(stage, cliffs=CLIFFS)).senses[0].cliffs() == {"left": False, "right": False}
+def test_base_without_cliff_sensors_and_world_without_drops_see_none(room: World, stage: Base) -> None:
+    assert not Simulation(room, stage).senses[0].each.keys() & {"cliffs"}
+    assert Simulation(room, replace(stage, cliffs=CLIFFS)).senses[0].find(CliffSense).seen() == {
+        "left": False,
+        "right": False,
+    }

@@ -10,10 +10,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from ur.robot.base import Base, ImuErrors
-from ur.worlds.world_file import WorldModel
-from ur_nodes.simulator.mujoco_model import GRAVITY
-from ur_nodes.simulator.sensors.imu import BodyMotion, ImuReading, InertialUnit, quaternion, specific_force
+from ur.robot.base import Base, Imu
+from ur.worlds.world_file import World
+from ur_nodes.simulator.model import GRAVITY
+from ur_nodes.simulator.physics import Motion
+from ur_nodes.simulator.sensors.imu import ImuSense, InertialUnit, Reading, quaternion, specific_force
 from ur_nodes.simulator.simulation import Simulation
 
 PERIOD = 0.02
@@ -35,9 +36,9 @@ def motion(rotation: Rotation) -> BodyMotion:
 
 def read(simulation: Simulation) -> ImuReading:
     """What the unit says when it is next due."""
-    while not simulation.advance().imu:
+    while "imu" not in simulation.advance().due:
         pass
-    reading = simulation.senses[0].inertia()
+    reading = simulation.senses[0].find(ImuSense).read()
     assert reading is not None
     return reading
 
@@ -92,8 +93,8 @@ def test_simulated_unit_integrates_to_the_speed_and_the_heading_of_the_robot(roo
     speed = heading = 0.0
     while simulation.time < 2.0:
         simulation.command(0, 0.4, 0.5)
-        if simulation.advance().imu:
-            reading = simulation.senses[0].inertia()
+        if "imu" in simulation.advance().due:
+            reading = simulation.senses[0].find(ImuSense).read()
             assert reading is not None
             heading += reading.turning[2] * PERIOD
             speed += reading.force[0] * PERIOD

@@ -21,6 +21,11 @@ class Battery(Sensor):
 
     title: ClassVar[str] = "battery"
     article: ClassVar[str] = "a"
+    example: ClassVar[str] = """
+battery: # Ah, V, A
+  {topic: battery_state, technology: lithium-ion, design_capacity: 10.0, voltage_full: 16.6, voltage_empty: 12.8,
+   current_idle: 0.8, current_moving: 2.5}
+"""
 
     topic: str
     technology: str

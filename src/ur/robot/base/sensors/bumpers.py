@@ -33,6 +33,10 @@ class Bumpers(Sensor):
     """The contact switches (std_msgs/Bool, a topic each), in the order of the file."""
 
     title: ClassVar[str] = "bumpers"
+    example: ClassVar[str] = """
+bumpers: # a part of the outline each: from one direction to another, counter-clockwise
+  {topic: bumper, at: {left: [0.0, 1.2], right: [-1.2, 0.0]}}
+"""
 
     topic: str
     at: tuple[Bumper, ...]

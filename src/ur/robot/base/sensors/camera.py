@@ -22,6 +22,9 @@ class Camera(Sensor):
 
     title: ClassVar[str] = "camera"
     article: ClassVar[str] = "a"
+    example: ClassVar[str] = """
+raspicam: {frame: raspicam, pose: [0.26, 0, 0.2, 0, 0, 0], width: 640, height: 480, field_of_view: 1.0856, rate: 15}
+"""
 
     frame: str
     name: str

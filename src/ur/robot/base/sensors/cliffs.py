@@ -37,6 +37,10 @@ class Cliffs(Sensor):
     """The sensors of a floor that ends (std_msgs/Bool, a topic each), in the order of the file."""
 
     title: ClassVar[str] = "cliff sensors"
+    example: ClassVar[str] = """
+cliffs: # each looks straight down from x, y, z; its frame is cliff_<name>
+  {topic: cliff, at: {left: [0.22, 0.12, 0.03], right: [0.22, -0.12, 0.03]}}
+"""
 
     topic: str
     at: tuple[Cliff, ...]

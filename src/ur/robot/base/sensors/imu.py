@@ -17,6 +17,9 @@ class Imu(Sensor):
 
     title: ClassVar[str] = "inertial sensor"
     article: ClassVar[str] = "an"
+    example: ClassVar[str] = """
+imu: {frame: imu, topic: imu/data, pose: [0, 0, 0.12, 0, 0, 0], rate: 50, gyro_noise: 0.001, accel_noise: 0.03}
+"""
 
     frame: str
     topic: str

@@ -18,6 +18,10 @@ class Lidar(Sensor):
 
     title: ClassVar[str] = "lidar"
     article: ClassVar[str] = "a"
+    example: ClassVar[str] = """
+lidar: {frame: laser, topic: scan, pose: [0.1, 0, 0.3, 0, 0, 0], angle_min: -3.14159, angle_max: 3.12414, samples: 360,
+        rate: 10, range_min: 0.1, range_max: 12.0, noise: 0.01}
+"""
 
     frame: str
     topic: str

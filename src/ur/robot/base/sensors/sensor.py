@@ -23,6 +23,8 @@ class Sensor(ABC):
     """Its name in tables."""
     article: ClassVar[str] = ""
     """Before its key in sentences: `a` lidar."""
+    example: ClassVar[str]
+    """Its section of a base file, for docs/how-to/describe-a-base.md."""
 
     @classmethod
     @abstractmethod

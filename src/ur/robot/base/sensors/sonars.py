@@ -30,6 +30,11 @@ class Sonars(Sensor):
     """
 
     title: ClassVar[str] = "sonars"
+    example: ClassVar[str] = """
+sonars: # on one topic, told apart by frame; the rate is that of each
+  {topic: sonars, rate: 4, field_of_view: 0.436, range_min: 0.02, range_max: 4.0, noise: 0.005,
+   at: {sonar_0: [0.25, 0.08, 0.1, 0, 0, 0.3], sonar_1: [0.25, -0.08, 0.1, 0, 0, -0.3]}}
+"""
 
     topic: str
     rate: float

@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 from tests.ur_nodes.simulator.conftest import MakeWorld
 
 from ur.robot.base import Base, Sonar, Sonars
-from ur.worlds.world_file import WorldModel
-from ur_nodes.simulator.sensors.sonar import SonarRing, cone_rays
+from ur.worlds.world_file import World
+from ur_nodes.simulator.sensors.sonars import SonarRing, SonarSense, cone_rays
 from ur_nodes.simulator.simulation import Simulation
 
 VIEW = 0.4363
@@ -31,9 +31,9 @@ def fit(base: Base, *poses: tuple[float, ...], noise: float = 0.0, range_max: fl
 
 def hear(simulation: Simulation) -> list[float]:
     """What the sonars say when they are next due."""
-    while not simulation.advance().sonars:
+    while "sonars" not in simulation.advance().due:
         pass
-    return [float(each) for each in simulation.senses[0].ranges()]
+    return [float(each) for each in simulation.senses[0].find(SonarSense).ranges()]
 
 
 AHEAD = (0.2, 0.0, 0.15, 0.0, 0.0, 0.0)

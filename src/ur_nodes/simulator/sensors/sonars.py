@@ -8,8 +8,12 @@ import mujoco
 import numpy as np
 
 from ur.robot.base import Sonars
+from ur_nodes.ports.node import Node
+from ur_nodes.ports.qualities import Quality
+from ur_nodes.ports.values import Range
 from ur_nodes.simulator.scenery import rotation_axes
 from ur_nodes.simulator.sensors.rays import Floats, RayCaster, measured_ranges
+from ur_nodes.simulator.sensors.sense import Send, Sense, Site, draw_noise
 
 ROW_RAYS = 17  # side by side: walls and obstacles are upright
 CONE_RAYS = 32  # over the whole cone: table tops
@@ -59,3 +63,42 @@ def cone_rays(field_of_view: float) -> Floats:
     cone = np.stack([np.cos(off), np.sin(off) * np.cos(round_axis), np.sin(off) * np.sin(round_axis)], axis=1)
     rays: Floats = np.concatenate([row, cone])
     return rays
+
+
+class SonarSense(Sense):
+    """The sonars of one robot."""
+
+    placed = True
+
+    def __init__(self, sonars: Sonars, site: Site) -> None:
+        self._sonars, self._site, self.rate = sonars, site, sonars.rate
+        self._ring = SonarRing(site.physics.model, sonars, site.robot)
+        self.begin()
+
+    def begin(self) -> None:
+        """Begin with the first noise."""
+        self._count = 0
+
+    def sample(self, time: float) -> None:  # noqa: ARG002 - they are due at their rate
+        """Count the reading: its noise is that of its number."""
+        self._count += 1
+
+    def ranges(self) -> Floats:
+        """Return the ranges (m), in the order of the base's file; see SonarRing.listen."""
+        noise = draw_noise(self._site.key, self._count, len(self._sonars.at))
+        return self._ring.listen(self._site.physics.data, noise)
+
+    def open(self, node: Node, prefix: str, quality: Quality) -> Send:
+        """Open their one topic."""
+        publisher = node.publish(prefix + self._sonars.topic, Range, quality)
+        limits = self._sonars.field_of_view, self._sonars.range_min, self._sonars.range_max
+
+        def send(_time: float, stamp: int) -> None:
+            if publisher.listeners():
+                for sonar, value in zip(self._sonars.at, self.ranges().tolist(), strict=True):
+                    publisher.send(Range(stamp, prefix + sonar.frame, value, *limits))
+
+        return send
+
+
+SENSE = SonarSense
