@@ -88,7 +88,7 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
         "ur.worlds",
         "ur_nodes.geometry",
         "ur_nodes.ports",
-        "ur_nodes.simulator.model",
+        "ur_nodes.simulator.mujoco_model",
         "ur_nodes.simulator.physics",
         "ur_nodes.simulator.scenery",
     ),

@@ -30,7 +30,7 @@ from ur_nodes.motion.obstacle_stop.track import Odometer
 from ur_nodes.motion.ramp import axes_of
 from ur_nodes.simulator.sensors.bumpers import BumperSense
 from ur_nodes.simulator.sensors.sonars import SonarSense
-from ur_nodes.simulator.simulation import Simulation, Tick
+from ur_nodes.simulator.simulation import Simulation, SimulationTick
 
 _COMMAND_DELAY, _SENSOR_DELAY = 0.01, 0.02  # s
 _COMMANDS = 30.0  # Hz

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any
 
 import mujoco
 import numpy as np
@@ -17,7 +16,7 @@ _STATE = mujoco.mjtState.mjSTATE_INTEGRATION
 
 
 @dataclass(frozen=True, slots=True)
-class Motion:
+class BodyMotion:
     """The motion of a body at an instant.
 
     `attitude` is the quaternion w, x, y, z, body to world; `velocity` that of the body's origin in the world, m/s;
@@ -105,12 +104,12 @@ class Physics:
         return BodyMotion(qpos[q + 3 : q + 7].copy(), qvel[v : v + 3].copy(), qvel[v + 3 : v + 6].copy())
 
     @property
-    def model(self) -> Any:
+    def model(self) -> mujoco.MjModel:
         """MuJoCo's model, for sensors that cast rays."""
         return self._model
 
     @property
-    def data(self) -> Any:
+    def data(self) -> mujoco.MjData:
         """MuJoCo's state, likewise."""
         return self._data
 

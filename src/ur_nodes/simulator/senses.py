@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from importlib import import_module
-from typing import Any, TypeVar
+from typing import TypeVar
 from zlib import crc32
 
 import numpy as np
 import numpy.typing as npt
 
 from ur.robot.base import Base
+from ur.robot.base.sensors import Sensor
 from ur.worlds.world_file import Drop
 from ur_nodes.simulator.physics import Physics
 from ur_nodes.simulator.sensors.sense import Sense, Site
@@ -64,9 +65,9 @@ class Senses:
             each.forget_motion()
 
 
-def _load(name: str) -> Callable[[Any, Site], Sense]:
+def _load(name: str) -> Callable[[Sensor, Site], Sense]:
     """The model of the sensor with a key of `ur.robot.base.SENSORS`: `SENSE` of the module with this name."""
-    sense: Callable[[Any, Site], Sense] = import_module(f"ur_nodes.simulator.sensors.{name}").SENSE
+    sense: Callable[[Sensor, Site], Sense] = import_module(f"ur_nodes.simulator.sensors.{name}").SENSE
     return sense
 
 

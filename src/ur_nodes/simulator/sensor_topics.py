@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from ur_nodes.ports.node import Node
-from ur_nodes.simulator.settings import Settings
-from ur_nodes.simulator.simulation import Simulation, Tick
+from ur_nodes.simulator.settings import SimulatorSettings
+from ur_nodes.simulator.simulation import Simulation, SimulationTick
 
 
 class SensorTopics:

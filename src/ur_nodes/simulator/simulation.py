@@ -47,7 +47,7 @@ class Schedule:
 
 
 @dataclass(frozen=True, slots=True)
-class Tick:
+class SimulationTick:
     """All that is due at a time (s since the start): control, odometry, scan, picture, and sensors by key."""
 
     time: float
@@ -140,7 +140,7 @@ class Simulation:
             senses.sample(now, self._step * TIME_STEP)
         if "control" in now:
             self._update_drives()
-        return Tick(self.time, frozenset(now), placed)
+        return SimulationTick(self.time, frozenset(now), placed)
 
     def take_pictures(self, rate: float) -> None:
         """Make a picture due `rate` times a second from now on; 0: never."""
@@ -226,7 +226,7 @@ class Simulation:
             "odometry": base.odometry.rate,
             "scan": base.lidar.rate if base.lidar else 0.0,
         }
-        self._drives = [Drive(base, 1.0 / CONTROL_RATE) for _ in range(self.robots)]
+        self._drives = [WheelDrive(base, 1.0 / CONTROL_RATE) for _ in range(self.robots)]
         seeds = np.random.SeedSequence(self._seed).spawn(3 * self.robots)
         randoms = [np.random.Generator(np.random.PCG64(seed)) for seed in seeds[: 2 * self.robots]]
         self._odometry: list[EncoderOdometry] = [EncoderOdometry(base, random) for random in randoms[::2]]

@@ -116,7 +116,7 @@ def trajectory(simulation: Simulation, seconds: float) -> list[tuple[SimulationT
         tick = simulation.advance()
         scan = simulation.scan(0).tolist() if tick.scan else []
         state = (*simulation.pose(0), *simulation.odometry(0).pose, *simulation.velocity(0))
-        rows.append((Tick(round(tick.time - begin, 6), tick.due), state, scan))
+        rows.append((SimulationTick(round(tick.time - begin, 6), tick.due), state, scan))
     return rows
 
 

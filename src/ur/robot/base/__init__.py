@@ -8,8 +8,20 @@ a field says otherwise.
 from __future__ import annotations
 
 from ur.robot.base.files import list_bases, list_variants, load_base, read_base
-from ur.robot.base.model import Base, Caster, Driver, Limits, Odometry, Wheels
-from ur.robot.base.sensors import SENSORS, Battery, Bumper, Bumpers, Camera, Cliff, Cliffs, Imu, Lidar, Sonar, Sonars
+from ur.robot.base.properties import Base, Caster, MotionLimits, OdometryErrors, UpstreamDriver, Wheels
+from ur.robot.base.sensors import (
+    SENSORS,
+    BatteryProperties,
+    Bumper,
+    Bumpers,
+    Camera,
+    Cliff,
+    Cliffs,
+    ImuErrors,
+    Lidar,
+    Sonar,
+    Sonars,
+)
 
 __all__ = [
     "SENSORS",

@@ -60,7 +60,7 @@ class OdometryErrors:
 
 
 @dataclass(frozen=True, slots=True)
-class Driver:
+class UpstreamDriver:
     """The upstream node for a piece of hardware: `part` is 'base', or the sensor that it reads.
 
     `node` is the launch directory that starts it ('' when there is none), `device` where the hardware is ('' when it is
@@ -95,8 +95,8 @@ class Base(Sensors):
     mass: float
     wheels: Wheels
     casters: tuple[Caster, ...]
-    limits: Limits
-    odometry: Odometry
-    driver: Driver | None = None
-    drivers: tuple[Driver, ...] = ()
+    limits: MotionLimits
+    odometry: OdometryErrors
+    driver: UpstreamDriver | None = None
+    drivers: tuple[UpstreamDriver, ...] = ()
     body: tuple[tuple[float, float], ...] = ()

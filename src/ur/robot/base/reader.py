@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping
-from typing import Any
+from dataclasses import replace
 
 from ur.devices.known import find_rows, load_known
-from ur.robot.base.model import Base, Caster, Driver, Limits, Odometry, Wheels
 from ur.robot.base.outline import Point, find_crossing, is_inside, measure_area
-from ur.robot.base.sensors import read_sensors
+from ur.robot.base.properties import Base, Caster, MotionLimits, OdometryErrors, UpstreamDriver, Wheels
+from ur.robot.base.sensors import Sensor, read_sensors
 from ur.source.section import Section
 from ur.source.suggest import did_you_mean
 
@@ -32,13 +32,12 @@ def read_whole(top: Section, name: str, variant: str) -> Base:
         casters=tuple(_caster(item) for item in top.sections("casters")),
         limits=_limits(top.section("limits")),
         odometry=_odometry(top.section("odometry")),
-        **sensors,
         driver=_driver("base", part) if (part := top.optional_section("driver")) else None,
         drivers=tuple(_drivers(part, sensors)) if (part := top.optional_section("drivers")) else (),
         body=_body(top, footprint) if top.has("body") else (),
     )
     top.finish()
-    return base
+    return replace(base, **sensors)  # type: ignore[arg-type]  # SENSORS pairs each key with its kind
 
 
 def _outline(top: Section, key: str) -> tuple[Point, ...]:
@@ -111,7 +110,7 @@ def _odometry(part: Section) -> OdometryErrors:
     return odometry
 
 
-def _drivers(part: Section, sensors: Mapping[str, Any]) -> Iterator[Driver]:
+def _drivers(part: Section, sensors: Mapping[str, Sensor]) -> Iterator[UpstreamDriver]:
     there = [name for name in sensors if name != "battery"]
     choice = ", ".join(there) or "(it has none)"
     for name in part.keys:

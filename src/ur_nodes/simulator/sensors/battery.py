@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ur.robot.base import Battery
+from ur.robot.base import BatteryProperties
 from ur_nodes.ports.node import Node
 from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.values import Battery as State
@@ -53,7 +53,7 @@ class BatterySense(Sense):
 
     rate = 1.0  # Hz
 
-    def __init__(self, battery: Battery, site: Site) -> None:
+    def __init__(self, battery: BatteryProperties, site: Site) -> None:
         self._battery, self._site = battery, site
         self.begin()
 

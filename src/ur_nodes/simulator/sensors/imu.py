@@ -12,19 +12,19 @@ import numpy as np
 import numpy.typing as npt
 from scipy.spatial.transform import Rotation
 
-from ur.robot.base import Imu
+from ur.robot.base import ImuErrors
 from ur_nodes.ports.node import Node
 from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.values import Imu as Message
-from ur_nodes.simulator.model import GRAVITY
-from ur_nodes.simulator.physics import Motion
+from ur_nodes.simulator.mujoco_model import GRAVITY
+from ur_nodes.simulator.physics import BodyMotion
 from ur_nodes.simulator.sensors.sense import Send, Sense, Site, draw_noise
 
 Floats = npt.NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)
-class Reading:
+class ImuReading:
     """A reading of the unit, in its own axes: quaternion x, y, z, w (unit to world), rad/s, m/s^2."""
 
     orientation: tuple[float, float, float, float]
@@ -33,7 +33,7 @@ class Reading:
 
 
 _ORIENTATION_VARIANCE = 1e-6  # rad^2
-_STILL = Motion(np.array([1.0, 0.0, 0.0, 0.0]), np.zeros(3), np.zeros(3))
+_STILL = BodyMotion(np.array([1.0, 0.0, 0.0, 0.0]), np.zeros(3), np.zeros(3))
 
 
 class InertialUnit:
@@ -94,7 +94,7 @@ def _velocity_at(motion: BodyMotion, place: Floats) -> Floats:
 class ImuSense(Sense):
     """The inertial unit of one robot."""
 
-    def __init__(self, imu: Imu, site: Site) -> None:
+    def __init__(self, imu: ImuErrors, site: Site) -> None:
         self._imu, self._site, self.rate = imu, site, imu.rate
         self.begin()
 
@@ -113,7 +113,7 @@ class ImuSense(Sense):
         """Do not take the new place for an acceleration."""
         self._unit.forget()
 
-    def read(self) -> Reading:
+    def read(self) -> ImuReading:
         """Return the newest reading."""
         return self._unit.read(draw_noise(self._site.key, self._count, 6))
 

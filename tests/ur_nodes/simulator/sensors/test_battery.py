@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ur.robot.base import Base, Battery
-from ur.worlds.world_file import World
+from ur.robot.base import Base, BatteryProperties
+from ur.worlds.world_file import WorldModel
 from ur_nodes.simulator.sensors.battery import BatteryCharge, BatterySense
 from ur_nodes.simulator.simulation import Simulation
 

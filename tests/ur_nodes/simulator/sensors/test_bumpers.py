@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ur.robot.base import Base, Bumper, Bumpers
-from ur.worlds.world_file import World
+from ur.worlds.world_file import WorldModel
 from ur_nodes.simulator.sensors.bumpers import HOLD, BumperRing, BumperSense, arcs_meet, span_arc
 from ur_nodes.simulator.simulation import Simulation
 

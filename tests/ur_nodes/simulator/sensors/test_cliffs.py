@@ -46,7 +46,7 @@ def test_robot_that_drives_to_a_drop_sees_it_and_no_longer_after_driving_back(
     assert simulation.senses[0].find(CliffSense).seen() == {"left": False, "right": False}
 
 
-def test_base_without_cliff_sensors_and_world_without_drops_see_none(room: World, stage: Base) -> None:
+def test_base_without_cliff_sensors_and_world_without_drops_see_none(room: WorldModel, stage: Base) -> None:
     assert not Simulation(room, stage).senses[0].each.keys() & {"cliffs"}
     assert Simulation(room, replace(stage, cliffs=CLIFFS)).senses[0].find(CliffSense).seen() == {
         "left": False,

@@ -10,11 +10,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from ur.robot.base import Base, Imu
-from ur.worlds.world_file import World
-from ur_nodes.simulator.model import GRAVITY
-from ur_nodes.simulator.physics import Motion
-from ur_nodes.simulator.sensors.imu import ImuSense, InertialUnit, Reading, quaternion, specific_force
+from ur.robot.base import Base, ImuErrors
+from ur.worlds.world_file import WorldModel
+from ur_nodes.simulator.mujoco_model import GRAVITY
+from ur_nodes.simulator.physics import BodyMotion
+from ur_nodes.simulator.sensors.imu import ImuReading, ImuSense, InertialUnit, quaternion, specific_force
 from ur_nodes.simulator.simulation import Simulation
 
 PERIOD = 0.02

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from tests.ur_nodes.simulator.conftest import MakeWorld
 
 from ur.robot.base import Base, Sonar, Sonars
-from ur.worlds.world_file import World
+from ur.worlds.world_file import WorldModel
 from ur_nodes.simulator.sensors.sonars import SonarRing, SonarSense, cone_rays
 from ur_nodes.simulator.simulation import Simulation
 

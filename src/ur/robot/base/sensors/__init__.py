@@ -4,27 +4,27 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import Any, get_args, get_type_hints
+from typing import get_args, get_type_hints
 
-from ur.robot.base.sensors.battery import Battery
+from ur.robot.base.sensors.battery import BatteryProperties
 from ur.robot.base.sensors.bumpers import Bumper, Bumpers
 from ur.robot.base.sensors.camera import Camera
 from ur.robot.base.sensors.cliffs import Cliff, Cliffs
-from ur.robot.base.sensors.imu import Imu
+from ur.robot.base.sensors.imu import ImuErrors
 from ur.robot.base.sensors.lidar import Lidar
-from ur.robot.base.sensors.sensor import Frames, Sensor
+from ur.robot.base.sensors.sensor import FrameOwners, Sensor
 from ur.robot.base.sensors.sonars import Sonar, Sonars
 from ur.source.section import Section
 
 __all__ = [
     "SENSORS",
-    "Battery",
+    "BatteryProperties",
     "Bumper",
     "Bumpers",
     "Camera",
     "Cliff",
     "Cliffs",
-    "Imu",
+    "ImuErrors",
     "Lidar",
     "Sensor",
     "Sensors",
@@ -43,8 +43,8 @@ class Sensors:
     sonars: Sonars | None = None
     bumpers: Bumpers | None = None
     cliffs: Cliffs | None = None
-    imu: Imu | None = None
-    battery: Battery | None = None
+    imu: ImuErrors | None = None
+    battery: BatteryProperties | None = None
 
     def list_sensors(self) -> Iterator[tuple[str, Sensor]]:
         """The sensors that there are, with their keys, in the order of the table."""
@@ -58,11 +58,11 @@ SENSORS: Mapping[str, type[Sensor]] = {name: get_args(hint)[0] for name, hint in
 _AT_TOP = frozenset({"battery"})
 
 
-def read_sensors(top: Section) -> dict[str, Any]:
+def read_sensors(top: Section) -> dict[str, Sensor]:
     """Read the sensors of a base file, by key. Every frame has one owner."""
     inner = top.optional_section("sensors")
-    found: dict[str, Any] = {}
-    frames = Frames()
+    found: dict[str, Sensor] = {}
+    frames = FrameOwners()
     for name, kind in SENSORS.items():
         outer = top if name in _AT_TOP else inner
         part = outer.optional_section(name) if outer is not None else None

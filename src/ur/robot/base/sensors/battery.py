@@ -6,14 +6,14 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
-from ur.robot.base.sensors.sensor import Frames, Sensor, read_topic
+from ur.robot.base.sensors.sensor import FrameOwners, Sensor, read_topic
 from ur.source.section import Section
 
 TECHNOLOGIES = ("lead-acid", "lifepo4", "lithium-ion", "lithium-polymer", "nicd", "nimh")
 
 
 @dataclass(frozen=True, slots=True)
-class Battery(Sensor):
+class BatteryProperties(Sensor):
     """The battery (sensor_msgs/BatteryState). `design_capacity` is in Ah; voltages are those at rest.
 
     `current_idle` flows while the base stands, `current_moving` at full speed.
@@ -36,7 +36,7 @@ battery: # Ah, V, A
     current_moving: float
 
     @classmethod
-    def read(cls, part: Section, frames: Frames) -> Battery:  # noqa: ARG003 - it has no frame
+    def read(cls, part: Section, frames: FrameOwners) -> BatteryProperties:  # noqa: ARG003 - it has no frame
         """Read its section."""
         battery = cls(
             topic=read_topic(part, "battery_state"),

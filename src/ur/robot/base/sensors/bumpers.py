@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
-from ur.robot.base.sensors.sensor import Frames, Sensor, read_places, read_topic
+from ur.robot.base.sensors.sensor import FrameOwners, Sensor, read_places, read_topic
 from ur.source.section import Section
 
 
@@ -42,7 +42,7 @@ bumpers: # a part of the outline each: from one direction to another, counter-cl
     at: tuple[Bumper, ...]
 
     @classmethod
-    def read(cls, part: Section, frames: Frames) -> Bumpers:  # noqa: ARG003 - switches have no frames
+    def read(cls, part: Section, frames: FrameOwners) -> Bumpers:  # noqa: ARG003 - switches have no frames
         """Read their section."""
         places = read_places(part, "bumper", "names with their sectors")
         return cls(read_topic(part, "bumper"), tuple(_read_bumper(places, name) for name in places.keys))

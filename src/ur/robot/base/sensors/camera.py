@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
-from ur.robot.base.sensors.sensor import Frames, Sensor
+from ur.robot.base.sensors.sensor import FrameOwners, Sensor
 from ur.robot.base.urdf_parts import joint, link, mount, visual
 from ur.source.section import Section
 
@@ -35,7 +35,7 @@ raspicam: {frame: raspicam, pose: [0.26, 0, 0.2, 0, 0, 0], width: 640, height: 4
     rate: float
 
     @classmethod
-    def read(cls, part: Section, frames: Frames) -> Camera:
+    def read(cls, part: Section, frames: FrameOwners) -> Camera:
         """Read its section."""
         frame = frames.read(part, "raspicam")
         frames.claim(part, "frame", f"{frame}_body", "raspicam")

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
-from ur.robot.base.sensors.sensor import Frames, Sensor, read_places, read_topic
+from ur.robot.base.sensors.sensor import FrameOwners, Sensor, read_places, read_topic
 from ur.robot.base.urdf_parts import link, mount, visual
 from ur.source.section import Section
 
@@ -46,7 +46,7 @@ cliffs: # each looks straight down from x, y, z; its frame is cliff_<name>
     at: tuple[Cliff, ...]
 
     @classmethod
-    def read(cls, part: Section, frames: Frames) -> Cliffs:
+    def read(cls, part: Section, frames: FrameOwners) -> Cliffs:
         """Read their section."""
         places = read_places(part, "cliff sensor", "names with their positions")
         cliffs = cls(read_topic(part, "cliff"), tuple(Cliff(name, places.numbers(name, 3)) for name in places.keys))

@@ -6,13 +6,13 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
-from ur.robot.base.sensors.sensor import Frames, Sensor, read_topic
+from ur.robot.base.sensors.sensor import FrameOwners, Sensor, read_topic
 from ur.robot.base.urdf_parts import link, mount, visual
 from ur.source.section import Section
 
 
 @dataclass(frozen=True, slots=True)
-class Imu(Sensor):
+class ImuErrors(Sensor):
     """An inertial sensor (sensor_msgs/Imu): standard deviations per reading, rad/s and m/s^2; `rate` a second."""
 
     title: ClassVar[str] = "inertial sensor"
@@ -29,7 +29,7 @@ imu: {frame: imu, topic: imu/data, pose: [0, 0, 0.12, 0, 0, 0], rate: 50, gyro_n
     accel_noise: float
 
     @classmethod
-    def read(cls, part: Section, frames: Frames) -> Imu:
+    def read(cls, part: Section, frames: FrameOwners) -> ImuErrors:
         """Read its section."""
         return cls(
             frame=frames.read(part),

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
-from ur.robot.base.sensors.sensor import Frames, Sensor, check_order, read_topic
+from ur.robot.base.sensors.sensor import FrameOwners, Sensor, check_order, read_topic
 from ur.robot.base.urdf_parts import link, mount, visual
 from ur.source.section import Section
 
@@ -35,7 +35,7 @@ lidar: {frame: laser, topic: scan, pose: [0.1, 0, 0.3, 0, 0, 0], angle_min: -3.1
     noise: float
 
     @classmethod
-    def read(cls, part: Section, frames: Frames) -> Lidar:
+    def read(cls, part: Section, frames: FrameOwners) -> Lidar:
         """Read its section."""
         lidar = cls(
             frame=frames.read(part),

@@ -8,7 +8,7 @@ from __future__ import annotations
 import re
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping
-from typing import Any, ClassVar
+from typing import ClassVar
 
 from ur.source.section import Section
 
@@ -28,7 +28,7 @@ class Sensor(ABC):
 
     @classmethod
     @abstractmethod
-    def read(cls, part: Section, frames: Frames) -> Any:
+    def read(cls, part: Section, frames: FrameOwners) -> Sensor:
         """Read its section of a base file. Raises UserError with file, line and column."""
 
     @abstractmethod
@@ -52,7 +52,7 @@ class Sensor(ABC):
         yield from ()
 
 
-class Frames:
+class FrameOwners:
     """The frames of a base, each with its owner."""
 
     def __init__(self) -> None:

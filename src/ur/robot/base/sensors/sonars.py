@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
-from ur.robot.base.sensors.sensor import Frames, Sensor, check_order, read_places, read_topic
+from ur.robot.base.sensors.sensor import FrameOwners, Sensor, check_order, read_places, read_topic
 from ur.robot.base.urdf_parts import link, mount, visual
 from ur.source.section import Section
 
@@ -45,7 +45,7 @@ sonars: # on one topic, told apart by frame; the rate is that of each
     at: tuple[Sonar, ...]
 
     @classmethod
-    def read(cls, part: Section, frames: Frames) -> Sonars:
+    def read(cls, part: Section, frames: FrameOwners) -> Sonars:
         """Read their section."""
         places = read_places(part, "sonar", "frames with their poses")
         for name in places.keys:
