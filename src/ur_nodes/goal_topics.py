@@ -1,7 +1,7 @@
 """Goals over topics: for a middleware that has no action, or whose action's type is not installed.
 
 ACTION/goal a Goal, ACTION/cancel a GoalId, ACTION/state each change of a goal, ACTION/status all goals, five times a
-second, ACTION/feedback the place of the robot.
+second, ACTION/feedback the place of the robot. ACTION_simple/goal takes a pose alone, as RViz sends it.
 """
 
 from __future__ import annotations
@@ -78,11 +78,13 @@ class TopicGoalServer:
         self._kept = round(kept * 1e9)
         self._handles: dict[str, TopicGoalHandle] = {}
         self._ended: dict[str, int] = {}  # ns
+        self._poses = 0
         self._states = node.publish(f"{action}/state", GoalState, Quality.EVERY)
         self._status = node.publish(f"{action}/status", GoalStates)
         self._feedback = node.publish(f"{action}/feedback", PlacedPose)
         node.subscribe(f"{action}/goal", Goal, self._take_goal, Quality.EVERY)
         node.subscribe(f"{action}/cancel", GoalId, self._take_cancel, Quality.EVERY)
+        node.subscribe(f"{action}_simple/goal", PlacedPose, self._take_pose, Quality.EVERY)
         node.every(_STATUS_PERIOD, self.publish_status)
 
     def publish_status(self) -> None:
@@ -100,6 +102,10 @@ class TopicGoalServer:
             handle = TopicGoalHandle(goal, self._node.now(), self._states.send, self._feedback.send)
             self._handles[goal.id] = handle
             self._takers.take_goal(handle)
+
+    def _take_pose(self, pose: PlacedPose) -> None:
+        self._poses += 1
+        self._take_goal(Goal(f"{self._node.name}-{self._poses}-{self._node.now()}", pose))
 
     def _take_cancel(self, cancel: GoalId) -> None:
         for handle in list(self._handles.values()):

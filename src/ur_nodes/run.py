@@ -108,7 +108,9 @@ def backend_name() -> str:
 
 def own_arguments(arguments: Sequence[str]) -> list[str]:
     """The arguments of a program that are its own, without those that remap names and set parameters."""
-    return [each for each in arguments if ":=" not in each]
+    given = list(arguments)
+    own = given[: given.index("--ros-args")] if "--ros-args" in given else given
+    return [each for each in own if ":=" not in each]
 
 
 def _collect_crashes(ended: threading.Event) -> list[BaseException]:

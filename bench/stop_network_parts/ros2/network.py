@@ -179,7 +179,7 @@ def start_network(folder: Path, base: str, seed: int, *, multicast: bool) -> Ite
     environment = {
         **{name: value for name, value in os.environ.items() if not name.startswith(("ROS_", "UR_"))},
         "AMENT_PREFIX_PATH": str(_ROOT / ".ros2"),
-        "PYTHONPATH": str(_ROOT),
+        "PYTHONPATH": f"{_ROOT}{os.pathsep}{_ROOT / 'src'}",
         "ROS_VERSION": "2",
         "ROS_DOMAIN_ID": "0",
         "ROS_AUTOMATIC_DISCOVERY_RANGE": "SUBNET",

@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-import json
 import math
-from collections.abc import Callable
-from typing import TYPE_CHECKING, Any, TypeVar, get_args, get_type_hints
-
-from std_msgs.msg import String
+from typing import TYPE_CHECKING, Any, get_args, get_type_hints
 
 from ur_nodes.codecs.codec import Codec
 from ur_nodes.codecs.dialect import ROS_2, stamp_of, time_of
+from ur_nodes.codecs.text import text_codec
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.ports.actions import Goal, GoalId, GoalState, GoalStates
 from ur_nodes.ports.values import PlacedPose
@@ -18,25 +15,7 @@ from ur_nodes.ports.values import PlacedPose
 if TYPE_CHECKING:
     from actionlib_msgs.msg import GoalID
 
-Value = TypeVar("Value")
-
-_LONGEST = 100_000  # characters of a message
 _STATES = get_args(get_type_hints(GoalState)["state"])
-
-
-def _text_codec(write: Callable[[Value], object], read: Callable[[Any], Value]) -> Codec[String, Value]:
-    def fill(message: String, value: Value) -> None:
-        message.data = json.dumps(write(value), allow_nan=False)
-
-    def value_of(message: String) -> Value:
-        if len(message.data) > _LONGEST:
-            raise ValueError(f"goal of {len(message.data)} characters, expected at most {_LONGEST}")
-        try:
-            return read(json.loads(message.data))
-        except (KeyError, TypeError, AttributeError, RecursionError) as problem:
-            raise ValueError(f"goal that cannot be read: {problem!r}") from None
-
-    return Codec(String, fill, value_of)
 
 
 def _write_goal(goal: Goal) -> dict[str, object]:
@@ -67,10 +46,13 @@ def _fill_id(message: GoalID, value: GoalId) -> None:
 
 if ROS_2 and not TYPE_CHECKING:
     CODECS = {
-        Goal: _text_codec(_write_goal, _read_goal),
-        GoalId: _text_codec(lambda value: [value.id, value.stamp], lambda read: GoalId(str(read[0]), int(read[1]))),
-        GoalState: _text_codec(_write_state, _read_state),
-        GoalStates: _text_codec(
+        Goal: text_codec("goal", _write_goal, _read_goal),
+        GoalId: text_codec(
+            "goal", lambda value: [value.id, value.stamp], lambda read: GoalId(str(read[0]), int(read[1]))
+        ),
+        GoalState: text_codec("goal", _write_state, _read_state),
+        GoalStates: text_codec(
+            "goal",
             lambda value: [_write_state(each) for each in value.goals],
             lambda read: GoalStates(tuple(map(_read_state, read))),
         ),

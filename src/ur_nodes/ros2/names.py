@@ -3,6 +3,42 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from rclpy.node import Node as RosNode
+
+
+UPSTREAM = {
+    "move_base_simple/goal": "goal_pose",
+    **{f"move_base/{end}": f"navigate_to_pose/{end}" for end in ("goal", "cancel", "state", "status", "feedback")},
+    "move_base/NavfnROS/plan": "plan",
+    "move_base/DWAPlannerROS/global_plan": "received_global_plan",
+    "move_base/DWAPlannerROS/local_plan": "local_plan",
+    "move_base/global_costmap/costmap": "global_costmap/costmap",
+    "move_base/global_costmap/costmap_updates": "global_costmap/costmap_updates",
+    "move_base/global_costmap/footprint": "global_costmap/published_footprint",
+    "move_base/local_costmap/costmap": "local_costmap/costmap",
+    "move_base/local_costmap/footprint": "local_costmap/published_footprint",
+    "static_map": "map_server/map",
+    "global_localization": "reinitialize_global_localization",
+}
+"""The ends of names of topics and services of ROS 1, and what Nav2 calls them. `docs/how-to/ros2.md` has this table."""
+
+
+def upstream_name(full: str) -> str:
+    """The name by which users of ROS 2 know a topic or service; `full` is its name as on ROS 1, below any namespace."""
+    for ours, theirs in UPSTREAM.items():
+        if full.endswith(f"/{ours}"):
+            return full.removesuffix(ours) + theirs
+    return full
+
+
+def resolve(node: RosNode, name: str) -> str:
+    """The full name of a topic or service of a node; both the name as on ROS 1 and the one of ROS 2 can be remapped."""
+    full = str(node.resolve_topic_name(name_of(name)))
+    known = upstream_name(full)
+    return full if known == full else str(node.resolve_topic_name(known))
 
 
 def name_of(name: str) -> str:

@@ -25,7 +25,7 @@ from ur_nodes.ports.raw import Raw
 from ur_nodes.ports.transforms import Transforms
 from ur_nodes.ports.values import Result
 from ur_nodes.ros2.facts import FileFacts, RosLog
-from ur_nodes.ros2.names import name_of, type_name_of
+from ur_nodes.ros2.names import resolve, type_name_of
 from ur_nodes.ros2.parameters import RosParameters
 from ur_nodes.ros2.topics import RosPublisher, RosSubscription
 
@@ -164,14 +164,14 @@ class RosNode(LoopNode):
             self._loop.post(work)
             return await done
 
-        self._node.create_service(codec.service_class, name_of(service), respond, callback_group=self._services)
+        self._node.create_service(codec.service_class, self.resolve(service), respond, callback_group=self._services)
 
     def call(self, service: str, request: object, take: Callable[[Result], None], within: float = 5.0) -> None:
         """See Node."""
         codec = find_service(type(request))
         key = (service, type(request))
         if key not in self._clients:
-            self._clients[key] = self._node.create_client(codec.service_class, name_of(service))
+            self._clients[key] = self._node.create_client(codec.service_class, self.resolve(service))
         client = self._clients[key]
         waiting = [take]
 
@@ -243,7 +243,7 @@ class RosNode(LoopNode):
 
     def resolve(self, name: str) -> str:
         """See Node."""
-        return str(self._node.resolve_topic_name(name_of(name)))
+        return resolve(self._node, name)
 
     def end(self, reason: str, *, failed: bool = False) -> None:
         """See Node."""

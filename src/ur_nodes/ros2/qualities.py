@@ -10,8 +10,9 @@
 | COMMAND | reliable, last 1, lifespan 0.3 s | best effort, last 100 |
 | LOSSLESS | reliable, all | reliable, all |
 
-Velocities have the lifespan of 0.3 s in each quality but LATCHED. A reliable publisher is heard by all; a best effort
-subscriber hears all. `docs/how-to/ros2.md` has this table, and a test compares the two.
+Velocities have the lifespan of 0.3 s in each quality but LATCHED; maps and costmaps are always sent as LATCHED. A
+reliable publisher is heard by all; a best effort subscriber hears all. `docs/how-to/ros2.md` has this table, and a test
+compares the two.
 """
 
 from __future__ import annotations
@@ -39,7 +40,7 @@ _ALL = QoSProfile(history=HistoryPolicy.KEEP_ALL, reliability=ReliabilityPolicy.
 
 def offered(quality: Quality, kind: type = object) -> QoSProfile:
     """The profile of a publisher of values of a kind."""
-    if quality is Quality.LATCHED:
+    if quality is Quality.LATCHED or kind is values.Map:
         return _LATCHED
     if quality is Quality.LOSSLESS:
         return _ALL

@@ -11,7 +11,7 @@ from ur_nodes.loop import Loop
 from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.topics import Sender
 from ur_nodes.ros2 import ends
-from ur_nodes.ros2.names import name_of
+from ur_nodes.ros2.names import resolve
 from ur_nodes.ros2.qualities import offered, requested
 from ur_nodes.ros2.senders import Senders
 
@@ -42,7 +42,7 @@ class RosPublisher(Generic[Value]):
         quality: Quality,
         on_listener: Callable[[], None] | None,
     ) -> None:
-        self.topic = str(node.resolve_topic_name(name_of(topic)))
+        self.topic = resolve(node, topic)
         self._codec = codec
         self._message = codec.message_class()
         self._sender = ends.MessageSender(node, codec.message_class, self.topic, offered(quality, kind), on_listener)
@@ -80,7 +80,7 @@ class RosSubscription(Generic[Value]):
         *,
         senders: bool = False,
     ) -> None:
-        self.topic = str(node.resolve_topic_name(name_of(topic)))
+        self.topic = resolve(node, topic)
         self._node = node
         self._codec = codec
         self._take = take

@@ -25,7 +25,7 @@ from ur_nodes.ports.values import Map, Result, Transform, Twist
 def check_value_of_each_kind_arrives_as_it_was_sent(stage: Stage) -> None:
     got: dict[int, object] = {}
     publishers = []
-    sent = [value for value in VALUES if type(value) not in stage.unknown_kinds]
+    sent = list(VALUES)
     for index, value in enumerate(sent):
         kind: type[Any] = type(value)
         stage.other.subscribe(f"values/v{index}", kind, partial(got.__setitem__, index), Quality.LATCHED)

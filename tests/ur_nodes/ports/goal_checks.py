@@ -10,6 +10,7 @@ from tests.ur_nodes.ports.stage import STAMP, TARGET, Follower, Stage, Takers
 
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.ports.actions import Goal, GoalState
+from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.values import PlacedPose
 
 
@@ -33,6 +34,20 @@ def check_goal_is_accepted_reported_and_succeeds(stage: Stage) -> None:
     assert client.report() == TARGET
     handle.succeed("there")
     stage.until(lambda: client.state(id) == ("succeeded", "there"))
+
+
+def check_pose_alone_is_a_goal(stage: Stage) -> None:
+    takers = Takers()
+    stage.other.serve_goals("drive_pose", takers)
+    poses = stage.one.publish("drive_pose_simple/goal", PlacedPose, Quality.EVERY)
+    stage.begin()
+    stage.until(lambda: poses.listeners() > 0)
+    poses.send(TARGET)
+    poses.send(TARGET)
+    stage.until(lambda: len(takers.got) == 2)
+    goals = [handle.goal for handle in takers.got]
+    assert goals[0].target.pose == pytest.approx(TARGET.pose)
+    assert goals[0].id != goals[1].id
 
 
 def check_goal_is_refused_aborted_or_cancelled_with_a_text(stage: Stage) -> None:

@@ -77,7 +77,6 @@ class RosStage:
     moments_known = False
     silent_services_hide_failures = False
     keeps_for_all = True
-    unknown_kinds: frozenset[type] = frozenset()
     string_type = "std_msgs/String"
     wire = b"\x05\x00\x00\x00hello"
 

@@ -15,7 +15,6 @@ from tests.ur_nodes.ports.stage import GoalClient, Stage, TopicGoalClient
 
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2
-from ur_nodes.ports.fiducials import MappedFiducials, PlacedFiducials, SeenFiducials
 from ur_nodes.ports.node import Node
 from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.values import Map
@@ -29,7 +28,6 @@ class RosStage:
     moments_known = True
     silent_services_hide_failures = True
     keeps_for_all = False
-    unknown_kinds: frozenset[type] = frozenset({SeenFiducials, PlacedFiducials, MappedFiducials})
     string_type = "std_msgs/msg/String"
     wire = b"\x00\x01\x00\x00\x06\x00\x00\x00hello\x00"
 

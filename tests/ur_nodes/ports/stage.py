@@ -28,8 +28,6 @@ class Stage(Protocol):
     """The answer of a service without a result is the same where it failed."""
     keeps_for_all: bool
     """What a LATCHED topic has kept is given to all subscribers, and a LATCHED subscriber hears all publishers."""
-    unknown_kinds: frozenset[type]
-    """Kinds of values for which no messages are installed."""
     string_type: str
     """The middleware's name of the type of a text."""
     wire: bytes

@@ -22,7 +22,6 @@ class MemoryStage:
     moments_known = False
     silent_services_hide_failures = False
     keeps_for_all = False
-    unknown_kinds: frozenset[type] = frozenset()
     string_type = "std_msgs/String"
     wire = b"hello"
 

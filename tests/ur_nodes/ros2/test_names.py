@@ -1,6 +1,6 @@
 import pytest
 
-from ur_nodes.ros2.names import arguments_of, full_name, name_of
+from ur_nodes.ros2.names import UPSTREAM, arguments_of, full_name, name_of, upstream_name
 
 
 @pytest.mark.parametrize(
@@ -30,3 +30,22 @@ def test_arguments_of_the_program_itself_are_left_out() -> None:
 
 def test_arguments_in_the_form_of_ros_2_stay() -> None:
     assert arguments_of(["map.yaml", "--ros-args", "-r", "__node:=mux"]) == ["--ros-args", "-r", "__node:=mux"]
+
+
+@pytest.mark.parametrize(
+    ("full", "expected"),
+    [
+        ("/move_base/NavfnROS/plan", "/plan"),
+        ("/robot1/move_base/global_costmap/costmap", "/robot1/global_costmap/costmap"),
+        ("/move_base_simple/goal", "/goal_pose"),
+        ("/move_base/hold", "/move_base/hold"),
+        ("/my_move_base/goal", "/my_move_base/goal"),
+        ("/scan", "/scan"),
+    ],
+)
+def test_topics_of_navigation_have_the_names_of_nav2(full: str, expected: str) -> None:
+    assert upstream_name(full) == expected
+
+
+def test_names_of_ros_2_stay_as_they_are() -> None:
+    assert [upstream_name(f"/{name}") for name in UPSTREAM.values()] == [f"/{name}" for name in UPSTREAM.values()]
