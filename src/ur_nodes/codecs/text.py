@@ -4,17 +4,18 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable
-from typing import Any, TypeVar
+from typing import TypeVar
 
 from std_msgs.msg import String
 
 from ur_nodes.codecs.codec import Codec
 
+Read = TypeVar("Read")
 Value = TypeVar("Value")
 
 
 def text_codec(
-    name: str, write: Callable[[Value], object], read: Callable[[Any], Value], longest: int = 100_000
+    name: str, write: Callable[[Value], object], read: Callable[[Read], Value], longest: int = 100_000
 ) -> Codec[String, Value]:
     """The codec of values called `name`, from and to what JSON has; a message has at most `longest` characters.
 
