@@ -5,12 +5,15 @@ from __future__ import annotations
 import os
 import signal
 import subprocess
+import xmlrpc.client
 from pathlib import Path
+from typing import Any
 
 import pytest
 from tests.e2e.conftest import ROOT, Robot
 from tests.e2e.terminal import Terminal
 from tests.e2e.test_first_drive import GOALS, find_node, put_at_start
+from tests.json_client import wait_until
 
 pytestmark = [pytest.mark.ros, pytest.mark.timeout(300)]
 
@@ -26,15 +29,23 @@ def stand(robot: Robot, *, holding: bool = False) -> None:
         robot.ask("active", name="idle", seconds=60)
 
 
+def publishes(robot: Robot, node: str) -> bool:
+    """Return whether a node publishes anything besides its log."""
+    with xmlrpc.client.ServerProxy(robot.env["ROS_MASTER_URI"]) as master:
+        answer: Any = master.getSystemState("/test")
+    return any(node in nodes for topic, nodes in answer[2][0] if topic != "/rosout")
+
+
 def test_keyboard_takes_over_from_navigation_which_then_goes_on(robot: Robot) -> None:
     put_at_start(robot)
     stand(robot)
-    robot.ask("goal", x=2.5, y=0.0, degrees=0.0)
-    robot.ask("moving", seconds=60)
-    keys = subprocess.run(
-        [KEYBOARD, *ON_KEYS], env=robot.env, input="jl", text=True, capture_output=True, timeout=60, check=False
-    )
-    assert keys.returncode == 0, keys.stderr
+    pipe = subprocess.PIPE
+    with subprocess.Popen([KEYBOARD, *ON_KEYS], env=robot.env, stdin=pipe, stderr=pipe, text=True) as keys:
+        wait_until(lambda: publishes(robot, "/teleop_twist_keyboard"), 60.0, "the keyboard")
+        robot.ask("goal", x=2.5, y=0.0, degrees=0.0)
+        robot.ask("moving", seconds=60)
+        _, errors = keys.communicate("jl", timeout=60)
+    assert keys.returncode == 0, errors
     result = robot.ask("result", seconds=60)
     assert result["state"] == "SUCCEEDED", result["text"]
     told = robot.ask("active", name="idle", seconds=60)["active"]

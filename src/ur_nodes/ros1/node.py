@@ -26,14 +26,14 @@ from ur_nodes.ports.raw import Raw
 from ur_nodes.ports.transforms import Transforms
 from ur_nodes.ports.values import Result
 from ur_nodes.ros1.facts import RosFacts, RosLog, RosParameters
-from ur_nodes.ros1.repairs.sent import DELAY, wait_until_taken
+from ur_nodes.ros1.repairs.sent import DELAY, wait_until_sent
 from ur_nodes.ros1.services import call_service, serve_service
 from ur_nodes.ros1.topics import RosPublisher, RosSubscription, sender_of
 
 Value = TypeVar("Value")
 
 _MOST_TRANSFORMS = 1000  # messages that wait while a callback takes long: a history with gaps is of no use
-_TAKEN_LIMIT = 0.5  # s: for threads of a busy computer to take what was sent last
+_SENT_LIMIT = 1.0  # s: for threads of a busy computer to send what is last
 _LEAVE = 0.03  # s: and for it to leave
 
 
@@ -199,5 +199,5 @@ class RosNode(LoopNode):
 def _leave() -> None:
     """Let what was sent last leave."""
     publishers = tuple(rospy.topics.get_topic_manager().pubs.values())
-    wait_until_taken((each for one in publishers for each in tuple(one.connections)), _TAKEN_LIMIT)
+    wait_until_sent((each for one in publishers for each in tuple(one.connections)), _SENT_LIMIT)
     time.sleep(_LEAVE)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import time
 from collections.abc import Iterable
 
-from rospy.impl.tcpros_base import TCPROSTransport
 from rospy.impl.tcpros_pubsub import QueuedConnection
 
 DELAY = 2.0
@@ -25,9 +24,18 @@ def free_sent(connections: Iterable[object]) -> None:
                 connection._cond_data_available.notify()  # noqa: SLF001
 
 
-def wait_until_taken(connections: Iterable[TCPROSTransport], seconds: float) -> None:
-    """Wait until the threads of connections have taken all messages that wait, at most so long in all."""
+def wait_until_sent(connections: Iterable[object], seconds: float) -> None:
+    """Wait until connections have given all messages to the system, at most so long in all."""
     end = time.monotonic() + seconds
     for connection in connections:
-        while getattr(connection, "_queue", None) and not connection.done and time.monotonic() < end:
+        while _is_busy(connection) and time.monotonic() < end:
             time.sleep(_POLL)
+
+
+def _is_busy(connection: object) -> bool:
+    """Return whether messages wait, or its thread, which waits for messages otherwise, is sending one."""
+    if not isinstance(connection, QueuedConnection) or connection.done:
+        return False
+    with connection._cond_data_available:  # noqa: SLF001
+        idle = bool(connection._cond_data_available._waiters)  # type: ignore[attr-defined] # noqa: SLF001
+        return bool(connection._queue) or not idle  # noqa: SLF001

@@ -6,7 +6,7 @@ import time
 
 from rospy.impl.tcpros_pubsub import QueuedConnection
 
-from ur_nodes.ros1.repairs.sent import free_sent, wait_until_taken
+from ur_nodes.ros1.repairs.sent import free_sent, wait_until_sent
 
 
 class _Transport:
@@ -74,7 +74,7 @@ def test_connection_without_a_queue_keeps_nothing_and_is_left_alone() -> None:
     assert not transport.all_sent.is_set()
 
 
-def test_last_messages_are_waited_for_until_they_are_taken() -> None:
+def test_last_messages_are_waited_for_until_they_are_sent() -> None:
     transport = _Transport()
     connection = QueuedConnection(transport, 1)
     try:
@@ -83,11 +83,11 @@ def test_last_messages_are_waited_for_until_they_are_taken() -> None:
         while connection._queue:
             time.sleep(0.001)
         connection.write_data(b"stop")  # waits for the thread, which is busy
-        wait_until_taken([connection], 0.01)
+        wait_until_sent([connection], 0.01)
         assert connection._queue
         threading.Timer(0.05, transport.free.set).start()
-        wait_until_taken([connection], 30.0)
-        assert not connection._queue
+        wait_until_sent([connection], 30.0)
+        assert transport.sent == len(b"drivestop")
     finally:
         transport.free.set()
         transport.done = True
