@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-import json
-import math
-from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, Literal, cast, get_args
+from typing import Annotated, Literal
+
+from msgspec import Meta
+
+from ur.source.foreign.json_values import BadJsonError, Count, PrintableValue, Stamp, read_json, write_json
 
 PatrolState = Literal["idle", "starting", "driving", "waiting", "paused", "done", "ended"]
 PatrolAction = Literal["start", "pause", "resume", "end"]
-Stamp = tuple[int, int]
 
 MOST_PLACES = 50
 LONGEST_NAME = 64
@@ -22,8 +22,10 @@ _FARTHEST = 1e5  # m
 ACTIVE: tuple[PatrolState, ...] = ("starting", "driving", "waiting")
 
 
-class BadPatrolError(ValueError):
-    """A text that is no request or status; the message continues "expected "."""
+_Name = Annotated[str, Meta(max_length=LONGEST_NAME)]
+_Reason = Annotated[str, Meta(max_length=500)]
+_Metres = Annotated[float, Meta(ge=-_FARTHEST, le=_FARTHEST)]
+_PLACES = f"1 to {MOST_PLACES} names or poses in the map: x, y in m, yaw in rad or none"
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,10 +35,10 @@ class PatrolStop:
     `x` is None in a request by name: the robot looks the place up among its waypoints.
     """
 
-    name: str = ""
-    x: float | None = None
-    y: float = 0.0
-    yaw: float | None = None
+    name: _Name = ""
+    x: _Metres | None = None
+    y: _Metres = 0.0
+    yaw: Annotated[float, Meta(ge=-7.0, le=7.0)] | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,8 +54,8 @@ class PatrolRoute:
 class PatrolAnswer:
     """The answer to a request by its id; `problem` is '' when it was accepted."""
 
-    id: str
-    problem: str = ""
+    id: _Name
+    problem: _Reason = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,78 +96,76 @@ class PatrolRequest:
     answers: Stamp | None = None
 
 
+class _WireRoute(PrintableValue, frozen=True, forbid_unknown_fields=False):
+    places: Annotated[tuple[_Name | PatrolStop, ...], Meta(max_length=MOST_PLACES, description=_PLACES)] = ()
+    loop: bool = False
+    wait: Annotated[float, Meta(ge=0.0, le=LONGEST_WAIT, description=f"seconds from 0 to {LONGEST_WAIT:g}")] = 1.0
+
+    def route(self) -> PatrolRoute:
+        """The route. Raises BadJsonError."""
+        stops = tuple(PatrolStop(each) if isinstance(each, str) else each for each in self.places)
+        if not stops or any(not each.name and each.x is None for each in stops):
+            raise BadJsonError(f"places: expected {_PLACES}")
+        return PatrolRoute(stops, self.loop, self.wait)
+
+
+class _WireRequest(_WireRoute, frozen=True, kw_only=True):
+    do: PatrolAction
+    id: _Name = ""
+    client: _Name = ""
+    name: _Name = ""
+    answers: Stamp | None = None
+
+
+class _WireStatus(_WireRoute, frozen=True, kw_only=True):
+    state: PatrolState
+    index: Count
+    rounds: Count
+    reason: _Reason = ""
+    answer: PatrolAnswer | None = None
+
+
 def write_request(request: PatrolRequest) -> str:
     """The request as JSON."""
-    value: dict[str, Any] = {"do": request.action, "id": request.id}
-    if request.action == "start":
-        value |= _write_route(request.route)
-    if request.answers is not None:
-        value |= {"client": request.client, "name": request.name, "answers": list(request.answers)}
-    return json.dumps(value)
+    route, client = request.route, request.client if request.answers is not None else ""
+    return write_json(
+        _WireRequest(
+            route.stops, route.loop, route.wait,
+            do=request.action, id=request.id, client=client, name=request.name, answers=request.answers,
+        )
+    )  # fmt: skip
 
 
 def read_request(text: object) -> PatrolRequest:
-    """The request that a text is. Raises BadPatrolError."""
-    value = _read_object(text)
-    action = value.get("do")
-    if action not in get_args(PatrolAction):
-        raise BadPatrolError(f"do: one of {', '.join(get_args(PatrolAction))}")
-    route = read_route(value) if action == "start" else PatrolRoute()
-    client, answers = value.get("client", ""), value.get("answers")
-    if answers is not None:
-        good = isinstance(answers, list) and len(answers) == 2 and all(_is_count(each) for each in answers)
-        if not good or not _text(value, "client"):
-            raise BadPatrolError("client and answers: the id of a client, and a challenge of the mux as [secs, nsecs]")
-    return PatrolRequest(
-        cast("PatrolAction", action),
-        route,
-        _text(value, "id"),
-        client if answers is not None else "",
-        _text(value, "name"),
-        (answers[0], answers[1]) if answers is not None else None,
-    )
+    """The request that a text is. Raises BadJsonError."""
+    found = read_json(text, _WireRequest, _LONGEST)
+    route = found.route() if found.do == "start" else PatrolRoute()
+    if found.answers is None:
+        return PatrolRequest(found.do, route, found.id, "", found.name)
+    if not found.client:
+        raise BadJsonError("client: expected the id of a client, beside its answers")
+    return PatrolRequest(found.do, route, found.id, found.client, found.name, found.answers)
 
 
 def write_status(status: PatrolStatus) -> str:
     """The status as JSON, one object."""
-    answer = status.answer
-    return json.dumps(
-        {
-            "state": status.state,
-            **_write_route(status.route),
-            "index": status.index,
-            "rounds": status.rounds,
-            "reason": status.reason,
-            "answer": None if answer is None else {"id": answer.id, "problem": answer.problem},
-        }
-    )
+    route = status.route
+    return write_json(
+        _WireStatus(
+            route.stops, route.loop, route.wait,
+            state=status.state, index=status.index, rounds=status.rounds, reason=status.reason, answer=status.answer,
+        )
+    )  # fmt: skip
 
 
 def read_status(text: object) -> PatrolStatus | None:
     """The status in a message; None when it is not one."""
     try:
-        value = _read_object(text)
-        state, index, rounds, answer = (value.get(key) for key in ("state", "index", "rounds", "answer"))
-        if state not in get_args(PatrolState) or not _is_count(index) or not _is_count(rounds):
-            return None
-        route = PatrolRoute() if not value.get("places") else read_route(value)
-        known = PatrolAnswer(_text(answer, "id"), _text(answer, "problem", 500)) if isinstance(answer, dict) else None
-        reason = _text(value, "reason", 500)
-    except BadPatrolError:
+        found = read_json(text, _WireStatus, _LONGEST)
+        route = found.route() if found.places else PatrolRoute()
+    except BadJsonError:
         return None
-    return PatrolStatus(cast("PatrolState", state), route, cast("int", index), cast("int", rounds), reason, known)
-
-
-def read_route(value: Mapping[str, Any]) -> PatrolRoute:
-    """The route in the fields `places`, `loop` and `wait`. Raises BadPatrolError."""
-    places, loop, wait = value.get("places"), value.get("loop", False), value.get("wait", 1.0)
-    if not isinstance(places, list) or not 1 <= len(places) <= MOST_PLACES:
-        raise BadPatrolError(f"places: a list of 1 to {MOST_PLACES} names or poses")
-    if not isinstance(loop, bool):
-        raise BadPatrolError("loop: true or false")
-    if not _is_number(wait, LONGEST_WAIT) or wait < 0.0:
-        raise BadPatrolError(f"wait: seconds from 0 to {LONGEST_WAIT:g}")
-    return PatrolRoute(tuple(_read_stop(each) for each in places), loop, float(wait))
+    return PatrolStatus(found.state, route, found.index, found.rounds, found.reason, found.answer)
 
 
 def describe_patrol(status: PatrolStatus) -> str:
@@ -187,54 +187,3 @@ def describe_patrol(status: PatrolStatus) -> str:
 def name_stop(stop: PatrolStop) -> str:
     """A name for people: that of the place, else its coordinates."""
     return stop.name or f"({stop.x or 0.0:.2f}, {stop.y:.2f})"
-
-
-def _write_route(route: PatrolRoute) -> dict[str, Any]:
-    places = [
-        {"name": each.name} | ({} if each.x is None else {"x": each.x, "y": each.y, "yaw": each.yaw})
-        for each in route.stops
-    ]
-    return {"places": places, "loop": route.loop, "wait": route.wait}
-
-
-def _read_stop(value: object) -> PatrolStop:
-    if isinstance(value, str):
-        value = {"name": value}
-    if not isinstance(value, dict):
-        raise BadPatrolError('each place: a name, or {"x": m, "y": m, "yaw": rad}')
-    name, x, y, yaw = _text(value, "name"), value.get("x"), value.get("y", 0.0), value.get("yaw")
-    if x is None:
-        if not name:
-            raise BadPatrolError("each place: a name or x and y")
-        return PatrolStop(name)
-    if not _is_number(x, _FARTHEST) or not _is_number(y, _FARTHEST) or not (yaw is None or _is_number(yaw, 7.0)):
-        raise BadPatrolError("x, y: metres in the map; yaw: rad, or none")
-    return PatrolStop(name, float(x), float(y), None if yaw is None else float(yaw))
-
-
-def _text(value: Mapping[str, Any], key: str, longest: int = LONGEST_NAME) -> str:
-    found = value.get(key, "")
-    if not isinstance(found, str) or len(found) > longest or not (found.isprintable() or not found):
-        raise BadPatrolError(f"{key}: a printable text of at most {longest} characters")
-    return found
-
-
-def _is_number(value: object, most: float) -> bool:
-    good = isinstance(value, (int, float)) and not isinstance(value, bool)
-    return good and math.isfinite(float(cast("float", value))) and abs(float(cast("float", value))) <= most
-
-
-def _is_count(value: object) -> bool:
-    return isinstance(value, int) and not isinstance(value, bool) and 0 <= value < 2**32
-
-
-def _read_object(text: object) -> dict[str, Any]:
-    if not isinstance(text, str) or len(text) > _LONGEST:
-        raise BadPatrolError(f"a text of at most {_LONGEST} characters")
-    try:
-        value = json.loads(text)
-    except (ValueError, RecursionError):
-        raise BadPatrolError("JSON") from None
-    if not isinstance(value, dict):
-        raise BadPatrolError("a JSON object")
-    return value

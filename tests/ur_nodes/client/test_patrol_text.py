@@ -6,8 +6,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from ur.source.foreign.json_values import BadJsonError
 from ur_nodes.client.patrol_text import (
-    BadPatrolError,
     PatrolAnswer,
     PatrolRequest,
     PatrolRoute,
@@ -71,7 +71,7 @@ def test_script_names_places_in_a_list() -> None:
     ],
 )
 def test_malformed_request_is_refused(value: object) -> None:
-    with pytest.raises(BadPatrolError):
+    with pytest.raises(BadJsonError):
         read_request(json.dumps(value))
 
 
@@ -81,7 +81,7 @@ VALUES = st.recursive(st.none() | st.booleans() | st.floats() | st.text(), st.li
 @given(st.text() | VALUES.map(json.dumps))
 def test_any_text_is_read_or_refused(text: str) -> None:
     assert read_status(text) is None
-    with pytest.raises(BadPatrolError):
+    with pytest.raises(BadJsonError):
         read_request(text)
 
 

@@ -16,11 +16,12 @@ from ur.web.wire.requests import (
     AskForLease,
     AskPatrol,
     Cancel,
-    Emergency,
     GoalRequest,
     GoTo,
     LetGo,
+    ReleaseAll,
     Stick,
+    StopAll,
     SwitchObstacleStop,
     read_request,
 )
@@ -46,8 +47,8 @@ STICK = {"t": "stick", "n": N, "hold": 1, "forward": 0.5, "turn": -1}
         ({"t": "name_place", "place": "door", "x": 1, "y": 2, "yaw": 0}, NamePlace("door", 1.0, 2.0, 0.0)),
         ({"t": "forget_place", "place": "door"}, ForgetPlace("door")),
         ({"t": "cancel"}, Cancel()),
-        ({"t": "stop"}, Emergency(stop=True)),
-        ({"t": "release"}, Emergency(stop=False)),
+        ({"t": "stop"}, StopAll()),
+        ({"t": "release"}, ReleaseAll()),
         ({"t": "obstacles", "on": False}, SwitchObstacleStop(on=False)),
         ({"t": "lease", "n": N, "do": "take"}, AskForLease((12, 500), "take")),
     ],
@@ -115,3 +116,7 @@ def test_whatever_json_comes_is_read_or_refused(value: object, kind: str) -> Non
 
 def test_request_to_save_the_map_carries_no_name() -> None:
     assert read_request('{"t": "save_map", "name": "../flat"}') == SaveMap()
+
+
+def test_stop_is_not_refused_for_fields_that_a_newer_page_adds() -> None:
+    assert read_request('{"t": "stop", "n": [1, 2], "reason": ["new"]}') == StopAll()

@@ -6,7 +6,7 @@ A subscriber first gets `RunStarted`, then one `NodeChanged` and one `NodeReadin
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass, fields
+from dataclasses import asdict, dataclass
 from typing import Any, Literal
 
 NodeState = Literal["waiting", "starting", "running", "stopping", "ended"]
@@ -255,38 +255,14 @@ _SEVERITIES: dict[str, Severity] = {
 
 
 def _parse(line: bytes, kinds: dict[str, Any]) -> Any:
-    import json  # only for those who watch
+    from ur.source.foreign.json_values import BadJsonError, convert_json, read_json  # only for those who watch
 
     try:
-        found = json.loads(line)
+        found = read_json(line, dict[str, Any], len(line))
         kind = kinds[found.pop("kind")]
-    except (ValueError, KeyError, AttributeError, TypeError, RecursionError):
+    except (BadJsonError, KeyError, TypeError):
         raise BadLineError(f"{line[:80]!r}, expected one of {', '.join(kinds)} as JSON") from None
-    known = {field.name: field for field in fields(kind)}
-    values = {}
-    for name, value in found.items():
-        if name not in known:
-            continue
-        if not _fits(value, str(known[name].type)):
-            raise BadLineError(f"{kind.__name__}: {name}={value!r}, expected {known[name].type}")
-        values[name] = value
     try:
-        if kind is NodeReadiness:
-            values["missing"] = tuple(values.get("missing", ()))
-        if kind is StatsSampled:
-            values["nodes"] = tuple(NodeStats(**each) for each in values.get("nodes", ()))
-        if kind is RestartNode:
-            values["prefix"] = tuple(map(str, values.get("prefix", ())))
-        return kind(**values)
-    except TypeError:
-        raise BadLineError(f"{kind.__name__}: expected {', '.join(known)}, got {', '.join(found)}") from None
-
-
-def _fits(value: Any, annotation: str) -> bool:
-    if annotation == "bool":
-        return isinstance(value, bool)
-    if annotation.startswith("int"):
-        return (isinstance(value, int) and not isinstance(value, bool)) or (value is None and "None" in annotation)
-    if annotation.startswith("float"):
-        return isinstance(value, (int, float)) or (value is None and "None" in annotation)
-    return isinstance(value, list if annotation.startswith("tuple") else str)
+        return convert_json(found, kind)
+    except BadJsonError as problem:
+        raise BadLineError(f"{kind.__name__}: {problem}") from None

@@ -5,12 +5,12 @@ They are stored in the run's control folder when it is registered, before any of
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
 from ur.launchfile.plan.specs import NodeSpec, ParamSpec
+from ur.source.foreign.json_values import read_json, write_json
 
 BASE_FILE = "/m_robot_base/launch/m_robot_base.launch.xml"
 _FILE = "claims.json"
@@ -57,22 +57,17 @@ def is_base(item: NodeSpec | ParamSpec) -> bool:
 
 def write_claims(folder: str, claims: Claims) -> None:
     """Write the claims of a run into its control folder. Raises OSError: the folder is gone, or the disk is full."""
-    fields = {"nodes": dict(claims.nodes), "base": claims.base, "joined": claims.joined}
     unfinished = Path(folder, _FILE + ".new")
-    unfinished.write_text(json.dumps(fields), encoding="utf-8")
+    unfinished.write_text(write_json(claims), encoding="utf-8")
     unfinished.replace(Path(folder, _FILE))
 
 
 def read_claims(folder: str) -> Claims:
     """The claims in a control folder; empty ones where there are none that can be read."""
     try:
-        with Path(folder, _FILE).open(encoding="utf-8") as file:
-            found = json.loads(file.read(_MAX_BYTES))
-        nodes = {
-            str(name): {str(key): str(value) for key, value in items.items()} for name, items in found["nodes"].items()
-        }
-        return Claims(nodes, tuple(map(str, found["base"])), tuple(map(str, found["joined"])))
-    except (OSError, ValueError, TypeError, LookupError, AttributeError, RecursionError):
+        with Path(folder, _FILE).open("rb") as file:
+            return read_json(file.read(_MAX_BYTES), Claims, _MAX_BYTES)
+    except (OSError, ValueError):
         return Claims()
 
 

@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-import json
 import os
 import time
 from collections.abc import Collection, Mapping
 from contextlib import suppress
-from dataclasses import asdict, dataclass, field, fields
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from ur.run.record.computer import Computer
 from ur.run.record.entry import RunEntry, is_own, runs_folders
+from ur.source.foreign.json_values import read_json, write_json
 
 MAX_RUNS = 50
 MAX_LINES = 30
@@ -39,7 +39,7 @@ def write_ended(run: EndedRun, environment: Mapping[str, str], uid: int) -> None
     """Keep a run that has ended, and forget the oldest beyond MAX_RUNS. Nothing happens where it cannot be written."""
     folder = _folder(environment, uid)
     lines = tuple(line[:_MAX_LINE] for line in run.lines[-MAX_LINES:])
-    text = json.dumps({**asdict(run), "lines": lines}, ensure_ascii=False)
+    text = write_json(replace(run, lines=lines))
     with suppress(OSError):
         folder.mkdir(mode=0o700, parents=True, exist_ok=True)
         unfinished = folder / f".{run.entry.run}.{os.getpid()}"
@@ -81,17 +81,7 @@ def _folder(environment: Mapping[str, str], uid: int) -> Path:
 
 def _read(path: Path) -> EndedRun | None:
     try:
-        with path.open(encoding="utf-8") as file:
-            found = json.loads(file.read(_MAX_BYTES * 4))
-        entry = RunEntry(**{each.name: found["entry"][each.name] for each in fields(RunEntry)})
-        code = found["exit_code"]
-        return EndedRun(
-            entry,
-            float(found["ended"]),
-            None if code is None else int(code),
-            str(found["cause"]),
-            tuple(map(str, found["lines"])),
-            {str(name): str(log) for name, log in found["logs"].items()},
-        )
-    except (OSError, ValueError, TypeError, LookupError, AttributeError, RecursionError):
+        with path.open("rb") as file:
+            return read_json(file.read(_MAX_BYTES * 4), EndedRun)
+    except (OSError, ValueError):
         return None

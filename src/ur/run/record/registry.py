@@ -6,7 +6,7 @@ import os
 import socket
 import stat
 from collections.abc import Iterable, Mapping
-from dataclasses import asdict, fields
+from dataclasses import asdict, replace
 
 from ur.run.record.computer import Computer
 from ur.run.record.entry import RunEntry, is_own, runs_folders
@@ -18,7 +18,6 @@ SOCKET = "control"
 DESCRIPTION = "run.json"
 MOST_CHARACTERS = 100_000
 _LATEST = 1e12  # s since the epoch; what calculates with times later than that fails
-_TYPES = {"str": (str,), "int": (int,), "float": (float, int), "bool": (bool,)}
 
 
 def register_run(entry: RunEntry, environment: Mapping[str, str], uid: int) -> tuple[RunEntry, socket.socket] | None:
@@ -33,7 +32,7 @@ def register_run(entry: RunEntry, environment: Mapping[str, str], uid: int) -> t
                 continue
             os.mkdir(folder, 0o700)  # noqa: PTH102 - likewise
             listener = _listen(folder)
-            made = RunEntry(**{**asdict(entry), "folder": folder})
+            made = replace(entry, folder=folder)
             text = json.dumps(asdict(made), ensure_ascii=False)
             with open(f"{folder}/{DESCRIPTION}.new", "w", encoding="utf-8") as file:  # noqa: PTH123 - likewise
                 file.write(text)
@@ -157,19 +156,20 @@ def _remove_unfinished(folder: str) -> None:
 
 
 def _read_entry(folder: str) -> RunEntry | None:
-    import json
+    from ur.source.foreign.json_values import convert_json, read_json
 
     try:
         # A FIFO in its place would be waited for; nothing else that is no file has a description.
         descriptor = os.open(f"{folder}/{DESCRIPTION}", os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)
-        with open(descriptor, encoding="utf-8") as file:  # noqa: PTH123 - likewise
+        with open(descriptor, "rb") as file:  # noqa: PTH123 - likewise
             if not stat.S_ISREG(os.fstat(descriptor).st_mode):
                 return None
-            entry = RunEntry(**{**json.loads(file.read(MOST_CHARACTERS)), "folder": folder})
-    except (OSError, ValueError, TypeError, RecursionError):
+            found = read_json(file.read(MOST_CHARACTERS), dict)
+        entry = convert_json(found, RunEntry)
+    except (OSError, ValueError):
         return None
-    typed = all(type(getattr(entry, each.name)) in _TYPES[str(each.type)] for each in fields(entry))
-    return entry if typed and 0 <= entry.started < _LATEST else None
+    known = set(found).issubset(RunEntry.__slots__)
+    return replace(entry, folder=folder) if known and 0 <= entry.started < _LATEST else None
 
 
 def _remove_folder(folder: str) -> None:

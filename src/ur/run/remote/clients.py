@@ -5,12 +5,11 @@ The list is changed while `ur.run.remote.local_runs.lock_shares` is held, and re
 
 from __future__ import annotations
 
-import json
 from collections.abc import Collection
-from dataclasses import asdict
 from pathlib import Path
 
 from ur.run.remote.protocol import Client, parse_client
+from ur.source.foreign.json_values import read_json, write_json
 from ur.source.replace import PRIVATE, replace_file
 
 MAX_CLIENTS = 32
@@ -54,11 +53,11 @@ def is_shared(folder: str) -> bool:
 def read_clients(folder: str) -> tuple[Client, ...]:
     """The clients of the run with this control folder, oldest first."""
     try:
-        return tuple(map(parse_client, json.loads(Path(folder, _FILE).read_text(encoding="utf-8"))))
-    except (OSError, ValueError, TypeError, RecursionError):
+        return tuple(map(parse_client, read_json(Path(folder, _FILE).read_bytes(), list)))
+    except (OSError, ValueError):
         return ()
 
 
 def write_clients(folder: str, clients: Collection[Client]) -> None:
     """Replace the clients of a run, completely or not at all. Raises OSError: the run is gone, or the disk is full."""
-    replace_file(Path(folder, _FILE), json.dumps([asdict(each) for each in clients]), mode=PRIVATE, lasting=False)
+    replace_file(Path(folder, _FILE), write_json(tuple(clients)), mode=PRIVATE, lasting=False)

@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-import json
 import time
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Literal
+from typing import Any, Literal
 
 from ur.run.master.client import Master, parse_master_uri
 from ur.run.master.xml_rpc import CallRefused, Unanswered
 from ur.run.remote.protocol import check_printable
 from ur.source.diagnostic import UserError
+from ur.source.foreign.json_values import Timestamp, convert_json, read_json
 
 PARAMETER = "/ur/lease"
 LeaseState = Literal["free", "held", "lost"]
@@ -33,9 +33,9 @@ class RobotLease:
     client: str = ""
     name: str = ""
     program: str = ""
-    since: float = 0.0
+    since: Timestamp = 0.0
     computer: str = ""
-    until: float = 0.0
+    until: Timestamp = 0.0
 
 
 def read_lease(master_uri: str) -> RobotLease:
@@ -49,23 +49,14 @@ def read_lease(master_uri: str) -> RobotLease:
 
 
 def parse_lease(text: object) -> RobotLease:
-    """Read a lease that another computer has sent. Raises ValueError or TypeError for anything else."""
-    if not isinstance(text, str) or len(text) > _MAX_LENGTH:
-        raise TypeError("expected a short text")
-    try:
-        fields = json.loads(text)
-    except RecursionError:
-        raise ValueError("nested too deeply") from None
-    if not isinstance(fields, dict):
-        raise TypeError("expected an object")
-    state = fields.get("state")
-    if state not in ("free", "held", "lost"):
-        raise ValueError("state")
-    since, until = (_read_time(fields, key) for key in ("since", "until"))
-    client, name, program, computer = (
-        check_printable(fields.get(key) or "") for key in ("client", "name", "program", "computer")
-    )
-    return RobotLease(state, client, name, program, since, computer, until)
+    """Read a lease that another computer has sent. Raises ValueError for anything else."""
+    fields = read_json(text, dict[str, Any], _MAX_LENGTH)
+    if "state" not in fields:
+        raise ValueError("state: expected one of free, held, lost")
+    found = convert_json({name: value for name, value in fields.items() if value is not None}, RobotLease)
+    for each in (found.client, found.name, found.program, found.computer):
+        check_printable(each)
+    return found
 
 
 def describe_lease(lease: RobotLease, robot: str, now: float) -> str:
@@ -93,11 +84,3 @@ def belongs_to_other(lease: RobotLease, name: str, computer: str, own: Iterable[
 
 def _format_time(at: float, now: float) -> str:
     return time.strftime("%H:%M" if abs(now - at) < _DAY / 2 else "%d %b %H:%M", time.localtime(at))
-
-
-def _read_time(fields: dict[str, object], key: str) -> float:
-    """Seconds since 1970, 0 where there are none. Raises ValueError."""
-    value = fields.get(key) or 0.0
-    if isinstance(value, bool) or not isinstance(value, (int, float)) or not 0.0 <= value < 1e11:
-        raise ValueError(key)
-    return float(value)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import asyncio
 import hashlib
-import json
 import re
 import time
 from collections.abc import AsyncIterator, Callable, Mapping
@@ -16,7 +15,7 @@ from ur.web.access.roles import Role
 from ur.web.server.cameras import Cameras
 from ur.web.server.data.data_pages import DataPages
 from ur.web.server.drivers import DrivingPage, DrivingPages, describe_request
-from ur.web.server.gate import SESSION, VIEWER_PATH, LoginGate, demand_drive
+from ur.web.server.gate import SESSION, VIEWER_PATH, LoginGate, demand_drive, read_body
 from ur.web.server.logins.session_pages import SessionPages
 from ur.web.server.map_pages import MapPages
 from ur.web.server.recordings.recording_pages import RecordingPages
@@ -188,11 +187,7 @@ class Application:
         return web.Response(body=file.plain, headers=headers)
 
     async def _log_in(self, request: web.Request) -> web.Response:
-        try:
-            value = json.loads(await request.read())
-        except (ValueError, RecursionError):
-            raise web.HTTPBadRequest(text="expected JSON\n") from None
-        return self._gate.log_in(request, value.get("token") if isinstance(value, dict) else None)
+        return self._gate.log_in(request, (await read_body(request, dict)).get("token"))
 
     async def _log_out(self, request: web.Request) -> web.Response:
         return self._gate.log_out(request)

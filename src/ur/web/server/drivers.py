@@ -14,19 +14,20 @@ from aiohttp import WSCloseCode, web
 from ur.web.wire.map_requests import DeleteZone, DrawWalls, ForgetPlace, NamePlace, PutZone, RestoreWalls, SaveMap
 from ur.web.wire.requests import (
     AskForLease,
-    Emergency,
     GoalRequest,
     GoTo,
     LimitSpeed,
+    ReleaseAll,
     Request,
     Stick,
+    StopAll,
     SwitchObstacleStop,
 )
 
 _MOST_NUMBERS = 200
 _LOGGED = (
-    DeleteZone, Emergency, ForgetPlace, GoTo, AskForLease, LimitSpeed, NamePlace, PutZone, RestoreWalls, SaveMap,
-    SwitchObstacleStop,
+    DeleteZone, ReleaseAll, StopAll, ForgetPlace, GoTo, AskForLease, LimitSpeed, NamePlace, PutZone,
+    RestoreWalls, SaveMap, SwitchObstacleStop,
 )  # fmt: skip
 
 

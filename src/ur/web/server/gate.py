@@ -2,22 +2,25 @@
 
 from __future__ import annotations
 
-import json
 import time
 from collections.abc import Callable, Collection
 from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
+from typing import TypeVar
 from urllib.parse import parse_qs
 
 from aiohttp import web
 from aiohttp.typedefs import Handler, Middleware
 
+from ur.source.foreign.json_values import BadJsonError, read_json
 from ur.web.access.heads import Head, find_cookies
 from ur.web.access.origin import LOOPBACK, Origins, allows_host, allows_origin, allows_viewer
 from ur.web.access.rate import Buckets
 from ur.web.access.roles import SESSION_LIFE, Grant, Role
 from ur.web.server.link_files import LinkFiles
 from ur.web.server.logins.sessions import Sessions, say_nothing
+
+Body = TypeVar("Body")
 
 _NAMES = (
     ("iphone", "iPhone"),
@@ -206,15 +209,12 @@ def demand_drive(request: web.Request) -> None:
         raise web.HTTPForbidden(text="this login may look, expected one that may drive\n")
 
 
-async def read_object(request: web.Request) -> dict[str, object]:
-    """The JSON object that a request has as its body. Raises HTTPBadRequest."""
+async def read_body(request: web.Request, kind: type[Body]) -> Body:
+    """The value of a type that a request has as its body, which is JSON. Raises HTTPBadRequest."""
     try:
-        value = json.loads(await request.read())
-    except (ValueError, RecursionError):
-        raise web.HTTPBadRequest(text="expected JSON\n") from None
-    if not isinstance(value, dict):
-        raise web.HTTPBadRequest(text="expected a JSON object\n")
-    return value
+        return read_json(await request.read(), kind)
+    except BadJsonError as problem:
+        raise web.HTTPBadRequest(text=f"{problem}\n") from None
 
 
 def _is_embedded(request: web.Request) -> bool:

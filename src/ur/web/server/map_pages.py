@@ -11,7 +11,7 @@ from ur.web.access.roles import Role
 from ur.web.runs.commands import CommandQueue
 from ur.web.runs.programs import ProgramsError
 from ur.web.runs.stored_maps import StoredMaps
-from ur.web.server.gate import SESSION, demand_drive, read_object
+from ur.web.server.gate import SESSION, demand_drive, read_body
 
 
 class MapPages:
@@ -38,14 +38,14 @@ class MapPages:
 
     async def _rename(self, request: web.Request) -> web.Response:
         demand_drive(request)
-        value = await read_object(request)
+        value = await read_body(request, dict)
         await _answer(self._maps.rename(value.get("name"), value.get("new_name")))
         self._note(request, f"has renamed map {value['name']} to {value['new_name']}")
         return web.json_response({"ok": True})
 
     async def _delete(self, request: web.Request) -> web.Response:
         demand_drive(request)
-        value = await read_object(request)
+        value = await read_body(request, dict)
         await _answer(self._maps.delete(value.get("name")))
         self._note(request, f"has deleted map {value['name']}")
         return web.json_response({"ok": True})

@@ -26,9 +26,8 @@ from ur.web.wire.run_requests import (
     EndRun,
     RunRequest,
     StartProgram,
-    read_arguments,
     read_node_name,
-    read_program_name,
+    read_program,
     read_run_request,
 )
 
@@ -224,7 +223,7 @@ class RunPages:
         try:
             node = read_node_name(request.query.get("node"))
         except BadRequestError as problem:
-            raise web.HTTPBadRequest(text=f"{problem}\n") from None
+            raise web.HTTPBadRequest(text=f"node: {problem}\n") from None
         return web.Response(text=await _answer(self._programs.explain(*query, node)))
 
     async def _diagnose(self, _request: web.Request) -> web.Response:
@@ -238,15 +237,12 @@ def _read_query(request: web.Request) -> tuple[str, Mapping[str, str]]:
     HTTPForbidden.
     """
     try:
-        program = read_program_name(request.query.get("program"))
-        arguments = read_arguments(json.loads(request.query.get("arguments", "{}")))
+        asked = read_program(request.query.get("program"), request.query.get("arguments", "{}"))
     except BadRequestError as problem:
         raise web.HTTPBadRequest(text=f"{problem}\n") from None
-    except (ValueError, RecursionError):
-        raise web.HTTPBadRequest(text="arguments: expected JSON\n") from None
-    if arguments and request[SESSION][1].role is not Role.DRIVE:
+    if asked.arguments and request[SESSION][1].role is not Role.DRIVE:
         raise web.HTTPForbidden(text="this login may look at the default values, expected no arguments\n")
-    return program, arguments
+    return asked.program, asked.arguments
 
 
 async def _answer(work: Awaitable[Any]) -> Any:

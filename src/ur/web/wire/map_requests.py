@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Annotated
+
+from msgspec import Meta
 
 from ur.maps.names import is_map_name
 from ur.maps.record import MOST_STROKES, WIDEST_STROKE, MapEdit
-from ur.web.wire.reading import FARTHEST, BadRequestError, read_name, read_number, read_pose
+from ur.web.wire.reading import Coordinate, Heading, Name, PageRequest
 
 MOST_CORNERS = 32
 """Corners of a zone."""
@@ -16,22 +18,24 @@ MOST_CORNERS = 32
 LEAST_WIDTH = 0.01
 """m, of the brush for walls."""
 
+_MapName = Annotated[str, Meta(description="the name of a map")]
+_CORNERS = f"x, y, x, y, ... of 3 to {MOST_CORNERS} corners"
+_STROKES = f"1 to {MOST_STROKES}, each 0 or 1, a width, and x, y, x, y, ... of 2 points or more"
 
-@dataclass(frozen=True, slots=True)
-class NamePlace:
+
+class NamePlace(PageRequest, frozen=True, tag="name_place"):
     """Name a pose in the map frame, or move the place that has the name."""
 
-    place: str
-    x: float
-    y: float
-    yaw: float
+    place: Name
+    x: Coordinate
+    y: Coordinate
+    yaw: Heading
 
 
-@dataclass(frozen=True, slots=True)
-class ForgetPlace:
+class ForgetPlace(PageRequest, frozen=True, tag="forget_place"):
     """Delete a place."""
 
-    place: str
+    place: Name
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,15 +50,13 @@ class PutZone:
     corners: tuple[tuple[float, float], ...]
 
 
-@dataclass(frozen=True, slots=True)
-class DeleteZone:
+class DeleteZone(PageRequest, frozen=True, tag="delete_zone"):
     """Delete a zone."""
 
-    zone: str
+    zone: Name
 
 
-@dataclass(frozen=True, slots=True)
-class SaveMap:
+class SaveMap(PageRequest, frozen=True, tag="save_map"):
     """Save the map that is being made."""
 
 
@@ -66,56 +68,61 @@ class DrawWalls:
     strokes: tuple[MapEdit, ...]
 
 
-@dataclass(frozen=True, slots=True)
-class RestoreWalls:
+class RestoreWalls(PageRequest, frozen=True, tag="restore_walls"):
     """Restore the map in use as it was before the last DrawWalls."""
 
-    map: str
+    map: _MapName
+
+    def __post_init__(self) -> None:
+        _check_map(self.map)
+
+
+class PackedZone(PageRequest, frozen=True, tag="put_zone"):
+    """A PutZone as the page packs it: x, y, x, y, ... of the corners."""
+
+    zone: Name
+    percent: Annotated[int, Meta(ge=0, le=99)]
+    corners: Annotated[tuple[Coordinate, ...], Meta(min_length=6, max_length=2 * MOST_CORNERS, description=_CORNERS)]
+
+    def __post_init__(self) -> None:
+        if len(self.corners) % 2:
+            raise ValueError(f"corners: expected {_CORNERS}")
+
+    def unpack(self) -> PutZone:
+        """The request."""
+        return PutZone(self.zone, self.percent, _pair(self.corners))
+
+
+class PackedWalls(PageRequest, frozen=True, tag="draw_walls"):
+    """A DrawWalls as the page packs it: a stroke is 1 to erase or 0, the width, and x, y, x, y, ... of its points."""
+
+    map: _MapName
+    strokes: Annotated[
+        tuple[Annotated[tuple[Coordinate, ...], Meta(min_length=6)], ...],
+        Meta(min_length=1, max_length=MOST_STROKES, description=_STROKES),
+    ]
+
+    def __post_init__(self) -> None:
+        _check_map(self.map)
+        if any(len(each) % 2 or each[0] not in (0.0, 1.0) for each in self.strokes):
+            raise ValueError(f"strokes: expected {_STROKES}")
+        if not all(LEAST_WIDTH <= each[1] <= WIDEST_STROKE for each in self.strokes):
+            raise ValueError(f"strokes: expected a width from {LEAST_WIDTH:g} to {WIDEST_STROKE:g} m")
+
+    def unpack(self) -> DrawWalls:
+        """The request."""
+        edits = (MapEdit("erase" if erase else "wall", _pair(flat), width) for erase, width, *flat in self.strokes)
+        return DrawWalls(self.map, tuple(edits))
 
 
 MapRequest = NamePlace | ForgetPlace | PutZone | DeleteZone | SaveMap | DrawWalls | RestoreWalls
+PackedMapRequest = NamePlace | ForgetPlace | PackedZone | DeleteZone | SaveMap | PackedWalls | RestoreWalls
 
 
-def _put_zone(value: Mapping[str, Any]) -> PutZone:
-    percent, found = value.get("percent"), value.get("corners")
-    if type(percent) is not int or not 0 <= percent < 100:
-        raise BadRequestError("percent: expected a whole number from 0 to 99")
-    if not isinstance(found, list) or len(found) % 2 or not 6 <= len(found) <= 2 * MOST_CORNERS:
-        raise BadRequestError(f"corners: expected x, y, x, y, ... of 3 to {MOST_CORNERS} corners")
-    numbers = [read_number({"corners": each}, "corners", FARTHEST) for each in found]
-    return PutZone(read_name(value, "zone"), percent, tuple(zip(numbers[::2], numbers[1::2], strict=True)))
+def _check_map(name: str) -> None:
+    if not is_map_name(name):
+        raise ValueError("map: expected the name of a map")
 
 
-def _map(value: Mapping[str, Any]) -> str:
-    name = value.get("map")
-    if not isinstance(name, str) or not is_map_name(name):
-        raise BadRequestError("map: expected the name of a map")
-    return name
-
-
-def _draw_walls(value: Mapping[str, Any]) -> DrawWalls:
-    found = value.get("strokes")
-    if not isinstance(found, list) or not 0 < len(found) <= MOST_STROKES:
-        raise BadRequestError(f"strokes: expected 1 to {MOST_STROKES}")
-    return DrawWalls(_map(value), tuple(_stroke(each) for each in found))
-
-
-def _stroke(found: object) -> MapEdit:
-    """A stroke as the page packs it: 1 to erase or 0, the width, and x, y, x, y, ... of its points."""
-    if not isinstance(found, list) or len(found) < 6 or len(found) % 2 or found[0] not in (0, 1):
-        raise BadRequestError("strokes: expected 0 or 1, a width, and x, y, x, y, ... of 2 points or more")
-    width, *numbers = (read_number({"strokes": each}, "strokes", FARTHEST) for each in found[1:])
-    if not LEAST_WIDTH <= width <= WIDEST_STROKE:
-        raise BadRequestError(f"strokes: expected a width from {LEAST_WIDTH:g} to {WIDEST_STROKE:g} m")
-    return MapEdit("erase" if found[0] else "wall", tuple(zip(numbers[::2], numbers[1::2], strict=True)), width)
-
-
-MAP_READERS: Mapping[str, Callable[[Mapping[str, Any]], MapRequest]] = {
-    "name_place": lambda value: NamePlace(read_name(value), *read_pose(value)),
-    "forget_place": lambda value: ForgetPlace(read_name(value)),
-    "put_zone": _put_zone,
-    "delete_zone": lambda value: DeleteZone(read_name(value, "zone")),
-    "save_map": lambda _: SaveMap(),
-    "draw_walls": _draw_walls,
-    "restore_walls": lambda value: RestoreWalls(_map(value)),
-}
+def _pair(flat: Sequence[float]) -> tuple[tuple[float, float], ...]:
+    return tuple(zip(flat[::2], flat[1::2], strict=True))

@@ -1,13 +1,15 @@
-"""Parts of requests that several kinds have in common: numbers, names and poses from a browser, checked."""
+"""Types that requests of pages have in common: numbers, names and poses from a browser, with their limits."""
 
 from __future__ import annotations
 
-import json
-import math
-from collections.abc import Callable, Mapping
-from typing import Any, TypeVar, cast
+from typing import Annotated, Any
 
-Reader = TypeVar("Reader", bound=Callable[..., object])
+from msgspec import Meta
+
+from ur.source.foreign.json_values import BadJsonError, PrintableValue, convert_json, read_json
+
+BadRequestError = BadJsonError
+"""A message that is no request; its text says why, in a line."""
 
 LONGEST_NAME = 64
 """Characters of the longest name of a place."""
@@ -15,57 +17,22 @@ LONGEST_NAME = 64
 FARTHEST = 1e5
 """m: the largest coordinate."""
 
-_MOST = 2**32
+Name = Annotated[
+    str, Meta(min_length=1, max_length=LONGEST_NAME, description=f"a name of at most {LONGEST_NAME} characters")
+]
+Coordinate = Annotated[float, Meta(ge=-FARTHEST, le=FARTHEST)]
+Heading = Annotated[float, Meta(ge=-7.0, le=7.0)]
 
 
-class BadRequestError(ValueError):
-    """A message that is no request; its text says why, in a line."""
+class PageRequest(PrintableValue, frozen=True, forbid_unknown_fields=False, tag_field="t", tag=""):
+    """A request of a page that drives. Unknown fields are ignored: a stop is not refused since a page is newer."""
 
 
-def read_object(text: object, longest: int) -> dict[str, Any]:
-    """The JSON object that a text of at most `longest` characters is. Raises BadRequestError."""
-    if not isinstance(text, str) or len(text) > longest:
-        raise BadRequestError(f"expected a text of at most {longest} characters")
-    try:
-        value = json.loads(text)
-    except (ValueError, RecursionError):
-        raise BadRequestError("expected JSON") from None
-    if not isinstance(value, dict):
-        raise BadRequestError("expected a JSON object")
-    return value
+_HEAD: tuple[str, ...] = ("n", "id")
 
 
-def choose_reader(value: Mapping[str, Any], readers: Mapping[str, Reader]) -> Reader:
-    """The reader for the kind of a request, its field `t`. Raises BadRequestError."""
-    kind = value.get("t")
-    reader = readers.get(kind) if isinstance(kind, str) else None
-    if reader is None:
-        raise BadRequestError(f"t: expected one of {', '.join(readers)}")
-    return reader
-
-
-def is_count(value: object) -> bool:
-    """Tell whether a value is a whole number from 0 to 2^32 - 1; JSON's true and false are none."""
-    return isinstance(value, int) and not isinstance(value, bool) and 0 <= value < _MOST
-
-
-def read_number(value: Mapping[str, Any], name: str, most: float) -> float:
-    """The finite number from -most to most in a field. Raises BadRequestError."""
-    found = value.get(name)
-    good = isinstance(found, (int, float)) and not isinstance(found, bool) and abs(found) <= most
-    if not good or not math.isfinite(float(cast("float", found))):
-        raise BadRequestError(f"{name}: expected a number from {-most:g} to {most:g}")
-    return float(cast("float", found))
-
-
-def read_pose(value: Mapping[str, Any]) -> tuple[float, float, float]:
-    """The fields x, y (m) and yaw (rad). Raises BadRequestError."""
-    return read_number(value, "x", FARTHEST), read_number(value, "y", FARTHEST), read_number(value, "yaw", 7.0)
-
-
-def read_name(value: Mapping[str, Any], key: str = "place") -> str:
-    """The name in a field. Raises BadRequestError."""
-    name = value.get(key)
-    if not isinstance(name, str) or not 0 < len(name) <= LONGEST_NAME or not name.isprintable():
-        raise BadRequestError(f"{key}: expected a name of at most {LONGEST_NAME} characters")
-    return name
+def read_numbered(text: object, kind: object, longest: int) -> tuple[Any, dict[str, Any]]:
+    """The request of a type that a text is, and its fields `n` and `id` as they came. Raises BadRequestError."""
+    value = read_json(text, dict[str, Any], longest)
+    head = {name: value.pop(name) for name in _HEAD if name in value}
+    return convert_json(value, kind), head

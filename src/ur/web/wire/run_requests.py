@@ -6,12 +6,15 @@ is recognised by an old one. `id` is the page's number of the request, by which 
 
 from __future__ import annotations
 
-import re
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, Literal, cast
+from typing import Annotated, Literal
 
-from ur.web.wire.reading import BadRequestError, choose_reader, is_count, read_object
+import msgspec
+from msgspec import Meta
+
+from ur.source.foreign.json_values import Count, ForeignValue, convert_json, read_json
+from ur.web.wire.reading import read_numbered
 
 LONGEST = 16384
 """Characters of the longest request."""
@@ -20,38 +23,57 @@ MOST_ARGUMENTS = 60
 LONGEST_VALUE = 256
 
 NodeAction = Literal["start", "stop", "restart"]
-_ACTIONS = ("start", "stop", "restart")
-_PROGRAM = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,63}(/[A-Za-z0-9_]{1,64})?", re.ASCII)
-_ARGUMENT = re.compile(r"[A-Za-z_][A-Za-z0-9_]{0,63}", re.ASCII)
-_RUN = re.compile(r"[\w-]{1,60}\.[0-9]{1,10}")
-_NODE = re.compile(r"/[A-Za-z0-9_/~]{1,200}", re.ASCII)
+_ProgramName = Annotated[
+    str, Meta(pattern=r"^[A-Za-z][A-Za-z0-9_]{0,63}(/[A-Za-z0-9_]{1,64})?\Z", description="NAME or PACKAGE/NAME")
+]
+_NodeName = Annotated[
+    str, Meta(pattern=r"^/[A-Za-z0-9_/~]{1,200}\Z", description="a full name of a node, such as /amcl")
+]
+_ARGUMENTS = (
+    f"at most {MOST_ARGUMENTS} values by names of letters, digits and '_', "
+    f"each one line of at most {LONGEST_VALUE} characters without '$('"
+)
+_Arguments = Annotated[
+    Mapping[
+        Annotated[str, Meta(pattern=r"^[A-Za-z_][A-Za-z0-9_]{0,63}\Z")], Annotated[str, Meta(max_length=LONGEST_VALUE)]
+    ],
+    Meta(max_length=MOST_ARGUMENTS, description=_ARGUMENTS),
+]
+_RunId = Annotated[str, Meta(pattern=r"^[\w-]{1,60}\.[0-9]{1,10}\Z", description="the id of a run")]
 
 
-@dataclass(frozen=True, slots=True)
-class StartProgram:
+class StartProgram(ForeignValue, frozen=True, tag_field="t", tag="start"):
     """Start a program with these arguments, by name."""
 
-    program: str
-    arguments: Mapping[str, str]
+    program: _ProgramName
+    arguments: _Arguments = msgspec.field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        # Nothing of a value is to be substituted.
+        if not all(text.isprintable() and "$(" not in text for text in self.arguments.values()):
+            raise ValueError(f"arguments: expected {_ARGUMENTS}")
 
 
-@dataclass(frozen=True, slots=True)
-class EndRun:
+class EndRun(ForeignValue, frozen=True, tag_field="t", tag="end"):
     """End a run."""
 
-    run: str
+    run: _RunId
 
 
-@dataclass(frozen=True, slots=True)
-class ChangeNode:
+class ChangeNode(ForeignValue, frozen=True, tag_field="t", tag="node", rename={"action": "do"}):
     """Start, stop or restart a node of a run."""
 
-    run: str
-    node: str
+    run: _RunId
+    node: _NodeName
     action: NodeAction
 
 
 RunRequest = StartProgram | EndRun | ChangeNode
+
+
+class _Head(ForeignValue, frozen=True):
+    n: Count
+    id: Count
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,65 +87,17 @@ class Envelope:
 
 def read_run_request(text: object) -> Envelope:
     """The request that a text is. Raises BadRequestError."""
-    value = read_object(text, LONGEST)
-    reader = choose_reader(value, _READERS)
-    return Envelope(_count(value, "n"), _count(value, "id"), reader(value))
+    request, fields = read_numbered(text, RunRequest, LONGEST)
+    head = convert_json(fields, _Head)
+    return Envelope(head.n, head.id, request)
 
 
-def read_program_name(value: object) -> str:
-    """A name of a program. Raises BadRequestError."""
-    return _match(_PROGRAM, value, "program: expected NAME or PACKAGE/NAME")
+def read_program(program: object, arguments: str) -> StartProgram:
+    """The program and arguments, as JSON, of a query. Raises BadRequestError."""
+    return convert_json({"t": "start", "program": program, "arguments": read_json(arguments, dict)}, StartProgram)
 
 
 def read_node_name(value: object) -> str:
     """A full name of a node. Raises BadRequestError."""
-    return _match(_NODE, value, "node: expected a full name of a node, such as /amcl")
-
-
-def read_arguments(value: object) -> Mapping[str, str]:
-    """Values of arguments by name. Raises BadRequestError.
-
-    A value is one line of printable text without `$(`: nothing of it is to be substituted.
-    """
-    if not isinstance(value, dict) or len(value) > MOST_ARGUMENTS:
-        raise BadRequestError(f"arguments: expected an object of at most {MOST_ARGUMENTS} values")
-    for name, text in value.items():
-        _match(_ARGUMENT, name, "arguments: expected names of letters, digits and '_'")
-        good = isinstance(text, str) and len(text) <= LONGEST_VALUE and (text.isprintable() or not text)
-        if not good or "$(" in text:
-            message = f"{name}: expected one line of at most {LONGEST_VALUE} characters without '$('"
-            raise BadRequestError(message)
-    return cast("Mapping[str, str]", value)
-
-
-def _match(pattern: re.Pattern[str], value: object, message: str) -> str:
-    if not isinstance(value, str) or pattern.fullmatch(value) is None:
-        raise BadRequestError(message)
-    return value
-
-
-def _count(value: Mapping[str, Any], name: str) -> int:
-    found = value.get(name)
-    if not is_count(found):
-        raise BadRequestError(f"{name}: expected a whole number below 2^32")
-    return int(cast("int", found))
-
-
-def _run(value: Mapping[str, Any]) -> str:
-    return _match(_RUN, value.get("run"), "run: expected the id of a run")
-
-
-def _change(value: Mapping[str, Any]) -> ChangeNode:
-    action = value.get("do")
-    if not isinstance(action, str) or action not in _ACTIONS:
-        raise BadRequestError(f"do: expected one of {', '.join(_ACTIONS)}")
-    return ChangeNode(_run(value), read_node_name(value.get("node")), cast("NodeAction", action))
-
-
-_READERS: Mapping[str, Callable[[Mapping[str, Any]], RunRequest]] = {
-    "start": lambda value: StartProgram(
-        read_program_name(value.get("program")), read_arguments(value.get("arguments", {}))
-    ),
-    "end": lambda value: EndRun(_run(value)),
-    "node": _change,
-}
+    name: str = convert_json(value, _NodeName)
+    return name

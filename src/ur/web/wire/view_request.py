@@ -4,16 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Annotated, Literal
 
+from msgspec import Meta
+
+from ur.source.foreign.json_values import read_json
 from ur.web.wire.frames import Layer
 from ur.web.wire.layers import read_layers
 from ur.web.wire.plots import read_plots
-from ur.web.wire.reading import BadRequestError, read_object
 
 LONGEST = 4096
 """Characters of a message: eight plots with the longest names fit in."""
 
-_KEYS = frozenset({"layers", "plots"})
+_Texts = Annotated[
+    dict[Literal["layers", "plots"], str], Meta(min_length=1, description="an object with layers and plots, texts")
+]
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,9 +37,4 @@ def read_view(values: Mapping[str, str]) -> ViewRequest:
 
 def read_view_message(data: object) -> ViewRequest:
     """The request of a message: a JSON object of the same texts. Raises BadRequestError."""
-    value = read_object(data, LONGEST)
-    if not value or not _KEYS.issuperset(value):
-        raise BadRequestError(f"expected an object with {' and '.join(sorted(_KEYS))}")
-    if not all(isinstance(each, str) for each in value.values()):
-        raise BadRequestError("expected texts")
-    return read_view(value)
+    return read_view(read_json(data if isinstance(data, str) else None, _Texts, LONGEST))

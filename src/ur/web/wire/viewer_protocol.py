@@ -7,14 +7,17 @@ form of ROS 1. The protocol is described at https://github.com/foxglove/ws-proto
 
 from __future__ import annotations
 
-import json
 import math
 import struct
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, Literal, cast
+from typing import Annotated, Any, Literal
 
-from ur.web.wire.reading import BadRequestError, read_object
+import msgspec
+from msgspec import Meta
+
+from ur.source.foreign.json_values import convert_json, read_json, write_json
+from ur.web.wire.reading import BadRequestError
 
 UPSTREAM = "foxglove.sdk.v1"
 """The name of the protocol that foxglove-sdk takes."""
@@ -39,35 +42,50 @@ _COVARIANCE = 36 * 8  # bytes
 _PUBLISHED = struct.Struct("<BI")
 
 
+_Number = Annotated[int, Meta(ge=0, le=2**63 - 1)]
+_Numbers = Annotated[tuple[_Number, ...], Meta(max_length=_MOST_IDS)]
+_Name = Annotated[str, Meta(max_length=_MOST_NAME)]
+
+
+class _Wanted(msgspec.Struct, frozen=True):
+    id: _Number
+    channelId: _Number  # noqa: N815 - as the protocol has it
+
+
+class _Subscribe(msgspec.Struct, frozen=True, tag_field="op", tag="subscribe"):
+    subscriptions: Annotated[tuple[_Wanted, ...], Meta(max_length=_MOST_IDS)]
+
+
+class _Unsubscribe(msgspec.Struct, frozen=True, tag_field="op", tag="unsubscribe"):
+    subscriptionIds: _Numbers  # noqa: N815 - likewise
+
+
+class AdvertisedTopic(msgspec.Struct, frozen=True, rename={"number": "id", "schema": "schemaName"}):
+    """A topic on which the client is going to publish, with the number that it gives it."""
+
+    number: _Number
+    topic: _Name
+    schema: _Name
+    encoding: _Name
+
+
+class Advertisement(msgspec.Struct, frozen=True, tag_field="op", tag="advertise", rename={"topics": "channels"}):
+    """Topics on which the client is going to publish."""
+
+    topics: Annotated[tuple[AdvertisedTopic, ...], Meta(max_length=_MOST_IDS)]
+
+
+class Withdrawal(msgspec.Struct, frozen=True, tag_field="op", tag="unadvertise", rename={"numbers": "channelIds"}):
+    """Topics on which the client publishes no more, by their numbers."""
+
+    numbers: _Numbers
+
+
 @dataclass(frozen=True, slots=True)
 class SubscriptionMessage:
     """A message about subscriptions; `text` is what it says, and nothing else that came with it."""
 
     text: str
-
-
-@dataclass(frozen=True, slots=True)
-class AdvertisedTopic:
-    """A topic on which the client is going to publish, with the number that it gives it."""
-
-    number: int
-    topic: str
-    schema: str
-    encoding: str
-
-
-@dataclass(frozen=True, slots=True)
-class Advertisement:
-    """Topics on which the client is going to publish."""
-
-    topics: tuple[AdvertisedTopic, ...]
-
-
-@dataclass(frozen=True, slots=True)
-class Withdrawal:
-    """Topics on which the client publishes no more, by their numbers."""
-
-    numbers: tuple[int, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,6 +97,9 @@ class Publication:
 
 
 Message = SubscriptionMessage | Advertisement | Withdrawal | Publication
+_KINDS: dict[Any, type[Any]] = {
+    each.__struct_config__.tag: each for each in (_Subscribe, _Unsubscribe, Advertisement, Withdrawal)
+}
 
 
 def read_message(data: object) -> Message | None:
@@ -87,24 +108,17 @@ def read_message(data: object) -> Message | None:
         if len(data) < _PUBLISHED.size or data[0] != _MESSAGE_DATA:
             return None
         return Publication(_PUBLISHED.unpack_from(data)[1], data[_PUBLISHED.size :])
-    if not isinstance(data, str) or len(data) > LONGEST:
-        raise BadRequestError(f"expected a message of at most {LONGEST} bytes")
-    value = read_object(data, LONGEST)
+    value = read_json(data, dict[str, Any], LONGEST)
     operation = value.get("op")
-    if operation == "subscribe":
-        wanted = [
-            {"id": _number(each, "id"), "channelId": _number(each, "channelId")}
-            for each in _list(value, "subscriptions")
-        ]
-        return SubscriptionMessage(json.dumps({"op": "subscribe", "subscriptions": wanted}))
-    if operation == "unsubscribe":
-        numbers = _numbers(value, "subscriptionIds")
-        return SubscriptionMessage(json.dumps({"op": "unsubscribe", "subscriptionIds": numbers}))
-    if operation == "advertise":
-        return Advertisement(tuple(_advertised(each) for each in _list(value, "channels")))
-    if operation == "unadvertise":
-        return Withdrawal(tuple(_numbers(value, "channelIds")))
-    return None
+    kind = _KINDS.get(operation) if isinstance(operation, str) else None
+    if kind is None:
+        return None
+    found: _Subscribe | _Unsubscribe | Advertisement | Withdrawal = convert_json(value, kind)
+    if isinstance(found, Advertisement):
+        return Advertisement(
+            tuple(msgspec.structs.replace(each, topic="/" + each.topic.lstrip("/")) for each in found.topics)
+        )
+    return SubscriptionMessage(write_json(found)) if isinstance(found, _Subscribe | _Unsubscribe) else found
 
 
 def read_request_of(topic: str, data: bytes) -> dict[str, Any]:
@@ -133,43 +147,15 @@ def read_request_of(topic: str, data: bytes) -> dict[str, Any]:
 
 def complete_server_info(text: str, *, publish: bool) -> str:
     """The first message of foxglove-sdk, with what the gate offers besides: to `publish`, and that this is ROS 1."""
-    value = json.loads(text)
-    if not isinstance(value, dict) or value.get("op") != "serverInfo":
+    value = read_json(text, dict[str, Any], len(text))
+    if value.get("op") != "serverInfo":
         return text
     value["metadata"] = {**(value.get("metadata") or {}), "ROS_DISTRO": _DISTRIBUTION}
     value["capabilities"] = ["clientPublish"] if publish else []
     value["supportedEncodings"] = ["ros1"]
-    return json.dumps(value)
+    return write_json(value)
 
 
 def write_status(level: Literal["info", "warning", "error"], text: str) -> str:
     """A line that the client shows to its user."""
-    return json.dumps({"op": "status", "level": ("info", "warning", "error").index(level), "message": text})
-
-
-def _list(value: Mapping[str, Any], name: str) -> list[Any]:
-    found = value.get(name)
-    if not isinstance(found, list) or len(found) > _MOST_IDS:
-        raise BadRequestError(f"{name}: expected a list of at most {_MOST_IDS}")
-    return found
-
-
-def _numbers(value: Mapping[str, Any], name: str) -> list[int]:
-    return [_number({name: each}, name) for each in _list(value, name)]
-
-
-def _number(value: object, name: str) -> int:
-    found = value.get(name) if isinstance(value, dict) else None
-    if type(found) is not int or not 0 <= found < 2**63:
-        raise BadRequestError(f"{name}: expected a whole number")
-    return found
-
-
-def _advertised(value: object) -> AdvertisedTopic:
-    number = _number(value, "id")
-    found = cast("dict[str, Any]", value)
-    texts = [found.get(name) for name in ("topic", "schemaName", "encoding")]
-    if not all(isinstance(each, str) and len(each) <= _MOST_NAME for each in texts):
-        raise BadRequestError("channels: expected topic, schemaName and encoding")
-    topic, schema, encoding = cast("list[str]", texts)
-    return AdvertisedTopic(number, "/" + topic.lstrip("/"), schema, encoding)
+    return write_json({"op": "status", "level": ("info", "warning", "error").index(level), "message": text})

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import partial
 
+from ur.source.foreign.json_values import BadJsonError
 from ur_nodes.client.patrol_text import (
-    BadPatrolError,
     PatrolAnswer,
     PatrolRequest,
     PatrolRoute,
@@ -117,8 +117,8 @@ class PatrolRunner:
     def _take_request(self, text: str, sender: Sender | None) -> None:
         try:
             request = read_request(text)
-        except BadPatrolError as problem:
-            self._node.log.warn(f"a request for a patrol is ignored, expected {problem}")
+        except BadJsonError as problem:
+            self._node.log.warn(f"a request for a patrol is ignored, {problem}")
             return
         latched = sender is not None and sender.kept
         self._places.find(request.route, partial(self._take_route, request, latched=latched))

@@ -147,7 +147,7 @@ class AdmissionGate:
     def _take_request(self, text: str, sender: Sender | None) -> None:
         request = read_request(text)
         if isinstance(request, str):
-            self._log.warn(f"{_name(sender)}: ignored a request about the lease {request}", every=5.0)
+            self._log.warn(f"{_name(sender)}: ignored a request about the lease: {request}", every=5.0)
             return
         self._admission, counted = admit_request(self._admission, request, self._node.steady(), time.time())
         self._announce()

@@ -9,7 +9,9 @@ from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
+from ur.source.foreign.json_values import BadJsonError, read_json
 from ur.source.replace import PRIVATE, replace_file, sync_folder
 from ur_nodes.motion.lease.text import Lease, read_lease, write_lease
 
@@ -27,10 +29,8 @@ class LeaseStore:
         """Return the lease and whether it is of this run of the master; None where there is none or it is damaged."""
         try:
             with self.path.open("rb") as file:
-                value = json.loads(file.read(_LONGEST))
-        except (OSError, ValueError, RecursionError):
-            return None, True
-        if not isinstance(value, dict):
+                value = read_json(file.read(_LONGEST), dict[str, Any])
+        except (OSError, BadJsonError):
             return None, True
         return read_lease(value.get("lease")), value.get("run") == self.run
 

@@ -12,11 +12,12 @@ from ur.web.wire.requests import (
     AskForLease,
     AskPatrol,
     Cancel,
-    Emergency,
     LetGo,
     LimitSpeed,
+    ReleaseAll,
     Request,
     Stick,
+    StopAll,
     SwitchObstacleStop,
     read_request,
 )
@@ -136,8 +137,8 @@ class DriverSession:
             self._renew(client, page, request.answers)
         elif isinstance(request, AskForLease):
             self._ask_for_lease(client, page, request)
-        elif isinstance(request, Emergency):
-            self._robot.mux.ask("stop" if request.stop else "release")
+        elif isinstance(request, StopAll | ReleaseAll):
+            self._robot.mux.ask("stop" if isinstance(request, StopAll) else "release")
         elif isinstance(request, LimitSpeed):
             self._link.limit_speed(request.percent)
         elif isinstance(request, SwitchObstacleStop):
@@ -210,9 +211,9 @@ class DriverSession:
         if not self._robot.patrol.request(asked, answer):
             answer("no patrol")
 
-    def _find_stop(self, stop: str | tuple[float, float]) -> PatrolStop | None:
+    def _find_stop(self, stop: str | tuple[float, ...]) -> PatrolStop | None:
         if not isinstance(stop, str):
-            return PatrolStop("", *stop)
+            return PatrolStop("", stop[0], stop[1])
         place = self._robot.places.find(stop)
         return None if place is None else PatrolStop(stop, place.x, place.y)
 

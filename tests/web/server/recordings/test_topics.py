@@ -6,8 +6,13 @@ import re
 
 import pytest
 
-from ur.web.server.recordings.topics import MOST_TOPICS, PublishedTopic, TopicSelection, read_topics, select
+from ur.source.foreign.json_values import convert_json
+from ur.web.server.recordings.topics import MOST_TOPICS, ChosenTopics, PublishedTopic, TopicSelection, select
 from ur.web.wire.reading import BadRequestError
+
+
+def read_topics(value: object) -> tuple[str, ...]:
+    return convert_json({"topics": value}, ChosenTopics).names
 
 
 @pytest.mark.parametrize(

@@ -8,14 +8,19 @@ from collections.abc import Callable
 from aiohttp import web
 
 from ur.source.diagnostic import UserError
+from ur.source.foreign.json_values import ForeignValue
 from ur.web.access.origin import LOOPBACK
 from ur.web.access.rate import Buckets
 from ur.web.access.roles import Grant, Role, clean_name
-from ur.web.server.gate import SESSION, LoginGate, demand_drive, read_object
+from ur.web.server.gate import SESSION, LoginGate, demand_drive, read_body
 from ur.web.server.links import draw_picture, find_address, link_to
 
 _INVITE_RATE, _INVITE_BURST = 0.1, 10.0
 _OTHERS = "others"
+
+
+class _Invitation(ForeignValue, frozen=True):
+    role: Role
 
 
 class SessionPages:
@@ -57,7 +62,7 @@ class SessionPages:
     async def _end(self, request: web.Request) -> web.Response:
         """End one session, by its id, or all but the own one."""
         demand_drive(request)
-        asked = str((await read_object(request)).get("id"))
+        asked = str((await read_body(request, dict)).get("id"))
         own, sessions = request[SESSION][0], self._gate.sessions
         ids = [each for each in sessions.list() if (each != own if asked == _OTHERS else each == asked)]
         if not ids and asked != _OTHERS:
@@ -68,7 +73,7 @@ class SessionPages:
 
     async def _name(self, request: web.Request) -> web.Response:
         """Give a session a name, by its id: the own one, or any for those who may drive."""
-        value = await read_object(request)
+        value = await read_body(request, dict)
         own = request[SESSION][0]
         asked = str(value.get("id", own))
         if asked != own:
@@ -85,10 +90,7 @@ class SessionPages:
 
     async def _invite(self, request: web.Request) -> web.Response:
         """Make a link for one login of another device, and its QR code."""
-        asked = (await read_object(request)).get("role")
-        if asked not in (Role.LOOK.value, Role.DRIVE.value):
-            raise web.HTTPBadRequest(text="role: expected 'look' or 'drive'\n")
-        role = Role(asked)
+        role = (await read_body(request, _Invitation)).role
         if role is Role.DRIVE:
             demand_drive(request)
         if not self._invitations.allows(request[SESSION][0], time.monotonic()):

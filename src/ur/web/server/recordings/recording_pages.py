@@ -12,12 +12,11 @@ from aiohttp import web
 from ur.run.master.xml_rpc import CallRefused, Unanswered
 from ur.source.diagnostic import UserError
 from ur.web.access.roles import Role
-from ur.web.server.gate import SESSION, demand_drive, read_object
+from ur.web.server.gate import SESSION, demand_drive, read_body
 from ur.web.server.recordings.recorder import Recorder, RecorderError
 from ur.web.server.recordings.store import RecordingBusyError, Store, recordings_folder
-from ur.web.server.recordings.topics import PublishedTopic, list_topics, read_topics, select
+from ur.web.server.recordings.topics import ChosenTopics, PublishedTopic, list_topics, select
 from ur.web.server.recordings.writer import RecordingWriter, Rosbag
-from ur.web.wire.reading import BadRequestError
 
 
 class RecordingPages:
@@ -63,10 +62,7 @@ class RecordingPages:
     async def _start(self, request: web.Request) -> web.Response:
         """Start to record: all topics but what is large, or those that the request names."""
         demand_drive(request)
-        try:
-            chosen = read_topics((await read_object(request)).get("topics"))
-        except BadRequestError as problem:
-            raise web.HTTPBadRequest(text=f"{problem}\n") from None
+        chosen = (await read_body(request, ChosenTopics)).names
         selection = select(chosen, await self._ask_topics())
         try:
             self._recorder.start(selection)
@@ -96,7 +92,7 @@ class RecordingPages:
 
     async def _delete(self, request: web.Request) -> web.Response:
         demand_drive(request)
-        path = self._store.find((await read_object(request)).get("id"))
+        path = self._store.find((await read_body(request, dict)).get("id"))
         if path is None:
             raise web.HTTPNotFound(text="there is no recording of this name\n")
         self._note(request, f"deletes {path.name}")

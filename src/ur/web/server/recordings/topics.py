@@ -5,16 +5,19 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import Annotated
+
+from msgspec import Meta
 
 from ur.run.master.client import parse_master_uri
 from ur.run.master.xml_rpc import WrongServer
-from ur.web.wire.reading import BadRequestError
+from ur.source.foreign.json_values import ForeignValue
 
 MOST_TOPICS = 40
 """Topics that a page may choose."""
 
 _MOST_LEFT_OUT = 200
-_NAME = re.compile(r"(/[A-Za-z][A-Za-z0-9_]{0,99}){1,10}", re.ASCII)
+_NAME = r"^(/[A-Za-z][A-Za-z0-9_]{0,99}){1,10}\Z"
 _LARGE = {
     "sensor_msgs/Image",
     "sensor_msgs/CompressedImage",
@@ -42,18 +45,26 @@ class TopicSelection:
     left_out: str = ""
 
 
+class ChosenTopics(ForeignValue, frozen=True):
+    """The topics that a request names; None for all."""
+
+    topics: (
+        Annotated[
+            tuple[Annotated[str, Meta(pattern=_NAME)], ...],
+            Meta(min_length=1, max_length=MOST_TOPICS, description=f"1 to {MOST_TOPICS} full names, such as /scan"),
+        ]
+        | None
+    ) = None
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Each topic once."""
+        return tuple(dict.fromkeys(self.topics or ()))
+
+
 def is_topic(name: object) -> bool:
     """Return whether a value is the full name of a topic, which has no character with a meaning elsewhere."""
-    return isinstance(name, str) and _NAME.fullmatch(name) is not None
-
-
-def read_topics(value: object) -> tuple[str, ...]:
-    """The topics that a request names; none for all. Raises BadRequestError."""
-    if value is None:
-        return ()
-    if not isinstance(value, list) or not 0 < len(value) <= MOST_TOPICS or not all(map(is_topic, value)):
-        raise BadRequestError(f"topics: expected 1 to {MOST_TOPICS} full names, such as /scan")
-    return tuple(dict.fromkeys(value))
+    return isinstance(name, str) and re.search(_NAME, name) is not None
 
 
 def select(chosen: tuple[str, ...], published: Iterable[PublishedTopic]) -> TopicSelection:

@@ -2,21 +2,27 @@
 
 from __future__ import annotations
 
-import json
 import time
 from collections.abc import Callable
 from dataclasses import asdict
+from typing import Annotated
 
 from aiohttp import web
+from msgspec import Meta
 
+from ur.source.foreign.json_values import ForeignValue
 from ur.web.access.rate import Buckets
-from ur.web.server.gate import SESSION
+from ur.web.server.gate import SESSION, read_body
 from ur.web.server.links import link_to
 from ur.web.server.robots.peer import PeerError
 from ur.web.server.robots.robots import Robots
 
 _OPEN_RATE, _OPEN_BURST = 0.2, 20.0  # of a session
-_LONGEST_NAME = 63  # characters of a host name
+
+
+class _Robot(ForeignValue, frozen=True, forbid_unknown_fields=False):
+    # A host name has at most 63 characters.
+    name: Annotated[str, Meta(min_length=1, max_length=63, description="the name of a robot")]
 
 
 class RobotPages:
@@ -43,7 +49,7 @@ class RobotPages:
 
     async def _open(self, request: web.Request) -> web.Response:
         """Make a link to the page of a robot of the list, for one login of the role that the session has."""
-        name = _read_name(await request.read())
+        name = (await read_body(request, _Robot)).name
         if name == self._robots.own:
             raise web.HTTPConflict(text="this page shows this robot\n")
         session, grant = request[SESSION]
@@ -56,18 +62,6 @@ class RobotPages:
             raise web.HTTPConflict(text=f"{problem}\n") from None
         host = request.headers["Host"]  # the browser finds this computer by it
         return web.json_response({"link": link_to(f"{_strip_port(host)}:{place.port}", place.token)})
-
-
-def _read_name(body: bytes) -> str:
-    """The name in the body of a request. Raises HTTPBadRequest."""
-    try:
-        value = json.loads(body)
-    except (ValueError, RecursionError):
-        raise web.HTTPBadRequest(text="expected JSON\n") from None
-    name = value.get("name") if isinstance(value, dict) else None
-    if not isinstance(name, str) or not 0 < len(name) <= _LONGEST_NAME:
-        raise web.HTTPBadRequest(text="name: expected the name of a robot\n")
-    return name
 
 
 def _strip_port(host: str) -> str:
