@@ -10,7 +10,6 @@ from ur_nodes.exploration.map_saver import MapSaveClient
 from ur_nodes.exploration.navigation import ExplorationNavigation
 from ur_nodes.exploration.obstacles import Obstacles
 from ur_nodes.exploration.settings import read_settings
-from ur_nodes.exploration.status import ExploreStatus
 from ur_nodes.exploration.status_output import StatusOutput
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.ports.node import SECOND, Node
@@ -40,15 +39,11 @@ class ExploreNode:
         settings, now = self._settings, self._node.now() / SECOND
         robot = self._node.transforms.find_planar(settings.map_frame, settings.base_frame)
         if self._grid is None:
-            self._output.publish(
-                ExploreStatus(reason=f"no map on {self._node.resolve('map')}; is a mapping node running?")
-            )
+            self._output.wait(f"no map on {self._node.resolve('map')}; is a mapping node running?")
         elif robot is None:
-            self._output.publish(
-                ExploreStatus(reason=f"no transform from {settings.base_frame} to {settings.map_frame}")
-            )
+            self._output.wait(f"no transform from {settings.base_frame} to {settings.map_frame}")
         elif not self._navigation.ready():
-            self._output.publish(ExploreStatus(reason=f"no action {self._node.resolve(settings.navigation)}"))
+            self._output.wait(f"no action {self._node.resolve(settings.navigation)}")
         elif not self._busy:
             if now < self._due - settings.period:  # time has begun anew
                 self._due = now

@@ -31,6 +31,10 @@ class StatusOutput:
             self._node.log.info(describe_status(status))
         self._status.send(write_status(status))
 
+    def wait(self, reason: str) -> None:
+        """Publish that nothing happens, and the reason."""
+        self.publish(ExploreStatus(reason=reason))
+
     def draw(self, explorer: Explorer, out: ExplorerOutputs) -> None:
         """Draw the frontiers of a step."""
         if explorer.floor is not None and self._markers.listeners():
