@@ -101,6 +101,18 @@ def log_folder() -> Path:
     return folder
 
 
+def find_package(name: str) -> Path | None:
+    """The folder with the files of an installed package; None where it is not installed."""
+    if backend_name() == "ros1":
+        found: Path | None = import_module("ur_nodes.ros1.packages").find_package(name)
+        return found
+    for prefix in os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep):
+        folder = Path(prefix, "share", name)
+        if prefix and name and "/" not in name and folder.is_dir():
+            return folder
+    return None
+
+
 def backend_name() -> str:
     """The middleware whose environment was set up last: its set-up file says so in ROS_VERSION."""
     return "ros2" if os.environ.get("ROS_VERSION") == "2" else "ros1"

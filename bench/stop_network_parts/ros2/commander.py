@@ -7,7 +7,9 @@ Each notes when it publishes which velocity.
 
 from __future__ import annotations
 
+import math
 import sys
+import time
 from pathlib import Path
 
 from bench.stop_network_parts.lane import PATTERNS
@@ -21,19 +23,28 @@ from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.values import StampedTwist, Twist
 from ur_nodes.run import run
 
+_AGAIN = 1.0  # s
+
 
 class Client:
     """A program of this project."""
 
     def __init__(self, node: Node, lane: str, person: Person, *, takes: bool) -> None:
         self._person = person
+        self._asked_at = -math.inf
         self._lease = LeaseClient(node, f"/{lane}/cmd_vel_mux", "commander", conduct="take" if takes else "drive")
         self._publisher = FreshPublisher(f"/{lane}/key_vel", self._lease.link, self._lease.client)
         node.on_end(self._lease.release)
         node.every(PERIOD, self._send, steady=True)
 
     def _send(self) -> None:
-        if self._person.drives and may_command(self._lease.view(), self._lease.conduct):
+        if not self._person.drives:
+            return
+        if not may_command(self._lease.view(), self._lease.conduct):
+            if time.monotonic() - self._asked_at > _AGAIN:  # as a person presses the key to drive
+                self._asked_at = time.monotonic()
+                self._lease.acquire()
+        else:
             speed = self._person.speed()
             self._person.note(speed)
             self._publisher.send(Twist(speed, 0.0))

@@ -14,14 +14,13 @@ from collections.abc import Callable
 from pathlib import Path
 from urllib.parse import unquote
 
-import rospkg
-
 from ur.source.diagnostic import UserError, error
 from ur.source.file import SourceFile
 from ur.source.read import read_source
 from ur.source.replace import replace_file
 from ur.source.section import Section, parse_section
 from ur_nodes.ports.values import Calibration
+from ur_nodes.run import find_package
 
 MODELS = {"plumb_bob": (5,), "rational_polynomial": (8,), "equidistant": (4,)}
 _WHAT = "a calibration of a camera"
@@ -111,7 +110,7 @@ def default_path(name: str, ros_home: Path) -> Path:
     return ros_home / "camera_info" / f"{name}.yaml"
 
 
-def resolve_url(url: str, name: str, ros_home: Path, find_package: Callable[[str], str | None]) -> Path | None:
+def resolve_url(url: str, name: str, ros_home: Path, find_package: Callable[[str], str | Path | None]) -> Path | None:
     """The file that a `camera_info_url` means: `file:///PATH`, `package://PACKAGE/PATH`, or a path.
 
     `${NAME}` and `${ROS_HOME}` are replaced. None for '' and for a package that is not installed. Raises UserError.
@@ -135,14 +134,6 @@ def resolve_url(url: str, name: str, ros_home: Path, find_package: Callable[[str
             f"camera_info_url: {url!r}, expected file:///PATH, package://PACKAGE/PATH or a path", rule="bad-parameter"
         )
     )
-
-
-def find_package(name: str) -> str | None:
-    """The folder of a package; None where it is not installed."""
-    try:
-        return str(rospkg.RosPack().get_path(name))
-    except rospkg.ResourceNotFound:
-        return None
 
 
 def _read(top: Section) -> Calibration:

@@ -10,10 +10,10 @@ from pathlib import Path
 from xml.etree.ElementTree import Element
 
 import numpy as np
-import rospkg
 
 from ur.robot.description.mesh_file import read_mesh
 from ur.source.foreign.xml_text import parse_xml
+from ur_nodes.run import find_package
 
 LONGEST = 1 << 21
 """Characters of a description."""
@@ -126,10 +126,10 @@ def describe_mesh(address: str, description: object) -> Mapping[str, object]:
         shapes = []
     if not any(each.get("mesh") == address for each in shapes):
         return {"ok": False, "text": f"{address}: the robot's description does not name it"}
-    try:
-        path = find_mesh(address, rospkg.RosPack().get_path(package_of(address)))
-    except rospkg.ResourceNotFound:
+    folder = find_package(package_of(address))
+    if folder is None:
         return {"ok": False, "text": f"{address}: the package is not installed on this computer"}
+    path = find_mesh(address, str(folder))
     if path is None or not path.is_file() or path.stat().st_size > _LARGEST_MESH:
         return {"ok": False, "text": f"{address}: no mesh of at most {_LARGEST_MESH} bytes within its package"}
     points = read_mesh(path)
