@@ -187,8 +187,12 @@ def load_with_packages(launch: Launch) -> LoadedPlan:
     from ur.request.plan_files import make_world
 
     def load(inspect: Inspect | None) -> LoadedPlan:
-        request = follow_world(make_request(launch.argv, make_world(), launch.selection, launch.options))
-        return load_chosen(request, launch.reporter.report, inspect)
+        request = make_request(launch.argv, make_world(), launch.selection, launch.options)
+        if launch.options.program:
+            from ur.request.program_arguments import refuse_undeclared
+
+            refuse_undeclared(launch.options.program, request.arguments, request.files.declared)
+        return load_chosen(follow_world(request), launch.reporter.report, inspect)
 
     def make_xacro_first(findings: Iterable[Diagnostic]) -> None:
         if any(each.rule == "unknown-package" and each.subject == _MADE for each in findings):

@@ -62,6 +62,7 @@ class LaunchOptions(NamedTuple):
     replace: bool = False
     report: str | None = None  # a file for errors before the start, as JSON
     queries: Sequence[Query] = ()
+    program: str = ""  # of `ur run`, which refuses arguments that its launch file does not declare
 
     @property
     def mode(self) -> Mode:

@@ -23,13 +23,17 @@ def check_arguments(program: Program, arguments: Sequence[Argument], environment
         return  # the program reads its arguments itself
     from ur.launchfile.world.system import SystemWorld
 
-    declared = LaunchFiles([str(path)], SystemWorld(environment)).declared
+    refuse_undeclared(program.name, arguments, LaunchFiles([str(path)], SystemWorld(environment)).declared)
+
+
+def refuse_undeclared(program: str, arguments: Sequence[Argument], declared: Sequence[str]) -> None:
+    """Raise UserError for an argument of a program that is not among those that its launch file declares."""
     for name in (each.name for each in arguments):
         if name not in declared and not name.startswith("_"):
             near = did_you_mean(name, declared)
-            help_ = f"did you mean {near}:=...?" if near else f"'ur run {program.name} --help' describes its arguments"
+            help_ = f"did you mean {near}:=...?" if near else f"'ur run {program} --help' describes its arguments"
             known = ", ".join(declared) or "no arguments"
-            message = f"unknown argument {name!r} of program {program.name!r}, expected one of {known}"
+            message = f"unknown argument {name!r} of program {program!r}, expected one of {known}"
             raise UserError(error(message, rule="unknown-argument", help=help_))
 
 

@@ -16,6 +16,8 @@ from ur.source.suggest import did_you_mean
 PREFIX = "ur_"
 _HEAD = 30  # lines
 _LARGEST = 1024 * 1024  # bytes of a script
+_HERE = 'here="$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")"'
+_ONLY_LAUNCH = re.compile(r'exec "\$here/ur" launch ((?:[\w.:=/-]+ )+)"\$@"')
 _LAUNCH = re.compile(r"^[^#\n]*\blaunch\s+(\w+)\s+(\w+\.launch(?:\.xml)?)\b", re.MULTILINE)
 
 
@@ -157,6 +159,20 @@ def read_summary(path: Path) -> str:
 def read_head_lines(path: Path) -> list[str]:
     """Return the lines of a program's head, which describe it. Raises OSError."""
     return read_head(path).split("\n")[:_HEAD]
+
+
+def read_launch_argv(program: Program) -> list[str] | None:
+    """The arguments of `ur launch` in a program that does nothing but `exec "$here/ur" launch ... "$@"`; else None.
+
+    `$here` is the folder of the program, so this is the same `ur` only for the launch library's own programs.
+    """
+    try:
+        lines = read_text(program.path, _LARGEST).splitlines()
+    except OSError:
+        return None
+    code = [line for line in lines if line.strip() and not line.startswith("#")]
+    found = _ONLY_LAUNCH.fullmatch(code[1]) if len(code) == 2 and code[0] == _HERE else None
+    return found[1].split() if found else None
 
 
 def find_launch_file(program: Program) -> Path | None:

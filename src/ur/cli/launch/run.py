@@ -8,11 +8,12 @@ from errno import ENOEXEC
 
 import click
 
-from ur.cli.launch.options import make_lease_options
+from ur.cli.launch.options import check_options, make_lease_options
 from ur.request.arguments import split_argv
 from ur.request.environment import PACKAGE, add_own_package, apply_selection, current_selection
+from ur.request.options import LaunchOptions
 from ur.request.program_arguments import check_arguments
-from ur.request.programs import find_launch_file, find_program
+from ur.request.programs import find_launch_file, find_program, read_launch_argv
 from ur.source.diagnostic import UserError, error_about
 
 
@@ -21,14 +22,24 @@ from ur.source.diagnostic import UserError, error_about
 @click.argument("arguments", nargs=-1, type=click.UNPROCESSED, metavar="[NAME:=VALUE]...")
 @click.option("--web", is_flag=True, help="Serve the page of 'ur web' while the program runs.")
 @click.option("--foxglove", is_flag=True, help="As --web; print an address for Foxglove and Lichtblick, too.")
-def command(program: str, arguments: tuple[str, ...], web: bool, foxglove: bool, **lease: bool) -> int:
+def command(
+    program: str,
+    arguments: tuple[str, ...],
+    web: bool,
+    foxglove: bool,
+    watch: bool,
+    ask: bool,
+    take_over: bool,
+    unattended: bool,
+) -> int:
     """Run a program on the selected robot.
 
     `ur list` says which programs there are, and `ur run PROGRAM --help` describes the arguments of one. What follows
     the program's name is its own: usually arguments of its launch file, written NAME:=VALUE. The options are handed to
     it: they say how to begin where somebody else drives the robot.
     """
-    options = [f"--{name.replace('_', '-')}" for name, given in lease.items() if given]
+    lease = {"--watch": watch, "--ask": ask, "--take-over": take_over, "--unattended": unattended}
+    options = [name for name, given in lease.items() if given]
     found = find_program(PACKAGE, program, add_own_package(os.environ))
     if any(text in ("--help", "-h") for text in arguments) and find_launch_file(found) is not None:
         from ur.cli.launch.program_help import describe_program
@@ -36,11 +47,16 @@ def command(program: str, arguments: tuple[str, ...], web: bool, foxglove: bool,
         sys.stdout.write(describe_program(found, os.environ))
         return 0
     apply_selection(current_selection(os.environ))
-    check_arguments(found, split_argv(arguments)[1], os.environ)
     if web or foxglove:
         from ur.cli.launch.run_web import run_with_page
 
+        check_arguments(found, split_argv(arguments)[1], os.environ)
         return run_with_page(program, [*options, *arguments], foxglove=foxglove)
+    launched = read_launch_argv(found) if found.folder == PACKAGE else None
+    if launched is not None and not any(text.startswith("-") for text in arguments):
+        chosen = LaunchOptions(watch=watch, ask=ask, take_over=take_over, unattended=unattended, program=found.name)
+        return _launch([*launched, *arguments], chosen)
+    check_arguments(found, split_argv(arguments)[1], os.environ)
     sys.stdout.flush()
     try:
         os.execv(found.path, [str(found.path), *options, *arguments])  # noqa: S606 - a program, not a shell command
@@ -48,6 +64,19 @@ def command(program: str, arguments: tuple[str, ...], web: bool, foxglove: bool,
         reason = (problem.strerror or str(problem)).lower()
         help_ = "its first line must name an interpreter, as '#!/bin/bash' does" if problem.errno == ENOEXEC else None
         raise UserError(error_about(found.path, f"cannot be run: {reason}", rule="bad-program", help=help_)) from None
+
+
+def _launch(argv: list[str], options: LaunchOptions) -> int:
+    """Launch in this process, as the program would in one more of bash and one more of Python."""
+    from ur.cli.launch.act import act_on, explain_problem
+
+    check_options(argv, options)
+    try:
+        return act_on(argv, options)
+    except UserError as problem:
+        if problem.diagnostics[0].rule == "unknown-argument":
+            raise
+        return explain_problem(problem)
 
 
 command.params.extend(make_lease_options())
