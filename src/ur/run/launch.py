@@ -17,11 +17,11 @@ from ur.run.options import RunOptions
 from ur.run.output.console import Console
 from ur.run.output.log_rotation import read_bounds
 from ur.run.paths import make_home, make_run_folder, new_run_id
+from ur.run.presence import claim, list_joined_runs, plan_clients, register
 from ur.run.process.command import UnitProgram, find_programs, number_logs
 from ur.run.process.host_client import HostLost, ProcessHost
 from ur.run.process.terminal import find_terminal, ignore_background_write
 from ur.run.record.entry import RunEntry
-from ur.run.record.presence import claim, list_joined_runs, plan_clients, register
 from ur.run.record.registry import unregister_run
 from ur.run.run import Run
 from ur.run.startup.node_selection import find_remote, find_terminals, force_options, leave_out_viewers

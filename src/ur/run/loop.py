@@ -8,17 +8,17 @@ import threading
 import time
 
 from ur.run.clients.monitor import Monitor
+from ur.run.foreground import Foreground
 from ur.run.inbox import Inbox
 from ur.run.master.monitor import start_watch
 from ur.run.output.console import Console
 from ur.run.output.log_rotation import LogRotation
 from ur.run.output.reporter import RunReporter
 from ur.run.output.router import NodeOutputs
-from ur.run.process.foreground import Foreground
 from ur.run.process.host_client import HostLost, ProcessHost, Suspended
-from ur.run.process.starts import Starts
 from ur.run.process.terminal import Terminal
 from ur.run.run import Job, Run
+from ur.run.starts import Starts
 from ur.run.startup.progress import StartProgress
 from ur.run.startup.start_count import StartCount
 from ur.run.supervisor.actions import (

@@ -16,7 +16,7 @@ class SensorTopics:
         """`prefix` is put before topics and frames: '' for a single robot, else 'robot_<n>/'."""
         self._simulation, self._robot = simulation, robot
         senses = simulation.senses[robot].each
-        self._sends = {name: sense.open(node, prefix, settings.quality) for name, sense in senses.items()}
+        self._sends = {name: sense.advertise(node, prefix, settings.quality) for name, sense in senses.items()}
         self._constant = {name for name, sense in senses.items() if not sense.rate}
 
     def send(self, tick: SimulationTick, stamp: int) -> None:

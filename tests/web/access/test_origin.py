@@ -4,7 +4,7 @@ import pytest
 
 from ur.web.access.origin import allows_host, allows_origin, allows_viewer, make_origins, read_origin
 from ur.web.access.rate import draw, make_bucket
-from ur.web.server.gate import name_device
+from ur.web.server.logins.gate import name_device
 
 ORIGINS = make_origins(["bob.local", "192.168.1.7", "fe80::1"], 8090)
 

@@ -20,7 +20,7 @@ from ur.web.access.origin import make_origins  # noqa: E402
 from ur.web.access.roles import Role  # noqa: E402
 from ur.web.server.application import Application  # noqa: E402
 from ur.web.server.connections.http_server import open_server  # noqa: E402
-from ur.web.server.gate import LoginGate  # noqa: E402
+from ur.web.server.logins.gate import LoginGate  # noqa: E402
 from ur.web.server.static_files import load_files  # noqa: E402
 from ur.web.wire.frames import Kind, Layer, camera_frame, json_frame, key_of, points_frame  # noqa: E402
 

@@ -16,7 +16,7 @@ from ur.web.access.origin import make_origins  # noqa: E402
 from ur.web.access.roles import SESSION_LIFE, TOKEN_LIFE, Role  # noqa: E402
 from ur.web.server.application import Application  # noqa: E402
 from ur.web.server.connections.http_server import open_server  # noqa: E402
-from ur.web.server.gate import VIEWER_PATH, LoginGate  # noqa: E402
+from ur.web.server.logins.gate import VIEWER_PATH, LoginGate  # noqa: E402
 from ur.web.server.static_files import load_files  # noqa: E402
 
 FILE = "/{name}"
@@ -151,7 +151,7 @@ async def test_every_route_is_refused_to_a_session_that_is_too_old(
     token = server.gate.invite(Role.DRIVE)
     await server.log_in(Role.DRIVE)
     later = time.time() + TOKEN_LIFE + 1.0
-    monkeypatch.setattr("ur.web.server.gate.time.time", lambda: later)
+    monkeypatch.setattr("ur.web.server.logins.gate.time.time", lambda: later)
     async with server.client.post(
         f"{server.url}/login", json={"token": token}, headers={"Origin": server.url}
     ) as answer:

@@ -21,7 +21,7 @@ from ur.web.access.origin import make_origins  # noqa: E402
 from ur.web.access.roles import Role  # noqa: E402
 from ur.web.server.application import Application  # noqa: E402
 from ur.web.server.connections.http_server import open_server  # noqa: E402
-from ur.web.server.gate import LoginGate  # noqa: E402
+from ur.web.server.logins.gate import LoginGate  # noqa: E402
 from ur.web.server.run_pages import RunPages  # noqa: E402
 from ur.web.wire import run_requests  # noqa: E402
 from ur.web.wire.requests import LONGEST, read_request  # noqa: E402
@@ -88,7 +88,7 @@ VALID_RUNS: tuple[dict[str, Any], ...] = (
 async def test_only_run_requests_that_are_well_formed_are_carried_out(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("ur.web.server.gate._REQUEST_RATE", 1e6)
+    monkeypatch.setattr("ur.web.server.logins.gate._REQUEST_RATE", 1e6)
     for name in ("_RATE", "_BURST"):
         monkeypatch.setattr(f"ur.web.server.run_pages.{name}", 1e6)
     done: list[Any] = []

@@ -16,7 +16,7 @@ from ur.web.access.origin import make_origins
 from ur.web.access.roles import Role
 from ur.web.server.application import Application
 from ur.web.server.connections.http_server import open_server
-from ur.web.server.gate import LoginGate
+from ur.web.server.logins.gate import LoginGate
 from ur.web.server.static_files import load_files
 from ur.web.wire.frames import Kind, Layer, PoseSample, json_frame, pose_frame
 

@@ -14,8 +14,8 @@ from ur.source.diagnostic import Diagnostic, Severity, UserError, error
 if TYPE_CHECKING:
     from ur.launchfile.plan.specs import Plan
     from ur.run.clients.protocol import Severity as EventSeverity
+    from ur.run.detach import Detach
     from ur.run.output.console import Console
-    from ur.run.process.detach import Detach
     from ur.run.record.entry import RunEntry
     from ur.tui.start import InterfaceProcess
 

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import click
 
-from ur.cli.robot_setup.answers import read_lines
+from ur.cli.answers import read_lines
 from ur.request.environment import PACKAGE
 from ur.robot.base import list_bases, load_base
 from ur.robot.discovery.record import DEFAULT_USER

@@ -7,9 +7,8 @@ from typing import TYPE_CHECKING
 
 import click
 
-from ur.cli.output import plain_text
-from ur.cli.robot_setup.answers import read_lines
-from ur.cli.robot_setup.guarded import (
+from ur.cli.answers import read_lines
+from ur.cli.guarded import (
     DRY_RUN,
     PASSWORD_FROM,
     WAIT,
@@ -19,6 +18,7 @@ from ur.cli.robot_setup.guarded import (
     say,
     show_plan,
 )
+from ur.cli.output import plain_text
 from ur.source.diagnostic import UserError, error_about
 
 if TYPE_CHECKING:

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import click
 
-from ur.cli.robot_setup.answers import check_name, read_lines, taken_error
+from ur.cli.answers import check_name, read_lines, taken_error
 from ur.cli.robots.fleet import choose_robots
 from ur.request.environment import PACKAGE
 from ur.request.remote.connection import robot_address

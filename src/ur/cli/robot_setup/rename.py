@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 
 import click
 
-from ur.cli.robot_setup.answers import check_name, read_lines
-from ur.cli.robot_setup.guarded import (
+from ur.cli.answers import check_name, read_lines
+from ur.cli.guarded import (
     DRY_RUN,
     PASSWORD_FROM,
     WAIT,

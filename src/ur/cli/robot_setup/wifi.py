@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 
 import click
 
-from ur.cli.robot_setup.answers import read_lines
-from ur.cli.robot_setup.guarded import DRY_RUN, WAIT, say
+from ur.cli.answers import read_lines
+from ur.cli.guarded import DRY_RUN, WAIT, say
 from ur.cli.robot_setup.network import change_network, print_table
 from ur.source.diagnostic import UserError, error_about
 from ur.source.suggest import did_you_mean

@@ -8,9 +8,9 @@ from collections.abc import Sequence
 
 import click
 
+from ur.cli.answers import read_lines
 from ur.cli.changing import show_changes
-from ur.cli.robot_setup.answers import read_lines
-from ur.cli.robot_setup.guarded import PASSWORD_FROM, become_root
+from ur.cli.guarded import PASSWORD_FROM, become_root
 from ur.cli.robots.fleet import ALL, ask_passwords, choose_robots, is_fleet, run_for_each
 from ur.request.remote.connection import connect_robot, robot_address
 from ur.request.requirements.python_packages import need_all

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Literal
 
 import click
 
-from ur.cli.robot_setup.answers import read_lines
+from ur.cli.answers import read_lines
 from ur.fleet.jobs import Fleet, Job, JobStatus, find_exit_code
 from ur.fleet.logs import logs_folder
 from ur.fleet.processes import Output, Processes

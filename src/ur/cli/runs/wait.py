@@ -11,7 +11,7 @@ import click
 
 from ur.cli.runs.detached import choose_run, connect
 from ur.run.clients.protocol import NodeChanged, NodeReadiness, RunStopping, Watch
-from ur.run.process.detach import Detach, run_detached
+from ur.run.detach import Detach, run_detached
 from ur.run.record.entry import RunEntry
 from ur.source.progress_line import show_progress
 

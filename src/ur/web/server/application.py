@@ -15,7 +15,7 @@ from ur.web.access.roles import Role
 from ur.web.server.cameras import Cameras
 from ur.web.server.data.data_pages import DataPages
 from ur.web.server.drivers import DrivingPage, DrivingPages, describe_request
-from ur.web.server.gate import SESSION, VIEWER_PATH, LoginGate, demand_drive, read_body
+from ur.web.server.logins.gate import SESSION, VIEWER_PATH, LoginGate, demand_drive, read_body
 from ur.web.server.logins.session_pages import SessionPages
 from ur.web.server.map_pages import MapPages
 from ur.web.server.recordings.recording_pages import RecordingPages

@@ -11,7 +11,7 @@ from ur.web.access.roles import Role
 from ur.web.runs.commands import CommandQueue
 from ur.web.runs.programs import ProgramsError
 from ur.web.runs.stored_maps import StoredMaps
-from ur.web.server.gate import SESSION, demand_drive, read_body
+from ur.web.server.logins.gate import SESSION, demand_drive, read_body
 
 
 class MapPages:

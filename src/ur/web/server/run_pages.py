@@ -18,7 +18,7 @@ from ur.web.access.roles import Role
 from ur.web.runs.commands import CommandQueue
 from ur.web.runs.programs import Programs, ProgramsError
 from ur.web.runs.watcher import RunWatcher
-from ur.web.server.gate import SESSION
+from ur.web.server.logins.gate import SESSION
 from ur.web.server.viewers import limit_buffer
 from ur.web.wire.reading import BadRequestError
 from ur.web.wire.run_requests import (

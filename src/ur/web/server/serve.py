@@ -28,9 +28,9 @@ from ur.web.access.roles import DAY, SESSION_LIFE, Role
 from ur.web.server.application import Application
 from ur.web.server.connections.http_server import open_server
 from ur.web.server.enter_key import call_on_enter
-from ur.web.server.gate import VIEWER_PATH, LoginGate
 from ur.web.server.link_files import LinkFiles
 from ur.web.server.links import FIRST_PORT, LISTENERS, draw_code, find_address, make_link
+from ur.web.server.logins.gate import VIEWER_PATH, LoginGate
 from ur.web.server.logins.session_file import state_folder
 from ur.web.server.logins.sessions import say_nothing
 from ur.web.server.robot_end import robot_environment

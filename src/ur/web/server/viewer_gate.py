@@ -22,7 +22,7 @@ from aiohttp import WSCloseCode, WSMsgType, web
 from ur.web.access.rate import draw, make_bucket
 from ur.web.access.roles import Role
 from ur.web.server.drivers import DrivingPages
-from ur.web.server.gate import SESSION
+from ur.web.server.logins.gate import SESSION
 from ur.web.server.viewer_end import ViewerProcess, ViewerProcessError
 from ur.web.server.viewers import limit_buffer
 from ur.web.wire.reading import BadRequestError

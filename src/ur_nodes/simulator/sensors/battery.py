@@ -70,7 +70,7 @@ class BatterySense(Sense):
         speed = turned * self._site.base.wheels.radius * self.rate
         self.charge.draw(min(1.0, speed / self._site.base.limits.velocity), 1.0 / self.rate)
 
-    def open(self, node: Node, prefix: str, quality: Quality) -> Send:
+    def advertise(self, node: Node, prefix: str, quality: Quality) -> Send:
         """Open the topic of its state."""
         publisher = node.publish(prefix + self._battery.topic, State, quality)
 

@@ -75,7 +75,7 @@ class BumperSense(Sense):
         """Return the states at a time (s), by name."""
         return self._ring.state(time)
 
-    def open(self, node: Node, prefix: str, quality: Quality) -> Send:  # noqa: ARG002 - switches are latched
+    def advertise(self, node: Node, prefix: str, quality: Quality) -> Send:  # noqa: ARG002 - switches are latched
         """Open a topic for each."""
         topics = {each.name: f"{prefix}{self._bumpers.topic}/{each.name}" for each in self._bumpers.at}
         return open_switches(node, topics, self.pressed)

@@ -34,7 +34,7 @@ class CliffSense(Sense):
         """Return by name which of them see no floor."""
         return see_drops(self._cliffs, self._site.drops, self._site.physics.pose(self._site.robot))
 
-    def open(self, node: Node, prefix: str, quality: Quality) -> Send:  # noqa: ARG002 - switches are latched
+    def advertise(self, node: Node, prefix: str, quality: Quality) -> Send:  # noqa: ARG002 - switches are latched
         """Open a topic for each."""
         topics = {each.name: f"{prefix}{self._cliffs.topic}/{each.name}" for each in self._cliffs.at}
         return open_switches(node, topics, lambda _: self.seen())

@@ -117,7 +117,7 @@ class ImuSense(Sense):
         """Return the newest reading."""
         return self._unit.read(draw_noise(self._site.key, self._count, 6))
 
-    def open(self, node: Node, prefix: str, quality: Quality) -> Send:
+    def advertise(self, node: Node, prefix: str, quality: Quality) -> Send:
         """Open its topic."""
         publisher = node.publish(prefix + self._imu.topic, Message, quality)
         variances = _ORIENTATION_VARIANCE, self._imu.gyro_noise**2, self._imu.accel_noise**2

@@ -56,7 +56,7 @@ class Sense(ABC):
         """The robot was put elsewhere by hand."""
 
     @abstractmethod
-    def open(self, node: Node, prefix: str, quality: Quality) -> Send:
+    def advertise(self, node: Node, prefix: str, quality: Quality) -> Send:
         """Open its topics. `prefix` is put before topics and frames: '' for a single robot, else 'robot_<n>/'."""
 
 

@@ -88,7 +88,7 @@ class SonarSense(Sense):
         noise = draw_noise(self._site.key, self._count, len(self._sonars.at))
         return self._ring.listen(self._site.physics.data, noise)
 
-    def open(self, node: Node, prefix: str, quality: Quality) -> Send:
+    def advertise(self, node: Node, prefix: str, quality: Quality) -> Send:
         """Open their one topic."""
         publisher = node.publish(prefix + self._sonars.topic, Range, quality)
         limits = self._sonars.field_of_view, self._sonars.range_min, self._sonars.range_max

@@ -26,7 +26,7 @@ from ur.web.server.application import Application  # noqa: E402
 from ur.web.server.connections import listener as listening  # noqa: E402
 from ur.web.server.connections.http_server import Rarely, open_server  # noqa: E402
 from ur.web.server.connections.listener import ConnectionListener  # noqa: E402
-from ur.web.server.gate import LoginGate  # noqa: E402
+from ur.web.server.logins.gate import LoginGate  # noqa: E402
 from ur.web.server.static_files import load_files  # noqa: E402
 
 DRIVE = "/ws/drive?tab=0123456789ab"

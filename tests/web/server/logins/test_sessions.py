@@ -15,7 +15,7 @@ from ur.web.access.origin import make_origins  # noqa: E402
 from ur.web.access.roles import DAY, Role  # noqa: E402
 from ur.web.server.application import Application  # noqa: E402
 from ur.web.server.connections.http_server import open_server  # noqa: E402
-from ur.web.server.gate import LoginGate  # noqa: E402
+from ur.web.server.logins.gate import LoginGate  # noqa: E402
 from ur.web.server.logins.session_file import SessionFile  # noqa: E402
 
 DRIVE = "/ws/drive?tab=0123456789ab"

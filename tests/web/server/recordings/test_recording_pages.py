@@ -17,7 +17,7 @@ from ur.web.access.origin import make_origins  # noqa: E402
 from ur.web.access.roles import Role  # noqa: E402
 from ur.web.server.application import Application  # noqa: E402
 from ur.web.server.connections.http_server import open_server  # noqa: E402
-from ur.web.server.gate import LoginGate  # noqa: E402
+from ur.web.server.logins.gate import LoginGate  # noqa: E402
 from ur.web.server.recordings import recording_pages  # noqa: E402
 from ur.web.server.recordings.store import recordings_folder  # noqa: E402
 from ur.web.server.recordings.topics import PublishedTopic, TopicSelection  # noqa: E402

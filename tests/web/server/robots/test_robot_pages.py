@@ -14,7 +14,7 @@ from ur.web.access.origin import make_origins  # noqa: E402
 from ur.web.access.roles import Role  # noqa: E402
 from ur.web.server.application import Application  # noqa: E402
 from ur.web.server.connections.http_server import open_server  # noqa: E402
-from ur.web.server.gate import LoginGate  # noqa: E402
+from ur.web.server.logins.gate import LoginGate  # noqa: E402
 from ur.web.server.robots.peer import PeerError  # noqa: E402
 from ur.web.server.robots.robots import RobotEntry, ServerLogin  # noqa: E402
 

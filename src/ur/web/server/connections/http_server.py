@@ -14,7 +14,7 @@ from typing import Any
 from aiohttp import web
 
 from ur.web.server.connections.listener import ConnectionListener
-from ur.web.server.gate import HEADERS, LoginGate
+from ur.web.server.logins.gate import HEADERS, LoginGate
 
 _END_LIMIT = 3.0  # s
 _KEEP_ALIVE = 300.0  # s: as long as browsers keep an idle connection

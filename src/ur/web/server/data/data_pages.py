@@ -17,7 +17,7 @@ from ur.web.access.roles import Role
 from ur.web.runs.commands import CommandQueue
 from ur.web.server.data.data_end import DataProcess
 from ur.web.server.data.three import ThreeScript
-from ur.web.server.gate import SESSION
+from ur.web.server.logins.gate import SESSION
 from ur.web.server.viewers import limit_buffer
 from ur.web.wire.data_frames import ALL, DataFrame
 from ur.web.wire.data_requests import CHANGES, LONGEST, Show, find_number, read_data_request

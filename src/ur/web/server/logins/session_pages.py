@@ -12,8 +12,8 @@ from ur.source.foreign.json_values import ForeignValue
 from ur.web.access.origin import LOOPBACK
 from ur.web.access.rate import Buckets
 from ur.web.access.roles import Grant, Role, clean_name
-from ur.web.server.gate import SESSION, LoginGate, demand_drive, read_body
 from ur.web.server.links import draw_picture, find_address, link_to
+from ur.web.server.logins.gate import SESSION, LoginGate, demand_drive, read_body
 
 _INVITE_RATE, _INVITE_BURST = 0.1, 10.0
 _OTHERS = "others"

@@ -12,7 +12,7 @@ from aiohttp import web
 from ur.run.master.xml_rpc import CallRefused, Unanswered
 from ur.source.diagnostic import UserError
 from ur.web.access.roles import Role
-from ur.web.server.gate import SESSION, demand_drive, read_body
+from ur.web.server.logins.gate import SESSION, demand_drive, read_body
 from ur.web.server.recordings.recorder import Recorder, RecorderError
 from ur.web.server.recordings.store import RecordingBusyError, Store, recordings_folder
 from ur.web.server.recordings.topics import ChosenTopics, PublishedTopic, list_topics, select

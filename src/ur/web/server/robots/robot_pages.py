@@ -12,8 +12,8 @@ from msgspec import Meta
 
 from ur.source.foreign.json_values import ForeignValue
 from ur.web.access.rate import Buckets
-from ur.web.server.gate import SESSION, read_body
 from ur.web.server.links import link_to
+from ur.web.server.logins.gate import SESSION, read_body
 from ur.web.server.robots.peer import PeerError
 from ur.web.server.robots.robots import Robots
 

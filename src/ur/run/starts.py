@@ -6,10 +6,10 @@ import os
 import resource
 from typing import NamedTuple
 
+from ur.run.foreground import Foreground
 from ur.run.host.protocol import GROUP, SESSION
 from ur.run.output.router import NodeOutputs
 from ur.run.process.command import UnitProgram
-from ur.run.process.foreground import Foreground
 from ur.run.process.host_client import ProcessHost
 from ur.run.run import Run
 
