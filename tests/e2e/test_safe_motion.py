@@ -23,7 +23,7 @@ ON_KEYS = ("cmd_vel:=key_vel", "_speed:=0.3", "_turn:=0.6")
 
 
 def stand(robot: Robot, *, holding: bool = False) -> None:
-    """It stands, and nobody drives any more, unless a key is held that drives nowhere."""
+    """It stands, and no client drives any more, unless a key is held that drives nowhere."""
     robot.ask("still", seconds=60)
     if not holding:
         robot.ask("active", name="idle", seconds=60)

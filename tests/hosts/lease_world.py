@@ -154,7 +154,7 @@ def check_screen(lines: list[str], name: str, identity: str, lease: dict[str, An
         forbidden, wanted = ["took over at", "drives .* since", "out of reach"], ["▲ driving"]
     elif lease["state"] == "free":
         forbidden = ["took over at", "drives .* since", "out of reach"]
-        wanted = ["nobody drives"] if conduct == "watch" else [""]
+        wanted = ["no client drives"] if conduct == "watch" else [""]
     elif lease["state"] == "lost":
         forbidden, wanted = ["▲ driving", "took over at", "drives .* since"], [reach]
     else:

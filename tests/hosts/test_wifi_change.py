@@ -67,7 +67,7 @@ def test_address_that_this_computer_does_not_reach_is_taken_back(pair: Bench) ->
     before = robot.run(SNAPSHOT).check().out
     done = ur(laptop, "network bob --address 10.88.0.99/24 --wait 5")
     assert done.code == 2
-    assert "the robot reverted the change: nobody confirmed it within 5 s" in done.err
+    assert "the robot reverted the change: it was not confirmed within 5 s" in done.err
     assert robot.run(SNAPSHOT).check().out == before
     wait_settled(robot)
 

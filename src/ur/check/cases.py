@@ -101,7 +101,7 @@ def resolve_cases(
 
 
 def list_unknown(view: LaunchView, passed: Collection[str] = ()) -> list[str]:
-    """The arguments of a launch file that whoever uses it gives: those without a value, and those that are `passed`."""
+    """The arguments of a launch file that its user gives: those without a value, and those that are `passed`."""
     return [name for name, elements in view.declared.items() if all(_is_unknown(each, passed) for each in elements)]
 
 
@@ -227,7 +227,7 @@ def _hides_a_file(found: Diagnostic) -> bool:
 
 
 def _is_path_of_user(found: Diagnostic, world: CachedWorld) -> bool:
-    # A default like "" or "none", which whoever uses the file replaces, or a path of another computer.
+    # A default like "" or "none", which the user of the file replaces, or a path of another computer.
     if found.rule != "missing-file" or found.span is None:
         return False
     if "/" not in found.subject:
@@ -253,7 +253,7 @@ def _is_sure(found: Diagnostic, case: StartCase, unknowns: Unknowns, world: Cach
     if found.rule in _ABOUT_VALUES and unknowns.tried and found.span is not None and "$" in found.span.text:
         return False  # the value was guessed
     if found.rule == "empty-namespace" and "$" in found.subject:
-        return False  # as with paths: whoever uses the file gives it
+        return False  # as with paths: the user of the file gives it
     if found.rule == "duplicate-node" and ANONYMOUS in found.subject:
         return False  # $(anon ...) is another name in each file
     return not _is_path_of_user(found, world) and not (case.flipped and found.rule in _ABOUT_TWO_TAGS)

@@ -93,7 +93,7 @@ def collect_targets(paths: Sequence[str], world: World) -> Targets:
 
 
 def list_launch_files(folder: str, world: World) -> list[str]:
-    """The launch files below a folder, whatever their names end with."""
+    """The launch files below a folder, with any ending."""
     return [path for path in _walk(folder, world, set(), EscapingLinks(folder)) if _holds_launch_file(path, world)]
 
 

@@ -1,4 +1,4 @@
-"""Includes between launch files, by the paths that `<include>` tags may mean whatever their arguments are."""
+"""Includes between launch files, by the paths that `<include>` tags may mean with any arguments."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Symbolic links that lead out of what is checked: they are left out, since what they lead to is somebody else's."""
+"""Symbolic links that lead out of what is checked: they are left out, since what they lead to is of another owner."""
 
 from __future__ import annotations
 

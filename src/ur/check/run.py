@@ -82,7 +82,7 @@ class _Check:
         self.visitor = Visitor(rule for rule in rules.values() if rule.id in self.chosen)
         self.views: dict[str, LaunchView] = {}
         self.suppressions: dict[str, tuple[Suppression, ...]] = {}
-        self.trees = NotedTrees(world)  # by absolute path: a file is parsed once, whoever includes it
+        self.trees = NotedTrees(world)  # by absolute path: a file is parsed once, in all files that include it
         self.elements: dict[str, dict[int, Element]] = {}
         self.inclusions = Inclusions()
         self.yaml_files = frozenset(targets.yaml_files)

@@ -55,7 +55,7 @@ def walk_possible(top: Element | None) -> Iterator[Element]:
 
 
 def is_switched_off(element: Element) -> bool:
-    """Return whether a tag never takes part, whatever the arguments are."""
+    """Return whether a tag never takes part, with any arguments."""
     condition = element.attributes.get("if", "true").strip().lower()
     exception = element.attributes.get("unless", "false").strip().lower()
     return condition in ("false", "0") or exception in ("true", "1")

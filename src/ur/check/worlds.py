@@ -58,7 +58,7 @@ def has_marker(text: str) -> bool:
 class Environment(dict[str, str]):
     """Environment variables; one that is not set here is unknown, as it may be set where the file is used.
 
-    With `no_defaults`, so is one that has a default in the file: `$(optenv NAME DEFAULT)`. `note` is told each name
+    With `no_defaults`, so is one that has a default in the file: `$(optenv NAME DEFAULT)`. `note` gets each name
     that is asked for.
     """
 
@@ -125,7 +125,7 @@ class CachedWorld:
         self._notes.questions = questions
 
     def note(self, kind: str, *words: str) -> None:
-        """Add a question to `noted` that somebody else answers."""
+        """Add a question to `noted` that another world answers."""
         if self._notes.questions is not None:
             self._notes.questions.add((kind, *words))
 

@@ -1,4 +1,4 @@
-"""The `ur` command: finds the verb, runs it, and turns whatever goes wrong into one clear line."""
+"""The `ur` command: finds the verb, runs it, and turns each failure into one clear line."""
 
 from __future__ import annotations
 

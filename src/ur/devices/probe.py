@@ -34,7 +34,7 @@ def probe_script(questions: Sequence[tuple[str, str, int]]) -> str:
 
 
 def parse_answers(output: str) -> Mapping[str, str]:
-    """The answer of each path; '' where nothing came that makes sense. Foreign text is made harmless."""
+    """The answer of each path; '' where the answer makes no sense. Foreign text is made harmless."""
     try:
         answers = json.loads(output.strip().splitlines()[-1])
     except (ValueError, IndexError):

@@ -23,7 +23,7 @@ def logs_folder(environment: Mapping[str, str]) -> Path:
 
 @dataclass(slots=True)
 class LogFile:
-    """An open file with the output of a command. It is read through its descriptor, whatever its path names by then."""
+    """An open file with the output of a command. It is read through its descriptor, since its path may change."""
 
     path: Path
     descriptor: int

@@ -147,8 +147,8 @@ class Processes:
             if code is not None:
                 self.fleet = end_job(self.fleet, index, code, time.monotonic())
                 _close(self._children.pop(index))
-            elif child.questions and (said := _read_question(child.questions)) is not None:
-                if said == ASK:
+            elif child.questions and (reported := _read_question(child.questions)) is not None:
+                if reported == ASK:
                     self.fleet = note_question(self.fleet, index)
                 else:  # it asks no more
                     child.questions.close()

@@ -60,7 +60,7 @@ class Sources(Protocol):
         ...
 
     def list_branches(self, url: str, /) -> Sequence[str] | None:
-        """List the branches of the repository at an address, the default one first; None where nobody can be asked."""
+        """List the branches of the repository at an address, the default one first; None where no user can be asked."""
         ...
 
 

@@ -35,7 +35,7 @@ class InstallActions:
 def install(plan: GetPlan, record: Path, packages: Path, actions: InstallActions | None = None) -> None:
     """Install the Debian and PyPI packages of a plan.
 
-    What is about to be installed is recorded first, with all that it brings along, so that whatever interrupts this can
+    What is about to be installed is recorded first, with all that it brings along, so that an interruption can
     be undone. After a failure the record has what was installed nevertheless. Raises UserError.
     """
     actions = actions or InstallActions()

@@ -42,7 +42,7 @@ def missing_of_plan(plan: Plan, world: World) -> tuple[Missing, ...]:
 
 
 def named_packages(text: str) -> frozenset[str]:
-    """Every package that the text of a launch file or xacro file names, whatever its conditions."""
+    """Every package that the text of a launch file or xacro file names, under any condition."""
     names = (next(filter(None, each.groups()), "") for each in _NAMED.finditer(_without_comments(text)))
     return frozenset(name for name in names if PACKAGE_NAME.fullmatch(name))
 

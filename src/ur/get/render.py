@@ -11,7 +11,7 @@ WORKSPACE = "~/catkin_ws"
 
 
 def render_plan(plan: GetPlan) -> str:
-    """Write what is installed, what has to be built, and what nobody knows; a line ends each part."""
+    """Write what is installed, what has to be built, and what is unknown; a line ends each part."""
     return "".join(f"{printable(line)}\n" for line in _lines(plan))
 
 

@@ -68,7 +68,7 @@ class InstallStep:
 
     The way is "other" for a Debian package that is not one of ROS: a stranger's package.xml may name any.
     `names` are Debian packages, or PyPI's project; `repository` is set for "source". `needs` are the packages that it
-    depends on and that are missing as well; None where nobody knows its package.xml before it is here. `reason` says
+    depends on and that are missing as well; None where its package.xml is unknown before it is here. `reason` says
     for "unknown" why there is no way, and for "source" what is special about its repository. `here`: nothing has to be
     installed, the reason says what to change in the folder. `chosen`: the user has agreed to it already.
     """

@@ -69,12 +69,12 @@ def install_xacro(packages: Path, run: Run = run_installer) -> None:
 
 def remove_package(folder: Path) -> None:
     """Remove the folder of a package so that it is there completely or not at all. Raises OSError."""
-    gone = folder.with_name(f".{folder.name}.{os.urandom(4).hex()}.ur-new")
+    replaced = folder.with_name(f".{folder.name}.{os.urandom(4).hex()}.ur-new")
     try:
-        folder.rename(gone)
+        folder.rename(replaced)
     except FileNotFoundError:
         return
-    shutil.rmtree(gone)
+    shutil.rmtree(replaced)
 
 
 def _fill(new: Path, target: Path, run: Run) -> None:

@@ -57,8 +57,8 @@ def _find_uses(node: NodeSpec, params: Mapping[str, ParamValue]) -> Iterable[Nam
     names = {use.name for use in based}
     for use in find_name_uses(node):
         # The base and the parameters tell more than the table does.
-        told = use.evidence == "table" and use.use in ("publishes", "subscribes") and use.name not in _TRANSFORMS
-        if not based or not (told or (use.use is None and use.name in names)):
+        reported = use.evidence == "table" and use.use in ("publishes", "subscribes") and use.name not in _TRANSFORMS
+        if not based or not (reported or (use.use is None and use.name in names)):
             yield use
 
 

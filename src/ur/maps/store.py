@@ -109,7 +109,7 @@ class MapStore:
             sync_folder(str(self.folder))
 
     def delete(self, name: str) -> None:
-        """Delete a map: it is gone whole, or not at all. Raises UserError: no such map, or the map is in use."""
+        """Delete a map: it is deleted whole, or not at all. Raises UserError: no such map, or the map is in use."""
         self.resolve(name)
         with self.claim(name):
             was_latest = self.latest() == name
@@ -153,7 +153,7 @@ class MapStore:
 
     @contextmanager
     def claim(self, name: str) -> Iterator[None]:
-        """Keep others from changing a map. Raises UserError: somebody changes it now, for example `make_map`."""
+        """Keep others from changing a map. Raises UserError: another program changes it now, for example `make_map`."""
         folder = self.path(name)
         make_folder(str(folder))
         with (folder / _LOCK).open("a") as lock:

@@ -19,7 +19,7 @@ OPTIONS = (
 
 @dataclass(frozen=True, slots=True)
 class MountedFolder:
-    """A mounted folder: `source` as sshfs was told, for instance ros@bob.local:catkin_ws/src."""
+    """A mounted folder: `source` as sshfs got it, for instance ros@bob.local:catkin_ws/src."""
 
     source: str
     target: Path
@@ -32,7 +32,7 @@ def mount_command(address: Address, remote: str, target: Path) -> list[str]:
 
 
 def unmount_command(target: Path) -> list[str]:
-    """The words that take a mount away, also one whose robot is gone (then when the last program leaves it)."""
+    """The words that take a mount away, also one whose robot is away (then when the last program leaves it)."""
     return ["fusermount3", "-u", "-z", str(target)]
 
 

@@ -30,16 +30,16 @@ def ask_part(shell: Shell, request: str, timeout: float) -> str:
 def explain_failure(place: str, done: ShellResult) -> UserError:
     """Explain a robot's failure to answer the request."""
     name = place.rpartition("@")[2].removesuffix(".local")
-    said = (done.err.strip().splitlines() or [f"exit code {done.code}"])[-1]
+    reported = (done.err.strip().splitlines() or [f"exit code {done.code}"])[-1]
     if done.code == NOT_THERE:
         message = f"{name}: ubiquity_launches is not there, expected it in ~/{LIBRARIES[1]} to start the robot's nodes"
         help_ = f"ur robot setup {name} installs it"
     elif done.code == NOT_READY:
         message = f"{name}: ubiquity_launches is not set up there, expected that once, to start the robot's nodes"
         help_ = f"ur robot setup {name} completes it"
-    elif "No module named" in said:
-        message = f"{name}: ubiquity_launches there is older than here, expected the same: {said}"
+    elif "No module named" in reported:
+        message = f"{name}: ubiquity_launches there is older than here, expected the same: {reported}"
         help_ = f"ur robot setup {name} renews a copy; in a clone: git pull"
     else:
-        message, help_ = f"{name}: its nodes cannot be started: {said}", f"ur doctor {name}"
+        message, help_ = f"{name}: its nodes cannot be started: {reported}", f"ur doctor {name}"
     return UserError(error(message, rule="robot-part", help=help_))

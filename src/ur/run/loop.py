@@ -134,7 +134,7 @@ class _Loop:
         return self._exit_code
 
     def fail(self, text: str) -> None:
-        """Report an end that is nobody's request."""
+        """Report an end that was not requested."""
         self._cause = text
         self._reporter.fail(text)
 

@@ -53,9 +53,9 @@ def register(
     if detached:
         raise UserError(
             error(
-                f"no private folder for the run can be made in {folders}, so nobody could reach it once it is detached",
+                f"no private folder for the run can be made in {folders}, so it cannot be reached once detached",
                 rule="bad-state-folder",
-                help="they belong to somebody else or cannot be written: XDG_STATE_HOME chooses another place",
+                help="they belong to another user or cannot be written: XDG_STATE_HOME chooses another place",
             )
         )
     console.warn(

@@ -27,7 +27,7 @@ class RunClients:
 
     `record_end` is called at the end: exit code, cause, last lines of the run itself, log files of its nodes.
     `viewer` is our end of a pair whose other end shows the run on our terminal: while it is open the console is silent.
-    `events` is an open file that gets every event, in place of the console. `unattended`: nobody sees our console.
+    `events` is an open file that gets every event, in place of the console. `unattended`: no user sees our console.
     """
 
     describe: Callable[[], RunStarted] | None = None
@@ -58,7 +58,7 @@ class Run:
     log_name: str = ""  # the stem of the log of the run itself, where that is detached
     log_bounds: LogBounds = field(default_factory=LogBounds)
     restart_share: Callable[[], Event] | None = None  # StartShare; None: no robot has a share
-    master: Master | None = None  # asked which nodes are up, while somebody wants to know
+    master: Master | None = None  # asked which nodes are up, while a client wants to know
     timings: Timings | None = None  # told once every node is up
     clients: RunClients = field(default_factory=RunClients)
     owners: tuple[RunEntry, ...] = ()  # runs that this one has joined: it ends with the first of them

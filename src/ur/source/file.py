@@ -14,7 +14,7 @@ class Position(NamedTuple):
 
 
 class SourceFile:
-    """A text and the path it came from. Equal to itself only: spans of one text share one object."""
+    """A text and the path that it was read from. Equal to itself only: spans of one text share one object."""
 
     __slots__ = ("_line_starts", "path", "text")
 

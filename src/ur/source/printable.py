@@ -35,7 +35,7 @@ def printable_lines(text: str) -> str:
 
 
 class OutputLost(Exception):  # noqa: N818 - says what happened
-    """Standard output takes nothing more: a full disk, a closed descriptor, a reader that has gone."""
+    """Standard output takes nothing more: a full disk, a closed descriptor, a reader that has ended."""
 
     def __init__(self, reason: OSError) -> None:
         super().__init__(str(reason))

@@ -1,4 +1,4 @@
-"""Reports of progress: pure code says what it does, and whoever has called it decides what becomes of that."""
+"""Reports of progress: pure code reports its steps, and its caller decides where they are shown."""
 
 from __future__ import annotations
 

@@ -73,7 +73,7 @@ def state_folder(environment: Mapping[str, str] = os.environ) -> Path:
 
 
 def list_files(root: Path | None = None) -> Iterator[tuple[str, Path, str]]:
-    """List what a copy of this project consists of, whatever it is made from: names as in a clone, sorted by part.
+    """List what a copy of this project consists of, from a clone or a wheel: names as in a clone, sorted by part.
 
     Yields the name, the file, and the target if the name is a link. `root` is the clone to list, else what runs.
     """

@@ -29,7 +29,7 @@ def replace_file(
 ) -> None:
     """Write a file completely or leave it as it is. Raises OSError.
 
-    A symbolic link stays one: the file that it leads to is written. Without `follow`, for folders that somebody else
+    A symbolic link stays one: the file that it leads to is written. Without `follow`, for folders that another user
     may have filled, a file takes its place. The permissions of a file stay; `mode`, less the umask, is for new ones.
     With `parents`, folders that are missing are made. With `lasting`, the content is on the disk when this returns,
     which a cache does not need.

@@ -51,7 +51,7 @@ def parse_section(file: SourceFile, what: str) -> Section:
 
 
 class Section:
-    """A mapping that is being read. Every accessor names what it expects; `finish` refuses keys nobody asked for."""
+    """A mapping that is being read. Every accessor names what it expects; `finish` refuses keys that were not read."""
 
     def __init__(self, file: SourceFile, node: yaml.MappingNode, name: str) -> None:
         self.file = file

@@ -22,10 +22,10 @@ _CLOSED = re.compile("\x1b\\[0?m")
 
 @dataclass(slots=True)
 class Entry:
-    """A message of a node (`name` empty: of the run itself). `time` is when it came, s since the epoch.
+    """A message of a node (`name` empty: of the run itself). `time` is when it arrived, s since the epoch.
 
-    `lines` may hold colours and nothing else that moves a terminal. `count` is how often it came in a row. `number`
-    only grows. `open` while the message goes on with the node's next line whatever that is.
+    `lines` may hold colours and nothing else that moves a terminal. `count` is how often it arrived in a row. `number`
+    only grows. `open` while the message goes on with any next line of the node.
     """
 
     number: int
@@ -120,7 +120,7 @@ class Journal:
         if before is None or not before.flood:
             before = self._append(now, name, "debug", [""])
         before.flood += count
-        before.lines[0] = f"... {before.flood:,} more lines came too fast to be read; the log file has them"
+        before.lines[0] = f"... {before.flood:,} more lines arrived too fast to be read; the log file has them"
         self._touch(before)
 
     def _add_notice(self, event: Notice, now: float) -> None:

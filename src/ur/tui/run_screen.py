@@ -140,7 +140,7 @@ class RunScreen(FullScreenApp[str]):
         loop.remove_reader(self.control.fileno())  # not again before what came was drawn
         received = self.control.receive()
         if received is None:
-            self.exit("ended" if self.state.exit_code is not None else "gone")
+            self.exit("ended" if self.state.exit_code is not None else "killed")
             return
         self.take(received)
         if self.is_running:

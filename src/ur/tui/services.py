@@ -77,8 +77,10 @@ class SystemServices:
         try:
             facts = read_node_facts(row.name, changed.program, changed.folder, changed.pid, run.pid)
         except PermissionError:
-            return f"{row.name} runs as somebody else, and cannot be debugged"
+            return f"{row.name} runs as another user, and cannot be debugged"
         python = facts.target.interpreter if facts.target.kind == "python" else ""
         tools = find_debug_tools(self._environment, terminal=os.isatty(0), python=python)
-        address = f"{tempfile.gettempdir()}/ur-debug-{secrets.token_hex(8)}/join"  # made by whoever waits there
+        address = (
+            f"{tempfile.gettempdir()}/ur-debug-{secrets.token_hex(8)}/join"  # made by the program that waits there
+        )
         return list_debug_methods(facts, tools, address)

@@ -79,7 +79,7 @@ def show_status_line(
     guest: bool = False,
     early: Sequence[RunEvent] = (),
 ) -> tuple[str, int]:
-    """Show a run until it ends: `ended`, `gone` (its supervisor was killed) or `detached`; its code.
+    """Show a run until it ends: `ended`, `killed` (its supervisor was) or `detached`; its code.
 
     Ctrl-C leaves a run that is detached or where we are a `guest`, and stops any other; again is faster. `early`: what
     are the events so far; they were printed where this line appears.
@@ -113,7 +113,7 @@ def show_status_line(
                 control.send(StopRun(CTRL_C))
             received = control.receive() if control.fileno() in ready else []
             if received is None:
-                return ("gone", 1) if state.exit_code is None else ("ended", state.exit_code)
+                return ("killed", 1) if state.exit_code is None else ("ended", state.exit_code)
             state, shown = show_events(state, received, shutil.get_terminal_size().columns)
             write(CLEAR_LINE + "".join(f"{line}\r\n" for line in shown.lines) + shown.status)
             sys.stdout.flush()

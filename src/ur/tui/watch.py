@@ -12,13 +12,13 @@ from ur.run.clients.client import RunControl
 from ur.run.clients.protocol import RunEvent, StopRun
 from ur.run.host import take_foreground
 
-MOST_TOLD = 12  # lines about failures that stay on the screen afterwards
+MOST_REPORTED = 12  # lines about failures that stay on the screen afterwards
 
 
 def watch_run(
     control: RunControl, mode: str, environment: Mapping[str, str], *, ours: bool, early: Sequence[RunEvent] = ()
 ) -> tuple[str, int]:
-    """Show a run, `full` or `calm`, until it ends: `ended`, `gone` (its supervisor was killed) or `detached`; its code.
+    """Show a run, `full` or `calm`, until it ends: `ended`, `killed` (its supervisor was) or `detached`; its code.
 
     `ours`: the run ends with this terminal. `early`: the events so far. What failed, and warnings about
     the end, are shown once more afterwards, where they stay.
@@ -53,7 +53,7 @@ def _watch_fully(
         raise app.problem
     failures = [entry for entry in app.journal.entries if not entry.name and entry.severity in ("error", "fatal")]
     lines = [line for entry in failures for line in entry.lines]
-    for line in (*lines[-MOST_TOLD:], *app.parting[-MOST_TOLD:]):
+    for line in (*lines[-MOST_REPORTED:], *app.parting[-MOST_REPORTED:]):
         sys.stderr.write(f"{line}\n")
     if app.state.run.log_folder:
         sys.stderr.write(f"log files in {app.state.run.log_folder}\n")

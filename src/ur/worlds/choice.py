@@ -10,7 +10,7 @@ from ur.source.suggest import did_you_mean
 
 WORLD = "world"
 PATHS = (WORLD, "world_file", "map_file")
-"""Arguments whose relative paths start at the working folder of whoever gives them."""
+"""Arguments whose relative paths start at the working folder of the caller."""
 
 _MAKE = "'ur new world NAME' makes a world of your own"
 _PICTURES = frozenset({".png", ".jpg", ".jpeg", ".pgm", ".bmp", ".gif", ".tif", ".tiff", ".webp"})

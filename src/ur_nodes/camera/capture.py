@@ -76,14 +76,14 @@ class V4l2Camera:
         except OSError as problem:
             if problem.errno == errno.EAGAIN:
                 return None
-            gone = "was unplugged" if problem.errno == errno.ENODEV else f"has failed: {problem.strerror}"
-            raise CameraError(f"the camera {self._mode.camera} ({self._path}) {gone}") from None
+            ended = "was unplugged" if problem.errno == errno.ENODEV else f"has failed: {problem.strerror}"
+            raise CameraError(f"the camera {self._mode.camera} ({self._path}) {ended}") from None
 
     def close(self) -> None:
         """See PictureSource."""
         if not self._closed:
             self._closed = True
-            with contextlib.suppress(OSError):  # the device may be gone
+            with contextlib.suppress(OSError):  # the device may have been removed
                 self._device.ioctl(abi.STREAMOFF, abi.Integer(abi.CAPTURE))
             self._device.close()
 
@@ -212,8 +212,8 @@ def _set_rate(device: DeviceFile, rate: float) -> float:
         if problem.errno in (errno.EINVAL, errno.ENOTTY):
             return 0.0
         raise
-    told = capture.capability & abi.PARM_TIMEPERFRAME and capture.numerator
-    return capture.denominator / capture.numerator if told else 0.0
+    reported = capture.capability & abi.PARM_TIMEPERFRAME and capture.numerator
+    return capture.denominator / capture.numerator if reported else 0.0
 
 
 def _map_buffers(device: DeviceFile) -> list[memoryview]:

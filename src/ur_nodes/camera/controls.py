@@ -21,7 +21,7 @@ def apply_settings(device: DeviceFile, settings: CameraSettings) -> tuple[tuple[
     """Set what the camera has controls for.
 
     Returns the names of settings that it has none for, and whether pictures have to be mirrored horizontally and
-    vertically here, because the camera does not. Raises OSError when the device is gone.
+    vertically here, because the camera does not. Raises OSError when the device was removed.
     """
     asked = settings.adjustments
     missing = []
@@ -95,7 +95,7 @@ def _query(device: DeviceFile, control: int, *, inactive: bool = False) -> abi.C
 
 
 def _absent(problem: OSError) -> bool:
-    """Return False; a device that is gone raises."""
+    """Return False; a device that was removed raises."""
     if problem.errno == errno.ENODEV:
         raise problem
     return False

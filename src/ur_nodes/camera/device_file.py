@@ -19,7 +19,7 @@ class DeviceFile(Protocol):
         """Perform an ioctl; the kernel's answer is written into the argument."""
 
     def wait(self, seconds: float) -> bool:
-        """Wait until a buffer can be dequeued; False after that time. Raises OSError when the device is gone."""
+        """Wait until a buffer can be dequeued; False after that time. Raises OSError when the device was removed."""
 
     def map(self, length: int, offset: int) -> memoryview:
         """Map a buffer of the device. It is valid until `close`."""

@@ -44,14 +44,14 @@ class LibcameraCamera:
         self._output = self._process.stdout.fileno()
         self._data = b""
         try:
-            told = self._read_greeting()
-            size = int(told["width"]), int(told["height"])
+            reported = self._read_greeting()
+            size = int(reported["width"]), int(reported["height"])
         except (CameraError, KeyError, TypeError, ValueError) as problem:
             self.close()
             if isinstance(problem, CameraError):
                 raise
             raise CameraError("libcamera's process answered nonsense", "start it anew") from None
-        name = printable(str(told.get("camera", "camera")))
+        name = printable(str(reported.get("camera", "camera")))
         self._mode = Mode(name, f"libcamera {number}", *size, settings.rate, "JPEG", passed_on=True)
 
     @property
@@ -87,15 +87,15 @@ class LibcameraCamera:
             if not self._fill(max(0.0, end - time.monotonic())):
                 raise CameraError(f"libcamera did not start the camera within {_START_SECONDS:.0f} s")
         line, _, self._data = self._data.partition(b"\n")
-        told = json.loads(line)
-        if not isinstance(told, dict):
+        reported = json.loads(line)
+        if not isinstance(reported, dict):
             raise TypeError
-        if "error" in told:
-            raise CameraError(printable(str(told["error"])), printable(str(told.get("help", ""))))
-        return told
+        if "error" in reported:
+            raise CameraError(printable(str(reported["error"])), printable(str(reported.get("help", ""))))
+        return reported
 
     def _fill(self, seconds: float) -> bool:
-        """Read more; False when nothing came within that time. Raises CameraError when the process has ended."""
+        """Read more; False when nothing arrived within that time. Raises CameraError when the process has ended."""
         if not select.select([self._output], [], [], seconds)[0]:
             return False
         data = os.read(self._output, 1 << 20)

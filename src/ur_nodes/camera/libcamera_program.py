@@ -32,7 +32,7 @@ class PictureSender(io.BufferedIOBase):
         return True
 
     def write(self, data: Any) -> int:
-        """Send a picture; the process ends when nobody reads."""
+        """Send a picture; the process ends when there is no reader."""
         picture = bytes(data)
         try:
             _write(self._target, HEAD.pack(len(picture), time.monotonic()) + picture)

@@ -1,4 +1,4 @@
-"""Values about a camera's pictures, and the Protocol of whatever takes them."""
+"""Values about a camera's pictures, and the Protocol of their sources."""
 
 from __future__ import annotations
 
@@ -82,7 +82,7 @@ class PictureSource(Protocol):
         """The pictures that it gives."""
 
     def read(self, seconds: float, *, wanted: bool = True) -> Frame | None:
-        """Return the newest picture; None when none came within that time.
+        """Return the newest picture; None when none arrived within that time.
 
         With `wanted` False a picture is taken off the camera and returned empty. Raises CameraError when the camera
         was unplugged or has failed.

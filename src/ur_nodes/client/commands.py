@@ -1,4 +1,4 @@
-"""Velocities of a client: sent while they are wanted, and no longer than was said when they began."""
+"""Velocities of a client: sent while they are wanted, and no longer than was asked for when they began."""
 
 from __future__ import annotations
 

@@ -53,7 +53,7 @@ def describe_driver(view: LeaseView, conduct: Conduct = "drive", robot: str = "t
     if view.state == "lost":
         return f"{describe_lost(view)}; d: take over"  # without the robot it fits 80 columns
     if view.state == "free" and conduct == "watch":
-        return f"nobody drives {robot}; d: drive"
+        return f"no client drives {robot}; d: drive"
     return ""
 
 
@@ -65,7 +65,7 @@ def describe_lost(view: LeaseView, robot: str = "") -> str:
 
 def name_holder(view: LeaseView) -> str:
     """The computer that drives, and its program where that is known."""
-    return f"{view.holder or 'somebody'} ({view.program})" if view.program else view.holder or "somebody"
+    return f"{view.holder or 'another client'} ({view.program})" if view.program else view.holder or "another client"
 
 
 def clock_time(unix: float) -> str:

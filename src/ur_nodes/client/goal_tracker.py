@@ -24,7 +24,7 @@ ANSWER_LIMIT = 5.0
 """Seconds of status lists without a goal after which move_base does not have it. It sends five lists a second."""
 
 SILENCE = 1.0
-"""Seconds without a status list after which nobody knows what becomes of a goal."""
+"""Seconds without a status list after which the state of a goal is unknown."""
 
 LATE = 1.0
 """Seconds after the end of a goal in which word of a goal to the same place is about that one."""
@@ -43,7 +43,7 @@ class GoalTracker:
     """The goal that is followed. `goal_id` is '' while it belongs to another client and its id is not known yet.
 
     `known`: move_base has listed it as active, or sent its result. `heard_at` is when it was sent or mentioned last,
-    `listed_at` when the last status list came, `absent_since` since when lists come without the goal.
+    `listed_at` when the last status list arrived, `absent_since` since when lists arrive without the goal.
     """
 
     report: GoalReport = field(default_factory=GoalReport)
@@ -77,7 +77,7 @@ def track_current(tracker: GoalTracker, place: Pose2, now: float) -> GoalTracker
 
 
 def track_status(tracker: GoalTracker, statuses: tuple[actions.GoalState, ...], now: float) -> GoalTracker:
-    """A status list came. A followed goal that is in no list for `ANSWER_LIMIT` has failed; silence proves nothing."""
+    """Note a status list. A followed goal that is in no list for `ANSWER_LIMIT` has failed; silence proves nothing."""
     if tracker.report.over:
         return tracker
     for status in statuses:
@@ -85,7 +85,7 @@ def track_status(tracker: GoalTracker, statuses: tuple[actions.GoalState, ...], 
             found = replace(tracker, goal_id=status.id, listed_at=now, absent_since=None)
             return _apply(found, status, now)
     if not tracker.goal_id and now - tracker.heard_at > LATE:
-        # It ended before this client came.
+        # It ended before this client started.
         return replace(tracker, listed_at=now, report=GoalReport(tracker.report.number))
     silent = now - tracker.listed_at > SILENCE
     since = now if silent or tracker.absent_since is None else tracker.absent_since
@@ -101,7 +101,7 @@ def track_status(tracker: GoalTracker, statuses: tuple[actions.GoalState, ...], 
 
 
 def track_result(tracker: GoalTracker, status: actions.GoalState, now: float) -> GoalTracker:
-    """A result came."""
+    """Note the result of a goal."""
     if tracker.report.over or (tracker.goal_id and tracker.goal_id != status.id):
         return tracker
     return _apply(tracker, status, now)

@@ -1,4 +1,4 @@
-"""The request that saves the map while it is made, and a line about what came of it."""
+"""The request that saves the map while it is made, and a line about its result."""
 
 from __future__ import annotations
 

@@ -43,7 +43,7 @@ class MuxView:
 
 
 class EmergencyStop(Protocol):
-    """A mux that can be asked to stop. No call blocks; what came of it is in later views."""
+    """A mux that can be asked to stop. No call blocks; its result is in later views."""
 
     def view(self) -> MuxView:
         """Return the newest state."""

@@ -44,7 +44,7 @@ _FRESH = 2.0  # s: how old a sensor's value may be
 class Robot:
     """The robot that the environment selects (`ur env`), for `with Robot() as robot:`; a program has one.
 
-    The program takes part in the lease as every other: it drives while nobody else does, every command proves its age,
+    The program takes part in the lease as every other: it drives while no other client does, commands prove their age,
     and mux and navigation keep their limits. The lease goes back when the context is left, also by an exception and
     Ctrl-C: then goals of this program are cancelled, and velocities end. A program that hangs while it drives does so
     no more: its velocity ends within 0.6 s, its goal is held within 4 s.

@@ -89,7 +89,7 @@ class RobotSnapshot:
 
 
 class NavigationClient(Protocol):
-    """A robot that can be sent to places. No call blocks; what came of it is in later snapshots."""
+    """A robot that can be sent to places. No call blocks; its result is in later snapshots."""
 
     def snapshot(self) -> RobotSnapshot:
         """Return the newest state."""
@@ -113,7 +113,7 @@ class NavigationClient(Protocol):
         """
 
     def stop(self) -> None:
-        """Cancel the goal, whoever sent it."""
+        """Cancel the goal of any client."""
 
     def ask_mux(self, request: MuxRequest) -> None:
         """Stop everything that drives, or release the emergency stop."""

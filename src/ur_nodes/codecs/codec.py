@@ -35,7 +35,7 @@ class Codec(Generic[Message, Value]):
 class ServiceCodec(Generic[Request, Response, Value]):
     """A kind of request, and what it is answered with, as the messages of a service.
 
-    `response` raises ServiceFailureError where a failure cannot be told otherwise.
+    `response` raises ServiceFailureError where a failure cannot be reported otherwise.
     """
 
     service_class: ServiceMessages[Request, Response]

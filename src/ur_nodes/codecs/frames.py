@@ -28,7 +28,7 @@ def fill_transforms(message: Transforms, value: tuple[Transform, ...]) -> None:
 
 
 def transforms_of(message: Transforms, *, fixed: bool = False) -> tuple[Transform, ...]:
-    """Read a tf2_msgs/TFMessage; `fixed` says whether it came on /tf_static."""
+    """Read a tf2_msgs/TFMessage; `fixed` says whether it arrived on /tf_static."""
     return tuple(
         Transform(
             stamp_of(each.header.stamp),
@@ -42,7 +42,7 @@ def transforms_of(message: Transforms, *, fixed: bool = False) -> tuple[Transfor
 
 
 class Newest:
-    """The moving transforms that were sent last, for nodes that begin to listen: nobody hears a publisher's first."""
+    """The moving transforms that were sent last, for nodes that begin to listen: a publisher's first one is lost."""
 
     def __init__(self) -> None:
         self._sent: tuple[float, tuple[Transform, ...]] = (-math.inf, ())

@@ -41,7 +41,7 @@ def _fail_or(result: Result, response: Response) -> Response:
     return response
 
 
-def _told(response: TriggerService.Response | SetBool.Response) -> Result:
+def _reported(response: TriggerService.Response | SetBool.Response) -> Result:
     return Result(bool(response.success), str(response.message))
 
 
@@ -97,7 +97,7 @@ SERVICES = {
         lambda _value: _TriggerRequest(),
         lambda _request: Trigger(),
         lambda result: _TriggerResponse(success=result.success, message=result.text),
-        _told,
+        _reported,
     ),
     Silent: ServiceCodec(
         Empty,
@@ -111,7 +111,7 @@ SERVICES = {
         lambda value: _SwitchRequest(data=value.on),
         lambda request: Switch(bool(request.data)),
         lambda result: _SwitchResponse(success=result.success, message=result.text),
-        _told,
+        _reported,
     ),
     AskMap: ServiceCodec(
         GridService,

@@ -1,4 +1,4 @@
-"""Pauses of an exploration: while somebody else drives the robot, or its emergency stop is on."""
+"""Pauses of an exploration: while another client drives the robot, or its emergency stop is on."""
 
 from __future__ import annotations
 
@@ -7,14 +7,14 @@ from dataclasses import dataclass, replace
 from ur_nodes.motion.lease.text import FREE, Lease
 
 _OURS = ("", "idle", "navigation")
-"""Names of the mux's active source while nobody but navigation drives."""
+"""Names of the mux's active source while only navigation drives."""
 
 
 @dataclass(frozen=True, slots=True)
 class MuxMessages:
     """Messages of the mux, newest each. `own` is the client that had the lease when the exploration began.
 
-    `foreign`: move_base pursues a goal of another program. `driven` is when somebody else drove last, s.
+    `foreign`: move_base pursues a goal of another program. `driven` is when another client drove last, s.
     """
 
     stopped: bool = False
@@ -26,20 +26,20 @@ class MuxMessages:
 
 
 def note_time(drivers: MuxMessages, now: float) -> MuxMessages:
-    """Remember that somebody drives now, and on the first call who has the lease at the begin."""
+    """Remember that another client drives now, and on the first call who has the lease at the begin."""
     if drivers.own is None:
         drivers = replace(drivers, own=drivers.lease.client)
     return replace(drivers, driven=now) if _driver(drivers) else drivers
 
 
 def reason_to_pause(drivers: MuxMessages, now: float, quiet: float) -> str:
-    """Return why the exploration pauses; '' when it goes on. It waits `quiet` s after somebody else drove."""
+    """Return why the exploration pauses; '' when it goes on. It waits `quiet` s after another client drove."""
     if drivers.stopped:
         return "the emergency stop is on; release it to go on"
     if who := _driver(drivers):
         return f"{who}; it goes on {quiet:g} s afterwards"
     if drivers.driven is not None and 0.0 <= now - drivers.driven < quiet:
-        return f"somebody drove the robot; it goes on in {quiet - (now - drivers.driven):.0f} s"
+        return f"another client drove the robot; it goes on in {quiet - (now - drivers.driven):.0f} s"
     return ""
 
 

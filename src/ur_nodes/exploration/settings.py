@@ -15,7 +15,7 @@ from ur_nodes.ports.parameters import Parameters
 class ExploreSettings:
     """`period`: s between two decisions. `quiet`: s without another driver before it goes on.
 
-    `save_service` saves the map and answers its name; '' where nobody saves it. `navigation` is the node with the
+    `save_service` saves the map and answers its name; '' where it is not saved. `navigation` is the node with the
     action, `costmap` the topic of its global costmap, `costmap_updates` that of the cells that changed.
     """
 

@@ -19,7 +19,7 @@ class ExploreStatus:
     """The state of an exploration. Areas in m2, `way` in m, `seconds` since the begin.
 
     `reachable` frontiers are left, and about `unknown` of floor; each of `unreachable` is a clause that says why.
-    `corners` are places that hide so little that nobody drives there.
+    `corners` are places that hide so little that no client drives there.
     `reason` says why it is paused or has ended; `saved` is the name of the map once it is stored.
     `left` is a rough estimate of the time until the end, s; None while there is none.
     """

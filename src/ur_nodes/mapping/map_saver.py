@@ -24,7 +24,7 @@ class MapSaver:
     def __init__(self, node: Node, name: Path, occupied: int, free: int) -> None:
         self._node, self._name, self._limits = node, name, (occupied, free)
         self._keep = node.parameters.boolean("keep", False)
-        self._came = self._told = self._busy = False
+        self._received = self._reported = self._busy = False
         self._newest: Map | str | None = None  # that came while another one was being saved
         self.failed = True
         node.subscribe("map", Map, self._take, Quality.LATCHED, unreadable=self._take)
@@ -32,10 +32,10 @@ class MapSaver:
 
     def _take(self, given: Map | str) -> None:
         """Take a map, or the reason why it cannot be read."""
-        if self._busy or (self._came and not self._keep):
+        if self._busy or (self._received and not self._keep):
             self._newest = given
             return
-        self._came = self._busy = self.failed = True
+        self._received = self._busy = self.failed = True
         self._node.work(lambda: self._save(given), self._finish)
 
     def _save(self, given: Map | str) -> tuple[str, str]:
@@ -55,8 +55,8 @@ class MapSaver:
         text, problem = found
         self._busy, self.failed = False, bool(problem)
         sys.stderr.write(problem)
-        if text and not self._told:
-            self._told = True
+        if text and not self._reported:
+            self._reported = True
             sys.stdout.write(text)
             sys.stdout.flush()
         newest, self._newest = self._newest, None
@@ -66,6 +66,6 @@ class MapSaver:
             self._take(newest)
 
     def _explain_silence(self) -> None:
-        if not self._came:
+        if not self._received:
             topic = self._node.resolve("map")
             self._node.log.warn(f"no map on {topic} for {PATIENCE:g} s; is a mapping node running?")

@@ -181,7 +181,7 @@ class Carrier:
                 self._carry(topic, listener, (value, offer.sender, False))
 
     def spoil(self, topic: str, reason: str) -> None:
-        """Have a value arrive that nobody can read, as from a program that makes a mistake."""
+        """Have an unreadable value arrive, as from a program that makes a mistake."""
         for listener in self.topics[topic].listeners:
             self.at(self.now, partial(listener.unreadable, reason))
 

@@ -8,7 +8,7 @@ when the newest command is `age` old, the speed is at most
     slow_down * (stop_time - lag - age)
 
 where `lag` is the delay between an output and the wheels. So the robot is at rest `stop_time` after the last command
-that came, at any speed and with any timeout. Before obstacles the
+that arrived, at any speed and with any timeout. Before obstacles the
 guard slows and stops it as well (`ur_nodes.motion.obstacle_stop.guard`).
 
 While something is active or the robot moves there is an output every

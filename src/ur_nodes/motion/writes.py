@@ -58,7 +58,7 @@ class AsideLog:
 
 
 def attempt(job: Callable[[], None]) -> str:
-    """Do what may fail in ways of the middleware, such as a master that is gone; the reason, empty if it did not."""
+    """Do what may fail in ways of the middleware, such as a master that has ended; the reason, empty if it did not."""
     try:
         job()
     except Exception as problem:

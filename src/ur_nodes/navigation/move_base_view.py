@@ -72,7 +72,7 @@ class MoveBaseView:
         return frequency > 0.0 and tick % max(1, round(1.0 / (frequency * self._settings.navigator.period))) == 0
 
     def _greet(self) -> None:
-        """Note that a subscriber came. Of changes, too: it may have missed some since it received the whole."""
+        """Note a new subscriber. Of changes, too: it may have missed some since it received the whole."""
         self._arrived = True
 
     def _show_global_costmap(self, now: int) -> None:

@@ -66,7 +66,7 @@ class NavigatorInputs:
     `motion` is in the odometry frame, `odom` the pose of the map in that frame, `local` the costmap round the robot in
     that frame. `trouble` is the reason why the robot must not move, '' when it may. `path_blocked`: the map with all
     obstacles shows an obstacle on the path that is being followed. `speed_mask`: percentages of the speed limit, on
-    the map. `share` (0 to 1) of all speeds is allowed by whoever limits the robot.
+    the map. `share` (0 to 1) of all speeds is allowed by the client that limits the robot.
     """
 
     now: float

@@ -12,7 +12,7 @@ class VelocityOutput:
 
     Commands go out stamped with the newest challenge, which bounds their age, as soon as the mux has subscribed to
     them; from then on never plain. A base without our mux has no subscriber there and gets plain ones. This node drives
-    for whoever holds the lease, so that its commands name no client. `share` (0 to 1) is how much of the base's
+    for the holder of the lease, so that its commands name no client. `share` (0 to 1) is how much of the base's
     speeds the mux lets through: a plan for more would not be kept.
     """
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 
 @dataclass(frozen=True, slots=True)
 class Topic:
-    """A topic: its type ("" while no publisher has told it), and the nodes at its ends."""
+    """A topic: its type ("" while no publisher has named it), and the nodes at its ends."""
 
     name: str
     kind: str = ""

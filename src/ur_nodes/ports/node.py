@@ -86,7 +86,7 @@ class Node(Protocol):
         take: Callable[[Value, Sender | None], None],
         quality: Quality = Quality.NEWEST,
     ) -> Subscription:
-        """Listen, and be told who sent each value; None where the middleware does not know it."""
+        """Listen, with the sender of each value; None where the middleware does not know it."""
 
     def subscribe_fields(
         self, topic: str, type_name: str, fields: tuple[str, ...], take: Callable[[tuple[object, ...]], None]

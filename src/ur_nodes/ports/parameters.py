@@ -64,7 +64,7 @@ class Parameters:
         self._store.set(self._namespace + name, value)
 
     def keep_all(self, values: Mapping[str, object]) -> None:
-        """Set parameters, unless the store is gone."""
+        """Set parameters, unless the store has ended."""
         with contextlib.suppress(OSError):
             for name, value in values.items():
                 self.keep(name, value)

@@ -1,4 +1,4 @@
-"""Messages of any type, by the middleware's names of types: for tools that show whatever a robot has.
+"""Messages of any type, by the middleware's names of types: for tools that show any topic of a robot.
 
 Nodes of our own exchange the values of `ports.values` instead.
 """

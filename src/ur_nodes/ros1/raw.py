@@ -103,7 +103,7 @@ def _find_service(service: str) -> tuple[str, Any]:
 
 
 def _raw_of(message: genpy.Message) -> RawMessage:
-    """A message as it was sent: one of a class where another subscription of the topic came first."""
+    """A message as it was sent: one of a class where another subscription of the topic was first."""
     header = header_of(message)
     if isinstance(message, rospy.AnyMsg):
         data = bytes(message._buff)  # noqa: SLF001 - rospy has no other name

@@ -61,7 +61,7 @@ class RosPublisher(Generic[Value]):
         self._publisher.unregister()
 
     def watch(self, call: Callable[[], None]) -> None:
-        """Call, on any thread, when somebody begins to listen."""
+        """Call, on any thread, when a node begins to listen."""
         self._publisher.impl.add_subscriber_listener(_Watcher(call))
 
     def free_sent(self) -> None:

@@ -17,7 +17,7 @@ from ur_nodes.ports.log import Throttle
 
 
 class FileFacts:
-    """See `ports.facts.Facts`: a file of the run, since ROS 2 has no parameters that are nobody's."""
+    """See `ports.facts.Facts`: a file of the run, since ROS 2 has no parameters without a node."""
 
     def __init__(self, *, simulated_time: bool, file: Path | None = None) -> None:
         self.simulated_time = simulated_time

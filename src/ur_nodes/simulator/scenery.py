@@ -71,7 +71,7 @@ def rotation_axes(angles: Sequence[float]) -> Axes:
 
 
 def _camera(camera: Camera, number: int) -> str:
-    """MuJoCo's cameras look along -z with y up; `fovy` is in degrees whatever the compiler is set to."""
+    """MuJoCo's cameras look along -z with y up; `fovy` is in degrees under any setting of the compiler."""
     _, left, up = rotation_axes(camera.pose[3:])
     right = tuple(-value for value in left)
     fovy = 2.0 * math.degrees(math.atan(camera.height / 2.0 / camera.focal_length))

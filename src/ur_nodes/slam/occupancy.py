@@ -22,7 +22,7 @@ from ur_nodes.slam.wall_points import wall_points
 _MARGIN = 1.0  # m that the map grows beyond what was seen
 _PACE = 0.5  # of a cell: between two samples of a beam
 _LATER = 32  # times as much as the drive before it counts a drive
-_DRIVES = 4  # that are told apart; all before count like the first of these
+_DRIVES = 4  # that are distinguished; all before count like the first of these
 _SPARED = 1.5  # cells before the end of a beam that do not count as passed: a thin wall seen at an angle is kept
 
 

@@ -17,8 +17,8 @@ def wall_points(scan: MapScan, depth: float) -> Floats:
     """Return a point (n, 2) in the wall for each hit of a scan, `depth` m behind its surface, in the robot's frame.
 
     With half a cell as the depth, the nearer edges of the cells that hold these points lie on the surface on average.
-    The cells that hold the hits themselves would reach out of the wall, by half a cell on average and towards whoever
-    sees it. The noise along the normal is averaged over neighbours. Hits whose surface is not known stay as they are.
+    The cells that hold the hits themselves would reach out of the wall, by half a cell on average towards the
+    lidar. The noise along the normal is averaged over neighbours. Hits whose surface is not known stay as they are.
     """
     hits = scan.hits.astype(np.float64)
     if not len(hits):

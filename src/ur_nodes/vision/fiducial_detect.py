@@ -26,7 +26,7 @@ class DetectionRequest:
 
 @dataclass(frozen=True, slots=True)
 class DetectionAnswer:
-    """The fiducials of a picture; None: nobody asked, or the camera is not calibrated."""
+    """The fiducials of a picture; None: no pose was asked for, or the camera is not calibrated."""
 
     seen: SeenFiducials
     placed: PlacedFiducials | None = None

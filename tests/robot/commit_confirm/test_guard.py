@@ -12,8 +12,8 @@ import pytest
 from ur.robot.commit_confirm.guard import (
     BUSY,
     EARLY,
+    ENDED,
     FOLDER,
-    GONE,
     GUARD,
     LATE,
     UNIT,
@@ -118,7 +118,7 @@ class Robot:
 
     def last(self) -> tuple[bool, str]:
         done = self.run(confirm_script("abc"))
-        assert done.returncode == GONE
+        assert done.returncode == ENDED
         ended = parse_last("abc", done.stdout)
         assert ended
         return ended.confirmed, ended.reason
@@ -152,11 +152,11 @@ def test_change_that_nobody_confirms_is_taken_back(robot: Robot) -> None:
     robot.arm()
     said = robot.guard()
     assert "rename bob to eve: asked for by pat@laptop; begins" in said
-    assert "nobody confirmed it within 0 s; going back" in said
+    assert "it was not confirmed within 0 s; going back" in said
     assert "everything is as it was before" in said
     robot.assert_old()
     assert "went back" in robot.read("calls")
-    assert robot.last() == (False, "nobody confirmed it within 0 s")
+    assert robot.last() == (False, "it was not confirmed within 0 s")
 
 
 def test_confirmed_change_stays(robot: Robot) -> None:
@@ -254,7 +254,7 @@ def test_only_a_change_that_is_made_can_be_confirmed(robot: Robot) -> None:
     robot.arm()
     assert robot.run(confirm_script("abc")).returncode == EARLY
     assert robot.run(look_script("abc")).returncode == EARLY
-    assert robot.run(confirm_script("def")).returncode == GONE
+    assert robot.run(confirm_script("def")).returncode == ENDED
     robot.write("change/pending/applied", "")
     (robot.folder / "change/pending/open").rename(robot.folder / "change/pending/closed")
     assert robot.run(confirm_script("abc")).returncode == LATE

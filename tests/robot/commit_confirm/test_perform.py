@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 
 import pytest
 
-from ur.robot.commit_confirm.guard import BUSY, EARLY, GONE, LATE
+from ur.robot.commit_confirm.guard import BUSY, EARLY, ENDED, LATE
 from ur.robot.commit_confirm.guarded import GuardedChange, Order
 from ur.robot.commit_confirm.perform import (
     GRACE,
@@ -100,7 +100,7 @@ def test_change_is_confirmed_over_the_new_way_only() -> None:
 
 
 def test_confirmation_whose_answer_was_lost_counts() -> None:
-    network = Network({NEW: [lost_connection("x", ""), ShellResult(GONE, "abc\nconfirmed\n\n", "")], OLD: [AWAY]})
+    network = Network({NEW: [lost_connection("x", ""), ShellResult(ENDED, "abc\nconfirmed\n\n", "")], OLD: [AWAY]})
     assert network.come_back() == NEW
 
 
@@ -109,19 +109,19 @@ def test_change_that_was_taken_back_is_told_with_its_reason(way: Address) -> Non
     answers: dict[Address, list[ShellResult | UserError]] = {NEW: [AWAY], OLD: [AWAY]}
     answers[way] = [
         ShellResult(LATE, "", ""),
-        ShellResult(GONE, "abc\ntaken-back\nnobody confirmed it within 60 s\n", ""),
+        ShellResult(ENDED, "abc\ntaken-back\nit was not confirmed within 60 s\n", ""),
     ]
     with pytest.raises(UserError) as caught:
         Network(answers).come_back()
     (problem,) = caught.value.diagnostics
-    assert problem.message == "rename bob to eve: the robot reverted the change: nobody confirmed it within 60 s"
+    assert problem.message == "rename bob to eve: the robot reverted the change: it was not confirmed within 60 s"
     assert problem.rule == "taken-back"
     seen = [] if way == NEW else ["seen from here: no computer answers to this name"]
     assert [note.message for note in problem.notes] == seen
 
 
 def test_robot_that_was_never_told_has_not_changed() -> None:
-    network = Network({NEW: [AWAY], OLD: [ShellResult(GONE, "other\nconfirmed\n\n", "")]})
+    network = Network({NEW: [AWAY], OLD: [ShellResult(ENDED, "other\nconfirmed\n\n", "")]})
     with pytest.raises(UserError, match="nothing was changed"):
         network.come_back()
 
@@ -137,7 +137,7 @@ def test_robot_that_is_not_seen_again_is_told_with_what_to_do() -> None:
 
 
 def test_change_that_failed_there_is_not_blamed_on_the_way_from_here() -> None:
-    failed = ShellResult(GONE, "abc\ntaken-back\nsecrets were required\n", "")
+    failed = ShellResult(ENDED, "abc\ntaken-back\nsecrets were required\n", "")
     with pytest.raises(UserError) as caught:
         Network({NEW: [AWAY], OLD: [failed]}).come_back()
     assert caught.value.diagnostics[0].notes == ()

@@ -80,7 +80,7 @@ def test_computer_that_boots_is_waited_for(tmp_path: Path, monkeypatch: pytest.M
 @pytest.mark.parametrize("said", ["", "kex_exchange_identification: Connection closed by remote host\r\n"])
 def test_shared_connection_that_ended_is_said_to_have_closed(said: str) -> None:
     diagnostic = lost_connection("ros@robot.local", said).diagnostics[0]
-    assert diagnostic.message == "ros@robot.local: the connection is gone: it closed"
+    assert diagnostic.message == "ros@robot.local: the connection has ended: it closed"
     assert diagnostic.help
 
 

@@ -3,7 +3,7 @@ from __future__ import annotations
 import pytest
 
 from ur.run.master.link_monitor import BUSY, LinkState, MasterState, choose_limit, is_another, step_link
-from ur.run.supervisor.events import Event, LinkLost, LinkRestored, MasterGone, MasterReplaced, MasterReturned
+from ur.run.supervisor.events import Event, LinkLost, LinkRestored, MasterReplaced, MasterReturned, RobotMasterLost
 
 MASTER = MasterState(100, "a")
 
@@ -49,7 +49,7 @@ def test_robot_that_has_restarted_has_another_master_after_the_link_is_restored(
 def test_robot_without_a_master_is_told_after_a_while() -> None:
     gone = MasterState(None)
     events = follow((1.0, MASTER), (1.5, gone), (3.0, gone), (4.5, gone), (5.0, gone), (5.5, MASTER))
-    assert events == [MasterGone(3.0), MasterGone(3.5), MasterReturned()]
+    assert events == [RobotMasterLost(3.0), RobotMasterLost(3.5), MasterReturned()]
 
 
 @pytest.mark.parametrize(("last", "now", "limit"), [(0.0, 0.3, 0.5), (0.0, 0.8, 0.2), (0.0, 5.0, 0.2)])

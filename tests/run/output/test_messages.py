@@ -47,7 +47,7 @@ def test_death_without_a_word_says_so() -> None:
     assert describe_death(death, [], "/log/a") == [
         "/a died: signal SIGKILL (killed), which ends the run",
         "  log: /log/a (it printed nothing)",
-        "  try: somebody killed it; when it was the kernel, for want of memory: journalctl -k | grep -i oom",
+        "  try: it was killed; if the kernel did, for want of memory: journalctl -k | grep -i oom",
     ]
 
 

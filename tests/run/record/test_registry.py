@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from ur.cli.main import main
-from ur.run.clients.client import RunGone, connect_run
+from ur.run.clients.client import RunUnreachable, connect_run
 from ur.run.record.computer import Computer, read_computer
 from ur.run.record.entry import RunEntry, runs_folders
 from ur.run.record.registry import DESCRIPTION, find_run, list_runs, make_run_name, register_run, unregister_run
@@ -58,7 +58,7 @@ def test_run_is_private_listed_and_reached_until_it_is_unregistered(environment:
         client.close()
     unregister_run(entry)
     assert list_runs(environment, UID, HERE) == []
-    with pytest.raises(RunGone):
+    with pytest.raises(RunUnreachable):
         connect_run(entry.folder)
 
 

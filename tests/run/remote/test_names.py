@@ -63,7 +63,7 @@ def test_only_live_nodes_of_other_computers_count(monkeypatch: pytest.MonkeyPatc
     }
     monkeypatch.setattr(Master, "call_many", lambda _, calls: [addresses[name] for _, (name,) in calls])
     master = Master("http://bob:1", "bob", 1)
-    probe = {"http://far:2/": Sign.GONE, "http://far:3/": Sign.PRESENT}.get
+    probe = {"http://far:2/": Sign.ENDED, "http://far:3/": Sign.PRESENT}.get
     found = find_taken(list(addresses), master, lambda host: host == "desk", probe)  # type: ignore[arg-type]
     assert found == {"/live"}
 

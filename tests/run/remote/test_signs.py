@@ -25,12 +25,12 @@ def closed_port() -> Iterator[int]:
 @pytest.mark.parametrize(
     ("nodes", "now", "sign"),
     [
-        ({"/keys": Sign.PRESENT, "/view": Sign.GONE}, LATER, Sign.PRESENT),
-        ({"/keys": Sign.SILENT, "/view": Sign.GONE}, LATER, Sign.SILENT),
-        ({"/keys": Sign.GONE, "/view": None}, LATER, Sign.GONE),
-        ({"/keys": None, "/view": None}, LATER, Sign.GONE),
+        ({"/keys": Sign.PRESENT, "/view": Sign.ENDED}, LATER, Sign.PRESENT),
+        ({"/keys": Sign.SILENT, "/view": Sign.ENDED}, LATER, Sign.SILENT),
+        ({"/keys": Sign.ENDED, "/view": None}, LATER, Sign.ENDED),
+        ({"/keys": None, "/view": None}, LATER, Sign.ENDED),
         ({"/keys": None, "/view": None}, 1001.0, Sign.SILENT),
-        ({"/keys": Sign.GONE, "/view": None}, 1001.0, Sign.SILENT),
+        ({"/keys": Sign.ENDED, "/view": None}, 1001.0, Sign.SILENT),
     ],
 )
 def test_client_is_judged_by_its_nodes(nodes: dict[str, Sign | None], now: float, sign: Sign) -> None:
@@ -38,7 +38,7 @@ def test_client_is_judged_by_its_nodes(nodes: dict[str, Sign | None], now: float
 
 
 def test_computer_that_refuses_the_connection_says_that_the_node_is_gone(closed_port: int) -> None:
-    assert probe_node(f"http://127.0.0.1:{closed_port}/") is Sign.GONE
+    assert probe_node(f"http://127.0.0.1:{closed_port}/") is Sign.ENDED
 
 
 @pytest.mark.parametrize("uri", ["", "rosrpc://x:1", "http://no-such-host.invalid:1/", "http://x"])

@@ -6,9 +6,9 @@ from ur.run.supervisor.events import (
     Event,
     LinkLost,
     LinkRestored,
-    MasterGone,
     MasterReplaced,
     ParametersSet,
+    RobotMasterLost,
     SetupFailed,
     ShareFailed,
     ShareStarted,
@@ -44,30 +44,30 @@ def test_lost_link_is_told_and_changes_nothing() -> None:
 def test_robot_starts_its_share_again_before_nodes_here_do() -> None:
     state, actions = follow(run_state(shared=True), MasterReplaced())
     assert actions == [ReportRevival(), StartShare()]
-    state, actions = follow(state, MasterReplaced(), MasterGone(4.0))  # seen while it starts
+    state, actions = follow(state, MasterReplaced(), RobotMasterLost(4.0))  # seen while it starts
     assert actions == []
     state, actions = follow(state, ShareStarted())
     assert actions == [SetParameters()]
     state, actions = follow(state, ParametersSet())
     assert not state.reviving
-    assert [type(each).__name__ for each in actions] == ["Signal"]
+    assert [type(each).__name__ for each in actions] == ["SignalUnit"]
 
 
 def test_robot_without_a_master_is_asked_to_start_its_share() -> None:
-    _, actions = follow(run_state(shared=True), MasterGone(3.0))
+    _, actions = follow(run_state(shared=True), RobotMasterLost(3.0))
     assert actions == [ReportRevival(), StartShare()]
 
 
 def test_run_ends_with_1_when_the_robot_cannot_start_its_share() -> None:
-    state, actions = follow(run_state(shared=True), MasterGone(3.0), ShareFailed("bob: its nodes are gone"))
+    state, actions = follow(run_state(shared=True), RobotMasterLost(3.0), ShareFailed("bob: its nodes are gone"))
     assert ReportStop("bob: its nodes are gone", failed=True) in actions
     assert state.exit_code == 1
 
 
 def test_run_does_not_wait_for_ever_for_the_master_of_a_robot_that_answers() -> None:
-    state, actions = follow(run_state(shared=False), MasterGone(3.0), MasterGone(60.0))
+    state, actions = follow(run_state(shared=False), RobotMasterLost(3.0), RobotMasterLost(60.0))
     assert actions == []
-    state, actions = follow(state, MasterGone(120.0))
+    state, actions = follow(state, RobotMasterLost(120.0))
     cause = "the robot answers, but no ROS master has run on it for 120 s"
     assert ReportStop(cause, failed=True) in actions
     assert state.exit_code == 1

@@ -65,4 +65,4 @@ def test_without_a_lease_nothing_is_said() -> None:
 
 
 def test_who_only_watches_is_told_that_nobody_drives() -> None:
-    assert describe_driver(LeaseView("free", link_age=0.0), "watch") == "nobody drives the robot; d: drive"
+    assert describe_driver(LeaseView("free", link_age=0.0), "watch") == "no client drives the robot; d: drive"

@@ -17,7 +17,7 @@ def test_driver_with_the_keys_pauses_it_and_it_goes_on_after_a_while() -> None:
     driven = note_time(replace(BEGUN, active="keyboard"), 10.0)
     assert reason_to_pause(driven, 10.0, 5.0).startswith("the keyboard drives")
     after = note_time(replace(driven, active="idle"), 12.0)
-    assert reason_to_pause(after, 12.0, 5.0) == "somebody drove the robot; it goes on in 3 s"
+    assert reason_to_pause(after, 12.0, 5.0) == "another client drove the robot; it goes on in 3 s"
     assert reason_to_pause(after, 15.1, 5.0) == ""
 
 

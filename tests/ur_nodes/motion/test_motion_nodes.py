@@ -156,7 +156,7 @@ def test_emergency_stop_outlives_the_mux(robot: Robot) -> None:
 
 
 def test_new_mux_sends_a_stop_to_the_base(robot: Robot) -> None:
-    robot.ask("history")  # nobody drives, so what is published from now on is the new mux's stop
+    robot.ask("history")  # no client drives, so what is published from now on is the new mux's stop
     kill_mux(robot)
     robot.ask("hears", velocity=[0.0, 0.0], seconds=60)  # for drivers that go on with the last command they received
     assert robot.ask("ready", seconds=60) == "idle"

@@ -46,7 +46,7 @@ def test_bumper_that_is_pressed_is_named(browser: Chromium) -> None:
 
 def test_driver_who_is_out_of_reach_is_not_said_to_drive(robot: Robot, browser: Chromium) -> None:
     lease = {"client": "x", "name": "ann", "program": "web", "since": 1.0, "until": 60.0, "asking": []}
-    for state, words in (("held", "ann drives"), ("lost", "Nobody drives")):
+    for state, words in (("held", "ann drives"), ("lost", "No client drives")):
         robot.show(Kind.STATE, STATE | {"lease": lease | {"state": state}})
         wait(lambda words=words: browser.run("document.getElementById('driver').textContent") == words)
     robot.show(Kind.STATE, STATE)
@@ -90,7 +90,7 @@ def test_exploration_is_shown_until_its_end_and_after_it(robot: Robot, browser: 
     lease = {"client": "", "name": "", "program": "", "since": 0.0, "until": None, "asking": [], "state": "free"}
     for state, line, driver in (
         ("exploring", "72 m2 known, 85 m driven; 22 frontiers left", "exploring drives"),
-        ("complete", "the map is complete: 0 frontiers reachable; 5 corners left out", "Nobody drives"),
+        ("complete", "the map is complete: 0 frontiers reachable; 5 corners left out", "No client drives"),
     ):
         robot.show(Kind.STATE, STATE | {"lease": lease, "exploring": {"state": state, "line": line}})
         wait(lambda driver=driver: browser.run("document.getElementById('driver').textContent") == driver)

@@ -1,7 +1,7 @@
 """The file of a cache: one for each combination of what is checked, with which rules and arguments.
 
 Two lines of JSON: a header with the format, a digest of the program and one of the second line, and the findings.
-Whatever cannot be read, or was written by another program, counts as nothing: the check then finds everything again.
+A file that cannot be read, or was written by another program, is ignored: the check then finds everything again.
 """
 
 # Exact paths and descriptors throughout.

@@ -11,7 +11,7 @@ from ur.source.diagnostic import Diagnostic
 
 @dataclass(frozen=True, slots=True)
 class Repair:
-    """A file's new text, and the findings that are gone with it."""
+    """A file's new text, and the findings that end with it."""
 
     path: str
     text: str

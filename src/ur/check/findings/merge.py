@@ -1,4 +1,4 @@
-"""Many cases, one finding: what several ways to start a file have in common is said once."""
+"""Many cases, one finding: what several ways to start a file have in common is reported once."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ MAX_NOTES = 6
 class Hit:
     """A finding in one case of one file. `plain` are the cases of that file in which no option is changed.
 
-    Without a `root` the finding is about a text, whatever the case.
+    Without a `root` the finding is about a text, in any case.
     """
 
     found: Diagnostic

@@ -109,7 +109,7 @@ refuses the file as soon as the place takes part.
         severity=Severity.WARNING,
         summary="An argument is declared and nothing uses it.",
         explanation="""
-Whoever gives the argument expects it to have an effect. It is a warning because the file works. Files that hand on
+A user who gives the argument expects an effect. It is a warning because the file works. Files that hand on
 everything with `pass_all_args`, or into YAML with `subst_value`, are left alone, and so are arguments that another file
 passes: roslaunch refuses a file that does not declare what it is passed.
 """,

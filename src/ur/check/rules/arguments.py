@@ -145,7 +145,7 @@ An `<arg>` with `value=` cannot be given from outside. Where it is meant to be, 
         severity=Severity.ERROR,
         summary="A required argument of an included file is not passed.",
         explanation="""
-An `<arg>` with neither `default` nor `value` has to be given by whoever includes the file. roslaunch notices
+An `<arg>` with neither `default` nor `value` has to be given by the file that includes it. roslaunch notices
 only where the argument is used, and accepts it silently where it is not.
 """,
         bad=(

@@ -98,7 +98,7 @@ are left alone.
         severity=Severity.WARNING,
         summary="A mapping in YAML has the same key twice.",
         explanation="""
-YAML readers take the last value and say nothing, so whoever changes the first one wonders why nothing happens.
+YAML readers take the last value without a warning, so a change of the first one has no effect.
 """,
         bad=(Example({"params/magni.yaml": "speed: 0.3\nradius: 0.1\n«speed»: 0.5\n"}),),
         good=(Example({"params/magni.yaml": "left: {speed: 0.3}\nright: {speed: 0.5}\n"}),),

@@ -137,7 +137,7 @@ roslaunch refuses `ns=''`. Leave the attribute away, or write `/` for the root.
         severity=Severity.ERROR,
         summary="A machine is described as before ROS Fuerte.",
         explanation="""
-`ros-root`, `ros-package-path`, `ros-ip`, `ros-hostname` and `<env>` inside `<machine>` are gone: `env-loader`
+`ros-root`, `ros-package-path`, `ros-ip`, `ros-hostname` and `<env>` inside `<machine>` were removed: `env-loader`
 names a script that sets the environment.
 """,
         bad=(

@@ -162,7 +162,7 @@ A tag takes one condition. Two of them are one expression: an `if` with `$(eval 
         summary="A ready: comment is not made of conditions.",
         explanation="""
 `ur launch` reads `<!--ready: ...-->` inside a node as what has to be there before the node is up, and `ur wait` waits
-for it. A part that it does not understand is left out, so nobody would wait for it. roslaunch ignores the comment.
+for it. A part that it does not understand is left out, so nothing would wait for it. roslaunch ignores the comment.
 """,
         bad=(
             launch_example("""

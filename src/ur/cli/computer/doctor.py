@@ -219,8 +219,8 @@ def _apply(
                 nullcontext() if asks else show_progress(f"running {each.line}"),
             ):
                 done = shell.run(each.line, root=each.root, timeout=FIX_SECONDS)
-            said = (done.err or done.out).strip().splitlines()
-            result = "done" if done.code == 0 else f"failed: {said[-1] if said else done.code}"
+            reported = (done.err or done.out).strip().splitlines()
+            result = "done" if done.code == 0 else f"failed: {reported[-1] if reported else done.code}"
         except UserError as problem:
             result = f"failed: {problem}"
         report.fixed.append((rule, result))

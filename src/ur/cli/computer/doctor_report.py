@@ -43,7 +43,7 @@ def print_alone(side: Side, ros1: str) -> None:
 
 
 def print_report(report: DoctorReport, *, fixable: str = "") -> None:
-    """The steps that were gone, when the robot was not reached; each finding with what to do. `fixable`: how to."""
+    """The steps that were taken, when the robot was not reached; each finding with what to do. `fixable`: how to."""
     for step in report.steps:
         mark, colour = MARKS[step.good]
         text = f"{step.title}: {step.seen}" if step.seen else step.title

@@ -32,7 +32,7 @@ class _Choices:
     ask_servers: bool | None = None
 
     def may_ask(self, addresses: Sequence[str]) -> bool:
-        """Return whether servers may be told these addresses. Without a terminal they are not."""
+        """Return whether these addresses may be sent to servers. Without a terminal they are not."""
         if self.ask_servers is None:
             click.echo("packages that no index has; their names would be sent to these servers:", err=True)
             for address in addresses[:_SHOWN]:

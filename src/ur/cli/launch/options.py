@@ -43,9 +43,9 @@ def _refuse(ctx: click.Context, param: click.Parameter, value: object) -> None:
 def make_lease_options() -> tuple[click.Option, ...]:
     """Options for the conduct where another client drives the robot; `ur run` passes them on."""
     return (
-        _flag("--watch", help="If somebody else drives the robot, watch."),
-        _flag("--ask", help="If somebody else drives the robot, ask to drive."),
-        _flag("--take-over", help="If somebody else drives the robot, take over."),
+        _flag("--watch", help="If another client drives the robot, watch."),
+        _flag("--ask", help="If another client drives the robot, ask to drive."),
+        _flag("--take-over", help="If another client drives the robot, take over."),
         _flag("--unattended", help="Let the robot go on with its goal while this computer cannot be reached."),
     )
 
@@ -91,7 +91,7 @@ GROUPS: Mapping[str, tuple[click.Option, ...]] = {
         _flag("--local", help="Leave nodes for other computers out."),
         _flag("--replace", help="End nodes of other runs that have the same names, as roslaunch does."),
     ),
-    "Where somebody else drives the robot": make_lease_options(),
+    "Where another client drives the robot": make_lease_options(),
     "Answer a question, and start nothing": (
         _flag("--dry-run", help="Print what would be started: command, environment and machine of every node."),
         _flag("--ros-args", help="Print the arguments of the launch file."),

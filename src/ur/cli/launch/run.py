@@ -36,7 +36,7 @@ def command(
 
     `ur list` says which programs there are, and `ur run PROGRAM --help` describes the arguments of one. What follows
     the program's name is its own: usually arguments of its launch file, written NAME:=VALUE. The options are handed to
-    it: they say how to begin where somebody else drives the robot.
+    it: they say how to begin where another client drives the robot.
     """
     lease = {"--watch": watch, "--ask": ask, "--take-over": take_over, "--unattended": unattended}
     options = [name for name, given in lease.items() if given]

@@ -71,7 +71,7 @@ def send_map(store: MapStore, name: str, robot: str, new_name: str) -> str:
     return str(address)
 
 
-def _explain(code: int, name: str, place: str, said: str, names: list[str]) -> UserError:
+def _explain(code: int, name: str, place: str, reported: str, names: list[str]) -> UserError:
     if code == _MISSING:
         near = did_you_mean(name, names)
         help_ = f"did you mean {near!r}?" if near else f"'ur maps --robot {place}' lists its maps"
@@ -87,7 +87,7 @@ def _explain(code: int, name: str, place: str, said: str, names: list[str]) -> U
             f"map {name!r} of {place} is larger than {MOST_PACKED // 1_000_000} MB, expected a smaller one",
             "export its picture on the robot: ur maps export",
         )
-    reason = (said.strip().splitlines() or [f"exit code {code}"])[-1][:200]
+    reason = (reported.strip().splitlines() or [f"exit code {code}"])[-1][:200]
     return _problem(f"{place}: map {name!r} was not copied: {reason}", "ur doctor")
 
 

@@ -159,7 +159,7 @@ def _show_devices(networks: Networks) -> None:
             rows.append((each.name, each.kind, each.state, profile.name if profile else "", ", ".join(each.addresses)))
     print_table(("device", "kind", "state", "network", "addresses"), rows)
     if not networks.running:
-        say(f"NetworkManager does not run there, but: {', '.join(networks.others) or 'nobody known'}")
+        say(f"NetworkManager does not run there, but: {', '.join(networks.others) or 'no network service known'}")
 
 
 def print_table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> None:

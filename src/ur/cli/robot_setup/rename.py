@@ -147,7 +147,7 @@ def _is_there(later: Address, before: Address) -> bool:
                     later,
                     "a change of its name is not finished, expected one at a time",
                     rule="change-pending",
-                    help="nobody confirmed it: the robot reverts it within two minutes; then run this again",
+                    help="it was not confirmed: the robot reverts it within two minutes; then run this again",
                 )
             )
         if done.out.strip() == later.host.removesuffix(".local"):

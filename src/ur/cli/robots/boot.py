@@ -54,7 +54,7 @@ def install(
     """Start a ROS master when the robot boots, and a launch file, program or command after it; `web` is its page.
 
     Both wait for the robot's address; what ends is started again, after pauses that grow while it keeps ending. The
-    launch file has to be on the robot: `ur sync` brings it. It is told what the robot knows of itself: base, variant,
+    launch file has to be on the robot: `ur sync` brings it. It gets what the robot knows of itself: base, variant,
     that nothing is simulated. All run as the robot's user, with the environment of that user's login shell. Several
     robots are changed side by side, with a line for each.
     """
@@ -219,8 +219,10 @@ def _show_link(shell: SshShell, host: str, *, look: bool = False) -> None:
     token = make_token()
     done = shell.run(admit_script(token, Role.LOOK if look else Role.DRIVE))
     if done.code:
-        said = (done.err.strip().splitlines() or ["no reason was given"])[-1]
-        raise UserError(error(f"{host}: no link could be made: {said}", rule="no-boot-service", help="ur boot status"))
+        reported = (done.err.strip().splitlines() or ["no reason was given"])[-1]
+        raise UserError(
+            error(f"{host}: no link could be made: {reported}", rule="no-boot-service", help="ur boot status")
+        )
     address = make_link(host, FIRST_PORT, token)
     click.echo(draw_code(address, colours=sys.stdout.isatty() and allows_colour(os.environ)))
     click.echo(f"open {address}")

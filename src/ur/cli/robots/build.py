@@ -57,7 +57,7 @@ def command(robots: tuple[str, ...], every: bool, packages: tuple[str, ...], job
         raise UserError(
             error_about(
                 shell.place,
-                "the connection is gone, and the build with it",
+                "the connection has ended, and the build with it",
                 rule="lost-connection",
                 help="ur doctor",
             )

@@ -125,9 +125,9 @@ def _print_needs(needs: Sequence[Need], snapshot: DeviceSnapshot) -> None:
         else:
             click.echo(printable(f"{need.state}: {need.message}"))
             click.echo(printable(f"  help: {need.help}"))
-    told = {need.device.path for need in needs if need.device}
+    reported = {need.device.path for need in needs if need.device}
     for state, device, help in list_problems(snapshot):
-        if device.path not in told:
+        if device.path not in reported:
             click.echo(printable(f"{state}: {device.path}"))
             click.echo(printable(f"  help: {help}"))
 

@@ -40,7 +40,7 @@ ALL = click.option("--all", "every", is_flag=True, help="All robots that were se
 def choose_robots(named: Sequence[str], *, every: bool) -> tuple[str, ...]:
     """The robots of a command line, which may be joined by commas; with `every`, all that were set up from here.
 
-    Nobody is named twice. Raises UserError: `--all` beside a name, no such robots, or something that is no address.
+    No robot is named twice. Raises UserError: `--all` beside a name, no such robots, or something that is no address.
     """
     names = [name for text in named for name in text.split(",") if name]
     if every and names:
@@ -117,7 +117,7 @@ def print_json_of_each(
 
 
 def ask_passwords(robots: Sequence[str], descriptor: int | None, *, root: bool) -> dict[str, Secret | None]:
-    """The password of each robot; None for one that needs none, or where nobody can be asked.
+    """The password of each robot; None for one that needs none, or where no user can be asked.
 
     It is read from `descriptor`, one for all; else, on a terminal, it is asked for once, for those robots that refuse
     the key, or, with `root`, let sudo ask. Raises UserError: the descriptor cannot be read.
@@ -144,16 +144,16 @@ def _find_needing(robots: Sequence[str], *, root: bool) -> list[str]:
     ]
     with _open_processes(jobs, "login") as processes, show_progress(f"logging in to {len(jobs)} robots"):
         fleet = processes.run(lambda _fleet, _now: None)
-        said = [output.log.read_all() for output in processes.outputs]
+        reported = [output.log.read_all() for output in processes.outputs]
     return [
         status.name
-        for status, text in zip(fleet, said, strict=True)
+        for status, text in zip(fleet, reported, strict=True)
         if status.code and (status.code != 255 or _is_refused(robot_address(status.name), text))
     ]
 
 
-def _is_refused(address: Address, said: str) -> bool:
-    return explain_failure(address, said).diagnostics[0].rule == "refused"
+def _is_refused(address: Address, reported: str) -> bool:
+    return explain_failure(address, reported).diagnostics[0].rule == "refused"
 
 
 def _make_job(name: str, argv: Sequence[str], password: Secret | None, *, asks: bool = False) -> Job:
@@ -197,12 +197,12 @@ def _print_outputs(fleet: Fleet, outputs: Sequence[Output], show: Literal["faile
 
 def _as_dict(status: JobStatus, output: Output) -> dict[str, object]:
     try:
-        said = json.loads(output.log.read_all())
+        reported = json.loads(output.log.read_all())
     except ValueError:
-        said = None
+        reported = None
     errors = output.errors.read_all().strip() if output.errors else ""
     row: dict[str, object] = {"robot": status.name, "code": status.code, "error": errors}
-    return row | said if isinstance(said, dict) else row
+    return row | reported if isinstance(reported, dict) else row
 
 
 class _Table:
@@ -210,7 +210,7 @@ class _Table:
 
     def __init__(self) -> None:
         self._live: Live | None = None
-        self._told: set[str] = set()
+        self._reported: set[str] = set()
         self._is_live = sys.stdout.isatty() and os.environ.get("TERM", "dumb") not in ("dumb", "")
 
     def __enter__(self) -> _Table:
@@ -235,8 +235,8 @@ class _Table:
             self._live.update(Text("\n".join(lines), no_wrap=True, overflow="ellipsis"), refresh=True)
             return
         for status in fleet:
-            if status.phase == "done" and status.name not in self._told:
-                self._told.add(status.name)
+            if status.phase == "done" and status.name not in self._reported:
+                self._reported.add(status.name)
                 click.echo(describe_end(status))
                 sys.stdout.flush()
 

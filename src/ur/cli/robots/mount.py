@@ -94,8 +94,8 @@ def _mount(address: Address, folder: str, target: Path) -> None:
     with show_progress(what):
         done = run_process(mount_command(address, folder, target), timeout=SECONDS, what=what)
     if done.code:
-        said = (done.err.strip().splitlines() or ["sshfs said nothing"])[-1]
-        raise _problem(f"{address}: {folder} could not be mounted: {said}", f"ur doctor {address}")
+        reported = (done.err.strip().splitlines() or ["sshfs printed nothing"])[-1]
+        raise _problem(f"{address}: {folder} could not be mounted: {reported}", f"ur doctor {address}")
 
 
 def _unmount(target: Path) -> None:

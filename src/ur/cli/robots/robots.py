@@ -44,7 +44,7 @@ def command(names: tuple[str, ...], watch: bool, seconds: float, as_json: bool) 
     Robots announce themselves once `ur robot setup` has set them up. `runs` is what the robot's ROS master knows and
     what it starts at boot; `clock` how far its clock is ahead of ours, or why that is not known. A robot that is just
     starting is waited for, some seconds longer than `--seconds`. With ROBOTs only these are listed, as soon as all of
-    them have answered. The exit code is 1 when nobody is there, one of the ROBOTs is away, or a robot has a problem
+    them have answered. The exit code is 1 when no robot answers, one of the ROBOTs is away, or a robot has a problem
     with its name.
     """
     wanted = read_names(names)
@@ -120,7 +120,7 @@ def _listen(
 ) -> list[RobotRow]:
     """The robots after as long as the user wants to listen, and until those that are there have answered.
 
-    Whoever announces itself is asked at once. Nothing is waited for once the list is `complete`.
+    A robot that announces itself is asked at once. Nothing is waited for once the list is `complete`.
     """
     end = time.monotonic() + seconds
     last = end + SETTLE_SECONDS
@@ -197,11 +197,11 @@ def _picture(rows: Sequence[RobotRow]) -> RenderableType:
 def _as_dict(row: RobotRow) -> dict[str, object]:
     keys = ("name", "address", "base", "variant", "ros", "version", "problem", "help")
     plain = {key: getattr(row, key) for key in keys}
-    said = {
+    reported = {
         "nodes": row.answer.nodes,
         "services": None if row.answer.services is None else dict(row.answer.services),
         "clock_offset": row.answer.offset,
         "refused": row.answer.refused,
         "seen": {"address": row.seen.address, "time": row.seen.time} if row.seen else None,
     }
-    return {**plain, **said}
+    return {**plain, **reported}

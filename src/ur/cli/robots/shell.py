@@ -43,10 +43,10 @@ def run_ssh(address: Address, options: Sequence[str], argv: Sequence[str]) -> in
         log = Path(folder) / "log"
         log.touch()
         code = _run_in_front(["ssh", *STRICT, "-E", str(log), *options, "--", str(address), *script])
-        said = log.read_text(encoding="utf-8", errors="replace")
-    if code == 255 and said.strip():
-        raise explain_failure(address, said)
-    sys.stderr.writelines(line for line in said.splitlines(keepends=True) if not line.startswith("Connection to "))
+        reported = log.read_text(encoding="utf-8", errors="replace")
+    if code == 255 and reported.strip():
+        raise explain_failure(address, reported)
+    sys.stderr.writelines(line for line in reported.splitlines(keepends=True) if not line.startswith("Connection to "))
     return code if code >= 0 else 128 - code
 
 

@@ -46,7 +46,7 @@ def command(robot: str | None, watch: bool, seconds: int | None, log: Path | Non
 
     Carry this computer or the robot around and watch: where does it get worse? ROBOT is a name, HOST or USER@HOST;
     without it, the selected robot. When the robot drops away the gap is marked, and it goes on. Where there is no
-    wireless interface, latency and loss remain. The exit code is 1 when nothing came back.
+    wireless interface, latency and loss remain. The exit code is 1 when nothing was answered.
     """
     address = robot_address(robot)
     if shutil.which("ping") is None:

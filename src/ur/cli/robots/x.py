@@ -53,9 +53,9 @@ def command(robot: str, argv: tuple[str, ...], check: bool) -> int:
         return 0
     if done.code == 255:
         raise explain_failure(address, done.err)
-    said = (done.err.strip().splitlines() or ["no reason was given"])[-1]
-    if "not found" in said or "No such file" in said:
+    reported = (done.err.strip().splitlines() or ["no reason was given"])[-1]
+    if "not found" in reported or "No such file" in reported:
         help_ = f"ur robot setup {address.host}"
     else:
         help_ = f"is the display here open to you? 'xauth list' and 'echo $DISPLAY'; then ur doctor {address.host}"
-    raise UserError(error_about(address, f"no window opened: {said}", rule="no-window", help=help_))
+    raise UserError(error_about(address, f"no window opened: {reported}", rule="no-window", help=help_))

@@ -64,7 +64,7 @@ def command(run: str | None, as_json: bool, plain: bool, calm: bool) -> int:
 
 
 def end_with_reader(descriptor: int) -> None:
-    """End this process once its output has no reader: the ssh connection that asked for it is gone, for instance.
+    """End this process once its output has no reader: the ssh connection that asked for it has ended, for instance.
 
     Without output it would not notice, and a robot would take its laptop for present (see `ur.run.remote.signs`).
     """
@@ -86,7 +86,7 @@ def _watch(entry: RunEntry, mode: str) -> int:
     if how == "detached":
         sys.stderr.write(f"{entry.run} runs on; 'ur stop {entry.run}' ends it\n")
         return 0
-    if how == "gone":
+    if how == "killed":
         sys.stderr.write(f"error: run {entry.run} was killed\n")
         return 1
     return code

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import time
 
-from ur.run.clients.client import RunClient, RunGone, connect_run
+from ur.run.clients.client import RunClient, RunUnreachable, connect_run
 from ur.run.join.claims import read_claims
 from ur.run.record.computer import read_computer
 from ur.run.record.ended import EndedRun, find_ended, list_ended
@@ -89,7 +89,7 @@ def connect(entry: RunEntry) -> RunClient:
     """Connect to a run. Raises UserError when it has ended meanwhile."""
     try:
         return connect_run(entry.folder)
-    except RunGone:
+    except RunUnreachable:
         raise UserError(
             error(f"run {entry.run} has ended just now", rule="unknown-run", help="ur ps", subject=entry.run)
         ) from None

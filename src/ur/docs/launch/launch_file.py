@@ -1,4 +1,4 @@
-"""A launch file and everything that is to be said about it."""
+"""A launch file and all facts that its page shows."""
 
 from __future__ import annotations
 

@@ -109,7 +109,7 @@ class MarkdownPage:
 
 
 def code(text: str) -> str:
-    """A text as inline code, whatever it holds."""
+    """Any text as inline code."""
     text = " ".join(text.split())
     if not text:
         return ""

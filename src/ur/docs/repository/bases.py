@@ -76,7 +76,7 @@ def list_choices(written: str, piece: str, view: LaunchView) -> Iterator[str]:
 
 
 def match_paths(written: str, view: LaunchView, until: str = "") -> list[str]:
-    """The files that a written path may mean, whatever its arguments are; the texts of `until` when it is given."""
+    """The files that a written path may mean, with any arguments; the texts of `until` when it is given."""
     start, names = _start_of(written, view)
     if start is None:
         return []

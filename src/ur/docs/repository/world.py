@@ -1,4 +1,4 @@
-"""The world of a launch repository alone: documents say the same on every computer, whatever is installed there."""
+"""The world of a launch repository alone: documents are the same on every computer, with any packages installed."""
 
 from __future__ import annotations
 
@@ -33,23 +33,23 @@ class RepositoryWorld:
         return None
 
     def find_files(self, package: str, name: str) -> tuple[str, ...]:  # noqa: ARG002 - World
-        """See World. Nobody asks for it here."""
+        """See World. Not used here."""
         return ()
 
     def find_executables(self, package: str, name: str) -> tuple[str, ...]:  # noqa: ARG002 - World
-        """See World. Nobody asks for it here."""
+        """See World. Not used here."""
         return ()
 
     def executable_names(self, package: str) -> Iterable[str]:  # noqa: ARG002 - World
-        """See World. Nobody asks for it here."""
+        """See World. Not used here."""
         return ()
 
     def is_file(self, path: str) -> bool:
-        """See World. A parameter file that nobody can know counts as one."""
+        """See World. A parameter file that cannot be known counts as one."""
         return path.endswith((".yaml", ".yml")) if _UNKNOWN in path else self._world.is_file(path)
 
     def read_bytes(self, path: str) -> bytes:
-        """See World. What is elsewhere, or nobody can know, counts as empty: the node that reads it is still there."""
+        """See World. What is elsewhere, or cannot be known, counts as empty: the node that reads it is still there."""
         return b"{}" if _UNKNOWN in path else self._world.read_bytes(path)
 
     def list_folder(self, path: str) -> tuple[str, ...]:

@@ -1,4 +1,4 @@
-"""Pieces of HTML, and Markdown as HTML. Whatever comes from a file is escaped here."""
+"""Pieces of HTML, and Markdown as HTML. Texts of files are escaped here."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""`<param command=...>`: running the programs whose output is a parameter, when somebody wants it."""
+"""`<param command=...>`: running the programs whose output is a parameter, when a caller wants it."""
 
 from __future__ import annotations
 

@@ -50,7 +50,7 @@ class Draft:
         self.world = world
         self.budget = budget or Budget()
         self.follow = follow  # False: included files are named and not entered
-        self.trace = trace  # collects how values came about, when somebody asks for it
+        self.trace = trace  # collects how values resulted, when a caller asks for it
         self.nodes: list[NodeSpec] = []
         self.tests: list[TestSpec] = []
         self.params: dict[str, ParamSpec] = {}

@@ -35,7 +35,7 @@ def load_plan(
     Means exactly what roslaunch means by them. Never raises because of what a file or an argument says: the plan's
     diagnostics hold an error for everything that roslaunch would refuse, and warnings for what it silently accepts.
     Nothing is executed; see `run_commands` for the parameters that programs print. A `trace` is filled with how values
-    came about, in order. `trees`, by absolute path, spare files from being parsed again, and gain those that are.
+    resulted, in order. `trees`, by absolute path, spare files from being parsed again, and gain those that are.
     `parsed` does the same by the paths that name files, as they are written.
     `computers` are machines that need no `<machine>` tag; the tag of a file goes before one of the same name. `budget`
     limits what expressions compute; who loads a file several times gives them one.

@@ -1,6 +1,6 @@
 """Resolution of one launch file by itself: the files that it includes are named, and not entered.
 
-Whoever asks about many files, each in many ways, asks once per file and arguments, and puts the answers together.
+A check of many files, each in many ways, asks once per file and arguments, and puts the answers together.
 """
 
 from __future__ import annotations

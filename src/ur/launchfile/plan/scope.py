@@ -40,7 +40,7 @@ class Scope:
         self.args = args
         self.anonymous: dict[str, str] = {}
         self.declared: dict[str, Element] = {}
-        self.missing: dict[str, Element] = {}  # required arguments that nobody passed, until one is used
+        self.missing: dict[str, Element] = {}  # required arguments that were not passed, until one is used
         self.poisoned: set[str] = set()  # arguments whose value could not be found out; reported already
         self.passing: dict[str, str] | None = None
         self.handed_over: tuple[str, ...] = ()

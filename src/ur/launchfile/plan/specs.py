@@ -1,4 +1,4 @@
-"""The resolved plan: what a launch file means, every item with where it came from."""
+"""The resolved plan: what a launch file means, every item with its origin."""
 
 from __future__ import annotations
 

@@ -19,7 +19,7 @@ from ur.source.file import Span
 
 @dataclass(frozen=True, slots=True)
 class ArgumentSpec:
-    """An argument that may be given. `default` is None when it has to be; `doc` is empty when nobody wrote any."""
+    """An argument that may be given. `default` is None when it has to be; `doc` is empty without a comment."""
 
     name: str
     default: str | None

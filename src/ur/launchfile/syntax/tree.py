@@ -1,6 +1,6 @@
 """The syntax tree of a launch file: elements, attributes and comments, each with its exact place.
 
-Offsets are characters in the text of the file. Places inside a tag are found when somebody asks: almost nobody does,
+Offsets are characters in the text of the file. Places inside a tag are found on request: almost no caller asks,
 except to report an error.
 """
 

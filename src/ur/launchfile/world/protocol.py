@@ -62,5 +62,5 @@ class World(Protocol):
         ...
 
     def make_anonymous(self, prefix: str) -> str:
-        """A node name that nobody else has: `$(anon prefix)`."""
+        """A node name that no other node has: `$(anon prefix)`."""
         ...

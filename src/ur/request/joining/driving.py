@@ -63,7 +63,7 @@ def choose_mode(
 def ask_mode(description: str, ask: Callable[[str], str], *, lost: bool = False) -> Mode | None:
     """Ask until the answer is one of those offered; the end of the input means to quit.
 
-    Where the driver is `lost` nobody would answer a client that asks to drive.
+    Where the driver is `lost` no client would answer one that asks to drive.
     """
     answers = _LOST_ANSWERS if lost else _ANSWERS
     question = f"{description}\n  [w]atch, {'' if lost else '[a]sk to drive, '}[t]ake over, [q]uit? "
@@ -82,7 +82,7 @@ def refuse(lease: RobotLease, robot: str) -> UserError:
     """Make the error that another client drives the robot, or drove it and is out of reach."""
     return UserError(
         error(
-            f"{describe_lease(lease, robot, time.time())}, expected a robot that nobody drives",
+            f"{describe_lease(lease, robot, time.time())}, expected a robot that no client drives",
             rule="robot-is-driven",
             help="add --watch or --take-over" if lease.state == "lost" else "add --watch, --ask or --take-over",
         )

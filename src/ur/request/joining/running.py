@@ -130,7 +130,7 @@ def _list_runs(uri: str) -> list[RunEntry]:
 
 
 def _await_stopping(entries: Sequence[RunEntry], report: Report) -> list[RunEntry]:
-    """Those of these runs that go on, once those that are stopping are gone, or take too long."""
+    """Those of these runs that go on, once those that are stopping have ended, or take too long."""
     left = []
     for entry in entries:
         from ur.run.remote.local_runs import is_stopping, wait_exit
@@ -168,12 +168,12 @@ def _find_held(names: Collection[str], entries: Iterable[RunEntry], uri: str, *,
 
 
 def _list_nodes(entry: RunEntry) -> frozenset[str]:
-    from ur.run.clients.client import RunGone, connect_run
+    from ur.run.clients.client import RunUnreachable, connect_run
     from ur.run.remote.local_runs import list_nodes
 
     try:
         connect_run(entry.folder).close()
-    except RunGone:
+    except RunUnreachable:
         return frozenset()
     return list_nodes(entry) or frozenset(read_claims(entry.folder).nodes)
 

@@ -99,9 +99,9 @@ def bring_library(request: BootRequest, shell: SshShell, user: str, report: Call
         done = shell.run(quote("bash", "-lc", page_line("--prepare")), timeout=_PREPARE_LIMIT)
         if done.code:
             reason = done.err.strip().splitlines() or [f"exit code {done.code}"]
-            said = next((line for line in reason if line.startswith("error: ")), reason[-1]).removeprefix("error: ")
+            reported = next((line for line in reason if line.startswith("error: ")), reason[-1]).removeprefix("error: ")
             help_ = f"connect the robot to the internet, once: ur wifi {shell.address.host.removesuffix('.local')}"
-            raise _problem(f"{shell.address.host}: what the page needs is not installed there: {said}", help_)
+            raise _problem(f"{shell.address.host}: what the page needs is not installed there: {reported}", help_)
     return count
 
 
@@ -130,7 +130,7 @@ def _facts(launch: RobotLaunch) -> dict[str, str]:
 
 
 def _refuse_terminal(request: BootRequest, arguments: Sequence[str]) -> None:
-    """Nobody sits at a robot that boots: refuse what wants a terminal, as far as this computer knows the file."""
+    """Refuse programs that want a terminal, as far as this computer knows the file: a robot that boots has none."""
     from ur.launchfile.address import resolve_addresses
     from ur.launchfile.plan.load import load_plan
     from ur.launchfile.world.system import SystemWorld

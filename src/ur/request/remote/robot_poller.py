@@ -105,10 +105,10 @@ class RobotPoller:
         if one.host == one.name:  # else it is the twin itself
             self._note(one, twin=self._browser.find_twin(one.name, self._seconds))
 
-    def _note(self, one: Announcement, **said: object) -> None:
+    def _note(self, one: Announcement, **reported: object) -> None:
         with self._lock:
             before = self.answers.get(one.host, RobotAnswer())
-            self.answers[one.host] = replace(before, **said)  # type: ignore[arg-type] # keywords of this module
+            self.answers[one.host] = replace(before, **reported)  # type: ignore[arg-type] # keywords of this module
 
     def _notify(self, done: Future[None]) -> None:
         if not done.cancelled():

@@ -55,7 +55,7 @@ class ShareAgain:
     def start(self) -> str:
         """Start the share again once the robot has restarted, or has a master again; return '' or what went wrong.
 
-        A master that does not return although the robot did not restart was ended by somebody: it is left at that.
+        A master that does not return although the robot did not restart was ended on purpose, and stays so.
         """
         begun = time.monotonic()
         problem = "it does not answer"

@@ -17,7 +17,7 @@ def install_debian(alternatives: Sequence[Sequence[str]], title: str, *, ask: bo
     """Install the first set of Debian packages unless one of the sets is installed already.
 
     `title` says what that is, for people. With `ask` sudo may ask for a password on the terminal. A system without dpkg
-    is left alone. Raises UserError: the packages could not be installed, or nobody may.
+    is left alone. Raises UserError: the packages could not be installed, or no user may.
     """
     import shutil  # only where a program needs packages
 
@@ -60,7 +60,7 @@ def list_missing(names: Sequence[str]) -> list[str]:
 def _root_prefix(
     missing: Sequence[str], command: str, *, ask: bool, state: str = "are missing and could not be installed"
 ) -> list[str]:
-    """The arguments in front of a command that root has to run. Raises UserError when nobody here may become root."""
+    """The arguments in front of a command that root has to run. Raises UserError when no user here may become root."""
     import shutil
     import subprocess
 

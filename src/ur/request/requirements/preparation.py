@@ -83,7 +83,7 @@ def prepare(
     """Install what the plan's programs on this computer lack, and return whether RViz was installed.
 
     Only programs of the launch library are read, and RViz. Without RViz a `view` cannot start; other programs start all
-    the same, so nobody is asked for a password then. Raises UserError: that failed, or a file is missing.
+    the same, so no password is asked for then. Raises UserError: that failed, or a file is missing.
     """
     parameters = {each.name: each.value for each in plan.params}
     wanted: dict[str, PythonNeed] = {}

@@ -74,20 +74,20 @@ def run_installer(command: Sequence[str], missing: str, settings: str, verb: str
         )
     except OSError as problem:
         raise _failure(missing, str(problem), help_, verb) from None
-    said: list[str] = []
+    reported: list[str] = []
     assert process.stdout is not None
     with process, show_progress(f"{_STEMS[verb]}ing {missing}") as progress:
         try:
             for line in filter(None, map(str.strip, process.stdout)):
-                said.append(line)
+                reported.append(line)
                 progress(line)
         except KeyboardInterrupt:
             with suppress(PermissionError):  # it is root's: Ctrl-C on a terminal has reached it, too
                 process.terminate()
             raise
     if process.returncode:
-        problems = [line for line in said if line.startswith(_PROBLEM)]
-        reason = (problems or said or [f"exit code {process.returncode} of {command[0]}"])[-1]
+        problems = [line for line in reported if line.startswith(_PROBLEM)]
+        reason = (problems or reported or [f"exit code {process.returncode} of {command[0]}"])[-1]
         if any(text in reason for text in _NO_ROOM):
             help_ = "make room on the disk (df -h shows where there is none), then run this again"
             raise DiskFullError(*_failure(missing, _plain(reason), help_, verb).diagnostics)

@@ -54,13 +54,13 @@ def find_launch(shell: Shell, package: str, file: str, robot: str) -> RobotLaunc
         raise _problem(f"{robot}: package {package!r} has no file {file!r} there", f"ur sync {robot}")
     lines = done.out.splitlines()
     if done.code or len(lines) < 2:
-        said = (done.err.strip().splitlines() or ["no reason was given"])[-1]
-        raise _problem(f"{robot}: {package} {file} cannot be looked up: {said}", f"ur doctor {robot}")
+        reported = (done.err.strip().splitlines() or ["no reason was given"])[-1]
+        raise _problem(f"{robot}: {package} {file} cannot be looked up: {reported}", f"ur doctor {robot}")
     try:
         data = base64.b64decode(lines[-1])
     except ValueError:
-        said = "its answer is damaged"
-        raise _problem(f"{robot}: {package} {file} cannot be looked up: {said}", f"ur doctor {robot}") from None
+        reported = "its answer is damaged"
+        raise _problem(f"{robot}: {package} {file} cannot be looked up: {reported}", f"ur doctor {robot}") from None
     own = shell.run(f"cat {quote(str(ROBOT_FILE))} 2>/dev/null").out
     return RobotLaunch(lines[-2], data, own)
 

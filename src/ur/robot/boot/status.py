@@ -43,7 +43,7 @@ class ServiceStatus:
     since: str
     code: int
     pause: int
-    said: tuple[str, ...]
+    reported: tuple[str, ...]
 
 
 def parse_status(text: str) -> list[ServiceStatus]:
@@ -72,7 +72,7 @@ def _parse(part: str) -> ServiceStatus:
         since=values.get("ActiveEnterTimestamp", ""),
         code=_number(values.get("ExecMainStatus")),
         pause=_number(values.get("Pause")),
-        said=tuple(value for key, _, value in rows if key == "Said"),
+        reported=tuple(value for key, _, value in rows if key == "Said"),
     )
 
 
@@ -83,7 +83,7 @@ def _number(text: str | None) -> int:
 def describe_status(status: ServiceStatus) -> Iterator[str]:
     """Lines about a boot service: its state, and the last lines of its log."""
     yield f"{status.name}: {_describe_state(status)}"
-    yield from (f"  | {line}" for line in status.said)
+    yield from (f"  | {line}" for line in status.reported)
 
 
 def _describe_state(status: ServiceStatus) -> str:

@@ -15,7 +15,7 @@ from ur.source.diagnostic import UserError, error
 def become_root(shell: SshShell, given: Secret | None, ask: Callable[[], Secret] | None) -> list[Secret]:
     """Become root on the robot; return the passwords that sudo may be given from now on.
 
-    `given` is tried first. Without it, `ask` is called if sudo wants a password; None: nobody can be asked.
+    `given` is tried first. Without it, `ask` is called if sudo wants a password; None: no user can be asked.
     Raises UserError: that is not possible, or another change is pending there.
     """
     candidates = [given] if given else []
@@ -42,7 +42,7 @@ def begin_change(
 ) -> str:
     """Hand a change to the robot, which reverts it unless it is confirmed within `wait` s.
 
-    Returns the identity of the attempt, also when the connection broke meanwhile, so that nobody knows whether it has
+    Returns the identity of the attempt, also when the connection broke meanwhile, so that it is unknown whether it has
     begun. `requester` is who asks, for others. Raises UserError when it did not begin.
     """
     order = Order(new_identity(), requester, wait, change)

@@ -22,8 +22,8 @@ from ur.robot.ssh.shell import quote
 
 FOLDER = "/var/lib/ubiquity/change"
 BOOT_UNIT = "ur-change-boot.service"
-UNCONFIRMED = "nobody confirmed it"
-BUSY, GONE, LATE, EARLY = 71, 72, 73, 74  # exit codes of the scripts below
+UNCONFIRMED = "it was not confirmed"
+BUSY, ENDED, LATE, EARLY = 71, 72, 73, 74  # exit codes of the scripts below
 
 GUARD = f"""\
 #!/bin/sh
@@ -137,7 +137,7 @@ trap - EXIT
 """
 _SETTLE = f"""\
 d={FOLDER}; p=$d/pending
-if [ "$(cat "$p/id" 2>/dev/null)" != @ID@ ]; then cat "$d/last" 2>/dev/null; exit {GONE}; fi
+if [ "$(cat "$p/id" 2>/dev/null)" != @ID@ ]; then cat "$d/last" 2>/dev/null; exit {ENDED}; fi
 """
 _CONFIRM = f"""\
 [ -e "$p/applied" ] || exit {EARLY}
@@ -172,17 +172,17 @@ def pending_script() -> str:
 def confirm_script(identity: str) -> str:
     """Confirms a change.
 
-    Exit codes: 0 done; EARLY not all of it is made; LATE the guard goes back already; GONE see `parse_last`.
+    Exit codes: 0 done; EARLY not all of it is made; LATE the guard goes back already; ENDED see `parse_last`.
     """
     return (_SETTLE + _CONFIRM).replace("@ID@", quote(identity))
 
 
 def look_script(identity: str) -> str:
-    """Asks how a change is, and confirms nothing. Exit codes: EARLY it is pending; GONE see `parse_last`."""
+    """Asks how a change is, and confirms nothing. Exit codes: EARLY it is pending; ENDED see `parse_last`."""
     return _SETTLE.replace("@ID@", quote(identity)) + f"exit {EARLY}\n"
 
 
 def parse_last(identity: str, output: str) -> Ended | None:
-    """Parse the output of a script with exit code GONE; None when it is about another change."""
+    """Parse the output of a script with exit code ENDED; None when it is about another change."""
     lines = [*output.splitlines(), "", "", ""]
     return Ended(lines[1] == "confirmed", lines[2]) if lines[0] == identity else None

@@ -76,7 +76,7 @@ class WantedProfile:
         return FactsRequest(user)
 
     def plan(self, facts: ComputerFacts) -> Change | None:
-        """Write it, always: whether the password is the same is nobody's business."""
+        """Write it, always: no script may learn whether the password is the same."""
         text = render_profile(self.wifi)
         command = write_file(facts, self.wifi.path, text, 0o600)
         secret = ChangeScript(command.script, root=True, stdin=Secret(text))

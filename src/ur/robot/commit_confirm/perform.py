@@ -12,7 +12,7 @@ from typing import Protocol
 from ur.robot.commit_confirm.guard import (
     BUSY,
     EARLY,
-    GONE,
+    ENDED,
     LATE,
     UNCONFIRMED,
     Ended,
@@ -56,7 +56,7 @@ class ChangeAddresses:
 
 
 def open_as(host: str) -> Open:
-    """Connections that expect the host key that is known for `host`, whatever the robot is called or where it is."""
+    """Connections that expect the host key that is known for `host`, under any name and address of the robot."""
     settings = (f"HostKeyAlias={host}", "CheckHostIP=no", f"ConnectTimeout={CONNECT_SECONDS}")
 
     def open_link(address: Address) -> AbstractContextManager[RootShell]:
@@ -74,7 +74,7 @@ def hand_over(shell: Shell, order: Order, facts: ComputerFacts) -> None:
     """Arm the robot's guard, which begins a second later.
 
     Raises UserError: another change is pending, or the robot could not take it, and nothing has changed; or the
-    connection broke (see `is_doubtful`), and nobody knows.
+    connection broke (see `is_doubtful`), and the result is unknown.
     """
     change = order.change
     done = shell.run(
@@ -83,12 +83,12 @@ def hand_over(shell: Shell, order: Order, facts: ComputerFacts) -> None:
     if done.code == BUSY:
         raise _pending(shell.place, done.out)
     if done.code:
-        said = (done.err or done.out).strip().splitlines()
+        reported = (done.err or done.out).strip().splitlines()
         raise UserError(
             error_about(
                 shell.place,
                 f"{change.title}: the robot could not prepare to revert it, so nothing was changed: "
-                f"{said[-1] if said else f'exit code {done.code}'}",
+                f"{reported[-1] if reported else f'exit code {done.code}'}",
                 rule="failed-change",
                 help="fix that and run this again",
             )
@@ -102,8 +102,8 @@ def refuse_pending(shell: Shell) -> None:
         raise _pending(shell.place, done.out)
 
 
-def _pending(place: str, said: str) -> UserError:
-    title, by = [*said.splitlines(), "another change", "somebody"][:2]
+def _pending(place: str, reported: str) -> UserError:
+    title, by = [*reported.splitlines(), "another change", "somebody"][:2]
     return UserError(
         error_about(
             place,
@@ -152,7 +152,7 @@ def come_back(
                 doubts[address] = problem.diagnostics[0].message
                 continue
             ended = _read(identity, done)
-            if done.code != GONE or ended:
+            if done.code != ENDED or ended:
                 missing = None
             elif missing is None:
                 missing = clock()
@@ -178,7 +178,7 @@ def come_back(
 def _read(identity: str, done: ShellResult) -> Ended | None:
     if done.code in (EARLY, LATE):
         return None
-    if done.code == GONE:
+    if done.code == ENDED:
         return parse_last(identity, done.out)
     return Ended(done.code == 0, "") if done.code == 0 else None
 

@@ -57,11 +57,11 @@ def rename_known_host(text: str, old: str, new: str, host_key: str) -> str:
     """The text of a known_hosts file (sshd(8)) with one computer under another name; also where names are hashed."""
     kind, key = host_key.split()[:2]
     wanted = f"{new}.local,{new} {kind} {key}"
-    gone = {old, f"{old}.local", new, f"{new}.local"}
+    removed = {old, f"{old}.local", new, f"{new}.local"}
     lines = text.split("\n")
     if wanted in lines:  # where it is, it stays: a second run changes nothing
-        gone -= {new, f"{new}.local"}
-    kept = [left for line in lines if (left := _without_names(line, gone)) is not None]
+        removed -= {new, f"{new}.local"}
+    kept = [left for line in lines if (left := _without_names(line, removed)) is not None]
     if wanted not in kept:
         while kept and not kept[-1]:
             kept.pop()
@@ -69,12 +69,12 @@ def rename_known_host(text: str, old: str, new: str, host_key: str) -> str:
     return "\n".join(kept)
 
 
-def _without_names(line: str, gone: set[str]) -> str | None:
+def _without_names(line: str, removed: set[str]) -> str | None:
     """A line without these names; None when no other name is left in it."""
     names, blank, rest = line.partition(" ")
     if not blank or names.startswith(("#", "@")):
         return line
-    kept = [name for name in names.split(",") if not any(_means(name, each) for each in gone)]
+    kept = [name for name in names.split(",") if not any(_means(name, each) for each in removed)]
     return f"{','.join(kept)} {rest}" if kept else None
 
 

@@ -1,4 +1,4 @@
-"""Runs a command line in a login shell for as long as somebody holds its standard input, and ends all of it after that.
+"""Runs a command line in a login shell while its standard input is open, and ends all of it after that.
 
 It is sent to other computers, where nothing of this project need be installed: only the standard library, in one file.
 So a command over ssh ends with Ctrl-C, with ssh and with the terminal, and leaves nothing running, without needing a

@@ -28,7 +28,7 @@ SET_UP_FROM = ("requirements/run.lock", "tools/set_up.bash", "src/ur/system/ros_
 READY = ".venv/ready-run"
 SECONDS = 300.0
 SET_UP_SECONDS = 3600.0
-# Only one set-up of a robot runs at a time, so one that is still under way belongs to a viewer that is gone: it may
+# Only one set-up of a robot runs at a time, so one that is still under way belongs to a viewer that has left: it may
 # wait for a proxy that is gone, too.
 _SET_UP = """\
 cd {folder} && mkdir -p .cache || exit

@@ -2,7 +2,7 @@
 
 Sent to the robot, where nothing of this project is there yet: only the standard library, in one file. Reads JSON from
 standard input: `folder`, `digest`, and `files`, by path `[mode, content in base64]`; with mode 0 a link and its target.
-The copy remembers the hashes of what it wrote: a file that somebody changed since is kept beside the folder before it
+The copy remembers the hashes of what it wrote: a file that was changed since is kept beside the folder before it
 is replaced.
 """
 
@@ -20,7 +20,7 @@ HASHES = ".copy-files"
 
 
 def put(folder: Path, digest: str, files: dict[str, tuple[int, str]]) -> list[str]:
-    """Make the folder a copy; the paths of files that somebody had changed, and that were kept in FOLDER.changed.
+    """Make the folder a copy; the paths of files that were changed by hand and kept in FOLDER.changed.
 
     What is written is on the disk before it replaces anything, and all of it before the copy counts as complete.
     """

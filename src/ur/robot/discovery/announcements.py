@@ -127,7 +127,7 @@ class Browser:
         return self._crowd.misshapen, self._crowd.too_many
 
     def find_twin(self, name: str, seconds: float) -> str:
-        """The address of a computer to which zeroconf gave NAME-2 since NAME was taken; '' when nobody answers."""
+        """The address of a computer to which zeroconf gave NAME-2 since NAME was taken; '' when there is no answer."""
         from zeroconf import AddressResolverIPv4  # type: ignore[attr-defined]  # not in its __all__
 
         resolver = AddressResolverIPv4(f"{name}-2.local.")
@@ -238,7 +238,7 @@ class Crowd:
                 self._note_late(name)
 
     def remove(self, name: str) -> None:
-        """Forget a service that said goodbye."""
+        """Forget a service that was withdrawn."""
         with self._lock:
             self._seen.pop(name, None)
             self._asked.discard(name)

@@ -56,18 +56,18 @@ def _ask(login: str, name: str, seconds: float, clock: Callable[[], float], over
         assert process.stdin is not None
         assert process.stdout is not None
         assert process.stderr is not None
-        said = list(_until_end(process.stdout))
-        if said[-1:] == [END]:
+        reported = list(_until_end(process.stdout))
+        if reported[-1:] == [END]:
             return RobotAnswer(
-                services=parse_services(said[:-1]), offset=_compare(process.stdin, process.stdout, clock)
+                services=parse_services(reported[:-1]), offset=_compare(process.stdin, process.stdout, clock)
             )
         return RobotAnswer(refused=explain_refusal(process.stderr.read(), seconds))
     return RobotAnswer(refused=explain_refusal("", seconds))
 
 
-def explain_refusal(said: str, seconds: float) -> str:
+def explain_refusal(reported: str, seconds: float) -> str:
     """The meaning of what ssh printed instead of an answer, in a few words; nothing means that it took too long."""
-    return next((reason for words, reason in _REFUSALS if words in said), f"no answer in {seconds:g} s")
+    return next((reason for words, reason in _REFUSALS if words in reported), f"no answer in {seconds:g} s")
 
 
 @contextmanager

@@ -1,4 +1,4 @@
-"""The list of robots: who is there and what each said of itself, who is known and away, and names taken twice. Pure."""
+"""The list of robots: who is there and what each announces, who is known and away, and names taken twice. Pure."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ class RobotAnswer:
 
     `nodes`: how many its ROS master knows; `services`: what it starts at boot, and systemd's word for how that is;
     `offset` (s): how far its clock is ahead; `twin`: the address of another computer with its name, '' when there is
-    none. `answers` is False when nothing at all came back: what was announced is remembered for an hour and more.
+    none. `answers` is False when it answered nothing at all: what was announced is remembered for an hour and more.
     `refused` is why it did not answer over ssh, '' when it did; `known_as` the name of its host key on this computer.
     """
 
@@ -97,13 +97,13 @@ def list_robots(
 
     `answers` are by the host name of a sighting, `memory` by the name of a robot.
     """
-    said = answers or {}
+    reported = answers or {}
     heard = sorted(sightings, key=lambda one: (one.name, one.host))
-    there = [one for one in heard if said.get(one.host, RobotAnswer()).answers is not False]
+    there = [one for one in heard if reported.get(one.host, RobotAnswer()).answers is not False]
     names = [one.name for one in there]
     recorded = {record.name for record in records}
     rows = [
-        _row(one, names.count(one.name) > 1, said.get(one.host, RobotAnswer()), is_recorded=one.name in recorded)
+        _row(one, names.count(one.name) > 1, reported.get(one.host, RobotAnswer()), is_recorded=one.name in recorded)
         for one in there
     ]
     known = {
@@ -120,7 +120,7 @@ def list_robots(
 
 
 def choose_rows(rows: Sequence[RobotRow], names: Collection[str]) -> list[RobotRow]:
-    """The rows of these robots, with an empty one for a robot that nobody knows; all rows where no names are given."""
+    """The rows of these robots, with an empty one for an unknown robot; all rows where no names are given."""
     if not names:
         return [*rows]
     chosen = [row for row in rows if row.name in names]

@@ -16,7 +16,7 @@ DEFAULT_USER = "ros"
 class RobotRecord:
     """A robot that was set up from here, with the user to log in as.
 
-    `robot_login` is whether the user lets it log in to this computer; None where nobody was asked. `ros` is its release
+    `robot_login` is whether the user lets it log in to this computer; None where not asked. `ros` is its release
     of ROS 2, '' where it has ROS 1.
     """
 

@@ -43,7 +43,7 @@ def load_seen(path: Path) -> dict[str, SeenRobot]:
 def note_seen(path: Path, robots: Iterable[SeenRobot]) -> None:
     """Remember where robots are now, and forget those that were not seen for long.
 
-    Whoever reads the file sees the old or the new one; a full disk does no harm.
+    A program that reads the file sees the old or the new one; a full disk does no harm.
     """
     latest = {each.name: each for each in robots if each.address}
     if not latest:

@@ -78,7 +78,7 @@ class AdvertisedNode:
 class ComputerPair:
     """Both computers. `offset` (s): how far the robot's clock is ahead.
 
-    `way_back` is what ssh said from there to here, '' when it logged in. `reaches_...` tell for each direction whether
+    `way_back` is ssh's answer from there to here, '' when it logged in. `reaches_...` are, for each direction, whether
     a connection to a free port arrives. `key_refused`: the robot wanted a password although we have a key. `known`: the
     robot was set up from here. `selected`: `ur use` means it. `twins`: by host name, the addresses of a computer to
     which zeroconf gave the name with -2 since it was taken. `login`: USER@HOST by which the robot was reached.

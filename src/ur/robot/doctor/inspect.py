@@ -89,7 +89,7 @@ def inspect_pair(
         here=_with_journals(here, sides[0]),
         there=_with_journals(there, sides[1]),
         offset=_offset(here, there),
-        way_back="" if back.code == 0 else (back.err.strip().splitlines() or ["ssh said nothing"])[-1],
+        way_back="" if back.code == 0 else (back.err.strip().splitlines() or ["ssh printed nothing"])[-1],
         reaches_there=to_there.result(),
         reaches_here=to_here.result(),
         key_refused=key_refused,
@@ -126,10 +126,10 @@ def _with_journals(shell: Shell, side: Side) -> Side:
         # What its processes said; what systemd says of them comes in only where they said nothing.
         for choice in (f"_SYSTEMD_UNIT={unit.name}", f"--unit={unit.name}"):
             show = f"journalctl -q -n {JOURNAL_LINES} -o cat {quote(choice)}"
-            said = shell.run(f"sudo -n {show} 2>/dev/null || {show} 2>/dev/null").out
-            if said.strip():
+            reported = shell.run(f"sudo -n {show} 2>/dev/null || {show} 2>/dev/null").out
+            if reported.strip():
                 break
-        units.append(replace(unit, last=tuple(line.strip() for line in said.splitlines() if line.strip())))
+        units.append(replace(unit, last=tuple(line.strip() for line in reported.splitlines() if line.strip())))
     return replace(side, failing=tuple(units))
 
 
@@ -166,8 +166,8 @@ def _find_owner(where: Where, shell: Shell, port: int) -> Owner | None:
 
 
 def _offset(here: Shell, there: Shell) -> float:
-    said = [shell.run("date +%s.%N").out.strip() for shell in (here, there, here)]
-    strange = next((each for each in said if not _TIME.fullmatch(each)), None)
+    reported = [shell.run("date +%s.%N").out.strip() for shell in (here, there, here)]
+    strange = next((each for each in reported if not _TIME.fullmatch(each)), None)
     if strange is not None:
         raise UserError(
             error_about(
@@ -177,7 +177,7 @@ def _offset(here: Shell, there: Shell) -> float:
                 help="is it the computer that you expect? Run this again; if it persists, report it",
             )
         )
-    before, middle, after = map(float, said)
+    before, middle, after = map(float, reported)
     return clock_offset(before, middle, after)
 
 

@@ -131,7 +131,7 @@ def parse_side(output: str) -> Side:
             for mode, _, path in (row.partition(" ") for row in parts.get("modes", "").splitlines())
             if (number := parse_integer(mode, 8)) is not None
         },
-        own_login=[*own[:-1], "ssh said nothing"][0] if own[-1:] == ["failed"] else "",
+        own_login=[*own[:-1], "ssh printed nothing"][0] if own[-1:] == ["failed"] else "",
         host_key=_read_key(parts.get("host_key", "")),
         public_key=_read_key(parts.get("public_key", "")),
         x11=x11[1].lower() == "yes" if x11 else False if "x11" in parts else None,
@@ -173,7 +173,7 @@ def _scale(found: re.Match[str] | None, factor: float) -> float | None:
 
 
 def _read_key(text: str) -> str:
-    """A public key as it is said, '' where that is none: it goes into a file that decides who may log in."""
+    """A public key as it is reported, '' where that is none: it goes into a file that decides who may log in."""
     try:
         return str(parse_public_key(text.strip("\n")))
     except ValueError:

@@ -46,7 +46,7 @@ class Side:
     `resolves` is what the other's full name means here. `ros` is the environment that nodes get which roslaunch starts
     (on this computer: of the shell that the doctor was called from), `shell` that of a new terminal; `settings` are the
     lines that make them, `ros_setup` the text of ~/.ros_setup. `modes` are the rights of the files that ssh is strict
-    about, relative to the home folder. `own_login` is what ssh said when the computer logged in to itself by its full
+    about, relative to the home folder. `own_login` is ssh's answer when the computer logged in to itself by its full
     name, '' when that worked. `large` are folders that may be emptied, with their sizes. `packages` are Debian's, with
     their versions, `workspace` those below ~/catkin_ws/src, which is `built` or not; `ur` is the version that set
     a robot up. `device` leads to the other

@@ -39,25 +39,25 @@ class WirelessLink:
 def parse_wifi(text: str) -> tuple[WirelessLink, ...]:
     """Read what the script printed: the devices that are connected, in its order."""
     parts = re.split(r"^device (\S+)\n", text, flags=re.MULTILINE)[1:]
-    found = (_parse_device(device, said) for device, said in zip(parts[::2], parts[1::2], strict=True))
+    found = (_parse_device(device, reported) for device, reported in zip(parts[::2], parts[1::2], strict=True))
     return tuple(wifi for wifi in found if wifi)
 
 
-def _parse_device(device: str, said: str) -> WirelessLink | None:
-    if re.search(r"^Not connected", said, re.MULTILINE):
+def _parse_device(device: str, reported: str) -> WirelessLink | None:
+    if re.search(r"^Not connected", reported, re.MULTILINE):
         return None
-    signal = _number(r"^\s*signal: (-?[\d.]+) dBm", said)
+    signal = _number(r"^\s*signal: (-?[\d.]+) dBm", reported)
     # Without iw: status, link quality, level. A level is in dBm where it is below 0.
-    level = _number(rf"^ *{re.escape(device)}: +\S+ +\S+ +(-[\d.]+)", said)
-    save = re.search(r"^\s*Power save: (on|off)", said, re.MULTILINE)
-    frequency = _number(r"^\s*freq: ([\d.]+)", said)
+    level = _number(rf"^ *{re.escape(device)}: +\S+ +\S+ +(-[\d.]+)", reported)
+    save = re.search(r"^\s*Power save: (on|off)", reported, re.MULTILINE)
+    frequency = _number(r"^\s*freq: ([\d.]+)", reported)
     if signal is None and level is None and frequency is None:
         return None
     return WirelessLink(
         device,
         frequency,
         level if signal is None else signal,
-        _number(r"^\s*tx bitrate: ([\d.]+) MBit/s", said),
+        _number(r"^\s*tx bitrate: ([\d.]+) MBit/s", reported),
         save[1] == "on" if save else None,
     )
 

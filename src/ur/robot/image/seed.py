@@ -67,7 +67,7 @@ class HostKeyPair:
 class SeedOptions:
     """The wanted state of a robot after its first boot. `password` is a hash of crypt(3); '' for a user who has none.
 
-    A user without a password may use sudo without one: whoever holds the key holds the robot. With one, sudo asks.
+    A user without a password may use sudo without one: the key opens the whole robot. With one, sudo asks.
     `host_key` is the one that it will have; None: it makes one itself.
     """
 

@@ -93,8 +93,8 @@ class ExtVolume:
 
     def read(self, path: str) -> bytes | None:
         """The content of a file."""
-        said = self._run([f"stat {_quote(path)}"]).stderr
-        if b"not found" in said:
+        reported = self._run([f"stat {_quote(path)}"]).stderr
+        if b"not found" in reported:
             return None
         return self._run([], "-R", f"cat {_quote(path)}").stdout
 
@@ -141,7 +141,7 @@ def run_tool(
             timeout=_SECONDS,
             check=False,
         )
-    except (FileNotFoundError, PermissionError):  # the latter where a folder of PATH is somebody else's
+    except (FileNotFoundError, PermissionError):  # the latter where a folder of PATH is of another owner
         package = _TOOLS.get(argv[0], "mtools")
         raise UserError(
             error(
@@ -168,8 +168,8 @@ def _compare(path: str, found: bytes | None, wanted: bytes | None) -> None:
         )
 
 
-def _failed(tool: str, said: bytes) -> UserError:
-    lines = [line for line in said.decode(errors="replace").splitlines() if line.strip()]
+def _failed(tool: str, reported: bytes) -> UserError:
+    lines = [line for line in reported.decode(errors="replace").splitlines() if line.strip()]
     lines = [line for line in lines if not line.startswith("debugfs 1.")] or ["no reason was given"]
     return UserError(
         error(f"its file system cannot be used: {tool}: {lines[0]}", rule="damaged-image", help="flash it again")

@@ -212,8 +212,8 @@ def read_graph(request: dict[str, Any], installations: Any, processes: Any, shel
     try:
         return json.loads(lines[-1]), ""
     except (IndexError, ValueError):
-        said = done.stderr.decode(errors="replace").strip().splitlines()
-        return None, said[-1][:300] if said else f"the program ended with exit code {done.returncode}"
+        reported = done.stderr.decode(errors="replace").strip().splitlines()
+        return None, reported[-1][:300] if reported else f"the program ended with exit code {done.returncode}"
 
 
 def find(request: dict[str, Any]) -> dict[str, Any]:

@@ -25,8 +25,8 @@ class OfferedHostKey:
     """The host key that a robot offers, before any login, and what this computer knows of it.
 
     `known`: the key is the known one of the address. `confirmed`: the address is not known, but the key is that of the
-    robot by its later name, or of an interrupted set-up. `unknown` and `changed`: nobody has confirmed it. `away`:
-    nobody answers, which the login will explain. `host_key` is None where it was not needed, or nobody answers.
+    robot by its later name, or of an interrupted set-up. `unknown` and `changed`: it was not confirmed. `away`:
+    there is no answer, which the login will explain. `host_key` is None where it was not needed, or without an answer.
     """
 
     state: Literal["known", "confirmed", "unknown", "changed", "away"]
@@ -34,7 +34,7 @@ class OfferedHostKey:
 
     @property
     def is_first(self) -> bool:
-        """Return whether nobody has confirmed the host key before."""
+        """Return whether the host key was not confirmed before."""
         return self.state in ("unknown", "changed")
 
     @property
@@ -65,7 +65,7 @@ def needs_answer(
 ) -> bool:
     """Return whether the user has to confirm the host key. Raises UserError where it cannot be the right one.
 
-    `fingerprint` is the one that the user has given, '' for none; with `new_host_key` the user has said that the known
+    `fingerprint` is the one that the user has given, '' for none; with `new_host_key` the user confirms that the known
     one is of no use any more.
     """
     offered = contact.host_key.fingerprint if contact.host_key else ""

@@ -89,7 +89,7 @@ def plan_undo(wanted: Sequence[Wanted], facts: ComputerFacts) -> list[Change]:
 def apply_change(
     shell: Shell, change: Change, *, route: Callable[[], Secret] = no_proxy, progress: Progress | None = None
 ) -> None:
-    """Run a change's commands. Raises UserError, which says what failed and what was said.
+    """Run a change's commands. Raises UserError, which names the command that failed and its output.
 
     `route` gives the proxy of commands that fetch packages; `progress` gets a change's title, its seconds so far and
     the last line of its log.
@@ -102,8 +102,8 @@ def apply_change(
         with _follow_log(shell, change, command, progress):
             done = shell.run(script, root=command.root, stdin=stdin, timeout=command.timeout)
         if done.code:
-            said = (done.err or done.out).strip().splitlines()
-            reason = said[0] if said else f"exit code {done.code}"
+            reported = (done.err or done.out).strip().splitlines()
+            reason = reported[0] if reported else f"exit code {done.code}"
             raise UserError(
                 error_about(
                     shell.place,
@@ -127,7 +127,7 @@ def bring_about(
 ) -> tuple[ComputerFacts, int]:
     """Make a computer as wanted; the facts afterwards and how many changes it took.
 
-    `make` says what is wanted given the facts of `base`; `report` is told before each change. The changes are made in
+    `make` says what is wanted given the facts of `base`; `report` is called before each change. The changes are made in
     order. The computer is looked at again before a change that an earlier one may have made another one, and at the
     end. Raises UserError when a change fails or does not last.
     """
@@ -185,7 +185,7 @@ def _follow_log(shell: Shell, change: Change, command: ChangeScript, progress: P
             try:
                 line = shell.run(script, timeout=10.0).out.strip()
             except UserError:
-                continue  # the connection is gone: the command itself reports that
+                continue  # the connection has ended: the command itself reports that
             if line and not done.is_set():
                 show(change.title, time.monotonic() - begin, line)
 

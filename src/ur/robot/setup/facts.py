@@ -140,10 +140,10 @@ def parse_facts(request: FactsRequest, output: str) -> ComputerFacts:
     try:
         return _read_sections(request, sections)
     except (LookupError, ValueError):
-        said = repr(output.strip()[-80:])
+        reported = repr(output.strip()[-80:])
         raise UserError(
             error(
-                f"the answer of the computer cannot be read, it ends with {said}; expected facts about it",
+                f"the answer of the computer cannot be read, it ends with {reported}; expected facts about it",
                 rule="no-facts",
                 help="is it the computer that you expect? Run this again; if it persists, report it",
             )

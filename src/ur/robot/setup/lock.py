@@ -32,7 +32,7 @@ truncate $file, 0;
 
 @contextmanager
 def hold_robot(shell: SshShell, who: str, report: Callable[[str], None]) -> Iterator[None]:
-    """While inside, no other set-up of this robot can be. `who` is told to others; sudo has to work.
+    """While inside, no other set-up of this robot can be. `who` is shown to others; sudo has to work.
 
     Waits for another one a little, since it may just be ending. Raises UserError, which names who has it.
     """
@@ -44,7 +44,7 @@ def hold_robot(shell: SshShell, who: str, report: Callable[[str], None]) -> Iter
 
     def beat() -> None:
         assert keeper.stdin
-        with suppress(OSError, ValueError):  # the connection is gone: somebody else will say so
+        with suppress(OSError, ValueError):  # the connection has ended: somebody else will say so
             while not done.wait(ALIVE_SECONDS):
                 keeper.stdin.write("\n")
                 keeper.stdin.flush()

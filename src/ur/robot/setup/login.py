@@ -126,7 +126,7 @@ def _enter_sudo(task: Task, shell: SshShell) -> None:
     if task.first_contact:
         candidates = [one for one in candidates if one == task.current or one in shell.accepted]
     if not shell.find_sudo(candidates):
-        raise explain_sudo(shell.address, shell.sudo_said, given=bool(candidates))
+        raise explain_sudo(shell.address, shell.sudo_reported, given=bool(candidates))
     # It may have let our key in and asked for no password, so that it has not accepted any.
     unproven = task.first_contact and task.current and task.new and not shell.accepted
     if unproven and task.current and not is_password(shell, task.current):
@@ -147,14 +147,14 @@ def is_password(shell: SshShell, password: Secret) -> bool:
     return shell.run(_COMPARE, root=True, stdin=given).code == 0
 
 
-def explain_sudo(address: Address, said: str, *, given: bool) -> UserError:
+def explain_sudo(address: Address, reported: str, *, given: bool) -> UserError:
     """Explain an error of sudo; `given`: a password was tried."""
     user = address.user
     message = "sudo refuses this password" if given else "sudo wants a password"
     help = f"expected the password of {user}, who may use sudo"
-    if "not in the sudoers file" in said or "may not run sudo" in said or "not allowed to" in said:
+    if "not in the sudoers file" in reported or "may not run sudo" in reported or "not allowed to" in reported:
         message, help = f"{user} may not use sudo there", f"as root there: usermod --append --groups sudo {user}"
-    elif "sudo: not found" in said or "sudo: command not found" in said:
+    elif "sudo: not found" in reported or "sudo: command not found" in reported:
         message, help = "sudo is not installed there", "as root there: apt-get install sudo"
     return UserError(error_about(str(address), message, rule="no-root", help=help))
 

@@ -55,7 +55,7 @@ def note_script(facts: ComputerFacts) -> str:
 
 @dataclass(frozen=True, slots=True)
 class WantedRecord:
-    """The record itself: nobody wants it, and what takes everything back removes it at the end."""
+    """The record itself: no set-up wants it, and what takes everything back removes it at the end."""
 
     title: str = "record of what was there"
 

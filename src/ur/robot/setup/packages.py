@@ -76,7 +76,7 @@ def install_packages(entries: list[str]) -> ChangeScript:
         else f'set -- "$@" {quote(entry)}; '
         for entry in entries
     )
-    # apt waits for dpkg's lock when it is told to, and for that of the lists not at all.
+    # apt waits for dpkg's lock when it is instructed to, and for that of the lists not at all.
     wait = f'n=0; while [ -n "$({APT_USERS})" ] && [ $n -lt {LOCK_SECONDS // 2} ]; do sleep 2; n=$((n + 1)); done'
     # The proxy of a set-up closes its connection after each file.
     apt = f"apt-get -q -o APT::Status-Fd=1 -o DPkg::Lock::Timeout={LOCK_SECONDS}"

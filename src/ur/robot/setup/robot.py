@@ -150,8 +150,8 @@ def set_clock(shell: Shell, now: Callable[[], float], report: Report) -> None:
     `now` is this computer's time (s since 1970). Smaller differences are left to chrony. Nothing happens where the
     clock cannot be set.
     """
-    said = shell.run("date +%s").out.strip()
-    ahead = int(said) - now() if re.fullmatch(r"[0-9]{1,12}", said) else 0.0
+    reported = shell.run("date +%s").out.strip()
+    ahead = int(reported) - now() if re.fullmatch(r"[0-9]{1,12}", reported) else 0.0
     if abs(ahead) > CLOCK_SECONDS:
         days, seconds = divmod(round(abs(ahead)), 86400)
         much = f"{days} days" if days else f"{seconds} s"
@@ -163,7 +163,7 @@ def wait_for_boot(task: Task, before: str, at: str, report: Report) -> None:
     """Wait until the robot has booted again and answers to its new name and our key. Raises UserError.
 
     `before` names the boot that shall end, `at` is the robot's address in it. A robot that is still in that boot did
-    not hear that it shall reboot: it is told again.
+    not hear that it shall reboot: it is asked again.
     """
     # Its new name is that of its host key, which is known, whatever it still calls itself.
     old = ["-o", f"HostKeyAlias={task.later.host}", "-o", f"ConnectTimeout={QUICK_SECONDS}"]
@@ -174,16 +174,16 @@ def wait_for_boot(task: Task, before: str, at: str, report: Report) -> None:
         for address, options in ways:
             try:
                 with connect(address, options=options) as shell:
-                    said = shell.run("cat /proc/sys/kernel/random/boot_id /proc/sys/kernel/hostname").out
-                    boot, _, name = said.strip().partition("\n")
+                    reported = shell.run("cat /proc/sys/kernel/random/boot_id /proc/sys/kernel/hostname").out
+                    boot, _, name = reported.strip().partition("\n")
                     if boot != before:
                         if name == task.robot.name and address == task.later:
                             return
                         reason = "its name leads elsewhere" if name == task.robot.name else f"it calls itself {name}"
                         continue
-                    reason = "it has not gone down yet"
+                    reason = "it has not shut down yet"
                     if time.monotonic() > patience and shell.find_sudo(find_passwords(task)):
-                        report(f"it has not gone down: reboot as {task.later.host} once more")
+                        report(f"it has not shut down: reboot as {task.later.host} once more")
                         reason = _reboot(shell) or reason
                         patience = time.monotonic() + AGAIN_SECONDS
             except UserError as problem:

@@ -163,7 +163,7 @@ def wanted_there(
 
 
 def follow_host_name(settings: str) -> str:
-    """Avahi's settings without a host name of their own, which would be told to others in place of the computer's."""
+    """Avahi's settings without a host name of their own, which would be announced in place of the computer's."""
     return re.sub(r"(?m)^([ \t]*host-name[ \t]*=)", r"#\1", settings)
 
 

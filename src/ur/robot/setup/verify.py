@@ -111,17 +111,17 @@ def _verify_ros2(task: Task, here: Shell, there: SshShell) -> list[Check]:
 
 def _expect(shell: Shell, title: str, script: str, wanted: str) -> Check:
     done = shell.run(script)
-    said = done.out.strip()
-    good = done.code == 0 and said == wanted
-    seen = _one_line(said) if good else _one_line(done.err.strip() or said or f"exit code {done.code}")
+    reported = done.out.strip()
+    good = done.code == 0 and reported == wanted
+    seen = _one_line(reported) if good else _one_line(done.err.strip() or reported or f"exit code {done.code}")
     return Check(title, shell.place, good, seen)
 
 
 def _succeed(shell: Shell, title: str, script: str, *, first: bool = False) -> Check:
     done = shell.run(script)
-    said = _one_line(done.out.strip().splitlines()[0].split()[0] if first and done.out.strip() else done.out)
+    reported = _one_line(done.out.strip().splitlines()[0].split()[0] if first and done.out.strip() else done.out)
     return Check(
-        title, shell.place, done.code == 0, said if done.code == 0 else said or _one_line(done.err) or "nothing"
+        title, shell.place, done.code == 0, reported if done.code == 0 else reported or _one_line(done.err) or "nothing"
     )
 
 

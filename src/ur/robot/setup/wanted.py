@@ -193,7 +193,7 @@ class WantedGroups:
 def write_file(
     facts: ComputerFacts, path: str, text: str, mode: int, then: str = "", *, keep: bool = False
 ) -> ChangeScript:
-    """Write a file in one step: who reads it sees the old one or the new one, whatever is killed when.
+    """Write a file in one step: who reads it sees the old one or the new one, also when a process is killed.
 
     A file that is a symbolic link stays one: what it points to is written. With `keep`, a file of the user is put away.
     """

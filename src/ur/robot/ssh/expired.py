@@ -43,30 +43,30 @@ def renew_password(address: Address, current: Secret, new: Secret, options: Sequ
             start_new_session=True,
         )
         try:
-            said = _converse(process, current, [new, new])
+            reported = _converse(process, current, [new, new])
         finally:
             process.kill()
             process.communicate()
-    if _DONE not in said:
-        raise _explain(address, said)
+    if _DONE not in reported:
+        raise _explain(address, reported)
 
 
 def _converse(process: subprocess.Popen[bytes], current: Secret, answers: Sequence[Secret]) -> str:
-    """Answer each question for a password; all that was said.
+    """Answer each question for a password; all that was printed.
 
     The present one is given once. Where it is asked for again it was refused, and the new one is not given.
     """
     assert process.stdin
     assert process.stdout
     waiting, old = list(answers), [current]
-    said = part = b""
+    reported = part = b""
     end = time.monotonic() + PATIENCE
-    while (left := end - time.monotonic()) > 0 and _DONE.encode() not in said:
+    while (left := end - time.monotonic()) > 0 and _DONE.encode() not in reported:
         ready, _, _ = select.select([process.stdout], [], [], left)
         more = os.read(process.stdout.fileno(), 4096) if ready else b""
-        if not more or len(said) > MOST_BYTES:
+        if not more or len(reported) > MOST_BYTES:
             break
-        said, part = said + more, part + more
+        reported, part = reported + more, part + more
         if _QUESTION.search(part):
             wanted = waiting if _NEW.search(part) else old
             if not wanted or (wanted is waiting and old):  # it refuses what it got, or did not ask for the present one
@@ -75,11 +75,11 @@ def _converse(process: subprocess.Popen[bytes], current: Secret, answers: Sequen
                 process.stdin.write(wanted.pop(0).reveal().encode() + b"\n")
                 process.stdin.flush()
             part, end = b"", time.monotonic() + PATIENCE
-    return said.decode(errors="replace")
+    return reported.decode(errors="replace")
 
 
-def _explain(address: Address, said: str) -> UserError:
-    lines = [line.strip() for line in said.replace("\r", "\n").splitlines()]
+def _explain(address: Address, reported: str) -> UserError:
+    lines = [line.strip() for line in reported.replace("\r", "\n").splitlines()]
     lines = [
         line for line in lines if line and not re.search(r"(?i)password:$|^warning|^changing password|now and", line)
     ]

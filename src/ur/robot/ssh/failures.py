@@ -9,17 +9,17 @@ NOT_STARTED = "not-started"
 """The rule of a computer that boots or is about to stop."""
 
 
-def lost_connection(place: str, said: str) -> UserError:
+def lost_connection(place: str, reported: str) -> UserError:
     """The error of a connection that broke."""
-    reason = said.strip().splitlines()[-1] if said.strip() else "it closed"
+    reason = reported.strip().splitlines()[-1] if reported.strip() else "it closed"
     if reason.startswith("kex_exchange_identification"):  # the shared connection had ended before: see _ONLY_SHARED
         reason = "it closed"
-    return UserError(error_about(place, f"the connection is gone: {reason}", rule="lost-connection", help=_AGAIN))
+    return UserError(error_about(place, f"the connection has ended: {reason}", rule="lost-connection", help=_AGAIN))
 
 
-def is_expired(said: str) -> bool:
+def is_expired(reported: str) -> bool:
     """Return whether sshd refused a command since the user has to choose a new password first."""
-    return "Password change required but no TTY available" in said
+    return "Password change required but no TTY available" in reported
 
 
 def expired_password(address: Address) -> UserError:
@@ -34,12 +34,12 @@ def expired_password(address: Address) -> UserError:
     )
 
 
-def explain_failure(address: Address, said: str) -> UserError:
+def explain_failure(address: Address, reported: str) -> UserError:
     """Explain ssh's output after a failed login, with a fix."""
-    lines = [line for line in said.splitlines() if line.strip()]
-    last = lines[-1] if lines else "ssh said nothing"
+    lines = [line for line in reported.splitlines() if line.strip()]
+    last = lines[-1] if lines else "ssh printed nothing"
     for pattern, rule, message, help in _FAILURES:
-        if pattern in said:
+        if pattern in reported:
             return UserError(error_about(str(address), message, rule=rule, help=help.format(host=address.host)))
     return UserError(error_about(str(address), f"no login: {last}", rule="no-login", help=_AGAIN))
 

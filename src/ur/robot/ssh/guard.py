@@ -1,6 +1,6 @@
 """Folders and programs that end with this process, however it ends: by SIGKILL, too.
 
-A small shell script beside it reads from a pipe into which nobody writes: it learns of the end by the pipe's.
+A small shell script beside it reads from a pipe into which no program writes: it learns of the end by the pipe's.
 """
 
 from __future__ import annotations
@@ -86,8 +86,8 @@ class Guarded:
     def wait_for_line(self, line: str, seconds: float) -> bool:
         """Wait until it prints this line. False when it ends first or `seconds` pass."""
         end = time.monotonic() + seconds
-        while (said := self.lines.read(end - time.monotonic())) is not None:
-            if said == line:
+        while (reported := self.lines.read(end - time.monotonic())) is not None:
+            if reported == line:
                 return True
         return False
 

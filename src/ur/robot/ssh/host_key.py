@@ -57,7 +57,7 @@ def find_known_keys(host: str) -> frozenset[HostKey]:
 def check_known(address: Address) -> str:
     """Compare a computer's host key with the one that is known, without a login.
 
-    Returns `known`, `unknown-host-key`, `changed-host-key`, or, where it came to no host key, the rule of the failure
+    Returns `known`, `unknown-host-key`, `changed-host-key`, or, where no host key was offered, the rule of the failure
     (see `explain_failure`). No secret and no public key is offered.
     """
     done = _knock(address, ["StrictHostKeyChecking=yes"])

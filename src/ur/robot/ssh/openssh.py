@@ -51,7 +51,7 @@ class SshShell:
         self._login = login_password
         self._sudo: Secret | None = None
         self._candidates: Sequence[Secret] = ()
-        self.sudo_said = ""  # why the latest try of find_sudo failed
+        self.sudo_reported = ""  # why the latest try of find_sudo failed
 
     @property
     def place(self) -> str:
@@ -66,7 +66,7 @@ class SshShell:
     def run(self, script: str, *, root: bool = False, stdin: str | Secret = "", timeout: float = 60.0) -> ShellResult:
         """Run a script with sh there. With `root`, by sudo, which reads the password from the connection.
 
-        Raises UserError when the connection is gone.
+        Raises UserError when the connection has ended.
         """
         done = self._run(script, root, stdin, timeout)
         if root and done.code and _SUDO_REFUSED.search(done.err) and self.find_sudo(self._candidates):
@@ -88,7 +88,7 @@ class SshShell:
         return done
 
     def start(self, script: str, *, root: bool = False) -> subprocess.Popen[str]:
-        """Start a script there that talks: its standard input and output are pipes. Whoever starts it ends it."""
+        """Start a script there that talks: its standard input and output are pipes. Its caller ends it."""
         process = subprocess.Popen(
             self._words(script, root),
             stdin=subprocess.PIPE,
@@ -124,8 +124,8 @@ class SshShell:
             self.place,
         ]
         done = run_process(words, timeout=CONNECT_SECONDS, what=f"forwarding to {self.place}")
-        said = done.out.strip()
-        return int(said) if done.code == 0 and said.isdecimal() else 0
+        reported = done.out.strip()
+        return int(reported) if done.code == 0 and reported.isdecimal() else 0
 
     @property
     def accepted(self) -> frozenset[Secret]:
@@ -150,7 +150,7 @@ class SshShell:
     def find_sudo(self, candidates: Sequence[Secret]) -> bool:
         """Find which way of using sudo works: without a password, or with one of these. Whether there is one."""
         self._candidates = tuple(candidates)
-        self.sudo_said = ""
+        self.sudo_reported = ""
         tried = self._run("true" if self.address.user == "root" else "LC_ALL=C sudo -k -n true", False, "", 30)
         if tried.code == 0:
             self._sudo = None
@@ -163,7 +163,7 @@ class SshShell:
             if tried.code == 0:
                 return True
         self._sudo = None
-        self.sudo_said = tried.err
+        self.sudo_reported = tried.err
         return False
 
 
@@ -254,6 +254,8 @@ def _share_connection(address: Address, common: Sequence[str], folder: Path, pas
             shared = stack.enter_context(run_guarded(master, folder / "log", environment))
             ready = shared.wait_for_line(_READY, CONNECT_SECONDS * 3)
         if not ready:
-            said = shared.log.read_text(errors="replace") if shared.log.exists() else ""
-            raise expired_password(address) if is_expired(said) else explain_failure(address, said or "timed out")
+            reported = shared.log.read_text(errors="replace") if shared.log.exists() else ""
+            raise (
+                expired_password(address) if is_expired(reported) else explain_failure(address, reported or "timed out")
+            )
         yield

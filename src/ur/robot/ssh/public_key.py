@@ -1,4 +1,4 @@
-"""Public keys as computers tell them: one line, one type, one comment; whatever else is refused."""
+"""Public keys as computers report them: one line, one type, one comment; anything else is refused."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ _KEY = re.compile(rf"({PATTERN})(?: ([!-~](?:[ -~]{{0,98}}[!-~])?))?")
 
 @dataclass(frozen=True, slots=True)
 class PublicKey:
-    """A key: its type and its base64 in one text, and the comment of whoever made it."""
+    """A key: its type and its base64 in one text, and the comment of its owner."""
 
     key: str
     comment: str
@@ -24,7 +24,7 @@ class PublicKey:
 def parse_public_key(text: str) -> PublicKey:
     """Read the text of a public key file. Raises ValueError: more or less than one ed25519 key, or options before it.
 
-    The line becomes part of authorized_keys or known_hosts: a second one would be a login of somebody else.
+    The line becomes part of authorized_keys or known_hosts: a second one would be a login of another user.
     """
     found = _KEY.fullmatch(text.removesuffix("\n"))
     if found is None:

@@ -135,11 +135,11 @@ def _exchange(process: subprocess.Popen[bytes], text: bytes, end: float) -> tupl
     assert process.stdin
     assert process.stdout
     assert process.stderr
-    said: dict[int, list[bytes]] = {process.stdout.fileno(): [], process.stderr.fileno(): []}
+    reported: dict[int, list[bytes]] = {process.stdout.fileno(): [], process.stderr.fileno(): []}
     size, rest = 0, memoryview(text)
     os.set_blocking(process.stdin.fileno(), False)
     with selectors.DefaultSelector() as waiting:
-        for number in said:
+        for number in reported:
             waiting.register(number, selectors.EVENT_READ)
         waiting.register(process.stdin, selectors.EVENT_WRITE)
         while waiting.get_map():
@@ -157,7 +157,7 @@ def _exchange(process: subprocess.Popen[bytes], text: bytes, end: float) -> tupl
                         process.stdin.close()
                     continue
                 more = os.read(key.fd, _CHUNK)
-                said[key.fd].append(more)
+                reported[key.fd].append(more)
                 size += len(more)
                 if size > MOST_BYTES:
                     raise OverflowError
@@ -167,7 +167,7 @@ def _exchange(process: subprocess.Popen[bytes], text: bytes, end: float) -> tupl
         process.wait(max(0.0, end - time.monotonic()))
     except subprocess.TimeoutExpired:
         raise TimeoutError from None
-    out, err = (b"".join(parts).decode(errors="surrogateescape") for parts in said.values())
+    out, err = (b"".join(parts).decode(errors="surrogateescape") for parts in reported.values())
     return out.replace("\r\n", "\n").replace("\r", "\n"), err.replace("\r\n", "\n").replace("\r", "\n")
 
 

@@ -34,7 +34,7 @@ def compare(
     notes = []
     for side in SIDES:
         if last and not sides[side] and any(sides.values()):
-            notes.append(f"everything is gone {side}: taken for a new workspace, so nothing is deleted")
+            notes.append(f"everything was deleted {side}: taken for a new workspace, so nothing is deleted")
             last = {}
     same: dict[str, Agreed] = {}
     steps: list[SyncStep] = []
@@ -142,7 +142,7 @@ def drop_ignored(manifest: Manifest, patterns: Sequence[str]) -> Manifest:
 
 
 def agree(plan: SyncPlan, done: Mapping[Side, Mapping[str, File | None]]) -> dict[str, Agreed]:
-    """The common state of both sides after the steps in `done`, with the new state of the changed side (None: gone)."""
+    """The common state after the steps in `done`, with the new state of the changed side (None: no file)."""
     agreed = dict(plan.same)
     for step in plan.steps:
         if step.path not in done[step.to]:

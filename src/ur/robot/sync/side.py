@@ -79,7 +79,7 @@ def _walk(
                 skipped[path] = "another file system is mounted here"
             else:
                 _walk(root, path, device, patterns, known, files, skipped)
-        except FileNotFoundError:  # gone meanwhile
+        except FileNotFoundError:  # deleted meanwhile
             continue
         except OSError as problem:
             skipped[path] = _reason(problem)
@@ -157,7 +157,7 @@ def apply(request: Request) -> Request:
     """Bring `steps` about, each `[path, file as listed or null, file to be or null, keep it]`; then empty `arriving`.
 
     A file that is no longer as it was listed stays as it is, and so does one whose new content has not arrived whole.
-    Answers with `done`, what the files are like now (null: gone), and `left`, the reasons why others were left alone.
+    Answers with `done`, what the files are like now (null: deleted), and `left`, why others were left alone.
     With the fourth set, what is replaced or deleted is kept in the folder `kept`.
     """
     os.sync()  # what arrived outlives a loss of power before it replaces anything
@@ -234,7 +234,7 @@ def _compare(target: str, before: File | None) -> str:
     try:
         now = describe(target, [before[1], before[2], before[4]] if before else None)
     except (FileNotFoundError, NotADirectoryError):
-        return "it is gone meanwhile" if before else ""
+        return "it was deleted meanwhile" if before else ""
     if now and now[0] == "folder" and (before is None or before[0] == "folder"):
         if not os.listdir(target):
             if before is None:

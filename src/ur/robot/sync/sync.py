@@ -118,7 +118,7 @@ def carry_out(
             _run_rsync(shell, side, roots, request["arriving"], paths, progress=progress)
         answer = _ask(places[side], {**request, "do": "apply", "steps": [_render_step(step) for step in steps]})
         try:
-            done[side] = {**read_files({k: v for k, v in answer["done"].items() if v}), **_gone(answer["done"])}
+            done[side] = {**read_files({k: v for k, v in answer["done"].items() if v}), **_deleted(answer["done"])}
             left[side] = _read_texts(answer["left"])
         except _BAD_ANSWER as problem:
             raise _misshapen(places[side], problem) from None
@@ -148,7 +148,7 @@ def _misshapen(place: SyncSide, problem: Exception) -> UserError:
     return UserError(error(message, rule="failed-sync", help="ur doctor"))
 
 
-def _gone(done: Mapping[str, Any]) -> dict[str, None]:
+def _deleted(done: Mapping[str, Any]) -> dict[str, None]:
     return {check_path(path): None for path, row in done.items() if row is None}
 
 
@@ -211,14 +211,14 @@ def _run_rsync(
         stderr=subprocess.PIPE,
     ) as process:
         try:
-            _, said = process.communicate("\0".join(paths).encode(errors="surrogateescape"))
+            _, reported = process.communicate("\0".join(paths).encode(errors="surrogateescape"))
         except BaseException:
             process.terminate()
             raise
     if process.returncode in _RSYNC_LOST:
-        raise lost_connection(shell.place, said.decode(errors="replace"))
+        raise lost_connection(shell.place, reported.decode(errors="replace"))
     # 23 and 24: some files changed or vanished meanwhile. They are missed when the rest is put in its place.
     if process.returncode not in (0, 23, 24):
-        lines = said.decode(errors="replace").strip().splitlines() or [f"exit code {process.returncode}"]
+        lines = reported.decode(errors="replace").strip().splitlines() or [f"exit code {process.returncode}"]
         raise UserError(error_about(shell.place, f"rsync: {lines[0]}", rule="failed-sync", help="ur doctor"))
     sys.stdout.flush()

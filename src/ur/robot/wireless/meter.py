@@ -1,6 +1,6 @@
 """Measures a link while it is open, with three processes that run all the time: ping(8), and a shell on either end.
 
-A process that ends, since the robot or the network has gone, is started again.
+A process that ends, since the robot or the network is away, is started again.
 """
 
 from __future__ import annotations
@@ -70,7 +70,7 @@ class ProcessLines:
 
 
 class Radio:
-    """The wireless links of a computer, from the lines of LOOP. `wireless`: None until it said something."""
+    """The wireless links of a computer, from the lines of LOOP. `wireless`: None until it reported something."""
 
     def __init__(self, clock: Callable[[], float]) -> None:
         self._clock = clock

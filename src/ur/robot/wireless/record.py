@@ -26,7 +26,7 @@ def render_row(sample: Sample, start: float) -> str:
 
 
 def write_row(file: TextIO, sample: Sample, start: float) -> None:
-    """Write a second, so that it is there whatever happens next."""
+    """Write a second, so that a crash cannot lose it."""
     file.write(render_row(sample, start))
     file.flush()
 

@@ -31,7 +31,7 @@ class Sample:
 
     @property
     def gap(self) -> bool:
-        """Return whether nothing came back in this second."""
+        """Return whether nothing was answered in this second."""
         return self.latency is None
 
     @property

@@ -28,7 +28,7 @@ class RunControl(Protocol):
         """Disconnect; the run continues."""
 
 
-class RunGone(Exception):  # noqa: N818 - says what happened
+class RunUnreachable(Exception):  # noqa: N818 - says what happened
     """The run has ended, or its supervisor was killed."""
 
 
@@ -99,7 +99,7 @@ def connect_run(folder: str) -> RunClient:
             os.close(place)
     except OSError as problem:
         link.close()
-        raise RunGone(f"{folder}: {(problem.strerror or str(problem)).lower()}") from None
+        raise RunUnreachable(f"{folder}: {(problem.strerror or str(problem)).lower()}") from None
     return RunClient(link)
 
 

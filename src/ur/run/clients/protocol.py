@@ -1,7 +1,7 @@
 """Events of a run for its clients, and commands that clients may send: values, and each as one line of JSON.
 
 A subscriber first gets `RunStarted`, then one `NodeChanged` and one `NodeReadiness` for each node as it is now, then
-`Synchronised`; from there on whatever happens. Output lines and statistics come only after `Watch` asked for them.
+`Synchronised`; from there on every event. Output lines and statistics come only after `Watch` asked for them.
 """
 
 from __future__ import annotations

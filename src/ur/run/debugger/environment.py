@@ -91,7 +91,7 @@ def find_core_dump(program: str, folder: str, rules: CoreRules) -> tuple[tuple[s
 
 
 def find_free_port(first: int = 5678) -> int:
-    """A port that nobody listens on now, debugpy's usual one first."""
+    """A port that no program listens on now, debugpy's usual one first."""
     for port in (first, 0):
         with socket.socket() as probe:
             try:

@@ -69,7 +69,7 @@ def run_in_pane(name: str, argv: list[str]) -> int:
 
 
 def join(address: str, name: str, argv: list[str]) -> int:
-    """Run the program in the terminal of whoever waits at the address."""
+    """Run the program in the terminal that waits at the address."""
     deadline = time.monotonic() + PATIENCE
     while True:
         link = socket.socket(socket.AF_UNIX)
@@ -80,7 +80,7 @@ def join(address: str, name: str, argv: list[str]) -> int:
             link.close()
             if time.monotonic() > deadline:
                 reason = (problem.strerror or str(problem)).lower()
-                sys.stderr.write(f"error: {name}: nobody waits to debug it any more: {reason}\n")
+                sys.stderr.write(f"error: {name}: no terminal waits to debug it any more: {reason}\n")
                 return 1
             time.sleep(0.05)
     controller, end = pty.openpty()
@@ -131,7 +131,7 @@ def attach(pid: int, argv: list[str]) -> int:
             return process.wait(LOOK_PERIOD)
         except subprocess.TimeoutExpired:  # noqa: PERF203 - a look every third of a second
             dead = dead + 1 if _is_zombie(pid) else 0
-    with contextlib.suppress(OSError):  # of somebody else: sudo
+    with contextlib.suppress(OSError):  # of another user: sudo
         process.kill()
         process.wait()
     if before is not None:

@@ -15,7 +15,7 @@ PR_SET_CHILD_SUBREAPER = 36
 
 
 def inherit_orphans() -> None:
-    """Make this process the parent of whatever below it loses its own: a subreaper, prctl(2)."""
+    """Make this process the parent of processes below it that lose their own: a subreaper, prctl(2)."""
     ctypes.CDLL(None).prctl(PR_SET_CHILD_SUBREAPER, 1, 0, 0, 0)
 
 

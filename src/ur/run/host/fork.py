@@ -23,7 +23,7 @@ class ProcessCreator:
     """Creates processes. One that fails before exec reports the reason itself, through a pipe.
 
     New processes wait before exec until `release`: those that run already would take processor time from the creation
-    of the others, and the last of fifty would come late. Whatever ends this process ends their waiting.
+    of the others, and the last of fifty would start late. The end of this process ends their waiting.
     """
 
     def __init__(self) -> None:

@@ -45,7 +45,7 @@ def send(link: Socket, message: tuple[Any, ...], descriptors: tuple[int, ...] = 
 
 
 def receive(link: Socket) -> tuple[tuple[Any, ...], list[int]]:
-    """Receive one message with three open files at most. EOFError when the other end is gone."""
+    """Receive one message with three open files at most. EOFError when the other end has closed."""
     head, others, _, _ = link.recvmsg(4, CMSG_SPACE(3 * _INT), MSG_CMSG_CLOEXEC)
     descriptors: list[int] = []
     for level, kind, data in others:

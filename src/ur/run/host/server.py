@@ -90,7 +90,7 @@ class _Host:
                 self._flush()
 
     def end_all(self) -> None:
-        """End everything after the supervisor is gone: SIGINT first, then SIGKILL. Restores the terminal."""
+        """End everything after the supervisor has ended: SIGINT first, then SIGKILL. Restores the terminal."""
         limit = time.monotonic() + INTERRUPT_SECONDS
         if reap_one(0.0):
             signal_descendants(signal.SIGINT)

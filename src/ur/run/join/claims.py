@@ -56,7 +56,7 @@ def is_base(item: NodeSpec | ParamSpec) -> bool:
 
 
 def write_claims(folder: str, claims: Claims) -> None:
-    """Write the claims of a run into its control folder. Raises OSError: the folder is gone, or the disk is full."""
+    """Write the claims of a run into its control folder. Raises OSError: no folder any more, or the disk is full."""
     unfinished = Path(folder, _FILE + ".new")
     unfinished.write_text(write_json(claims), encoding="utf-8")
     unfinished.replace(Path(folder, _FILE))

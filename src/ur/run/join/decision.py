@@ -14,7 +14,7 @@ from ur.run.startup.machine_assignment import keep_nodes
 class Held:
     """A node that runs already. `run` is the id of its run, '' for none of this user on this computer.
 
-    `definition` is None where nobody knows it.
+    `definition` is None where it is unknown.
     """
 
     name: str

@@ -7,7 +7,7 @@ import threading
 import time
 from collections.abc import Callable, Iterable, Mapping
 
-from ur.run.clients.client import RunGone, connect_run
+from ur.run.clients.client import RunUnreachable, connect_run
 from ur.run.clients.protocol import RunEnded, RunStopping
 from ur.run.join.claims import read_claims
 from ur.run.master.client import Master, parse_master_uri
@@ -81,7 +81,7 @@ def _wait_end(entry: RunEntry, over: threading.Event) -> str:
                         return "has ended"
                 if events is None:
                     break
-    except RunGone:
+    except RunUnreachable:
         return "has ended"
     except OSError:
         pass

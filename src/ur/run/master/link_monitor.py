@@ -14,11 +14,11 @@ from threading import Event as Flag
 from ur.robot.addresses import AddressCache
 from ur.run.master.client import Master
 from ur.run.master.xml_rpc import CallRefused, Unanswered
-from ur.run.supervisor.events import Event, LinkLost, LinkRestored, MasterGone, MasterReplaced, MasterReturned
+from ur.run.supervisor.events import Event, LinkLost, LinkRestored, MasterReplaced, MasterReturned, RobotMasterLost
 
 PERIOD = 0.3  # s between two questions
 LOST_AFTER = 1.0  # s without an answer from the robot, after which the link is lost
-GONE_AFTER = 3.0  # s in which the robot says that no master runs, after which the master is gone
+ENDED_AFTER = 3.0  # s in which the robot says that no master runs, after which the master has ended
 LONGEST_QUESTION, SHORTEST_QUESTION = 0.5, 0.2  # s for an answer
 
 
@@ -56,12 +56,12 @@ def step_link(state: LinkState, answer: MasterState | None, now: float) -> tuple
         return state, tuple(events)
     if answer.pid is None:
         since = now if state.refused is None else state.refused
-        if now - since >= GONE_AFTER:
-            events.append(MasterGone(now - since))
+        if now - since >= ENDED_AFTER:
+            events.append(RobotMasterLost(now - since))
         return replace(state, refused=since), tuple(events)
     if state.master is not None and is_another(state.master, answer):
         events.append(MasterReplaced())
-    elif state.refused is not None and now - state.refused >= GONE_AFTER:
+    elif state.refused is not None and now - state.refused >= ENDED_AFTER:
         events.append(MasterReturned())
     return replace(state, master=answer, refused=None), tuple(events)
 

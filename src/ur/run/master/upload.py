@@ -54,6 +54,6 @@ def _dump_parameters(master: Master, name: str, file: str) -> None:
 
 def remove_registrations(master: Master, names: list[str]) -> Event:
     """Unregister nodes from the master that did not do so themselves."""
-    with suppress(Unanswered, CallRefused):  # a master that is gone has nothing registered
+    with suppress(Unanswered, CallRefused):  # a master that has ended has nothing registered
         master.remove_dead_nodes(names)
     return Unregistered()

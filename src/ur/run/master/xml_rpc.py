@@ -222,7 +222,7 @@ def _read_answer(link: socket.socket, deadline: float) -> bytes:
             raise WrongServer(f"expected a ROS master, got more than {MAX_HEAD:,} bytes without the end of a head")
         searched = max(0, len(data) - 3)
         if not _receive(link, deadline, data):
-            raise Unanswered("the connection was closed before an answer came")
+            raise Unanswered("the connection was closed before an answer arrived")
         end = data.find(b"\r\n\r\n", searched)
     status, *lines = data[:end].decode("latin-1").split("\r\n")
     if len(status.split()) < 2 or status.split()[1] != "200":

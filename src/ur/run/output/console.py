@@ -41,7 +41,7 @@ class Sink:
         return len(self._lines)
 
     def put(self, line: bytes, *, important: bool, source: str = "") -> None:
-        """Queue a line. When nobody reads fast enough, lines of the source that prints most get lost."""
+        """Queue a line. When readers are too slow, lines of the source that prints most get lost."""
         waiting = self._waiting.get(source, 0)
         if waiting >= MOST_WAITING and not important:
             self.flush()
@@ -69,7 +69,7 @@ class Sink:
                 self._rest = self._rest[os.write(self.descriptor, self._rest[:PIECE]) :]
             except BlockingIOError:
                 return
-            except OSError:  # nobody reads any more
+            except OSError:  # there is no reader any more
                 self._lines.clear()
                 self._waiting.clear()
                 self._rest = b""
@@ -102,7 +102,7 @@ class Console:
         return self._colours[self._out]
 
     def calm(self) -> None:
-        """No colours from here on, whatever the descriptors are."""
+        """No colours from here on, for any descriptors."""
         self._colours = dict.fromkeys(self._colours, False)
 
     def show(self, name: str, line: str) -> None:

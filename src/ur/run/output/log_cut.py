@@ -20,7 +20,7 @@ def drop_beginning(path: str, keep: int) -> int:
     The file keeps its inode, so that processes which opened it with O_APPEND go on writing to it. ext4 and XFS remove
     blocks; elsewhere the end is copied to the beginning, and what is written between the last copy and the following
     truncation is lost. What is left of the first line gives its place to MARK. 0: the file is small enough, is no
-    regular file, belongs to somebody else, or is being cut by another process.
+    regular file, belongs to another user, or is being cut by another process.
     """
     try:
         file = os.open(path, os.O_RDWR | os.O_CLOEXEC | os.O_NOFOLLOW | os.O_NONBLOCK)

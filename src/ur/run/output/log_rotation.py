@@ -114,7 +114,7 @@ class LogRotation:
                     elif stem in self._names and number.isdigit():
                         os.unlink(entry.path)  # noqa: PTH108 - pathlib is not worth its import here
         except OSError:
-            return sizes, fixed  # the folder is gone, or a file just now
+            return sizes, fixed  # the folder was removed, or a file just now
         return sizes, fixed
 
 

@@ -37,14 +37,14 @@ def describe_death(death: ReportDeath, lines: Sequence[str] | None, log: str | N
         return [f"{death.name} has finished{follow}"]
     if death.reason is not None:
         advice = advise(Crash(death.name, death.status, (), death.reason))
-        told = [f"{death.name} could not be started: {death.reason}{follow}"]
-        return [*told, f"  try: {advice}"] if advice else told
-    told = [f"{death.name} died: {describe_status(death.status)}{follow}"]
-    told += [f"  | {line}" for line in lines or ()]
+        reported = [f"{death.name} could not be started: {death.reason}{follow}"]
+        return [*reported, f"  try: {advice}"] if advice else reported
+    reported = [f"{death.name} died: {describe_status(death.status)}{follow}"]
+    reported += [f"  | {line}" for line in lines or ()]
     if log is not None:
-        told.append(f"  log: {log}" if lines or lines is None else f"  log: {log} (it printed nothing)")
+        reported.append(f"  log: {log}" if lines or lines is None else f"  log: {log} (it printed nothing)")
     advice = _advise(death, lines or ())
-    return [*told, f"  try: {advice}"] if advice else told
+    return [*reported, f"  try: {advice}"] if advice else reported
 
 
 def describe_link(robot: str, seconds: float, *, lost: bool) -> str:

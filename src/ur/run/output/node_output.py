@@ -45,7 +45,7 @@ class LineSplitter:
 
 
 class Allowance:
-    """Rate limit on the shown lines of one node: MOST_SHOWN in each period, because nobody reads more."""
+    """Rate limit on the shown lines of one node: MOST_SHOWN in each period, because no one reads more."""
 
     def __init__(self, most: int = MOST_SHOWN, period: float = PERIOD) -> None:
         self._most = most
@@ -180,7 +180,7 @@ def write_log(descriptor: int, data: bytes | memoryview) -> None:
 
 
 def make_printable(line: bytes) -> str:
-    """A line for people: colours stay, whatever else would move the cursor or ring a bell becomes `?`."""
+    """A line for people: colours stay, other codes that would move the cursor or ring a bell become `?`."""
     text = line.decode("utf-8", "replace")
     if text.isprintable():
         return text

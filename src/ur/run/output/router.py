@@ -94,8 +94,8 @@ class NodeOutputs:
                 ends.append(output.log)
                 continue
             reader, writer = _open_pseudo_terminal() if as_terminal else os.pipe2(os.O_CLOEXEC)
-            told = show if output.direct else self._tee(show, source)
-            stream = Stream(name, reader, output.log, told)
+            reported = show if output.direct else self._tee(show, source)
+            stream = Stream(name, reader, output.log, reported)
             output.streams.append(stream)
             self._streams[reader] = stream
             self._poll.register(reader, select.POLLIN)

@@ -25,7 +25,7 @@ class Suspended:
 
 
 class HostLost(Exception):  # noqa: N818 - an event, named as events are
-    """The process host is gone; its processes with it."""
+    """The process host has ended; its processes with it."""
 
 
 class ProcessHost:

@@ -59,5 +59,5 @@ def read_clients(folder: str) -> tuple[Client, ...]:
 
 
 def write_clients(folder: str, clients: Collection[Client]) -> None:
-    """Replace the clients of a run, completely or not at all. Raises OSError: the run is gone, or the disk is full."""
+    """Replace the clients of a run, completely or not at all. Raises OSError: the run ended, or the disk is full."""
     replace_file(Path(folder, _FILE), write_json(tuple(clients)), mode=PRIVATE, lasting=False)

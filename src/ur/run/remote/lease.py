@@ -39,7 +39,7 @@ class RobotLease:
 
 
 def read_lease(master_uri: str) -> RobotLease:
-    """Read the lease from a master. Free where nobody answers, or where no robot of ours runs."""
+    """Read the lease from a master. Free without an answer, or where no robot of ours runs."""
     try:
         asked = parse_master_uri(master_uri)
         text = Master(asked.uri, asked.host, asked.port, _PATIENCE).call("getParam", PARAMETER)

@@ -10,7 +10,7 @@ from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 
-from ur.run.clients.client import RunGone, connect_run, iterate_events
+from ur.run.clients.client import RunUnreachable, connect_run, iterate_events
 from ur.run.clients.protocol import NodeChanged, RunStopping, Synchronised
 from ur.run.master.client import parse_master_uri
 from ur.run.record.entry import RunEntry, runs_folders
@@ -80,7 +80,7 @@ def find_holders(runs: Iterable[RunEntry], nodes: Collection[str], port: int) ->
 def list_nodes(entry: RunEntry) -> frozenset[str]:
     """The nodes of a run that run, or start again by themselves. None when it does not answer."""
     names: set[str] = set()
-    with suppress(RunGone), connect_run(entry.folder) as client:
+    with suppress(RunUnreachable), connect_run(entry.folder) as client:
         for event in iterate_events(client, _ANSWER_SECONDS):
             if isinstance(event, Synchronised):
                 break
@@ -91,7 +91,7 @@ def list_nodes(entry: RunEntry) -> frozenset[str]:
 
 def is_stopping(entry: RunEntry) -> bool:
     """Return whether a run is stopping or has just ended."""
-    with suppress(RunGone), connect_run(entry.folder) as client:
+    with suppress(RunUnreachable), connect_run(entry.folder) as client:
         for event in iterate_events(client, _ANSWER_SECONDS):
             if isinstance(event, RunStopping):
                 break
@@ -101,7 +101,7 @@ def is_stopping(entry: RunEntry) -> bool:
 
 
 def wait_exit(entry: RunEntry, until: float) -> bool:
-    """Wait until a run's process is gone; `until` is in s of the monotonic clock. Whether it is."""
+    """Wait until a run's process has ended; `until` is in s of the monotonic clock. Whether it is."""
     while read_birth(entry.pid) == entry.born:
         if time.monotonic() > until:
             return False

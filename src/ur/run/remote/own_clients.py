@@ -1,4 +1,4 @@
-"""Clients on this computer: each holds a locked file until its process ends, for whatever reason."""
+"""Clients on this computer: each holds a locked file until its process ends, for any reason."""
 
 from __future__ import annotations
 

@@ -100,7 +100,7 @@ def _begin(
 
 
 def end(request: ShareRequest) -> ShareAnswer:
-    """Take a client off every share that it uses; those that nobody else uses end."""
+    """Take a client off every share that it uses; those that no other client uses end."""
     ended, kept, names, problem = [], [], set[str](), None
     with lock_shares(os.environ, os.getuid(), END_SECONDS):
         runs = list_runs(os.environ, os.getuid(), read_computer())
@@ -163,9 +163,9 @@ def _register(entries: Iterable[RunEntry], request: ShareRequest, answer: ShareA
 
 
 def _look_for_signs(entry: RunEntry, clients: Collection[Client]) -> tuple[tuple[Client, ...], list[Sign]]:
-    """The clients that are not gone, and the sign of each."""
+    """The clients that have not ended, and the sign of each."""
     signs = read_signs(clients, _master_of(entry), time.time())
-    left = tuple(client for client in clients if signs[client.client] is not Sign.GONE)
+    left = tuple(client for client in clients if signs[client.client] is not Sign.ENDED)
     return left, [signs[client.client] for client in left]
 
 
@@ -185,7 +185,7 @@ def _wait_for_sign(entry: RunEntry) -> None:
 
 
 def _stop(entry: RunEntry) -> bool:
-    """End a run and wait until its process is gone, which is a little later than its last event."""
+    """End a run and wait until its process has ended, which is a little later than its last event."""
     until = time.monotonic() + END_SECONDS
     with suppress(subprocess.TimeoutExpired):
         command = [sys.executable, "-I", "-m", "ur", "stop", entry.run]

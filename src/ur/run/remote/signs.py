@@ -20,10 +20,10 @@ START_SECONDS = 60.0  # in which the nodes of a new client register
 
 
 class Sign(Enum):
-    """PRESENT: it answers. GONE: its computer answers that it has ended. SILENT: unknown."""
+    """PRESENT: it answers. ENDED: its computer answers that it has ended. SILENT: unknown."""
 
     PRESENT = "present"
-    GONE = "gone"
+    ENDED = "ended"
     SILENT = "silent"
 
 
@@ -60,7 +60,7 @@ def judge_client(client: Client, nodes: Mapping[str, Sign | None], now: float) -
         return Sign.PRESENT
     if Sign.SILENT in found or now - client.since < START_SECONDS:
         return Sign.SILENT
-    return Sign.GONE
+    return Sign.ENDED
 
 
 def ask_nodes(names: Iterable[str], master: Master) -> dict[str, Sign | None]:
@@ -93,7 +93,7 @@ def probe_node(uri: str) -> Sign:
             pass
         Master(uri, node.host, node.port, 1.0).call("getPid")
     except ConnectionRefusedError:
-        return Sign.GONE
+        return Sign.ENDED
     except CallRefused:
         return Sign.PRESENT
     except (Unanswered, UserError, OSError):

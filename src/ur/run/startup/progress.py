@@ -1,4 +1,4 @@
-"""Progress of a start: readiness of nodes while somebody asks for it, and durations for `--timings`."""
+"""Progress of a start: readiness of nodes while a client asks for it, and durations for `--timings`."""
 
 from __future__ import annotations
 

@@ -119,7 +119,7 @@ class MasterReplaced:
 
 
 @dataclass(frozen=True, slots=True)
-class MasterGone:
+class RobotMasterLost:
     """The robot answers, and has reported no master for so long (s)."""
 
     seconds: float
@@ -146,7 +146,7 @@ class ShareStarted:
 
 @dataclass(frozen=True, slots=True)
 class ShareFailed:
-    """The robot's nodes are gone and could not be started again. `reason` is text for people, with a remedy."""
+    """The robot's nodes have ended and could not be started again. `reason` is text for people, with a remedy."""
 
     reason: str
 
@@ -163,7 +163,7 @@ class NothingLeft:
 
 @dataclass(frozen=True, slots=True)
 class Unregistered:
-    """Registrations of the run's nodes are gone from the master, or could not be removed."""
+    """Registrations of the run's nodes are removed from the master, or could not be removed."""
 
 
 Event = (
@@ -183,7 +183,7 @@ Event = (
     | MasterLost
     | MasterReturned
     | MasterReplaced
-    | MasterGone
+    | RobotMasterLost
     | LinkLost
     | LinkRestored
     | ShareStarted

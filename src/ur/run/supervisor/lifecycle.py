@@ -85,17 +85,17 @@ def _respawn(state: State, each: UnitState, death: ReportDeath, lived: float, no
     return put_unit(state, again), [replace(death, restart_in=delay)]
 
 
-def _end_when_idle(state: State, told: list[Action], now: float) -> Step:
+def _end_when_idle(state: State, reported: list[Action], now: float) -> Step:
     """The run ends with its last node, unless a person stopped one and may want it back."""
     nodes = [other for other in state.units if not other.unit.core]
     if state.phase is not RunPhase.RUNNING or any(
         other.status is not UnitStatus.ENDED or other.held for other in nodes
     ):
-        return state, told
+        return state, reported
     # As roslaunch, which has no limit to respawning: otherwise only what never started counts.
     failed = any(other.exit == ExitStatus() or other.gave_up for other in nodes)
     state, actions = begin_end(state, "every node has ended", int(failed), now)
-    return state, told + actions
+    return state, reported + actions
 
 
 def _is_storm(quick_deaths: int, status: ExitStatus, limits: TimeLimits) -> bool:

@@ -11,7 +11,7 @@ from ur.run.supervisor.state import RunPhase, State, StopRequest, UnitState, Uni
 
 
 def apply_request(state: State, wanted: StartWanted | StopWanted | RestartWanted, now: float) -> Step:
-    """Begin to carry a request out. While the run ends nobody can want anything any more."""
+    """Begin to carry a request out. While the run ends no request is taken."""
     if not is_before(state, RunPhase.STOPPING_NODES):
         return state, []
     each = state.find(wanted.name)
@@ -39,12 +39,12 @@ def press_unit(state: State, each: UnitState, now: float) -> Step:
     if each.pressure >= len(SIGNALS):
         return put_unit(state, replace(each, deadline=None)), []  # it hangs in the kernel; the end of the run copes
     signum = SIGNALS[each.pressure]
-    told: list[Action] = [ReportPressure((each.unit.name,), signum)] if each.pressure and each.deadline else []
+    reported: list[Action] = [ReportPressure((each.unit.name,), signum)] if each.pressure and each.deadline else []
     wait = signal_patience(state.limits, each.pressure)
     state = put_unit(state, replace(each, pressure=each.pressure + 1, deadline=now + wait))
     if each.status is UnitStatus.STARTING:
-        return state, told  # it hears the signal once it is there
-    return state, [*told, SignalUnit(each.unit.name, signum)]
+        return state, reported  # it hears the signal once it is there
+    return state, [*reported, SignalUnit(each.unit.name, signum)]
 
 
 def press_overdue(state: State, now: float) -> Step:

@@ -18,9 +18,9 @@ def begin_end(state: State, cause: str, exit_code: int, now: float, *, failed: b
             state = put_unit(state, replace(each, status=UnitStatus.ENDED, due=None))
         else:
             state = put_unit(state, replace(each, request=None, pressure=0, deadline=None))
-    told: list[Action] = [ReportStop(cause, failed)] if cause else []
+    reported: list[Action] = [ReportStop(cause, failed)] if cause else []
     state, actions = advance_end(state, now)
-    return state, told + actions
+    return state, reported + actions
 
 
 def advance_end(state: State, now: float) -> Step:
@@ -71,10 +71,10 @@ def _press_nodes(state: State, now: float) -> Step:
         return _abandon(state, now)
     left = tuple(each.unit.name for each in state.units if each.alive and not each.unit.core)
     signum = SIGNALS[state.pressure]
-    told: list[Action] = [ReportPressure(left, signum)] if state.pressure else []
+    reported: list[Action] = [ReportPressure(left, signum)] if state.pressure else []
     wait = signal_patience(state.limits, state.pressure)
     state = replace(state, pressure=state.pressure + 1, deadline=now + wait)
-    return state, told + [SignalUnit(name, signum) for name in left]
+    return state, reported + [SignalUnit(name, signum) for name in left]
 
 
 def _press_core(state: State, now: float) -> Step:

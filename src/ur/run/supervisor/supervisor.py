@@ -28,7 +28,6 @@ from ur.run.supervisor.events import (
     LinkLost,
     LinkRestored,
     MasterAnswered,
-    MasterGone,
     MasterLost,
     MasterReplaced,
     MasterReturned,
@@ -36,6 +35,7 @@ from ur.run.supervisor.events import (
     OwnerEnded,
     ParametersSet,
     RestartWanted,
+    RobotMasterLost,
     SetupFailed,
     ShareFailed,
     ShareStarted,
@@ -125,7 +125,7 @@ def _proceed(state: State, event: Event, now: float) -> Step:
         case ParametersSet() if state.reviving:
             return restart_all(state, now)
         case SetupFailed() if state.reviving:
-            return replace(state, reviving=False, stale=True), []  # the master is gone once more; it is looked after
+            return replace(state, reviving=False, stale=True), []  # the master has ended once more; it is looked after
         case SetupFailed(reason) if is_before(state, RunPhase.STOPPING_NODES):
             return begin_end(state, reason, 1, now, failed=True)
         case NothingLeft() if state.phase is RunPhase.SWEEPING:
@@ -177,13 +177,13 @@ def follow_master(state: State, event: Event, now: float) -> Step:
         case MasterReturned():
             state, actions = _set_stale_parameters(state)
             return state, [ReportMaster(lost=False), *actions]
-        case MasterReplaced() | MasterGone() if state.shared:
+        case MasterReplaced() | RobotMasterLost() if state.shared:
             if state.reviving:
                 return state, []  # the master that the robot's share starts is seen here, too
             return replace(state, reviving=True), [ReportRevival(), StartShare()]
         case MasterReplaced():
             return replace(state, reviving=True, stale=False), [ReportRevival(), SetParameters()]
-        case MasterGone(seconds) if seconds >= state.limits.robot:
+        case RobotMasterLost(seconds) if seconds >= state.limits.robot:
             cause = f"the robot answers, but no ROS master has run on it for {seconds:.0f} s"
             return begin_end(state, cause, 1, now, failed=True)
         case ShareStarted() if state.reviving:

@@ -32,7 +32,7 @@ def find_name(
     """Every definition and use of a name, sorted by kind, name and place, definitions first.
 
     `paths` are files, folders and packages. Launch files are resolved for every base and variant, so names that depend
-    on arguments are found; what depends on arguments that nobody gave is not. Raises UserError for a bad path.
+    on arguments are found; what depends on arguments that were not given is not. Raises UserError for a bad path.
     """
     cached = CachedWorld(world)
     targets = collect_targets(paths, cached)

@@ -113,7 +113,7 @@ class EditedWorld:
 
 
 def same_content(before: LaunchFile, after: LaunchFile) -> bool:
-    """Return whether two files hold the same tags, comments and texts; those directly in `<launch>` in whatever order.
+    """Return whether two files hold the same tags, comments and texts; those directly in `<launch>` in any order.
 
     Comments that title a group of arguments do not count, nor blanks in comments.
     """
@@ -122,7 +122,7 @@ def same_content(before: LaunchFile, after: LaunchFile) -> bool:
         return first is second
     return (
         (first.name, first.attributes) == (second.name, second.attributes)
-        and Counter(map(_content, _told(first))) == Counter(map(_content, _told(second)))
+        and Counter(map(_content, _reported(first))) == Counter(map(_content, _reported(second)))
         and [_content(each) for each in before.comments] == [_content(each) for each in after.comments]
     )
 
@@ -141,14 +141,14 @@ def _plans(path: str, package: Package | None, world: World) -> Iterator[object]
 
 
 def _meaning(plan: Plan) -> object:
-    said = Counter((found.severity, found.rule, found.message) for found in plan.diagnostics)
-    return said, [
+    reported = Counter((found.severity, found.rule, found.message) for found in plan.diagnostics)
+    return reported, [
         _plain(getattr(plan, field.name)) for field in fields(plan) if field.name not in ("diagnostics", "files")
     ]
 
 
 def _plain(value: object) -> object:
-    """A value of a plan without the places it came from."""
+    """A value of a plan without the places of its origin."""
     if is_dataclass(value) and not isinstance(value, type):
         return [_plain(getattr(value, f.name)) for f in fields(value) if not isinstance(getattr(value, f.name), Origin)]
     if isinstance(value, tuple | list):
@@ -156,7 +156,7 @@ def _plain(value: object) -> object:
     return repr(value) if isinstance(value, float) else value
 
 
-def _told(element: Element) -> Iterable[Element | Comment]:
+def _reported(element: Element) -> Iterable[Element | Comment]:
     return (each for each in element.children if not (isinstance(each, Comment) and is_title(each.span.text)))
 
 

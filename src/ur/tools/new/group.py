@@ -51,7 +51,7 @@ DISPLAYS = {"sensor_msgs/LaserScan": "LaserScan", "sensor_msgs/Range": "Range", 
 
 
 def plan_multi(name: str, summary: str, parts: Sequence[IncludedPart]) -> tuple[NewFile, ...]:
-    """A launch file that includes others: what they need that nobody else says becomes an argument of it."""
+    """A launch file that includes others: what they need and no other file gives becomes an argument of it."""
     arguments: dict[str, NewArgument] = {}
     body: list[str] = []
     for part in parts:

@@ -30,7 +30,7 @@ def observe_node(
 ) -> Observed:
     """Start a node and say what it registers with its master. The node and the master end with this call.
 
-    `command` gets `__name` and `__log` in addition. Waits until nothing new was said for a while, at most `seconds`.
+    `command` gets `__name` and `__log` in addition. Waits until nothing new was called for a while, at most `seconds`.
     Raises UserError: the node ends before it registers, or never does.
     """
     with tempfile.TemporaryDirectory() as folder, _master(folder, environment) as (port, listener):
@@ -62,7 +62,7 @@ def observe_node(
 
 
 class _Listener:
-    """Forwards every call to the master, and remembers what the node said."""
+    """Forwards every call to the master, and remembers what the node asked."""
 
     def __init__(self, master: str) -> None:
         self._master = ServerProxy(master, allow_none=True)

@@ -38,7 +38,7 @@ class NodeTopic:
 class Observed:
     """The observed interface of a node: `services` beside those of every node, `parameters` by name below the node.
 
-    A parameter that the node asked for and nobody has set is None.
+    A parameter that the node asked for and that is not set is None.
     """
 
     topics: tuple[NodeTopic, ...] = ()
@@ -64,7 +64,7 @@ class NodeRequest:
 class IncludedPart:
     """A launch file that another includes: how `$(find)` names it, and its arguments by name.
 
-    `arguments` holds their defaults, None for required ones; `docs` what is said about them.
+    `arguments` holds their defaults, None for required ones; `docs` their comments.
     """
 
     file: str

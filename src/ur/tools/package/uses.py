@@ -22,7 +22,7 @@ def find_used_packages(folder: str, world: World, progress: Progress = no_progre
     """The package in a folder, and by name the packages that it uses, each with the first place that does.
 
     Launch files are resolved for every base, variant and option; programs in `bin` count, too. The package itself and
-    what depends on arguments that nobody gave are left out. Raises UserError for a folder without package.xml.
+    what depends on arguments that were not given are left out. Raises UserError for a folder without package.xml.
     """
     cached = CachedWorld(world)
     targets = collect_targets([folder], cached)

@@ -24,7 +24,7 @@ class FullScreenApp(App[Result], Generic[Result]):
 
     @property
     def problem(self) -> Exception | None:
-        """The exception that ended the application; whoever runs it reports it."""
+        """The exception that ended the application; its caller reports it."""
         return self._exception
 
     def use_theme(self, *, light: bool) -> None:

@@ -29,7 +29,7 @@ def draw(bucket: Bucket, now: float) -> tuple[Bucket, bool]:
 
 @dataclass(slots=True)
 class Buckets:
-    """A bucket for each client, such as an address or a session, at most `most` of those that came last."""
+    """A bucket for each client, such as an address or a session, at most `most` of the latest."""
 
     rate: float
     burst: float

@@ -24,7 +24,7 @@ DAY = 86400.0
 """Seconds of a day."""
 
 SESSION_LIFE = 30 * DAY
-"""Seconds for which a session lasts from its login on, unless the server is told otherwise."""
+"""Seconds for which a session lasts from its login on, unless the server is started with another."""
 
 _MOST_SESSIONS = 100
 _MOST_TOKENS = 100

@@ -8,7 +8,7 @@ from collections import deque
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from ur.run.clients.client import RunClient, RunGone, connect_run
+from ur.run.clients.client import RunClient, RunUnreachable, connect_run
 from ur.run.clients.protocol import (
     Notice,
     OutputLine,
@@ -132,7 +132,7 @@ class RunWatcher:
     def _follow(self, entry: RunEntry) -> None:
         try:
             client = connect_run(entry.folder)
-        except RunGone:
+        except RunUnreachable:
             return
         watched = self._watched[entry.run] = _Watched(entry, client)
         asyncio.get_running_loop().add_reader(client.fileno(), self._receive, watched)

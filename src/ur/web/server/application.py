@@ -226,7 +226,7 @@ class Application:
         return socket
 
     async def _change_view(self, viewer: ViewingPage) -> None:
-        """Show a page what it asks for until it is gone, asks too often, or sends anything else."""
+        """Show a page what it asks for until it disconnects, asks too often, or sends anything else."""
         bucket = make_bucket(_VIEW_RATE, _VIEW_BURST, time.monotonic())
         async for message in viewer.socket:
             bucket, allowed = draw(bucket, time.monotonic())
@@ -267,7 +267,7 @@ class Application:
         return socket
 
     async def _receive(self, socket: web.WebSocketResponse, client: str, who: str) -> None:
-        """Pass requests on until the page is gone, or sends too many or too many that are malformed."""
+        """Pass requests on until the page disconnects, or sends too many or too many that are malformed."""
         bad, bucket, hold = 0, make_bucket(_RATE, _BURST, time.monotonic()), 0
         async for message in socket:
             bucket, allowed = draw(bucket, time.monotonic())

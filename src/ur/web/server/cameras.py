@@ -59,10 +59,10 @@ class Cameras:
         return [each.socket for each in self._pages]
 
     async def serve(self, socket: web.WebSocketResponse, on_change: Callable[[], None], *, may_choose: bool) -> None:
-        """Send pictures until the page is gone, or sends more or other texts than a page does.
+        """Send pictures until the page disconnects, or sends more or other texts than a page does.
 
         A text confirms a picture, or is the topic of a camera that all pages show from now on, where the page
-        `may_choose`. `on_change` is called when the page has come, has chosen, and is gone.
+        `may_choose`. `on_change` is called when the page has connected, has chosen, and has disconnected.
         """
         page = _Page(socket)
         self._pages.add(page)

@@ -64,7 +64,7 @@ class DrivingPage:
         self._due.set()
 
     async def run(self) -> None:
-        """Send until the page is gone."""
+        """Send until the page disconnects."""
         with suppress(ConnectionError):
             while not self.socket.closed:
                 if self._answers:
@@ -128,7 +128,7 @@ class DrivingPages:
         return [each.socket for each in self._drivers.values()]
 
     def remove(self, driver: DriverPage) -> None:
-        """A page is gone."""
+        """A page has disconnected."""
         if self._drivers.get(driver.client) is driver:
             del self._drivers[driver.client]
             self._arrivals.pop(driver.client, None)

@@ -33,7 +33,7 @@ def call_on_enter(act: Callable[[], object]) -> Iterator[bool]:
             data = os.read(descriptor, 1024)
         if data:
             act()
-        else:  # the terminal is gone
+        else:  # the terminal has closed
             loop.remove_reader(descriptor)
 
     loop.add_reader(descriptor, read)

@@ -36,7 +36,7 @@ def find_address() -> str:
 
 
 def draw_code(link: str, *, colours: bool) -> str:
-    """The QR code of a link, for a terminal; with `colours` black on white whatever the terminal's own colours are."""
+    """The QR code of a link, for a terminal; with `colours` black on white in a terminal of any colours."""
     import segno
 
     drawing = io.StringIO()

@@ -67,7 +67,7 @@ class _Viewer:
         self.due.set()
 
     async def run(self, watcher: RunWatcher) -> None:
-        """Send beats, answers, state and log until the page is gone: always what is newest, never a queue."""
+        """Send beats, answers, state and log until the page disconnects: always what is newest, never a queue."""
         beaten = 0.0
         with suppress(ConnectionError):
             while not self.socket.closed:

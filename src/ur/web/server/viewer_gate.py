@@ -3,7 +3,7 @@
 That server takes any client and any origin, so it listens on the loopback interface only and offers topics only: what a
 client publishes never reaches it. Goals and initial poses become requests of a page. A viewer knows nothing of the
 challenges of the mux, but every web socket answers pings in the order of its messages: each ping carries a challenge,
-and a goal proves the newest whose pong came before it.
+and a goal proves the newest whose pong arrived before it.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ _MOST_VIEWERS = 8
 _MOST_TOPICS = 100  # that a viewer advertises
 _PING_EVERY = 0.2  # s
 _HELD = 3.0  # s that a request waits for the first challenge of the mux
-_MOST_PINGS = 50  # that are not answered: the viewer is gone
+_MOST_PINGS = 50  # that are not answered: the viewer has disconnected
 _RATE, _BURST = 50.0, 500.0  # messages of one viewer, a second
 _MOST_BAD = 20
 _EXPECTED = f"expected {' or '.join(SCHEMAS)}; drive by hand on the page of 'ur web', whose commands prove their age"
@@ -91,7 +91,7 @@ class _Viewer:
             await self.socket.send_str(text)
 
     async def ping(self) -> None:
-        """Send challenges until the viewer is gone."""
+        """Send challenges until the viewer disconnects."""
         with suppress(ConnectionError):
             while not self.socket.closed and len(self._pings) < _MOST_PINGS:
                 mark = secrets.token_bytes(8)
@@ -134,7 +134,7 @@ class ViewerGate:
         return list(self._sockets)
 
     async def serve(self, request: web.Request) -> web.StreamResponse:
-        """Answer a viewer, whose session has been checked, until it is gone."""
+        """Answer a viewer, whose session has been checked, until it disconnects."""
         offered = {each.strip() for each in request.headers.get("Sec-WebSocket-Protocol", "").split(",")}
         if not offered & set(SUBPROTOCOLS):
             raise web.HTTPBadRequest(text=f"expected a web socket with the protocol {' or '.join(SUBPROTOCOLS)}\n")
@@ -185,7 +185,7 @@ class ViewerGate:
         return socket
 
     async def _receive(self, viewer: _Viewer, topics: Topics, who: str, *, publish: bool) -> None:
-        """Take messages until the viewer is gone, or sends too many or too many that are malformed."""
+        """Take messages until the viewer disconnects, or sends too many or too many that are malformed."""
         bad, bucket = 0, make_bucket(_RATE, _BURST, time.monotonic())
         async for message in viewer.socket:
             if message.type is WSMsgType.PONG:

@@ -30,7 +30,7 @@ class ViewingPage:
         self._due.set()
 
     async def run(self) -> None:
-        """Send frames until the page is gone."""
+        """Send frames until the page disconnects."""
         with suppress(ConnectionError):
             while not self.socket.closed:
                 frame = self._pending.take()
@@ -95,7 +95,7 @@ class Viewers:
                 viewer.put(frame)
 
     def remove(self, viewer: ViewingPage) -> None:
-        """A page is gone."""
+        """A page has disconnected."""
         self._viewers.discard(viewer)
 
 

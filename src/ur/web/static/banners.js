@@ -113,7 +113,7 @@ export function describeDriving(state, client) {
   const active = state.mux.active;
   const source = TEXTS.sources[active] ?? active;
   if (lease.state !== "held" && state.exploring?.state === "exploring") return TEXTS.driver(TEXTS.sources.exploring);
-  if (lease.state !== "held") return active ? TEXTS.driver(source) : TEXTS.nobodyDrives;
+  if (lease.state !== "held") return active ? TEXTS.driver(source) : TEXTS.noDriver;
   const who = lease.client === client ? TEXTS.youDrive : TEXTS.driver(lease.name);
   return active ? `${who} (${source})` : who;
 }

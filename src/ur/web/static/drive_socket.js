@@ -1,6 +1,6 @@
 // @ts-check
 /**
- * The web socket that drives, and nothing else. Whatever sets the robot in motion answers the newest challenge of the
+ * The web socket that drives, and nothing else. Messages that set the robot in motion answer the newest challenge of the
  * robot, so it is never executed late. After a gap the stick has to be let go before it counts again.
  */
 

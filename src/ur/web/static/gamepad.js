@@ -68,7 +68,7 @@ export class Gamepads {
     else if (middle) {
       if (this.state === "held") this.onLetGo();
       this.state = "idle";
-    } else if (this.state === "held" && !this.driven()) this.state = "blocked"; // somebody else let go
+    } else if (this.state === "held" && !this.driven()) this.state = "blocked"; // another client let go
     else if (this.state !== "blocked") {
       this.state = "held";
       this.onMove(forward, turn);

@@ -21,9 +21,9 @@ export class Gestures {
     this.points = points;
     this.onPoint = onPoint;
     this.onPan = onPan;
-    /** Called with the point of the map that is tapped, where somebody wants taps. @type {((x: number, y: number) => void) | null} */
+    /** Called with the point of the map that is tapped, where a panel wants taps. @type {((x: number, y: number) => void) | null} */
     this.onTap = null;
-    /** Takes strokes in place of taps, where somebody wants them. @type {Pen | null} */
+    /** Takes strokes in place of taps, where a panel wants them. @type {Pen | null} */
     this.pen = null;
     /** A stroke is being drawn. */
     this.drawing = false;

@@ -177,7 +177,7 @@ export class Page {
     this.say(why);
   }
 
-  /** Stop everything that drives, by whatever connection there is. */
+  /** Stop everything that drives, by any connection there is. */
   async stop() {
     this.stick.drop();
     if (navigator.userActivation?.hasBeenActive) navigator.vibrate?.(STOP_PULSE);

@@ -42,7 +42,7 @@ export class Panels {
       const box = make("aside", "", panel.wide ? "panel wide" : "panel");
       box.id = `${panel.name}-panel`;
       box.setAttribute("aria-label", panel.label);
-      box.tabIndex = -1; // it has the focus when the control that had it is gone
+      box.tabIndex = -1; // it has the focus when the control that had it was removed
       box.hidden = true;
       this.dock.box.append(box);
       box.append(this.makeHead(panel));

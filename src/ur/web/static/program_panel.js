@@ -143,15 +143,15 @@ export function offerToEndRun(run, why, note, start) {
   note.replaceChildren(`${why} `, makeButton(TEXTS.endAndStart(name), act));
 }
 
-/** Whether a run is gone from the list before long. @param {string} run @returns {Promise<boolean>} */
+/** Whether a run has left the list before long. @param {string} run @returns {Promise<boolean>} */
 function hasEnded(run) {
-  const gone = () => RUNS.state !== null && !RUNS.state.runs.some((each) => each.run === run);
+  const ended = () => RUNS.state !== null && !RUNS.state.runs.some((each) => each.run === run);
   return new Promise((done) => {
     const end = performance.now() + ENDS_WITHIN;
     const timer = setInterval(() => {
-      if (!gone() && performance.now() < end) return;
+      if (!ended() && performance.now() < end) return;
       clearInterval(timer);
-      done(gone());
+      done(ended());
     }, 200);
   });
 }

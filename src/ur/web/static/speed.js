@@ -1,5 +1,5 @@
 // @ts-check
-/** The speed limit, which the robot keeps whoever drives, and the gamepad. */
+/** The speed limit, which the robot keeps for every client, and the gamepad. */
 
 import { make } from "./elements.js";
 import { Gamepads } from "./gamepad.js";

@@ -23,7 +23,7 @@ export class Status {
     this.stopAsked = false;
     this.delay = new LinkDelay();
     this.goalSeen = "";
-    /** The number of the newest goal, of which the end was said. @type {number | null} */
+    /** The number of the newest goal, of which the end was announced. @type {number | null} */
     this.goalKnown = null;
     /** The goal and its state that were announced. */
     this.goalHeard = "";
@@ -44,7 +44,7 @@ export class Status {
   /** Show a state of the robot. @param {any} state */
   show(state) {
     if (state.mux.stopped || state.mux.problem) this.stopAsked = false;
-    if (state.mux.stopped && this.note.text === TEXTS.stopFailed) this.note.until = 0; // it came by the other connection
+    if (state.mux.stopped && this.note.text === TEXTS.stopFailed) this.note.until = 0; // it arrived by the other connection
     const goal = state.goal;
     const over = OVER.includes(goal.state);
     const refused = this.goalKnown !== null && this.goalKnown !== goal.number; // at once: it was never seen to drive

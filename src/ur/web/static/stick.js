@@ -45,7 +45,7 @@ export class Stick {
     if (!enabled) this.drop();
   }
 
-  /** Let go, whatever holds the stick. */
+  /** Let go of the stick, however it is held. */
   drop() {
     const held = this.pointer !== null || this.keys.size > 0;
     this.pointer = null;

@@ -253,7 +253,7 @@ export const TEXTS = {
   slowLink: (delay) => `The connection takes ${delay} ms; driving by hand needs less than 150. Send goals, or go nearer.`,
   over: {
     late: "The connection paused. Let go, then drive again.",
-    driver: "Somebody else drives. Let go, take over, then drive.",
+    driver: "Another client drives. Let go, take over, then drive.",
     "no mux": "This robot takes no commands of the page: its copy of the project is older. Update it.",
   },
   /** @param {number} age */
@@ -276,7 +276,7 @@ export const TEXTS = {
   /** @param {string} who */
   driver: (who) => `${who} drives`,
   youDrive: "You drive",
-  nobodyDrives: "Nobody drives",
+  noDriver: "No client drives",
   /** @param {string} what */
   missing: (what) => `Waiting for ${what}.`,
   goalStates: {
@@ -295,7 +295,7 @@ export const TEXTS = {
   refused: {
     late: "Not sent: the connection was too slow. Try again.",
     away: "Not sent: the robot is not connected.",
-    driver: "Not sent: somebody else drives.",
+    driver: "Not sent: another client drives.",
     name: "Not named: expected at most 40 letters, digits, spaces, '_', '-' and '.'.",
     full: "Not named: this map has 200 places, expected fewer.",
     "no map": "Not named: the map has no name yet.",

@@ -3,7 +3,7 @@
  * A picture of the tiles as a far view shows them: panning copies it, instead of scaling hundreds of tiles each frame.
  *
  * It reaches beyond the view by a margin, and is made when two frames in a row show the same tiles at the same scale:
- * while somebody zooms, or while tiles arrive, it would be used only once.
+ * while the user zooms, or while tiles arrive, it would be used only once.
  */
 
 import { View } from "./view.js";

@@ -32,7 +32,7 @@ _HEAD: tuple[str, ...] = ("n", "id")
 
 
 def read_numbered(text: object, kind: object, longest: int) -> tuple[Any, dict[str, Any]]:
-    """The request of a type that a text is, and its fields `n` and `id` as they came. Raises BadRequestError."""
+    """The request of a type that a text is, and its fields `n` and `id` as given. Raises BadRequestError."""
     value = read_json(text, dict[str, Any], longest)
     head = {name: value.pop(name) for name in _HEAD if name in value}
     return convert_json(value, kind), head

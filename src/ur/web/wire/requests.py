@@ -79,7 +79,7 @@ class InitialPose(_Stamped, frozen=True, tag="pose"):
 
 
 class Cancel(PageRequest, frozen=True, tag="cancel"):
-    """Cancel the goal, whoever sent it."""
+    """Cancel the goal of any client."""
 
 
 class Resume(_Stamped, frozen=True, tag="resume"):

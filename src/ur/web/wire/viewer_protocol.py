@@ -83,7 +83,7 @@ class Withdrawal(msgspec.Struct, frozen=True, tag_field="op", tag="unadvertise",
 
 @dataclass(frozen=True, slots=True)
 class SubscriptionMessage:
-    """A message about subscriptions; `text` is what it says, and nothing else that came with it."""
+    """A message about subscriptions; `text` holds its known fields only."""
 
     text: str
 

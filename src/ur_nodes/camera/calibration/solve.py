@@ -25,7 +25,7 @@ class CalibrationResult:
 
     `error` is its reprojection error (root mean square, pixels), `deviation` the relative standard deviation of its
     focal lengths; `used` of `given` views were used. `tilts` is the number of ways in which the board was tilted:
-    without tilts the focal length cannot be told from the distance.
+    without tilts the focal length cannot be distinguished from the distance.
     """
 
     calibration: Calibration

@@ -17,7 +17,7 @@ _COUNT = struct.Struct("<I")
 
 
 class ScanMessage(LaserScan):
-    """A LaserScan whose `ranges` and `intensities` are float32 arrays; those received share the memory of what came."""
+    """A LaserScan whose `ranges` and `intensities` are float32 arrays; received ones share its memory."""
 
     __slots__ = tuple(LaserScan.__slots__)  # genpy reads the fields from it
 

@@ -95,7 +95,7 @@ class LockRelease:
 def step_lock_release(state: LockRelease, now: float, *, locked: bool, new: bool) -> tuple[LockRelease, bool]:
     """The state after a message of a lock at `now`, and whether to obey it. `new`: the first of its publisher.
 
-    `true` is obeyed whatever its age. `false` is obeyed when it is the first message of a publisher that has just begun
+    `true` is obeyed at any age. `false` is obeyed when it is the first message of a publisher that has just begun
     (as of `rostopic pub`), and when it is repeated with a steady rhythm like plain commands. A publisher that connects
     again after a cut may send old commands again, so its name is remembered.
     """

@@ -8,7 +8,7 @@ shows the constant, and a message is older than the fastest one was by what its 
 - A clock that is set ahead, or a first message that was slow, shows as a difference that falls. So does a queue that a
   network empties: its messages are old, each less so than the one before. Where the least falls by more than `FALL`,
   the publisher has to prove its rhythm again (`admission.probation`), until its differences no longer fall.
-- A clock that is set back shows as commands that are late from then on, and cannot be told from a network that holds
+- A clock that is set back shows as commands that are late from then on, and look like those of a network that holds
   each command back. They stay late: the program has to be started again, which makes it another publisher.
 
 So the age is a lower bound: a network that delays every message of a publisher since its first one evenly is not seen.

@@ -2,7 +2,7 @@
 
 The mux issues *challenges*, one every 20 ms, each a number that is never issued again. A commander puts the newest
 challenge that it has received into its message. So the message was written after that challenge was issued, and its
-age is at most the time since then, whatever delayed the message and whatever the commander's clock shows. An answer
+age is at most the time since then, for any delay of the message and any time of the commander's clock. An answer
 that the mux did not issue within the horizon has no age.
 
 All functions are pure; `now` is in seconds of a steady clock that also runs while the computer sleeps.

@@ -1,4 +1,4 @@
-"""Reading of a joystick: its device is opened again when it is gone, and each change is published as `joy`."""
+"""Reading of a joystick: its device is opened again when it was removed, and each change is published as `joy`."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ class JoystickDevice(Protocol):
         """Open it, or return the reason why that fails."""
 
     def read(self, wait: float) -> bytes | None:
-        """Return what there is, after at most `wait` s; None and closed: the device is gone."""
+        """Return what there is, after at most `wait` s; None and closed: the device was removed."""
 
 
 class FileDevice:
@@ -108,8 +108,8 @@ class JoyReader:
             self._read()
 
     def _let_go(self) -> None:
-        """All buttons count as released when the device is gone; then nothing is published."""
-        self._node.log.warn(f"{self._device.path}: the joystick is gone; waiting for it")
+        """All buttons count as released when the device was removed; then nothing is published."""
+        self._node.log.warn(f"{self._device.path}: the joystick was unplugged; waiting for it")
         for number in range(_LAST_WORDS):
             self._node.after(number * _PAUSE, partial(self._publish, let_go(self._state)), steady=True)
         self._node.after(_RETRY, self._open, steady=True)

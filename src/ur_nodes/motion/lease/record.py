@@ -13,7 +13,7 @@ stays named, and holds the lease again with its next message, unless another cli
 - `release` by the client that has the lease gives it to the first who asks, or frees it. By one who asks it withdraws
   that.
 - A command for motion from a client acquires a free lease.
-- Whoever gets the lease of another without a grant or a release has taken it from that client (`taken_from`).
+- A client that gets the lease of another without a grant or a release has taken it from that client (`taken_from`).
 
 A request counts only with a challenge that is not too old: a late `take` takes nothing. A client without an id takes no
 part: it is a node on the robot that follows the lease by itself, such as move_base.
@@ -59,7 +59,7 @@ LeaseEvent = LeaseRequest | ClientCommand
 def start_lease(
     before: Lease | None = None, timeout: float = 3.0, *, unix: float | None = None, forget_at: float = math.inf
 ) -> LeaseRecord:
-    """A record in which nobody drives; or, after a mux that died, one whose holder is lost until its next message.
+    """A record in which no client drives; or, after a mux that died, one whose holder is lost until its next message.
 
     `unix` is the present time, for people; a holder that is not received until `forget_at` is forgotten.
     """
@@ -145,7 +145,7 @@ def _grant(record: LeaseRecord, request: LeaseRequest, now: float, unix: float, 
 
 
 def _is_available(lease: Lease, request: LeaseRequest) -> bool:
-    """Return whether a client may acquire the lease without taking it from somebody who may come back."""
+    """Return whether a client may acquire the lease without taking it from a client that may return."""
     if lease.state != "lost":
         return lease.state == "free"
     if lease.computer and request.computer:

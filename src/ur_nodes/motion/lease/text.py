@@ -36,7 +36,7 @@ class Viewer:
 
 @dataclass(frozen=True, slots=True)
 class Lease:
-    """The lease: nobody drives (`free`), a client (`held`), or one whose renewals have stopped arriving (`lost`).
+    """The lease: no client drives (`free`), a client (`held`), or one whose renewals have stopped arriving (`lost`).
 
     `since`, `taken_at` and `until` are seconds since 1970 by the robot's clock, for people to read; `until` is the time
     of the last message of a client that is lost, if known. `attended` says that a person watches; `asking` who would

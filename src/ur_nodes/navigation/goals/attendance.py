@@ -3,7 +3,7 @@
 A goal belongs to a client, its attendant: the one that its id names (see `goal_claim`), else the holder of the lease.
 While the attendant is there the robot drives. When the mux has lost it, the robot stops and holds the goal; when it is
 back the goal goes on, or waits for the user's answer. When another client drives, the goal is cancelled. A goal that
-names no client drives on while nobody holds the lease, or while the holder is lost already when it comes: it is from a
+names no client goes on while no client holds the lease, or while the holder is lost already when it arrives: it is of a
 script or RViz without any program of ours.
 
 `step_attendance` has no clock; times are in s of a steady clock unless stated otherwise.
@@ -57,7 +57,7 @@ class Attendance:
     """The state of one goal. `client` is '' while it has no owner; `claimed`: its id named the client.
 
     `attended`: the client wants it to be held when the client is lost. `present`: the client has held the lease since
-    the goal came.
+    the goal arrived.
     """
 
     client: str = ""
@@ -145,9 +145,9 @@ class _Absence:
 
 
 def _adopt(attendance: Attendance, lease: Lease) -> Attendance:
-    """A goal that names nobody belongs to who drives; it is nobody's again once nobody does.
+    """A goal without a client belongs to the client that drives, and to none once no client drives.
 
-    One that comes while the holder is lost was not sent by the holder, so that it is nobody's, too.
+    A goal that arrives while the holder is lost was not sent by the holder, so it belongs to none, too.
     """
     if lease.state == "free":
         forgotten = not attendance.claimed and attendance.held_since is None

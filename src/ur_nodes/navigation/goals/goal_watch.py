@@ -75,7 +75,9 @@ class GoalWatch:
         self._attendance, verdict = step_attendance(self._attendance, self._lease, silence, self._settings, now)
         if not self._reported and self._lease is not None and self._attendance.unattended:
             self._reported = True
-            self._node.log.info("the goal is unattended: nobody holds the lease of the mux, so nothing holds the goal")
+            self._node.log.info(
+                "the goal is unattended: no client holds the lease of the mux, so nothing holds the goal"
+            )
         self._publish_hold(self._goal, verdict)
         return verdict
 

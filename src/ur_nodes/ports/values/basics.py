@@ -13,7 +13,7 @@ Level = Literal["debug", "info", "warn", "error"]
 
 
 NO_MATRIX: NDArray[np.float64] = np.zeros((0, 0))
-"""Stands for a covariance that nobody gave."""
+"""Stands for a covariance that is not given."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -71,7 +71,7 @@ class PointCloud:
     """Points in a frame: a structured array (n,) with the fields x, y, z in m and, where they have one, rgb.
 
     The numbers are of any type, not always finite; rgb is an unsigned 32-bit 0xRRGGBB. The memory is that of the
-    message, with whatever else it holds of each point in between.
+    message, with the other fields of each point in between.
     """
 
     stamp: int

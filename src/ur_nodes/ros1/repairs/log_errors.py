@@ -24,12 +24,12 @@ def say_nothing(_line: str) -> None:
 
 
 def _report_once(path: str, report: Callable[[str], None]) -> Callable[[logging.LogRecord], None]:
-    said = False
+    reported = False
 
     def report_error(_record: logging.LogRecord) -> None:
-        nonlocal said
-        if not said:
-            said = True
+        nonlocal reported
+        if not reported:
+            reported = True
             problem = sys.exc_info()[1]
             report(f'warning: the log file "{path}" cannot be written: {problem}; later messages are not kept there')
 

@@ -1,4 +1,4 @@
-"""The link `latest` to the newest folder of logs, which whoever starts a run makes."""
+"""The link `latest` to the newest folder of logs, which the program that starts a run makes."""
 
 from __future__ import annotations
 

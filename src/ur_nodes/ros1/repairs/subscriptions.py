@@ -50,7 +50,7 @@ class Subscriptions:
     def connect_topic(self, handler: ROSHandler, topic: str, uri: str) -> tuple[int, str, int]:
         """Connect a topic to a publisher, in place of ROSHandler._connect_topic: again and again while that has sense.
 
-        It has no more sense when the publisher refuses, the master no longer names it, or nobody subscribes.
+        It has no more sense when the publisher refuses, the master no longer names it, or there is no subscriber.
         """
         self._handler = handler
         key = (topic, uri)
@@ -83,7 +83,7 @@ class Subscriptions:
             connection.receive_loop(receive)
         except TransportInitError as problem:
             if not isinstance(problem.__context__, (OSError, rosgraph.network.ROSHandshakeException)):
-                return  # the publisher has said no: another type, or no such topic
+                return  # the publisher has refused: another type, or no such topic
         finally:
             connection.close()
         if time.monotonic() - began < 1.0:

@@ -32,7 +32,7 @@ class BoundedConnection(http.client.HTTPConnection):
         self._answer_limit = answer_limit
 
     def connect(self) -> None:
-        """Connect within a second. Raises OSError, with ETIMEDOUT when nobody answers."""
+        """Connect within a second. Raises OSError, with ETIMEDOUT when there is no answer."""
         try:
             sock = socket.create_connection((self._addresses.find(self.host), self.port), CONNECT_LIMIT)
         except TimeoutError:

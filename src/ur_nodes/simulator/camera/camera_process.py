@@ -3,7 +3,7 @@
 `CameraProcess` is the end that asks; run as a module, this file is the end that draws. They speak through the pipes of
 the process: it is given one JSON line (the model, the textures to draw, the size, the quality), answers one line ("ok"
 or what is wrong), and then turns requests (robot, what is wanted, the length of the state, the state) into answers (the
-lengths of pixels and JPEG, and those). It ends when its input does, so it cannot outlive whoever asks.
+lengths of pixels and JPEG, and those). It ends when its input does, so it cannot outlive its caller.
 """
 
 from __future__ import annotations

@@ -75,7 +75,7 @@ class SlamReports:
         if slip and not self._slip_due - SLIP_SILENCE * SECOND < now < self._slip_due:
             self._slip_due = now + round(SLIP_SILENCE * SECOND)
             self._log.warn(
-                "the wheels slip, or somebody moves the robot: odometry reports {:.2f} m and {:.0f} degrees, the scans "
+                "the wheels slip, or the robot is pushed: odometry reports {:.2f} m and {:.0f} degrees, the scans "
                 "{:.2f} m and {:.0f} degrees; the map follows the scans".format(*_sizes(slip.reported, slip.shown)),
             )
 

@@ -1,4 +1,4 @@
-"""Stores the map of a mapping node: every few seconds, when somebody asks, and at the end."""
+"""Stores the map of a mapping node: every few seconds, on request, and at the end."""
 
 from __future__ import annotations
 

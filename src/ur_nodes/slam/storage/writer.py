@@ -24,7 +24,7 @@ _PICTURE = "map"
 def pause_before_next(every: float, taken: float) -> float:
     """Return the time (s) from the end of a save to the next one, if `every` s of the map may be lost at most.
 
-    A map that is killed just before a save ends has lost what came since the save before began; hence `taken`, the time
+    A map that is killed just before a save ends has lost everything since the save before; hence `taken`, the time
     that a save takes (s), counts twice. A computer that is too slow for that still rests as long as it works.
     """
     return max(taken, every - 2.0 * taken)

@@ -157,9 +157,9 @@ def explain_refusal(commander: Commander) -> str:
     if view.state == "free":
         return "UR_LEASE is watch, expected drive or take"
     if view.lost_by_other:
-        return f"{describe_lost(view, 'the robot')}; expected a robot that nobody drives (UR_LEASE=take takes over)"
+        return f"{describe_lost(view, 'the robot')}; expected a robot that no client drives (UR_LEASE=take takes over)"
     since = f"{name_holder(view)} drives the robot since {clock_time(view.since)}"
-    return f"{since}; expected a robot that nobody drives (UR_LEASE=take takes over)"
+    return f"{since}; expected a robot that no client drives (UR_LEASE=take takes over)"
 
 
 def twist_of(motion: KeyVelocity) -> Twist:

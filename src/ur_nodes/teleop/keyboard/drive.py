@@ -3,7 +3,7 @@
 The layout is that of teleop_twist_keyboard, plus the arrows. How a key's end is known differs by terminal:
 
 - With release events (kitty protocol) the keys that are down add up. A lost connection releases nothing, so a
-  terminal that has been silent for `LOST_AFTER` seconds counts as gone; the shell asks it for a sign of life.
+  terminal that has been silent for `LOST_AFTER` seconds counts as closed; the shell asks it for a sign of life.
 - Without them a held key is a first press, a pause of 0.25 to 0.7 s, then repeats every 0.03 to 0.1 s. So a first
   press holds for as long as that pause may take, and a repeat for a fraction of it. The pause is learnt once seen.
 """

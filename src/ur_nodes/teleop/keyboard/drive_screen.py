@@ -58,7 +58,7 @@ def draw_drive_screen(
         *(f"  {line}" for note in _notes(state, link, mux, driver) for line in _wrap(note, columns - 2)),
         "",
         f"  {DIM}{_stop_help(state)}{RESET}",
-        f"  {DIM}space: emergency stop, whoever drives; r: release it; other keys stop{RESET}",
+        f"  {DIM}space: emergency stop for every client; r: release it; other keys stop{RESET}",
         f"  {DIM}g: obstacle stop on or off; Shift: sideways; Ctrl-C: quit{RESET}",
     ]
     return [cut_styled(line, columns) for line in lines][:rows]
@@ -167,7 +167,7 @@ def _notes(state: DriveState, link: CommandTopic, mux: MuxView, driver: DriverLi
     if not note and not link.listeners:
         note = f"no subscriber on {link.topic}; is the robot running?"
     elif not note and mux.stopped is None:
-        note = "no cmd_vel_mux: space stops this program only, nobody else who drives"
+        note = "no cmd_vel_mux: space stops this program only, no other client"
     elif not note and mux.active not in ("", _OWN):
         note = f"{mux.active} drives" + (", with priority over these keys" if state.moving else "")
     if obstacles := describe_obstacles(mux, "; g turns it on"):

@@ -68,7 +68,7 @@ class BatchContext:
     clock: Callable[[], float]
     sleep: Callable[[float], bool]
     urgent: Callable[[], Command | None] | None = None
-    """Return a command that was typed meanwhile and must not wait; None where nobody is there to type one."""
+    """Return a command that was typed meanwhile and must not wait; None without a user to type one."""
     saving: MapSaving | None = None
     """Saves the map that is being made; None where none is being made."""
 

@@ -33,7 +33,7 @@ def result_line(text: str, report: GoalReport, snapshot: RobotSnapshot, seconds:
 def reason_to_give_up(snapshot: RobotSnapshot, seconds: float, limits: BatchTimeouts, *, attended: bool) -> str:
     """Return the reason to stop waiting for a goal after `seconds`; empty while there is none.
 
-    `attended`: somebody is there to answer whether a goal that was held goes on.
+    `attended`: a user is there to answer whether a goal that was held goes on.
     """
     if snapshot.goal.state is LastGoalState.ASKING and not attended:
         return f"stopped after {seconds:.1f} s: held, and a pipe cannot answer whether it goes on"

@@ -151,7 +151,7 @@ USAGE: dict[str, tuple[str, str]] = {
     "patrol": ("patrol [loop] NAME ...", "drive to waypoints in turn (wait=S at each); patrol pause, resume, end"),
     "s": ("s or x", "stop: cancel the goal"),
     "c": ("c", "continue a goal that is held"),
-    "e": ("e or Space", "emergency stop, whoever drives"),
+    "e": ("e or Space", "emergency stop for every client"),
     "r": ("r", "release the emergency stop"),
     "w": ("w NAME", "save the robot's place as a waypoint"),
     "l": ("l", "list the waypoints"),

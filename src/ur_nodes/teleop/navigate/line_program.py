@@ -29,7 +29,7 @@ def run_lines(
 ) -> int:
     """Run commands line by line; `attended`: a user types them on a terminal that cannot draw. Returns the exit code.
 
-    Whoever reads the output may end: the batch ends then, and with it a goal that is driven to.
+    A program that reads the output may end: the batch ends then, and with it a goal that is driven to.
     """
     lines, output = LineReader(source, ended), _Output(ended)
     urgent = lines.take_urgent if attended else None

@@ -158,7 +158,7 @@ def _describe_driver(snapshot: RobotSnapshot) -> str:
     if view.state == "free" and taken:
         return f"{taken} and has left"
     free = view.state == "free" and snapshot.conduct == "watch"
-    return "nobody drives; 'drive' drives from this computer" if free else ""
+    return "no client drives; 'drive' drives from this computer" if free else ""
 
 
 def _pose(snapshot: RobotSnapshot) -> Text | None:

@@ -78,7 +78,7 @@ class RawTerminal:
 
     def _write(self, text: str) -> None:
         data = text.encode()
-        with contextlib.suppress(OSError):  # a terminal that is gone is noticed by read
+        with contextlib.suppress(OSError):  # a terminal that has closed is noticed by read
             while data:
                 data = data[os.write(self._screen, data) :]
 

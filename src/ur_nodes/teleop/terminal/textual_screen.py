@@ -16,7 +16,7 @@ from textual.drivers.linux_driver import LinuxDriver
 def own_screen(log: Path) -> Iterator[type[LinuxDriver]]:
     """A Textual driver that draws on standard output's terminal, while file descriptor 2 goes to `log`.
 
-    Whatever Python, C++ or a library writes to standard error would otherwise land in the picture.
+    Errors that Python, C++ or a library prints would otherwise land in the picture.
     """
     screen = os.fdopen(os.dup(1), "w", encoding="utf-8", buffering=1)
     errors = os.dup(2)

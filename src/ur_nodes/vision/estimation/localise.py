@@ -35,7 +35,7 @@ class FiducialLocaliser:
     The errors of the odometry are estimated meanwhile.
 
     A fiducial that contradicts the others, or alone contradicts the estimate, is ignored. Where what is seen
-    contradicts for long, or odometry has gone on for too long alone, the robot is lost: it has no place until what it
+    contradicts for long, or odometry has been alone for too long, the robot is lost: it has no place until what it
     sees tells one again.
     """
 

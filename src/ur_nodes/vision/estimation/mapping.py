@@ -196,7 +196,7 @@ class FiducialMapper:
             self._links.setdefault(number, set()).update(other for _, other, _ in used if other != number)
 
     def _contradicts(self, seen: Observation, guess: Floats, odometry: Pose2) -> bool:
-        """Return True when a fiducial of the map is seen where it cannot be, whatever the drift of the robot."""
+        """Return True when a fiducial of the map is seen where it cannot be, with any drift of the robot."""
         number, known = seen.id, self._poses.get(seen.id)
         sighting = choose_sighting(seen, invert(guess) @ known) if known is not None else None
         self._contradicting.discard(number)

@@ -81,8 +81,8 @@ class DriverLink:
     def is_late(self, answer: Stamp) -> bool:
         """Return whether a request that sets something in motion is too old, where there is a mux that tells."""
         age = self.age_of(answer)
-        told = self.lease is not None or self.newest is not None
-        return told and (age is None or age > REQUEST_FRESHNESS)
+        reported = self.lease is not None or self.newest is not None
+        return reported and (age is None or age > REQUEST_FRESHNESS)
 
     def drive(self, page: PageLease, answer: Stamp, forward: float, turn: float) -> None:
         """Pass a velocity on, m/s and rad/s."""

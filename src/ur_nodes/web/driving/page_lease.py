@@ -64,5 +64,5 @@ def may_drive(page: PageLease, lease: Lease | None) -> bool:
 
 
 def may_acquire(page: PageLease, lease: Lease) -> bool:
-    """Return whether nobody drives, or only another page of the same browser did, which is gone."""
+    """Return whether no client drives, or only a page of the same browser that has disconnected."""
     return lease.state == "free" or (lease.state == "lost" and bool(page.computer) and lease.computer == page.computer)

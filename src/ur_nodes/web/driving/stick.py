@@ -22,7 +22,7 @@ Verdict = Literal["drive", "over", "ignore"]
 
 @dataclass(frozen=True, slots=True)
 class StickState:
-    """The newest press of a page: whether it lasts, and when its last young command came."""
+    """The newest press of a page: whether it lasts, and when its last young command arrived."""
 
     hold: int = 0
     live: bool = False
@@ -54,7 +54,7 @@ def let_go(state: StickState, hold: int) -> tuple[StickState, Verdict]:
 
 
 def end_stick(state: StickState) -> tuple[StickState, Verdict]:
-    """The page is gone."""
+    """The page has disconnected."""
     return replace(state, live=False), "over" if state.live else "ignore"
 
 

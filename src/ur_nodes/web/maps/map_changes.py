@@ -1,4 +1,4 @@
-"""Requests of pages about the map: places, zones and walls are changed by whom they belong to, and the page is told."""
+"""Requests of pages about the map: the owners of places, zones and walls change them, and the page gets the result."""
 
 from __future__ import annotations
 

@@ -63,7 +63,7 @@ def test_reader_publishes_changes_and_repeats_and_lets_go_when_the_device_is_gon
     bus.run(5.0)
     assert len(got) == 3
     assert [text for level, text in node.lines if level == "warn"] == [
-        "/dev/input/js0: the joystick is gone; waiting for it",
+        "/dev/input/js0: the joystick was unplugged; waiting for it",
         "/dev/input/js0: no such file or directory, expected a joystick; waiting for one",
     ]
     device.there = True

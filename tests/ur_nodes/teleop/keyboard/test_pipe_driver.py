@@ -86,7 +86,7 @@ def test_pipe_does_not_drive_while_another_client_does(home: Path) -> None:
     pipe.press(b"i")
     assert robot.bus.run_until(lambda: pipe.driver.ended, 20.0)
     assert pipe.driver.problem.startswith("a-host (test) drives the robot since ")
-    assert pipe.driver.problem.endswith("; expected a robot that nobody drives (UR_LEASE=take takes over)")
+    assert pipe.driver.problem.endswith("; expected a robot that no client drives (UR_LEASE=take takes over)")
     assert not any(twist.forward for _, twist in robot.outputs)
 
 

@@ -69,7 +69,7 @@ async def test_error_is_one_clear_line(screen: Screen, navigator: Any, line: str
 async def test_help_opens_at_once_and_any_key_closes_it(screen: Screen) -> None:
     await screen.pilot.press("question_mark")
     assert screen.panel.is_open
-    assert "emergency stop, whoever drives" in screen.panel_text()
+    assert "emergency stop for every client" in screen.panel_text()
     await screen.pilot.press("space")
     assert not screen.panel.is_open
 

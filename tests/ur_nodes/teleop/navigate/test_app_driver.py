@@ -170,7 +170,7 @@ async def test_line_about_the_driver(wide: Screen, navigator: Any, lease: LeaseV
 async def test_program_that_only_watches_sends_nothing_until_it_drives(screen: Screen, navigator: Any) -> None:
     show(navigator, conduct="watch", lease=LeaseView("free", link_age=0.0))
     await screen.refresh()
-    assert "nobody drives; 'drive' drives" in screen.text("driver")
+    assert "no client drives; 'drive' drives" in screen.text("driver")
     await screen.type("g 1 1")
     assert not navigator.goals
     show(navigator, lease=MINE)

@@ -81,7 +81,7 @@ def _overridden(element: Element, name: str, scope: Scope) -> TagRefused:
 
 
 def trace_arg(element: Element, draft: Draft, scope: Scope, passed_to: Span | None = None) -> None:
-    """Note what an `<arg>` that was resolved did, when somebody asks for it."""
+    """Note what an `<arg>` that was resolved did, when a caller asks for it."""
     if draft.trace is None:
         return
     name = element.attributes.get("name", "")
@@ -136,7 +136,7 @@ def check_used(element: Element, draft: Draft, scope: Scope) -> None:
 
 
 def warn_missing(draft: Draft, scope: Scope) -> None:
-    """At the end of a file: required arguments that nobody gave and nothing used. roslaunch does not mind."""
+    """At the end of a file: required arguments that were not given and nothing used. roslaunch does not mind."""
     for name, element in scope.missing.items():
         note = (Note(f"'{name}' is declared here", element.value_span("name")),)
         if scope.chain:

@@ -72,7 +72,7 @@ def read_yaml(text: str, reads_angles: bool, budget: Budget | None = None) -> Do
     """The value of a text; an empty mapping for none. `reads_angles`: `deg(...)` and `rad(...)` are numbers.
 
     What reading takes is taken from `budget`, that of the launch file. Raises YamlProblem, also for values that aliases
-    make larger than anything a robot is told.
+    make larger than any parameter of a robot.
     """
     import yaml  # takes 10 ms, and most launch files hold no YAML
 

@@ -22,7 +22,7 @@ class Sonar:
 
 @dataclass(frozen=True, slots=True)
 class Sonars(Sensor):
-    """Rangers of one kind (sensor_msgs/Range): all on one topic, told apart by frame_id.
+    """Rangers of one kind (sensor_msgs/Range): all on one topic, distinguished by frame_id.
 
     `rate` is how many ranges each of them gives a second (they take turns), `field_of_view` the full angle of the cone
     and `noise` the standard deviation of a range. The range is that to the nearest surface in the cone; `range_max`

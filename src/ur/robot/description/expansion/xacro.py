@@ -86,9 +86,9 @@ def _expand(path: Path, around: Surroundings, computer: ExpansionComputer, argum
         return DescriptionText(outcome.text, outcome.missing)
     reason = re.sub(r"\x1b\[[0-9;]*m", "", outcome.problem)
     message = f"xacro cannot expand '{path}': {reason[:300]}"
-    gone = " ".join(outcome.missing)
+    missing = " ".join(outcome.missing)
     help_ = "source the setup.bash of the workspace that holds the packages it names"
-    help_ = f"ur get {gone}, or {help_}" if gone else help_
+    help_ = f"ur get {missing}, or {help_}" if missing else help_
     wanted = re.search(r"Undefined substitution argument (\w+)", reason)
     if wanted and wanted[1] not in [each.partition(":=")[0] for each in arguments]:
         help_ = f"its argument has no default: add {wanted[1]}:=VALUE to the command"

@@ -9,7 +9,7 @@ from ur.robot.doctor.rules.registry import PairRule, Rule, SideRule
 from ur.robot.doctor.side import Side
 
 CLOCK_SECONDS = 0.5  # tf's usual patience is about that
-# Fresh after its start, chrony steps the clock by itself (makestep 1 3); otherwise it is told to.
+# Fresh after its start, chrony steps the clock by itself (makestep 1 3); otherwise it is instructed to.
 STEP = "systemctl restart chrony && { chronyc waitsync 15 0.3 0 1 || chronyc makestep; }"
 
 

@@ -26,16 +26,16 @@ def check_devices(pair: ComputerPair) -> Iterator[Finding]:
     snapshot, name = pair.devices, pair.there.name
     if snapshot is None:
         return
-    told = set()
+    reported = set()
     for need in examine(snapshot, pair.expected):
         if need.state == "ready" or (need.state == "missing" and snapshot.container):
             continue
         if need.device:
-            told.add(need.device.path)
+            reported.add(need.device.path)
         commands = tuple(_commands(pair, snapshot, need.state, need.device))
         yield Finding(IDS[need.state], f"{name}: {need.message}", "" if commands else need.help, commands)
     for state, device, help in list_problems(snapshot):
-        if device.path not in told:
+        if device.path not in reported:
             commands = tuple(_commands(pair, snapshot, state, device))
             what = f"{snapshot.user} may not open" if state == "forbidden" else "another program holds"
             yield Finding(IDS[state], f"{name}: {what} {device.path}", "" if commands else help, commands)

@@ -130,8 +130,8 @@ def check_x11(where: Where, side: Side) -> Iterator[Finding]:
         )
 
 
-def _is_about_host_key(said: str) -> bool:
-    return "host key" in said.lower() or "IDENTIFICATION" in said
+def _is_about_host_key(reported: str) -> bool:
+    return "host key" in reported.lower() or "IDENTIFICATION" in reported
 
 
 RULES: tuple[Rule, ...] = (

@@ -103,8 +103,8 @@ def find_unreached(shell: Shell, servers: Iterable[Server]) -> frozenset[Server]
         f"echo {quote(f'no {name}')}) & "
         for name, each in sorted(asked.items())
     )
-    said = shell.run(f"{probes} wait", timeout=60.0).out
-    return frozenset(asked[name] for name in re.findall(r"(?m)^no (\S+)$", said) if name in asked)
+    reported = shell.run(f"{probes} wait", timeout=60.0).out
+    return frozenset(asked[name] for name in re.findall(r"(?m)^no (\S+)$", reported) if name in asked)
 
 
 def reaches(server: Server) -> bool:

@@ -1,1 +1,1 @@
-"""Connections before the HTTP server: accepted, told apart, limited, and handed on."""
+"""Connections before the HTTP server: accepted, distinguished, limited, and handed on."""

@@ -1,4 +1,4 @@
-"""Connections, accepted and told apart before the HTTP server sees them.
+"""Connections, accepted and distinguished before the HTTP server sees them.
 
 A connection waits here until the head of its first request is complete. One whose head holds the secret of a session
 is handed on at once and without limits. All others have limits: on their number, on their rate, on the size of head and
@@ -123,7 +123,7 @@ class ConnectionListener:
                 if problem.errno in _NO_ROOM:
                     self._make_room(listening, problem)
                     return
-                continue  # this one is gone
+                continue  # this one has closed
             sock.setblocking(False)
             waiting = _Waiting(sock, str(address[0]), self._loop.time() + HEAD_LIMIT)
             self._count += 1

@@ -58,7 +58,7 @@ class DataProcess:
             self.state = "off"
 
     def send(self, page: int, text: str) -> bool:
-        """Pass a request of a page on, "" when the page is gone. Return whether the process can take it."""
+        """Pass a request of a page on, "" when the page has disconnected. Return whether the process can take it."""
         if self._link is None or self._link.transport.get_write_buffer_size() > _WAITING:
             return False
         self._link.write(json.dumps({"page": page, "m": text}).encode() + b"\n")

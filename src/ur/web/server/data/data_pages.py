@@ -68,7 +68,7 @@ class _Page:
         return time.monotonic() - self._beats.get(beat, -math.inf) < OLDEST
 
     async def run(self, describe: Callable[[], Mapping[str, object]]) -> None:
-        """Send beats, answers, and the newest frame of each key until the page is gone."""
+        """Send beats, answers, and the newest frame of each key until the page disconnects."""
         beaten = -math.inf
         with suppress(ConnectionError):
             while not self.socket.closed:

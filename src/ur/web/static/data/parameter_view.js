@@ -39,8 +39,8 @@ export class ParameterView {
     box.prepend(form);
     form.addEventListener("submit", async (event) => {
       event.preventDefault();
-      const said = await DATA.request({ t: "set", name, value: text.value });
-      note.textContent = said?.text ?? DATA_TEXTS.noAnswer;
+      const reported = await DATA.request({ t: "set", name, value: text.value });
+      note.textContent = reported?.text ?? DATA_TEXTS.noAnswer;
     });
   }
 }

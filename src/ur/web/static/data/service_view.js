@@ -44,11 +44,11 @@ export class ServiceView {
         const value = fields.read();
         note.textContent = DATA_TEXTS.calling;
         button.disabled = true;
-        const said = await DATA.request({ t: "call", service, value });
+        const reported = await DATA.request({ t: "call", service, value });
         button.disabled = false;
-        note.textContent = said?.ok ? "" : (said?.text ?? DATA_TEXTS.noAnswer);
-        text.textContent = said?.ok ? said.text : "";
-        text.hidden = !said?.ok;
+        note.textContent = reported?.ok ? "" : (reported?.text ?? DATA_TEXTS.noAnswer);
+        text.textContent = reported?.ok ? reported.text : "";
+        text.hidden = !reported?.ok;
       } catch (problem) {
         if (!(problem instanceof FieldError)) throw problem;
         note.textContent = `${problem.message}: ${DATA_TEXTS.value}`;

@@ -49,8 +49,8 @@ class StatusPanel {
   /** @param {{components: Component[], computer: any}} message */
   take({ components, computer }) {
     const bad = components.filter(({ level }) => level !== "ok").length;
-    const said = components.length ? DATA_TEXTS.components(bad, components.length) : DATA_TEXTS.noDiagnostics;
-    if (this.note.textContent !== said) this.note.textContent = said;
+    const reported = components.length ? DATA_TEXTS.components(bad, components.length) : DATA_TEXTS.noDiagnostics;
+    if (this.note.textContent !== reported) this.note.textContent = reported;
     this.showComponents(components);
     this.title.textContent = DATA_TEXTS.computer(computer.name);
     const own = ["localhost", "127.0.0.1", computer.name, ""].includes(computer.master);

@@ -106,7 +106,7 @@ def explain_mismatch(offered: Qos, requested: Qos) -> tuple[str, str] | None:
 
 
 def check_commands(where: Where, side: Side) -> Iterator[Finding]:  # noqa: ARG001 - of the protocol
-    """Check who commands the base: nobody listens, or a node sends past the mux."""
+    """Check who commands the base: no program listens, or a node sends past the mux."""
     topics = [each for each in _topics(side) if {end.kind for end in _all(each)} & {TWIST, STAMPED}]
     listened = [each for each in topics if any(_base_name(end.node) not in MUXES for end in each.subscribers)]
     for topic in topics:
