@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import math
-import time
 from dataclasses import dataclass
 from typing import Literal
 
 from ur_nodes.motion.lease.view import Conduct, LeaseView
+from ur_nodes.navigation.goals.attendance import clock_time as clock_time
 
 DriverRequest = Literal["take", "ask", "grant"]
 
@@ -66,11 +66,6 @@ def describe_lost(view: LeaseView, robot: str = "") -> str:
 def name_holder(view: LeaseView) -> str:
     """The computer that drives, and its program where that is known."""
     return f"{view.holder or 'another client'} ({view.program})" if view.program else view.holder or "another client"
-
-
-def clock_time(unix: float) -> str:
-    """Hours and minutes of this computer's time zone."""
-    return time.strftime("%H:%M", time.localtime(unix))
 
 
 def _with_hint(text: str, view: LeaseView, hint: str) -> str:

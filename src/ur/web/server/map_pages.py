@@ -31,7 +31,7 @@ class MapPages:
 
     async def _list(self, request: web.Request) -> web.Response:
         """The maps; without pictures for a login that may look."""
-        rows = await _answer(self._maps.list_all())
+        rows = await answer_command(self._maps.list_all())
         if request[SESSION][1].role is not Role.DRIVE:
             rows = [{**row, "picture": []} for row in rows]
         return web.json_response(rows)
@@ -39,14 +39,14 @@ class MapPages:
     async def _rename(self, request: web.Request) -> web.Response:
         demand_drive(request)
         value = await read_body(request, dict)
-        await _answer(self._maps.rename(value.get("name"), value.get("new_name")))
+        await answer_command(self._maps.rename(value.get("name"), value.get("new_name")))
         self._note(request, f"has renamed map {value['name']} to {value['new_name']}")
         return web.json_response({"ok": True})
 
     async def _delete(self, request: web.Request) -> web.Response:
         demand_drive(request)
         value = await read_body(request, dict)
-        await _answer(self._maps.delete(value.get("name")))
+        await answer_command(self._maps.delete(value.get("name")))
         self._note(request, f"has deleted map {value['name']}")
         return web.json_response({"ok": True})
 
@@ -54,7 +54,8 @@ class MapPages:
         self._log(f"{request.remote} ({request[SESSION][1].name}): {what}")
 
 
-async def _answer(work: Awaitable[Any]) -> Any:
+async def answer_command(work: Awaitable[Any]) -> Any:
+    """The result of a command of `ur`. Raises HTTPConflict with its error."""
     try:
         return await work
     except ProgramsError as problem:

@@ -7,7 +7,7 @@ import itertools
 import json
 import math
 import time
-from collections.abc import Awaitable, Callable, Mapping
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from typing import Any
 
@@ -19,6 +19,7 @@ from ur.web.runs.commands import CommandQueue
 from ur.web.runs.programs import Programs, ProgramsError
 from ur.web.runs.watcher import RunWatcher
 from ur.web.server.logins.gate import SESSION
+from ur.web.server.map_pages import answer_command
 from ur.web.server.viewers import limit_buffer
 from ur.web.wire.reading import BadRequestError
 from ur.web.wire.run_requests import (
@@ -209,14 +210,14 @@ class RunPages:
             viewer.answer(number, run, ok=True)
 
     async def _list(self, _request: web.Request) -> web.Response:
-        return web.json_response(await _answer(self._programs.list_all()))
+        return web.json_response(await answer_command(self._programs.list_all()))
 
     async def _draw(self, request: web.Request) -> web.Response:
-        picture = await _answer(self._programs.draw(*_read_query(request)))
+        picture = await answer_command(self._programs.draw(*_read_query(request)))
         return web.Response(text=picture, content_type="image/svg+xml")
 
     async def _list_nodes(self, request: web.Request) -> web.Response:
-        return web.json_response(await _answer(self._programs.list_nodes(*_read_query(request))))
+        return web.json_response(await answer_command(self._programs.list_nodes(*_read_query(request))))
 
     async def _explain(self, request: web.Request) -> web.Response:
         query = _read_query(request)
@@ -224,10 +225,10 @@ class RunPages:
             node = read_node_name(request.query.get("node"))
         except BadRequestError as problem:
             raise web.HTTPBadRequest(text=f"node: {problem}\n") from None
-        return web.Response(text=await _answer(self._programs.explain(*query, node)))
+        return web.Response(text=await answer_command(self._programs.explain(*query, node)))
 
     async def _diagnose(self, _request: web.Request) -> web.Response:
-        return web.json_response(await _answer(self._programs.diagnose()))
+        return web.json_response(await answer_command(self._programs.diagnose()))
 
 
 def _read_query(request: web.Request) -> tuple[str, Mapping[str, str]]:
@@ -243,10 +244,3 @@ def _read_query(request: web.Request) -> tuple[str, Mapping[str, str]]:
     if asked.arguments and request[SESSION][1].role is not Role.DRIVE:
         raise web.HTTPForbidden(text="this login may look at the default values, expected no arguments\n")
     return asked.program, asked.arguments
-
-
-async def _answer(work: Awaitable[Any]) -> Any:
-    try:
-        return await work
-    except ProgramsError as problem:
-        raise web.HTTPConflict(text=f"{problem}\n") from None
