@@ -12,7 +12,7 @@ from tests.hosts.bench.ros2_robot import DOMAIN, PREFIX, UNIT, install_jazzy, re
 
 pytestmark = pytest.mark.long
 # What the set-up must leave as it was.
-LEFT_OUT = r"/(passwd|group|shadow|gshadow)|machine-id|/alternatives/|chrony|\.cache/"
+LEFT_OUT = r"/(passwd|group|shadow|gshadow)|machine-id|/alternatives/|chrony|sudo_as_admin|\.cache/"
 SNAPSHOT = (
     "find /etc /opt/robot /home/ros -path /etc/ssl -prune -o -type f ! -name '*-' ! -name ld.so.cache "
     f"-exec sha256sum {{}} + 2>/dev/null | grep -vE '{LEFT_OUT}' | sort -k 2"
@@ -102,6 +102,7 @@ def test_planted_faults_of_real_nodes_are_named(pair: Bench) -> None:
     assert found["rule"] == "ros2-mixed-domains"
     assert "other.service is in domain 0" in found["message"]
     robot.run(found["commands"][0]["command"], user="ros", timeout=60).check()
+    robot.wait_for("grep -q ready /run/base/log", deadline=60)
     after = laptop.run(f"{UR} doctor robot --json", user="pat", timeout=300)
     assert [each["rule"] for each in findings(after.out) if each["rule"].startswith("ros2-")] == ["ros2-same-name"]
     robot.run("systemctl stop other").check()

@@ -46,7 +46,13 @@ def command(
 
         sys.stdout.write(describe_program(found, os.environ))
         return 0
-    apply_selection(current_selection(os.environ))
+    selection = current_selection(os.environ)
+    if not selection.simulated:
+        from ur.cli.robots.over_ssh import is_over_ssh, run_there
+
+        if is_over_ssh(selection):
+            return run_there(selection, found, options, arguments)
+    apply_selection(selection)
     if web or foxglove:
         from ur.cli.launch.run_web import run_with_page
 

@@ -42,7 +42,7 @@ def run_ssh(address: Address, options: Sequence[str], argv: Sequence[str]) -> in
     with tempfile.TemporaryDirectory(prefix="ur-") as folder:
         log = Path(folder) / "log"
         log.touch()
-        code = _run_in_front(["ssh", *STRICT, "-E", str(log), *options, "--", str(address), *script])
+        code = run_in_front(["ssh", *STRICT, "-E", str(log), *options, "--", str(address), *script])
         reported = log.read_text(encoding="utf-8", errors="replace")
     if code == 255 and reported.strip():
         raise explain_failure(address, reported)
@@ -50,7 +50,7 @@ def run_ssh(address: Address, options: Sequence[str], argv: Sequence[str]) -> in
     return code if code >= 0 else 128 - code
 
 
-def _run_in_front(command: Sequence[str]) -> int:
+def run_in_front(command: Sequence[str]) -> int:
     """Run a program with this terminal; what ends us ends it, and Ctrl-C is its own business. Its exit code."""
     running: list[subprocess.Popen[bytes]] = []
     early: list[int] = []

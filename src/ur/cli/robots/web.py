@@ -76,6 +76,11 @@ def command(
         check_base(chosen)
         click.echo(note, nl=False, err=True)
         selection = chosen
+    if not service and not prepare:
+        from ur.cli.launch.run_over_ssh import is_over_ssh, serve_there
+
+        if is_over_ssh(selection):
+            return serve_there(selection, port, [*(["--look"] if look else []), "--days", str(days)])
     viewers = [_read_origin(each) for each in origins]
     need_all(["aiohttp", "segno"], "web.lock", "what the page needs (2 MB to download)")
     if prepare:  # for `ur boot install web`, which then has a service run with --service

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 
 from ur_nodes.client.driver_text import DriverLine, line_of
@@ -53,10 +53,14 @@ class KeyDriver:
         commander: Commander,
         mux: EmergencyStop,
         saving: MapSaving | None = None,
+        linked: Callable[[], bool] = lambda: True,
     ) -> None:
-        """`rate` is the number of commands per second, besides answers to challenges."""
+        """`rate` is the number of commands per second, besides answers to challenges.
+
+        `linked` tells whether the terminal is connected: keys drive only while it is.
+        """
         self._node, self._commander, self._mux, self._saving = node, commander, mux, saving
-        self._state = start_drive(settings)
+        self._state, self._linked = start_drive(settings), linked
         self._alive_at = node.steady()
         commander.watch(self._answer)
         node.every(1.0 / rate, self._step, steady=True)
@@ -79,8 +83,9 @@ class KeyDriver:
         self._pass_on(event)
         was_moving = self._state.moving
         self._state, motion = step_drive(self._state, event, pressed_at)
-        if self._state.moving:  # it may have driven for long enough by now
-            self._state, motion = step_drive(self._state, None, self._node.steady())
+        if self._state.moving:  # it may have driven for long enough by now, or have waited for the connection
+            event_now = None if self._linked() else FocusLost()
+            self._state, motion = step_drive(self._state, event_now, self._node.steady())
         if motion is not None and self._state.moving != was_moving:
             self._commander.send(motion)  # starts and stops are not kept waiting
 
@@ -103,9 +108,13 @@ class KeyDriver:
             self._state = replace(self._state, note=news)
         now = self._node.steady()
         hangs = self._state.moving and now - self._alive_at > HUNG_AFTER
-        self._state, motion = step_drive(self._state, FocusLost() if hangs else None, now)
-        if hangs:
-            self._state = replace(self._state, note="stopped: the terminal does not take the screen")
+        cut = self._state.moving and not self._linked()
+        self._state, motion = step_drive(self._state, FocusLost() if hangs or cut else None, now)
+        if hangs or cut:
+            reason = (
+                "the connection to this terminal is slow or cut" if cut else "the terminal does not take the screen"
+            )
+            self._state = replace(self._state, note=f"stopped: {reason}")
         if motion is not None:
             self._commander.send(motion)
 

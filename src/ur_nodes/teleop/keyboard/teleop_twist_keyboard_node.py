@@ -15,6 +15,7 @@ from ur_nodes.teleop.keyboard.commander import make_commander
 from ur_nodes.teleop.keyboard.drive import read_settings
 from ur_nodes.teleop.keyboard.drive_terminal import drive_by_terminal
 from ur_nodes.teleop.keyboard.key_driver import KeyDriver
+from ur_nodes.teleop.keyboard.link_watch import make_watch
 from ur_nodes.teleop.keyboard.pipe_driver import PipeDriver, drive_by_pipe
 from ur_nodes.teleop.map_view.map_feed import MapFeed
 from ur_nodes.teleop.terminal.raw import own_terminal
@@ -34,7 +35,7 @@ def start(node: Node) -> Wired:
     if not (sys.stdin.isatty() and sys.stdout.isatty()):
         return PipeDriver(node, settings, rate, commander)
     saving = MapSaving(node, service) if service else None
-    driver = KeyDriver(node, settings, rate, commander, MuxLink(node, mux), saving)
+    driver = KeyDriver(node, settings, rate, commander, MuxLink(node, mux), saving, make_watch(os.environ))
     if is_plain(os.environ) or not own.boolean("show_map", False):
         return driver, None
     frames = own.text("map_frame", "map"), own.text("base_frame", "base_footprint")

@@ -182,3 +182,16 @@ def test_s_saves_the_map_and_stops_the_robot() -> None:
     rig.press(b"s", 0.5)
     assert rig.sent[-1] == STILL
     assert driver.view().state.note == "map 'flat' saved"
+
+
+def test_keys_drive_only_while_the_terminal_is_connected() -> None:
+    rig, linked = Driving(), [True]
+    rig.driver._linked = lambda: linked[0]
+    rig.press(KITTY + UP, 0.2)
+    assert rig.changes == [AHEAD]
+    linked[0] = False
+    rig.bus.run(0.06)  # one command later, and nothing of the terminal arrives
+    assert rig.changes == [AHEAD, STILL]
+    assert "connection" in rig.driver.view().state.note
+    rig.press(UP, 0.2)
+    assert rig.changes == [AHEAD, STILL]

@@ -1,0 +1,94 @@
+"""Programs of a robot with ROS 2, which run there: the terminal of this computer is theirs, over ssh.
+
+DDS stays on the robot. A guard proves the connection many times a second, so that keys drive only while it is there.
+"""
+
+from __future__ import annotations
+
+import secrets
+import subprocess
+from collections.abc import Collection, Iterator, Sequence
+from contextlib import contextmanager
+from importlib.resources import files
+from pathlib import Path
+
+from ur.robot.boot.units import LIBRARIES
+from ur.robot.robot_file import ROBOT_FILE, RobotFile, Ros2Robot, load_robot_file
+from ur.robot.ssh.guard import private_folder
+from ur.robot.ssh.openssh import SshShell
+from ur.robot.ssh.shell import quote
+from ur.source.diagnostic import UserError, error_about
+
+_FIND = f"""\
+for d in {" ".join(f'"$HOME"/{place}' for place in LIBRARIES)}; do
+  [ -r "$d/.venv/ready-run" ] && exec "$d/.venv/bin/python" -I -m ur "$@"
+done
+echo "error: ubiquity_launches is not set up on the robot, expected it in ~/{LIBRARIES[1]}" >&2
+echo "  help: ur robot setup completes it" >&2
+exit 2"""
+
+
+def read_robot(shell: SshShell) -> tuple[RobotFile, Ros2Robot]:
+    """The robot file of a robot that has ROS 2. Raises UserError: it has none, or is not set up."""
+    text = shell.run(f"cat {ROBOT_FILE}").out
+    with private_folder() as folder:
+        path = Path(folder, "robot.yaml")
+        path.write_text(text, encoding="utf-8")
+        found = load_robot_file(path) if text else None
+    if found is None or found.ros2 is None:
+        name = shell.address.host.removesuffix(".local")
+        message = f"{ROBOT_FILE} names no release of ROS 2, expected one"
+        raise UserError(error_about(shell.place, message, rule="bad-robot-file", help=f"ur robot setup {name}"))
+    return found, found.ros2
+
+
+def remote_script(robot: str, ros2: Ros2Robot, argv: Sequence[str], link: str = "") -> str:
+    """The script that runs `ur` on a robot, in the domain and with the middleware of its nodes.
+
+    `link` is the file of the guard; '' for programs that do not drive by the terminal.
+    """
+    wanted = {
+        "UR_ROBOT": robot,
+        "ROS_DOMAIN_ID": ros2.domain,
+        "RMW_IMPLEMENTATION": ros2.middleware,
+        "UR_LINK": link,
+    }
+    settings = " ".join(f"{name}={quote(value)}" for name, value in wanted.items() if value)
+    line = f". /opt/ros/{ros2.distro}/setup.bash >/dev/null; export {settings}; set -- {quote(*argv)}; {_FIND}"
+    return quote("bash", "-lc", line)
+
+
+def program_arguments(robot: RobotFile, argv: Sequence[str], declared: Collection[str]) -> list[str]:
+    """The arguments of a program on a robot whose drivers run already; those of the user stay."""
+    assert robot.ros2
+    own = {
+        "robot_base": robot.base,
+        "robot_variant": robot.variant,
+        "start_drivers": "false",
+        "cmd_vel": robot.ros2.commands,
+    }
+    given = {each.partition(":=")[0] for each in argv}
+    return [
+        *argv,
+        *(f"{name}:={value}" for name, value in own.items() if value and name in declared and name not in given),
+    ]
+
+
+@contextmanager
+def guard_link(shell: SshShell) -> Iterator[str]:
+    """Prove the connection to a robot while the context lasts; yield the file of the proofs there.
+
+    It uses the same connection as the terminal, whose bytes stay in order: keys that a cut has held back arrive before
+    the first new proof, and drive nothing.
+    """
+    link = f"/dev/shm/ur-link-{secrets.token_hex(8)}"  # noqa: S108 - a new name that nobody can guess
+    program = files("ur.request.remote").joinpath("link_guard.py").read_text("utf-8")
+    guard = shell.start(f"exec python3 -I -c {quote(program)} {quote(link)}")
+    # What the guard sends goes back by a process of this computer: one that is suspended proves nothing.
+    echo = subprocess.Popen(["cat"], stdin=guard.stdout, stdout=guard.stdin, start_new_session=True)
+    try:
+        yield link
+    finally:
+        for process in (echo, guard):
+            process.terminate()
+            process.wait()
