@@ -50,7 +50,8 @@ VERSION_ID="24.04"
 VERSION_CODENAME=noble
 UBUNTU_CODENAME=noble
 """
-REMOVE = "apt-get -q -y purge python3-rosgraph python3-rospy rosout topic-tools catkin '^ros-.*' >/dev/null 2>&1"
+GONE = "python3-genpy python3-rosgraph python3-rospy rosout topic-tools catkin '^ros-.*' '^python3-.*-(msgs|srvs)$'"
+REMOVE = f"apt-get -q -y purge {GONE} >/dev/null 2>&1"
 
 
 def install_jazzy(robot: Machine, *arguments: str) -> None:
@@ -59,6 +60,8 @@ def install_jazzy(robot: Machine, *arguments: str) -> None:
     shutil.copytree(jazzy_folder(), robot.root / PREFIX.lstrip("/"), symlinks=True)
     robot.write("/opt/robot/cmd_vel_base.py", BASE.read_text())
     robot.write(f"/etc/systemd/system/{UNIT}", SERVICE.format(arguments=" ".join(arguments)))
+    # When the last login of a user ends, systemd removes what her units have in shared memory, unless she may linger.
+    robot.write("/var/lib/systemd/linger/ros", "")
     robot.run(f"systemctl daemon-reload && systemctl enable --now {UNIT}").check()
     robot.wait_for("grep -q ready /run/base/log", deadline=60)
 

@@ -8,9 +8,10 @@ from functools import partial
 
 import click
 
+from ur.cli.robots.over_ssh import is_over_ssh, serve_there
 from ur.request.environment import CHOSEN, apply_selection, current_selection
 from ur.request.requirements.python_packages import need_all
-from ur.robot.selection import parse_selection
+from ur.robot.selection import Selection, parse_selection
 from ur.source.diagnostic import UserError, error
 
 
@@ -68,19 +69,10 @@ def command(
         return 0
     if sessions or end is not None:
         return _manage_logins(end)
-    selection = stored = current_selection(os.environ)
-    if robot and (chosen := parse_selection(robot)) != selection:
-        from ur.cli.robots.use import check_base, check_robot
-
-        note = "" if chosen.simulated else check_robot(chosen, away=False)
-        check_base(chosen)
-        click.echo(note, nl=False, err=True)
-        selection = chosen
-    if not service and not prepare:
-        from ur.cli.launch.run_over_ssh import is_over_ssh, serve_there
-
-        if is_over_ssh(selection):
-            return serve_there(selection, port, [*(["--look"] if look else []), "--days", str(days)])
+    stored = current_selection(os.environ)
+    selection = _choose(robot, stored)
+    if not (service or prepare or child is not None) and is_over_ssh(selection):
+        return serve_there(selection, port, [*(["--look"] if look else []), "--days", str(days)])
     viewers = [_read_origin(each) for each in origins]
     need_all(["aiohttp", "segno"], "web.lock", "what the page needs (2 MB to download)")
     if prepare:  # for `ur boot install web`, which then has a service run with --service
@@ -106,6 +98,18 @@ def command(
     )  # fmt: skip
     asyncio.run(serve(options, click.echo))
     return 0
+
+
+def _choose(robot: str | None, stored: Selection) -> Selection:
+    """The robot that is named, else the selected one. Raises UserError: it is none, or has no such base."""
+    if not robot or (chosen := parse_selection(robot)) == stored:
+        return stored
+    from ur.cli.robots.use import check_base, check_robot
+
+    note = "" if chosen.simulated else check_robot(chosen, away=False)
+    check_base(chosen)
+    click.echo(note, nl=False, err=True)
+    return chosen
 
 
 def _manage_logins(end: str | None) -> int:

@@ -80,11 +80,12 @@ def know_robot(
 
 
 def _follow_master(selected: Selection, environment: Mapping[str, str], report: Report) -> Selection:
-    if selected.simulated:
+    changes = environment_changes(selected, environment)
+    if selected.simulated or changes.get("ROS_VERSION") == "2":  # ROS 2 has no master
         return selected
     from ur.robot.master_choice import follow_master
 
-    uri = environment_changes(selected, environment).get("ROS_MASTER_URI", environment.get("ROS_MASTER_URI", ""))
+    uri = changes.get("ROS_MASTER_URI", environment.get("ROS_MASTER_URI", ""))
     robot = follow_master(selected, uri, socket.gethostname())
     if robot.robot != selected.robot:
         report("warning", f"ROS_MASTER_URI={uri} was set by hand: using {robot} with that master, not {selected}")

@@ -51,6 +51,7 @@ def remote_script(robot: str, ros2: Ros2Robot, argv: Sequence[str], link: str = 
         "UR_ROBOT": robot,
         "ROS_DOMAIN_ID": ros2.domain,
         "RMW_IMPLEMENTATION": ros2.middleware,
+        "ROS_AUTOMATIC_DISCOVERY_RANGE": "SUBNET",  # as nodes have it that were started without us
         "UR_LINK": link,
     }
     settings = " ".join(f"{name}={quote(value)}" for name, value in wanted.items() if value)

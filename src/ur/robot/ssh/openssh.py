@@ -108,24 +108,19 @@ class SshShell:
 
         The port that they use, on their own loopback interface; 0 where the ssh server does not allow it.
         """
+        done = self._forward("-R", f"127.0.0.1:0:127.0.0.1:{port}")
+        said = done.out.strip()
+        return int(said) if done.code == 0 and said.isdecimal() else 0
+
+    def forward(self, port: int) -> bool:
+        """Let programs of this computer reach the same port of the loopback interface there; whether that works."""
+        return self._forward("-L", f"127.0.0.1:{port}:127.0.0.1:{port}").code == 0
+
+    def _forward(self, kind: str, ports: str) -> ShellResult:
         # Options other than the shared connection's socket are of no use here, and one of them forbids forwarding.
         shared = next(word for word in self._options if word.startswith("ControlPath="))
-        words = [
-            "ssh",
-            "-F",
-            "none",
-            "-o",
-            shared,
-            "-O",
-            "forward",
-            "-R",
-            f"127.0.0.1:0:127.0.0.1:{port}",
-            "--",
-            self.place,
-        ]
-        done = run_process(words, timeout=CONNECT_SECONDS, what=f"forwarding to {self.place}")
-        reported = done.out.strip()
-        return int(reported) if done.code == 0 and reported.isdecimal() else 0
+        words = ["ssh", "-F", "none", "-o", shared, "-O", "forward", kind, ports, "--", self.place]
+        return run_process(words, timeout=CONNECT_SECONDS, what=f"forwarding to {self.place}")
 
     @property
     def accepted(self) -> frozenset[Secret]:

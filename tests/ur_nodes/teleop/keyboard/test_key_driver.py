@@ -131,7 +131,7 @@ def test_keys_drive_the_robot_through_its_mux_and_release_the_lease_at_the_end(h
     rig.node.end("the user pressed Ctrl-C")
     robot.bus.run(0.5)
     assert robot.outputs[-1][1] == STILL
-    assert '"state": "free"' in robot.newest("lease", str)
+    assert '"state":"free"' in robot.newest("lease", str)
 
 
 def test_commands_answer_each_challenge_of_the_mux(home: Path) -> None:

@@ -15,6 +15,7 @@ from ur.request.remote.connection import connect_robot, robot_address
 from ur.request.remote.over_ssh import guard_link, program_arguments, read_robot, remote_script
 from ur.robot.discovery.record import load_records, records_folder
 from ur.robot.selection import Selection
+from ur.source.diagnostic import UserError, error
 
 FIRST_PORT = 8090
 
@@ -29,7 +30,7 @@ def is_over_ssh(selection: Selection) -> bool:
 def run_there(selection: Selection, program: Program, options: Sequence[str], argv: Sequence[str]) -> int:
     """Run a program on the robot, with this terminal; return its exit code. Raises UserError.
 
-    A connection that is cut stops the robot within 0.3 s of the last key that arrived.
+    Keys drive only while the connection is proved, see `guard_link`.
     """
     from ur.launchfile.world.system import SystemWorld
 
@@ -55,6 +56,8 @@ def serve_there(selection: Selection, port: int | None, options: Sequence[str]) 
         robot, ros2 = read_robot(shell)
         words = ["web", "--no-browser", "--port", str(port), *options]
         script = remote_script(robot.name, ros2, words)
-        forward = ["-o", "ExitOnForwardFailure=yes", "-L", f"127.0.0.1:{port}:127.0.0.1:{port}"]
+        if not shell.forward(port):
+            message = f"port {port} of this computer is in use, or the robot's ssh server forwards none"
+            raise UserError(error(message, rule="no-port", help="choose another one: ur web --port PORT"))
         sys.stdout.flush()
-        return run_in_front([*shell.words, *forward, "-t", "--", shell.place, script])
+        return run_in_front([*shell.words, "-t", "--", shell.place, script])
