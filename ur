@@ -16,7 +16,7 @@ if [[ -d $root/src/ur ]]; then
   [[ -r $root/.venv/debian ]] && read -r data <"$root/.venv/debian" && debian="$data/enter.bash"
   if [[ $where != "$root" || $root/requirements/run.lock -nt $stamp || $root/tools/set_up.bash -nt $stamp ||
     $root/src/ur/system/ros_packages.txt -nt $stamp || $root/pyproject.toml -nt $stamp ||
-    ( -e $root/.venv/debian && ! -e $debian ) ]]; then
+    ( -e $root/.ros2 && $root/requirements/ros2.lock -nt $stamp ) || ( -e $root/.venv/debian && ! -e $debian ) ]]; then
     if [[ $EUID -eq 0 && -n ${SUDO_USER-} && ! -O $root ]]; then
       echo "error: $root belongs to another user, and sudo would leave files of root in it" >&2
       echo "  help: run it without sudo, which it asks for where it needs root: $root/ur" >&2

@@ -1,5 +1,6 @@
 #!/bin/bash
-# Set this computer up: set_up.bash run|test [FOLDER]. Debian packages, a virtual environment, the locked Python packages.
+# Set this computer up: set_up.bash run|test|ros1|ros2 [FOLDER]. Debian packages, a virtual environment, the locked Python
+# packages. `ros1` and `ros2` are `run` with that version of ROS, whatever this release has.
 #
 # Every step looks first and does only what is missing, so it may be interrupted anywhere and started again. The stamp
 # .venv/ready-PROFILE is written last and names this folder, since a virtual environment does not survive being moved;
@@ -7,7 +8,9 @@
 # folder may belong to root, has `.venv` and `.cache` in FOLDER; there the stamp names the environment of the wheel.
 set -uo pipefail
 umask o-w # nothing is writable for everybody, whatever the shell has set
-profile="${1:?set_up.bash run|test [FOLDER]}"
+profile="${1:?set_up.bash run|test|ros1|ros2 [FOLDER]}"
+wanted_ros=
+[[ $profile == ros[12] ]] && wanted_ros="${profile#ros}" profile=run
 root="$(readlink -f "${BASH_SOURCE[0]}")"
 root="${root%/tools/*}"
 wheel="${root%/lib/python*/site-packages/ur/_project}" # the environment of a wheel
@@ -188,13 +191,46 @@ bring_debian() {
   debian_enter bash "$root/tools/set_up.bash" "$@"
 }
 
+# The user's own ROS 2, the newest in /opt/ros; '' where there is none.
+find_own_ros2() {
+  local folder own=
+  for folder in /opt/ros/*/share/rclpy; do
+    folder="${folder%/share/rclpy}"
+    [[ -r $folder/setup.bash && ${folder##*/} > icz ]] && own="$folder"
+  done
+  printf '%s' "$own"
+}
+
+# Choose ROS 2 where this release has no ROS 1, the user has not asked for it, and there is a ROS 2.
+choose_ros2() {
+  [[ $release_ros == brought && $profile == run && $wanted_ros != 1 && ! -e .venv/debian ]] || return
+  own_ros2="$(find_own_ros2)"
+  [[ -n $own_ros2 || $(uname -m) == x86_64 ]]
+}
+
+# pip for a virtual environment where the release keeps it in a package of its own: without root, where apt can fetch it.
+bring_pip() {
+  local folder="$PWD/.cache/pip-package" wheels
+  rm -rf "$folder" && mkdir -p "$folder" || return
+  (cd "$folder" && apt-get -q download python3-pip-whl && dpkg-deb -x python3-pip-whl_*.deb .) || return
+  wheels=("$folder"/usr/share/python-wheels/pip-*.whl)
+  PYTHONPATH="${wheels[0]}" .venv/bin/python -m pip install --no-index --disable-pip-version-check "${wheels[0]}" || return
+  rm -rf "$folder"
+}
+
 make_environment() {
   local wanted found
   wanted="$($python -c 'import sys; print(sys.version_info[:2])')"
   found="$(.venv/bin/python -c 'import sys; print(sys.version_info[:2])' 2>/dev/null)"
   if [[ $wanted != "$found" ]] || ! .venv/bin/python -m pip --version >/dev/null 2>&1; then
-    run_step "virtual environment" "$python" -m venv --clear --system-site-packages .venv ||
-      die "the virtual environment .venv could not be made" "look at $log, then run this again"
+    if "$python" -c 'import ensurepip' 2>/dev/null; then
+      run_step "virtual environment" "$python" -m venv --clear --system-site-packages .venv ||
+        die "the virtual environment .venv could not be made" "look at $log, then run this again"
+    else
+      if ! "$python" -m venv --clear --without-pip --system-site-packages .venv || ! run_step "pip" bring_pip; then
+        die "the virtual environment .venv could not be made" "sudo apt-get install python3-venv; then run this again"
+      fi
+    fi
   fi
   [[ -e /etc/ubiquity_debian ]] && enter_by_python
 }
@@ -224,8 +260,20 @@ END
   printf '%s\n' "${XDG_DATA_HOME:-$HOME/.local/share}/ubiquity_launches/debian-13" >.venv/debian
 }
 
+# The packages of a ROS 2 are compiled for the numpy of its release: before 2 up to Jazzy.
+choose_lock() {
+  local major
+  major="$("$python" -c 'import numpy; print(numpy.__version__.split(".")[0])' 2>/dev/null)"
+  if [[ -n $own_ros2 && $major == 1 ]]; then
+    printf '%s\n' "$root/requirements/run.numpy1.lock"
+  else
+    printf '%s\n' "$root/requirements/run.lock"
+  fi
+}
+
 install_python() {
-  local locks=(-r "$root/requirements/run.lock") name kept=()
+  local locks name kept=()
+  locks=(-r "$(choose_lock)")
   if [[ $profile == test ]]; then # 260 MB, 20 s
     for name in dev vision robot web foxglove three; do locks+=(-r "$root/requirements/$name.lock"); done
   fi
@@ -249,21 +297,28 @@ install_python() {
     die "the project could not be installed into .venv" "look at $log, then run this again"
 }
 
-# ROS 2 as wheels, for tests, in an environment of its own: one of its packages starts every Python of it a second time.
-# What else nodes need comes from .venv; of the system nothing, where the messages of ROS 1 have the same names.
+# ROS 2 as wheels, in an environment of its own: one of its packages starts every Python of it a second time. What else
+# nodes need comes from .venv; of the system nothing, where the messages of ROS 1 have the same names.
 install_ros2() {
   [[ $(uname -m) == x86_64 ]] || return 0 # there are no others
-  local lock="$root/requirements/ros2.lock" packages
-  cmp -s "$lock" .ros2/ready && return
+  local lock="$root/requirements/ros2.lock" packages made_for kept=()
+  packages="$(echo "$PWD"/.venv/lib/python3.*/site-packages)"
+  made_for="$(cat "$lock" && "$python" --version && echo "$packages")"
+  [[ "$(cat .ros2/ready 2>/dev/null)" == "$made_for" ]] && return
   rm -rf .ros2
   asked=$(grep -c '^[^ #].*==' "$lock")
-  "$python" -m venv .ros2 || die "the virtual environment .ros2 could not be made" "look at $log, then run this again"
-  run_step "ROS 2" env -u PYTHONPATH .ros2/bin/python -m pip install --progress-bar off --no-compile \
-      --disable-pip-version-check --require-hashes --only-binary :all: --no-deps -r "$lock" ||
+  "$python" -m venv --without-pip .ros2 || die "the virtual environment .ros2 could not be made" "look at $log, then run this again"
+  [[ -d ${XDG_CACHE_HOME:-$HOME/.cache}/pip ]] || kept=(--cache-dir "$PWD/.cache/pip")
+  # With pip of .venv, which leaves out what is there already.
+  run_step "ROS 2" env PYTHONPATH="$packages" .ros2/bin/python -m pip install --progress-bar off --no-compile \
+    --disable-pip-version-check --require-hashes --only-binary :all: --no-deps "${kept[@]}" -r "$lock" ||
     die "ROS 2 could not be installed" "check the network and pip's settings (pip config list), then run this again"
-  packages="$(echo "$PWD"/.venv/lib/python3.*/site-packages)"
+  asked=0
+  rm -rf .cache/pip
   echo "import site; site.addsitedir('$packages')" >"$(echo .ros2/lib/python3.*/site-packages)/zz_nodes.pth"
-  cp "$lock" .ros2/ready
+  printf '%s:' "$PWD/.ros2/lib" "$PWD"/.ros2/lib/python3.*/site-packages/ros_*.libs | sed 's/:$/\n/' >.ros2/libraries
+  run_step "compiling ROS 2" .venv/bin/python -I -m compileall -q -j 0 .ros2/lib/python3.*/site-packages
+  printf '%s\n' "$made_for" >.ros2/ready
 }
 
 # A copy of what the wheel holds: programs that run go on when pipx or uv replaces the wheel.
@@ -313,7 +368,13 @@ if [[ ! -w . || ! -w .cache || ( -e .venv && ! -w .venv ) ]]; then
   [[ -n $wheel ]] && help="list the permissions of all folders above it: namei -l $state/.venv"
   die "$state is not writable for $(id -un), expected a folder of your own" "$help"
 fi
-[[ $release_ros == brought ]] && bring_debian "$@"
+own_ros2=
+if choose_ros2; then
+  packages=()
+  [[ -x $python ]] || die "$python does not exist" "install Python 3 with the packages of $release_name, then run this again"
+elif [[ $release_ros == brought ]]; then
+  bring_debian "$@"
+fi
 exec 9>.cache/set_up.lock
 flock -n 9 || { say "another set-up of this folder is running: waiting for it" && flock 9; }
 begin=$SECONDS
@@ -321,11 +382,15 @@ made_from="$(cd "$root" && cat requirements/run.lock tools/set_up.bash "$source/
 made_from="${made_from%% *}" # before it is used: a file that changes meanwhile makes the next start look again
 : >"$log"
 say "setting up this computer ($profile); details in $log"
-install_packages
-offer_rviz
+if [[ ${#packages[@]} -eq 0 ]]; then
+  say "this release has no ROS 1: nodes run with ROS 2 ${own_ros2:-Kilted (Python packages)} ('ur use sim --ros 1' brings ROS 1)"
+else
+  install_packages
+  offer_rviz
+fi
 make_environment
 install_python
-[[ $profile == test ]] && install_ros2
+if [[ $profile == test || $wanted_ros == 2 || -e .ros2 || ( ${#packages[@]} -eq 0 && -z $own_ros2 ) ]]; then install_ros2; fi
 rm -f .venv/block-signal
 /usr/bin/env --block-signal=INT true 2>/dev/null && : >.venv/block-signal # coreutils 8.31 and later; see `ur`
 printf '%s\n%s\n' "${wheel:-$root}" "$made_from" >.venv/ready-run

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 from tests.e2e.conftest import ROOT, make_environment
+from tests.ros2_session import PYTHON
 
 pytestmark = [pytest.mark.ros, pytest.mark.timeout(600)]
 
@@ -41,6 +42,17 @@ def shell(tmp_path: Path) -> Iterator[Shell]:
     assert made.ur("stop", "--all").returncode == 0
 
 
+@pytest.fixture(params=["1", "2"])
+def shell_of_either(request: pytest.FixtureRequest, shell: Shell) -> Shell:
+    if request.param == "2":
+        if not PYTHON.exists():
+            pytest.skip("no wheels of ROS 2 for this processor")
+        shell.environment["ROS_DOMAIN_ID"] = str(1 + os.getpid() % 59)
+        shell.environment["XDG_RUNTIME_DIR"] = str(shell.folder)
+        assert shell.ur("use", "sim", "--ros", "2").returncode == 0
+    return shell
+
+
 def start_robot(shell: Shell, *arguments: str) -> str:
     words = ("--detach", "--wait", "--timeout-ready", "200", *arguments)
     done = shell.ur("run", "robot_base", *words)
@@ -48,7 +60,8 @@ def start_robot(shell: Shell, *arguments: str) -> str:
     return done.stdout.strip()
 
 
-def test_navigation_joins_the_robot_in_its_world_and_leaves_it_running(shell: Shell) -> None:
+def test_navigation_joins_the_robot_in_its_world_and_leaves_it_running(shell_of_either: Shell) -> None:
+    shell = shell_of_either
     run = start_robot(shell, "world:=office")
     for _ in range(2):
         done = shell.ur("run", "keyboard_navigate", keys="g 1 0 0\n")

@@ -16,6 +16,7 @@ from ur.source import UserError
         ("sim:magni:lidar\n", Selection("sim", "magni", "lidar"), "sim:magni:lidar"),
         ("robbie", Selection("robbie", "", ""), "robbie"),
         ("robbie.local:loki", Selection("robbie", "loki", ""), "robbie:loki"),
+        ("sim:magni --ros 2\n", Selection("sim", "magni", "", "2"), "sim:magni --ros 2"),
     ],
 )
 def test_selection_is_read_and_written(text: str, selection: Selection, written: str) -> None:
@@ -24,7 +25,7 @@ def test_selection_is_read_and_written(text: str, selection: Selection, written:
     assert parse_selection(written) == selection
 
 
-@pytest.mark.parametrize("text", ["", ":", "-x", "a.b.c", "robbie::lidar", "sim:a:b:c", "sim:a/b"])
+@pytest.mark.parametrize("text", ["", ":", "-x", "a.b.c", "robbie::lidar", "sim:a:b:c", "sim:a/b", "sim --ros 3"])
 def test_bad_selection_names_the_form(text: str) -> None:
     with pytest.raises(UserError, match="expected sim"):
         parse_selection(text)

@@ -9,9 +9,10 @@ from pathlib import Path
 
 from ur.robot.selection import Selection, load_selection, parse_selection, selection_path
 from ur.source.diagnostic import UserError
-from ur.source.project import launch_library, project_folder
+from ur.source.project import launch_library, project_folder, state_folder
 from ur.source.user_folders import user_folder
 from ur.system.debian_root import find_root
+from ur.system.ros import Ros, choose_domain, facts_file, find_ros
 
 REPOSITORY = project_folder()
 PACKAGE = launch_library()
@@ -43,6 +44,11 @@ def environment_changes(
         "PATH": _in_front(str(package / "bin"), _in_front(root.programs, path) if root else path),
         MARK: str(selection),
     }
+    ros = choose_ros(selection, environment)
+    if ros is not None and ros.version == 2:
+        return wanted | _ros2(ros, environment, str(package))
+    if environment.get("ROS_VERSION") == "2" and _marked(environment) is not None:
+        wanted |= hide_ros2(environment)
     before = _network(_marked(environment), host)
     for name, value in _network(selection, host).items():
         present = environment.get(name)
@@ -50,6 +56,33 @@ def environment_changes(
             wanted[name] = value
     if environment.get("ROS_IP") and not environment.get("ROS_HOSTNAME"):
         wanted.pop("ROS_HOSTNAME", None)  # it would override the address that a person has set
+    return wanted
+
+
+def choose_ros(selection: Selection, environment: Mapping[str, str]) -> Ros | None:
+    """The ROS of the nodes of this computer; None where none is installed."""
+    try:
+        return find_ros(selection.ros, environment, str(state_folder(environment)))
+    except UserError:
+        return None
+
+
+def _ros2(ros: Ros, environment: Mapping[str, str], package: str) -> dict[str, str]:
+    """The variables of ROS 2. What a person has set about its network stays."""
+    domain = choose_domain(environment, os.getuid())
+    wanted = {
+        "ROS_VERSION": "2",
+        "ROS_DISTRO": ros.distro,
+        "ROS_DOMAIN_ID": domain,
+        "ROS_AUTOMATIC_DISCOVERY_RANGE": environment.get("ROS_AUTOMATIC_DISCOVERY_RANGE") or "LOCALHOST",
+        "UR_FACTS": facts_file(environment, domain),
+    }
+    if ros.wheels:
+        wanted["AMENT_PREFIX_PATH"] = ros.prefix
+    prefixes = {**environment, **wanted}.get("AMENT_PREFIX_PATH", "").split(os.pathsep)
+    own = [each for each in environment.get("ROS_PACKAGE_PATH", "").split(os.pathsep) if each not in ("", "/usr/share")]
+    folders = dict.fromkeys([package, *own, *(f"{each}/share" for each in prefixes if each)])
+    wanted["ROS_PACKAGE_PATH"] = os.pathsep.join(folders)
     return wanted
 
 
@@ -64,9 +97,18 @@ def own_packages(environment: Mapping[str, str]) -> str:
 
 
 def apply_selection(selection: Selection) -> None:
-    """Set the variables of a selection for this process and its children, hiding a ROS 2 that the shell has sourced."""
+    """Set the variables of a selection for this process and its children.
+
+    With ROS 1 they hide a ROS 2 that the shell has sourced. Raises UserError: the chosen ROS is not installed.
+    """
+    ros = find_ros(selection.ros, os.environ, str(state_folder()))
+    if ros.version == 2 and not ros.sourced and not ros.wheels:
+        from ur.system.sourced_ros import source_ros  # only for the user's own ROS 2
+
+        os.environ.update(source_ros(ros.prefix, os.environ))
     os.environ.update(environment_changes(selection, os.environ))
-    os.environ.update(hide_ros2(os.environ))
+    if ros.version == 1:
+        os.environ.update(hide_ros2(os.environ))
 
 
 def hide_ros2(environment: Mapping[str, str]) -> dict[str, str]:

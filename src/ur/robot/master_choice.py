@@ -30,7 +30,9 @@ def follow_master(
     if _is_loopback(host) or name == own:
         if own == selection.robot.lower():
             return selection
-        return Selection(SIMULATION, selection.base or DEFAULT_BASE, selection.variant if selection.base else "")
+        return Selection(
+            SIMULATION, selection.base or DEFAULT_BASE, selection.variant if selection.base else "", selection.ros
+        )
     if name == selection.robot.lower():
         return selection
     if is_address(host):

@@ -1,7 +1,7 @@
 """The selected robot: stored by `ur use`, followed by every command.
 
 Written `sim[:BASE[:VARIANT]]` for a simulated robot on this computer, `ROBOT[:BASE[:VARIANT]]` for a robot whose
-computer answers to `ROBOT.local`.
+computer answers to `ROBOT.local`; followed by ` --ros 1` or ` --ros 2` where that was chosen.
 """
 
 from __future__ import annotations
@@ -18,16 +18,21 @@ SIMULATION = "sim"
 DEFAULT_BASE = "stage"
 _HOST = re.compile(r"[A-Za-z0-9]([A-Za-z0-9-]{0,61}[A-Za-z0-9])?")  # RFC 1123, one label
 _PART = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]*")
+_ROS = " --ros "
 _FORM = "sim[:BASE[:VARIANT]] or ROBOT[:BASE[:VARIANT]]"
 
 
 @dataclass(frozen=True, slots=True)
 class Selection:
-    """A robot. `base` is empty when the robot itself knows best; `variant` is empty for the plain base."""
+    """A robot. `base` is empty when the robot itself knows best; `variant` is empty for the plain base.
+
+    `ros` is the version of ROS that was chosen, "1" or "2"; empty for that of the computer (`ur.system.ros`).
+    """
 
     robot: str = SIMULATION
     base: str = DEFAULT_BASE
     variant: str = ""
+    ros: str = ""
 
     @property
     def simulated(self) -> bool:
@@ -40,12 +45,15 @@ class Selection:
         return "http://localhost:11311" if self.simulated else f"http://{self.robot}.local:11311"
 
     def __str__(self) -> str:
-        return ":".join([self.robot, self.base, self.variant]).rstrip(":")
+        return ":".join([self.robot, self.base, self.variant]).rstrip(":") + (_ROS + self.ros if self.ros else "")
 
 
 def parse_selection(text: str) -> Selection:
     """Read what a person typed. Raises UserError: too many parts, or a part that is no name."""
-    robot, *parts = text.strip().split(":")
+    names, chosen, ros = text.strip().partition(_ROS)
+    if chosen and ros not in ("1", "2"):
+        raise _bad(text, f"ROS {ros!r} is not known", "--ros 1 or --ros 2")
+    robot, *parts = names.split(":")
     robot = robot.removesuffix(".local")
     if not _HOST.fullmatch(robot):
         raise _bad(text, f"{robot!r} is not a valid host name")
@@ -54,12 +62,12 @@ def parse_selection(text: str) -> Selection:
     for part in parts:
         if part and not _PART.fullmatch(part):
             raise _bad(text, f"{part!r} is not a name")
-    if text.strip().endswith(":"):
+    if names.endswith(":"):
         raise _bad(text, "nothing follows the last ':'", "'ur use sim' selects the plain simulated robot")
     base, variant = [*parts, "", ""][:2]
     if variant and not base:
         raise _bad(text, "a variant needs its base")
-    return Selection(robot, base or (DEFAULT_BASE if robot == SIMULATION else ""), variant)
+    return Selection(robot, base or (DEFAULT_BASE if robot == SIMULATION else ""), variant, ros)
 
 
 def selection_path(environment: Mapping[str, str]) -> Path:

@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from pathlib import Path
 
-from ur.launchfile.plan.specs import NodeSpec, ParamValue, Plan
+from ur.launchfile.plan.specs import NodeSpec, Plan
 from ur.launchfile.world import World
 from ur.run.loop import run_loop
-from ur.run.master.client import Master
-from ur.run.master.local_master import await_master, find_master_programs, roscore_parameters
 from ur.run.master.parameters import check_sendable, start_commands
-from ur.run.master.search import find_master, read_run_id
-from ur.run.master.upload import remove_registrations, upload_parameters
+from ur.run.middleware.choice import find_middleware
+from ur.run.middleware.protocol import Middleware
 from ur.run.options import RunOptions
 from ur.run.output.console import Console
 from ur.run.output.log_rotation import read_bounds
@@ -41,24 +38,18 @@ def run_plan(plan: Plan, world: World, host: ProcessHost, console: Console, opti
     environment = {**world.environment, **options.environment}
     bounds = read_bounds(environment)
     nodes, programs = _find_nodes(plan, world, console, options)
-    master = find_master(environment, options)
-    run_id = read_run_id(master, options, console)
-    own_master = run_id is None
+    middleware = find_middleware(environment, world, options, console)
     if options.timings is not None:
         options.timings.mark("master asked")
-    master_programs = find_master_programs(master, world, options) if own_master else ()
-    programs = number_logs(programs, 2 if own_master else 1)  # as roslaunch, whose rosout is the first
-    environment["ROS_MASTER_URI"] = master.uri
-    folder, home = make_run_folder(environment, run_id or new_run_id()), make_home(environment)
-    extra: dict[str, ParamValue] = {} if run_id else {"/run_id": Path(folder).name}
-    if own_master:
-        extra |= _master_parameters(world, environment, options)
+    environment |= middleware.environment
+    folder, home = make_run_folder(environment, middleware.run_id or new_run_id()), make_home(environment)
+    programs = middleware.arrange(number_logs(programs, middleware.logs), nodes, folder)
     commands = start_commands(plan.params, environment)
-    if not programs and not own_master:
-        return _set_parameters_only(upload_parameters(plan, master, extra, commands), console)
+    if not programs and not middleware.core:
+        return _end_without_nodes(middleware.set_parameters(plan, folder, options, commands), console)
     try:
         detached = options.call_started is not None
-        entry, listener = register(plan, master, folder, environment, console, detached=detached)
+        entry, listener = register(plan, middleware.address, folder, environment, console, detached=detached)
         claim(entry, nodes, plan, options)
         if keep_terminal := any(
             node.terminal for node in nodes
@@ -67,20 +58,20 @@ def run_plan(plan: Plan, world: World, host: ProcessHost, console: Console, opti
         _begin(host, environment, entry, keep_terminal=keep_terminal)
         terminal = None if detached else find_terminal()
         ignore_background_write()
-        _announce(console, master, own_master=own_master, folder=folder, nodes=len(programs))
+        _announce(console, middleware, folder=folder, nodes=len(programs))
         run = Run(
-            programs=(*master_programs, *programs),
+            programs=(*middleware.core, *programs),
             folder=folder,
             home=home,
-            own_master=own_master,
-            await_master=lambda: await_master(master, options.limits.master),
-            set_parameters=lambda: upload_parameters(plan, master, extra, commands),
-            unregister=lambda: remove_registrations(master, [node.full_name for node in nodes]),
+            own_master=bool(middleware.core),
+            await_master=lambda: middleware.await_core(options.limits.master),
+            set_parameters=lambda: middleware.set_parameters(plan, folder, options, commands),
+            unregister=lambda: middleware.unregister([node.full_name for node in nodes]),
             limits=options.limits,
             log_name=entry.run,
             log_bounds=bounds,
             restart_share=_report_share(options),
-            master=master,
+            middleware=middleware,
             timings=options.timings,
             clients=plan_clients((entry, listener), nodes, options),
             owners=options.owners,
@@ -94,12 +85,7 @@ def run_plan(plan: Plan, world: World, host: ProcessHost, console: Console, opti
         commands.stop()
 
 
-def _master_parameters(world: World, environment: Mapping[str, str], options: RunOptions) -> dict[str, ParamValue]:
-    base = {"/ur/base_name": options.base, "/ur/variant": options.variant} if options.base else {}
-    return {**roscore_parameters(world, environment), **base}
-
-
-def _set_parameters_only(done: Event, console: Console) -> int:
+def _end_without_nodes(done: Event, console: Console) -> int:
     if isinstance(done, SetupFailed):
         raise UserError(error(done.reason, rule="setup-failed"))
     console.inform("parameters are set; there is no node to start")
@@ -147,8 +133,8 @@ def _report_share(options: RunOptions) -> Callable[[], Event] | None:
     return report
 
 
-def _announce(console: Console, master: Master, *, own_master: bool, folder: str, nodes: int) -> None:
-    console.inform(f"ROS_MASTER_URI={master.uri}" + (", master started here" if own_master else ""))
+def _announce(console: Console, middleware: Middleware, *, folder: str, nodes: int) -> None:
+    console.inform(middleware.describe())
     console.inform(f"{nodes} node{'' if nodes == 1 else 's'}, log files in {folder}")
     if not nodes:
         console.warn("there is no node to start; the master runs until Ctrl-C")

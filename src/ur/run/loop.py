@@ -10,7 +10,6 @@ import time
 from ur.run.clients.monitor import Monitor
 from ur.run.foreground import Foreground
 from ur.run.inbox import Inbox
-from ur.run.master.monitor import start_watch
 from ur.run.output.console import Console
 from ur.run.output.log_rotation import LogRotation
 from ur.run.output.reporter import RunReporter
@@ -218,18 +217,12 @@ class _Loop:
         running = (
             self._state.phase is RunPhase.RUNNING and each is not None and each.request is None and not each.unit.core
         )
-        return running and event.status.signal is None and self._run.master is not None
+        return running and event.status.signal is None and self._run.middleware is not None
 
     def _examine_exit(self, event: Exited) -> None:
-        master = self._run.master
-        assert master is not None
-
-        def examine() -> Event:
-            from ur.run.join.eviction import examine_exit  # only where a node has ended by itself
-
-            return examine_exit(event, master)
-
-        self._run_in_thread(examine)
+        middleware = self._run.middleware
+        assert middleware is not None
+        self._run_in_thread(lambda: middleware.examine_exit(event))
 
     def _post_event(self, event: Event) -> None:
         self._inbox.post(lambda: self._handle_event(event))
@@ -245,7 +238,8 @@ class _Loop:
         self._carry_out(actions)
         running = self._state.phase is RunPhase.RUNNING
         if running and self._master_watch is None:
-            self._master_watch = start_watch(None if self._run.own_master else self._run.master, self._post_event)
+            middleware = None if self._run.own_master else self._run.middleware
+            self._master_watch = threading.Event() if middleware is None else middleware.watch(self._post_event)
         if running and self._call_started is not None and not self._is_starting():
             self._call_started()
             self._call_started = None

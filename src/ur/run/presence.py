@@ -10,7 +10,6 @@ from contextlib import suppress
 from typing import TYPE_CHECKING
 
 from ur.launchfile.plan.specs import NodeSpec, Plan
-from ur.run.master.client import Master
 from ur.run.options import RunOptions
 from ur.run.output.console import Console
 from ur.run.record.computer import read_computer
@@ -27,7 +26,7 @@ Registered = tuple[RunEntry, socket.socket | None]
 
 
 def register(
-    plan: Plan, master: Master, folder: str, environment: Mapping[str, str], console: Console, *, detached: bool
+    plan: Plan, address: str, folder: str, environment: Mapping[str, str], console: Console, *, detached: bool
 ) -> Registered:
     """Enter a run in the registry; the socket is None where that cannot be done. Raises UserError if it is detached."""
     pid = os.getpid()
@@ -38,7 +37,7 @@ def register(
         pid,
         read_birth(pid) or 0,
         title,
-        master.uri,
+        address,
         folder,
         time.time(),
         detached,

@@ -7,7 +7,6 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from ur.run.master.client import Master
 from ur.run.output.log_rotation import LogBounds
 from ur.run.process.command import UnitProgram
 from ur.run.supervisor.events import Event
@@ -15,6 +14,7 @@ from ur.run.supervisor.state import TimeLimits
 
 if TYPE_CHECKING:
     from ur.run.clients.protocol import RunStarted
+    from ur.run.middleware.protocol import Middleware
     from ur.run.record.entry import RunEntry
     from ur.run.startup.timings import Timings
 
@@ -43,7 +43,7 @@ class RunClients:
 class Run:
     """Programs to run and their settings. `folder` takes the log files, `home` is the nodes' working directory.
 
-    `await_master`, `set_parameters` and `unregister` talk to the master and return the event that follows; they are
+    `await_master`, `set_parameters` and `unregister` talk to the middleware and return the event that follows; they are
     called in a thread of their own, so that a slow network holds nothing up.
     """
 
@@ -58,7 +58,7 @@ class Run:
     log_name: str = ""  # the stem of the log of the run itself, where that is detached
     log_bounds: LogBounds = field(default_factory=LogBounds)
     restart_share: Callable[[], Event] | None = None  # StartShare; None: no robot has a share
-    master: Master | None = None  # asked which nodes are up, while a client wants to know
+    middleware: Middleware | None = None  # asked which nodes are up, while a client wants to know
     timings: Timings | None = None  # told once every node is up
     clients: RunClients = field(default_factory=RunClients)
     owners: tuple[RunEntry, ...] = ()  # runs that this one has joined: it ends with the first of them

@@ -48,7 +48,7 @@ class Starts:
         self._outputs.open(program)
         prefix = self.prefixes.pop(unit.name, ())
         command = program.with_prefix(prefix) if prefix else program.argv
-        argv = [*command, f"__log:={self._run.folder}/{program.log_name}.log"]
+        argv = [*command, *([f"__log:={self._run.folder}/{program.log_name}.log"] if program.names_log else [])]
         if unit.terminal:
             self._prepared.append(_Start(program, argv, (0, 1, 2), [], self._foreground.lend()))
         else:

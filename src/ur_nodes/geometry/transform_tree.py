@@ -68,6 +68,10 @@ class TransformTree:
                 self._poses.pop(child, None)
                 self._parents.pop(child, None)
 
+    def frames(self) -> set[str]:
+        """All frames that are known."""
+        return {*self._parents, *self._parents.values()}
+
     def parent(self, child: str) -> str | None:
         """Return the name of the frame that a frame's poses are in, None when there is none."""
         return self._parents.get(child.lstrip("/"))

@@ -19,9 +19,10 @@ from ur.request.remote import master_nodes
 from ur.run.master.client import Master
 from ur.run.master.tcpros import NoTopic, listen_to
 from ur.run.master.xml_rpc import CallRefused, Unanswered
+from ur.run.middleware.master_view import MasterView
+from ur.run.middleware.protocol import NoGraph
 from ur.run.remote.lease import read_lease
 from ur.run.remote.signs import look_up_nodes, probe_node
-from ur.run.startup.readiness import ReadinessProbe
 from ur.source.diagnostic import UserError
 
 _PATIENCE = 0.3  # s
@@ -137,9 +138,11 @@ def _listen(master: Master) -> None:
 
 
 def _look_for_ready_nodes(master: Master) -> None:
-    probe = ReadinessProbe(master, {}, lambda *_: None)
-    probe.close()
-    probe._look({"/a": 1})
+    view = MasterView(master)
+    with suppress(NoGraph):
+        view.look(["/a", "/tf"])
+        view.wait(0.01)
+    view.forget()
 
 
 def _read_lease(master: Master) -> None:

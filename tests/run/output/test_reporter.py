@@ -40,7 +40,7 @@ def make_reporter() -> tuple[RunReporter, Kept]:
     program = SimpleNamespace(unit=SimpleNamespace(name="/a", terminal=False), log_name="a")
     clients = SimpleNamespace(record_end=None)
     run = SimpleNamespace(
-        folder="/log", master=None, programs=(program,), restart_share=None, list_joined=None, clients=clients
+        folder="/log", middleware=None, programs=(program,), restart_share=None, list_joined=None, clients=clients
     )
     kept = cast("Any", Kept())
     return RunReporter(cast("Any", run), kept, kept, kept), kept

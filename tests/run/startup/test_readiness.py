@@ -10,9 +10,10 @@ import pytest
 
 from ur.launchfile.plan.specs import ReadyCondition
 from ur.run.master.tcpros import NoTopic, TopicConnection, read_frames
-from ur.run.startup.readiness import MasterGraph, ReceivedMessages, find_missing, measure_rate
+from ur.run.middleware.protocol import ReceivedMessages, RunGraph
+from ur.run.startup.readiness import find_missing, measure_rate
 
-GRAPH = MasterGraph(
+GRAPH = RunGraph(
     {"/chat": ["/talker"], "/act/status": ["/server"], "/lonely/status": ["/server"]},
     {"/act/goal": ["/server"]},
     {"/talker/get_loggers": ["/talker"]},

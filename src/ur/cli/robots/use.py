@@ -5,38 +5,90 @@ from __future__ import annotations
 import os
 import socket
 import sys
+from contextlib import suppress
+from dataclasses import replace
 
 import click
 
-from ur.request.environment import PACKAGE, current_selection
-from ur.robot.selection import Selection, parse_selection, selection_path, store_selection
+from ur.request.environment import PACKAGE, choose_ros, current_selection
+from ur.robot.selection import Selection, load_selection, parse_selection, selection_path, store_selection
 from ur.source.diagnostic import UserError, error
+from ur.source.project import project_file, state_folder
 from ur.source.suggest import did_you_mean
+from ur.system.ros import find_ros
 
 
 @click.command("use")
 @click.argument("selection", required=False, metavar="[sim|ROBOT][:BASE[:VARIANT]]")
 @click.option("--away", is_flag=True, help="Select a robot that is away and was never set up from this computer.")
-def command(selection: str | None, away: bool) -> int:
+@click.option(
+    "--ros", type=click.Choice(["1", "2"]), help="The ROS of the simulated robot; it is installed if need be."
+)
+def command(selection: str | None, away: bool, ros: str | None) -> int:
     """Select a robot, or show which one is selected.
 
     `ur use sim` selects the simulated robot, `ur use sim:magni` the simulated Magni, `ur use sim:magni:lidar` the one
-    with a lidar; `ur use ROBOT` the robot whose computer answers to ROBOT.local. Without an argument it prints the
-    selection.
+    with a lidar; `ur use ROBOT` the robot whose computer answers to ROBOT.local. `ur use sim --ros 2` simulates on
+    ROS 2, until `--ros` chooses otherwise. Without an argument it prints the selection.
     """
     if selection is None:
-        if away:
-            raise UserError(error("--away needs the name of a robot", rule="bad-options", help="ur use --away ROBOT"))
-        sys.stdout.write(f"{current_selection(os.environ)}\n")
+        if away or ros:
+            option = "--away" if away else f"--ros {ros}"
+            wanted = "ROBOT" if away else "sim"
+            raise UserError(error(f"{option} needs a robot", rule="bad-options", help=f"ur use {wanted} {option}"))
+        _show(current_selection(os.environ))
         return 0
-    chosen = parse_selection(selection)
+    chosen = choose_version(parse_selection(selection), ros)
     note = "" if chosen.simulated else check_robot(chosen, away=away)
     check_base(chosen)
+    if chosen.simulated and chosen.ros:
+        install_ros(chosen.ros)
     store_selection(selection_path(os.environ), chosen)
-    sys.stdout.write(f"{chosen}\n")
-    sys.stdout.flush()
+    _show(chosen)
     sys.stderr.write(note)
     return 0
+
+
+def choose_version(chosen: Selection, ros: str | None) -> Selection:
+    """The selection with the version of ROS that an option names, else with that of the last simulated robot.
+
+    Raises UserError: an option for a real robot, which has its own.
+    """
+    if not chosen.simulated:
+        if ros is not None:
+            message = f"--ros {ros} is for the simulated robot; {chosen.robot} has a ROS of its own"
+            raise UserError(error(message, rule="bad-options", help=f"ur use {chosen}"))
+        return chosen
+    if ros is None and not chosen.ros:
+        with suppress(UserError):
+            before = load_selection(selection_path(os.environ))
+            return replace(chosen, ros=before.ros if before.simulated else "")
+    return replace(chosen, ros=ros or chosen.ros)
+
+
+def install_ros(version: str) -> None:
+    """Install a version of ROS unless it is there. Raises UserError."""
+    try:
+        find_ros(version, os.environ, str(state_folder()))
+    except UserError as problem:
+        if any(each.rule != "no-ros" for each in problem.diagnostics):
+            raise
+    else:
+        return
+    import subprocess  # rarely: it is installed once
+
+    script = str(project_file("tools/set_up.bash"))
+    code = subprocess.run(["bash", script, f"ros{version}", str(state_folder())], check=False).returncode
+    if code:
+        raise UserError(error(f"ROS {version} could not be installed", rule="no-ros", help="see the lines above"))
+
+
+def _show(selection: Selection) -> None:
+    sys.stdout.write(f"{selection}\n")
+    sys.stdout.flush()
+    ros = choose_ros(selection, os.environ) if selection.simulated else None
+    if ros is not None and ros.version == 2:
+        sys.stderr.write(f"{ros}\n")
 
 
 def check_robot(chosen: Selection, *, away: bool) -> str:

@@ -22,8 +22,10 @@ _COMMENT = re.compile(rb"<!--[^-]*(?:-[^-]+)*-->")  # as XML has them: without -
 
 
 def package_paths(environment: Mapping[str, str]) -> list[str]:
-    """The folders in which packages are searched, most important first."""
+    """The folders in which packages are searched, most important first; on ROS 2 not those of ROS 1's packages."""
     paths = []
+    if environment.get("ROS_VERSION") == "2":
+        return [path for path in environment.get("ROS_PACKAGE_PATH", "").split(os.pathsep) if path.strip()]
     root = environment.get("ROS_ROOT")
     if root:
         paths.append(os.path.normpath(root))

@@ -155,9 +155,12 @@ class Workspaces:
     """The workspaces of an environment, most important first. Their source folders are read when they are needed."""
 
     def __init__(self, environment: Mapping[str, str]) -> None:
-        prefixes = [path for path in environment.get("CMAKE_PREFIX_PATH", "").split(os.pathsep) if path]
-        self.folders = [path for path in prefixes if os.path.isfile(os.path.join(path, MARKER))]
-        self.folders.append("/usr")
+        ros2 = environment.get("ROS_VERSION") == "2"
+        variable = "AMENT_PREFIX_PATH" if ros2 else "CMAKE_PREFIX_PATH"
+        prefixes = [path for path in environment.get(variable, "").split(os.pathsep) if path]
+        self.folders = prefixes if ros2 else [path for path in prefixes if os.path.isfile(os.path.join(path, MARKER))]
+        if not ros2:
+            self.folders.append("/usr")
         self._sources: dict[str, list[str]] = {}
         self._packages: dict[str, dict[str, str]] = {}
 

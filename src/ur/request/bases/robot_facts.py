@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import socket
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
@@ -11,6 +12,7 @@ from ur.request.environment import environment_changes
 from ur.request.options import Report
 from ur.robot.robot_file import RobotFile, load_robot_file
 from ur.robot.selection import Selection
+from ur.system.ros import facts_file, graph_address, read_domain
 
 BASE_NAME = "/ur/base_name"
 VARIANT = "/ur/variant"
@@ -38,7 +40,7 @@ def know_base(
     environment = dict(environment)
     if selection.base and not selection.simulated:
         return selection
-    facts = ask((environment | environment_changes(selection, environment))["ROS_MASTER_URI"])
+    facts = ask(graph_address(environment | environment_changes(selection, environment)))
     if facts is not None:
         return replace(selection, base=facts[0], variant=facts[1])
     if selection.base or not is_this_computer(selection.robot):
@@ -49,6 +51,8 @@ def know_base(
 
 def read_facts(master_uri: str) -> Facts | None:
     """`/ur/base_name` and `/ur/variant` from a parameter server. None: no master answers, or they are not set."""
+    if (domain := read_domain(master_uri)) is not None:
+        return _read_run_facts(master_uri, domain)
     from ur.run.master.client import Master, parse_master_uri
     from ur.run.master.xml_rpc import CallRefused, Unanswered
     from ur.source.diagnostic import UserError
@@ -62,6 +66,19 @@ def read_facts(master_uri: str) -> Facts | None:
     if not isinstance(base, str) or not base:
         return None
     return base, variant if isinstance(variant, str) else ""
+
+
+def _read_run_facts(address: str, domain: str) -> Facts | None:
+    """The facts of the runs in a domain of ROS 2, while there are any."""
+    from ur.run.middleware.facts import read_facts as read_file
+    from ur.run.record.computer import read_computer
+    from ur.run.record.registry import list_runs
+
+    if not any(each.master_uri == address for each in list_runs(os.environ, os.getuid(), read_computer())):
+        return None
+    found = read_file(os.environ.get("UR_FACTS") or facts_file(os.environ, domain))
+    base, variant = found.get("base_name"), found.get("variant")
+    return (base, variant) if isinstance(base, str) and base and isinstance(variant, str) else None
 
 
 def know_robot(

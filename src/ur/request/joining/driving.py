@@ -18,6 +18,7 @@ from ur.run.remote.names import choose_names, describe_names, find_taken, rename
 from ur.run.remote.own_clients import clients_folder, list_clients
 from ur.run.startup.node_selection import may_drive
 from ur.source.diagnostic import UserError, error
+from ur.system.ros import graph_address, read_domain
 
 _ANSWERS: Mapping[str, Mode | None] = {"w": "watch", "a": "ask", "t": "take", "q": None}
 _LOST_ANSWERS: Mapping[str, Mode | None] = {"w": "watch", "t": "take", "q": None}
@@ -33,7 +34,10 @@ def rename_taken(plan: Plan, robot: str, report: Report) -> Plan:
 
     `robot` is the machine of the nodes that do not start here.
     """
-    master = parse_master_uri(os.environ["ROS_MASTER_URI"])
+    address = graph_address(os.environ)
+    if read_domain(address) is not None:
+        return plan
+    master = parse_master_uri(address)
     ours = [node.full_name for node in plan.nodes if not robot or node.machine != robot]
     names = choose_names(ours, computer_name(), lambda wanted: find_taken(wanted, master, is_local_address))
     for line in describe_names(names):
@@ -51,7 +55,7 @@ def choose_mode(
     """
     if options.mode != "drive" or not may_drive(nodes):
         return options.mode
-    lease = read_lease(os.environ["ROS_MASTER_URI"])
+    lease = read_lease(graph_address(os.environ))
     computer = describe_user(read_computer(), os.getuid())
     if not belongs_to_other(lease, name, computer, list_clients(clients_folder(os.environ, os.getuid()))):
         return "drive"

@@ -6,14 +6,16 @@ import os
 import time
 from collections.abc import Collection, Iterable, Sequence
 from contextlib import ExitStack
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from ur.request.arguments import Argument
 from ur.run.join.claims import Definition, read_claims
 from ur.run.join.lock import MasterLock, lock_master
-from ur.run.master.client import Master, parse_master_uri
+from ur.run.master.client import parse_master_uri
 from ur.run.record.entry import RunEntry
 from ur.source.diagnostic import Diagnostic, UserError, error
+from ur.system.ros import graph_address, read_domain
 
 if TYPE_CHECKING:
     from ur.launchfile.plan.specs import Plan
@@ -39,9 +41,9 @@ def lock_launch(options: LaunchOptions, stack: ExitStack, report: Report) -> Mas
 
 
 def find_master_uri(options: LaunchOptions) -> str:
-    """The address of the master of a launch."""
-    uri = os.environ["ROS_MASTER_URI"]
-    return uri if options.port is None else f"http://{parse_master_uri(uri).host}:{options.port}"
+    """The address of the master of a launch, or of its domain of ROS 2."""
+    uri = graph_address(os.environ)
+    return uri if options.port is None or read_domain(uri) else f"http://{parse_master_uri(uri).host}:{options.port}"
 
 
 def follow_world(request: LaunchRequest) -> LaunchRequest:
@@ -56,10 +58,12 @@ def follow_world(request: LaunchRequest) -> LaunchRequest:
 
 
 def refuse_second_master() -> None:
-    """Raise UserError when a master runs already, for a launch that starts a master alone."""
+    """Raise UserError when a master runs already, or ROS 2 has none, for a launch that starts a master alone."""
     from ur.run.master.xml_rpc import Unanswered
 
-    master = parse_master_uri(os.environ["ROS_MASTER_URI"])
+    if read_domain(uri := graph_address(os.environ)) is not None:
+        raise UserError(error("--core starts a master, which ROS 2 has not", rule="bad-options", help="ur run PROGRAM"))
+    master = parse_master_uri(uri)
     try:
         master.get_run_id()
     except Unanswered:
@@ -145,8 +149,7 @@ def _await_stopping(entries: Sequence[RunEntry], report: Report) -> list[RunEntr
 
 def _find_world(entry: RunEntry) -> str:
     claims = read_claims(entry.folder)
-    files = [claims.nodes.get(name, {}).get("param world_file", "") for name in claims.base]
-    path = next(filter(None, files), "")
+    path = next((file for name in claims.base if (file := claims.nodes.get(name, {}).get("param world_file", ""))), "")
     name = path.rpartition(_WORLDS)[2].removesuffix(".yaml")
     return name if _WORLDS in path and "/" not in name else path
 
@@ -181,10 +184,11 @@ def _list_nodes(entry: RunEntry) -> frozenset[str]:
 def _find_foreign(names: Sequence[str], uri: str, *, elsewhere: bool) -> list[str]:
     from ur.run.master.xml_rpc import CallRefused, Unanswered
 
-    known = parse_master_uri(uri)
-    master = Master(known.uri, known.host, known.port, 1.0)
+    if not names or read_domain(uri) is not None:  # ROS 2 ends no node for another of its name
+        return []
+    master = replace(parse_master_uri(uri), timeout=1.0)
     try:
-        live = master.find_live_nodes(names) if names else []
+        live = master.find_live_nodes(names)
     except (Unanswered, CallRefused, ValueError, TypeError):
         return []
     if not live or not elsewhere:

@@ -12,6 +12,7 @@ from pathlib import Path
 from ur.run.master.client import parse_master_uri
 from ur.run.paths import is_local_address
 from ur.run.record.entry import runs_folders
+from ur.system.ros import read_domain
 
 _PERIOD = 0.05  # s
 _PATIENCE = 2.0  # s of silence, after which the wait is reported
@@ -46,10 +47,7 @@ def lock_master(
 
 
 def _acquire(master_uri: str, environment: Mapping[str, str], uid: int, report: Callable[[str], None]) -> int:
-    master = parse_master_uri(master_uri)
-    host = "localhost" if is_local_address(master.host) else master.host
-    safe = "".join(letter if letter.isalnum() or letter in ".-" else "_" for letter in host)[:100]
-    path = Path(runs_folders(environment, uid)[0]).parent / "masters" / f"{safe}_{master.port}.lock"
+    path = Path(runs_folders(environment, uid)[0]).parent / "masters" / f"{_name(master_uri)}.lock"
     try:
         path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
         descriptor = os.open(path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o600)
@@ -70,6 +68,16 @@ def _acquire(master_uri: str, environment: Mapping[str, str], uid: int, report: 
         os.close(descriptor)
         raise
     return descriptor
+
+
+def _name(master_uri: str) -> str:
+    domain = read_domain(master_uri)
+    if domain is not None:
+        return f"ros2_{domain}"
+    master = parse_master_uri(master_uri)
+    host = "localhost" if is_local_address(master.host) else master.host
+    safe = "".join(letter if letter.isalnum() or letter in ".-" else "_" for letter in host)[:100]
+    return f"{safe}_{master.port}"
 
 
 def _try(descriptor: int) -> bool:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import select
 import threading
 import time
@@ -12,11 +13,13 @@ from ur.run.clients.protocol import RunEnded, RunStopping
 from ur.run.join.claims import read_claims
 from ur.run.master.client import Master, parse_master_uri
 from ur.run.master.xml_rpc import CallRefused, Unanswered
+from ur.run.middleware.facts import read_facts
 from ur.run.record.computer import read_computer
 from ur.run.record.entry import RunEntry
 from ur.run.record.registry import list_runs
 from ur.run.supervisor.events import Event, OwnerEnded
 from ur.source.run_users import read_birth
+from ur.system.ros import facts_file, read_domain
 
 START_SECONDS = 60.0
 _PATIENCE = 2.0  # s of silence, after which the wait is reported
@@ -25,21 +28,35 @@ _PERIOD = 0.05  # s
 
 def await_owner(entry: RunEntry, report: Callable[[str], None]) -> bool:
     """Wait until a run has set its parameters, after which its nodes start. False: it ends, or takes too long."""
-    known = parse_master_uri(entry.master_uri)
-    master = Master(known.uri, known.host, known.port, 1.0)
+    has_begun = _ask_master(entry.master_uri)
     began = time.monotonic()
     reported = False
     while read_birth(entry.pid) == entry.born and time.monotonic() < began + START_SECONDS:
-        try:
-            if master.get_run_id() is not None:
-                return True
-        except (Unanswered, CallRefused):
-            pass
+        if has_begun():
+            return True
         if not reported and time.monotonic() > began + _PATIENCE:
             report(f"waiting for {entry.run} to start")
             reported = True
         time.sleep(_PERIOD)
     return False
+
+
+def _ask_master(address: str) -> Callable[[], bool]:
+    """Make a test of the runs at this address: whether they have set their parameters."""
+    domain = read_domain(address)
+    if domain is not None:
+        path = os.environ.get("UR_FACTS") or facts_file(os.environ, domain)
+        return lambda: bool(read_facts(path).get("run_id"))
+    known = parse_master_uri(address)
+    master = Master(known.uri, known.host, known.port, 1.0)
+
+    def ask() -> bool:
+        try:
+            return master.get_run_id() is not None
+        except (Unanswered, CallRefused):
+            return False
+
+    return ask
 
 
 def list_joined(run: str, environment: Mapping[str, str], uid: int) -> list[str]:

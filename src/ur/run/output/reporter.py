@@ -6,6 +6,7 @@ import os
 import signal
 from collections import deque
 from typing import TYPE_CHECKING
+from urllib.parse import urlsplit
 
 from ur.run.output.messages import LossLines, describe_death, describe_link
 from ur.run.supervisor.actions import (
@@ -36,8 +37,8 @@ class RunReporter:
 
     def __init__(self, run: Run, console: Console, outputs: NodeOutputs, monitor: Monitor) -> None:
         self._folder = run.folder
-        self._master = "" if run.master is None else run.master.uri
-        self._robot = "" if run.master is None else run.master.host.removesuffix(".local")
+        self._master = "" if run.middleware is None else run.middleware.address
+        self._robot = (urlsplit(self._master).hostname or "").removesuffix(".local")
         self._loss_lines = LossLines()
         self._programs = {program.unit.name: program for program in run.programs}
         self._list_joined, self._record_end = run.list_joined, run.clients.record_end

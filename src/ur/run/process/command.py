@@ -18,13 +18,17 @@ from ur.run.supervisor.state import Unit
 from ur.source.diagnostic import Diagnostic, UserError, error
 from ur.source.suggest import did_you_mean
 
+_OWN = "ubiquity_launches"
+"""The package whose executables have the names of those that they stand in for."""
+
 
 @dataclass(frozen=True, slots=True)
 class UnitProgram:
     """A unit and how to start it. `changes` are laid over the environment of the run, None removes a variable.
 
     `log_name` is the stem of its log files; `screen` whether its standard output is shown to people; `ready` what else
-    has to be there before it is up. `executable` is the one word of `argv` that is the node's own program.
+    has to be there before it is up. `executable` is the one word of `argv` that is the node's own program. `names_log`:
+    it is given the path of its log, as nodes of ROS 1 are.
     """
 
     unit: Unit
@@ -35,6 +39,7 @@ class UnitProgram:
     screen: bool = False
     ready: tuple[ReadyCondition, ...] = ()
     executable: str = ""
+    names_log: bool = True
 
     def with_prefix(self, prefix: Sequence[str]) -> tuple[str, ...]:
         """The command with other words in front of the executable."""
@@ -96,6 +101,8 @@ def find_executable(node: NodeSpec, world: World) -> str:
     try:
         found = world.find_executables(node.package, node.type)
     except PackageNotFound:
+        if world.environment.get("ROS_VERSION") == "2":
+            return _find_own(node, world)
         near = did_you_mean(node.package, world.package_names())
         raise UserError(
             error(
@@ -127,6 +134,27 @@ def find_executable(node: NodeSpec, world: World) -> str:
             node.origin.span,
             rule="unknown-executable",
             help=f"it was searched for below {world.find_package(node.package)} and /usr/lib/{node.package}",
+        )
+    )
+
+
+def _find_own(node: NodeSpec, world: World) -> str:
+    """Our executable of the same name, for a package that this ROS 2 does not have. Raises UserError."""
+    try:
+        own = world.find_executables(_OWN, node.type)
+    except (LookupError, OSError, ValueError):
+        own = ()
+    if own:
+        return own[0]
+    distro = world.environment.get("ROS_DISTRO", "")
+    debian = f"ros-{distro}-{node.package.replace('_', '-')}"
+    raise UserError(
+        error(
+            f"{node.full_name}: package {node.package!r} is not installed for ROS 2 {distro.capitalize()}",
+            node.origin.span,
+            rule="unknown-package",
+            help=f"sudo apt-get install {debian}, if it exists; --except {node.full_name} leaves the node out",
+            subject=node.package,
         )
     )
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import time
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -9,9 +10,11 @@ from typing import Any, Literal
 
 from ur.run.master.client import Master, parse_master_uri
 from ur.run.master.xml_rpc import CallRefused, Unanswered
+from ur.run.middleware.facts import read_facts
 from ur.run.remote.protocol import check_printable
 from ur.source.diagnostic import UserError
 from ur.source.foreign.json_values import Timestamp, convert_json, read_json
+from ur.system.ros import facts_file, read_domain
 
 PARAMETER = "/ur/lease"
 LeaseState = Literal["free", "held", "lost"]
@@ -41,6 +44,9 @@ class RobotLease:
 def read_lease(master_uri: str) -> RobotLease:
     """Read the lease from a master. Free without an answer, or where no robot of ours runs."""
     try:
+        if (domain := read_domain(master_uri)) is not None:
+            path = os.environ.get("UR_FACTS") or facts_file(os.environ, domain)
+            return parse_lease(read_facts(path).get("lease"))
         asked = parse_master_uri(master_uri)
         text = Master(asked.uri, asked.host, asked.port, _PATIENCE).call("getParam", PARAMETER)
         return parse_lease(text)

@@ -11,6 +11,7 @@ from ur.launchfile.plan.specs import LOCAL_ADDRESSES, NodeSpec, Plan
 from ur.run.master.client import Master, parse_master_uri
 from ur.run.remote.signs import Sign, look_up_nodes, probe_node
 from ur.source.diagnostic import UserError
+from ur.system.ros import read_domain
 
 _TRIES = 9
 
@@ -89,6 +90,8 @@ def describe_names(names: Mapping[str, str]) -> Iterable[str]:
 
 def is_same_master(one: str, other: str) -> bool:
     """Return whether two addresses are the same master, as far as their text shows."""
+    if read_domain(one) is not None or read_domain(other) is not None:
+        return one == other
     try:
         first, second = parse_master_uri(one), parse_master_uri(other)
     except UserError:

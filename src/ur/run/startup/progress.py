@@ -25,7 +25,7 @@ class StartProgress:
         self, run: Run, inbox: Inbox, monitor: Monitor, inform: Callable[[str], None], count: StartCount | None
     ) -> None:
         """`inform` takes the durations; `count` is shown while a program waits for the terminal."""
-        self._master = run.master
+        self._middleware = run.middleware
         self._conditions = {program.unit.name: program.ready for program in run.programs}
         self._timings = run.timings
         self._inbox = inbox
@@ -52,10 +52,10 @@ class StartProgress:
             self._count.stop()
         asked = self._monitor.wants_readiness or self._timings is not None or self.due is not None
         wanted = asked and state.phase is RunPhase.RUNNING
-        if self._probe is None and wanted and self._master is not None:
+        if self._probe is None and wanted and self._middleware is not None:
             from ur.run.startup.readiness import ReadinessProbe  # only for those who wait
 
-            self._probe = ReadinessProbe(self._master, self._conditions, self._hear)
+            self._probe = ReadinessProbe(self._middleware.view, self._conditions, self._hear)
         if self._probe is not None and not wanted:
             self.close()
         if self._probe is not None:

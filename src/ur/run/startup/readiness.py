@@ -3,54 +3,23 @@
 from __future__ import annotations
 
 import math
-import select
 import threading
 import time
-from collections import deque
 from collections.abc import Callable, Mapping, Sequence
-from contextlib import suppress
-from dataclasses import dataclass, field
 
 from ur.launchfile.plan.specs import ReadyCondition
-from ur.run.master.client import CALLER, Master
-from ur.run.master.tcpros import NoTopic, TopicConnection, listen_to, read_frames
-from ur.run.master.xml_rpc import CallRefused, Unanswered
+from ur.run.middleware.protocol import TF_TOPICS, GraphView, NoGraph, ReceivedMessages, RunGraph
 
 PERIOD = 0.1  # s between two looks while something is missing
-TIMEOUT = 1.0  # s that a publisher gets to answer
 STALE = 2.0  # s without a message after which a topic does not come any more
-TF_TOPICS = ("/tf", "/tf_static")
 
 Report = Callable[[str, int, tuple[str, ...]], None]
-
-
-@dataclass(frozen=True, slots=True)
-class MasterGraph:
-    """The master's nodes by topic and service: publishers, subscribers, and servers."""
-
-    publishers: Mapping[str, Sequence[str]]
-    subscribers: Mapping[str, Sequence[str]]
-    services: Mapping[str, Sequence[str]]
-
-    def knows(self, node: str) -> bool:
-        """Test for a registered node."""
-        return any(
-            node in nodes for kind in (self.publishers, self.subscribers, self.services) for nodes in kind.values()
-        )
-
-
-@dataclass(slots=True)
-class ReceivedMessages:
-    """Messages received on a topic: their times (any clock, s), and frames where it is one of tf."""
-
-    times: deque[float] = field(default_factory=lambda: deque(maxlen=1000))
-    frames: set[str] = field(default_factory=set)
 
 
 def find_missing(
     node: str,
     conditions: Sequence[ReadyCondition],
-    graph: MasterGraph,
+    graph: RunGraph,
     received: Mapping[str, ReceivedMessages],
     now: float,
 ) -> tuple[str, ...]:
@@ -70,7 +39,7 @@ def measure_rate(times: Sequence[float], rate: float, now: float) -> float | Non
 
 
 def _describe_unmet(
-    condition: ReadyCondition, graph: MasterGraph, received: Mapping[str, ReceivedMessages], now: float
+    condition: ReadyCondition, graph: RunGraph, received: Mapping[str, ReceivedMessages], now: float
 ) -> str:
     name = condition.name
     match condition.kind:
@@ -89,7 +58,7 @@ def _describe_unmet(
 
 
 def _describe_topic(
-    name: str, rate: float | None, graph: MasterGraph, received: Mapping[str, ReceivedMessages], now: float
+    name: str, rate: float | None, graph: RunGraph, received: Mapping[str, ReceivedMessages], now: float
 ) -> str:
     if name not in graph.publishers:
         return f"topic {name} is not published"
@@ -108,16 +77,19 @@ def _describe_topic(
 class ReadinessProbe:
     """Checks, in a thread of its own, until every node is ready; calls `report(name, pid, missing)` on changes."""
 
-    def __init__(self, master: Master, conditions: Mapping[str, Sequence[ReadyCondition]], report: Report) -> None:
-        self._master = master
+    def __init__(
+        self,
+        make_view: Callable[[], GraphView],
+        conditions: Mapping[str, Sequence[ReadyCondition]],
+        report: Report,
+    ) -> None:
+        self._make_view = make_view
         self._conditions = conditions
         self._notify = report
         self._running: dict[str, int] = {}
         self._reported: dict[tuple[str, int], tuple[str, ...]] = {}
         self._changed = threading.Event()
         self._over = False
-        self._listeners: dict[tuple[str, str], TopicConnection] = {}
-        self._received: dict[str, ReceivedMessages] = {}
         self._thread = threading.Thread(target=self._check_nodes, daemon=True)
         self._thread.start()
 
@@ -132,31 +104,30 @@ class ReadinessProbe:
         self._changed.set()
 
     def _check_nodes(self) -> None:
-        while not self._over:
-            open_ = {name: pid for name, pid in self._running.items() if self._reported.get((name, pid)) != ()}
-            self._changed.clear()
-            if open_:
-                self._look(open_)
-            if not open_ or not self._listeners:
-                self._forget_listeners()
-                self._changed.wait(PERIOD if open_ else None)
-            else:
-                self._listen(PERIOD)
-        self._forget_listeners()
-
-    def _look(self, open_: Mapping[str, int]) -> None:
+        view = self._make_view()
         try:
-            publishers, subscribers, services = (dict(kind) for kind in self._master.get_system_state())
-        except (Unanswered, CallRefused, ValueError, TypeError) as problem:
+            while not self._over:
+                open_ = {name: pid for name, pid in self._running.items() if self._reported.get((name, pid)) != ()}
+                self._changed.clear()
+                if open_:
+                    self._look(view, open_)
+                    view.wait(PERIOD)
+                else:
+                    view.forget()
+                    self._changed.wait()
+        finally:
+            view.forget()
+
+    def _look(self, view: GraphView, open_: Mapping[str, int]) -> None:
+        try:
+            graph = view.look({topic for name in open_ for topic in self._topics(name)})
+        except NoGraph as problem:
             for name, pid in open_.items():
-                self._report(name, pid, (f"the master does not answer: {problem}",))
+                self._report(name, pid, (str(problem),))
             return
-        graph = MasterGraph(publishers, subscribers, services)
-        self._connect({topic for name in open_ for topic in self._topics(name)}, graph)
         for name, pid in open_.items():
-            self._report(
-                name, pid, find_missing(name, self._conditions.get(name, ()), graph, self._received, time.monotonic())
-            )
+            conditions = self._conditions.get(name, ())
+            self._report(name, pid, find_missing(name, conditions, graph, view.received, time.monotonic()))
 
     def _report(self, name: str, pid: int, missing: tuple[str, ...]) -> None:
         if self._reported.get((name, pid)) != missing:
@@ -171,37 +142,3 @@ class ReadinessProbe:
             elif condition.kind == "topic" and condition.rate is not None:
                 found.add(condition.name)
         return found
-
-    def _connect(self, topics: set[str], graph: MasterGraph) -> None:
-        for topic in topics:
-            for node in graph.publishers.get(topic, ()):
-                if (topic, node) in self._listeners:
-                    continue
-                with suppress(NoTopic, Unanswered, CallRefused):  # it is asked again at the next look
-                    uri = self._master.call("lookupNode", node)
-                    keep = 1 << 20 if topic in TF_TOPICS else 0
-                    listener = listen_to(uri, topic, keep=keep, timeout=TIMEOUT, caller=CALLER)
-                    self._listeners[topic, node] = listener
-                    self._received.setdefault(topic, ReceivedMessages())
-
-    def _listen(self, period: float) -> None:
-        end = time.monotonic() + period
-        while self._listeners and (left := end - time.monotonic()) > 0:
-            keys = {listener.fileno(): key for key, listener in self._listeners.items()}
-            for descriptor in select.select(list(keys), [], [], left)[0]:
-                key = keys[descriptor]
-                received = self._received[key[0]]
-                try:
-                    messages = self._listeners[key].receive()
-                except NoTopic:
-                    self._listeners.pop(key).close()
-                    continue
-                received.times.extend([time.monotonic()] * len(messages))
-                if key[0] in TF_TOPICS:
-                    received.frames.update(*(read_frames(message) for message in messages))
-
-    def _forget_listeners(self) -> None:
-        for listener in self._listeners.values():
-            listener.close()
-        self._listeners.clear()
-        self._received.clear()

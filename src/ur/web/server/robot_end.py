@@ -6,7 +6,6 @@ import asyncio
 import json
 import os
 import socket
-import sys
 from collections.abc import Callable, Collection, Mapping
 from contextlib import suppress
 from typing import Literal
@@ -16,6 +15,7 @@ from ur.run.join.claims import read_claims
 from ur.run.record.computer import read_computer
 from ur.run.record.registry import list_runs
 from ur.source.run_users import PAGE, forget_user, note_user
+from ur.system.ros import graph_address, node_command, read_domain
 from ur.web.wire.frames import LENGTH, LONGEST
 
 State = Literal["no master", "starting", "up"]
@@ -52,7 +52,7 @@ class RobotProcess:
     @property
     def master(self) -> str:
         """The address of the master."""
-        return self._environment.get("ROS_MASTER_URI", "http://localhost:11311")
+        return graph_address(self._environment)
 
     def send(self, message: Mapping[str, object]) -> None:
         """Pass a message of a page on; it is dropped where there is no process."""
@@ -94,6 +94,8 @@ class RobotProcess:
             self._on_state()
 
     async def _master_answers(self) -> bool:
+        if read_domain(self.master) is not None:
+            return True  # there is none to wait for
         address = urlsplit(self.master)
         try:
             opened = asyncio.open_connection(address.hostname, address.port or 11311)
@@ -107,7 +109,8 @@ class RobotProcess:
         (view, its_view), (drive, its_drive) = socket.socketpair(), socket.socketpair()
         with its_view, its_drive:
             process = await asyncio.create_subprocess_exec(
-                *(sys.executable, "-I", "-m", "ur_nodes", _MODULE, str(its_view.fileno()), str(its_drive.fileno())),
+                *node_command(self._environment),
+                *(_MODULE, str(its_view.fileno()), str(its_drive.fileno())),
                 pass_fds=(its_view.fileno(), its_drive.fileno()),
                 stdin=asyncio.subprocess.DEVNULL,
                 stdout=asyncio.subprocess.DEVNULL,

@@ -5,10 +5,10 @@ from __future__ import annotations
 import asyncio
 import json
 import socket
-import sys
 from collections.abc import AsyncIterator, Callable, Mapping
 from contextlib import asynccontextmanager, suppress
 
+from ur.system.ros import node_command
 from ur.web.server.robot_end import wait_or_kill
 
 _MODULE = "ur_nodes.web.viewers.viewer_end_node"
@@ -52,7 +52,7 @@ class ViewerProcess:
         ours, its = socket.socketpair()
         with its:
             self._process = process = await asyncio.create_subprocess_exec(
-                *(sys.executable, "-I", "-m", "ur_nodes", _MODULE, str(its.fileno())),
+                *(*node_command(self._environment), _MODULE, str(its.fileno())),
                 pass_fds=(its.fileno(),),
                 stdin=asyncio.subprocess.DEVNULL,
                 stdout=asyncio.subprocess.DEVNULL,

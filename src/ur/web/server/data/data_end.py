@@ -5,11 +5,11 @@ from __future__ import annotations
 import asyncio
 import json
 import socket
-import sys
 from collections.abc import Callable, Mapping
 from contextlib import suppress
 from typing import Literal
 
+from ur.system.ros import node_command
 from ur.web.server.robot_end import wait_or_kill
 from ur.web.wire.data_frames import DataFrame, unpack_frame
 from ur.web.wire.frames import LENGTH, LONGEST
@@ -75,7 +75,7 @@ class DataProcess:
         ours, its = socket.socketpair()
         with its:
             process = await asyncio.create_subprocess_exec(
-                *(sys.executable, "-I", "-m", "ur_nodes", _MODULE, str(its.fileno())),
+                *(*node_command(self._environment), _MODULE, str(its.fileno())),
                 pass_fds=(its.fileno(),),
                 stdin=asyncio.subprocess.DEVNULL,
                 stdout=asyncio.subprocess.DEVNULL,

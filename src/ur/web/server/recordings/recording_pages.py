@@ -11,6 +11,7 @@ from aiohttp import web
 
 from ur.run.master.xml_rpc import CallRefused, Unanswered
 from ur.source.diagnostic import UserError
+from ur.system.ros import graph_address
 from ur.web.access.roles import Role
 from ur.web.server.logins.gate import SESSION, demand_drive, read_body
 from ur.web.server.recordings.recorder import Recorder, RecorderError
@@ -24,7 +25,7 @@ class RecordingPages:
 
     def __init__(self, environment: Mapping[str, str], log: Callable[[str], None]) -> None:
         self._log = log
-        self._master = environment.get("ROS_MASTER_URI", "http://localhost:11311")
+        self._master = graph_address(environment)
         writer: RecordingWriter = Rosbag(environment)
         self._store = Store(recordings_folder(environment), writer.ending, writer.unfinished)
         self._recorder = Recorder(self._store, writer, environment, log)

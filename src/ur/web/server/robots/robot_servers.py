@@ -13,6 +13,7 @@ from typing import Any
 from urllib.parse import urlsplit
 
 from ur.robot.discovery.masters import RobotMaster
+from ur.system.ros import graph_address
 from ur.web.access.roles import Role
 from ur.web.server.robot_end import wait_or_kill
 from ur.web.server.robots.peer import LONGEST_LINE, Peer, PeerError
@@ -86,7 +87,8 @@ class RobotServers:
 
     def _master_of(self, robot: RobotMaster) -> str:
         """The robot's master; for the own one that of the environment, which the user may have set."""
-        return self._environment.get("ROS_MASTER_URI", robot.master) if robot.name == self.own else robot.master
+        own = {"ROS_MASTER_URI": robot.master, **self._environment}
+        return graph_address(own) if robot.name == self.own else robot.master
 
     def _is_open(self, name: str) -> bool:
         return name == self.own or name in self._servers

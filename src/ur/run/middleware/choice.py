@@ -1,0 +1,21 @@
+"""The middleware of a run, by the environment."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from ur.launchfile.world import World
+from ur.run.middleware.protocol import Middleware
+from ur.run.options import RunOptions
+from ur.run.output.console import Console
+
+
+def find_middleware(environment: Mapping[str, str], world: World, options: RunOptions, console: Console) -> Middleware:
+    """Find the middleware of a run. Raises UserError: no master on the selected robot, or one that cannot start."""
+    if environment.get("ROS_VERSION") == "2":
+        from ur.run.middleware.ros2 import find_ros2
+
+        return find_ros2(environment, options)
+    from ur.run.middleware.ros1 import find_ros1
+
+    return find_ros1(environment, world, options, console)

@@ -1,0 +1,37 @@
+"""Facts of a domain of ROS 2: what holds for all nodes of its runs, in a file. `ur_nodes` reads and changes it."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Mapping
+from contextlib import suppress
+from pathlib import Path
+
+_MOST = 1 << 20  # characters
+
+
+def read_facts(path: str) -> dict[str, object]:
+    """The facts in a file; none where it cannot be read."""
+    with suppress(OSError, ValueError, RecursionError), Path(path).open(encoding="utf-8") as file:
+        found = json.loads(file.read(_MOST))
+        if isinstance(found, dict):
+            return found
+    return {}
+
+
+def write_facts(path: str, facts: Mapping[str, object]) -> None:
+    """Write facts; readers see all or none. Raises OSError."""
+    folder = Path(path).parent
+    folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+    unfinished = folder / f".{os.getpid()}.new"
+    unfinished.write_text(json.dumps(dict(facts)), encoding="utf-8")
+    unfinished.replace(path)
+
+
+def clear_facts(path: str) -> None:
+    """Remove facts, and the parameters that nodes have set for their next start, which lie beside them."""
+    file = Path(path)
+    with suppress(OSError):
+        for each in (file, *file.parent.glob(f"{file.stem}.*.json")):
+            each.unlink(missing_ok=True)

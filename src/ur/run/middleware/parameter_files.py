@@ -1,0 +1,99 @@
+"""Parameters of a plan as files for the nodes of ROS 2, where each node keeps its own. Pure.
+
+What roslaunch sets for all nodes a node gets if it asks for it: `use_sim_time` each, the description of the robot those
+that publish its frames. The values of ROS 2 are numbers, texts, flags and lists of one kind: a list of maps becomes a
+map by their `name`, other nested lists become texts, as Nav2 has them.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+
+from ur.launchfile.plan.specs import NodeSpec, ParamValue, Plan
+
+_SIMULATED_TIME = "use_sim_time"
+_DESCRIPTION = "robot_description"
+_DESCRIBED = ("robot_state_publisher", "joint_state_publisher", "rviz2")
+
+
+def file_name(folder: str, node: str) -> str:
+    """The file of the parameters of a node."""
+    return f"{folder}/{node.lstrip('/').replace('/', '-')}.parameters.yaml"
+
+
+def format_parameters(plan: Plan, printed: Mapping[str, ParamValue]) -> dict[str, str]:
+    """The content of the file of each node, by its full name. `printed` are the values that programs have printed."""
+    values = {each.name: printed.get(each.name, each.value) for each in plan.params}
+    return {node.full_name: _format(_collect(node, values)) for node in plan.nodes}
+
+
+def _collect(node: NodeSpec, values: Mapping[str, ParamValue]) -> dict[str, object]:
+    found: dict[str, object] = {}
+    wanted = [_SIMULATED_TIME, *([_DESCRIPTION] if node.type in _DESCRIBED else [])]
+    for name in wanted:
+        if (value := _search(name, node.namespace, values)) is not None:
+            found[name] = value
+    prefix = f"{node.full_name}/"
+    for name, value in values.items():
+        if name.startswith(prefix):
+            _put(found, name.removeprefix(prefix).split("/"), value)
+    return found
+
+
+def _search(name: str, namespace: str, values: Mapping[str, ParamValue]) -> ParamValue:
+    """A parameter of a namespace or of one above it, as ROS 1 searches it; None where there is none."""
+    while True:
+        if namespace + name in values:
+            return values[namespace + name]
+        if namespace == "/":
+            return None
+        namespace = namespace.rstrip("/").rpartition("/")[0] + "/"
+
+
+def _put(found: dict[str, object], path: list[str], value: ParamValue) -> None:
+    for step in path[:-1]:
+        below = found.get(step)
+        if not isinstance(below, dict):
+            below = found[step] = {}
+        found = below
+    known = found.get(path[-1])
+    if isinstance(known, dict) and isinstance(value, dict):
+        for name, each in value.items():
+            _put(known, [name], each)
+    else:
+        found[path[-1]] = value
+
+
+def _format(found: Mapping[str, object]) -> str:
+    plain = _convert_map(found)
+    return json.dumps({"/**": {"ros__parameters": plain}}, indent=1) + "\n" if plain else "{}\n"
+
+
+def _convert_map(values: Mapping[str, object]) -> dict[str, object]:
+    converted = {str(name): _convert(value) for name, value in values.items()}
+    return {name: value for name, value in converted.items() if value not in (None, {}, [])}
+
+
+def _convert(value: object) -> object:
+    if isinstance(value, dict):
+        return _convert_map(value)
+    if isinstance(value, (list, tuple)):
+        return _convert_list(list(value))
+    if isinstance(value, bytes):
+        return list(value)
+    return value
+
+
+def _convert_list(items: list[object]) -> object:
+    named = [each for each in items if isinstance(each, dict) and isinstance(each.get("name"), str)]
+    if items and len(named) == len(items):
+        return _convert_map({each["name"]: {k: v for k, v in each.items() if k != "name"} for each in named})
+    if any(isinstance(each, (dict, list, tuple)) for each in items):
+        return json.dumps(items)
+    numbers = [float(each) for each in items if isinstance(each, (int, float)) and not isinstance(each, bool)]
+    if len(numbers) == len(items) and any(isinstance(each, float) for each in items):
+        return numbers
+    if len({type(each) for each in items}) > 1:
+        return [str(each) for each in items]
+    return items

@@ -1,0 +1,116 @@
+"""The interface between a run and its middleware: `ros1` and `ros2` offer it."""
+
+from __future__ import annotations
+
+import threading
+from collections import deque
+from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Protocol
+
+from ur.launchfile.plan.specs import NodeSpec, Plan
+from ur.run.process.command import UnitProgram
+from ur.run.supervisor.events import Event, Exited
+
+if TYPE_CHECKING:
+    from ur.run.master.parameters import CommandParameters
+    from ur.run.options import RunOptions
+
+TF_TOPICS = ("/tf", "/tf_static")
+
+
+class NoGraph(Exception):  # noqa: N818 - an answer
+    """The middleware does not answer; the text is the reason."""
+
+
+@dataclass(frozen=True, slots=True)
+class RunGraph:
+    """The nodes by topic and service: publishers, subscribers, and servers; `nodes` are those without any of these."""
+
+    publishers: Mapping[str, Sequence[str]]
+    subscribers: Mapping[str, Sequence[str]]
+    services: Mapping[str, Sequence[str]]
+    nodes: Collection[str] = ()
+
+    def knows(self, node: str) -> bool:
+        """Test for a registered node."""
+        return node in self.nodes or any(
+            node in nodes for kind in (self.publishers, self.subscribers, self.services) for nodes in kind.values()
+        )
+
+
+@dataclass(slots=True)
+class ReceivedMessages:
+    """Messages received on a topic: their times (monotonic, s), and frames where it is one of tf."""
+
+    times: deque[float] = field(default_factory=lambda: deque(maxlen=1000))
+    frames: set[str] = field(default_factory=set)
+
+
+class GraphView(Protocol):
+    """Reads the graph, and receives topics to see that messages arrive; for one thread."""
+
+    received: dict[str, ReceivedMessages]
+
+    def look(self, topics: Collection[str]) -> RunGraph:
+        """Return the graph of now, and receive these topics from now on. Raises NoGraph."""
+
+    def wait(self, seconds: float) -> None:
+        """Note what arrives, for so long."""
+
+    def forget(self) -> None:
+        """Receive nothing any more."""
+
+
+class Middleware(Protocol):
+    """The middleware of a run, as the run needs it."""
+
+    @property
+    def address(self) -> str:
+        """The address, for people and other runs."""
+
+    @property
+    def own(self) -> bool:
+        """Return whether this run starts it."""
+
+    @property
+    def run_id(self) -> str:
+        """The id of the runs that share it; empty where this run chooses it."""
+
+    @property
+    def core(self) -> tuple[UnitProgram, ...]:
+        """The programs that start it."""
+
+    @property
+    def environment(self) -> Mapping[str, str]:
+        """The variables of its nodes."""
+
+    @property
+    def logs(self) -> int:
+        """The number of the first node's log file."""
+
+    def describe(self) -> str:
+        """One line for people about where the nodes meet."""
+
+    def arrange(
+        self, programs: tuple[UnitProgram, ...], nodes: Sequence[NodeSpec], folder: str
+    ) -> tuple[UnitProgram, ...]:
+        """The programs of nodes with command lines as the middleware has them; `folder` holds the files of the run."""
+
+    def await_core(self, limit: float) -> Event:
+        """Wait, at most `limit` s, until the programs `core` work."""
+
+    def set_parameters(self, plan: Plan, folder: str, options: RunOptions, commands: CommandParameters) -> Event:
+        """Make the parameters of a plan known to its nodes."""
+
+    def unregister(self, names: Sequence[str]) -> Event:
+        """Remove what nodes of these names have left behind."""
+
+    def examine_exit(self, event: Exited) -> Event:
+        """Return Evicted in place of Exited where another node has ended this one."""
+
+    def watch(self, report: Callable[[Event], None]) -> threading.Event:
+        """Report what happens to a middleware that is not this run's own, until the event is set."""
+
+    def view(self) -> GraphView:
+        """Make a view of the graph."""

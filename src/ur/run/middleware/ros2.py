@@ -1,0 +1,127 @@
+"""A domain of ROS 2 as the middleware of a run: there is no master, and each node gets its parameters in a file."""
+
+from __future__ import annotations
+
+import os
+import threading
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from ur.launchfile.plan.specs import NodeSpec, Plan
+from ur.run.master.parameters import CommandParameters
+from ur.run.middleware.facts import clear_facts, read_facts, write_facts
+from ur.run.middleware.node_arguments import arguments_of
+from ur.run.middleware.parameter_files import file_name, format_parameters
+from ur.run.middleware.protocol import GraphView
+from ur.run.options import RunOptions
+from ur.run.process.command import UnitProgram
+from ur.run.record.computer import read_computer
+from ur.run.record.registry import list_runs
+from ur.run.supervisor.events import Event, Exited, ParametersSet, SetupFailed, Unregistered
+from ur.source.diagnostic import UserError, error
+from ur.system.ros import facts_file, graph_address
+
+
+@dataclass(frozen=True, slots=True)
+class DomainMiddleware:
+    """See `Middleware`. `facts` is the file of what holds for all nodes of the domain."""
+
+    address: str
+    own: bool
+    run_id: str
+    facts: str
+    variables: Mapping[str, str]
+    core: tuple[UnitProgram, ...] = ()
+    logs: int = 1
+
+    @property
+    def environment(self) -> Mapping[str, str]:
+        """See Middleware."""
+        return {"UR_FACTS": self.facts}
+
+    def describe(self) -> str:
+        """See Middleware."""
+        reach = self.variables.get("ROS_AUTOMATIC_DISCOVERY_RANGE", "SUBNET")
+        where = "on this computer only" if reach == "LOCALHOST" else f"discovery range {reach}"
+        distro = self.variables.get("ROS_DISTRO", "").capitalize()
+        return f"ROS 2 {distro}, ROS_DOMAIN_ID={self.variables.get('ROS_DOMAIN_ID') or '0'}, {where}"
+
+    def arrange(
+        self, programs: tuple[UnitProgram, ...], nodes: Sequence[NodeSpec], folder: str
+    ) -> tuple[UnitProgram, ...]:
+        """See Middleware."""
+        return tuple(
+            replace(
+                program,
+                argv=(*_own_words(program, node), *arguments_of(node, file_name(folder, node.full_name))),
+                changes=node.env,
+                names_log=False,
+            )
+            for program, node in zip(programs, nodes, strict=True)
+        )
+
+    def await_core(self, limit: float) -> Event:  # noqa: ARG002 - nothing is waited for
+        """See Middleware."""
+        return SetupFailed("ROS 2 has no master to wait for")
+
+    def set_parameters(self, plan: Plan, folder: str, options: RunOptions, commands: CommandParameters) -> Event:
+        """See Middleware."""
+        try:
+            files = format_parameters(plan, commands.collect())
+            for name, text in files.items():
+                Path(file_name(folder, name)).write_text(text, encoding="utf-8")
+            if self.own:
+                write_facts(
+                    self.facts,
+                    {"run_id": Path(folder).name, "base_name": options.base, "variant": options.variant},
+                )
+        except UserError as problem:
+            return SetupFailed(str(problem))
+        except OSError as problem:
+            return SetupFailed(f"parameters cannot be written to {folder}: {(problem.strerror or '').lower()}")
+        return ParametersSet()
+
+    def unregister(self, names: Sequence[str]) -> Event:  # noqa: ARG002 - a node that has ended is in no graph
+        """See Middleware."""
+        if self.own and not _others(self.address, self.variables):
+            clear_facts(self.facts)
+        return Unregistered()
+
+    def examine_exit(self, event: Exited) -> Event:
+        """See Middleware. Nodes of ROS 2 may share a name: none is ended by another."""
+        return event
+
+    def watch(self, report: Callable[[Event], None]) -> threading.Event:  # noqa: ARG002 - nothing can be lost
+        """See Middleware."""
+        return threading.Event()
+
+    def view(self) -> GraphView:
+        """See Middleware."""
+        from ur.run.middleware.helper_view import HelperView  # only for those who wait
+
+        return HelperView(self.variables)
+
+
+def find_ros2(environment: Mapping[str, str], options: RunOptions) -> DomainMiddleware:
+    """Find the domain of a run, and whether other runs are in it. Raises UserError: an option that ROS 2 has not."""
+    if options.port is not None:
+        message = f"--port {options.port} chooses the port of a master, which ROS 2 has not"
+        raise UserError(error(message, rule="bad-options", help="ROS_DOMAIN_ID chooses the domain"))
+    address = graph_address(environment)
+    facts = environment.get("UR_FACTS") or facts_file(environment, address.rpartition("/")[2])
+    own = not _others(address, environment)
+    if own:
+        clear_facts(facts)
+    return DomainMiddleware(address, own, "" if own else str(read_facts(facts).get("run_id", "")), facts, environment)
+
+
+def _others(address: str, environment: Mapping[str, str]) -> bool:
+    """Return whether other runs of this user are in the domain."""
+    runs = list_runs(environment, os.getuid(), read_computer())
+    return any(each.master_uri == address and each.pid != os.getpid() for each in runs)
+
+
+def _own_words(program: UnitProgram, node: NodeSpec) -> tuple[str, ...]:
+    """The command line without the names that roslaunch appends."""
+    return program.argv[: len(program.argv) - len(node.remaps) - 1]

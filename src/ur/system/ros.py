@@ -1,0 +1,135 @@
+"""ROS of this computer: ROS 1 as its release packages it, the user's own ROS 2, or the wheels of ROS 2."""
+
+# Paths are texts here: this runs at each Tab, and pathlib is not worth its import.
+# ruff: noqa: PTH110, PTH118, PTH208
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Literal
+
+from ur.source.diagnostic import UserError, error
+from ur.source.user_folders import user_folder
+
+WHEELS = ".ros2"
+"""The environment of the wheels, in the state folder (`ur.source.project.state_folder`)."""
+
+WHEELS_DISTRO = "kilted"
+READY = "ready"
+"""The file that the set-up writes last into the environment of the wheels."""
+
+_MASTERS = ("usr/bin/rosmaster", "opt/ros/noetic/bin/rosmaster")
+_OLDEST = "jazzy"
+_FIRST_DOMAIN, _DOMAINS = 60, 40  # of the simulated robots, by user: 0 to 101 are free of the ports of programs
+_HOST = "localhost"
+_SCHEME = "ros2://"
+
+
+@dataclass(frozen=True, slots=True)
+class Ros:
+    """ROS that nodes run with: its release, the folder that it is installed in, and the Python of nodes.
+
+    `prefix` is empty for ROS 1. `sourced`: the environment has it already.
+    """
+
+    version: Literal[1, 2]
+    distro: str
+    prefix: str
+    python: str
+    sourced: bool = False
+
+    @property
+    def wheels(self) -> bool:
+        """Return whether it is the wheels that the set-up has installed."""
+        return os.path.basename(self.prefix) == WHEELS  # noqa: PTH119 - as above
+
+    def __str__(self) -> str:
+        if self.version == 1:
+            return "ROS 1"
+        return f"ROS 2 {self.distro.capitalize()}, {'as wheels ' if self.wheels else ''}in {self.prefix}"
+
+
+def find_ros(wanted: str, environment: Mapping[str, str], state: str, *, root: str = "/") -> Ros:
+    """Find the ROS of version `wanted` ("1", "2"; "": ROS 1 where it is installed, else ROS 2).
+
+    `state` is the state folder, `root` the root of the file system. Raises UserError: it is not installed.
+    """
+    python = os.path.join(state, ".venv/bin/python")
+    if wanted != "2":
+        if any(os.path.exists(os.path.join(root, each)) for each in _MASTERS):
+            return Ros(1, "noetic", "", python)
+        if wanted == "1":
+            raise UserError(error("ROS 1 is not installed on this computer", rule="no-ros", help="ur use sim --ros 1"))
+    if found := _find_users(environment, python, root):
+        return found
+    wheels = os.path.join(state, WHEELS)
+    if os.path.exists(os.path.join(wheels, READY)):
+        return Ros(2, WHEELS_DISTRO, wheels, os.path.join(wheels, "bin/python"))
+    raise UserError(error("ROS 2 is not installed on this computer", rule="no-ros", help="ur use sim --ros 2"))
+
+
+def choose_domain(environment: Mapping[str, str], uid: int) -> str:
+    """The domain of the simulated robots of a user, in which no other robot is, unless a person has chosen one."""
+    return environment.get("ROS_DOMAIN_ID") or str(_FIRST_DOMAIN + uid % _DOMAINS)
+
+
+def facts_file(environment: Mapping[str, str], domain: str) -> str:
+    """The file of the facts of the runs in a domain of ROS 2, of this user."""
+    folder = environment.get("XDG_RUNTIME_DIR", "")
+    folder = folder if folder.startswith("/") else user_folder("XDG_STATE_HOME", environment)
+    return f"{folder}/ubiquity_launches/facts-{domain}.json"
+
+
+def graph_address(environment: Mapping[str, str]) -> str:
+    """The address of what connects nodes: ROS_MASTER_URI, on ROS 2 `ros2://localhost/DOMAIN`."""
+    if environment.get("ROS_VERSION") == "2":
+        return f"{_SCHEME}{_HOST}/{environment.get('ROS_DOMAIN_ID') or '0'}"
+    return environment.get("ROS_MASTER_URI") or "http://localhost:11311"
+
+
+def read_domain(address: str) -> str | None:
+    """The domain in an address of `graph_address`; None for a master of ROS 1."""
+    return address.rpartition("/")[2] if address.startswith(_SCHEME) else None
+
+
+def node_command(environment: Mapping[str, str]) -> tuple[str, ...]:
+    """The command that runs a module of `ur_nodes` as a node, in its environment."""
+    if environment.get("ROS_VERSION") != "2":
+        return (sys.executable, "-I", "-m", "ur_nodes")
+    from ur.source.project import launch_library  # pathlib, which Tab does without
+
+    return (str(launch_library() / "lib/node"),)
+
+
+def _find_users(environment: Mapping[str, str], python: str, root: str) -> Ros | None:
+    """The user's own ROS 2: the one that the shell has sourced, else the newest in /opt/ros. Raises UserError."""
+    distro = environment.get("ROS_DISTRO", "")
+    prefixes = [each for each in environment.get("AMENT_PREFIX_PATH", "").split(os.pathsep) if each]
+    if environment.get("ROS_VERSION") == "2" and prefixes and os.path.basename(prefixes[0]) != WHEELS:  # noqa: PTH119
+        _check_distro(distro, prefixes[-1])
+        return Ros(2, distro, prefixes[-1], python, sourced=True)
+    folder = os.path.join(root, "opt/ros")
+    try:
+        names = os.listdir(folder)
+    except OSError:
+        return None
+    found = [each for each in names if os.path.exists(os.path.join(folder, each, "share/rclpy"))]
+    if not found:
+        return None
+    newest = max(found, key=lambda name: (name != "rolling", name))
+    _check_distro(newest, os.path.join(folder, newest))
+    return Ros(2, newest, os.path.join(folder, newest), python)
+
+
+def _check_distro(distro: str, prefix: str) -> None:
+    if distro < _OLDEST:
+        raise UserError(
+            error(
+                f"ROS 2 {distro.capitalize()} in {prefix} is not supported, expected Jazzy, Kilted or Lyrical",
+                rule="old-ros",
+                help="its messages break nodes of newer releases on one network; install a newer release of ROS 2",
+                subject=distro,
+            )
+        )

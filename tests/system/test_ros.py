@@ -1,0 +1,80 @@
+"""The choice of ROS, on computers made of empty files."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from ur.source.diagnostic import UserError
+from ur.system.ros import choose_domain, facts_file, find_ros, graph_address, read_domain
+
+
+def make_computer(root: Path, *files: str) -> str:
+    for name in files:
+        (root / name).parent.mkdir(parents=True, exist_ok=True)
+        (root / name).touch()
+    return str(root / "state")
+
+
+ROS1 = "usr/bin/rosmaster"
+WHEELS = "state/.ros2/ready"
+JAZZY, KILTED, HUMBLE = (f"opt/ros/{name}/share/rclpy/package.xml" for name in ("jazzy", "kilted", "humble"))
+
+
+@pytest.mark.parametrize(
+    ("files", "wanted", "found"),
+    [
+        ((ROS1,), "", "ROS 1"),
+        ((ROS1, WHEELS, JAZZY), "", "ROS 1"),
+        ((ROS1, WHEELS), "2", "ROS 2 Kilted, as wheels in {root}/state/.ros2"),
+        ((WHEELS,), "", "ROS 2 Kilted, as wheels in {root}/state/.ros2"),
+        ((WHEELS, JAZZY), "", "ROS 2 Jazzy, in {root}/opt/ros/jazzy"),
+        ((ROS1, JAZZY, KILTED), "2", "ROS 2 Kilted, in {root}/opt/ros/kilted"),
+        ((KILTED, HUMBLE), "", "ROS 2 Kilted, in {root}/opt/ros/kilted"),
+    ],
+)
+def test_ros_is_the_packaged_one_else_the_users_else_the_wheels(
+    tmp_path: Path, files: tuple[str, ...], wanted: str, found: str
+) -> None:
+    state = make_computer(tmp_path, *files)
+    assert str(find_ros(wanted, {}, state, root=str(tmp_path))) == found.format(root=tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("files", "wanted", "message"),
+    [
+        ((), "", "ROS 2 is not installed"),
+        ((WHEELS,), "1", "ROS 1 is not installed"),
+        ((HUMBLE, WHEELS), "2", "ROS 2 Humble in .* is not supported, expected Jazzy"),
+    ],
+)
+def test_ros_that_is_missing_or_too_old_is_named(
+    tmp_path: Path, files: tuple[str, ...], wanted: str, message: str
+) -> None:
+    state = make_computer(tmp_path, *files)
+    with pytest.raises(UserError, match=message):
+        find_ros(wanted, {}, state, root=str(tmp_path))
+
+
+def test_sourced_ros2_goes_before_others_of_its_version(tmp_path: Path) -> None:
+    state = make_computer(tmp_path, JAZZY, WHEELS)
+    shell = {"ROS_VERSION": "2", "ROS_DISTRO": "lyrical", "AMENT_PREFIX_PATH": "/home/me/ws:/opt/ros/lyrical"}
+    found = find_ros("", shell, state, root=str(tmp_path))
+    assert (found.distro, found.prefix, found.sourced) == ("lyrical", "/opt/ros/lyrical", True)
+    ours = {"ROS_VERSION": "2", "ROS_DISTRO": "kilted", "AMENT_PREFIX_PATH": f"{state}/.ros2"}
+    assert find_ros("", ours, state, root=str(tmp_path)).distro == "jazzy"
+
+
+def test_simulated_robots_of_users_are_in_domains_of_their_own() -> None:
+    domains = {choose_domain({}, uid) for uid in range(1000, 1020)}
+    assert len(domains) == 20
+    assert all(0 < int(each) <= 101 for each in domains)
+    assert choose_domain({"ROS_DOMAIN_ID": "5"}, 1000) == "5"
+
+
+def test_address_of_a_graph_tells_its_domain() -> None:
+    assert read_domain(graph_address({"ROS_VERSION": "2", "ROS_DOMAIN_ID": "7"})) == "7"
+    assert read_domain(graph_address({"ROS_VERSION": "2"})) == "0"
+    assert read_domain(graph_address({"ROS_MASTER_URI": "http://robbie.local:11311"})) is None
+    assert facts_file({"XDG_RUNTIME_DIR": "/run/user/1"}, "7") == "/run/user/1/ubiquity_launches/facts-7.json"
