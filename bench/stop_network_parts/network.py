@@ -70,7 +70,9 @@ class Network:
         lanes: Sequence[Lane],
         seed: int,
         second: Computer | None = None,
+        patience: float = _PATIENCE,
     ) -> None:
+        self._patience = patience
         self.laptop = laptop
         self.second = second
         self.robot = robot
@@ -209,7 +211,7 @@ class Network:
             return not moving
 
         try:
-            wait_until(rest, "all lanes are at rest", _PATIENCE)
+            wait_until(rest, "all lanes are at rest", self._patience)
         except AssertionError:
             raise RuntimeError(f"is not at rest: {', '.join(moving)}") from None
 
@@ -223,7 +225,7 @@ class Network:
             return not waiting
 
         try:
-            wait_until(drive, "all lanes drive", _PATIENCE)
+            wait_until(drive, "all lanes drive", self._patience)
         except AssertionError:
             raise RuntimeError(
                 f"does not drive: {', '.join(sorted(waiting))}\n{self.laptop.log()}\n{self.robot.log()}"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import runpy
 import sys
+from collections.abc import Callable
 from importlib.util import find_spec
 
 from ur.source.project import project_folder
@@ -17,14 +18,14 @@ _NEEDS = {
 _NAMES = {"cv2": "OpenCV (opencv-python-headless)", "gtsam": "gtsam"}
 
 
-def main(arguments: list[str]) -> int:
-    """Run the node as a program, which raises SystemExit. Returns 2 when it cannot run here."""
+def main(arguments: list[str], find: Callable[[str], object] = find_spec) -> int:
+    """Run the node as a program, which raises SystemExit. Returns 2 when it cannot run here: `find` lacks a library."""
     name = arguments[0] if arguments else ""
     if name not in _NEEDS:
         sys.stderr.write(f"error: start_node: {name!r}, expected one of {', '.join(_NEEDS)}\n")
         return 2
     package, libraries = _NEEDS[name]
-    if missing := [_NAMES[library] for library in libraries if find_spec(library) is None]:
+    if missing := [_NAMES[library] for library in libraries if find(library) is None]:
         lock = project_folder() / "requirements/vision.lock"
         sys.stderr.write(
             f"error: {name}: {' and '.join(missing)} not installed, expected in {sys.prefix}\n"

@@ -146,15 +146,12 @@ def test_version_is_printed(capsys: pytest.CaptureFixture[str]) -> None:
     assert capsys.readouterr().out.startswith("ur 0.")
 
 
-def test_defect_becomes_one_line_and_a_file(
-    monkeypatch: pytest.MonkeyPatch, home: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_defect_becomes_one_line_and_a_file(home: Path, capsys: pytest.CaptureFixture[str]) -> None:
     @click.command("use")
     def broken() -> None:
         raise RuntimeError("oops")
 
-    monkeypatch.setattr("ur.cli.main.load_verb", lambda _: broken)
-    assert main(["use"]) == 2
+    assert main(["use"], lambda _: broken) == 2
     told = capsys.readouterr().err
     assert "error: internal error in 'ur use': RuntimeError: oops" in told
     assert "Traceback" not in told
@@ -184,28 +181,24 @@ def test_name_that_the_file_system_refuses_is_no_internal_error(words: list[str]
     assert "internal error" not in done.stderr
 
 
-def test_missing_permission_is_no_internal_error(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_missing_permission_is_no_internal_error(capsys: pytest.CaptureFixture[str]) -> None:
     @click.command("use")
     def refused() -> None:
         raise PermissionError(13, "Permission denied", "/a folder/x\x1b")
 
-    monkeypatch.setattr("ur.cli.main.load_verb", lambda _: refused)
-    assert main(["use"]) == 2
+    assert main(["use"], lambda _: refused) == 2
     assert capsys.readouterr().err == (
         "error: '/a folder/x\\x1b' cannot be used: permission denied\n"
         "  help: list the permissions of all folders above it: namei -l '/a folder/x\\x1b'\n"
     )
 
 
-def test_interrupt_is_quiet(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+def test_interrupt_is_quiet(capsys: pytest.CaptureFixture[str]) -> None:
     @click.command("use")
     def interrupted() -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("ur.cli.main.load_verb", lambda _: interrupted)
-    assert main(["use"]) == 130
+    assert main(["use"], lambda _: interrupted) == 130
     captured = capsys.readouterr()
     assert (captured.out, captured.err) == ("", "")
 

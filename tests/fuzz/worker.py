@@ -35,7 +35,7 @@ class OverLimitError(BaseException):
     """An input takes longer than it may. No parser catches it."""
 
 
-def check_input(target: Target, data: bytes, folder: Path) -> str | None:
+def check_input(target: Target, data: bytes, folder: Path, memory: int = MEMORY) -> str | None:
     """Give an input to a parser; the description of what is wrong, without the input, or None."""
     folder.mkdir(exist_ok=True)
     _set_alarms(CPU_SECONDS, WALL_SECONDS)
@@ -49,7 +49,7 @@ def check_input(target: Target, data: bytes, folder: Path) -> str | None:
         _set_alarms(0, 0)
         shutil.rmtree(folder, ignore_errors=True)
     used = read_peak_memory()
-    return f"takes {used >> 20} MB" if used > MEMORY else None
+    return f"takes {used >> 20} MB" if used > memory else None
 
 
 def read_peak_memory() -> int:

@@ -7,7 +7,6 @@ from pathlib import Path
 
 import pytest
 
-from ur.get import owners
 from ur.get.folder import find_renamed, folder_needs, hints_above
 from ur.get.index import Index
 from ur.get.owners import ask_server, confirm_guesses, owners_of_config, owners_of_manifest
@@ -93,11 +92,10 @@ def test_server_that_cannot_be_asked_is_asked_once_and_the_guess_is_named_as_one
     ],
 )
 def test_answer_of_git_tells_an_absent_repository_from_no_network(
-    code: int, stderr: str, answer: tuple[str, ...] | None, monkeypatch: pytest.MonkeyPatch
+    code: int, stderr: str, answer: tuple[str, ...] | None
 ) -> None:
     done = subprocess.CompletedProcess([], code, "", stderr)
-    monkeypatch.setattr(owners, "_run", lambda _command, _environment: done)
-    assert ask_server(f"{OWNER}/a.git") == answer
+    assert ask_server(f"{OWNER}/a.git", lambda _command, _environment: done) == answer
 
 
 def test_owner_of_the_repository_that_names_a_package_is_asked_first(tmp_path: Path) -> None:

@@ -78,8 +78,11 @@ def owners(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[dict[str
         for branch in ("ros2", "melodic-devel"):
             run([*robot, "update-ref", f"refs/heads/{branch}", commit])
     monkeypatch.setenv("no_proxy", "127.0.0.1")
-    monkeypatch.setattr(Server, "root", tmp_path)
-    server = ThreadingHTTPServer(("127.0.0.1", 0), Server)
+
+    class Here(Server):
+        root = tmp_path
+
+    server = ThreadingHTTPServer(("127.0.0.1", 0), Here)
     thread = threading.Thread(target=server.serve_forever, kwargs={"poll_interval": 0.01})
     thread.start()
     try:

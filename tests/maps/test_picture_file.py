@@ -1,11 +1,11 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
-from ur.maps import picture_file
 from ur.maps.picture_file import write_picture
 from ur.source.replace import replace_file
 from ur.worlds.map_file import read_map
@@ -30,23 +30,19 @@ def test_folders_that_are_missing_are_made(tmp_path: Path) -> None:
     assert read_map(file).width == 3
 
 
-def test_map_that_is_written_again_keeps_an_image_of_its_own_at_every_moment(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_map_that_is_written_again_keeps_an_image_of_its_own_at_every_moment(tmp_path: Path) -> None:
     name = tmp_path / "flat"
     write_picture(name, VALUES, 0.05, (0.0, 0.0, 0.0))
     larger = np.zeros((5, 5), np.int8)
 
-    def fail_at_the_yaml(path: Path, content: str | bytes, **options: bool) -> None:
+    def fail_at_the_yaml(path: Path, content: str | bytes, **options: Any) -> None:
         if path.suffix == ".yaml":
             raise OSError("the power failed")
         replace_file(path, content, **options)
 
-    monkeypatch.setattr(picture_file, "replace_file", fail_at_the_yaml)
     with pytest.raises(OSError, match="the power failed"):
-        write_picture(name, larger, 0.05, (-1.0, 0.0, 0.0))
+        write_picture(name, larger, 0.05, (-1.0, 0.0, 0.0), put=fail_at_the_yaml)
     assert np.array_equal(read_map(tmp_path / "flat.yaml").values, VALUES)
-    monkeypatch.undo()
     for values in (larger, VALUES):
         assert np.array_equal(read_map(write_picture(name, values, 0.05, (0.0, 0.0, 0.0))).values, values)
         assert len(list(tmp_path.iterdir())) == 2

@@ -105,9 +105,8 @@ def test_content_reaches_the_disk_before_the_name_and_the_name_before_the_return
     assert [each.removesuffix("at") for each in steps] == ["mkdir", "fsync", "write", "fsync", "rename", "fsync"]
 
 
-def test_cache_costs_no_flush(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_cache_costs_no_flush(tmp_path: Path) -> None:
     flushed: list[int] = []
-    monkeypatch.setattr(os, "fsync", flushed.append)
-    replace_file(tmp_path / "a" / "cache", "new", parents=True, lasting=False)
+    replace_file(tmp_path / "a" / "cache", "new", parents=True, lasting=False, sync=flushed.append)
     assert (tmp_path / "a" / "cache").read_text() == "new"
     assert flushed == []

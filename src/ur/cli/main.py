@@ -6,7 +6,7 @@ import errno
 import os
 import shlex
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import click
 
@@ -20,26 +20,30 @@ from ur.source.render import render_human, shows_colour
 class VerbGroup(click.Group):
     """The verbs, each imported when it is used."""
 
+    def __init__(self, load: Callable[[str], click.Command]) -> None:
+        super().__init__("ur", params=[_version_option()], help=HELP)
+        self._load = load
+
     def list_commands(self, ctx: click.Context) -> list[str]:  # noqa: ARG002 - click's signature
         """The names, in the order of the help."""
         return list(VERBS)
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:  # noqa: ARG002 - click's signature
         """Import a verb."""
-        return load_verb(cmd_name) if cmd_name in VERBS else None
+        return self._load(cmd_name) if cmd_name in VERBS else None
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
+def main(arguments: Sequence[str] | None = None, load: Callable[[str], click.Command] = load_verb) -> int:
     """Run `ur` with its arguments (default: of this process) and return the exit code. Raises nothing."""
     argv = list(sys.argv[1:] if arguments is None else arguments)
     open_closed_streams()
     with guard_output():
-        return _run(argv)
+        return _run(argv, load)
 
 
-def _run(argv: list[str]) -> int:
+def _run(argv: list[str], load: Callable[[str], click.Command]) -> int:
     try:
-        code = _dispatch(argv)
+        code = _dispatch(argv, load)
         sys.stdout.flush()
         return code
     except click.UsageError as problem:
@@ -57,7 +61,7 @@ def _run(argv: list[str]) -> int:
         return explain_exception(problem, argv)
 
 
-def _dispatch(argv: list[str]) -> int:
+def _dispatch(argv: list[str], load: Callable[[str], click.Command]) -> int:
     if not argv or argv[0] in ("--help", "-h", "help"):
         from ur.cli.help import show_help
 
@@ -68,7 +72,7 @@ def _dispatch(argv: list[str]) -> int:
 
         show_help(argv)
         return 0
-    group = VerbGroup("ur", params=[_version_option()], help=HELP)
+    group = VerbGroup(load)
     try:
         with group.make_context("ur", argv, color=None if shows_colour(sys.stdout) else False) as context:
             result = group.invoke(context)

@@ -112,7 +112,10 @@ def read_owners(folder: Path) -> tuple[str, ...]:
     return owners_of_config(_read_config(folder))
 
 
-def ask_server(url: str) -> tuple[str, ...] | None:
+Runner = Callable[[Sequence[str], dict[str, str]], "subprocess.CompletedProcess[str]"]
+
+
+def ask_server(url: str, run: Runner | None = None) -> tuple[str, ...] | None:
     """List the branches of the public repository at an address, the default one first.
 
     None of a repository that does not exist or is empty. Returns None where the server cannot be asked.
@@ -127,7 +130,7 @@ def ask_server(url: str) -> tuple[str, ...] | None:
         "SSH_ASKPASS": "true",
     }
     try:
-        done = _run(command, environment)
+        done = (run or _run)(command, environment)
     except (OSError, subprocess.TimeoutExpired):
         return None
     if done.returncode == 0:

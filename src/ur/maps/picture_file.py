@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -25,8 +26,9 @@ def write_picture(
     origin: Origin,
     occupied: int = _OCCUPIED_FROM,
     free: int = _FREE_BELOW,
+    put: Callable[..., None] = replace_file,
 ) -> Path:
-    """Write `name`.pgm and `name`.yaml; returns the latter. Raises OSError.
+    """Write `name`.pgm and `name`.yaml; returns the latter. Raises OSError. `put` replaces a file.
 
     `values` (height, width) are -1 unknown, 0 to 100 occupied, row 0 at the bottom; `resolution` is m per cell,
     `origin` (m, m, rad) the pose of the lower left corner. Cells from `occupied` on are walls, those up to `free` are
@@ -39,8 +41,8 @@ def write_picture(
     image, other = images[::-1] if _names(file, images[0].name) else images
     height, width = values.shape
     header = f"P5\n# {resolution:g} m per pixel\n{width} {height}\n255\n"
-    replace_file(image, header.encode() + shades(values, occupied, free).tobytes(), parents=True)
-    replace_file(file, describe_picture(image.name, resolution, origin))
+    put(image, header.encode() + shades(values, occupied, free).tobytes(), parents=True)
+    put(file, describe_picture(image.name, resolution, origin))
     other.unlink(missing_ok=True)
     return file
 

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import os
 import shlex
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
 from ur.robot.selection import Selection, load_selection, parse_selection, selection_path
 from ur.source.diagnostic import UserError
 from ur.source.project import launch_library, project_folder, state_folder
 from ur.source.user_folders import user_folder
-from ur.system.debian_root import find_root
+from ur.system.debian_root import DebianRoot, find_root
 from ur.system.ros import Ros, choose_domain, facts_file, find_ros
 
 REPOSITORY = project_folder()
@@ -30,14 +30,19 @@ def current_selection(environment: Mapping[str, str]) -> Selection:
 
 
 def environment_changes(
-    selection: Selection, environment: Mapping[str, str], *, package: Path = PACKAGE, hostname: str | None = None
+    selection: Selection,
+    environment: Mapping[str, str],
+    *,
+    package: Path = PACKAGE,
+    hostname: str | None = None,
+    find: Callable[[Mapping[str, str]], DebianRoot | None] = find_root,
 ) -> dict[str, str]:
     """The variables to set so that `environment` follows the selection. Setting them twice changes nothing.
 
     A ROS_MASTER_URI or ROS_HOSTNAME that a person has set stays; one that stems from an earlier selection goes.
     """
     host = hostname or os.uname().nodename.split(".")[0]  # importing socket would slow Tab
-    root = find_root(environment)
+    root = find(environment)
     path = environment.get("PATH", os.defpath)
     wanted = {
         "ROS_PACKAGE_PATH": _package_path(environment, package),

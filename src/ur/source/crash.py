@@ -6,7 +6,7 @@ import os
 import platform
 import tempfile
 import traceback
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from ur.source.printable import printable
@@ -18,16 +18,22 @@ _LONGEST_REASON = 200
 
 
 def write_crash_report(
-    problem: BaseException, program: str, folders: Sequence[Path], arguments: Sequence[str] = ()
+    problem: BaseException,
+    program: str,
+    folders: Sequence[Path],
+    arguments: Sequence[str] = (),
+    *,
+    shared: Path | None = None,
+    random: Callable[[int], bytes] = os.urandom,
 ) -> Path | None:
-    """Write the traceback to a new file in the first folder that takes it, at last in the temporary folder.
+    """Write the traceback to a new file in the first folder that takes it, at last in `shared` or the temporary one.
 
     Only the user can read the file. Return it; None when no folder can be written to. Never raises.
     """
     text = f"{' '.join((program, *arguments))}\nPython {platform.python_version()}, {platform.platform()}\n\n"
     text += "".join(traceback.format_exception(problem))
-    for folder in (*folders, Path(tempfile.gettempdir())):
-        path = folder / f"{program}-crash-{os.getpid()}-{os.urandom(2).hex()}.log"
+    for folder in (*folders, shared or Path(tempfile.gettempdir())):
+        path = folder / f"{program}-crash-{os.getpid()}-{random(2).hex()}.log"
         try:
             folder.mkdir(parents=True, exist_ok=True)
             # Exclusive: in a folder for everybody, somebody may have put a link of this name.

@@ -12,8 +12,10 @@ from __future__ import annotations
 import errno
 import os
 import stat
+from collections.abc import Callable
 from contextlib import suppress
 
+Sync = Callable[[int], object]
 PUBLIC = 0o664  # of a new file, less the umask: never writable for everybody
 PRIVATE = 0o600
 
@@ -26,18 +28,19 @@ def replace_file(
     follow: bool = True,
     parents: bool = False,
     lasting: bool = True,
+    sync: Sync = os.fsync,
 ) -> None:
     """Write a file completely or leave it as it is. Raises OSError.
 
     A symbolic link stays one: the file that it leads to is written. Without `follow`, for folders that another user
     may have filled, a file takes its place. The permissions of a file stay; `mode`, less the umask, is for new ones.
     With `parents`, folders that are missing are made. With `lasting`, the content is on the disk when this returns,
-    which a cache does not need.
+    which a cache does not need; `sync` brings a descriptor there.
     """
     folder, name = os.path.split(os.path.realpath(path) if follow else os.path.abspath(path))
     target = os.path.join(folder, name)
     if parents:
-        make_folder(folder, lasting=lasting)
+        make_folder(folder, lasting=lasting, sync=sync)
     permissions = _permissions(target)
     beside = os.path.join(folder, f".{name[:200]}.{os.urandom(4).hex()}.ur-new")
     # Exclusive: nobody's link or file of this name is written to.
@@ -51,36 +54,36 @@ def replace_file(
             if permissions is not None and permissions & (stat.S_ISUID | stat.S_ISGID):
                 os.fchmod(descriptor, permissions)  # again: writing takes these two away from ordinary users
             if lasting:
-                os.fsync(descriptor)
+                sync(descriptor)
         os.replace(beside, target)
     except BaseException:
         with suppress(OSError):
             os.unlink(beside)
         raise
     if lasting:
-        sync_folder(folder)
+        sync_folder(folder, sync)
 
 
-def make_folder(folder: str, *, mode: int = 0o775, lasting: bool = True) -> None:
+def make_folder(folder: str, *, mode: int = 0o775, lasting: bool = True, sync: Sync = os.fsync) -> None:
     """Make a folder and those above it where they are missing; `mode` is less the umask. Raises OSError."""
     if os.path.isdir(folder):
         return
     above = os.path.dirname(folder.rstrip("/")) or "."
-    make_folder(above, mode=mode, lasting=lasting)
+    make_folder(above, mode=mode, lasting=lasting, sync=sync)
     try:
         os.mkdir(folder, mode)
     except FileExistsError:
         if not os.path.isdir(folder):
             raise
     if lasting:
-        sync_folder(above)
+        sync_folder(above, sync)
 
 
-def sync_folder(folder: str) -> None:
+def sync_folder(folder: str, sync: Sync = os.fsync) -> None:
     """Bring the names in a folder to the disk: what was made, renamed or removed there lasts. Raises OSError."""
     descriptor = os.open(folder, os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)
     try:
-        os.fsync(descriptor)
+        sync(descriptor)
     except OSError as problem:
         if problem.errno not in (errno.EINVAL, errno.ENOTSUP):  # some network file systems have no such thing
             raise

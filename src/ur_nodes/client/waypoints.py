@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
+import os
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from hashlib import sha1
 from pathlib import Path
@@ -76,8 +77,8 @@ def choose_file(settings: PlaceSettings, grid: Grid | None, environment: Mapping
 class WaypointStore:
     """The waypoints of one map. Every call reads the file anew, so several programs may share it."""
 
-    def __init__(self, path: Path) -> None:
-        self.path = path
+    def __init__(self, path: Path, sync: Callable[[int], object] = os.fsync) -> None:
+        self.path, self._sync = path, sync
 
     def places(self) -> dict[str, Pose2]:
         """All of them, sorted by name. Raises UserError, with the line, when the file cannot be used."""
@@ -119,8 +120,9 @@ class WaypointStore:
 
     def _write(self, places: Mapping[str, Pose2]) -> None:
         lines = [f"{_key(name)}: [{_numbers_of(place)}]\n" for name, place in sorted(places.items())]
+        text = _HEAD.format(name=self.path.stem) + "".join(lines or ["{}\n"])
         try:
-            replace_file(self.path, _HEAD.format(name=self.path.stem) + "".join(lines or ["{}\n"]), parents=True)
+            replace_file(self.path, text, parents=True, sync=self._sync)
         except OSError as problem:
             reason = (problem.strerror or str(problem)).lower()
             raise UserError(

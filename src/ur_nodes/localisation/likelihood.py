@@ -42,7 +42,8 @@ class LikelihoodField:
     everything outside, where ends are random. Both hold only where `cover` was called. Cells of at least 65 are walls.
     """
 
-    def __init__(self, grid: Grid, model: BeamModel) -> None:
+    def __init__(self, grid: Grid, model: BeamModel, whole: int = WHOLE) -> None:
+        """A grid of at most `whole` cells is prepared whole."""
         self.grid = grid
         self.model = model
         height, width = grid.height + 2, grid.width + 2
@@ -54,7 +55,7 @@ class LikelihoodField:
         self.distances: NDArray[np.float32]
         self.log_hits: NDArray[np.float32]
         self._forget()
-        if grid.values.size <= WHOLE:
+        if grid.values.size <= whole:
             self._work_out(0, 0, height, width)
             self._tiles[:] = True
         self._complete = bool(self._tiles.all())

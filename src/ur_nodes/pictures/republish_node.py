@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Sequence
 
 from ur.source.diagnostic import UserError, error
 from ur_nodes.pictures.decode import BadPictureError, decode_picture, make_picture
@@ -48,9 +49,9 @@ def _unpack(packed: PackedPicture) -> Picture | BadPictureError:
         return problem
 
 
-def start(node: Node) -> Republisher:
-    """Check the arguments and begin. Raises UserError."""
-    given = own_arguments(sys.argv[1:])
+def start(node: Node, argv: Sequence[str] | None = None) -> Republisher:
+    """Check the arguments, those of the process by default, and begin. Raises UserError."""
+    given = own_arguments(sys.argv[1:] if argv is None else argv)
     if given != _EXPECTED:
         help_ = "image_transport's own republish knows other transports: n_image_uncompress, image_uncompress_pkg"
         reason = f"arguments: {' '.join(given) or 'nothing'}, expected {' '.join(_EXPECTED)}"

@@ -11,7 +11,13 @@ import rospy
 Parameters = ParamSpec("Parameters")
 
 
-def quiet_at_end(callback: Callable[Parameters, None]) -> Callable[Parameters, None]:
+def _is_ending() -> bool:
+    return bool(rospy.is_shutdown() or rospy.core.is_shutdown_requested())
+
+
+def quiet_at_end(
+    callback: Callable[Parameters, None], is_ending: Callable[[], bool] = _is_ending
+) -> Callable[Parameters, None]:
     """Return the same callback, silent when the node shuts down under it: its topics are closed by then."""
 
     @functools.wraps(callback)
@@ -19,7 +25,7 @@ def quiet_at_end(callback: Callable[Parameters, None]) -> Callable[Parameters, N
         try:
             callback(*values, **named)
         except rospy.ROSException:
-            if not (rospy.is_shutdown() or rospy.core.is_shutdown_requested()):
+            if not is_ending():
                 raise
 
     return call

@@ -68,7 +68,7 @@ def run_node(name: str, start: Callable[[], None], *, own_terminal: bool = False
 
 
 @contextlib.contextmanager
-def shut_down_aside() -> Iterator[None]:
+def shut_down_aside(end: Callable[[str], None] = rospy.signal_shutdown) -> Iterator[None]:
     """While a node registers with the master, have signals shut it down in a thread of its own.
 
     rospy's handler speaks to the master on the main thread. Where that is in the middle of a call to the master it
@@ -76,7 +76,7 @@ def shut_down_aside() -> Iterator[None]:
     """
 
     def shut_down(number: int, _frame: FrameType | None) -> None:
-        threading.Thread(target=rospy.signal_shutdown, args=(f"signal-{number}",), name="shutdown").start()
+        threading.Thread(target=end, args=(f"signal-{number}",), name="shutdown").start()
 
     before = {number: signal.signal(number, shut_down) for number in (signal.SIGINT, signal.SIGTERM)}
     try:

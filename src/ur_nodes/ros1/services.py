@@ -49,7 +49,20 @@ def serve_service(
     rospy.Service(service, codec.service_class, respond)
 
 
-def call_service(loop: Loop, service: str, request: object, take: Callable[[Result], None], within: float) -> None:
+def find_in_ros(service: str, service_class: object, within: float) -> Callable[[object], object]:
+    """Wait for a service at most `within` s; returns the function that asks it. Raises what rospy raises."""
+    rospy.wait_for_service(service, timeout=within)
+    return rospy.ServiceProxy(service, service_class)
+
+
+def call_service(
+    loop: Loop,
+    service: str,
+    request: object,
+    take: Callable[[Result], None],
+    within: float,
+    find: Callable[[str, object, float], Callable[[object], object]] = find_in_ros,
+) -> None:
     """Ask a service; `take` gets the answer, or a result without success after `within` s.
 
     What has been reported as failed is not sent any more, so that no late release ends an emergency stop.
@@ -64,11 +77,10 @@ def call_service(loop: Loop, service: str, request: object, take: Callable[[Resu
 
     def ask() -> None:
         try:
-            rospy.wait_for_service(service, timeout=within)
+            send = find(service, codec.service_class, within)
             if not waiting:
                 return
-            answer = rospy.ServiceProxy(service, codec.service_class)(codec.request(request))
-            result = codec.result_of(answer)
+            result = codec.result_of(send(codec.request(request)))
         except Exception as problem:  # a server or a master that ends meanwhile fails in many ways
             result = Result(False, str(problem) or type(problem).__name__)
         loop.post(lambda: give(result))

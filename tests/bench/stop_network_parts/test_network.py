@@ -12,8 +12,6 @@ from bench.stop_network_parts.recorder import Output
 from bench.stop_network_parts.verdict import Verdict
 from tests.hosts.bench import Machine
 
-from bench.stop_network_parts import network as network_module
-
 LINEAR, GOAL = Lane("rostopic", "linear", 0.5), Lane(GOALS, "linear", 0.5)
 
 
@@ -45,8 +43,7 @@ def test_trial_counts_with_a_record_on_a_free_computer(recorded: bool, waited: f
     assert Trial("kill", LINEAR, "held", verdict, waited, 0, None).counts is counts
 
 
-def test_trial_does_not_begin_while_a_base_is_driven(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(network_module, "_PATIENCE", 0.0)
-    running = Network(IdleLaptop(), DrivenRobot(), "magni", [LINEAR, GOAL], 1)
+def test_trial_does_not_begin_while_a_base_is_driven() -> None:
+    running = Network(IdleLaptop(), DrivenRobot(), "magni", [LINEAR, GOAL], 1, patience=0.0)
     with pytest.raises(RuntimeError, match=r"^is not at rest: rostopic_linear$"):
         running.run("kill", "held", lambda _: pytest.fail("it happened"))

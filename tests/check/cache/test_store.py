@@ -11,7 +11,7 @@ import pytest
 
 from ur.check.cache import store
 from ur.check.cache.recall import Recall
-from ur.check.cache.store import load_recall, store_recall
+from ur.check.cache.store import CacheBounds, load_recall, store_recall
 from ur.check.render.json import render_json
 from ur.check.run import check_paths
 from ur.launchfile.world import MemoryWorld
@@ -48,13 +48,12 @@ def test_findings_are_recalled_from_the_file(cache: Path) -> None:
     assert cache.stat().st_mode & 0o077 == 0
 
 
-def test_other_program_and_other_format_begin_anew(cache: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_other_program_and_other_format_begin_anew(cache: Path) -> None:
     assert not load_recall(str(cache), "other").now.units
     other = load_recall(str(cache), "other")
     check(other)
     assert other.recalled == 0
-    monkeypatch.setattr(store, "FORMAT", store.FORMAT + 1)
-    newer = load_recall(str(cache), "program")
+    newer = load_recall(str(cache), "program", CacheBounds(format=store.FORMAT + 1))
     check(newer)
     assert newer.recalled == 0
 
@@ -131,27 +130,24 @@ def test_checks_side_by_side_leave_a_whole_file(cache: Path) -> None:
     assert [path.name for path in cache.parent.iterdir()] == [cache.name]
 
 
-def test_oldest_files_are_removed_when_there_are_too_many(cache: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(store, "MAX_FILES", 3)
+def test_oldest_files_are_removed_when_there_are_too_many(cache: Path) -> None:
     for number in range(4):
         old = cache.with_name(f"old{number}.json")
         old.write_text("x")
         os.utime(old, (number, number))
     recall = Recall()
     check(recall)
-    store_recall(recall, str(cache), "program")
+    store_recall(recall, str(cache), "program", CacheBounds(files=3))
     assert sorted(path.name for path in cache.parent.iterdir()) == ["cache.json", "old2.json", "old3.json"]
-    monkeypatch.setattr(store, "MAX_TOTAL", cache.stat().st_size)
-    store_recall(recall, str(cache), "program")
+    store_recall(recall, str(cache), "program", CacheBounds(total=cache.stat().st_size))
     assert [path.name for path in cache.parent.iterdir()] == ["cache.json"]
 
 
-def test_findings_that_are_too_many_are_not_kept(cache: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(store, "MAX_BYTES", 2000)
+def test_findings_that_are_too_many_are_not_kept(cache: Path) -> None:
     before = cache.read_bytes()
     recall = Recall()
     check(recall)
-    store_recall(recall, str(cache), "program")
+    store_recall(recall, str(cache), "program", CacheBounds(bytes=2000))
     assert cache.read_bytes() == before
 
 

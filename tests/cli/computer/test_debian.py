@@ -8,10 +8,10 @@ import pytest
 
 from ur.cli.main import main
 from ur.request.environment import REPOSITORY, environment_changes
-from ur.request.requirements.debian_packages import install_debian
+from ur.request.requirements.debian_packages import Account, install_debian
 from ur.robot.selection import parse_selection
 from ur.source.diagnostic import UserError
-from ur.system.debian_root import DebianRoot
+from ur.system.debian_root import DebianRoot, install_command
 
 SCRIPT = REPOSITORY / "tools" / "debian_root.bash"
 
@@ -44,20 +44,21 @@ def test_missing_packages_are_refused_inside_with_the_command_that_installs_them
     (tmp_path / "dpkg-query").write_text("#!/bin/sh\n")
     (tmp_path / "dpkg-query").chmod(0o755)
     monkeypatch.setenv("PATH", f"{tmp_path}:/usr/bin:/bin")
-    monkeypatch.setattr("ur.request.requirements.debian_packages.find_root", lambda _: DebianRoot("/data", "13"))
-    command = "ur.request.requirements.debian_packages.install_command"
-    monkeypatch.setattr(command, lambda names: f"install {' '.join(names)}")
     with pytest.raises(UserError) as caught:
-        install_debian([["gdb"]], "a debugger")
-    assert caught.value.diagnostics[0].help == "install gdb"
+        install_debian([["gdb"]], "a debugger", account=Account(root=lambda _: DebianRoot("/data", "13")))
+    assert caught.value.diagnostics[0].help == install_command(["gdb"])
 
 
-def test_shells_find_the_programs_of_the_root_after_those_of_the_project(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("ur.request.environment.find_root", lambda _: DebianRoot("/data", "13"))
+def test_shells_find_the_programs_of_the_root_after_those_of_the_project() -> None:
+    root = DebianRoot("/data", "13")
     package = Path("/project/ubiquity_launches")
-    changes = environment_changes(parse_selection("sim:stage"), {"PATH": "/usr/bin"}, package=package)
+    changes = environment_changes(
+        parse_selection("sim:stage"), {"PATH": "/usr/bin"}, package=package, find=lambda _: root
+    )
     assert changes["PATH"] == "/project/ubiquity_launches/bin:/data/bin:/usr/bin"
-    again = environment_changes(parse_selection("sim:stage"), {"PATH": changes["PATH"]}, package=package)
+    again = environment_changes(
+        parse_selection("sim:stage"), {"PATH": changes["PATH"]}, package=package, find=lambda _: root
+    )
     assert again["PATH"] == changes["PATH"]
 
 

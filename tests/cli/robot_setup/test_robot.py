@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import sys
+from functools import partial
 from pathlib import Path
 
 import pytest
@@ -30,17 +30,30 @@ def home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
-@pytest.fixture
-def answers(monkeypatch: pytest.MonkeyPatch) -> dict[str, str]:
+class Answers(dict[str, str]):
     """A terminal at which questions that begin with a key get its value, and others their default."""
-    given: dict[str, str] = {}
 
-    def prompt(question: str, default: str | None = None, **_: object) -> str | None:
-        return next((value for key, value in given.items() if question.startswith(key)), default)
+    def is_there(self) -> bool:
+        return True
 
-    monkeypatch.setattr("click.prompt", prompt)
-    monkeypatch.setattr(sys.stdin, "isatty", lambda: True)
-    return given
+    def ask(self, question: str, default: str | None, *, show_default: bool = True) -> str:  # noqa: ARG002
+        return str(next((value for key, value in self.items() if question.startswith(key)), default))
+
+    def confirm(self, question: str) -> bool:
+        self[question] = "y"
+        return True
+
+
+class NoTerminal(Answers):
+    """Nobody can be asked."""
+
+    def is_there(self) -> bool:
+        return False
+
+
+@pytest.fixture
+def answers() -> Answers:
+    return Answers()
 
 
 def remember(home: Path, record: RobotRecord) -> None:
@@ -49,27 +62,25 @@ def remember(home: Path, record: RobotRecord) -> None:
     (folder / f"{record.name}.yaml").write_text(render_record(record))
 
 
-def test_variant_is_asked_for_and_is_the_plain_one_by_default(answers: dict[str, str]) -> None:
-    assert ask_task("robot.local", "bob", "magni", None).robot == WantedRobot("bob", "magni")
+def test_variant_is_asked_for_and_is_the_plain_one_by_default(answers: Answers) -> None:
+    assert ask_task("robot.local", "bob", "magni", None, answers).robot == WantedRobot("bob", "magni")
     answers["variant of bob, a magni (plain, lidar"] = "lidar"
-    assert ask_task("robot.local", "bob", "magni", None).robot == WantedRobot("bob", "magni", "lidar")
-    assert ask_task("robot.local", "bob", "magni", "plain").robot == WantedRobot("bob", "magni")
+    assert ask_task("robot.local", "bob", "magni", None, answers).robot == WantedRobot("bob", "magni", "lidar")
+    assert ask_task("robot.local", "bob", "magni", "plain", answers).robot == WantedRobot("bob", "magni")
 
 
-@pytest.mark.usefixtures("answers")
-def test_answers_of_a_known_robot_are_the_defaults(home: Path) -> None:
+def test_answers_of_a_known_robot_are_the_defaults(home: Path, answers: Answers) -> None:
     remember(home, RobotRecord("bob", "ros", "magni", "lidar"))
-    assert ask_task("bob", None, None, None).robot == WantedRobot("bob", "magni", "lidar")
-    assert ask_task("bob", None, "loki", None).robot == WantedRobot("bob", "loki")
+    assert ask_task("bob", None, None, None, answers).robot == WantedRobot("bob", "magni", "lidar")
+    assert ask_task("bob", None, "loki", None, answers).robot == WantedRobot("bob", "loki")
 
 
-def test_known_variant_stays_where_nobody_can_be_asked(home: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(sys.stdin, "isatty", lambda: False)
-    assert ask_task("bob", "bob", "magni", None).robot == WantedRobot("bob", "magni")
+def test_known_variant_stays_where_nobody_can_be_asked(home: Path) -> None:
+    assert ask_task("bob", "bob", "magni", None, NoTerminal()).robot == WantedRobot("bob", "magni")
     remember(home, RobotRecord("bob", "ros", "magni", "lidar"))
-    assert ask_task("bob", "bob", "magni", None).robot == WantedRobot("bob", "magni", "lidar")
+    assert ask_task("bob", "bob", "magni", None, NoTerminal()).robot == WantedRobot("bob", "magni", "lidar")
     with pytest.raises(UserError, match=r"name of the robot at bob\.local is not given"):
-        ask_task("bob", None, "magni", None)
+        ask_task("bob", None, "magni", None, NoTerminal())
 
 
 @pytest.mark.usefixtures("answers")
@@ -118,65 +129,54 @@ KEY = HostKey(f"ssh-ed25519 AAAAC3NzaC1lZDI1NTE5AAAAI{'A' * 43}")
 OTHER = f"SHA256:{'x' * 43}"
 
 
-@pytest.fixture
-def offered(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A robot that offers a host key which this computer does not know."""
-    monkeypatch.setattr("ur.cli.robot_setup.contact.meet", lambda *_, **__: OfferedHostKey("unknown", KEY))
+def offer(*_: object, **__: object) -> OfferedHostKey:
+    """Meet a robot that offers a host key which this computer does not know."""
+    return OfferedHostKey("unknown", KEY)
 
 
-@pytest.mark.usefixtures("offered")
-def test_unknown_host_key_without_a_terminal_needs_a_fingerprint_or_consent(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    monkeypatch.setattr(sys.stdin, "isatty", lambda: False)
+def test_unknown_host_key_without_a_terminal_needs_a_fingerprint_or_consent(capsys: pytest.CaptureFixture[str]) -> None:
+    confirm = partial(confirm_host_key, TASK, terminal=NoTerminal(), greet=offer)
     with pytest.raises(UserError, match="no terminal to ask on") as caught:
-        confirm_host_key(TASK)
+        confirm()
     assert f"--host-key {KEY.fingerprint}" in (caught.value.diagnostics[0].help or "")
     for fingerprint, yes in ((KEY.fingerprint, False), ("", True)):
-        done = confirm_host_key(TASK, fingerprint=fingerprint, yes=yes)
+        done = confirm(fingerprint=fingerprint, yes=yes)
         assert (done.host_key, done.first_contact) == (KEY, True)
         assert KEY.fingerprint in capsys.readouterr().out
     with pytest.raises(UserError, match="expected SHA256:xxx"):
-        confirm_host_key(TASK, fingerprint=OTHER, yes=True)
+        confirm(fingerprint=OTHER, yes=True)
 
 
-@pytest.mark.usefixtures("offered")
 @pytest.mark.parametrize(
     ("answer", "accepted"), [("y", True), (KEY.fingerprint, True), ("n", False), (OTHER, False), ("", False)]
 )
 def test_unknown_host_key_is_confirmed_by_yes_or_by_its_fingerprint(
-    answers: dict[str, str], answer: str, accepted: bool
+    answers: Answers, answer: str, accepted: bool
 ) -> None:
     if answer:
         answers["is it the robot's?"] = answer
     if accepted:
-        assert confirm_host_key(TASK).host_key == KEY
+        assert confirm_host_key(TASK, terminal=answers, greet=offer).host_key == KEY
     else:
         with pytest.raises(UserError, match="nothing was sent to it"):
-            confirm_host_key(TASK)
+            confirm_host_key(TASK, terminal=answers, greet=offer)
 
 
-def test_robot_gets_no_login_here_unless_the_user_wants_it(home: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(sys.stdin, "isatty", lambda: False)
-    assert [decide_robot_login([TASK], wanted)[0].robot_login for wanted in (None, False, True)] == [False, False, True]
+def test_robot_gets_no_login_here_unless_the_user_wants_it(home: Path) -> None:
+    def decide() -> list[bool]:
+        return [decide_robot_login([TASK], each, NoTerminal())[0].robot_login for each in (None, False, True)]
+
+    assert decide() == [False, False, True]
     remember(home, RobotRecord("bob", "ros", "magni", robot_login=True))
-    assert [decide_robot_login([TASK], wanted)[0].robot_login for wanted in (None, False, True)] == [True, False, True]
+    assert decide() == [True, False, True]
 
 
-def test_robot_login_is_asked_for_once(home: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    asked: list[str] = []
-
-    def confirm(question: str, **_: object) -> bool:
-        asked.append(question)
-        return True
-
-    monkeypatch.setattr(sys.stdin, "isatty", lambda: True)
-    monkeypatch.setattr("click.confirm", confirm)
-    assert decide_robot_login([TASK], None)[0].robot_login
-    assert asked == ["may bob log in to this computer by key?"]
+def test_robot_login_is_asked_for_once(home: Path, answers: Answers) -> None:
+    assert decide_robot_login([TASK], None, answers)[0].robot_login
+    assert list(answers) == ["may bob log in to this computer by key?"]
     remember(home, RobotRecord("bob", "ros", "magni", robot_login=False))
-    assert not decide_robot_login([TASK], None)[0].robot_login
-    assert len(asked) == 1
+    assert not decide_robot_login([TASK], None, answers)[0].robot_login
+    assert len(answers) == 1
 
 
 def test_file_of_robots_gives_fingerprints(tmp_path: Path) -> None:

@@ -1,19 +1,20 @@
 from __future__ import annotations
 
-import pytest
+from functools import partial
 
 from ur.launchfile import MemoryWorld, dump_plan, load_plan, run_command
-from ur.launchfile.plan import commands
+from ur.launchfile.plan.commands import CommandRunner
 
 
-def _dump(command: str) -> dict[str, object]:
+def _dump(command: str, run: CommandRunner = run_command) -> dict[str, object]:
     world = MemoryWorld({"/a.launch": f'<launch><param name="p" command="{command}"/></launch>'})
-    return dump_plan(load_plan(["/a.launch"], [], world), run=run_command)
+    return dump_plan(load_plan(["/a.launch"], [], world), run=run)
 
 
-def test_command_that_prints_without_end_is_stopped(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(commands, "MAX_OUTPUT", 1000)
-    assert "parameter /p has no value: yes: prints more than 1,000 bytes" in str(_dump("yes")["error"])
+def test_command_that_prints_without_end_is_stopped() -> None:
+    assert "parameter /p has no value: yes: prints more than 1,000 bytes" in str(
+        _dump("yes", partial(run_command, most=1000))["error"]
+    )
 
 
 def test_command_that_fails_is_named() -> None:

@@ -64,15 +64,14 @@ def test_package_without_bases_is_left_alone(launch_file: Path) -> None:
     assert find_bases(LaunchFiles([str(launch_file)], SystemWorld({})), {"robot_base": "anything"}) == ()
 
 
-def test_base_of_several_files_of_a_package_is_loaded_once(launch_file: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_base_of_several_files_of_a_package_is_loaded_once(launch_file: Path) -> None:
     loaded: list[str] = []
 
     def load(package: Path, name: str, variant: str) -> Base:
         loaded.append(name)
         return load_base(package, name, variant)
 
-    monkeypatch.setattr("ur.request.bases.base_argument.load_base", load)
     files = LaunchFiles([str(launch_file), str(launch_file)], SystemWorld({}))
-    first, second = find_bases(files, {"robot_base": "magni"})
+    first, second = find_bases(files, {"robot_base": "magni"}, load)
     assert first.base is second.base
     assert loaded == ["magni"]

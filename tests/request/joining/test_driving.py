@@ -10,7 +10,6 @@ from ur.cli.launch.options import check_options
 from ur.launchfile.plan.load import load_plan
 from ur.launchfile.plan.specs import NodeSpec
 from ur.launchfile.world import MemoryWorld
-from ur.request.joining import driving
 from ur.request.joining.driving import ask_mode, choose_mode
 from ur.request.options import LaunchOptions
 from ur.run.remote.lease import RobotLease
@@ -27,10 +26,13 @@ def nodes_of(type_: str) -> tuple[NodeSpec, ...]:
 KEYS = nodes_of("teleop_twist_keyboard.py")
 
 
-@pytest.fixture
-def held(monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.fixture(autouse=True)
+def master(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("ROS_MASTER_URI", "http://bob.local:11311")
-    monkeypatch.setattr(driving, "read_lease", lambda _: HELD)
+
+
+def read_held(_: str) -> RobotLease:
+    return HELD
 
 
 @pytest.mark.parametrize(
@@ -63,53 +65,49 @@ def test_end_of_the_input_means_to_quit() -> None:
     assert ask_mode("laptop2 drives bob", ask) is None
 
 
-@pytest.mark.usefixtures("held")
 def test_robot_that_is_driven_is_refused_where_nobody_can_be_asked() -> None:
     with pytest.raises(UserError) as caught:
-        choose_mode(LaunchOptions(detach=True), "bob", KEYS, "laptop")
+        choose_mode(LaunchOptions(detach=True), "bob", KEYS, "laptop", read=read_held)
     (found,) = caught.value.diagnostics
     assert found.message.startswith("laptop2 drives bob since ")
     assert "(keyboard_drive)" in found.message
     assert all(option in str(found.help) for option in ("--watch", "--ask", "--take-over"))
 
 
-def test_robot_whose_driver_is_out_of_reach_is_taken_over_on_purpose_only(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("ROS_MASTER_URI", "http://bob.local:11311")
-    monkeypatch.setattr(driving, "read_lease", lambda _: replace(HELD, state="lost", until=time.time()))
+def test_robot_whose_driver_is_out_of_reach_is_taken_over_on_purpose_only() -> None:
+    def read(_: str) -> RobotLease:
+        return replace(HELD, state="lost", until=time.time())
+
     answers, asked = iter(["a", "t"]), []
 
     def ask(question: str) -> str:
         asked.append(question)
         return next(answers)
 
-    assert choose_mode(LaunchOptions(), "bob", KEYS, "laptop", ask) == "take"
+    assert choose_mode(LaunchOptions(), "bob", KEYS, "laptop", ask, read) == "take"
     first, second = asked
     assert "laptop2 drove bob until " in first
     assert "is out of reach\n  [w]atch, [t]ake over, [q]uit? " in first
     assert second == "  expected w, t or q: "
     with pytest.raises(UserError, match="out of reach") as caught:
-        choose_mode(LaunchOptions(detach=True), "bob", KEYS, "laptop")
+        choose_mode(LaunchOptions(detach=True), "bob", KEYS, "laptop", read=read)
     assert caught.value.diagnostics[0].help == "add --watch or --take-over"
 
 
-@pytest.mark.usefixtures("held")
 @pytest.mark.parametrize(
     ("options", "mode"),
     [(LaunchOptions(watch=True), "watch"), (LaunchOptions(ask=True), "ask"), (LaunchOptions(take_over=True), "take")],
 )
 def test_option_says_it_without_a_question(options: LaunchOptions, mode: str) -> None:
-    assert choose_mode(options, "bob", KEYS, "laptop") == mode
+    assert choose_mode(options, "bob", KEYS, "laptop", read=read_held) == mode
 
 
-@pytest.mark.usefixtures("held")
 def test_program_that_commands_nothing_is_not_asked_about() -> None:
-    assert choose_mode(LaunchOptions(detach=True), "bob", nodes_of("rviz"), "laptop") == "drive"
+    assert choose_mode(LaunchOptions(detach=True), "bob", nodes_of("rviz"), "laptop", read=read_held) == "drive"
 
 
-def test_free_robot_is_driven_without_a_question(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("ROS_MASTER_URI", "http://bob.local:11311")
-    monkeypatch.setattr(driving, "read_lease", lambda _: RobotLease())
-    assert choose_mode(LaunchOptions(detach=True), "bob", KEYS, "laptop") == "drive"
+def test_free_robot_is_driven_without_a_question() -> None:
+    assert choose_mode(LaunchOptions(detach=True), "bob", KEYS, "laptop", read=lambda _: RobotLease()) == "drive"
 
 
 @pytest.mark.parametrize("given", [{"watch": True, "ask": True}, {"ask": True, "take_over": True}])

@@ -1,11 +1,11 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Iterator
+import time
+from collections.abc import Callable, Iterator
 
 import pytest
 
-from ur.request.remote import share_again
 from ur.request.remote.share_again import Health, ShareAgain, parse_health
 from ur.source.diagnostic import UserError, error
 
@@ -13,12 +13,12 @@ RESTARTED, RUNNING, STOPPING = Health(20.0, False), Health(9000.0, False), Healt
 HAS_MASTER = Health(9000.0, False, master=True)
 
 
-@pytest.fixture(autouse=True)
-def hurry(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(share_again, "PAUSE", 0.0)
-
-
-def make(healths: list[Health | None], begun: list[str], problem: str = "") -> ShareAgain:
+def make(
+    healths: list[Health | None],
+    begun: list[str],
+    problem: str = "",
+    clock: Callable[[], float] = time.monotonic,
+) -> ShareAgain:
     answers: Iterator[Health | None] = iter(healths)
 
     def examine() -> Health:
@@ -31,7 +31,8 @@ def make(healths: list[Health | None], begun: list[str], problem: str = "") -> S
         begun.append("begun")
         return "chat.2", problem
 
-    return ShareAgain("bob", examine, begin, lambda: 600.0, "ur launch chat chat.launch")
+    command = "ur launch chat chat.launch"
+    return ShareAgain("bob", examine, begin, lambda: 600.0, command, clock=clock, pause=0.0)
 
 
 def test_share_starts_again_once_the_robot_has_restarted() -> None:
@@ -40,11 +41,10 @@ def test_share_starts_again_once_the_robot_has_restarted() -> None:
     assert begun == ["begun"]
 
 
-def test_share_whose_master_does_not_return_is_not_started_again(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_share_whose_master_does_not_return_is_not_started_again() -> None:
     times = iter((0.0, 0.0, 10.0, 40.0))
-    monkeypatch.setattr("ur.request.remote.share_again.time.monotonic", lambda: next(times))
     begun: list[str] = []
-    told = make([RUNNING, RUNNING, RUNNING], begun).start()
+    told = make([RUNNING, RUNNING, RUNNING], begun, clock=lambda: next(times)).start()
     assert told.splitlines() == [
         "bob: its nodes were not started again: it has no ROS master",
         "  help: start them again: ur launch chat chat.launch",
@@ -63,10 +63,9 @@ def test_share_that_does_not_start_is_told_with_its_reason() -> None:
     assert "its nodes do not start again: no package chat" in told
 
 
-def test_robot_that_never_comes_back_is_given_up(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_robot_that_never_comes_back_is_given_up() -> None:
     times = iter(range(0, 1000, 50))
-    monkeypatch.setattr("ur.request.remote.share_again.time.monotonic", lambda: float(next(times)))
-    told = make([None] * 20, []).start()
+    told = make([None] * 20, [], clock=lambda: float(next(times))).start()
     assert "were not started again: bob does not answer" in told
 
 

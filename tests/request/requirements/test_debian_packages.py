@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from ur.request.requirements.debian_packages import install_debian, list_missing
+from ur.request.requirements.debian_packages import Account, install_debian, list_missing
 from ur.source.diagnostic import UserError
 
 # Stand in for the programs of a computer: packages are words in a file, and apt-get knows some after an update only.
@@ -30,8 +30,10 @@ def computer(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     (tmp_path / "installed").write_text("here\n")
     (tmp_path / "calls").write_text("")
     monkeypatch.setenv("PATH", f"{tmp_path}:/usr/bin:/bin")
-    monkeypatch.setattr("os.geteuid", lambda: 0)
     return tmp_path
+
+
+AS_ROOT = Account(uid=lambda: 0)
 
 
 def calls(computer: Path) -> list[str]:
@@ -42,14 +44,14 @@ def calls(computer: Path) -> list[str]:
 def test_packages_that_are_there_or_that_an_alternative_provides_are_not_installed(
     computer: Path, alternatives: list[list[str]]
 ) -> None:
-    install_debian(alternatives, "something")
+    install_debian(alternatives, "something", account=AS_ROOT)
     assert calls(computer) == []
 
 
 def test_missing_packages_are_installed_with_fresh_lists_where_the_old_ones_lack_them(
     computer: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    install_debian([["here", "absent"]], "something (1 MB)")
+    install_debian([["here", "absent"]], "something (1 MB)", account=AS_ROOT)
     install, update, again = calls(computer)
     assert install == again
     assert install.endswith("install -y --no-install-recommends absent")
@@ -61,24 +63,23 @@ def test_missing_packages_are_installed_with_fresh_lists_where_the_old_ones_lack
 @pytest.mark.usefixtures("computer")
 def test_failure_is_told_in_the_words_of_apt() -> None:
     with pytest.raises(UserError, match="broken could not be installed: Unable to locate package broken") as caught:
-        install_debian([["broken"]], "something")
+        install_debian([["broken"]], "something", account=AS_ROOT)
     assert "sudo apt-get install broken" in str(caught.value.diagnostics[0].help)
 
 
 def test_full_disk_is_reported_at_once_without_fetching_package_lists(computer: Path) -> None:
     with pytest.raises(UserError, match="huge could not be installed: You don't have enough free space") as caught:
-        install_debian([["huge"]], "something")
+        install_debian([["huge"]], "something", account=AS_ROOT)
     assert caught.value.diagnostics[0].help is not None
     assert "make room on the disk" in caught.value.diagnostics[0].help
     assert not [call for call in calls(computer) if "update" in call]
 
 
-def test_without_sudo_the_command_for_root_is_printed(computer: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("os.geteuid", lambda: 1000)
-    monkeypatch.setattr("shutil.which", lambda name: None if name == "sudo" else name)
+def test_without_sudo_the_command_for_root_is_printed(computer: Path) -> None:
+    account = Account(uid=lambda: 1000, sudo=lambda: None)
     with pytest.raises(
         UserError, match="absent are missing and could not be installed: sudo is not installed"
     ) as caught:
-        install_debian([["absent"]], "something")
+        install_debian([["absent"]], "something", account=account)
     assert caught.value.diagnostics[0].help == "as root: apt-get install absent"
     assert calls(computer) == []

@@ -1,6 +1,5 @@
 from __future__ import annotations
 
-import subprocess
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -8,7 +7,6 @@ from pathlib import Path
 
 import pytest
 
-from ur.request.requirements import python_packages
 from ur.request.requirements.python_packages import need_all, run_installer
 from ur.source.diagnostic import UserError
 
@@ -68,7 +66,7 @@ def test_copy_of_somebody_else_is_not_changed(tmp_path: Path) -> None:
         need_all(["missing_module"], "x.lock", "a module", folder=tmp_path)
 
 
-def test_ctrl_c_ends_an_installation_that_runs_as_root(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_ctrl_c_ends_an_installation_that_runs_as_root() -> None:
     @contextmanager
     def show_progress(_text: str) -> Iterator[Callable[[str], None]]:
         def interrupt(_line: str) -> None:
@@ -79,7 +77,5 @@ def test_ctrl_c_ends_an_installation_that_runs_as_root(monkeypatch: pytest.Monke
     def refuse(_process: object) -> None:
         raise PermissionError(1, "Operation not permitted")
 
-    monkeypatch.setattr(python_packages, "show_progress", show_progress)
-    monkeypatch.setattr(subprocess.Popen, "terminate", refuse)
     with pytest.raises(KeyboardInterrupt):
-        run_installer(["echo", "begun"], "something", "nothing")
+        run_installer(["echo", "begun"], "something", "nothing", show=show_progress, end=refuse)

@@ -44,8 +44,7 @@ def test_command_that_fetches_packages_gets_the_proxy_and_its_own_input(tmp_path
     assert asked == [True]
 
 
-def test_last_line_of_the_log_is_shown_while_a_command_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(engine, "LOOK_SECONDS", 0.01)
+def test_last_line_of_the_log_is_shown_while_a_command_runs(tmp_path: Path) -> None:
     log = tmp_path / "log"
     log.write_text("of an earlier set-up\n")
     seen, shown = tmp_path / "seen", list[tuple[str, str]]()
@@ -57,7 +56,7 @@ def test_last_line_of_the_log_is_shown_while_a_command_runs(tmp_path: Path, monk
         done.set()
 
     script = f"printf 'first\\n50 %%\\rsecond\\n\\n' >>{log}; until [ -e {seen} ]; do sleep 0.01; done"
-    apply_change(LocalShell(), change(ChangeScript(script, log=str(log))), progress=progress)
+    apply_change(LocalShell(), change(ChangeScript(script, log=str(log))), progress=progress, pause=0.01)
     assert done.is_set()
     assert set(shown) == {("packages", "second")}
 
@@ -99,12 +98,17 @@ class Restless:
         return None
 
 
-def test_set_up_that_never_comes_to_an_end_is_ended(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_set_up_that_never_comes_to_an_end_is_ended() -> None:
     restless, facts = Restless(), ComputerFacts("pat", "/home/pat", "laptop", "", "", frozenset())
-    monkeypatch.setattr(engine, "gather", lambda *_, **__: facts)
     with pytest.raises(UserError, match="still not as wanted"):
         engine.bring_about(
-            LocalShell(), lambda _: [restless], "pat", FactsRequest("pat"), root=False, report=lambda _change: None
+            LocalShell(),
+            lambda _: [restless],
+            "pat",
+            FactsRequest("pat"),
+            root=False,
+            report=lambda _change: None,
+            ask=lambda *_: facts,
         )
     assert restless.plans == engine.MOST_CHANGES
 

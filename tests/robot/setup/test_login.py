@@ -9,7 +9,6 @@ from typing import Any
 
 import pytest
 
-from ur.robot.setup import login
 from ur.robot.setup.login import Task, _enter_sudo, _explain_refusal, _list_tries
 from ur.robot.setup.robot_states import WantedRobot
 from ur.robot.ssh.address import Address
@@ -91,11 +90,13 @@ def test_password_that_was_accepted_allows_the_new_one() -> None:
     assert (shell.sent, shell.allowed) == ([OLD], [OLD, NEW])
 
 
-def test_other_robot_that_has_the_later_name_is_not_logged_in_to(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(login, "find_known_keys", lambda _: {"a key"})
+def test_other_robot_that_has_the_later_name_is_not_logged_in_to() -> None:
+    def find(_: str) -> set[str]:
+        return {"a key"}
+
     task = replace(MET, robot=WantedRobot("bob", "magni"))
-    assert {one.address.host for one in _list_tries(task, Path("pinned"))} == {"robot.local"}
-    assert {one.address.host for one in _list_tries(task, None)} == {"robot.local", "bob.local"}
+    assert {one.address.host for one in _list_tries(task, Path("pinned"), find)} == {"robot.local"}
+    assert {one.address.host for one in _list_tries(task, None, find)} == {"robot.local", "bob.local"}
 
 
 def test_refusal_names_that_the_new_password_was_held_back() -> None:

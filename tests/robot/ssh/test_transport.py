@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from ur.robot.ssh import askpass, shell
+from ur.robot.ssh import askpass
 from ur.robot.ssh.address import Address, parse_address
 from ur.robot.ssh.askpass import answer_password
 from ur.robot.ssh.failures import expired_password, explain_failure, is_expired, lost_connection
@@ -129,11 +129,10 @@ def test_command_that_does_not_end_is_ended_with_all_it_started(tmp_path: Path) 
         time.sleep(0.01)
 
 
-def test_command_that_answers_without_end_is_ended(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(shell, "MOST_BYTES", 1 << 20)
+def test_command_that_answers_without_end_is_ended() -> None:
     for script in ("yes", "yes >&2"):
         with pytest.raises(UserError, match="and no end"):
-            LocalShell().run(script)
+            LocalShell(most=1 << 20).run(script)
 
 
 def test_command_gets_its_input_and_both_outputs_come_back_whole() -> None:
@@ -152,14 +151,11 @@ def runs(pid: int) -> bool:
     return state not in ("Z", "X")
 
 
-def test_password_is_answered_from_a_clone_below_a_path_with_a_quote(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_password_is_answered_from_a_clone_below_a_path_with_a_quote(tmp_path: Path) -> None:
     clone = tmp_path / 'it\'s $HOME "here"'
     clone.mkdir()
     shutil.copy(askpass.__file__, clone / "askpass.py")
-    monkeypatch.setattr(askpass, "__file__", str(clone / "askpass.py"))
-    with answer_password(tmp_path, "hunter2") as environment:
+    with answer_password(tmp_path, "hunter2", str(clone / "askpass.py")) as environment:
         words = [environment["SSH_ASKPASS"], "pat@bob's password: "]
         done = subprocess.run(words, env=environment, capture_output=True, text=True, check=False)
     assert (done.stdout, done.stderr) == ("hunter2\n", "")

@@ -94,9 +94,8 @@ def test_program_joins_the_terminal_that_waits_for_it(tmux: Tmux, tmp_path: Path
     assert not Path(address).parent.exists()
 
 
-def test_nobody_to_join_is_an_error(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: Any) -> None:
-    monkeypatch.setattr(debug_pane, "PATIENCE", 0.0)
-    assert debug_pane.main(["--join", f"{tmp_path}/none", "/a", "true"]) == 1
+def test_nobody_to_join_is_an_error(tmp_path: Path, capfd: Any) -> None:
+    assert debug_pane.main(["--join", f"{tmp_path}/none", "/a", "true"], 0.0) == 1
     assert "nobody waits to debug it" in capfd.readouterr().err
 
 

@@ -14,9 +14,8 @@ from pathlib import Path
 
 import pytest
 
-from ur.run.master import search
 from ur.run.master.client import Master, format_master_uri
-from ur.run.master.search import find_listener, find_master, read_run_id
+from ur.run.master.search import Patience, find_listener, find_master, read_run_id
 from ur.run.options import RunOptions
 from ur.run.output.console import Console
 from ur.source import UserError
@@ -65,25 +64,20 @@ def server(*answers: bytes | None) -> Iterator[Master]:
         link.close()
 
 
-@pytest.fixture
-def quick(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(search, "NAMED_SECONDS", 0.1)
-    monkeypatch.setattr(search, "BUSY_SECONDS", 0.5)
+QUICK = Patience(named=0.1, busy=0.5)
 
 
-@pytest.mark.usefixtures("quick")
 @pytest.mark.parametrize("answer", [None, b"", b"HTTP/1.0 404 Not Found\r\n\r\n", b"SSH-2.0-OpenSSH\r\n" * 9999])
 def test_server_that_is_no_master_is_named_with_its_process(answer: bytes | None) -> None:
     console = Warnings()
     with server(answer) as master, pytest.raises(UserError) as caught:
-        read_run_id(master, RunOptions(), console)
+        read_run_id(master, RunOptions(), console, QUICK)
     [problem] = caught.value.diagnostics
     assert f"does not answer as a ROS master listens on localhost:{master.port}" in problem.message
     assert f"process {os.getpid()})" in problem.message
     assert f"ur launch -p {master.port + 1}" in str(problem.help)
 
 
-@pytest.mark.usefixtures("quick")
 def test_server_that_takes_no_more_connections_is_named_with_its_process() -> None:
     with socket.create_server(("localhost", 0), backlog=0) as listener, ExitStack() as waiting:
         port = listener.getsockname()[1]
@@ -92,11 +86,12 @@ def test_server_that_takes_no_more_connections_is_named_with_its_process() -> No
             link.setblocking(False)
             link.connect_ex(("localhost", port))
         with pytest.raises(UserError, match=f"listens on localhost:{port} ") as caught:
-            read_run_id(Master(format_master_uri("localhost", port), "localhost", port), RunOptions(), Warnings())
+            read_run_id(
+                Master(format_master_uri("localhost", port), "localhost", port), RunOptions(), Warnings(), QUICK
+            )
     assert f"process {os.getpid()})" in caught.value.diagnostics[0].message
 
 
-@pytest.mark.usefixtures("quick")
 def test_busy_master_is_named_and_then_used() -> None:
     console = Warnings()
     with server(None, b"HTTP/1.0 200 OK\r\n\r\n" + ID) as master:
@@ -105,7 +100,6 @@ def test_busy_master_is_named_and_then_used() -> None:
     assert "a server that does not answer" in console.lines[0]
 
 
-@pytest.mark.usefixtures("quick")
 def test_silent_server_is_waited_for_when_asked_to() -> None:
     console = Warnings()
     with server(*[None] * 12, b"HTTP/1.0 200 OK\r\n\r\n" + ID) as master:

@@ -4,6 +4,7 @@ import fcntl
 import os
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -18,19 +19,24 @@ for number in itertools.count():
 """
 
 
-@pytest.fixture(params=["blocks", "copy"])
-def file(request: pytest.FixtureRequest, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    if request.param == "copy":
-        monkeypatch.setattr(log_cut, "_collapse", lambda *_: False)
+Collapse = Callable[[int, int], bool] | None
+
+
+@pytest.fixture
+def file(tmp_path: Path) -> Path:
     return tmp_path / "a.log"
 
 
-def test_newest_lines_stay_after_a_mark_and_writers_go_on(file: Path) -> None:
+both_ways = pytest.mark.parametrize("collapse", [None, lambda *_: False], ids=["blocks", "copy"])
+
+
+@both_ways
+def test_newest_lines_stay_after_a_mark_and_writers_go_on(file: Path, collapse: Collapse) -> None:
     with file.open("ab", buffering=0) as log:
         for number in range(20_000):
             log.write(b"%06d 0123456789\n" % number)
         before = file.stat()
-        removed = drop_beginning(str(file), 100_000)
+        removed = drop_beginning(str(file), 100_000, collapse)
         assert removed % 4096 == 0
         assert file.stat().st_ino == before.st_ino
         assert 100_000 <= file.stat().st_size == before.st_size - removed < 110_000
@@ -59,10 +65,11 @@ def test_process_that_appends_meanwhile_loses_nothing_where_blocks_can_be_remove
     assert numbers == list(range(numbers[0], numbers[0] + len(numbers)))
 
 
-def test_file_without_line_breaks_is_cut_without_a_mark(file: Path) -> None:
+@both_ways
+def test_file_without_line_breaks_is_cut_without_a_mark(file: Path, collapse: Collapse) -> None:
     file.write_bytes(bytes(range(256)).replace(b"\n", b"") * 400)
     end = file.read_bytes()[-10_000:]
-    assert drop_beginning(str(file), 10_000) > 0
+    assert drop_beginning(str(file), 10_000, collapse) > 0
     assert file.read_bytes().endswith(end)
 
 

@@ -1,5 +1,8 @@
 from __future__ import annotations
 
+from collections.abc import Sequence
+from typing import Any
+
 import pytest
 
 from ur.launchfile.plan.load import load_plan
@@ -53,7 +56,7 @@ def test_name_of_the_computer_is_appended_where_a_name_is_taken(taken: set[str],
     assert choose_names(["/keys", "/view"], "desk-top.local", taken.intersection) == chosen
 
 
-def test_only_live_nodes_of_other_computers_count(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_only_live_nodes_of_other_computers_count() -> None:
     addresses: dict[str, object] = {
         "/here": "http://desk:1/",
         "/dead": "http://far:2/",
@@ -61,8 +64,12 @@ def test_only_live_nodes_of_other_computers_count(monkeypatch: pytest.MonkeyPatc
         "/odd": "rosrpc://far:4",
         "/none": RuntimeError("unknown"),
     }
-    monkeypatch.setattr(Master, "call_many", lambda _, calls: [addresses[name] for _, (name,) in calls])
-    master = Master("http://bob:1", "bob", 1)
+
+    class Known(Master):
+        def call_many(self, calls: Sequence[tuple[str, tuple[object, ...]]]) -> list[Any]:
+            return [addresses[str(name)] for _, (name,) in calls]
+
+    master = Known("http://bob:1", "bob", 1)
     probe = {"http://far:2/": Sign.ENDED, "http://far:3/": Sign.PRESENT}.get
     found = find_taken(list(addresses), master, lambda host: host == "desk", probe)  # type: ignore[arg-type]
     assert found == {"/live"}

@@ -60,16 +60,15 @@ def test_file_with_an_error_is_refused_and_left_alone(store: WaypointStore) -> N
     assert "c" not in store.path.read_text()
 
 
-def test_interrupted_write_leaves_the_old_file(store: WaypointStore, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_interrupted_write_leaves_the_old_file(store: WaypointStore) -> None:
     store.remember("a", HERE)
     before = store.path.read_text()
 
     def interrupt(_: int) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("os.fsync", interrupt)
     with pytest.raises(KeyboardInterrupt):
-        store.remember("b", HERE)
+        WaypointStore(store.path, interrupt).remember("b", HERE)
     assert store.path.read_text() == before
     assert [path.name for path in store.path.parent.iterdir()] == ["maze.yaml"]
 

@@ -8,8 +8,14 @@ from tests.ur_nodes.navigation.synthetic import make_room, scan_points
 
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2
-from ur_nodes.localisation import likelihood
-from ur_nodes.localisation.likelihood import BeamModel, draw_free_poses, make_field, score_poses, signed_distances
+from ur_nodes.localisation.likelihood import (
+    BeamModel,
+    LikelihoodField,
+    draw_free_poses,
+    make_field,
+    score_poses,
+    signed_distances,
+)
 
 MODEL = BeamModel(z_hit=0.9, z_rand=0.1, sigma_hit=0.1, max_distance=2.0)
 
@@ -57,14 +63,13 @@ def test_draw_free_poses_covers_free_cells_only() -> None:
     assert np.abs(poses[:, 2]).max() > 3.0
 
 
-def test_field_of_a_large_map_is_that_of_a_small_one_where_beams_end(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_field_of_a_large_map_is_that_of_a_small_one_where_beams_end() -> None:
     rng = np.random.default_rng(3)
     grid = Grid(np.where(rng.random((500, 1300)) < 0.002, 100, 0).astype(np.int8), 0.05, Pose2(0.0, 0.0, 0.0))
     poses = np.column_stack((rng.uniform(20, 24, 50), rng.uniform(9, 12, 50), rng.uniform(-3, 3, 50)))
     points = rng.normal(0.0, 2.0, (20, 2))
     whole = make_field(grid, MODEL)
-    monkeypatch.setattr(likelihood, "WHOLE", 0)
-    tiled = make_field(grid, MODEL)
+    tiled = LikelihoodField(grid, MODEL, whole=0)
     assert (score_poses(tiled, poses, points) == score_poses(whole, poses, points)).all()
     assert not tiled.distances[:, -1].any()  # nothing ends there
     border = np.array(((-5.0, -5.0, 0.0), (70.0, 30.0, 0.0)))

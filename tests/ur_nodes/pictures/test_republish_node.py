@@ -1,7 +1,5 @@
 from __future__ import annotations
 
-import sys
-
 import pytest
 from tests.ur_nodes.pictures.test_decode import make_picture as make_pixels
 from tests.ur_nodes.pictures.test_decode import pack
@@ -16,10 +14,10 @@ DATA = pack(make_pixels(), "JPEG")
 
 
 @pytest.fixture
-def bus(monkeypatch: pytest.MonkeyPatch) -> Bus:
-    monkeypatch.setattr(sys, "argv", ["republish", "compressed", "in:=camera/image", "raw", "out:=camera/unpacked"])
+def bus() -> Bus:
+    argv = ["compressed", "in:=camera/image", "raw", "out:=camera/unpacked"]
     bus = Bus()
-    start(bus.node("republish", {"in": "/camera/image", "out": "/camera/unpacked"}))
+    start(bus.node("republish", {"in": "/camera/image", "out": "/camera/unpacked"}), argv)
     return bus
 
 
@@ -51,7 +49,6 @@ def test_picture_that_is_none_is_reported(bus: Bus) -> None:
     assert text.startswith("/camera/image/compressed: 8 bytes")
 
 
-def test_republish_with_other_arguments_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(sys, "argv", ["republish", "theora", "in:=a"])
+def test_republish_with_other_arguments_is_refused() -> None:
     with pytest.raises(UserError, match="arguments: theora, expected compressed raw"):
-        start(Bus().node("republish"))
+        start(Bus().node("republish"), ["theora", "in:=a"])

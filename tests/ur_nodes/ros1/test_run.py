@@ -5,15 +5,12 @@ import signal
 import threading
 
 import pytest
-import rospy
 
 from ur_nodes.ros1.run import shut_down_aside
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-def test_signal_during_registration_shuts_down_in_a_thread_of_its_own(
-    monkeypatch: pytest.MonkeyPatch, number: signal.Signals
-) -> None:
+def test_signal_during_registration_shuts_down_in_a_thread_of_its_own(number: signal.Signals) -> None:
     asked: list[tuple[str, str]] = []
     done = threading.Event()
 
@@ -21,9 +18,8 @@ def test_signal_during_registration_shuts_down_in_a_thread_of_its_own(
         asked.append((reason, threading.current_thread().name))
         done.set()
 
-    monkeypatch.setattr(rospy, "signal_shutdown", shut_down)
     before = signal.getsignal(number)
-    with shut_down_aside():
+    with shut_down_aside(shut_down):
         os.kill(os.getpid(), number)
         assert done.wait(60.0)  # the main thread goes on meanwhile
     assert asked == [(f"signal-{number.value}", "shutdown")]

@@ -5,11 +5,10 @@ from __future__ import annotations
 import http.client
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import pytest
-import rospy
 from rospy.exceptions import TransportTerminated
 
 from ur_nodes.loop import Loop
@@ -39,32 +38,27 @@ class Answers:
 
 
 @pytest.mark.parametrize("problem", [TransportTerminated("unable to send"), http.client.BadStatusLine("")])
-def test_server_that_ends_during_a_call_is_a_result(
-    monkeypatch: pytest.MonkeyPatch, loop: Loop, problem: Exception
-) -> None:
+def test_server_that_ends_during_a_call_is_a_result(loop: Loop, problem: Exception) -> None:
     def fail(_request: Any) -> None:
         raise problem
 
-    monkeypatch.setattr(rospy, "wait_for_service", lambda *_, **__: None)
-    monkeypatch.setattr(rospy, "ServiceProxy", lambda *_: fail)
     answers = Answers()
-    loop.post(lambda: call_service(loop, "cmd_vel_mux/stop", Trigger(), answers.take, 60.0))
+    loop.post(lambda: call_service(loop, "cmd_vel_mux/stop", Trigger(), answers.take, 60.0, lambda *_: fail))
     assert answers.arrived.wait(60.0)
     assert not answers.results[0].success
     assert answers.results[0].text
 
 
-def test_request_that_was_reported_as_failed_is_not_sent_later(monkeypatch: pytest.MonkeyPatch, loop: Loop) -> None:
+def test_request_that_was_reported_as_failed_is_not_sent_later(loop: Loop) -> None:
     back, looked, sent = threading.Event(), threading.Event(), list[Any]()
 
-    def wait(*_: Any, **__: Any) -> None:
+    def find(*_: Any) -> Callable[[object], object]:
         back.wait(60.0)  # as a look-up does while the network is away
         looked.set()
+        return sent.append
 
-    monkeypatch.setattr(rospy, "wait_for_service", wait)
-    monkeypatch.setattr(rospy, "ServiceProxy", lambda *_: sent.append)
     answers = Answers()
-    loop.post(lambda: call_service(loop, "cmd_vel_mux/release", Trigger(), answers.take, 0.05))
+    loop.post(lambda: call_service(loop, "cmd_vel_mux/release", Trigger(), answers.take, 0.05, find))
     assert answers.arrived.wait(60.0)
     before = threading.enumerate()
     back.set()

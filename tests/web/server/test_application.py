@@ -15,6 +15,7 @@ from tests.ros_session import free_port
 aiohttp = pytest.importorskip("aiohttp", reason="aiohttp is not installed: requirements/web.lock")
 
 from aiohttp import web  # noqa: E402
+from tests.web.server.robot_ends import KeptRobotEnd, keep  # noqa: E402
 
 from ur.web.access.origin import make_origins  # noqa: E402
 from ur.web.access.roles import Role  # noqa: E402
@@ -37,6 +38,7 @@ class Server:
     url: str
     client: Any
     log: list[str]
+    robot_end: KeptRobotEnd
 
     @property
     def origin(self) -> dict[str, str]:
@@ -62,13 +64,14 @@ async def server(tmp_path: Path) -> AsyncIterator[Server]:
     port, log = free_port(), list[str]()
     gate = LoginGate(make_origins((), port), tmp_path / "sessions.json", log.append)
     environment = {"ROS_MASTER_URI": f"http://localhost:{free_port()}"}
-    application = Application(gate, load_files(), environment, "bob", log.append)
+    ends = list[KeptRobotEnd]()
+    application = Application(gate, load_files(), environment, "bob", log.append, make_robot_end=keep(ends))
     jar = aiohttp.CookieJar(unsafe=True)
     async with (
         open_server(application.build(), gate, "127.0.0.1", port, log.append),
         aiohttp.ClientSession(cookie_jar=jar) as client,
     ):
-        yield Server(application, gate, f"http://127.0.0.1:{port}", client, log)
+        yield Server(application, gate, f"http://127.0.0.1:{port}", client, log, ends[0])
 
 
 async def test_nothing_but_the_login_is_seen_without_a_session(server: Server) -> None:
@@ -184,15 +187,13 @@ async def test_page_gets_only_the_layers_that_it_asks_for(server: Server) -> Non
         assert found[:2] == (Kind.POINTS, Layer.PLAN)
 
 
-async def test_page_changes_what_it_shows_over_its_open_connection(
-    server: Server, monkeypatch: pytest.MonkeyPatch
-) -> None:
+async def test_page_changes_what_it_shows_over_its_open_connection(server: Server) -> None:
     asked: list[tuple[int, bool, list[str]]] = []
 
     def look(viewers: int, layers: frozenset[Layer], plots: frozenset[str], _camera: str) -> None:
         asked.append((viewers, Layer.GLOBAL in layers, sorted(plots)))
 
-    monkeypatch.setattr(server.application.robot_end, "look", look)
+    server.robot_end.on_look = look
     await server.log_in(Role.LOOK)
     newest = points_frame(Layer.GLOBAL, [(1.0, 2.0)])  # before the page shows that layer
     server.application.show(newest)
@@ -218,16 +219,14 @@ async def test_page_that_changes_too_often_is_closed(server: Server) -> None:
         assert socket.close_code == aiohttp.WSCloseCode.POLICY_VIOLATION
 
 
-async def test_camera_has_a_socket_of_its_own_and_waits_for_the_page(
-    server: Server, monkeypatch: pytest.MonkeyPatch
-) -> None:
+async def test_camera_has_a_socket_of_its_own_and_waits_for_the_page(server: Server) -> None:
     come = asyncio.Event()
 
     def look(_viewers: int, layers: frozenset[Layer], _plots: frozenset[str], _camera: str) -> None:
         if Layer.CAMERA in layers:
             come.set()
 
-    monkeypatch.setattr(server.application.robot_end, "look", look)
+    server.robot_end.on_look = look
     await server.log_in(Role.LOOK)
     assert await server.status("GET", "/ws/camera", Origin="http://evil.example") == 403
     async with server.client.ws_connect(f"{server.url}/ws/camera", headers=server.origin) as socket:
@@ -258,7 +257,7 @@ async def test_camera_has_a_socket_of_its_own_and_waits_for_the_page(
     ],
 )
 async def test_camera_is_chosen_for_all_pages_by_those_that_may_drive(
-    server: Server, monkeypatch: pytest.MonkeyPatch, role: Role, text: str, passed: list[str]
+    server: Server, role: Role, text: str, passed: list[str]
 ) -> None:
     chosen, done = list[str](), asyncio.Event()
 
@@ -267,7 +266,7 @@ async def test_camera_is_chosen_for_all_pages_by_those_that_may_drive(
             chosen.append(camera)
             done.set()
 
-    monkeypatch.setattr(server.application.robot_end, "look", look)
+    server.robot_end.on_look = look
     await server.log_in(role)
     async with server.client.ws_connect(f"{server.url}/ws/camera", headers=server.origin) as socket:
         await socket.send_str(text)
@@ -309,15 +308,13 @@ async def test_logout_ends_the_session(server: Server) -> None:
     assert await server.status("GET", "/api/me") == 403
 
 
-async def test_plots_of_all_pages_are_asked_for_once_and_only_they_get_the_numbers(
-    server: Server, monkeypatch: pytest.MonkeyPatch
-) -> None:
+async def test_plots_of_all_pages_are_asked_for_once_and_only_they_get_the_numbers(server: Server) -> None:
     asked: list[tuple[int, bool, list[str]]] = []
 
     def look(viewers: int, layers: frozenset[Layer], plots: frozenset[str], _camera: str) -> None:
         asked.append((viewers, Layer.PLOTS in layers, sorted(plots)))
 
-    monkeypatch.setattr(server.application.robot_end, "look", look)
+    server.robot_end.on_look = look
     await server.log_in(Role.LOOK)
     view = f"{server.url}/ws/view?layers="
     assert await server.status("GET", "/ws/view?plots=odom", **server.origin) == 400
@@ -338,20 +335,20 @@ async def test_plots_of_all_pages_are_asked_for_once_and_only_they_get_the_numbe
             assert (values in got) is plots
 
 
-async def test_server_ends_although_a_cancellation_is_lost(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    gate = LoginGate(make_origins((), free_port()), tmp_path / "sessions.json", lambda _: None)
-    application = Application(gate, load_files(), {}, "bob", lambda _: None)
+async def test_server_ends_although_a_cancellation_is_lost(tmp_path: Path) -> None:
     lost = 0
 
-    async def run() -> None:
-        nonlocal lost
-        try:
+    class DeafRobotEnd(KeptRobotEnd):
+        async def run(self) -> None:
+            nonlocal lost
+            try:
+                await asyncio.Event().wait()
+            except asyncio.CancelledError:
+                lost += 1
             await asyncio.Event().wait()
-        except asyncio.CancelledError:
-            lost += 1
-        await asyncio.Event().wait()
 
-    monkeypatch.setattr(application.robot_end, "run", run)
+    gate = LoginGate(make_origins((), free_port()), tmp_path / "sessions.json", lambda _: None)
+    application = Application(gate, load_files(), {}, "bob", lambda _: None, make_robot_end=DeafRobotEnd)
     runner = web.AppRunner(application.build(), access_log=None)
     await runner.setup()
     await asyncio.sleep(0)

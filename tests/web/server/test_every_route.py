@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import AsyncIterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,6 +12,8 @@ import pytest
 from tests.ros_session import free_port
 
 aiohttp = pytest.importorskip("aiohttp", reason="aiohttp is not installed: requirements/web.lock")
+
+from tests.web.server.robot_ends import KeptRobotEnd, keep  # noqa: E402
 
 from ur.web.access.origin import make_origins  # noqa: E402
 from ur.web.access.roles import SESSION_LIFE, TOKEN_LIFE, Role  # noqa: E402
@@ -68,6 +71,7 @@ class Server:
     routes: set[tuple[str, str]]
     client: Any
     passed: list[Any]
+    ahead: list[float]  # s of the server's clock
 
     async def log_in(self, role: Role) -> None:
         token = self.gate.invite(role)
@@ -90,12 +94,13 @@ class Server:
 
 
 @pytest.fixture
-async def server(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> AsyncIterator[Server]:
-    port, passed = free_port(), list[Any]()
-    gate = LoginGate(make_origins((), port), tmp_path / "sessions.json", lambda _: None)
+async def server(tmp_path: Path) -> AsyncIterator[Server]:
+    port, ends, ahead = free_port(), list[KeptRobotEnd](), [0.0]
+    gate = LoginGate(
+        make_origins((), port), tmp_path / "sessions.json", lambda _: None, clock=lambda: time.time() + ahead[0]
+    )
     environment = {"ROS_MASTER_URI": f"http://localhost:{free_port()}", "HOME": str(tmp_path)}
-    application = Application(gate, load_files(), environment, "bob", lambda _: None)
-    monkeypatch.setattr(application.robot_end, "send", passed.append)
+    application = Application(gate, load_files(), environment, "bob", lambda _: None, make_robot_end=keep(ends))
     built = application.build()
     routes = {
         (each.method, each.resource.canonical)
@@ -106,7 +111,7 @@ async def server(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> AsyncIterat
         open_server(built, gate, "127.0.0.1", port, lambda _: None),
         aiohttp.ClientSession(cookie_jar=aiohttp.CookieJar(unsafe=True)) as client,
     ):
-        yield Server(gate, f"http://127.0.0.1:{port}", routes, client, passed)
+        yield Server(gate, f"http://127.0.0.1:{port}", routes, client, ends[0].passed, ahead)
 
 
 async def test_every_route_is_classified(server: Server) -> None:
@@ -143,20 +148,15 @@ async def test_every_route_that_changes_or_streams_is_refused_to_another_origin(
     assert server.passed == []
 
 
-async def test_every_route_is_refused_to_a_session_that_is_too_old(
-    server: Server, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    import time
-
+async def test_every_route_is_refused_to_a_session_that_is_too_old(server: Server) -> None:
     token = server.gate.invite(Role.DRIVE)
     await server.log_in(Role.DRIVE)
-    later = time.time() + TOKEN_LIFE + 1.0
-    monkeypatch.setattr("ur.web.server.logins.gate.time.time", lambda: later)
+    server.ahead[0] = TOKEN_LIFE + 1.0
     async with server.client.post(
         f"{server.url}/login", json={"token": token}, headers={"Origin": server.url}
     ) as answer:
         assert answer.status == 403
-    later = later + 2 * SESSION_LIFE
+    server.ahead[0] += 2 * SESSION_LIFE
     for method, path in server.routes - OPEN:
         assert await server.refuse(method, path, Origin=server.url) == 403, path
     assert server.passed == []

@@ -17,6 +17,8 @@ from tests.ros_session import free_port
 
 aiohttp = pytest.importorskip("aiohttp", reason="aiohttp is not installed: requirements/web.lock")
 
+from tests.web.server.robot_ends import KeptRobotEnd, keep  # noqa: E402
+
 from ur.web.access.origin import make_origins  # noqa: E402
 from ur.web.access.roles import Role  # noqa: E402
 from ur.web.server.application import Application  # noqa: E402
@@ -41,13 +43,11 @@ VALID: tuple[dict[str, Any], ...] = (
 
 
 @pytest.mark.timeout(max(60, COUNT // 10))
-async def test_only_requests_that_are_well_formed_reach_the_robot(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    port, chance, log, passed = free_port(), random.Random(COUNT), list[str](), list[Any]()
+async def test_only_requests_that_are_well_formed_reach_the_robot(tmp_path: Path) -> None:
+    port, chance, log, ends = free_port(), random.Random(COUNT), list[str](), list[KeptRobotEnd]()
     gate = LoginGate(make_origins((), port), tmp_path / "sessions.json", log.append)
-    application = Application(gate, {}, {"ROS_MASTER_URI": f"http://localhost:{free_port()}"}, "bob", log.append)
-    monkeypatch.setattr(application.robot_end, "send", passed.append)
+    environment = {"ROS_MASTER_URI": f"http://localhost:{free_port()}"}
+    application = Application(gate, {}, environment, "bob", log.append, make_robot_end=keep(ends))
     url, seeds = f"http://127.0.0.1:{port}", [json.dumps(each).encode() for each in VALID]
     async with (
         open_server(application.build(), gate, "127.0.0.1", port, log.append),
@@ -68,7 +68,7 @@ async def test_only_requests_that_are_well_formed_reach_the_robot(
                 await socket.close()
         answer = await client.get(f"{url}/api/me")
         assert (await answer.json())["role"] == "drive"
-    requests = [each["m"] for each in passed if "m" in each]
+    requests = [each["m"] for each in ends[0].passed if "m" in each]
     assert requests.count('{"t": "cancel"}') == len(range(0, COUNT, A_PAGE))  # each page is heard to its end
     for each in requests:
         assert read_request(each)
@@ -84,19 +84,24 @@ VALID_RUNS: tuple[dict[str, Any], ...] = (
 )
 
 
+class NotedRunPages(RunPages):
+    """Pages that note what they would carry out."""
+
+    done: list[Any]
+
+    def _carry_out(self, *given: Any) -> None:
+        self.done.append(given[2])
+
+
 @pytest.mark.timeout(max(60, COUNT // 10))
-async def test_only_run_requests_that_are_well_formed_are_carried_out(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr("ur.web.server.logins.gate._REQUEST_RATE", 1e6)
-    for name in ("_RATE", "_BURST"):
-        monkeypatch.setattr(f"ur.web.server.run_pages.{name}", 1e6)
-    done: list[Any] = []
-    monkeypatch.setattr(RunPages, "_carry_out", lambda *given: done.append(given[3]))
+async def test_only_run_requests_that_are_well_formed_are_carried_out(tmp_path: Path) -> None:
     port, chance, log = free_port(), random.Random(COUNT), list[str]()
-    gate = LoginGate(make_origins((), port), tmp_path / "sessions.json", log.append)
+    gate = LoginGate(make_origins((), port), tmp_path / "sessions.json", log.append, pace=(1e6, 1e6))
     environment = {"ROS_MASTER_URI": f"http://localhost:{free_port()}", "HOME": str(tmp_path)}
-    built = Application(gate, {}, environment, "bob", log.append).build()
+    runs = NotedRunPages(environment, log.append, pace=(1e6, 1e6))
+    done: list[Any] = []
+    runs.done = done
+    built = Application(gate, {}, environment, "bob", log.append, runs=runs).build()
     url, seeds = f"http://127.0.0.1:{port}", [json.dumps(each).encode() for each in VALID_RUNS]
     async with (
         open_server(built, gate, "127.0.0.1", port, log.append),

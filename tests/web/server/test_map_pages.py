@@ -19,6 +19,7 @@ from ur.maps.store import MapStore, own_store  # noqa: E402
 from ur.maps.waypoint_path import waypoint_path  # noqa: E402
 from ur.web.access.origin import make_origins  # noqa: E402
 from ur.web.access.roles import Role  # noqa: E402
+from ur.web.runs.commands import CommandQueue, EndedCommand  # noqa: E402
 from ur.web.server.application import Application  # noqa: E402
 from ur.web.server.connections.http_server import open_server  # noqa: E402
 from ur.web.server.logins.gate import LoginGate  # noqa: E402
@@ -39,6 +40,18 @@ BAD_NAMES = (
 )
 
 
+class NotedCommands(CommandQueue):
+    """Commands of `ur` that are noted as well."""
+
+    def __init__(self, environment: dict[str, str]) -> None:
+        super().__init__(environment)
+        self.ran: list[tuple[str, ...]] = []
+
+    async def run(self, *words: str, limit: float) -> EndedCommand:
+        self.ran.append(words)
+        return await super().run(*words, limit=limit)
+
+
 @dataclass
 class Server:
     gate: LoginGate
@@ -46,6 +59,7 @@ class Server:
     client: Any
     store: MapStore
     waypoints: Path
+    commands: NotedCommands
 
     async def log_in(self, role: Role) -> None:
         token = {"token": self.gate.invite(role)}
@@ -76,12 +90,13 @@ async def server(tmp_path: Path) -> AsyncIterator[Server]:
     waypoints = waypoint_path("flat", environment)
     waypoints.parent.mkdir(parents=True)
     waypoints.write_text("door: [1, 2, 90]\n", encoding="utf-8")
-    application = Application(gate, {}, environment, "bob", lambda _: None)
+    commands = NotedCommands(environment)
+    application = Application(gate, {}, environment, "bob", lambda _: None, commands=commands)
     async with (
         open_server(application.build(), gate, "127.0.0.1", port, lambda _: None),
         aiohttp.ClientSession(cookie_jar=aiohttp.CookieJar(unsafe=True)) as client,
     ):
-        yield Server(gate, f"http://127.0.0.1:{port}", client, store, waypoints.parent)
+        yield Server(gate, f"http://127.0.0.1:{port}", client, store, waypoints.parent, commands)
 
 
 async def test_maps_are_listed_renamed_with_their_places_and_deleted(server: Server) -> None:
@@ -104,13 +119,8 @@ async def test_maps_are_listed_renamed_with_their_places_and_deleted(server: Ser
     assert (status, "unknown map 'home'" in text) == (409, True)
 
 
-async def test_names_that_no_map_can_have_reach_no_command(server: Server, monkeypatch: pytest.MonkeyPatch) -> None:
+async def test_names_that_no_map_can_have_reach_no_command(server: Server) -> None:
     await server.log_in(Role.DRIVE)
-
-    async def run(*words: str, **_: object) -> None:
-        pytest.fail(f"runs {words}")
-
-    monkeypatch.setattr("ur.web.runs.commands.CommandQueue.run", run)
     for name in BAD_NAMES:
         assert (await server.post("delete", {"name": name}))[0] == 409, name
         assert (await server.post("rename", {"name": name, "new_name": "home"}))[0] == 409, name
@@ -118,6 +128,7 @@ async def test_names_that_no_map_can_have_reach_no_command(server: Server, monke
     values: tuple[object, ...] = ([], "flat", None)
     for value in values:
         assert (await server.post("delete", value))[0] == 400
+    assert server.commands.ran == []
     assert server.store.names() == ["flat", "hall"]
 
 

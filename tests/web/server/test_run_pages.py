@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
 from pathlib import Path
 from typing import Any
 
@@ -14,10 +15,10 @@ aiohttp = pytest.importorskip("aiohttp", reason="aiohttp is not installed: requi
 
 from ur.web.access.origin import make_origins  # noqa: E402
 from ur.web.access.roles import Role  # noqa: E402
-from ur.web.server import run_pages  # noqa: E402
 from ur.web.server.application import Application  # noqa: E402
 from ur.web.server.connections.http_server import open_server  # noqa: E402
 from ur.web.server.logins.gate import LoginGate  # noqa: E402
+from ur.web.server.run_pages import RunPages  # noqa: E402
 
 
 class Server:
@@ -33,10 +34,17 @@ class Server:
 
 @pytest.fixture
 async def server(tmp_path: Path) -> AsyncIterator[Server]:
+    async with serve(tmp_path) as server:
+        yield server
+
+
+@asynccontextmanager
+async def serve(tmp_path: Path, **bounds: float) -> AsyncIterator[Server]:
     port = free_port()
     gate = LoginGate(make_origins((), port), tmp_path / "sessions.json", lambda _: None)
     environment = {"ROS_MASTER_URI": f"http://localhost:{free_port()}", "HOME": str(tmp_path)}
-    application = Application(gate, {}, environment, "bob", lambda _: None).build()
+    runs = RunPages(environment, lambda _: None, **bounds)  # type: ignore[arg-type]  # of numbers
+    application = Application(gate, {}, environment, "bob", lambda _: None, runs=runs).build()
     async with (
         open_server(application, gate, "127.0.0.1", port, lambda _: None),
         aiohttp.ClientSession(cookie_jar=aiohttp.CookieJar(unsafe=True)) as client,
@@ -72,11 +80,15 @@ async def test_role_that_looks_sees_runs_and_changes_nothing(server: Server) -> 
         assert "may look" in answer["text"]
 
 
-async def test_request_that_has_waited_is_not_carried_out(server: Server, monkeypatch: pytest.MonkeyPatch) -> None:
+async def test_request_with_a_beat_that_was_never_sent_is_not_carried_out(server: Server) -> None:
     async with await server.connect() as socket:
         await socket.receive_json(timeout=30)
-        assert "too slow" in (await ask(socket, **END, n=77))["text"]  # a beat that was never sent
-        monkeypatch.setattr(run_pages, "OLDEST", 0.0)
+        assert "too slow" in (await ask(socket, **END, n=77))["text"]
+
+
+async def test_request_that_has_waited_is_not_carried_out(tmp_path: Path) -> None:
+    async with serve(tmp_path, oldest=0.0) as server, await server.connect() as socket:
+        await socket.receive_json(timeout=30)
         assert "too slow" in (await ask(socket, **END, n=1))["text"]
 
 

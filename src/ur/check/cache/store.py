@@ -15,6 +15,7 @@ import os
 import stat
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
+from dataclasses import dataclass
 
 from ur.check.cache.answers import is_question
 from ur.check.cache.recall import KnownFindings, Recall, RecalledFile
@@ -22,11 +23,21 @@ from ur.source.replace import PRIVATE, make_folder, replace_file
 from ur.source.user_folders import user_folder
 
 FORMAT = 1
-MAX_BYTES = 64_000_000  # of one file
-MAX_TOTAL = 256_000_000  # of all, of which the ones that were used last stay
-MAX_FILES = 64
 _SUFFIX = ".json"
 _HEADER = 1000  # bytes at most
+
+
+@dataclass(frozen=True, slots=True)
+class CacheBounds:
+    """Bytes of one file, and of all `files`, of which the ones that were used last stay; `format` of what is kept."""
+
+    bytes: int = 64_000_000
+    total: int = 256_000_000
+    files: int = 64
+    format: int = FORMAT
+
+
+_BOUNDS = CacheBounds()
 
 
 def cache_folder(environment: Mapping[str, str]) -> str:
@@ -40,15 +51,15 @@ def name_cache(places: Sequence[str], chosen: frozenset[str], arguments: Mapping
     return _digest(what.encode("utf-8", "backslashreplace"))[:32] + _SUFFIX
 
 
-def load_recall(path: str, program: str) -> Recall:
+def load_recall(path: str, program: str, bounds: CacheBounds = _BOUNDS) -> Recall:
     """Findings of an earlier check by the same `program`; none where there is no file that can be used."""
     try:
-        return Recall(_read_known(_read(path), program))
+        return Recall(_read_known(_read(path, bounds), program, bounds))
     except (OSError, ValueError, RecursionError, MemoryError):  # a text that is nested too deep raises the third
         return Recall()
 
 
-def store_recall(recall: Recall, path: str, program: str) -> None:
+def store_recall(recall: Recall, path: str, program: str, bounds: CacheBounds = _BOUNDS) -> None:
     """Keep the findings of a check for the next one. One that runs beside this replaces the file whole, or is replaced.
 
     Does nothing where they cannot be written: the next check takes longer then, and finds the same.
@@ -58,14 +69,14 @@ def store_recall(recall: Recall, path: str, program: str) -> None:
             os.utime(path)
             return
     text = json.dumps(_body_of(recall.now), separators=(",", ":"))
-    header = json.dumps({"format": FORMAT, "program": program, "digest": _digest(text.encode())})
-    if len(text) > MAX_BYTES - _HEADER:
+    header = json.dumps({"format": bounds.format, "program": program, "digest": _digest(text.encode())})
+    if len(text) > bounds.bytes - _HEADER:
         return
     folder = os.path.dirname(path)
     with suppress(OSError):
         make_folder(folder, mode=0o700, lasting=False)
         replace_file(path, f"{header}\n{text}", mode=PRIVATE, follow=False, lasting=False)
-        _remove_oldest(folder)
+        _remove_oldest(folder, bounds)
 
 
 def _body_of(known: KnownFindings) -> dict[str, object]:
@@ -75,18 +86,18 @@ def _body_of(known: KnownFindings) -> dict[str, object]:
     }
 
 
-def _read(path: str) -> bytes:
+def _read(path: str, bounds: CacheBounds) -> bytes:
     descriptor = os.open(path, os.O_RDONLY | os.O_CLOEXEC | os.O_NONBLOCK | os.O_NOFOLLOW)
     with open(descriptor, "rb") as file:
         status = os.fstat(descriptor)
-        if not stat.S_ISREG(status.st_mode) or status.st_uid != os.geteuid() or status.st_size > MAX_BYTES:
+        if not stat.S_ISREG(status.st_mode) or status.st_uid != os.geteuid() or status.st_size > bounds.bytes:
             raise ValueError(f"{path} is not a cache of this user")
         return file.read()
 
 
-def _read_known(data: bytes, program: str) -> KnownFindings:
+def _read_known(data: bytes, program: str, bounds: CacheBounds) -> KnownFindings:
     header, line_break, text = data.partition(b"\n")
-    expected = {"format": FORMAT, "program": program, "digest": _digest(text)}
+    expected = {"format": bounds.format, "program": program, "digest": _digest(text)}
     if not line_break or len(header) > _HEADER or json.loads(header) != expected:
         raise ValueError("written by another program, or damaged")
     body = json.loads(text)
@@ -111,14 +122,14 @@ def _read_unit(value: object, questions: int) -> RecalledFile:
     return RecalledFile(inputs, numbers, hits)  # hits are checked when they are decoded
 
 
-def _remove_oldest(folder: str) -> None:
+def _remove_oldest(folder: str, bounds: CacheBounds) -> None:
     with os.scandir(folder) as entries:
         files = [(entry.stat(follow_symlinks=False), entry.path) for entry in entries if entry.name.endswith(_SUFFIX)]
     files.sort(key=lambda pair: pair[0].st_mtime, reverse=True)
     total = 0
     for number, (status, path) in enumerate(files):
         total += status.st_size
-        if number >= MAX_FILES or total > MAX_TOTAL:
+        if number >= bounds.files or total > bounds.total:
             with suppress(OSError):
                 os.unlink(path)
 

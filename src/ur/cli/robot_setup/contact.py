@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import os
-import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
 import click
 
+from ur.cli.robot_setup.terminal import TERMINAL, SetupTerminal
 from ur.robot.discovery.record import load_records, records_folder
 from ur.robot.setup.contact import COMPARE, OfferedHostKey, meet, needs_answer
 from ur.robot.setup.login import Task
@@ -26,29 +26,37 @@ def read_fingerprint(text: str) -> str:
         ) from None
 
 
-def confirm_host_key(task: Task, *, fingerprint: str = "", yes: bool = False, new_host_key: bool = False) -> Task:
+def confirm_host_key(
+    task: Task,
+    *,
+    fingerprint: str = "",
+    yes: bool = False,
+    new_host_key: bool = False,
+    terminal: SetupTerminal = TERMINAL,
+    greet: Callable[..., OfferedHostKey] = meet,
+) -> Task:
     """Compare the robot's host key with the known one; ask for a new one. The task with the key that counts.
 
     `fingerprint` is the one that the user gave, `yes` confirms any. Nothing secret is sent. Raises UserError: it is
     another one, the user says no, or there is no terminal to ask on.
     """
-    contact = meet(task.address, task.later, with_key=bool(fingerprint))
+    contact = greet(task.address, task.later, with_key=bool(fingerprint))
     if needs_answer(task.address, contact, fingerprint=fingerprint, new_host_key=new_host_key):
         assert contact.host_key
         if yes:
             click.echo(f"{task.robot.name}: first contact, host key {contact.host_key.fingerprint}: accepted by --yes")
         else:
-            _ask(task, contact)
+            _ask(task, contact, terminal)
     elif contact.is_first and contact.host_key:
         click.echo(f"{task.robot.name}: first contact, host key {contact.host_key.fingerprint}: as given")
     return replace(task, host_key=contact.pinned, first_contact=contact.is_first)
 
 
-def _ask(task: Task, contact: OfferedHostKey) -> None:
+def _ask(task: Task, contact: OfferedHostKey, terminal: SetupTerminal) -> None:
     assert contact.host_key
     offered = contact.host_key.fingerprint
     was = "another one was known before" if contact.state == "changed" else "not known to this computer"
-    if not sys.stdin.isatty():
+    if not terminal.is_there():
         raise UserError(
             error_about(
                 task.address,
@@ -65,7 +73,7 @@ def _ask(task: Task, contact: OfferedHostKey) -> None:
         "  the computer with this key gets the passwords that you give"
     )
     while True:
-        answer = click.prompt("is it the robot's? [y/N, or the fingerprint]", default="n", show_default=False).strip()
+        answer = terminal.ask("is it the robot's? [y/N, or the fingerprint]", "n", show_default=False).strip()
         if answer.lower() in ("y", "yes") or answer.rstrip("=") == offered:
             return
         if answer.lower() in ("n", "no") or answer.startswith("SHA256:"):
@@ -79,7 +87,7 @@ def _ask(task: Task, contact: OfferedHostKey) -> None:
             )
 
 
-def decide_robot_login(tasks: Sequence[Task], wanted: bool | None) -> list[Task]:
+def decide_robot_login(tasks: Sequence[Task], wanted: bool | None, terminal: SetupTerminal = TERMINAL) -> list[Task]:
     """The tasks with the decision whether the robots may log in to this computer.
 
     `wanted` is what the user gave; else what was decided for a robot before; else a question, or, without a terminal,
@@ -87,7 +95,7 @@ def decide_robot_login(tasks: Sequence[Task], wanted: bool | None) -> list[Task]
     """
     before = {record.name: record.robot_login for record in load_records(records_folder(os.environ))}
     open_ = [task.robot.name for task in tasks if wanted is None and before.get(task.robot.name) is None]
-    answer = bool(open_) and _ask_login(open_)
+    answer = bool(open_) and _ask_login(open_, terminal)
     return [replace(task, robot_login=_decide(task.robot.name, wanted, before, answer)) for task in tasks]
 
 
@@ -98,13 +106,13 @@ def _decide(name: str, wanted: bool | None, before: Mapping[str, bool | None], a
     return answer if known is None else known
 
 
-def _ask_login(names: Sequence[str]) -> bool:
+def _ask_login(names: Sequence[str], terminal: SetupTerminal) -> bool:
     who = ", ".join(names)
-    if not sys.stdin.isatty():
+    if not terminal.is_there():
         click.echo(f"{who}: may not log in to this computer; --robot-login allows it")
         return False
     click.echo(
         "roslaunch on a robot starts nodes on this computer by ssh; without that, the robot needs no login here, "
         "and ur needs none"
     )
-    return click.confirm(f"may {who} log in to this computer by key?", default=False)
+    return terminal.confirm(f"may {who} log in to this computer by key?")

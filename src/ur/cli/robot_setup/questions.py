@@ -11,6 +11,7 @@ from pathlib import Path
 import click
 
 from ur.cli.answers import check_name, read_lines, taken_error
+from ur.cli.robot_setup.terminal import TERMINAL, SetupTerminal
 from ur.cli.robots.fleet import choose_robots
 from ur.request.environment import PACKAGE
 from ur.request.remote.connection import robot_address
@@ -27,7 +28,9 @@ from ur.source.section import Section, read_section
 PLAIN = "plain"
 
 
-def ask_task(host: str, name: str | None, base: str | None, variant: str | None) -> Task:
+def ask_task(
+    host: str, name: str | None, base: str | None, variant: str | None, terminal: SetupTerminal = TERMINAL
+) -> Task:
     """A task for one robot. What is not given is asked for; the default is what is known of a robot of that name.
 
     Without a terminal, a variant that is not given is the known one, else the plain one. Raises UserError: no answer,
@@ -35,14 +38,14 @@ def ask_task(host: str, name: str | None, base: str | None, variant: str | None)
     """
     address = parse_address(host, DEFAULT_USER)
     if name is None:
-        name = _ask(f"name of the robot at {address.host}", address.host.split(".")[0])
+        name = _ask(f"name of the robot at {address.host}", address.host.split(".")[0], terminal)
     known = {record.name: record for record in load_records(records_folder(os.environ))}
     record = known.get(name) or known.get(address.host.split(".")[0]) or RobotRecord(name, address.user, "")
     if base is None:
-        base = _ask(f"base of {name} ({', '.join(list_bases(PACKAGE))})", record.base or None)
+        base = _ask(f"base of {name} ({', '.join(list_bases(PACKAGE))})", record.base or None, terminal)
     load_base(PACKAGE, base)
     if variant is None:
-        variant = _ask_variant(name, base, record.variant if record.base == base else "")
+        variant = _ask_variant(name, base, record.variant if record.base == base else "", terminal)
     variant = "" if variant == PLAIN else variant
     load_base(PACKAGE, base, variant)
     return Task(address, WantedRobot(name, base, variant))
@@ -57,18 +60,18 @@ def list_known_tasks() -> list[Task]:
     return [Task(robot_address(each.name), WantedRobot(each.name, each.base, each.variant)) for each in records]
 
 
-def _ask_variant(name: str, base: str, known: str) -> str:
+def _ask_variant(name: str, base: str, known: str, terminal: SetupTerminal) -> str:
     variants = list_variants(PACKAGE, base)
     if not variants:
         return ""
-    if not sys.stdin.isatty():
+    if not terminal.is_there():
         return known if known in variants else ""
     default = known if known in variants else PLAIN
-    return _ask(f"variant of {name}, a {base} ({', '.join((PLAIN, *variants))})", default)
+    return _ask(f"variant of {name}, a {base} ({', '.join((PLAIN, *variants))})", default, terminal)
 
 
-def _ask(what: str, default: str | None) -> str:
-    if not sys.stdin.isatty():
+def _ask(what: str, default: str | None, terminal: SetupTerminal) -> str:
+    if not terminal.is_there():
         option = what.split()[0]
         raise UserError(
             error(
@@ -77,8 +80,7 @@ def _ask(what: str, default: str | None) -> str:
                 help=f"give --{option}",
             )
         )
-    answer: str = click.prompt(what, default=default)
-    return answer
+    return terminal.ask(what, default)
 
 
 def read_tasks(path: Path) -> tuple[list[Task], dict[str, str]]:

@@ -31,23 +31,23 @@ class CommandRunner(Protocol):
         ...
 
 
-def run_command(words: Sequence[str]) -> CommandResult:
+def run_command(words: Sequence[str], most: int = MAX_OUTPUT) -> CommandResult:
     """Run a program on this computer; its standard error goes to ours, as in roslaunch.
 
-    Raises OSError for a program that cannot be started or prints too much.
+    Raises OSError for a program that cannot be started or prints more than `most` bytes.
     """
     import subprocess  # 6 ms that most launch files do not need
 
     with subprocess.Popen(list(words), stdout=subprocess.PIPE, stdin=subprocess.DEVNULL) as process:
         assert process.stdout is not None
         try:
-            output = process.stdout.read(MAX_OUTPUT + 1)
+            output = process.stdout.read(most + 1)
         except BaseException:
             process.kill()
             raise
-        if len(output) > MAX_OUTPUT:
+        if len(output) > most:
             process.kill()
-            raise OSError(0, f"prints more than {MAX_OUTPUT:,} bytes", words[0])
+            raise OSError(0, f"prints more than {most:,} bytes", words[0])
     return CommandResult(process.returncode, output)
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -22,7 +22,9 @@ class FileBase:
     base: Base
 
 
-def find_bases(files: LaunchFiles, values: Mapping[str, str]) -> tuple[FileBase, ...]:
+def find_bases(
+    files: LaunchFiles, values: Mapping[str, str], load: Callable[[Path, str, str], Base] = load_base
+) -> tuple[FileBase, ...]:
     """Load the base that `robot_base` and `robot_variant` name, from the package that each file belongs to.
 
     Packages without folder `bases` are skipped; bases that workspaces add are found, too. Raises UserError: no such
@@ -39,7 +41,7 @@ def find_bases(files: LaunchFiles, values: Mapping[str, str]) -> tuple[FileBase,
             continue
         package = find_base_package(own, name, files.world.environment)
         if package not in loaded:
-            loaded[package] = load_base(package, name, values.get("robot_variant", ""))
+            loaded[package] = load(package, name, values.get("robot_variant", ""))
         found.append(FileBase(path, package, loaded[package]))
     return tuple(found)
 

@@ -46,7 +46,12 @@ def rename_taken(plan: Plan, robot: str, report: Report) -> Plan:
 
 
 def choose_mode(
-    options: LaunchOptions, robot: str, nodes: Sequence[NodeSpec], name: str, ask: Callable[[str], str] | None = None
+    options: LaunchOptions,
+    robot: str,
+    nodes: Sequence[NodeSpec],
+    name: str,
+    ask: Callable[[str], str] | None = None,
+    read: Callable[[str], RobotLease] = read_lease,
 ) -> Mode | None:
     """Choose the conduct on a robot; None: the person at the terminal does not want to begin.
 
@@ -55,7 +60,7 @@ def choose_mode(
     """
     if options.mode != "drive" or not may_drive(nodes):
         return options.mode
-    lease = read_lease(graph_address(os.environ))
+    lease = read(graph_address(os.environ))
     computer = describe_user(read_computer(), os.getuid())
     if not belongs_to_other(lease, name, computer, list_clients(clients_folder(os.environ, os.getuid()))):
         return "drive"

@@ -48,6 +48,8 @@ class ShareAgain:
     begin: Callable[[], tuple[str, str]]
     age: Callable[[], float]
     command: str
+    clock: Callable[[], float] = time.monotonic
+    pause: float = PAUSE
     run: str = ""  # the id of the run that was started again
     over: threading.Event = field(default_factory=threading.Event)
     _busy: threading.Lock = field(default_factory=threading.Lock)
@@ -57,9 +59,9 @@ class ShareAgain:
 
         A master that does not return although the robot did not restart was ended on purpose, and stays so.
         """
-        begun = time.monotonic()
+        begun = self.clock()
         problem = "it does not answer"
-        while (now := time.monotonic()) < begun + LIMIT and not self.over.is_set():
+        while (now := self.clock()) < begun + LIMIT and not self.over.is_set():
             try:
                 health = self.examine()
                 if not health.stopping and (health.master or health.age < self.age()):
@@ -70,7 +72,7 @@ class ShareAgain:
                     break
             except UserError as failed:
                 problem = failed.diagnostics[0].message
-            self.over.wait(PAUSE)
+            self.over.wait(self.pause)
         return self._explain(f"its nodes were not started again: {problem}")
 
     def has_restarted(self) -> bool:

@@ -4,28 +4,47 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 
 from ur.request.requirements.python_packages import DiskFullError, run_installer
 from ur.source.diagnostic import UserError, error
-from ur.system.debian_root import find_root, install_command
+from ur.system.debian_root import DebianRoot, find_root, install_command
 
 _APT = ("apt-get", "-q", "-o", "DPkg::Lock::Timeout=300")
 
 
-def install_debian(alternatives: Sequence[Sequence[str]], title: str, *, ask: bool = True) -> None:
+@dataclass(frozen=True, slots=True)
+class Account:
+    """The account that asks for packages: its number, the program sudo, and the Debian root that it is in."""
+
+    uid: Callable[[], int] = os.geteuid
+    sudo: Callable[[], str | None] = lambda: _find_program("sudo")
+    root: Callable[[Mapping[str, str]], DebianRoot | None] = find_root
+
+
+_ACCOUNT = Account()
+
+
+def _find_program(name: str) -> str | None:
+    import shutil  # only where a program needs packages
+
+    return shutil.which(name)
+
+
+def install_debian(
+    alternatives: Sequence[Sequence[str]], title: str, *, ask: bool = True, account: Account = _ACCOUNT
+) -> None:
     """Install the first set of Debian packages unless one of the sets is installed already.
 
     `title` says what that is, for people. With `ask` sudo may ask for a password on the terminal. A system without dpkg
     is left alone. Raises UserError: the packages could not be installed, or no user may.
     """
-    import shutil  # only where a program needs packages
-
-    if shutil.which("dpkg-query") is None or any(not list_missing(names) for names in alternatives):
+    if _find_program("dpkg-query") is None or any(not list_missing(names) for names in alternatives):
         return
     missing = list_missing(alternatives[0])
     command = "apt-get install " + " ".join(missing)
-    root = _root_prefix(missing, command, ask=ask)
+    root = _root_prefix(missing, command, ask=ask, account=account)
     sys.stderr.write(f"installing {title}: Debian packages {' '.join(missing)}, once ...\n")
     install = [*root, *_APT, "install", "-y", "--no-install-recommends", *missing]
     settings = f"apt's sources, or try it by hand: sudo {command}"
@@ -58,19 +77,23 @@ def list_missing(names: Sequence[str]) -> list[str]:
 
 
 def _root_prefix(
-    missing: Sequence[str], command: str, *, ask: bool, state: str = "are missing and could not be installed"
+    missing: Sequence[str],
+    command: str,
+    *,
+    ask: bool,
+    state: str = "are missing and could not be installed",
+    account: Account = _ACCOUNT,
 ) -> list[str]:
     """The arguments in front of a command that root has to run. Raises UserError when no user here may become root."""
-    import shutil
     import subprocess
 
-    if find_root(os.environ) is not None:
+    if account.root(os.environ) is not None:
         outside = install_command(missing) if "install" in command.split() else f"ur debian shell, and there: {command}"
         raise _refusal(missing, "this Debian root is changed from outside only", outside, state)
     environment = ["env", "DEBIAN_FRONTEND=noninteractive"]
-    if os.geteuid() == 0:
+    if account.uid() == 0:
         return environment
-    sudo = shutil.which("sudo")
+    sudo = account.sudo()
     if sudo is None:
         raise _refusal(missing, "sudo is not installed", f"as root: {command}", state)
     if subprocess.run([sudo, "-n", "true"], stdin=subprocess.DEVNULL, capture_output=True, check=False).returncode:

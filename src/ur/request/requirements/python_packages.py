@@ -6,14 +6,18 @@ import fcntl
 import importlib
 import sys
 import time
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager, suppress
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import AbstractContextManager, contextmanager, suppress
 from importlib.util import find_spec
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from ur.source.diagnostic import UserError, error
 from ur.source.progress_line import show_progress
 from ur.source.project import project_folder, state_folder
+
+if TYPE_CHECKING:
+    from subprocess import Popen
 
 _PROBLEM = ("ERROR", "E: ")  # of pip, of apt-get
 _NO_ROOM = ("No space left", "enough free space")
@@ -58,11 +62,19 @@ def _words(path: Path) -> list[str]:
     ]
 
 
-def run_installer(command: Sequence[str], missing: str, settings: str, verb: str = "install") -> None:
+def run_installer(
+    command: Sequence[str],
+    missing: str,
+    settings: str,
+    verb: str = "install",
+    show: Callable[[str], AbstractContextManager[Callable[[str], None]]] = show_progress,
+    end: Callable[[Popen[str]], None] | None = None,
+) -> None:
     """Run pip or apt-get, with its progress on a terminal. Raises UserError when it fails.
 
     It is a DiskFullError where the disk is full. `missing` is what it installs, or with `verb` "remove" what it
-    removes; `settings`, where people find out why that failed.
+    removes; `settings`, where people find out why that failed. `show` shows
+    lines of progress, `end` ends the process.
     """
     import subprocess  # only for an installation
 
@@ -76,14 +88,14 @@ def run_installer(command: Sequence[str], missing: str, settings: str, verb: str
         raise _failure(missing, str(problem), help_, verb) from None
     reported: list[str] = []
     assert process.stdout is not None
-    with process, show_progress(f"{_STEMS[verb]}ing {missing}") as progress:
+    with process, show(f"{_STEMS[verb]}ing {missing}") as progress:
         try:
             for line in filter(None, map(str.strip, process.stdout)):
                 reported.append(line)
                 progress(line)
         except KeyboardInterrupt:
             with suppress(PermissionError):  # it is root's: Ctrl-C on a terminal has reached it, too
-                process.terminate()
+                (end or type(process).terminate)(process)
             raise
     if process.returncode:
         problems = [line for line in reported if line.startswith(_PROBLEM)]

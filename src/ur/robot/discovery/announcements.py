@@ -91,7 +91,16 @@ class Browser:
     ones are asked for by name as well, so that they need not wait until the announcements of a crowd have been read.
     """
 
-    def __init__(self, changed: Callable[[], None] = lambda: None, known: Collection[str] = ()) -> None:
+    def __init__(
+        self,
+        changed: Callable[[], None] = lambda: None,
+        known: Collection[str] = (),
+        *,
+        interfaces: Sequence[str] = (),
+        browses: bool = True,
+    ) -> None:
+        """All `interfaces` unless some are given; only the known ones are sought unless it `browses`."""
+        self._interfaces, self._browses = interfaces, browses
         self._changed = changed
         self._crowd = Crowd(known)
         self._sought = sorted(filter(_NAME.fullmatch, known))[:MOST_SOUGHT]
@@ -103,8 +112,9 @@ class Browser:
         from zeroconf import ServiceBrowser, Zeroconf
 
         self._pool = ThreadPoolExecutor(AT_ONCE)
-        self._zeroconf = Zeroconf()
-        ServiceBrowser(self._zeroconf, SERVICE_TYPE, handlers=[self._notice])
+        self._zeroconf = Zeroconf(interfaces=list(self._interfaces)) if self._interfaces else Zeroconf()
+        if self._browses:
+            ServiceBrowser(self._zeroconf, SERVICE_TYPE, handlers=[self._notice])
         for name in self._sought:
             self._look_up(f"{name}.{SERVICE_TYPE}")
         return self

@@ -87,19 +87,24 @@ def plan_undo(wanted: Sequence[Wanted], facts: ComputerFacts) -> list[Change]:
 
 
 def apply_change(
-    shell: Shell, change: Change, *, route: Callable[[], Secret] = no_proxy, progress: Progress | None = None
+    shell: Shell,
+    change: Change,
+    *,
+    route: Callable[[], Secret] = no_proxy,
+    progress: Progress | None = None,
+    pause: float = LOOK_SECONDS,
 ) -> None:
     """Run a change's commands. Raises UserError, which names the command that failed and its output.
 
     `route` gives the proxy of commands that fetch packages; `progress` gets a change's title, its seconds so far and
-    the last line of its log.
+    the last line of its log, every `pause` s.
     """
     for command in change.commands:
         script, stdin = command.script, command.stdin
         if command.fetches:
             text = stdin.reveal() if isinstance(stdin, Secret) else stdin
             script, stdin = _READ_ROUTE + script, Secret(route().reveal() + text)
-        with _follow_log(shell, change, command, progress):
+        with _follow_log(shell, change, command, progress, pause):
             done = shell.run(script, root=command.root, stdin=stdin, timeout=command.timeout)
         if done.code:
             reported = (done.err or done.out).strip().splitlines()
@@ -124,22 +129,25 @@ def bring_about(
     report: Callable[[Change], None],
     route: Callable[[], Secret] = no_proxy,
     progress: Progress | None = None,
+    ask: Callable[[Shell, FactsRequest, bool], ComputerFacts] = lambda shell, request, root: gather(
+        shell, request, root=root
+    ),
 ) -> tuple[ComputerFacts, int]:
     """Make a computer as wanted; the facts afterwards and how many changes it took.
 
     `make` says what is wanted given the facts of `base`; `report` is called before each change. The changes are made in
     order. The computer is looked at again before a change that an earlier one may have made another one, and at the
-    end. Raises UserError when a change fails or does not last.
+    end; `ask` gathers facts. Raises UserError when a change fails or does not last.
     """
     made: list[Change] = []
     asked = base
     while len(made) < MOST_CHANGES:
-        facts = gather(shell, asked, root=root)
+        facts = ask(shell, asked, root)
         wanted = make(facts)
         needed = reduce(FactsRequest.__or__, [item.request(user) for item in wanted], base)
         if not asked.covers(needed):
             asked = needed
-            facts = gather(shell, asked, root=root)
+            facts = ask(shell, asked, root)
         changes = plan_together(wanted, facts, user, base)
         if not changes:
             if made:  # what was enabled or removed lasts, too
@@ -169,7 +177,9 @@ def bring_about(
 
 
 @contextmanager
-def _follow_log(shell: Shell, change: Change, command: ChangeScript, progress: Progress | None) -> Iterator[None]:
+def _follow_log(
+    shell: Shell, change: Change, command: ChangeScript, progress: Progress | None, pause: float
+) -> Iterator[None]:
     """Report now and then while the context lasts how far a command is by what it adds to its log, or the last line."""
     if progress is None or not command.log:
         yield
@@ -181,7 +191,7 @@ def _follow_log(shell: Shell, change: Change, command: ChangeScript, progress: P
     script = f"tail -c +{begins} {log} 2>/dev/null | awk {quote(_PROGRESS.read_text('utf-8'))}"
 
     def follow() -> None:
-        while not done.wait(LOOK_SECONDS):
+        while not done.wait(pause):
             try:
                 line = shell.run(script, timeout=10.0).out.strip()
             except UserError:

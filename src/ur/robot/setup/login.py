@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -159,13 +159,15 @@ def explain_sudo(address: Address, reported: str, *, given: bool) -> UserError:
     return UserError(error_about(str(address), message, rule="no-root", help=help))
 
 
-def _list_tries(task: Task, pinned: Path | None) -> Iterator[_Try]:
+def _list_tries(
+    task: Task, pinned: Path | None, find: Callable[[str], Collection[object]] = find_known_keys
+) -> Iterator[_Try]:
     yield _Try(task.address, pinned)
     for password in find_passwords(task):
         if password == task.current or not task.first_contact:
             yield _Try(task.address, pinned, password)
     # A confirmed host key means that somebody answers to the present name: who has the later one is another robot then.
-    if pinned is None and task.later != task.address and find_known_keys(task.later.host):
+    if pinned is None and task.later != task.address and find(task.later.host):
         yield _Try(task.later, None)
 
 

@@ -32,14 +32,15 @@ def main() -> int:
 
 
 @contextmanager
-def answer_password(folder: Path, password: str) -> Iterator[dict[str, str]]:
+def answer_password(folder: Path, password: str, script: str = __file__) -> Iterator[dict[str, str]]:
     """While inside, ssh processes with the environment that this yields are given the password, once.
 
-    `folder` is a private one (mode 0700) that exists. What is put there holds no secret and is removed.
+    `folder` is a private one (mode 0700) that exists; `script` is this module, in any clone. What is
+    put there holds no secret and is removed.
     """
     place = folder / "askpass.socket"
     program = folder / "askpass"
-    program.write_text(f'#!/bin/sh\nexec {shlex.join([sys.executable, "-I", __file__])} "$@"\n')
+    program.write_text(f'#!/bin/sh\nexec {shlex.join([sys.executable, "-I", script])} "$@"\n')
     program.chmod(0o700)
     with socket.socket(socket.AF_UNIX) as server:
         server.bind(str(place))

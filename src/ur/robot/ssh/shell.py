@@ -52,14 +52,15 @@ class LocalShell:
 
     place = "this computer"
 
-    def __init__(self, *, terminal: bool = False) -> None:
-        self._terminal = terminal
+    def __init__(self, *, terminal: bool = False, most: int = MOST_BYTES) -> None:
+        """A command that prints more than `most` bytes is ended."""
+        self._terminal, self._most = terminal, most
 
     def run(self, script: str, *, root: bool = False, stdin: str | Secret = "", timeout: float = 60.0) -> ShellResult:
         """Run a script with sh. With `root`, by sudo, which asks on the terminal when there is one."""
         what = f"a command on {self.place}"
         if not root or os.geteuid() == 0:
-            return run_process(["sh", "-c", script], stdin=stdin, timeout=timeout, what=what)
+            return run_process(["sh", "-c", script], stdin=stdin, timeout=timeout, what=what, most=self._most)
         if self._terminal:
             subprocess.run(["sudo", "-v"], check=False)
         # In our own session: sudo's leave to go on without asking again belongs to the terminal.
@@ -78,10 +79,11 @@ def run_process(
     timeout: float,
     what: str,
     own_session: bool = True,
+    most: int = MOST_BYTES,
 ) -> ShellResult:
     """Run a program to its end. When it is late or we are stopped it is killed; with `own_session`, all it started too.
 
-    Raises UserError: not found, not done after `timeout` seconds, or more than MOST_BYTES of output.
+    Raises UserError: not found, not done after `timeout` seconds, or more than `most` bytes of output.
     """
     text = stdin.reveal() if isinstance(stdin, Secret) else stdin
     try:
@@ -106,14 +108,14 @@ def run_process(
             )
         ) from None
     try:
-        out, err = _exchange(process, text.encode(errors="surrogateescape"), time.monotonic() + timeout)
+        out, err = _exchange(process, text.encode(errors="surrogateescape"), time.monotonic() + timeout, most)
     except TimeoutError:
         raise UserError(error_about(what, f"no answer within {timeout:g} s", rule="no-answer", help=_LATE)) from None
     except OverflowError:
         raise UserError(
             error_about(
                 what,
-                f"the answer has more than {MOST_BYTES >> 20} MB, and no end",
+                f"the answer has more than {most >> 20} MB, and no end",
                 rule="endless-answer",
                 help="is it the computer that you expect? Look at it: ur shell",
             )
@@ -130,7 +132,7 @@ def run_process(
     return ShellResult(process.returncode, out, err)
 
 
-def _exchange(process: subprocess.Popen[bytes], text: bytes, end: float) -> tuple[str, str]:
+def _exchange(process: subprocess.Popen[bytes], text: bytes, end: float, most: int) -> tuple[str, str]:
     """Write the text to a process and read its output to the end. Raises TimeoutError, and OverflowError: too much."""
     assert process.stdin
     assert process.stdout
@@ -159,7 +161,7 @@ def _exchange(process: subprocess.Popen[bytes], text: bytes, end: float) -> tupl
                 more = os.read(key.fd, _CHUNK)
                 reported[key.fd].append(more)
                 size += len(more)
-                if size > MOST_BYTES:
+                if size > most:
                     raise OverflowError
                 if not more:
                     waiting.unregister(key.fd)

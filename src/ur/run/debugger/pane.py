@@ -37,14 +37,14 @@ _PR_SET_PDEATHSIG = 1  # linux/prctl.h
 _RESET = b"\x1b[?1049l\x1b[?1000l\x1b[?1002l\x1b[?1006l\x1b[0m\x1b[?25h"  # what a program that was killed left
 
 
-def main(argv: list[str]) -> int:
+def main(argv: list[str], patience: float = PATIENCE) -> int:
     """Run a program elsewhere, or be its relay. Returns the program's exit code, 128 + n for signal n."""
     if argv[0] == RELAY:
         return relay(argv[1])
     if argv[0] == WAIT:
         return wait_for(argv[1], argv[2])
     if argv[0] == JOIN:
-        return join(argv[1], argv[2], argv[3:])
+        return join(argv[1], argv[2], argv[3:], patience)
     if argv[0] == ATTACH:
         return attach(int(argv[1]), argv[2:])
     return run_in_pane(argv[0], argv[1:])
@@ -68,9 +68,9 @@ def run_in_pane(name: str, argv: list[str]) -> int:
     return _serve(link, controller, argv, end)
 
 
-def join(address: str, name: str, argv: list[str]) -> int:
+def join(address: str, name: str, argv: list[str], patience: float = PATIENCE) -> int:
     """Run the program in the terminal that waits at the address."""
-    deadline = time.monotonic() + PATIENCE
+    deadline = time.monotonic() + patience
     while True:
         link = socket.socket(socket.AF_UNIX)
         try:

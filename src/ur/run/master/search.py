@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from ur.run.master.client import DEFAULT_PORT, Master, format_master_uri, parse_master_uri
@@ -18,6 +18,17 @@ from ur.source.printable import printable
 
 NAMED_SECONDS = 1.5  # after which a server that does not answer is named: a master answers within milliseconds
 BUSY_SECONDS = 3.0  # for which it may be a master that is busy, or one that is ending
+
+
+@dataclass(frozen=True, slots=True)
+class Patience:
+    """Seconds after which a silent server is `named`, and for which it may be a `busy` master."""
+
+    named: float = NAMED_SECONDS
+    busy: float = BUSY_SECONDS
+
+
+_PATIENCE = Patience()
 _LISTEN = "0A"  # the state of a socket in /proc/net/tcp, proc(5)
 
 
@@ -29,15 +40,15 @@ def find_master(environment: Mapping[str, str], options: RunOptions) -> Master:
     return parse_master_uri(format_master_uri(master.host, options.port))
 
 
-def read_run_id(master: Master, options: RunOptions, console: Console) -> str | None:
+def read_run_id(master: Master, options: RunOptions, console: Console, patience: Patience = _PATIENCE) -> str | None:
     """The run id of the master that is there, '' when it has none; None when we may start one.
 
-    A server that does not answer is named soon, and asked for BUSY_SECONDS, since it may be a busy master. So is one
+    A server that does not answer is named soon, and asked for a while, since it may be a busy master. So is one
     that closes connections, or takes no more of them. Raises UserError for a server that is no master, and for a master
     on another computer that does not answer.
     """
     # A local server is named sooner than a robot behind a slow network is given up.
-    timeout = min(master.timeout, NAMED_SECONDS)
+    timeout = min(master.timeout, patience.named)
     began = time.monotonic()
     warned = False
     while True:
@@ -53,7 +64,7 @@ def read_run_id(master: Master, options: RunOptions, console: Console) -> str | 
                 if local and not wrong:
                     return None
                 is_answer = isinstance(problem, WrongServer) and not isinstance(problem, SilentServer)
-                if wrong and late > (NAMED_SECONDS if is_answer else BUSY_SECONDS):
+                if wrong and late > (patience.named if is_answer else patience.busy):
                     raise _wrong_server(master) from None
             if not warned and (options.wait_for_master or (wrong and late >= timeout)):
                 console.warn(_describe_server(master) if wrong else f"waiting for the master at {master.uri}")

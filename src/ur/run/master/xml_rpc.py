@@ -76,8 +76,8 @@ def dump_value(value: object) -> str:
     raise ValueError(f"{value!r} is nothing that parameters can hold")
 
 
-def parse_response(data: bytes, deadline: float | None = None) -> object:
-    """The result in a response, read before `deadline` on the monotonic clock (s).
+def parse_response(data: bytes, deadline: float | None = None, clock: Callable[[], float] = time.monotonic) -> object:
+    """The result in a response, read before `deadline` on the clock (s).
 
     Raises Refused for a fault, Unanswered for what is no response, TimeoutError for one that takes too long to read.
     """
@@ -92,7 +92,7 @@ def parse_response(data: bytes, deadline: float | None = None) -> object:
         for start in range(0, len(data), _SLICE):
             parser.Parse(data[start : start + _SLICE], False)
             if deadline is not None:
-                _left(deadline)
+                _left(deadline, clock)
         parser.Parse(b"", True)
     except (expat.ExpatError, ValueError, IndexError, TypeError) as problem:
         raise WrongServer(f"the answer is not XML-RPC: {problem}") from None
@@ -207,8 +207,8 @@ def _connect(host: str, port: int, deadline: float) -> socket.socket:
     raise problem
 
 
-def _left(deadline: float) -> float:
-    left = deadline - time.monotonic()
+def _left(deadline: float, clock: Callable[[], float] = time.monotonic) -> float:
+    left = deadline - clock()
     if left <= 0:
         raise TimeoutError
     return left

@@ -6,6 +6,7 @@ import ctypes
 import fcntl
 import os
 import stat
+from collections.abc import Callable
 
 MARK = b"... older lines were removed here"
 _COLLAPSE_RANGE = 8  # fallocate(2): FALLOC_FL_COLLAPSE_RANGE
@@ -14,13 +15,14 @@ _CHUNK = 1 << 20  # bytes copied at once
 _FIRST_LINES = 64 * 1024  # bytes in which a line break is searched for
 
 
-def drop_beginning(path: str, keep: int) -> int:
+def drop_beginning(path: str, keep: int, collapse: Callable[[int, int], bool] | None = None) -> int:
     """Remove the beginning of a file up to about its last `keep` bytes; returns the number of removed bytes, or 0.
 
     The file keeps its inode, so that processes which opened it with O_APPEND go on writing to it. ext4 and XFS remove
     blocks; elsewhere the end is copied to the beginning, and what is written between the last copy and the following
     truncation is lost. What is left of the first line gives its place to MARK. 0: the file is small enough, is no
-    regular file, belongs to another user, or is being cut by another process.
+    regular file, belongs to another user, or is being cut by another process. `collapse` removes blocks, or returns
+    False.
     """
     try:
         file = os.open(path, os.O_RDWR | os.O_CLOEXEC | os.O_NOFOLLOW | os.O_NONBLOCK)
@@ -33,7 +35,7 @@ def drop_beginning(path: str, keep: int) -> int:
         if not stat.S_ISREG(status.st_mode) or removed <= 0:
             return 0
         fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        if not _collapse(file, removed):
+        if not (collapse or _collapse)(file, removed):
             _shift(file, removed)
         _mark(file)
     except OSError:

@@ -12,6 +12,7 @@ from aiohttp import WSCloseCode, WSMsgType, web
 
 from ur.web.access.rate import draw, make_bucket
 from ur.web.access.roles import Role
+from ur.web.runs.commands import CommandQueue
 from ur.web.server.cameras import Cameras
 from ur.web.server.data.data_pages import DataPages
 from ur.web.server.drivers import DrivingPage, DrivingPages, describe_request
@@ -58,6 +59,11 @@ class Application:
         robot: str,
         log: Callable[[str], None],
         robots: Robots | None = None,
+        *,
+        make_robot_end: Callable[..., RobotProcess] = RobotProcess,
+        runs: RunPages | None = None,
+        recordings: RecordingPages | None = None,
+        commands: CommandQueue | None = None,
     ) -> None:
         """`robot` is the name of the robot that is shown; `log` takes a line about who does what.
 
@@ -67,13 +73,13 @@ class Application:
         self._viewers = Viewers()
         self._drivers = DrivingPages(self._send)
         self._cameras = Cameras()
-        self._runs = RunPages(environment, log)
+        self._runs = runs or RunPages(environment, log)
         self._devices = SessionPages(gate, self._drivers.rename, log)
-        self.robot_end = RobotProcess(environment, self.show, self._drivers.take, self._on_start, self._announce, log)
+        self.robot_end = make_robot_end(environment, self.show, self._drivers.take, self._on_start, self._announce, log)
         self._foxglove = ViewerGate(environment, self._drivers, self._send, self._is_up, log)
         self._data = DataPages(environment, self._is_up, log)
-        self._maps = MapPages(environment, log)
-        self._recordings = RecordingPages(environment, log)
+        self._maps = MapPages(commands or CommandQueue(environment), log)
+        self._recordings = recordings or RecordingPages(environment, log)
         self._robots = RobotPages(robots or OneRobot(robot, self._is_up), log)
 
     def _is_up(self) -> bool:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Awaitable, Callable, Mapping
+from collections.abc import Awaitable, Callable
 from typing import Any
 
 from aiohttp import web
@@ -17,9 +17,9 @@ from ur.web.server.logins.gate import SESSION, demand_drive, read_body
 class MapPages:
     """The routes, and what they need. `log` takes a line about who does what."""
 
-    def __init__(self, environment: Mapping[str, str], log: Callable[[str], None]) -> None:
+    def __init__(self, commands: CommandQueue, log: Callable[[str], None]) -> None:
         self._log = log
-        self._maps = StoredMaps(CommandQueue(environment))
+        self._maps = StoredMaps(commands)
 
     def routes(self) -> list[web.RouteDef]:
         """The routes."""

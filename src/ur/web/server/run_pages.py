@@ -48,8 +48,8 @@ _MOST_BAD = 20
 class _Viewer:
     """A page that shows runs: what it has received."""
 
-    def __init__(self, socket: web.WebSocketResponse) -> None:
-        self.socket = socket
+    def __init__(self, socket: web.WebSocketResponse, oldest: float) -> None:
+        self.socket, self._oldest = socket, oldest
         self.due = asyncio.Event()
         self.due.set()
         self.answers: list[dict[str, Any]] = []
@@ -60,7 +60,7 @@ class _Viewer:
 
     def is_fresh(self, beat: int) -> bool:
         """Return whether a request with this beat was made a moment ago."""
-        return time.monotonic() - self.beats.get(beat, -math.inf) < OLDEST
+        return time.monotonic() - self.beats.get(beat, -math.inf) < self._oldest
 
     def answer(self, number: int, text: str, *, ok: bool) -> None:
         """Have an answer sent."""
@@ -91,7 +91,7 @@ class _Viewer:
 
     def _beat(self, now: float) -> dict[str, Any]:
         number = next(self._numbers)
-        self.beats = {each: at for each, at in self.beats.items() if now - at < OLDEST} | {number: now}
+        self.beats = {each: at for each, at in self.beats.items() if now - at < self._oldest} | {number: now}
         return {"t": "beat", "n": number}
 
     def _take_lines(self, watcher: RunWatcher) -> list[dict[str, Any]]:
@@ -116,8 +116,16 @@ class _Viewer:
 class RunPages:
     """The routes, and what they need. `log` takes a line about who does what."""
 
-    def __init__(self, environment: Mapping[str, str], log: Callable[[str], None]) -> None:
-        self._log = log
+    def __init__(
+        self,
+        environment: Mapping[str, str],
+        log: Callable[[str], None],
+        *,
+        oldest: float = OLDEST,
+        pace: tuple[float, float] = (_RATE, _BURST),
+    ) -> None:
+        """A beat is proof for `oldest` s; `pace` is a page's rate of requests, 1/s, and how many may come at once."""
+        self._log, self._oldest, self._pace = log, oldest, pace
         self._viewers: set[_Viewer] = set()
         self._watcher = RunWatcher(environment, self._wake)
         self._programs = Programs(CommandQueue(environment))
@@ -154,7 +162,7 @@ class RunPages:
         socket = web.WebSocketResponse(heartbeat=_HEARTBEAT, compress=False, max_msg_size=LONGEST)
         await socket.prepare(request)
         limit_buffer(request)
-        viewer = _Viewer(socket)
+        viewer = _Viewer(socket, self._oldest)
         self._viewers.add(viewer)
         self._watcher.hold()
         sending = asyncio.create_task(viewer.run(self._watcher))
@@ -167,7 +175,7 @@ class RunPages:
         return socket
 
     async def _receive(self, viewer: _Viewer, role: Role, who: str, name: str) -> None:
-        bad, bucket = 0, make_bucket(_RATE, _BURST, time.monotonic())
+        bad, bucket = 0, make_bucket(*self._pace, time.monotonic())
         async for message in viewer.socket:
             bucket, allowed = draw(bucket, time.monotonic())
             try:

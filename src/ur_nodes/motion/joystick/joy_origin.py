@@ -22,8 +22,16 @@ class JoyOrigin:
     computer's clock may be wrong by anything: a publisher that once was ahead is refused from then on.
     """
 
-    def __init__(self, node: Node, *, remote: bool, clock: Callable[[], int] = time.time_ns) -> None:
-        """`remote`: publishers on other computers are wanted."""
+    def __init__(
+        self,
+        node: Node,
+        *,
+        remote: bool,
+        clock: Callable[[], int] = time.time_ns,
+        locate: Callable[[str], Location | None] | None = None,
+    ) -> None:
+        """`remote`: publishers on other computers are wanted. `locate` finds nodes; by default the node does."""
+        self._locate = locate or node.locate
         self._node = node
         self._remote = remote
         self._clock = clock
@@ -58,7 +66,7 @@ class JoyOrigin:
         now = self._node.steady()
         if now - self._asked_at.get(publisher, float("-inf")) >= _AGAIN:
             self._asked_at[publisher] = now
-            self._node.work(partial(self._node.locate, publisher), partial(self._take, publisher), "origin")
+            self._node.work(partial(self._locate, publisher), partial(self._take, publisher), "origin")
         return False
 
     def _take(self, publisher: str, place: Location | None) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 import os
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -20,10 +20,11 @@ _LONGEST = 16384  # bytes
 
 @dataclass(frozen=True, slots=True)
 class LeaseStore:
-    """The file of the lease of one mux. `run` is the id of the master's run."""
+    """The file of the lease of one mux. `run` is the id of the master's run; `sync` brings a file to the disk."""
 
     path: Path
     run: str = ""
+    sync: Callable[[int], object] = os.fsync
 
     def load(self) -> tuple[Lease | None, bool]:
         """Return the lease and whether it is of this run of the master; None where there is none or it is damaged."""
@@ -38,7 +39,7 @@ class LeaseStore:
         """Bring the lease to the disk. Raises OSError; then no older lease is there, as far as that is possible."""
         try:
             text = json.dumps({"run": self.run, "lease": write_lease(lease)})
-            replace_file(self.path, text, mode=PRIVATE, parents=True)
+            replace_file(self.path, text, mode=PRIVATE, parents=True, sync=self.sync)
         except OSError:
             with suppress(OSError):
                 self.clear()

@@ -58,6 +58,8 @@ class BoundedTransport(xmlrpc.client.Transport):
     may be asked twice.
     """
 
+    connection_class: type[BoundedConnection] = BoundedConnection
+
     def __init__(
         self,
         addresses: AddressCache,
@@ -81,7 +83,7 @@ class BoundedTransport(xmlrpc.client.Transport):
             kept.limit_answer(limit)
             return kept
         name, self._extra_headers, _ = self.get_host_info(host)
-        connection = BoundedConnection(name, self._addresses, limit)
+        connection = self.connection_class(name, self._addresses, limit)
         self._connection = host, connection
         return connection
 

@@ -11,6 +11,7 @@ import argparse
 import json
 import os
 import sys
+from collections.abc import Sequence
 from importlib.util import find_spec
 from typing import TYPE_CHECKING
 
@@ -27,13 +28,13 @@ if TYPE_CHECKING:
 _CONTINUE = "ur run make_map map:="
 
 
-def main() -> int:
+def main(argv: Sequence[str] | None = None) -> int:
     """Read the command line, merge, print the result."""
     parser = argparse.ArgumentParser(prog="merging", description="Merge two stored maps into a third one.")
     parser.add_argument("first", help="its frame is kept")
     parser.add_argument("second", help="where both differ, this one counts as seen later")
     parser.add_argument("name", help="of the new map")
-    arguments = parser.parse_args()
+    arguments = parser.parse_args(argv)
     try:
         if find_spec("gtsam") is None:
             raise UserError(error("gtsam is not installed, expected it", rule="no-gtsam", help="ur setup"))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -37,8 +37,9 @@ class MapWriter:
     are written again only where a scan of them was replaced; the last one and the graph get a new name each time.
     """
 
-    def __init__(self, folder: Path, record: MapRecord) -> None:
-        self._folder = folder
+    def __init__(self, folder: Path, record: MapRecord, put: Callable[..., None] = replace_file) -> None:
+        """`put` replaces a file."""
+        self._folder, self._replace = folder, put
         self._record = record
         names = (record.graph, *record.scans)
         self._number = max((int(name.split("_")[1].split(".")[0]) for name in names if name), default=0)
@@ -84,8 +85,8 @@ class MapWriter:
         )
         origin = (grid.origin.x, grid.origin.y, grid.origin.yaw)
         values = apply_edits(grid.values, grid.resolution, origin, record.edits)
-        write_picture(self._folder / _PICTURE, values, grid.resolution, origin)
-        replace_file(self._folder / RECORD, render_record(record))
+        write_picture(self._folder / _PICTURE, values, grid.resolution, origin, put=self._replace)
+        self._replace(self._folder / RECORD, render_record(record))
         self._record = record
         for name in old - {graph, *names} - {""}:
             (self._folder / name).unlink(missing_ok=True)
@@ -95,7 +96,7 @@ class MapWriter:
         return f"{kind}_{self._number}.npz"
 
     def _put(self, name: str, content: bytes) -> None:
-        replace_file(self._folder / name, content, parents=True)
+        self._replace(self._folder / name, content, parents=True)
 
 
 def _same(stored: Sequence[MapScan], scans: Sequence[MapScan]) -> bool:

@@ -26,7 +26,6 @@ from ur_nodes.teleop.map_view.picture import GridIndex, Pixels, draw_map, draw_o
 
 _NO_MAP_BOX = (-5.0, -5.0, 5.0, 5.0)
 _FOLLOW_MARGIN = 0.3  # of the screen: the picture moves only when the robot comes this near to the edge
-_DOUBLE_CLICK = 0.5  # s between the presses of a double click, at the most
 _LEAST_DRAG = 2.0  # pixels, half a row each: a shorter drag is a click, which says nothing about the heading
 _FOLLOW_SCALE = 0.08  # m per pixel: following starts at least this close
 
@@ -35,6 +34,8 @@ class MapView(Widget, can_focus=False):
     """Half-block picture of a `RobotSnapshot`. Click: goal; drag: goal with heading; right drag: pan; wheel: zoom."""
 
     DEFAULT_CSS = "MapView { width: 1fr; height: 1fr; }"
+
+    double_click = 0.5  # s between the presses of a double click, at the most
 
     class GoalPicked(Message):
         """The mouse chose a goal; `any_heading`: by a click, which says nothing about the heading."""
@@ -149,7 +150,7 @@ class MapView(Widget, can_focus=False):
     def on_mouse_down(self, event: events.MouseDown) -> None:
         """A click or a drag begins; the second press of a double click is none."""
         released_at, where = self._released
-        if event.time - released_at < _DOUBLE_CLICK and where in (None, (event.x, event.y)):
+        if event.time - released_at < self.double_click and where in (None, (event.x, event.y)):
             return
         self._pressed = (3 if event.shift else event.button, event.x, event.y)
         self._dragged_to = None

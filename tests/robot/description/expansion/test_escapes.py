@@ -8,7 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from ur.robot.description.expansion import process, xacro
+from ur.robot.description.expansion import xacro
+from ur.robot.description.expansion.process import ExpansionBounds
 from ur.robot.description.expansion.xacro import ExpansionComputer, read_description
 from ur.robot.description.surroundings import find_surroundings
 from ur.source.diagnostic import UserError
@@ -119,7 +120,8 @@ def expand(folder: Path, body: str, port: int, *, confined: bool = True) -> str:
     places = {"mark": f"{folder}/mark", "secret": f"{folder}/secret"}
     words = [f"code:={CODE.format(port=port, **places)}", *(f"{name}:={value}" for name, value in places.items())]
     environment = {"PATH": "/usr/bin:/bin", "TOKEN": "hunter2"}
-    computer = ExpansionComputer(environment, dict, Path("/nonexistent"), lambda _: not confined)
+    bounds = ExpansionBounds() if confined else ExpansionBounds(seccomp="libnone.so.0")
+    computer = ExpansionComputer(environment, dict, Path("/nonexistent"), lambda _: not confined, bounds)
     try:
         return read_description(path, find_surroundings(path, environment), computer, words).text
     except UserError as problem:
@@ -138,7 +140,6 @@ def test_escape_from_the_filter_reaches_nothing(tmp_path: Path, listener: socket
 def test_these_escapes_run_where_nothing_confines_them(
     tmp_path: Path, listener: socket.socket, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(process, "SECCOMP", "libnone.so.0")
     harmless = CODE.partition("    lambda: os.kill")[0] + ")\n"  # without the signals, which would end this test
     monkeypatch.setitem(globals(), "CODE", harmless)
     ran = set()

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 import pytest
 
-from ur.robot.description.expansion import process, xacro
+from ur.robot.description.expansion import xacro
+from ur.robot.description.expansion.process import BOUNDS, ExpansionBounds
 from ur.robot.description.expansion.xacro import DescriptionText, ExpansionComputer, read_description
 from ur.robot.description.surroundings import find_surroundings
 from ur.source.diagnostic import UserError
@@ -24,9 +26,11 @@ def read(
     packages: dict[str, str] | None = None,
     made: Path = Path("/nonexistent"),
     consent: Callable[[str], bool] = lambda _: False,
+    bounds: ExpansionBounds = BOUNDS,
+    has_own: Callable[[], bool] | None = None,
 ) -> DescriptionText:
     variables = {"PATH": "", **(environment or {})}
-    computer = ExpansionComputer(variables, lambda: packages or {}, made, consent)
+    computer = ExpansionComputer(variables, lambda: packages or {}, made, consent, bounds, has_own)
     return read_description(path, find_surroundings(path, variables), computer, words)
 
 
@@ -47,9 +51,7 @@ class Refusal:
         return False
 
 
-@pytest.fixture
-def without_library(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(xacro, "find_own", lambda: None)
+read_without_library = partial(read, has_own=lambda: False)
 
 
 def make_program(folder: Path, script: str) -> dict[str, str]:
@@ -149,57 +151,58 @@ def test_patterns_of_includes_find_nothing_outside(tmp_path: Path) -> None:
     ],
     ids=["includes itself", "memory", "output", "time", "questions"],
 )
-def test_expansion_has_limits(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, body: str, reason: str) -> None:
-    monkeypatch.setattr(process, "SECONDS", 1 if "range(10**9)" in body else 60)
-    monkeypatch.setattr(process, "MOST_QUESTIONS", 300 if "load_yaml" in body else process.MOST_QUESTIONS)
+def test_expansion_has_limits(tmp_path: Path, body: str, reason: str) -> None:
+    bounds = (
+        ExpansionBounds(1)
+        if "range(10**9)" in body
+        else ExpansionBounds(questions=300)
+        if "load_yaml" in body
+        else ExpansionBounds()
+    )
     (tmp_path / "a.yaml").write_text("1", encoding="utf-8")
     with pytest.raises(UserError, match=reason):
-        read(write(tmp_path / "a.xacro", body))
+        read(write(tmp_path / "a.xacro", body), bounds=bounds)
 
 
 @genuine
-def test_user_is_asked_where_the_kernel_cannot_confine(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(process, "SECCOMP", "libnone.so.0")
+def test_user_is_asked_where_the_kernel_cannot_confine(tmp_path: Path) -> None:
+    bounds = ExpansionBounds(seccomp="libnone.so.0")
     path = write(tmp_path / "a.xacro", '<link name="${1 + 1}"/>')
     asked: list[str] = []
     with pytest.raises(UserError, match="would run with all your rights") as caught:
-        read(path, consent=Refusal(asked))
+        read(path, consent=Refusal(asked), bounds=bounds)
     assert "in a terminal" in str(caught.value.diagnostics[0].help)
     assert "libnone.so.0" in asked[0]
     assert str(path) in asked[0]
-    assert '<link name="2"/>' in read(path, consent=lambda _: True).text
+    assert '<link name="2"/>' in read(path, consent=lambda _: True, bounds=bounds).text
 
 
-@pytest.mark.usefixtures("without_library")
 def test_program_on_the_path_runs_only_with_consent(tmp_path: Path) -> None:
     environment = make_program(tmp_path / "bin", "echo \"<robot name='$2'/>\"")
     path = write(tmp_path / "in/a.xacro", "")
     asked: list[str] = []
     with pytest.raises(UserError, match="did not expand") as caught:
-        read(path, environment=environment, consent=Refusal(asked))
+        read_without_library(path, environment=environment, consent=Refusal(asked))
     assert "ur get xacro" in str(caught.value.diagnostics[0].help)
     assert f"'{tmp_path}/bin/xacro' cannot be confined" in asked[0]
-    found = read(path, "colour:=red", environment=environment, consent=lambda _: True)
+    found = read_without_library(path, "colour:=red", environment=environment, consent=lambda _: True)
     assert found.text == "<robot name='colour:=red'/>\n"
 
 
-@pytest.mark.usefixtures("without_library")
 def test_failure_of_the_program_is_reported_with_its_reason(tmp_path: Path) -> None:
     script = "printf '\\033[31mNo such file: other.xacro\\033[0m\\n' >&2; exit 2"
     path = write(tmp_path / "in/a.xacro", "")
     with pytest.raises(UserError) as caught:
-        read(path, environment=make_program(tmp_path / "bin", script), consent=lambda _: True)
+        read_without_library(path, environment=make_program(tmp_path / "bin", script), consent=lambda _: True)
     assert str(caught.value) == f"xacro cannot expand '{path}': No such file: other.xacro"
 
 
-@pytest.mark.usefixtures("without_library")
 def test_missing_xacro_is_named_with_what_to_do(tmp_path: Path) -> None:
     with pytest.raises(UserError, match="there is no xacro on this computer") as caught:
-        read(write(tmp_path / "a.xacro", ""), environment={"PATH": "/nowhere"})
+        read_without_library(write(tmp_path / "a.xacro", ""), environment={"PATH": "/nowhere"})
     assert "ur get xacro" in str(caught.value.diagnostics[0].help)
 
 
-@pytest.mark.usefixtures("without_library")
 def test_package_that_ur_get_has_made_is_used(tmp_path: Path) -> None:
     made = tmp_path / "made/xacro/lib/xacro"
     made.mkdir(parents=True)
@@ -208,4 +211,4 @@ def test_package_that_ur_get_has_made_is_used(tmp_path: Path) -> None:
         encoding="utf-8",
     )
     (made / "substitution_args.py").write_text("os = None\n", encoding="utf-8")
-    assert read(write(tmp_path / "in/a.xacro", ""), made=tmp_path / "made").text == "<robot/>\n"
+    assert read_without_library(write(tmp_path / "in/a.xacro", ""), made=tmp_path / "made").text == "<robot/>\n"

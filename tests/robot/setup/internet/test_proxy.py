@@ -10,7 +10,6 @@ from contextlib import contextmanager
 
 import pytest
 
-from ur.robot.setup.internet import proxy
 from ur.robot.setup.internet.proxy import (
     Forward,
     Refusal,
@@ -129,14 +128,12 @@ def ask(port: int, head: bytes) -> bytes:
     return said
 
 
-@pytest.fixture
-def allowed_loopback(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(proxy, "find_addresses", lambda _: ["127.0.0.1"])
+def find_loopback(_: Server) -> list[str]:
+    return ["127.0.0.1"]
 
 
-@pytest.mark.usefixtures("allowed_loopback")
 def test_answers_arrive_whole_though_more_requests_are_under_way() -> None:
-    with web_server() as there, run_proxy({Server("packages.test", there)}, PASSWORD) as port:
+    with web_server() as there, run_proxy({Server("packages.test", there)}, PASSWORD, find_loopback) as port:
         line = f"GET http://packages.test:{there}/a HTTP/1.1"
         said = ask(port, request(line, LOGIN) * 5)
         assert said.endswith(BODY)
@@ -145,11 +142,10 @@ def test_answers_arrive_whole_though_more_requests_are_under_way() -> None:
         assert tunnel.endswith(BODY)
 
 
-@pytest.mark.usefixtures("allowed_loopback")
 def test_refusals_and_servers_that_are_away_are_answered_and_the_port_closes() -> None:
     with socket.create_server(("127.0.0.1", 0)) as closed:
         away = closed.getsockname()[1]
-    with run_proxy({Server("packages.test", away)}, PASSWORD) as port:
+    with run_proxy({Server("packages.test", away)}, PASSWORD, find_loopback) as port:
         line = f"GET http://packages.test:{away}/a HTTP/1.1"
         assert ask(port, request(line, LOGIN)).startswith(b"HTTP/1.1 502 ")
         assert ask(port, request(line)).startswith(b"HTTP/1.1 407 ")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -52,35 +53,27 @@ def test_damaged_file_counts_as_none(store: LeaseStore, content: bytes) -> None:
 
 
 def test_lease_is_on_the_disk_before_the_file_takes_the_place_of_the_one_before(
-    store: LeaseStore, monkeypatch: pytest.MonkeyPatch
+    store: LeaseStore,
 ) -> None:
     store.save(FREE)
-    steps: list[str] = []
-    sync, replace = os.fsync, os.replace
+    seen: list[Lease | None] = []
 
-    def note_sync(descriptor: int) -> None:
-        steps.append("sync")
-        sync(descriptor)
+    def note(descriptor: int) -> None:
+        seen.append(store.load()[0])
+        os.fsync(descriptor)
 
-    def note_replace(*paths: str) -> None:
-        steps.append("replace")
-        replace(*paths)
-
-    monkeypatch.setattr(os, "fsync", note_sync)
-    monkeypatch.setattr(os, "replace", note_replace)
-    store.save(LEASE)
-    assert steps == ["sync", "replace", "sync"]
+    replace(store, sync=note).save(LEASE)
+    assert seen == [FREE, LEASE]  # the content of the new file, then its name
 
 
-def test_lease_that_cannot_be_saved_leaves_no_older_one(store: LeaseStore, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_lease_that_cannot_be_saved_leaves_no_older_one(store: LeaseStore) -> None:
     store.save(LEASE)
 
     def fail(*_: object) -> None:
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr(os, "fsync", fail)
     with pytest.raises(OSError, match="No space left"):
-        store.save(FREE)
+        replace(store, sync=fail).save(FREE)
     assert list(store.path.parent.iterdir()) == []
 
 

@@ -26,8 +26,8 @@ def server() -> Iterator[SimpleXMLRPCServer]:
         thread.join()
 
 
-def make_proxy(port: int, **limits: Any) -> xmlrpc.client.ServerProxy:
-    transport = BoundedTransport(AddressCache(), lambda: False, **limits)
+def make_proxy(port: int, kind: type[BoundedTransport] = BoundedTransport, **limits: Any) -> xmlrpc.client.ServerProxy:
+    transport = kind(AddressCache(), lambda: False, **limits)
     return xmlrpc.client.ServerProxy(f"http://127.0.0.1:{port}", transport=transport)
 
 
@@ -62,29 +62,33 @@ def test_refused_call_is_not_tried_again() -> None:
         proxy.getPid()
 
 
-def test_call_that_the_network_loses_is_tried_again(
-    server: SimpleXMLRPCServer, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    connect, tries = BoundedConnection.connect, []
+def test_call_that_the_network_loses_is_tried_again(server: SimpleXMLRPCServer) -> None:
+    tries: list[str] = []
 
-    def lose_the_first(self: BoundedConnection) -> None:
-        tries.append(self.host)
-        if len(tries) == 1:
-            raise OSError(errno.EHOSTUNREACH, "no route to host")
-        connect(self)
+    class LosesTheFirst(BoundedConnection):
+        def connect(self) -> None:
+            tries.append(self.host)
+            if len(tries) == 1:
+                raise OSError(errno.EHOSTUNREACH, "no route to host")
+            super().connect()
 
-    monkeypatch.setattr(BoundedConnection, "connect", lose_the_first)
-    with make_proxy(server.server_address[1]) as proxy:
+    class Transport(BoundedTransport):
+        connection_class = LosesTheFirst
+
+    with make_proxy(server.server_address[1], Transport) as proxy:
         assert proxy.getPid() == 7
     assert len(tries) == 2
 
 
-def test_ending_node_does_not_try_again(server: SimpleXMLRPCServer, monkeypatch: pytest.MonkeyPatch) -> None:
-    def lose(_self: BoundedConnection) -> None:
-        raise OSError(errno.EHOSTUNREACH, "no route to host")
+def test_ending_node_does_not_try_again(server: SimpleXMLRPCServer) -> None:
+    class Loses(BoundedConnection):
+        def connect(self) -> None:
+            raise OSError(errno.EHOSTUNREACH, "no route to host")
 
-    monkeypatch.setattr(BoundedConnection, "connect", lose)
-    transport = BoundedTransport(AddressCache(), lambda: True)
+    class Transport(BoundedTransport):
+        connection_class = Loses
+
+    transport = Transport(AddressCache(), lambda: True)
     proxy = xmlrpc.client.ServerProxy(f"http://127.0.0.1:{server.server_address[1]}", transport=transport)
     with proxy, pytest.raises(OSError, match="no route"):
         proxy.getPid()

@@ -1,7 +1,6 @@
 from __future__ import annotations
 
 import json
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -36,17 +35,14 @@ def put(store: MapStore, name: str, first: float, last: float) -> None:
     writer.write(drawn.grid(), tracker.keyframes, tracker.edges, tracker.scans)
 
 
-def run(monkeypatch: pytest.MonkeyPatch, *arguments: str) -> int:
-    monkeypatch.setattr(sys, "argv", ["merging", *arguments])
-    return merging.main()
+def run(*arguments: str) -> int:
+    return merging.main(arguments)
 
 
-def test_two_stored_maps_become_a_third(
-    store: MapStore, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_two_stored_maps_become_a_third(store: MapStore, capsys: pytest.CaptureFixture[str]) -> None:
     put(store, "hall", -2.0, 1.6)
     put(store, "flat", 2.2, -0.6)
-    assert run(monkeypatch, "hall", "flat", "both") == 0
+    assert run("hall", "flat", "both") == 0
     found = json.loads(capsys.readouterr().out)
     record = store.record("both")
     assert found["name"] == "both"
@@ -55,16 +51,14 @@ def test_two_stored_maps_become_a_third(
     assert record.edits[0] == WALL
     assert record.edits[1].points[0] == pytest.approx(found["place"][:2])
     assert int(np.sum(load_map(store.picture("both")).values == OCCUPIED)) > 300
-    assert run(monkeypatch, "hall", "flat", "both") == 2
+    assert run("hall", "flat", "both") == 2
     assert "map 'both' exists" in capsys.readouterr().err
 
 
-def test_picture_alone_is_refused_and_leaves_nothing(
-    store: MapStore, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_picture_alone_is_refused_and_leaves_nothing(store: MapStore, capsys: pytest.CaptureFixture[str]) -> None:
     for name in ("one", "other"):
         store.path(name).mkdir(parents=True)
         store.picture(name).touch()
-    assert run(monkeypatch, "one", "other", "both") == 2
+    assert run("one", "other", "both") == 2
     assert "map 'one' has a picture only" in capsys.readouterr().err
     assert store.names() == ["one", "other"]

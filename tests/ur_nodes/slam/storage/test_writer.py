@@ -2,14 +2,15 @@ from __future__ import annotations
 
 import multiprocessing
 import time
+from collections.abc import Callable
 from multiprocessing.connection import Connection
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 from tests.ur_nodes.slam.rooms import ROOM, scan_at
 
-from ur.maps import picture_file
 from ur.maps.record import MapEdit, MapRecord, read_record
 from ur.maps.scan_file import CHUNK
 from ur.source.diagnostic import UserError
@@ -19,7 +20,6 @@ from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.slam.matching.scan import MapScan
 from ur_nodes.slam.pose_graph.edge import Edge
-from ur_nodes.slam.storage import writer as module
 from ur_nodes.slam.storage.convert import load_poses
 from ur_nodes.slam.storage.writer import MapWriter, pause_before_next
 
@@ -73,29 +73,27 @@ def test_full_file_is_written_again_when_a_scan_was_replaced(tmp_path: Path) -> 
     assert len(list(tmp_path.glob("*.npz"))) == 4
 
 
-def test_power_that_fails_at_any_point_leaves_a_whole_map(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_power_that_fails_at_any_point_leaves_a_whole_map(tmp_path: Path) -> None:
     poses, edges, scans = keyframes(4)
     MapWriter(tmp_path, MapRecord()).write(GRID, poses[:2], edges[:1], scans[:2])
     points = 0
 
-    def fail_at(last: int) -> None:
+    def fail_at(last: int) -> Callable[..., None]:
         calls = 0
 
-        def replace_or_fail(path: Path, content: str | bytes, **options: bool) -> None:
+        def replace_or_fail(path: Path, content: str | bytes, **options: Any) -> None:
             nonlocal calls
             calls += 1
             if calls > last:
                 raise OSError("the power failed")
             replace_file(path, content, **options)
 
-        for each in (module, picture_file):
-            monkeypatch.setattr(each, "replace_file", replace_or_fail)
+        return replace_or_fail
 
     while True:
-        fail_at(points)
         try:
-            MapWriter(tmp_path, read_record(tmp_path)).write(GRID, poses, edges, scans)
-        except OSError:
+            MapWriter(tmp_path, read_record(tmp_path), fail_at(points)).write(GRID, poses, edges, scans)
+        except OSError:  # noqa: PERF203 - one point after the other
             points += 1
             assert len(load_poses(tmp_path, read_record(tmp_path))[0]) == 2
             assert read_map(tmp_path / "map.yaml").width == 4

@@ -17,7 +17,6 @@ from textual.widgets import Static
 from ur_nodes.client.mux import MuxView
 from ur_nodes.client.waypoints import WaypointStore
 from ur_nodes.geometry.pose import Pose2
-from ur_nodes.teleop.map_view import widget as map_widget
 from ur_nodes.teleop.map_view.widget import MapView
 from ur_nodes.teleop.navigate.app import NavigateApp
 from ur_nodes.teleop.navigate.command_line import EMPTY_LINE_KEYS, CommandLine
@@ -66,10 +65,8 @@ async def test_key_pressed_twice_at_once_does_no_harm_on_the_main_screen(screen:
     assert not screen.app.query_one(CommandLine).value
 
 
-async def test_double_click_closes_a_panel_and_sends_no_goal(
-    screen: Screen, navigator: Any, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(map_widget, "_DOUBLE_CLICK", 60.0)
+async def test_double_click_closes_a_panel_and_sends_no_goal(screen: Screen, navigator: Any) -> None:
+    screen.app.map.double_click = 60.0
     await screen.pilot.press("question_mark")
     await screen.pilot.pause()
     await screen.pilot.click(Panel)
@@ -78,10 +75,8 @@ async def test_double_click_closes_a_panel_and_sends_no_goal(
     assert not navigator.goals
 
 
-async def test_double_click_on_the_map_sends_one_goal(
-    screen: Screen, navigator: Any, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(map_widget, "_DOUBLE_CLICK", 60.0)
+async def test_double_click_on_the_map_sends_one_goal(screen: Screen, navigator: Any) -> None:
+    screen.app.map.double_click = 60.0
     await screen.pilot.click(MapView, offset=(50, 10), times=2)
     assert len(navigator.goals) == 1
     await screen.pilot.click(MapView, offset=(60, 12))

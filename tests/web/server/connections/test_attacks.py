@@ -10,6 +10,7 @@ import contextlib
 import json
 import zlib
 from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -19,11 +20,12 @@ from tests.ros_session import free_port
 
 aiohttp = pytest.importorskip("aiohttp", reason="aiohttp is not installed: requirements/web.lock")
 
+from tests.web.server.robot_ends import IdleRobotEnd, keep  # noqa: E402
+
 from ur.web.access.origin import make_origins  # noqa: E402
 from ur.web.access.rate import Buckets  # noqa: E402
 from ur.web.access.roles import Role  # noqa: E402
 from ur.web.server.application import Application  # noqa: E402
-from ur.web.server.connections import listener as listening  # noqa: E402
 from ur.web.server.connections.http_server import Rarely, open_server  # noqa: E402
 from ur.web.server.connections.listener import ConnectionListener  # noqa: E402
 from ur.web.server.logins.gate import LoginGate  # noqa: E402
@@ -79,26 +81,29 @@ class Server:
 
 
 @pytest.fixture
-async def server(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> AsyncIterator[Server]:
-    port, log, stopped = free_port(), list[str](), list[Any]()
-    gate = LoginGate(make_origins((), port), tmp_path / "sessions.json", log.append)
-    application = Application(gate, load_files(), {}, "bob", log.append)
+async def server(tmp_path: Path) -> AsyncIterator[Server]:
+    async with serve(tmp_path) as server:
+        yield server
 
-    async def run() -> None:
-        application.robot_end.state = "up"
-        await asyncio.Event().wait()
 
-    monkeypatch.setattr(application.robot_end, "run", run)
-    monkeypatch.setattr(application.robot_end, "send", lambda each: stopped.append(each) if "do" in each else None)
-    async with open_server(application.build(), gate, "127.0.0.1", port, log.append) as listener:
-        yield Server(gate, listener, port, log, stopped)
+@asynccontextmanager
+async def serve(folder: Path, **bounds: float) -> AsyncIterator[Server]:
+    port, log, ends = free_port(), list[str](), list[IdleRobotEnd]()
+    gate = LoginGate(make_origins((), port), folder / "sessions.json", log.append)
+    application = Application(gate, load_files(), {}, "bob", log.append, make_robot_end=keep(ends, IdleRobotEnd))
+    async with open_server(application.build(), gate, "127.0.0.1", port, log.append, **bounds) as listener:
+        yield Server(gate, listener, port, log, ends[0].passed)
 
 
 @pytest.mark.parametrize("data", [b"", b"GET /login HTTP/1.1\r\nHost: loc"])
 async def test_connections_that_wait_for_nothing_are_bounded_and_a_session_finds_room(
-    server: Server, monkeypatch: pytest.MonkeyPatch, data: bytes
+    tmp_path: Path, data: bytes
 ) -> None:
-    monkeypatch.setattr(listening, "_MOST_WAITING", 64)
+    async with serve(tmp_path, most_waiting=64) as server:
+        await fill_with_connections(server, data)
+
+
+async def fill_with_connections(server: Server, data: bytes) -> None:
     client = await server.log_in()
     idle = [await server.open(data) for _ in range(300)]
     async with client, client.ws_connect(server.url + DRIVE) as drive:
@@ -123,12 +128,9 @@ async def test_session_whose_head_is_late_is_served_beside_hundreds_of_others(se
         each.close()
 
 
-async def test_head_that_does_not_end_in_time_ends_the_connection(
-    server: Server, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(listening, "HEAD_LIMIT", 0.0)
-    assert await server.answer(b"GET /login HTTP/1.1\r\nX: ") == b""
-    monkeypatch.undo()
+async def test_head_that_does_not_end_in_time_ends_the_connection(server: Server, tmp_path: Path) -> None:
+    async with serve(tmp_path / "hasty", head_limit=0.0) as hasty:
+        assert await hasty.answer(b"GET /login HTTP/1.1\r\nX: ") == b""
     assert await server.answer(b"GET / HTTP/1.1\r\n" + b"X: y\r\n" * 10_000) == b""
     _, writer = await server.open()
     with contextlib.suppress(ConnectionError):
@@ -217,10 +219,9 @@ async def test_pages_of_other_origins_are_refused_before_they_count(server: Serv
         assert (await client.get(f"{server.url}/main.js")).status == 200
 
 
-def test_errors_of_connections_fill_no_log(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_errors_of_connections_fill_no_log() -> None:
     lines, now = list[str](), [1000.0]
-    monkeypatch.setattr("ur.web.server.connections.http_server.time.monotonic", lambda: now[0])
-    rarely = Rarely(lines.append)
+    rarely = Rarely(lines.append, lambda: now[0])
     for _ in range(10_000):
         rarely("connections cannot be accepted: too many open files")
     now[0] += 61.0

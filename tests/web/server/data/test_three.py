@@ -13,7 +13,6 @@ from aiohttp import web
 from aiohttp.test_utils import make_mocked_request
 
 from ur.web.runs.commands import EndedCommand
-from ur.web.server.data import three
 from ur.web.server.data.three import ThreeScript
 
 
@@ -29,21 +28,19 @@ class Commands:
         return EndedCommand(1, "", "installing\nerror: jupyter_threejs_sage could not be installed: no network\n")
 
 
-async def test_script_that_cannot_be_installed_is_explained(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(three, "find_script", lambda: None)
+async def test_script_that_cannot_be_installed_is_explained() -> None:
     commands: Any = Commands()
     with pytest.raises(web.HTTPServiceUnavailable) as refusal:
-        await ThreeScript(commands).serve(make_mocked_request("GET", "/three.js"))
+        await ThreeScript(commands, lambda: None).serve(make_mocked_request("GET", "/three.js"))
     assert "could not be installed: no network" in (refusal.value.text or "")
     assert commands.run_words == [("web", "--prepare-3d")]
 
 
-async def test_installed_script_is_served_compressed_and_once(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+async def test_installed_script_is_served_compressed_and_once(tmp_path: Path) -> None:
     path = tmp_path / "three.min.js"
     path.write_text("script " * 100)
-    monkeypatch.setattr(three, "find_script", lambda: path)
     commands: Any = Commands()
-    script = ThreeScript(commands)
+    script = ThreeScript(commands, lambda: path)
     packed = await script.serve(make_mocked_request("GET", "/three.js", headers={"Accept-Encoding": "gzip"}))
     plain = await script.serve(make_mocked_request("GET", "/three.js"))
     assert isinstance(packed.body, bytes)

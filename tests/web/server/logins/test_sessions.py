@@ -11,6 +11,8 @@ from tests.ros_session import free_port
 
 aiohttp = pytest.importorskip("aiohttp", reason="aiohttp is not installed: requirements/web.lock")
 
+from tests.web.server.robot_ends import KeptRobotEnd, keep  # noqa: E402
+
 from ur.web.access.origin import make_origins  # noqa: E402
 from ur.web.access.roles import DAY, Role  # noqa: E402
 from ur.web.server.application import Application  # noqa: E402
@@ -43,14 +45,14 @@ class Server:
 
 
 @pytest.fixture
-async def server(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> AsyncIterator[Server]:
-    port, said, passed, path = free_port(), list[str](), list[Any](), tmp_path / "sessions-8090.json"
+async def server(tmp_path: Path) -> AsyncIterator[Server]:
+    port, said, path = free_port(), list[str](), tmp_path / "sessions-8090.json"
     origins = make_origins((), port)
     gate = LoginGate(origins, path, lambda _: None, report=said.append, life=7 * DAY)
-    application = Application(gate, {}, {"ROS_MASTER_URI": f"http://localhost:{free_port()}"}, "bob", lambda _: None)
-    monkeypatch.setattr(application.robot_end, "send", passed.append)
+    environment, ends = {"ROS_MASTER_URI": f"http://localhost:{free_port()}"}, list[KeptRobotEnd]()
+    application = Application(gate, {}, environment, "bob", lambda _: None, make_robot_end=keep(ends))
     async with open_server(application.build(), gate, "127.0.0.1", port, lambda _: None):
-        yield Server(gate, f"http://127.0.0.1:{port}", path, said, passed)
+        yield Server(gate, f"http://127.0.0.1:{port}", path, said, ends[0].passed)
 
 
 async def test_list_says_who_has_logged_in_and_the_terminal_said_it_at_once(server: Server) -> None:

@@ -115,11 +115,8 @@ async def test_full_disk_refuses_the_start(tmp_path: Path) -> None:
         assert recorder.running is None
 
 
-async def test_process_that_does_not_end_is_killed_and_its_file_is_listed_as_cut(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr("ur.web.server.recordings.recorder._PATIENCE", 0.2)
-    async with record(tmp_path, STUBBORN) as (recorder, store):
+async def test_process_that_does_not_end_is_killed_and_its_file_is_listed_as_cut(tmp_path: Path) -> None:
+    async with record(tmp_path, STUBBORN, RecordingLimits(free=0, patience=0.2)) as (recorder, store):
         recorder.start(TopicSelection())
         await wait_until(lambda: recorder.running and recorder.running.size)
         assert await recorder.stop("x")
@@ -183,14 +180,14 @@ async def test_recorder_ends_when_the_server_is_killed(tmp_path: Path) -> None:
     code = f"""
 import asyncio, os
 from pathlib import Path
-from ur.web.server.recordings.recorder import Limits, Recorder
+from ur.web.server.recordings.recorder import Recorder, RecordingLimits
 from ur.web.server.recordings.store import Store
-from ur.web.server.recordings.topics import Selection
+from ur.web.server.recordings.topics import TopicSelection
 from tests.web.server.recordings.test_recorder import WRITES, Shell
 async def main():
     store = Store(Path({str(tmp_path)!r}) / "recordings", ".bag", ".bag.active")
-    recorder = Recorder(store, Shell(WRITES), dict(os.environ), print, Limits(free=0))
-    recorder.start(Selection())
+    recorder = Recorder(store, Shell(WRITES), dict(os.environ), print, RecordingLimits(free=0))
+    recorder.start(TopicSelection())
     while not recorder.running.size:
         await asyncio.sleep(0.02)
     print("up", flush=True)

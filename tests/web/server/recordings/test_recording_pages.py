@@ -18,9 +18,10 @@ from ur.web.access.roles import Role  # noqa: E402
 from ur.web.server.application import Application  # noqa: E402
 from ur.web.server.connections.http_server import open_server  # noqa: E402
 from ur.web.server.logins.gate import LoginGate  # noqa: E402
-from ur.web.server.recordings import recording_pages  # noqa: E402
+from ur.web.server.recordings.recorder import RecordingLimits  # noqa: E402
+from ur.web.server.recordings.recording_pages import RecordingPages  # noqa: E402
 from ur.web.server.recordings.store import recordings_folder  # noqa: E402
-from ur.web.server.recordings.topics import PublishedTopic, TopicSelection  # noqa: E402
+from ur.web.server.recordings.topics import PublishedTopic, TopicSelection, list_topics  # noqa: E402
 
 NAME = "2026-03-01_14-05-31_0.bag"
 BYTES = b"#ROSBAG V2.0\n" + bytes(300_000)
@@ -29,8 +30,6 @@ SCRIPT = 'trap "mv $0_0.bag.active $0_0.bag; exit" INT; echo $@ > $0_0.bag.activ
 
 class Writer:
     ending, unfinished = ".bag", ".bag.active"
-
-    def __init__(self, _environment: object) -> None: ...
 
     def make_command(self, stem: Path, selection: TopicSelection) -> list[str]:
         return ["/bin/sh", "-c", SCRIPT, str(stem), *selection.topics]
@@ -42,6 +41,7 @@ class Server:
     url: str
     client: Any
     folder: Path
+    topics: list[PublishedTopic]
 
     async def log_in(self, role: Role) -> None:
         token = {"token": self.gate.invite(role)}
@@ -60,20 +60,27 @@ class Server:
 
 
 @pytest.fixture
-async def server(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> AsyncIterator[Server]:
-    monkeypatch.setattr(recording_pages, "Rosbag", Writer)
+async def server(tmp_path: Path) -> AsyncIterator[Server]:
     port = free_port()
     gate = LoginGate(make_origins((), port), tmp_path / "sessions.json", lambda _: None)
     environment = {"ROS_MASTER_URI": f"http://localhost:{free_port()}", "HOME": str(tmp_path), "PATH": "/usr/bin:/bin"}
     folder = recordings_folder(environment)
     folder.mkdir(parents=True)
     (folder / NAME).write_bytes(BYTES)
-    application = Application(gate, {}, environment, "bob", lambda _: None)
+    topics: list[PublishedTopic] = []
+    recordings = RecordingPages(
+        environment,
+        lambda _: None,
+        Writer(),
+        RecordingLimits(free=0),
+        lambda master: tuple(topics) or list_topics(master),
+    )
+    application = Application(gate, {}, environment, "bob", lambda _: None, recordings=recordings)
     async with (
         open_server(application.build(), gate, "127.0.0.1", port, lambda _: None),
         aiohttp.ClientSession(cookie_jar=aiohttp.CookieJar(unsafe=True)) as client,
     ):
-        yield Server(gate, f"http://127.0.0.1:{port}", client, folder)
+        yield Server(gate, f"http://127.0.0.1:{port}", client, folder, topics)
 
 
 async def test_file_is_downloaded_as_an_attachment(server: Server) -> None:
@@ -123,9 +130,8 @@ async def test_recording_without_a_robot_and_with_bad_topics_is_refused(server: 
     assert (await server.post("start", ["topics"]))[0] == 400
 
 
-async def test_page_starts_and_stops_a_recording(server: Server, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(recording_pages, "list_topics", lambda _: (PublishedTopic("/scan", "sensor_msgs/LaserScan"),))
-    monkeypatch.setattr("ur.web.server.recordings.store.Store.free", lambda _: 1 << 40)
+async def test_page_starts_and_stops_a_recording(server: Server) -> None:
+    server.topics.append(PublishedTopic("/scan", "sensor_msgs/LaserScan"))
     await server.log_in(Role.DRIVE)
     assert (await server.post("start", {"topics": ["/scan"]}))[0] == 200
     assert (await server.post("start", {}))[0] == 409

@@ -4,10 +4,8 @@ import asyncio
 import socket
 import threading
 
-import pytest
 from tests.ros_session import free_port
 
-from ur.web.server.robots import robot_servers
 from ur.web.server.robots.robot_servers import MastersCheck, answers
 
 
@@ -22,31 +20,28 @@ def test_malformed_address_does_not_answer() -> None:
         assert not answers(master)
 
 
-async def test_masters_are_asked_again_only_after_some_seconds(monkeypatch: pytest.MonkeyPatch) -> None:
+async def test_masters_are_asked_again_only_after_some_seconds() -> None:
     asked: list[str] = []
 
     def note(master: str) -> bool:
         asked.append(master)
         return True
 
-    monkeypatch.setattr(robot_servers, "answers", note)
-    check = MastersCheck()
+    check = MastersCheck(note)
     for _ in range(5):
         assert await check.check(["a", "b"]) == {"a", "b"}
     assert sorted(asked) == ["a", "b"]
     check.close()
 
 
-async def test_master_that_hangs_is_not_waited_for_and_asked_once(monkeypatch: pytest.MonkeyPatch) -> None:
+async def test_master_that_hangs_is_not_waited_for_and_asked_once() -> None:
     release, asked = threading.Event(), list[str]()
 
     def hang(master: str) -> bool:
         asked.append(master)
         return release.wait(60) if master == "slow" else True
 
-    monkeypatch.setattr(robot_servers, "answers", hang)
-    monkeypatch.setattr(robot_servers, "LIMIT", 0.05)
-    check = MastersCheck()
+    check = MastersCheck(hang, 0.05)
     await check.check(["fast", "slow"])
     assert await check.check(["fast", "slow"]) == {"fast"}
     assert asked.count("slow") == 1

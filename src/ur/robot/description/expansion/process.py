@@ -22,6 +22,18 @@ _SCRIPT = Path(__file__).with_name("confined.py")
 
 
 @dataclass(frozen=True, slots=True)
+class ExpansionBounds:
+    """Seconds and questions that an expansion may take, and the library by which the kernel confines it."""
+
+    seconds: int = SECONDS
+    questions: int = MOST_QUESTIONS
+    seccomp: str = SECCOMP
+
+
+BOUNDS = ExpansionBounds()
+
+
+@dataclass(frozen=True, slots=True)
 class Expansion:
     """The end of an expansion: `text` is the URDF, or `problem` is not empty.
 
@@ -47,6 +59,7 @@ def expand(
     answers: Mapping[str, Answer],
     *,
     confined: bool = True,
+    bounds: ExpansionBounds = BOUNDS,
 ) -> Expansion:
     """Run xacro as `order` says (`library`, `file`, `folder`, `arguments`), and answer what it asks by its kind.
 
@@ -60,13 +73,13 @@ def expand(
         stdout=subprocess.PIPE,
         stderr=subprocess.DEVNULL,
     )
-    timer = Timer(SECONDS, child.kill)
+    timer = Timer(bounds.seconds, child.kill)
     timer.start()
     assert child.stdin
     assert child.stdout
-    limits = {"memory": MEMORY, "seconds": SECONDS, "seccomp": SECCOMP if confined else ""}
+    limits = {"memory": MEMORY, "seconds": bounds.seconds, "seccomp": bounds.seccomp if confined else ""}
     try:
-        report = _converse(child.stdin, child.stdout, {**order, **limits}, answers)
+        report = _converse(child.stdin, child.stdout, {**order, **limits}, answers, bounds.questions)
     except (BrokenPipeError, EOFError):
         report = {}
     except (ValueError, KeyError, TypeError, RecursionError):
@@ -81,14 +94,14 @@ def expand(
             child.stdin.close()
     if report:
         return _read_report(report)
-    return Expansion(problem=f"it did not finish within {SECONDS} s" if late else "it ended without a result")
+    return Expansion(problem=f"it did not finish within {bounds.seconds} s" if late else "it ended without a result")
 
 
 def _converse(
-    to: IO[bytes], of: IO[bytes], order: Mapping[str, object], answers: Mapping[str, Answer]
+    to: IO[bytes], of: IO[bytes], order: Mapping[str, object], answers: Mapping[str, Answer], most: int
 ) -> dict[str, object]:
     _send(to, order)
-    for _ in range(MOST_QUESTIONS):
+    for _ in range(most):
         line = of.readline(MOST_SENT)
         if not line.endswith(b"\n"):
             if len(line) == MOST_SENT:
@@ -101,7 +114,7 @@ def _converse(
             _send(to, {"value": answers[message["ask"]](str(message["of"]))})
         except QuestionRefused as reason:
             _send(to, {"error": str(reason)})
-    return {"end": "done", "problem": f"it asked for more than {MOST_QUESTIONS:,} files and packages"}
+    return {"end": "done", "problem": f"it asked for more than {most:,} files and packages"}
 
 
 def _send(to: IO[bytes], fields: Mapping[str, object]) -> None:

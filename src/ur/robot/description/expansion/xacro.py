@@ -16,7 +16,16 @@ from fnmatch import fnmatchcase
 from itertools import islice
 from pathlib import Path
 
-from ur.robot.description.expansion.process import MOST_READ, SECONDS, Answer, Expansion, QuestionRefused, expand
+from ur.robot.description.expansion.process import (
+    BOUNDS,
+    MOST_READ,
+    SECONDS,
+    Answer,
+    Expansion,
+    ExpansionBounds,
+    QuestionRefused,
+    expand,
+)
 from ur.robot.description.surroundings import Surroundings, is_safe_program
 from ur.source.diagnostic import UserError, error
 from ur.source.read import read_source
@@ -41,12 +50,15 @@ class ExpansionComputer:
 
     `packages` finds the folders of packages by name, and is called for xacro files only. `made` is the folder of the
     packages that `ur get` makes. `consent` is asked, with what would run, where xacro cannot be confined.
+    `has_own` tells whether our own environment has xacro.
     """
 
     environment: Mapping[str, str]
     packages: Packages
     made: Path
     consent: Callable[[str], bool]
+    bounds: ExpansionBounds = BOUNDS
+    has_own: Callable[[], bool] | None = None
 
 
 def read_description(
@@ -67,7 +79,7 @@ def read_description(
 
 
 def _expand(path: Path, around: Surroundings, computer: ExpansionComputer, arguments: Sequence[str]) -> DescriptionText:
-    library = find_library(computer.made, around)
+    library = find_library(computer.made, around, computer.has_own or _has_own)
     if library is None:
         outcome = _run_program(path, around, computer, arguments)
     else:
@@ -78,10 +90,10 @@ def _expand(path: Path, around: Surroundings, computer: ExpansionComputer, argum
             "arguments": list(arguments),
         }
         answers = _list_answers(around, computer)
-        outcome = expand(order, answers)
+        outcome = expand(order, answers, bounds=computer.bounds)
         if outcome.unconfined:
             _ask(path, f"xacro cannot be confined here ({outcome.unconfined})", computer)
-            outcome = expand(order, answers, confined=False)
+            outcome = expand(order, answers, confined=False, bounds=computer.bounds)
     if not outcome.problem:
         return DescriptionText(outcome.text, outcome.missing)
     reason = re.sub(r"\x1b\[[0-9;]*m", "", outcome.problem)
@@ -187,12 +199,16 @@ def _list_folder(folder: Path, pattern: str, around: Surroundings, packages: Map
     return [folder / name for name in names[:_MOST_FILES]]
 
 
-def find_library(made: Path, around: Surroundings) -> str | None:
+def _has_own() -> bool:
+    return find_own() is not None
+
+
+def find_library(made: Path, around: Surroundings, has_own: Callable[[], bool] = _has_own) -> str | None:
     """The folder to import xacro from: "" for our own environment, or that of the package which `ur get` has made.
 
     `made` is the folder of the packages that `ur get` makes. None where there is none.
     """
-    if find_own() is not None:
+    if has_own():
         return ""
     library = made / "xacro" / "lib"
     return str(library) if (library / "xacro/__init__.py").is_file() and not around.holds(library) else None

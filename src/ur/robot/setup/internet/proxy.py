@@ -13,7 +13,7 @@ import ipaddress
 import re
 import socket
 import threading
-from collections.abc import Collection, Iterator
+from collections.abc import Callable, Collection, Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from urllib.parse import urlsplit
@@ -121,8 +121,10 @@ def find_addresses(server: Server) -> list[str]:
 
 
 @contextmanager
-def run_proxy(servers: Collection[Server], password: Secret) -> Iterator[int]:
-    """Forward requests to these servers while the context lasts; the port, on 127.0.0.1."""
+def run_proxy(
+    servers: Collection[Server], password: Secret, find: Callable[[Server], list[str]] = find_addresses
+) -> Iterator[int]:
+    """Forward requests to these servers while the context lasts; the port, on 127.0.0.1. `find` gives addresses."""
     loop = asyncio.new_event_loop()
     tasks: set[asyncio.Task[None]] = set()
 
@@ -134,7 +136,7 @@ def run_proxy(servers: Collection[Server], password: Secret) -> Iterator[int]:
             return
         tasks.add(task)
         try:
-            await _serve(reader, writer, servers, password)
+            await _serve(reader, writer, servers, password, find)
         except (OSError, TimeoutError, asyncio.TimeoutError, asyncio.IncompleteReadError, asyncio.LimitOverrunError):
             pass  # the client sees that the connection ends
         finally:
@@ -160,14 +162,18 @@ def run_proxy(servers: Collection[Server], password: Secret) -> Iterator[int]:
 
 
 async def _serve(
-    reader: asyncio.StreamReader, writer: asyncio.StreamWriter, servers: Collection[Server], password: Secret
+    reader: asyncio.StreamReader,
+    writer: asyncio.StreamWriter,
+    servers: Collection[Server],
+    password: Secret,
+    find: Callable[[Server], list[str]],
 ) -> None:
     head = await asyncio.wait_for(reader.readuntil(b"\r\n\r\n"), HEAD_SECONDS)
     request = read_request(head, servers, password)
     if isinstance(request, Refusal):
         await _answer(reader, writer, request)
         return
-    for address in await asyncio.to_thread(find_addresses, request.server):
+    for address in await asyncio.to_thread(find, request.server):
         try:
             there = await asyncio.wait_for(asyncio.open_connection(address, request.server.port), CONNECT_SECONDS)
             break

@@ -23,11 +23,11 @@ _LOGGED_EVERY = 60.0  # s
 
 @asynccontextmanager
 async def open_server(
-    application: web.Application, gate: LoginGate, host: str, port: int, log: Callable[[str], None]
+    application: web.Application, gate: LoginGate, host: str, port: int, log: Callable[[str], None], **bounds: Any
 ) -> AsyncIterator[ConnectionListener]:
     """Serve an application on a port until the block is left. Raises OSError: the port cannot be listened on.
 
-    `log` gets a line a minute at most about connections that fail.
+    `log` gets a line a minute at most about connections that fail. `bounds` are those of a Listener.
     """
     rarely = Rarely(log)
     logging.getLogger("aiohttp").addHandler(logging.NullHandler())
@@ -45,7 +45,7 @@ async def open_server(
     runner = web.AppRunner(application, access_log=None, handle_signals=False, **limits)
     await runner.setup()
     assert runner.server is not None, "set up"
-    listener = ConnectionListener(runner.server, gate.recognise, _answer, rarely)
+    listener = ConnectionListener(runner.server, gate.recognise, _answer, rarely, **bounds)
     try:
         listener.open(host, port)
         yield listener
@@ -58,12 +58,13 @@ async def open_server(
 class Rarely:
     """A log that takes one line a minute, with the number of those that it has left out."""
 
-    def __init__(self, log: Callable[[str], None]) -> None:
+    def __init__(self, log: Callable[[str], None], clock: Callable[[], float] = time.monotonic) -> None:
+        self._clock = clock
         self._log, self._next, self._left_out = log, 0.0, 0
 
     def __call__(self, line: str) -> None:
         """Take a line."""
-        now = time.monotonic()
+        now = self._clock()
         if now < self._next:
             self._left_out += 1
             return

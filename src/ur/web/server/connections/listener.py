@@ -27,7 +27,7 @@ HEAD_LIMIT = 10.0
 LONGEST_BODY = 2048
 """Bytes of the longest body of a request without a session."""
 
-_MOST_WAITING = 512  # connections whose first head is not complete
+MOST_WAITING = 512  # connections whose first head is not complete
 _MOST_SERVED = 32  # connections without a session, of which the HTTP server works on a request
 _MOST_CLOSING, _CLOSE_LIMIT = 64, 1.0  # connections that have got a refusal and may still send, s
 _MOST_READS = 64  # pieces of a head
@@ -70,7 +70,11 @@ class ConnectionListener:
         recognise: Callable[[Head], bool],
         answer: Callable[[int, str], bytes],
         log: Callable[[str], None],
+        *,
+        head_limit: float = HEAD_LIMIT,
+        most_waiting: int = MOST_WAITING,
     ) -> None:
+        self._head_limit, self._most_waiting = head_limit, most_waiting
         self._handlers, self._recognise, self._answer, self._log = handlers, recognise, answer, log
         self._loop = asyncio.get_running_loop()
         self._listening: list[socket.socket] = []
@@ -125,13 +129,13 @@ class ConnectionListener:
                     return
                 continue  # this one has closed
             sock.setblocking(False)
-            waiting = _Waiting(sock, str(address[0]), self._loop.time() + HEAD_LIMIT)
+            waiting = _Waiting(sock, str(address[0]), self._loop.time() + self._head_limit)
             self._count += 1
             self._waiting.setdefault(waiting.address, {})[sock] = waiting
             self._read(waiting)  # most have their head: no reader is needed
             if sock in self._waiting.get(waiting.address, ()):
                 self._loop.add_reader(sock, self._read, waiting)
-            if self._count > _MOST_WAITING:
+            if self._count > self._most_waiting:
                 self._drop(next(iter(max(self._waiting.values(), key=len).values())))
 
     def _make_room(self, listening: socket.socket, problem: OSError) -> None:
@@ -200,7 +204,7 @@ class ConnectionListener:
         key = object()
         self._served.add(key)
         try:
-            await serve_one(self._handlers, sock, request, HEAD_LIMIT)
+            await serve_one(self._handlers, sock, request, self._head_limit)
         finally:
             self._served.discard(key)
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import gzip
 import importlib
+from collections.abc import Callable
 from functools import partial
 from importlib.util import find_spec
 from pathlib import Path
@@ -30,8 +31,8 @@ def find_script() -> Path | None:
 class ThreeScript:
     """Serves the script; `commands` runs the one that installs it."""
 
-    def __init__(self, commands: CommandQueue) -> None:
-        self._commands = commands
+    def __init__(self, commands: CommandQueue, find: Callable[[], Path | None] = find_script) -> None:
+        self._commands, self._find = commands, find
         self._lock = asyncio.Lock()
         self._packed: bytes | None = None
 
@@ -39,7 +40,7 @@ class ThreeScript:
         """Answer with the script. Raises HTTPServiceUnavailable: it cannot be installed."""
         async with self._lock:
             if self._packed is None:
-                path = find_script() or await self._install()
+                path = self._find() or await self._install()
                 compress = partial(gzip.compress, path.read_bytes(), 9, mtime=0)
                 self._packed = await asyncio.get_running_loop().run_in_executor(None, compress)
         headers = {**_HEADERS, "ETag": f'"{_PACKAGE}-{_SCRIPT}"'}
@@ -51,7 +52,7 @@ class ThreeScript:
 
     async def _install(self) -> Path:
         done = await self._commands.run("web", "--prepare-3d", limit=_INSTALL_LIMIT)
-        path = find_script()
+        path = self._find()
         if path is None:
             lines = [line for line in done.err.splitlines() if line.startswith("error: ")] or ["error: no answer"]
             text = f"the 3D view cannot be installed: {lines[-1].removeprefix('error: ')[:300]}\n"

@@ -67,16 +67,20 @@ class LoginGate:
         viewer_origins: Collection[str] = (),
         report: Callable[[str], None] = say_nothing,
         life: float = SESSION_LIFE,
+        *,
+        pace: tuple[float, float] = (_REQUEST_RATE, _REQUEST_BURST),
+        clock: Callable[[], float] = time.time,
     ) -> None:
         """`links` are those that others have made for this server; `viewer_origins` of viewers besides the known.
 
-        `report` takes a line about each login, which is good for `life` s.
+        `report` takes a line about each login, which is good for `life` s. `pace` is a
+        session's rate of requests, 1/s, and how many may come at once.
         """
         self._origins, self._log = origins, log
         self._viewer_origins = frozenset(viewer_origins)
-        self.sessions = Sessions(sessions, log, links, report, life)
+        self.sessions = Sessions(sessions, log, links, report, life, clock)
         self._logins = Buckets(_LOGIN_RATE, _LOGIN_BURST)  # that fail, by address
-        self._requests = Buckets(_REQUEST_RATE, _REQUEST_BURST)  # by session
+        self._requests = Buckets(*pace)  # by session
         self._files = Buckets(_FILE_RATE, _FILE_BURST)  # by session
 
     @property

@@ -45,6 +45,7 @@ class Sessions:
         links: LinkFiles | None = None,
         report: Callable[[str], None] = say_nothing,
         life: float = SESSION_LIFE,
+        clock: Callable[[], float] = time.time,
     ) -> None:
         """`links` are those that others have made for this server. `report` takes a line about each login.
 
@@ -55,6 +56,7 @@ class Sessions:
         self._ledger: Ledger = self._file.load()
         self._open: dict[str, set[asyncio.Transport]] = {}
         self._saved_at = time.monotonic()
+        self._clock = clock
 
     @property
     def life(self) -> float:
@@ -63,7 +65,7 @@ class Sessions:
 
     def invite(self, role: Role) -> str:
         """Make a token for one login."""
-        self._ledger, token = add_token(self._ledger, role, time.time())
+        self._ledger, token = add_token(self._ledger, role, self._clock())
         return token
 
     def invite_viewer(self, role: Role) -> str:
@@ -76,7 +78,7 @@ class Sessions:
 
         `before` is the id of the session that the browser has had: the new one takes its place, and its name.
         """
-        now, former = time.time(), self.list().get(before)
+        now, former = self._clock(), self.list().get(before)
         device = LoginDevice(former.name if former else name, address, self._life)
         kept = end_sessions(self._ledger, [before])
         ledger, secret = use_token(kept, token, device, now)
@@ -98,7 +100,7 @@ class Sessions:
 
     def find(self, secret: object) -> tuple[str, Grant] | None:
         """The id of a session, which is no secret, and what it grants; None for a secret that is not valid."""
-        return find_session(self._ledger, secret, time.time())
+        return find_session(self._ledger, secret, self._clock())
 
     def find_viewer(self, secret: object) -> tuple[str, Grant] | None:
         """The same of a viewer link."""
@@ -106,11 +108,11 @@ class Sessions:
 
     def note_use(self, secret: str) -> None:
         """A session was used. The file has that when it is written next, or within an hour."""
-        self._ledger = note_use(self._ledger, secret, time.time())
+        self._ledger = note_use(self._ledger, secret, self._clock())
 
     def list(self) -> dict[str, Grant]:
         """List the sessions that are valid, by their ids, oldest first."""
-        return list_sessions(self._ledger, time.time())
+        return list_sessions(self._ledger, self._clock())
 
     def count_open(self, number: str) -> int:
         """Count the web sockets that a session has open."""

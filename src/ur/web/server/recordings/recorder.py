@@ -17,7 +17,6 @@ from ur.web.server.recordings.topics import TopicSelection
 from ur.web.server.recordings.writer import NoWriterError, RecordingWriter
 
 _PERIOD = 0.5  # s between two looks at the limits
-_PATIENCE = 5.0  # s between SIGINT and SIGKILL
 _MOST_ERRORS = 2000  # bytes that are kept of what the process prints
 _WITH_US = ("setpriv", "--pdeathsig", "INT", "--")  # it ends when the server is killed
 
@@ -28,11 +27,15 @@ class RecorderError(Exception):
 
 @dataclass(frozen=True, slots=True)
 class RecordingLimits:
-    """Bytes of `all` recordings, bytes that stay `free` on the disk, and `seconds` of one recording."""
+    """Bytes of `all` recordings, bytes that stay `free` on the disk, and `seconds` of one recording.
+
+    `patience` is the time in s between SIGINT and SIGKILL.
+    """
 
     all: int = 2_000_000_000
     free: int = 1_000_000_000
     seconds: float = 3600.0
+    patience: float = 5.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -166,7 +169,7 @@ class Recorder:
                 if reason := find_reason(self._limits, used, free, time.monotonic() - self._started):
                     return reason
         finally:
-            await _end(process)
+            await _end(process, self._limits.patience)
             for task in (*waits, reading):
                 task.cancel()
             await asyncio.gather(*waits, reading, return_exceptions=True)
@@ -183,7 +186,7 @@ def _last_line(errors: bytearray) -> str:
     return printable(lines[-1])[:200] if lines else ""
 
 
-async def _end(process: asyncio.subprocess.Process) -> None:
+async def _end(process: asyncio.subprocess.Process, patience: float) -> None:
     """Interrupt a process, so that it finishes its files, and kill it when it takes too long."""
     for number in (signal.SIGINT, signal.SIGKILL):
         if process.returncode is not None:
@@ -191,4 +194,4 @@ async def _end(process: asyncio.subprocess.Process) -> None:
         with suppress(ProcessLookupError):
             os.killpg(process.pid, number)
         with suppress(asyncio.TimeoutError):
-            await asyncio.wait_for(process.wait(), _PATIENCE)
+            await asyncio.wait_for(process.wait(), patience)

@@ -14,7 +14,7 @@ from ur.source.diagnostic import UserError
 from ur.system.ros import graph_address
 from ur.web.access.roles import Role
 from ur.web.server.logins.gate import SESSION, demand_drive, read_body
-from ur.web.server.recordings.recorder import Recorder, RecorderError
+from ur.web.server.recordings.recorder import Recorder, RecorderError, RecordingLimits
 from ur.web.server.recordings.store import RecordingBusyError, Store, recordings_folder
 from ur.web.server.recordings.topics import ChosenTopics, PublishedTopic, list_topics, select
 from ur.web.server.recordings.writer import RecordingWriter, Rosbag
@@ -23,12 +23,19 @@ from ur.web.server.recordings.writer import RecordingWriter, Rosbag
 class RecordingPages:
     """The routes, and what they need. `log` takes a line about who does what."""
 
-    def __init__(self, environment: Mapping[str, str], log: Callable[[str], None]) -> None:
-        self._log = log
+    def __init__(
+        self,
+        environment: Mapping[str, str],
+        log: Callable[[str], None],
+        writer: RecordingWriter | None = None,
+        limits: RecordingLimits | None = None,
+        ask_topics: Callable[[str], tuple[PublishedTopic, ...]] = list_topics,
+    ) -> None:
+        self._log, self._ask_master = log, ask_topics
         self._master = graph_address(environment)
-        writer: RecordingWriter = Rosbag(environment)
+        writer = writer or Rosbag(environment)
         self._store = Store(recordings_folder(environment), writer.ending, writer.unfinished)
-        self._recorder = Recorder(self._store, writer, environment, log)
+        self._recorder = Recorder(self._store, writer, environment, log, limits)
 
     def routes(self) -> list[web.RouteDef]:
         """The routes."""
@@ -106,7 +113,7 @@ class RecordingPages:
     async def _ask_topics(self) -> tuple[PublishedTopic, ...]:
         """List the topics. Raises HTTPConflict: no master answers."""
         try:
-            return await asyncio.get_running_loop().run_in_executor(None, list_topics, self._master)
+            return await asyncio.get_running_loop().run_in_executor(None, self._ask_master, self._master)
         except (Unanswered, CallRefused, UserError):
             raise web.HTTPConflict(text="the robot is not connected: start a program of it\n") from None
 

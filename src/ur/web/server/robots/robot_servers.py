@@ -207,7 +207,8 @@ def label_of(robot: RobotMaster) -> str:
 class MastersCheck:
     """The results, by the masters' URIs. Nothing is asked between calls of `check`."""
 
-    def __init__(self) -> None:
+    def __init__(self, ask: Callable[[str], bool] | None = None, limit: float = LIMIT) -> None:
+        self._ask, self._limit = ask or answers, limit
         self._threads = ThreadPoolExecutor(_THREADS, "masters")
         self._found: dict[str, tuple[float, bool]] = {}
         self._running: dict[str, asyncio.Future[None]] = {}
@@ -220,7 +221,7 @@ class MastersCheck:
                 self._running[master] = asyncio.ensure_future(self._check_one(master))
         waiting = [self._running[each] for each in masters if each in self._running]
         if waiting:
-            await asyncio.wait(waiting, timeout=LIMIT)
+            await asyncio.wait(waiting, timeout=self._limit)
         return frozenset(
             each for each in masters if each not in self._running and self._found.get(each, (0.0, False))[1]
         )
@@ -233,7 +234,7 @@ class MastersCheck:
 
     async def _check_one(self, master: str) -> None:
         try:
-            found = await asyncio.get_running_loop().run_in_executor(self._threads, answers, master)
+            found = await asyncio.get_running_loop().run_in_executor(self._threads, self._ask, master)
             self._found[master] = time.monotonic(), found
         finally:
             del self._running[master]
