@@ -26,7 +26,7 @@ class Shell:
     """A robot that lets this computer in, with sudo that takes some passwords, and everything that it was sent."""
 
     address = MET.address
-    sudo_said = "sudo: 1 incorrect password attempt"
+    sudo_reported = "sudo: 1 incorrect password attempt"
 
     def __init__(self, *, takes: Sequence[Secret | None], accepted: Sequence[Secret] = ()) -> None:
         self.takes, self.accepted = takes, frozenset(accepted)

@@ -96,7 +96,7 @@ def test_program_joins_the_terminal_that_waits_for_it(tmux: Tmux, tmp_path: Path
 
 def test_nobody_to_join_is_an_error(tmp_path: Path, capfd: Any) -> None:
     assert debug_pane.main(["--join", f"{tmp_path}/none", "/a", "true"], 0.0) == 1
-    assert "nobody waits to debug it" in capfd.readouterr().err
+    assert "no terminal waits to debug it" in capfd.readouterr().err
 
 
 @pytest.mark.skipif(shutil.which("gdb") is None, reason="gdb is not installed")
