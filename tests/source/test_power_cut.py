@@ -13,7 +13,7 @@ pytestmark = pytest.mark.skipif(not can_cut_power(), reason="only root may mount
 SET_UP = """\
 import getpass
 from ur.robot.setup.engine import apply_change
-from ur.robot.setup.facts import Request, fact_script, parse_facts
+from ur.robot.setup.facts import fact_script, parse_facts
 from ur.robot.setup.keys import WantedKeyPair
 from ur.robot.setup.wanted import WantedFile, WantedLine
 from ur.robot.ssh.shell import LocalShell
@@ -76,8 +76,8 @@ CASES = {
     ),
     "memory of a sync": Case(
         ":",
-        "from pathlib import Path\nfrom ur.robot.sync.memory import Memory, Pair, store_memory\n"
-        "store_memory(Path('s/bob.json'), Memory(Pair('a', 'b', 'c'), {}))",
+        "from pathlib import Path\nfrom ur.robot.sync.memory import SyncMemory, WorkspacePair, store_memory\n"
+        "store_memory(Path('s/bob.json'), SyncMemory(WorkspacePair('a', 'b', 'c'), {}))",
         "s/bob.json",
         "agreed",
     ),

@@ -109,8 +109,8 @@ class SshShell:
         The port that they use, on their own loopback interface; 0 where the ssh server does not allow it.
         """
         done = self._forward("-R", f"127.0.0.1:0:127.0.0.1:{port}")
-        said = done.out.strip()
-        return int(said) if done.code == 0 and said.isdecimal() else 0
+        port_there = done.out.strip()
+        return int(port_there) if done.code == 0 and port_there.isdecimal() else 0
 
     def forward(self, port: int) -> bool:
         """Let programs of this computer reach the same port of the loopback interface there; whether that works."""
