@@ -64,7 +64,7 @@ def key_held(terminal: Terminal, key: str) -> Iterator[None]:
 
 def commands(robot: Machine) -> list[tuple[float, float, float]]:
     """The commands that the base has received: time (s of the steady clock that all share), m/s, rad/s."""
-    rows = (line.split() for line in robot.read("/run/base/log").splitlines())
+    rows = (line.split() for line in robot.run("cat /run/base/log").out.splitlines())
     return [(float(row[0]), float(row[1]), float(row[2])) for row in rows if len(row) == 3]
 
 

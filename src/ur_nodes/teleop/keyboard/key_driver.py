@@ -20,6 +20,9 @@ from ur_nodes.teleop.terminal.request_keys import (
     obstacle_request_of,
 )
 
+SETTLE = 1.0
+"""Seconds for which the connection has to be there before keys drive: those that a cut has held back come first."""
+
 HUNG_AFTER = 0.3
 """Seconds without a call of `press` after which the user interface hangs, and keys drive no more."""
 
@@ -62,6 +65,7 @@ class KeyDriver:
         self._node, self._commander, self._mux, self._saving = node, commander, mux, saving
         self._state, self._linked = start_drive(settings), linked
         self._alive_at = node.steady()
+        self._cut_at = float("-inf")  # the latest time without a connection
         commander.watch(self._answer)
         node.every(1.0 / rate, self._step, steady=True)
         node.on_end(self._end)
@@ -84,8 +88,8 @@ class KeyDriver:
         was_moving = self._state.moving
         self._state, motion = step_drive(self._state, event, pressed_at)
         if self._state.moving:  # it may have driven for long enough by now, or have waited for the connection
-            event_now = None if self._linked() else FocusLost()
-            self._state, motion = step_drive(self._state, event_now, self._node.steady())
+            now = self._node.steady()
+            self._state, motion = step_drive(self._state, FocusLost() if self._is_cut(now) else None, now)
         if motion is not None and self._state.moving != was_moving:
             self._commander.send(motion)  # starts and stops are not kept waiting
 
@@ -99,6 +103,12 @@ class KeyDriver:
         if self._saving and asks_to_save(event):
             self._saving.ask()
 
+    def _is_cut(self, now: float) -> bool:
+        """Note whether the connection is there; return whether it is not, or has not been for long enough."""
+        if not self._linked():
+            self._cut_at = now
+        return now - self._cut_at < SETTLE
+
     def _answer(self) -> None:
         if self._state.moving:
             self._step()
@@ -108,7 +118,7 @@ class KeyDriver:
             self._state = replace(self._state, note=news)
         now = self._node.steady()
         hangs = self._state.moving and now - self._alive_at > HUNG_AFTER
-        cut = self._state.moving and not self._linked()
+        cut = self._is_cut(now) and self._state.moving
         self._state, motion = step_drive(self._state, FocusLost() if hangs or cut else None, now)
         if hangs or cut:
             reason = (

@@ -195,3 +195,9 @@ def test_keys_drive_only_while_the_terminal_is_connected() -> None:
     assert "connection" in rig.driver.view().state.note
     rig.press(UP, 0.2)
     assert rig.changes == [AHEAD, STILL]
+    linked[0] = True
+    rig.press(UP, 0.5)  # keys that the cut has held back
+    assert rig.changes == [AHEAD, STILL]
+    rig.press(b"", 1.0)
+    rig.press(UP, 0.2)
+    assert rig.changes == [AHEAD, STILL, AHEAD]
