@@ -199,8 +199,8 @@ def test_interface_imports_nothing_of_the_current_folder(trap: Trap) -> None:
     controller, end = pty.openpty()
     try:
         code = (
-            "import sys; from ur.tui.start import Viewer\n"
-            "with Viewer(sys.argv[1]): pass\n"  # a run that never begins
+            "import sys; from ur.tui.start import InterfaceProcess\n"
+            "with InterfaceProcess(sys.argv[1]): pass\n"  # a run that never begins
         )
         done = subprocess.run(
             [PYTHON, "-I", "-c", code, "full"],

@@ -99,7 +99,7 @@ def change_password_without_an_answer(laptop: Machine, robot: Machine) -> None:
 
     said, code = run_until(laptop, command("bob.local", "bob"), f"{PASSWORD}\n{OTHER}\n", {"bob: password": cut})
     assert code == 2
-    assert "the connection is gone" in "".join(said)
+    assert "the connection has ended" in "".join(said)
     robot.restore()
     assert robot.run("su -c true ros", user="pat", stdin=f"{OTHER}\n").code == 0
     laptop.wait_for(f"timeout 5 ssh-keyscan -T 2 {robot.address} 2>/dev/null | grep -q ed25519", deadline=60)

@@ -73,7 +73,7 @@ async def test_flood_neither_freezes_nor_grows() -> None:
         assert len(app.log_view.rows) <= 2 * MOST_ENTRIES
         run.tell(line("/map_server", "still here"))
         await until(pilot, lambda: "still here" in log_of(app))
-        assert "more lines came too fast" in log_of(app)
+        assert "more lines arrived too fast" in log_of(app)
 
 
 async def test_output_cannot_command_the_terminal() -> None:
@@ -94,7 +94,7 @@ async def test_end_of_the_run_ends_the_interface() -> None:
 async def test_supervisor_that_is_killed_ends_the_interface() -> None:
     async with watching() as (app, pilot, run):
         run.go()
-        await until(pilot, lambda: app.return_value == "gone")
+        await until(pilot, lambda: app.return_value == "killed")
         await asyncio.sleep(0)
 
 

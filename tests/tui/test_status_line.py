@@ -70,7 +70,7 @@ def test_run_that_is_killed_ends_it_too() -> None:
     run = FakeRun()
     threading.Timer(0.05, run.go).start()
     try:
-        assert show_status_line(run.control, lambda _: None) == ("gone", 1)
+        assert show_status_line(run.control, lambda _: None) == ("killed", 1)
     finally:
         run.close()
 

@@ -25,6 +25,11 @@ _IFF_UP, _IFF_LOOPBACK, _IFF_MULTICAST = 0x1, 0x8, 0x1000
 _LISTENING = {"tcp": "0A", "udp": "07"}
 _KEPT = ("AMENT_PREFIX_PATH", "PYTHONPATH", "LD_LIBRARY_PATH", "_ROS_WHEELS_BOOTSTRAP_COMPLETE")
 _RELEASE = re.compile(r"/opt/ros/([a-z]{1,20})/")
+# Nothing of the current folder is imported: of PYTHONPATH, which ROS 2 needs, only whole paths are taken.
+_READ_PROGRAM = (
+    "import os, sys; sys.path[:0] = [each for each in os.environ.get('PYTHONPATH', '').split(':')"
+    " if os.path.isabs(each)]; exec(sys.stdin.read())"
+)
 GRAPH_SECONDS = 30
 SHELL_SECONDS = 10
 
@@ -193,11 +198,11 @@ def read_graph(request: dict[str, Any], installations: Any, processes: Any, shel
     wanted = f"/opt/ros/{leader['distro']}" if leader else ""
     folder = wanted if wanted in folders else folders[-1] if folders else ""
     if folder:
-        line = f". {shlex.quote(folder + '/setup.bash')} >/dev/null 2>&1; exec python3 -"
-        command = ["bash", "-c", line]
+        line = f'. {shlex.quote(folder + "/setup.bash")} >/dev/null 2>&1; exec python3 -I -c "$1"'
+        command = ["bash", "-c", line, "bash", _READ_PROGRAM]
     elif leader and os.path.basename(leader["argv"].split(" ")[0]).startswith("python"):
         base.update({name: leader["environment"][name] for name in _KEPT if name in leader["environment"]})
-        command = [leader["argv"].split(" ")[0], "-"]
+        command = [leader["argv"].split(" ")[0], "-I", "-c", _READ_PROGRAM]
     else:
         return None, "no Python with rclpy was found"
     try:

@@ -30,7 +30,7 @@ echo "nothing is set up there" >&2; exit 1"""
 _PROGRAMS_ROS2 = f"""\
 for d in {" ".join(f'"$HOME"/{place}' for place in LIBRARIES)}; do
   [ -r "$d/.venv/ready-run" ] || continue
-  "$d/.venv/bin/python" -c "import rclpy, geometry_msgs.msg, sensor_msgs.msg, nav_msgs.msg, numpy, ur_nodes" || exit
+  "$d/.venv/bin/python" -I -c "import rclpy, geometry_msgs.msg, sensor_msgs.msg, nav_msgs.msg, numpy, ur_nodes" || exit
   "$d/.venv/bin/python" -I -m ur --version || exit
   exit
 done
