@@ -21,11 +21,11 @@ _HEAD = """\
 
 Made by `tools/make_releases_page.py`: edit `src/ur/system/releases.tsv` instead.
 
-The project needs ROS 1 from the distribution's own packages, on x86-64 or arm64.
+The project uses ROS 1 from the distribution's own packages, on x86-64 or arm64, where there are any.
 A release that packages it can be the system of your computer and of a robot.
-A release that does not can be the system of your computer only.
-ROS 1 then runs in a Debian 13 root that the project makes.
-`ur image prepare` and `ur robot setup` refuse such a system.
+On a release that does not, nodes run on your own ROS 2 from `/opt/ros` (Jazzy or later), else on x86-64 on [ROS 2 as Python packages](../how-to/ros2.md#which-ros-2), without `sudo`.
+On arm64, and where you ask for it with `ur use sim --ros 1`, ROS 1 runs there in a Debian 13 root that the project makes.
+`ur image prepare` refuses such a system, and `ur robot setup` takes it where the robot has ROS 2.
 
 A derivative counts as the release that it is made from: Linux Mint 22 as Ubuntu 24.04, LMDE 7 as Debian 13.
 Derivatives are expected to work, but were not tried.
@@ -36,7 +36,7 @@ The column "lists" has the date of the look-up in the release's package lists, m
 "Measured" means that they were looked up on another computer, on a day that was not recorded.
 "Tried" means that the first drive was run on the release, on x86-64, with `tests/fresh/run`.
 The others, and arm64, are expected to work.
-The Debian 13 root was tried on {_STAND_IN}.
+The Debian 13 root and the Python packages were tried on {_STAND_IN}.
 """
 _ROS = {"native": "its own packages", "brought": "a Debian 13 root", "refused": "none: refused"}
 
@@ -61,8 +61,9 @@ def make_sentences(rows: Sequence[Release] | None = None) -> str:
     expected = [*(row.name for row in native if not row.tried), "arm64"]
     sentence = f"It was tried on {_join(tried)}, and is expected to work on {_join(expected)}"
     if brought := [row.name for row in rows if row.ros == "brought"]:
+        wheels = "[ROS 2 as Python packages](docs/how-to/ros2.md)"
         root = "[a Debian 13 root](docs/explain/debian-root.md)"
-        sentence += f" and, in {root} that it makes in your home folder, on {_join(brought)}"
+        sentence += f" and, with {wheels} (on arm64 with ROS 1 in {root}), on {_join(brought)}"
     return f"{sentence}: [all releases](docs/reference/releases.md)."
 
 
