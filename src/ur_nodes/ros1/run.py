@@ -47,13 +47,14 @@ def run_node(name: str, start: Callable[[], None], *, own_terminal: bool = False
         os.environ.pop("ROSCONSOLE_CONFIG_FILE", None)
     bound_connections()
     try:
-        rospy.init_node(name, disable_signals=False)
-        report_log_errors(say_nothing if own_terminal else None)
-        if own_terminal:
-            silence_terminal()
-        failed = end_on_failure()
         with shut_down_aside():
+            rospy.init_node(name, disable_signals=True)
+            report_log_errors(say_nothing if own_terminal else None)
+            if own_terminal:
+                silence_terminal()
+            failed = end_on_failure()
             start()
+        rospy.core.register_signals()
     except UserError as problem:
         sys.stderr.write(render_human(problem.diagnostics))
         rospy.signal_shutdown("user error")

@@ -1,0 +1,70 @@
+"""A node of ROS 1 that is ended while it speaks to its master for the first time."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import threading
+from collections.abc import Iterator
+from pathlib import Path
+from xmlrpc.server import SimpleXMLRPCServer
+
+import pytest
+
+pytestmark = [pytest.mark.ros, pytest.mark.timeout(120)]
+
+
+class SlowMaster:
+    """A master that answers the first parameter of a node when it is released."""
+
+    def __init__(self) -> None:
+        self.asked, self.released = threading.Event(), threading.Event()
+        self._server = SimpleXMLRPCServer(("127.0.0.1", 0), logRequests=False, allow_none=True)
+        self._server.register_instance(self)
+        self._thread = threading.Thread(target=self._server.serve_forever)
+        self._thread.start()
+
+    @property
+    def uri(self) -> str:
+        return f"http://127.0.0.1:{self._server.server_address[1]}"
+
+    def _dispatch(self, method: str, _arguments: tuple[object, ...]) -> tuple[int, str, object]:
+        if method == "setParam":
+            self.asked.set()
+            self.released.wait()
+        return 1, "", [] if method.startswith("register") else 0
+
+    def close(self) -> None:
+        self.released.set()
+        self._server.shutdown()
+        self._thread.join()
+        self._server.server_close()
+
+
+@pytest.fixture
+def master() -> Iterator[SlowMaster]:
+    master = SlowMaster()
+    yield master
+    master.close()
+
+
+def test_node_ends_that_is_ended_while_it_sets_its_parameters(master: SlowMaster, tmp_path: Path) -> None:
+    environment = {
+        **os.environ,
+        "ROS_MASTER_URI": master.uri,
+        "ROS_LOG_DIR": str(tmp_path),
+        "ROS_HOSTNAME": "localhost",
+    }
+    command = [sys.executable, "-I", "-m", "ur_nodes", "ur_nodes.motion.joystick.joy_node", "_rate:=1"]
+    node = subprocess.Popen(command, env=environment, stderr=subprocess.PIPE, text=True)
+    try:
+        assert master.asked.wait(60)
+        node.send_signal(signal.SIGTERM)
+        master.released.set()
+        _, errors = node.communicate(timeout=60)
+    finally:
+        node.kill()
+        node.wait()
+    assert "Traceback" not in errors
