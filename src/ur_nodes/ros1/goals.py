@@ -27,7 +27,7 @@ class RosGoalServer:
         self._server = ActionServer(action, MoveBaseAction, take_goal, take_cancel, auto_start=False)
         self._server.publish_status = quiet_at_end(self._server.publish_status)  # a thread of its own calls it
         self._goals = rospy.Publisher(f"{action}/goal", MoveBaseActionGoal, queue_size=10)
-        rospy.Subscriber(f"{action}_simple/goal", PoseStamped, self._pass_on, queue_size=1)
+        rospy.Subscriber(f"{action}_simple/goal", PoseStamped, self._pass_on, queue_size=100)
         self._server.start()
         self._server.status_list_timeout = rospy.Duration.from_sec(kept)
 
