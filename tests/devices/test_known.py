@@ -45,3 +45,9 @@ def test_device_with_several_ids_has_several_rows() -> None:
 def test_malformed_table_is_named_with_its_line(row: str) -> None:
     with pytest.raises(ValueError, match=r"known_devices\.tsv:2"):
         parse_known(HEAD + row)
+
+
+def test_table_without_its_columns_is_refused() -> None:
+    for text in ("", "# nothing\n", "match\tname\n"):
+        with pytest.raises(ValueError, match=r"known_devices\.tsv: expected the columns "):
+            parse_known(text)

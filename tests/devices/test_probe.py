@@ -101,3 +101,8 @@ def test_device_in_use_is_not_asked() -> None:
     lidar = Device("/dev/ttyUSB0", "serial", "10c4:ea60")
     used = Device("/dev/ttyUSB1", "serial", "10c4:ea60", holders=(DeviceHolder(1, "rplidarNode"),))
     assert list_questions(DeviceSnapshot(devices=(lidar, used))) == [("/dev/ttyUSB0", "rplidar", 115200)]
+
+
+def test_output_that_is_no_table_of_answers_answers_nothing() -> None:
+    for output in ("", "no JSON", "[1]", "3"):
+        assert parse_answers(output) == {}

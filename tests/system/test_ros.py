@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from ur.source.diagnostic import UserError
-from ur.system.ros import choose_domain, facts_file, find_ros, graph_address, read_domain
+from ur.system.ros import choose_domain, facts_file, find_ros, graph_address, node_command, read_domain
 
 
 def make_computer(root: Path, *files: str) -> str:
@@ -78,3 +78,8 @@ def test_address_of_a_graph_tells_its_domain() -> None:
     assert read_domain(graph_address({"ROS_VERSION": "2"})) == "0"
     assert read_domain(graph_address({"ROS_MASTER_URI": "http://robbie.local:11311"})) is None
     assert facts_file({"XDG_RUNTIME_DIR": "/run/user/1"}, "7") == "/run/user/1/ubiquity_launches/facts-7.json"
+
+
+def test_nodes_of_ros2_start_by_the_launch_library_which_finds_their_python() -> None:
+    assert node_command({"ROS_VERSION": "2"})[0].endswith("ubiquity_launches/lib/node")
+    assert node_command({})[1:] == ("-I", "-m", "ur_nodes")

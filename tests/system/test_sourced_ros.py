@@ -18,3 +18,9 @@ def test_set_up_file_that_fails_is_named_with_its_reason(tmp_path: Path) -> None
     (tmp_path / "setup.bash").write_text("echo no such workspace >&2; return 3\n")
     with pytest.raises(UserError, match=r"setup\.bash: cannot be run: no such workspace"):
         source_ros(str(tmp_path), {"PATH": "/usr/bin:/bin"})
+
+
+def test_set_up_file_without_a_shell_to_run_it_is_named(tmp_path: Path) -> None:
+    (tmp_path / "setup.bash").touch()
+    with pytest.raises(UserError, match=r"setup\.bash: cannot be run: .*No such file or directory: 'bash'"):
+        source_ros(str(tmp_path), {"PATH": "/nowhere"})
