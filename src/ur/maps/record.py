@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import json
-import math
 import re
-from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
-from typing import Any, Literal, get_args
+from typing import Annotated, Literal
+
+from msgspec import Meta
 
 from ur.source.diagnostic import UserError, error
 from ur.source.foreign.files import read_file
+from ur.source.foreign.json_values import convert_json, read_json
 
 RECORD = "map.json"
 LARGEST = 4_000_000  # bytes of a record
@@ -28,13 +29,22 @@ MOST_STROKES = 100
 """Edits of a change from a page."""
 
 ZoneKind = Literal["keep-out", "speed"]
-_ZONE_KINDS: tuple[ZoneKind, ...] = get_args(ZoneKind)
 ZONE_NAME = re.compile(r"\w(?:[\w .-]{0,38}[\w.-])?")
 """Names of zones."""
 
 EditKind = Literal["erase", "wall", "keep-out"]
-_KINDS: tuple[EditKind, ...] = get_args(EditKind)
-_FILE = re.compile(r"(graph|scans)_[0-9]{1,6}\.npz")
+_Metres = Annotated[float, Meta(ge=-1e6, le=1e6)]
+_Point = tuple[_Metres, _Metres]
+_Moment = Annotated[float, Meta(ge=-1e11, le=1e11)]
+_NPZ = r"(graph|scans)_[0-9]{1,6}\.npz"
+_File = Annotated[str, Meta(pattern=rf"^{_NPZ}\Z")]
+_ZoneName = Annotated[
+    str,
+    Meta(
+        pattern=rf"^(?:{ZONE_NAME.pattern})\Z",
+        description="the name of a zone, at most 40 letters, digits, blanks, '_', '-' and '.'",
+    ),
+]
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,8 +56,8 @@ class MapEdit:
     """
 
     kind: EditKind
-    points: tuple[tuple[float, float], ...]
-    width: float = 0.0
+    points: Annotated[tuple[_Point, ...], Meta(max_length=MOST_POINTS)]
+    width: Annotated[float, Meta(ge=0.0, le=WIDEST_STROKE)] = 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,9 +67,9 @@ class Zone:
     `points` are the corners of a polygon, x, y in m in the frame of the map. `percent` of a keep-out zone is 0.
     """
 
-    name: str
+    name: _ZoneName
     kind: ZoneKind
-    points: tuple[tuple[float, float], ...]
+    points: Annotated[tuple[_Point, ...], Meta(min_length=3, max_length=MOST_CORNERS)]
     percent: int = 0
 
 
@@ -73,15 +83,15 @@ class MapRecord:
     """
 
     robot: str = ""
-    made: float = 0.0
-    changed: float = 0.0
-    keyframes: int = 0
-    resolution: float = 0.05
-    threshold: float = 0.25
-    graph: str = ""
-    scans: tuple[str, ...] = ()
-    edits: tuple[MapEdit, ...] = ()
-    zones: tuple[Zone, ...] = ()
+    made: _Moment = 0.0
+    changed: _Moment = 0.0
+    keyframes: Annotated[int, Meta(ge=0, le=1_000_000)] = 0
+    resolution: Annotated[float, Meta(ge=0.005, le=1.0)] = 0.05
+    threshold: Annotated[float, Meta(ge=0.0, le=1.0)] = 0.25
+    graph: Annotated[str, Meta(pattern=rf"^({_NPZ})?\Z")] = ""
+    scans: Annotated[tuple[_File, ...], Meta(max_length=MOST_FILES)] = ()
+    edits: Annotated[tuple[MapEdit, ...], Meta(max_length=MOST_EDITS)] = ()
+    zones: Annotated[tuple[Zone, ...], Meta(max_length=MOST_ZONES)] = ()
 
 
 def render_record(record: MapRecord) -> str:
@@ -104,104 +114,44 @@ def read_record(folder: Path) -> MapRecord:
 def parse_record(data: bytes, path: Path) -> MapRecord:
     """Parse the text of a record, which may come from anywhere. Raises UserError, which names `path`."""
     try:
-        found = json.loads(data)
-    except (ValueError, RecursionError) as problem:
+        found = read_json(data, dict[str, object], LARGEST)
+        if found.get("version") != 1:
+            raise _bad(path, "not the record of a map, expected a mapping with version 1")
+        record = convert_json(found, MapRecord)
+        edits, zones = tuple(map(_check_edit, record.edits)), tuple(map(_check_zone, record.zones))
+    except ValueError as problem:
         raise _bad(path, f"not the record of a map: {str(problem)[:80]}") from None
-    if not isinstance(found, dict) or found.get("version") != 1:
-        raise _bad(path, "not the record of a map, expected a mapping with version 1")
-    try:
-        return _record(found)
-    except (KeyError, TypeError, ValueError) as problem:
-        raise _bad(path, f"not the record of a map: {str(problem)[:80]}") from None
+    return replace(record, robot=record.robot[:200], edits=edits, zones=zones)
 
 
-def _record(found: Mapping[str, Any]) -> MapRecord:
-    graph = _text(found.get("graph", ""))
-    scans = tuple(_text(each) for each in _items(found.get("scans", []), MOST_FILES))
-    if not all(_FILE.fullmatch(name) for name in (*scans, *([graph] if graph else []))):
-        raise ValueError("a name of a file, expected graph_N.npz or scans_N.npz")
-    return MapRecord(
-        robot=_text(found.get("robot", ""))[:200],
-        made=_number(found.get("made", 0.0), 1e11),
-        changed=_number(found.get("changed", 0.0), 1e11),
-        keyframes=int(_number(found.get("keyframes", 0), 1e6, 0.0)),
-        resolution=_number(found.get("resolution", 0.05), 1.0, 0.005),
-        threshold=_number(found.get("threshold", 0.25), 1.0, 0.0),
-        graph=graph,
-        scans=scans,
-        edits=tuple(read_edit(each) for each in _items(found.get("edits", []), MOST_EDITS)),
-        zones=tuple(read_zone(each) for each in _items(found.get("zones", []), MOST_ZONES)),
-    )
-
-
-def read_zone(found: Any) -> Zone:
+def read_zone(found: object) -> Zone:
     """The zone that a value of JSON describes, as `dataclasses.asdict` writes it; it may come from anywhere.
 
-    Raises ValueError or TypeError, with a clause that says what was expected.
+    Raises ValueError, with a clause that says what was expected.
     """
-    if not isinstance(found, dict):
-        raise TypeError("a zone, expected a mapping")
-    name = _text(found.get("name"))
-    if not ZONE_NAME.fullmatch(name):
-        raise ValueError("the name of a zone, expected at most 40 letters, digits, blanks, '_', '-' and '.'")
-    kind = next((each for each in _ZONE_KINDS if each == found.get("kind")), None)
-    if kind is None:
-        raise ValueError(f"a zone, expected one of {', '.join(_ZONE_KINDS)}")
-    percent = found.get("percent", 0)
-    if kind == "speed" and not (type(percent) is int and LEAST_PERCENT <= percent < 100):
-        raise ValueError(f"the speed of a zone, expected {LEAST_PERCENT} to 99 percent")
-    points = _points(found.get("points", []), MOST_CORNERS)
-    if len(points) < 3:
-        raise ValueError(f"{len(points)} corners of a zone, expected at least 3")
-    return Zone(name, kind, points, percent if kind == "speed" else 0)
+    return _check_zone(convert_json(found, Zone))
 
 
-def read_edit(found: Any) -> MapEdit:
+def read_edit(found: object) -> MapEdit:
     """The edit that a value of JSON describes, as `dataclasses.asdict` writes it; it may come from anywhere.
 
-    Raises ValueError or TypeError, with a clause that says what was expected.
+    Raises ValueError, with a clause that says what was expected.
     """
-    if not isinstance(found, dict):
-        raise TypeError("an edit, expected a mapping")
-    kind = next((each for each in _KINDS if each == found.get("kind")), None)
-    if kind is None:
-        raise ValueError(f"an edit, expected one of {', '.join(_KINDS)}")
-    width = _number(found.get("width", 0.0), WIDEST_STROKE, 0.0)
-    if width and kind == "keep-out":
+    return _check_edit(convert_json(found, MapEdit))
+
+
+def _check_zone(zone: Zone) -> Zone:
+    if zone.kind == "speed" and not LEAST_PERCENT <= zone.percent < 100:
+        raise ValueError(f"the speed of a zone, expected {LEAST_PERCENT} to 99 percent")
+    return zone if zone.kind == "speed" else replace(zone, percent=0)
+
+
+def _check_edit(edit: MapEdit) -> MapEdit:
+    if edit.width and edit.kind == "keep-out":
         raise ValueError("a keep-out edit with a width, expected a polygon")
-    points = _points(found.get("points", []), MOST_POINTS)
-    if len(points) < (2 if width or kind == "wall" else 3):
-        raise ValueError(f"{len(points)} points of an edit, expected more")
-    return MapEdit(kind, points, width)
-
-
-def _points(found: Any, most: int) -> tuple[tuple[float, float], ...]:
-    points = []
-    for each in _items(found, most):
-        x, y = (_number(value, 1e6) for value in _items(each, 2))
-        points.append((x, y))
-    return tuple(points)
-
-
-def _items(found: Any, most: int) -> list[Any]:
-    if not isinstance(found, list) or len(found) > most:
-        raise ValueError(f"expected a list with at most {most:,} items")
-    return found
-
-
-def _text(found: Any) -> str:
-    if not isinstance(found, str):
-        raise TypeError("expected a text")
-    return found
-
-
-def _number(found: Any, largest: float, least: float | None = None) -> float:
-    least = -largest if least is None else least
-    if isinstance(found, bool) or not isinstance(found, (int, float)) or not math.isfinite(found):
-        raise TypeError("expected a number")
-    if not least <= found <= largest:
-        raise ValueError(f"{found:g}, expected {least:g} to {largest:g}")
-    return float(found)
+    if len(edit.points) < (2 if edit.width or edit.kind == "wall" else 3):
+        raise ValueError(f"{len(edit.points)} points of an edit, expected more")
+    return edit
 
 
 def _bad(path: Path, what: str) -> UserError:

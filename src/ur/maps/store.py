@@ -9,14 +9,16 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from ur.maps.names import LATEST, check_map_name, is_map_name
-from ur.maps.record import RECORD as _RECORD
-from ur.maps.record import MapRecord, read_record, render_record
 from ur.source.diagnostic import UserError, error
 from ur.source.replace import make_folder, replace_file, sync_folder
 from ur.source.suggest import did_you_mean
 from ur.source.user_folders import user_folder
+
+if TYPE_CHECKING:  # what reads records takes time to import, and the start of a program reads none
+    from ur.maps.record import MapRecord
 
 PICTURE = "map.yaml"
 """The file of a stored map in the format of map_server."""
@@ -69,11 +71,15 @@ class MapStore:
 
     def record(self, name: str) -> MapRecord:
         """Read the record of a map. Raises UserError."""
+        from ur.maps.record import read_record
+
         return read_record(self.path(name))
 
     def write_record(self, name: str, record: MapRecord) -> None:
         """Replace the record of a map. Raises OSError."""
-        replace_file(self.path(name) / _RECORD, render_record(record))
+        from ur.maps.record import RECORD, render_record
+
+        replace_file(self.path(name) / RECORD, render_record(record))
 
     def latest(self) -> str | None:
         """Return the last map that was made with the robot of this computer; None where there is none any more."""

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import dataclass, field, replace
-from typing import Final
+from typing import Final, Literal
 
+from ur.source.foreign.json_values import BadJsonError, ForeignValue, read_json
 from ur_nodes.client.snapshot import GoalReport, LastGoalState
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.navigation.goals.goal_claim import has_any_heading
@@ -126,18 +126,18 @@ def report_at(tracker: GoalTracker, now: float) -> GoalReport:
     return replace(report, text="")
 
 
+class _WireHold(ForeignValue, frozen=True, forbid_unknown_fields=False):
+    goal: str
+    state: Literal["", "held", "asking"]
+
+
 def read_hold(text: str) -> Hold | None:
     """Read a message of move_base's topic `hold`; None when it is malformed."""
     try:
-        value = json.loads(text) if len(text) <= _LONGEST_HOLD else None
-    except (ValueError, RecursionError):
+        found = read_json(text, _WireHold, _LONGEST_HOLD)
+    except BadJsonError:
         return None
-    if not isinstance(value, dict):
-        return None
-    goal, state = value.get("goal"), value.get("state")
-    if not isinstance(goal, str) or state not in ("", "held", "asking"):
-        return None
-    return Hold(goal if state else "", state == "asking")
+    return Hold(found.goal if found.state else "", found.state == "asking")
 
 
 def _printable(text: str) -> str:

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import json
-import math
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from typing import Literal
+
+from ur.source.foreign.json_values import BadJsonError, convert_json, read_json, write_json
 
 State = Literal["starting", "exploring", "paused", "complete", "incomplete", "stopped"]
 
@@ -48,22 +48,17 @@ class ExploreStatus:
 
 def write_status(status: ExploreStatus) -> str:
     """The status as JSON, one object."""
-    return json.dumps(asdict(status))
+    return write_json(status)
 
 
 def read_status(text: str) -> ExploreStatus | None:
     """The status in a message; None when it is not one."""
     try:
-        fields = json.loads(text[:_LONGEST])
-        lists = {"unreachable": tuple(fields["unreachable"]), "corners": tuple(fields.get("corners", ()))}
-        status = ExploreStatus(**{**fields, **lists})
-        texts = (status.state, status.reason, status.saved, *status.unreachable, *status.corners)
-        left = 0.0 if status.left is None else status.left
-        numbers = (status.reachable, status.unknown, status.known, status.way, status.seconds, left)
-        good = all(isinstance(each, str) for each in texts) and all(map(math.isfinite, numbers))
-    except (ValueError, TypeError, KeyError, AttributeError, RecursionError, OverflowError):
+        fields = read_json(text, dict[str, object], _LONGEST)
+        known = "unreachable" in fields and set(fields).issubset(ExploreStatus.__slots__)
+        return convert_json(fields, ExploreStatus) if known else None
+    except BadJsonError:
         return None
-    return status if good and status.state in (*ENDED, "starting", "exploring", "paused") else None
 
 
 def describe_status(status: ExploreStatus) -> str:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable, Mapping
 from typing import TypeVar
 
@@ -10,6 +9,7 @@ from ur.maps.record import MOST_STROKES, read_edit
 from ur.maps.store import MapStore
 from ur.maps.walls import draw_walls, restore_walls
 from ur.source.diagnostic import UserError
+from ur.source.foreign.json_values import BadJsonError, read_json
 from ur.source.printable import printable
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2
@@ -23,14 +23,11 @@ _LONGEST = 20_000  # characters
 
 def read_change(text: str) -> dict[str, object] | None:
     """The request that a text is, a JSON object with an `id`; None: it is none."""
-    if len(text) > _LONGEST:
-        return None
     try:
-        value = json.loads(text)
-    except (ValueError, RecursionError):
+        value = read_json(text, dict[str, object], _LONGEST)
+    except BadJsonError:
         return None
-    known = isinstance(value, dict) and isinstance(value.get("id"), str) and len(value["id"]) <= 100
-    return value if known else None
+    return value if isinstance(value.get("id"), str) and len(str(value["id"])) <= 100 else None
 
 
 def take_changes(node: Node, topic: str, take: Callable[[Mapping[str, object]], None]) -> None:

@@ -32,10 +32,11 @@ def seen_path(environment: Mapping[str, str]) -> Path:
 
 def load_seen(path: Path) -> dict[str, SeenRobot]:
     """Load the last known addresses by name; nothing when the file makes no sense: it is only a memory."""
+    from ur.source.foreign.json_values import read_json
+
     try:
-        entries = json.loads(path.read_text(encoding="utf-8"))
-        found = [SeenRobot(str(each["name"]), str(each["address"]), float(each["time"])) for each in entries]
-    except (OSError, ValueError, TypeError, KeyError, RecursionError):
+        found: tuple[SeenRobot, ...] = read_json(path.read_bytes(), tuple[SeenRobot, ...])
+    except (OSError, ValueError):
         return {}
     return {each.name: each for each in found}
 

@@ -17,6 +17,8 @@ from collections.abc import Collection, Iterable
 from dataclasses import asdict, dataclass, field, replace
 from enum import Enum
 
+from ur.source.foreign.json_values import BadJsonError, convert_json, read_json
+
 TOKEN_LIFE = 3600.0
 """Seconds for which a link may be used."""
 
@@ -185,25 +187,19 @@ def write_sessions(ledger: Ledger) -> str:
 def read_sessions(text: str) -> Ledger:
     """The ledger of such a text; without what is malformed."""
     try:
-        found = json.loads(text)
-    except (ValueError, RecursionError):
-        return Ledger()
-    if not isinstance(found, dict):
+        found = read_json(text, dict[str, object])
+    except BadJsonError:
         return Ledger()
     sessions = {key: grant for key, value in found.items() if (grant := _read_grant(value)) and len(key) == 64}
     return Ledger(sessions=sessions)
 
 
 def _read_grant(value: object) -> Grant | None:
-    if not isinstance(value, dict) or value.get("role") not in ("look", "drive"):
+    try:
+        grant = convert_json(value, Grant)
+    except BadJsonError:
         return None
-    times = [value.get("until"), value.get("first", 0.0), value.get("last", 0.0)]
-    if not all(isinstance(each, (int, float)) and not isinstance(each, bool) for each in times):
-        return None
-    until, first, last = map(float, times)
-    return Grant(
-        Role(value["role"]), until, clean_name(value.get("name")), clean_name(value.get("address")), first, last
-    )
+    return replace(grant, name=clean_name(grant.name), address=clean_name(grant.address))
 
 
 def _valid(grants: dict[str, Grant], now: float) -> dict[str, Grant]:

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import json
 import math
 from dataclasses import dataclass
-from typing import Literal, cast, get_args
+from typing import Literal
 
+from ur.source.foreign.json_values import BadJsonError, ForeignValue, read_json, write_json
 from ur.source.printable import printable
 from ur_nodes.motion.obstacle_stop.guard import BLIND, Cause, GuardVerdict
 
@@ -28,6 +28,11 @@ class ObstacleReport:
 
     state: State = "none"
     text: str = ""
+
+
+class _WireReport(ForeignValue, frozen=True, forbid_unknown_fields=False):
+    state: State
+    text: object = ""
 
 
 OFF = ObstacleReport("off", "the obstacle stop is off")
@@ -62,18 +67,14 @@ def _describe(cause: Cause) -> str:
 
 def write_report(report: ObstacleReport) -> str:
     """The report as JSON."""
-    return json.dumps({"state": report.state, "text": report.text})
+    return write_json(report)
 
 
 def read_report(text: str) -> ObstacleReport | None:
     """The report of JSON that a mux has published; None for anything else."""
-    if len(text) > _MOST:
-        return None
     try:
-        value = json.loads(text)
-    except (ValueError, RecursionError):
+        found = read_json(text, _WireReport, _MOST)
+    except BadJsonError:
         return None
-    if not isinstance(value, dict) or value.get("state") not in get_args(State):
-        return None
-    line = value.get("text")
-    return ObstacleReport(cast(State, value["state"]), printable(line)[:_LONGEST] if isinstance(line, str) else "")
+    line = found.text
+    return ObstacleReport(found.state, printable(line)[:_LONGEST] if isinstance(line, str) else "")

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import itertools
-import json
 from collections.abc import Callable, Mapping
 from typing import Generic, TypeVar
 
+from ur.source.foreign.json_values import read_json, write_json
 from ur.source.printable import printable
 from ur_nodes.ports.node import Node
 from ur_nodes.ports.qualities import Quality
@@ -44,18 +44,16 @@ class RequestTopic(Generic[State]):
         self._waiting[key] = done
         while len(self._waiting) > _MOST_WAITING:
             del self._waiting[next(iter(self._waiting))]
-        self._requests.send(json.dumps({"id": key, **request}))
+        self._requests.send(write_json({"id": key, **request}))
         return True
 
     def _take(self, text: str) -> None:
         """Take a state; the answer in it counts once."""
         try:
-            if len(text) > _LONGEST:
-                raise ValueError("too long")
-            found = json.loads(text)
+            found = read_json(text, dict, _LONGEST)
             state, answer = self._read(found), found["answer"]
             id, problem = ("", "") if answer is None else (str(answer["id"]), printable(str(answer["problem"]))[:300])
-        except (ValueError, TypeError, KeyError, RecursionError):
+        except (ValueError, TypeError, KeyError):
             self._node.log.warn(f"{self._states.topic}: not what a map server publishes; it is ignored", every=10.0)
             return
         self.state = state
