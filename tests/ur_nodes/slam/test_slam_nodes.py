@@ -10,7 +10,8 @@ import pytest
 from tests.json_client import wait_until
 from tests.ros_session import RosSession
 
-from ur.maps.store import own_store
+from ur.maps.store import MapStore, own_store
+from ur.source.diagnostic import UserError
 from ur.source.project import launch_library
 from ur_nodes.geometry.grid import load_map
 from ur_nodes.slam.storage.convert import load_poses
@@ -43,6 +44,14 @@ def test_robot_drives_in_the_simulator_and_the_map_is_published_and_saved(ros: R
     assert int(np.sum(grid.values == 100)) > 100
 
 
+def count_poses(store: MapStore) -> int:
+    """The keyframes of the stored map; 0 while the node replaces it."""
+    try:
+        return len(load_poses(store.path("flat"), store.record("flat"))[0])
+    except UserError:
+        return 0
+
+
 @pytest.mark.ros
 @pytest.mark.long
 def test_map_of_a_node_that_is_killed_is_whole_and_continued(ros: RosSession, tmp_path: Path) -> None:
@@ -53,6 +62,7 @@ def test_map_of_a_node_that_is_killed_is_whole_and_continued(ros: RosSession, tm
     ros.ask("drive", linear=0.2, angular=0.0, seconds=2.0)
     wait_until(lambda: store.latest() == "flat", 60.0, "the first stored map")
     ros.ask("drive", linear=0.2, angular=0.0, seconds=2.0)
+    wait_until(lambda: count_poses(store) > 1, 60.0, "its second keyframe")
     slam.send_signal(signal.SIGKILL)
     slam.wait(timeout=60)
     assert store.latest() == "flat"
