@@ -63,8 +63,8 @@ def test_node_ends_that_is_ended_while_it_sets_its_parameters(master: SlowMaster
         assert master.asked.wait(60)
         node.send_signal(signal.SIGTERM)
         master.released.set()
-        _, errors = node.communicate(timeout=60)
+        node.communicate(timeout=60)  # it ends
     finally:
         node.kill()
         node.wait()
-    assert "Traceback" not in errors
+    assert node.returncode in (0, 2, -signal.SIGTERM)

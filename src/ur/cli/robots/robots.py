@@ -179,12 +179,15 @@ def _picture(rows: Sequence[RobotRow]) -> RenderableType:
     from rich.text import Text
 
     table = Table()
-    for column in ("robot", "address", "base", "variant", "ROS", "runs", "clock", "version", "seen"):
-        table.add_column(column, overflow="fold")
+    has_ros2 = any(row.ros for row in rows)  # 80 columns have room for the usual ones
+    titles = ("robot", "address", "base", "variant", *(["ROS"] if has_ros2 else []), "runs", "clock", "version", "seen")
+    for title in titles:
+        table.add_column(title, overflow="fold")
     now = time.time()
     for row in rows:
         name = plain_text(f"{row.name} (!)", "red") if row.problem else plain_text(row.name)
-        cells = (row.address, row.base, row.variant, row.ros_name, row.runs, row.clock, row.version, row.when(now))
+        ros = [row.ros_name] if has_ros2 else []
+        cells = (row.address, row.base, row.variant, *ros, row.runs, row.clock, row.version, row.when(now))
         table.add_row(name, *map(plain_text, cells), style="" if row.address else "dim")
     problems = [
         Text(f"warning: {printable(row.problem)}\n  help: {printable(row.help)}", "yellow")
