@@ -82,7 +82,7 @@ def guard_link(shell: SshShell) -> Iterator[str]:
     It uses the same connection as the terminal, whose bytes stay in order: keys that a cut has held back arrive before
     the first new proof, and drive nothing.
     """
-    link = f"/dev/shm/ur-link-{secrets.token_hex(8)}"  # noqa: S108 - a new name that nobody can guess
+    link = f"/dev/shm/ur-link-{secrets.token_hex(8)}"  # noqa: S108 - a new name that cannot be guessed
     program = files("ur.request.remote").joinpath("link_guard.py").read_text("utf-8")
     guard = shell.start(f"exec python3 -I -c {quote(program)} {quote(link)}")
     # What the guard sends goes back by a process of this computer: one that is suspended proves nothing.

@@ -44,7 +44,7 @@ def hold_robot(shell: SshShell, who: str, report: Callable[[str], None]) -> Iter
 
     def beat() -> None:
         assert keeper.stdin
-        with suppress(OSError, ValueError):  # the connection has ended: somebody else will say so
+        with suppress(OSError, ValueError):  # the connection has ended: the next use of it reports that
             while not done.wait(ALIVE_SECONDS):
                 keeper.stdin.write("\n")
                 keeper.stdin.flush()

@@ -131,4 +131,4 @@ OVERLAYS: Mapping[Layer, Overlay] = {
     # Bumpers, `.../bumper/NAME`, are part of the robot's state.
     Layer.NONE: Overlay(_SWITCHES, lambda _found, _place: {}, belongs=lambda parts, _: parts[-2:-1] == ["bumper"]),
 }
-"""What is drawn from JSON, in `static/overlays.js`; in the order in which it is sent."""
+"""Overlays that are drawn from JSON, in `static/overlays.js`; in the order in which they are sent."""
