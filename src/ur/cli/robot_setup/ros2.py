@@ -13,9 +13,14 @@ from ur.source.diagnostic import UserError, error
 
 
 def find_ros2(task: Task, say: ChangeReporter) -> Task:
-    """The task with the ROS 2 that the robot has, which then stays as it is."""
+    """The task with the ROS 2 that the robot has, which then stays as it is.
+
+    Where this first login had to change the password, the robot has the new one, and later logins may use it.
+    """
     with open_robot(task, say) as shell:
         ros2 = find_robot_ros2(shell)
+        if task.new in shell.accepted:
+            task = replace(task, first_contact=False)
     if ros2 is None:
         return task
     where = f"domain {ros2.domain}" + (f", {ros2.middleware}" if ros2.middleware else "")
