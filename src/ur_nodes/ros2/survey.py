@@ -18,11 +18,15 @@ import rclpy
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 
 SETTLE = (1.5, 6.0)  # s: the least and most that discovery is waited for
+MISSING = 18.0  # s: the most while participants of this computer are not discovered, as on a busy one
+_TURNS = 12  # of 0.1 s without any news: a busy computer takes longer for them
 LISTEN = 2.5  # s
 ANSWER = 3.0  # s for parameters and states
 MOST = 500  # topics, and nodes
 _NEVER = 2**62  # ns
 _GID = 16  # bytes of the id of a publisher
+_PARTICIPANT = 12  # bytes of it that its participant has
+_UNNAMED = "_NODE_NAME_UNKNOWN_"
 _OWN = ("/rosout", "/parameter_events")
 _LOOSE = QoSProfile(depth=20, reliability=ReliabilityPolicy.BEST_EFFORT)
 _SCAN, _BATTERY, _TF = "sensor_msgs/msg/LaserScan", "sensor_msgs/msg/BatteryState", "tf2_msgs/msg/TFMessage"
@@ -68,16 +72,56 @@ def full_name(namespace: str, name: str) -> str:
 
 
 def wait_until_settled(node: Any) -> None:
-    """Wait until no more nodes are discovered."""
+    """Wait until nothing new is discovered, and what runs on this computer is.
+
+    Each participant of DDS is bound to a port of its own, so their least number is known before they answer. An end
+    without the name of its node is one whose name is still to arrive, or a program that is no node.
+    """
     begin = time.monotonic()
-    known, since = -1, begin
-    while time.monotonic() - begin < SETTLE[1]:
-        rclpy.spin_once(node, timeout_sec=0.1)
-        seen = len(node.get_node_names_and_namespaces())
+    known: Any = None
+    since = missing = begin  # the last news; when participants were missing last
+    turns = 0
+    while (now := time.monotonic()) - begin < MISSING:
+        seen, participants, named = look_at(node)
         if seen != known:
-            known, since = seen, time.monotonic()
-        if time.monotonic() - since >= SETTLE[0]:
+            known, since, turns = seen, now, 0
+        if participants < count_participants(read_udp_ports(), node.context.get_domain_id()):
+            missing = now
+        elif (named and turns >= _TURNS and now - since >= SETTLE[0]) or now - missing >= SETTLE[1]:
             return
+        rclpy.spin_once(node, timeout_sec=0.1)
+        turns += 1
+
+
+def look_at(node: Any) -> tuple[Any, int, bool]:
+    """Return numbers that change with what is discovered, the participants, and whether all ends have a node's name."""
+    nodes = sorted(node.get_node_names_and_namespaces())
+    topics = node.get_topic_names_and_types()[:MOST]
+    ends = [
+        end
+        for name, _ in topics
+        for read in (node.get_publishers_info_by_topic, node.get_subscriptions_info_by_topic)
+        for end in read(name)
+    ]
+    participants = {bytes(end.endpoint_gid)[:_PARTICIPANT] for end in ends}
+    named = all(end.node_name != _UNNAMED for end in ends)
+    return (nodes, len(topics), len(ends)), len(participants), named
+
+
+def count_participants(ports: set[int], domain: int) -> int:
+    """Count the participants of a domain on this computer: DDS gives each the next even port after 7410."""
+    first = 7410 + 250 * domain
+    return sum(port in ports for port in range(first, first + 240, 2))
+
+
+def read_udp_ports() -> set[int]:
+    """The UDP ports at which something listens in IPv4; none where that cannot be read."""
+    try:
+        with open("/proc/net/udp") as file:  # noqa: PTH123 - as in all programs of one file
+            rows = [line.split() for line in file.read().splitlines()[1:]]
+    except OSError:
+        return set()
+    return {int(row[1].rpartition(":")[2], 16) for row in rows if len(row) > 1 and ":" in row[1]}
 
 
 def read_ends(node: Any, topic: str) -> list[list[list[Any]]]:

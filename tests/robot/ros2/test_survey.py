@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import signal
 import subprocess
 from collections.abc import Iterator
 from dataclasses import replace
@@ -19,6 +20,7 @@ from ur.robot.ros2.seen_graph import Ros2
 from ur.robot.ssh.shell import LocalShell
 
 SURVEY = ROOT / "src/ur_nodes/ros2/survey.py"
+SETTLED = 7.0  # s, after which a survey of nodes that answer has ended
 ROBOT = Path(__file__).with_name("faulty_robot.py")
 
 
@@ -27,9 +29,15 @@ def session(tmp_path: Path) -> Iterator[Ros2Session]:
     if not PYTHON.exists():
         pytest.skip("no wheels of ROS 2 for this processor")
     started = Ros2Session(tmp_path)
+    yield started
+    started.close()
+
+
+@pytest.fixture
+def halves(session: Ros2Session) -> Iterator[list[subprocess.Popen[bytes]]]:
     halves = [
         subprocess.Popen(
-            [str(PYTHON), str(ROBOT), half], env=started.environment, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL
+            [str(PYTHON), str(ROBOT), half], env=session.environment, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL
         )
         for half in ("base", "laptop")
     ]
@@ -37,16 +45,24 @@ def session(tmp_path: Path) -> Iterator[Ros2Session]:
         for half in halves:
             assert half.stdout
             assert half.stdout.readline() == b"ready\n"
-        yield started
+        yield halves
     finally:
         for half in halves:
             half.terminate()
         for half in halves:
-            half.communicate(timeout=20)
-        started.close()
+            _end(half)
+
+
+def _end(half: subprocess.Popen[bytes]) -> None:
+    try:
+        half.communicate(timeout=10)
+    except subprocess.TimeoutExpired:  # of rclpy's own shutdown, now and then
+        half.kill()
+        half.communicate()
 
 
 @pytest.mark.timeout(90)
+@pytest.mark.usefixtures("halves")
 def test_doctor_names_what_real_nodes_have_wrong(session: Ros2Session) -> None:
     done = session.run(str(SURVEY), within=60.0)
     assert done.returncode == 0, done.stderr
@@ -62,7 +78,23 @@ def test_doctor_names_what_real_nodes_have_wrong(session: Ros2Session) -> None:
     assert "/laptop never receives from /base" in found["ros2-qos"].message
 
 
+@pytest.mark.long
 @pytest.mark.timeout(90)
+def test_survey_waits_for_a_node_that_answers_late(session: Ros2Session, halves: list[subprocess.Popen[bytes]]) -> None:
+    late = halves[0]
+    late.send_signal(signal.SIGSTOP)
+    try:
+        survey = subprocess.Popen([str(PYTHON), str(SURVEY)], env=session.environment, stdout=subprocess.PIPE)
+        with pytest.raises(subprocess.TimeoutExpired):
+            survey.wait(SETTLED)
+    finally:
+        late.send_signal(signal.SIGCONT)
+    out, _ = survey.communicate(timeout=60)
+    assert {"/base", "/laptop"} <= set(json.loads(out.splitlines()[-1])["nodes"])
+
+
+@pytest.mark.timeout(90)
+@pytest.mark.usefixtures("halves")
 def test_running_nodes_are_found_with_their_domain(session: Ros2Session) -> None:
     found = inspect_ros2(LocalShell(), (), graph=False)
     ours = [each for each in found.processes if str(ROBOT) in each.argv]

@@ -30,7 +30,7 @@ _READ_PROGRAM = (
     "import os, sys; sys.path[:0] = [each for each in os.environ.get('PYTHONPATH', '').split(':')"
     " if os.path.isabs(each)]; exec(sys.stdin.read())"
 )
-GRAPH_SECONDS = 30
+GRAPH_SECONDS = 45
 SHELL_SECONDS = 10
 
 
