@@ -97,6 +97,12 @@ def list_launch_files(folder: str, world: World) -> list[str]:
     return [path for path in _walk(folder, world, set(), EscapingLinks(folder)) if _holds_launch_file(path, world)]
 
 
+def may_be_checked(path: str) -> bool:
+    """Return whether a file at this path may be checked, or may tell how others are, by its name."""
+    folder, _, name = path.rpartition("/")
+    return path.endswith((*_LAUNCH_SUFFIXES, ".xml", *_YAML_SUFFIXES)) or folder.endswith("/bin") or "IGNORE" in name
+
+
 def _holds_launch_file(path: str, world: World) -> bool:
     if not path.endswith((*_LAUNCH_SUFFIXES, ".xml")) or path.endswith("/package.xml"):
         return False

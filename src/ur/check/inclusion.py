@@ -23,56 +23,66 @@ class Inclusions:
     passed: Mapping[str, frozenset[str]] = field(default_factory=dict)
 
 
-def find_inclusions(views: Iterable[LaunchView]) -> Inclusions:
-    """Find the includes among launch files."""
+@dataclass(frozen=True, slots=True)
+class PossibleInclude:
+    """An `<include>` tag, the other files that it may mean, and the names of the arguments that it passes."""
+
+    span: Span
+    files: tuple[str, ...]
+    passes: frozenset[str]
+
+
+class IncludeFinder:
+    """Finds the files that `<include>` tags may mean among those of `views`."""
+
+    def __init__(self, views: Iterable[LaunchView]) -> None:
+        self._by_name: dict[str, list[str]] = {}
+        self._paths: dict[str, None] = {}
+        self._folders: dict[str, dict[str, None]] = {}  # by package
+        for view in views:
+            self._paths[view.path] = None
+            self._by_name.setdefault(view.path.rpartition("/")[2], []).append(view.path)
+            if view.package is not None:
+                self._folders.setdefault(view.package.name, {})[view.package.folder] = None
+
+    def find(self, view: LaunchView) -> tuple[PossibleInclude, ...]:
+        """The tags of a file that may mean others, each with those."""
+        found = []
+        for element, _ in walk_elements(view.tree.launch):
+            if element.name == "include":
+                files = tuple(path for path in self._meant_by(element.attributes.get("file", "")) if path != view.path)
+                if files:
+                    passes = frozenset(_passed_by(element, view))
+                    found.append(PossibleInclude(element.value_span("file"), files, passes))
+        return tuple(found)
+
+    def _meant_by(self, file: str) -> Iterable[str]:
+        parts = _PIECE.split(file)
+        if not any(parts):
+            return ()  # a path that is only an argument may mean every file, and tells nothing
+        package = _IN_PACKAGE.match(file)
+        if package and len(parts) == 2 and package.group(1) in self._folders:
+            meant = (f"{folder}{parts[1]}" for folder in self._folders[package.group(1)])
+            return [path for path in meant if path in self._paths]
+        pattern = re.compile(".*".join(map(re.escape, parts)) + r"\Z")
+        _, slash, name = parts[-1].rpartition("/")
+        candidates = self._by_name.get(name, []) if slash else self._paths
+        return [path for path in candidates if path.endswith(parts[-1]) and pattern.search(path)]
+
+
+def merge_includes(found: Iterable[tuple[PossibleInclude, ...]]) -> Inclusions:
+    """The includes of all files, by the file that is included."""
     tags: dict[str, list[Span]] = {}
     passed: dict[str, set[str]] = {}
-    for view, element, others in _includes(list(views)):
-        span = element.value_span("file")
-        names = frozenset(_passed_by(element, view)) if others else ()
-        for other in others:
-            tags.setdefault(other, []).append(span)
-            passed.setdefault(other, set()).update(names)
+    for includes in found:
+        for include in includes:
+            for path in include.files:
+                tags.setdefault(path, []).append(include.span)
+                passed.setdefault(path, set()).update(include.passes)
     return Inclusions(
         {path: tuple(spans) for path, spans in tags.items()},
         {path: frozenset(names) for path, names in passed.items()},
     )
-
-
-def _includes(views: list[LaunchView]) -> Iterator[tuple[LaunchView, Element, list[str]]]:
-    # Each <include> with the paths that it may mean, without the file that it stands in.
-    paths = [view.path for view in views]
-    by_name: dict[str, list[str]] = {}
-    for path in paths:
-        by_name.setdefault(path.rpartition("/")[2], []).append(path)
-    known = frozenset(paths)
-    folders: dict[str, set[str]] = {}  # by package
-    for view in views:
-        if view.package is not None:
-            folders.setdefault(view.package.name, set()).add(view.package.folder)
-    for view in views:
-        for element, _ in walk_elements(view.tree.launch):
-            file = element.attributes.get("file", "") if element.name == "include" else ""
-            parts = _PIECE.split(file)
-            if not any(parts):
-                continue  # a path that is only an argument may mean every file, and tells nothing
-            package = _IN_PACKAGE.match(file)
-            if package and len(parts) == 2 and package.group(1) in folders:
-                meant = [f"{folder}{parts[1]}" for folder in folders[package.group(1)]]
-                yield view, element, [path for path in meant if path in known and path != view.path]
-                continue
-            pattern = re.compile(".*".join(map(re.escape, parts)) + r"\Z")
-            _, slash, name = parts[-1].rpartition("/")
-            candidates = by_name.get(name, []) if slash else paths
-            yield (
-                view,
-                element,
-                [
-                    path
-                    for path in candidates
-                    if path != view.path and path.endswith(parts[-1]) and pattern.search(path)
-                ],
-            )
 
 
 def _passed_by(include: Element, view: LaunchView) -> Iterator[str]:

@@ -6,7 +6,14 @@ import re
 from collections.abc import Iterator
 
 from ur.check.rule import LaunchView, Package
-from ur.launchfile.syntax import Element, SubstitutionProblem, is_eval, parse_launch_file, parse_substitutions
+from ur.launchfile.syntax import (
+    Element,
+    LaunchFile,
+    SubstitutionProblem,
+    is_eval,
+    parse_launch_file,
+    parse_substitutions,
+)
 from ur.launchfile.world import World
 from ur.source.file import Span
 
@@ -14,9 +21,9 @@ _WORD = re.compile(r"[A-Za-z_]\w*")
 _OTHER_COMMANDS = frozenset({"find", "env", "optenv", "dirname", "anon"})
 
 
-def survey_launch_file(path: str, package: Package | None, world: World) -> LaunchView:
-    """A launch file and the arguments it declares and uses. Raises OSError."""
-    tree = parse_launch_file(path, world.read_bytes(path))
+def survey_launch_file(path: str, package: Package | None, world: World, tree: LaunchFile | None = None) -> LaunchView:
+    """A launch file and the arguments it declares and uses; `tree` where it is parsed already. Raises OSError."""
+    tree = parse_launch_file(path, world.read_bytes(path)) if tree is None else tree
     declared: dict[str, list[Element]] = {}
     used: dict[str, list[Span]] = {}
     for element, parent in walk_elements(tree.launch):

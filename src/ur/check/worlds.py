@@ -12,10 +12,10 @@ Question = tuple[str, ...]  # a method of World and its arguments
 _REMEMBERED = frozenset(
     {
         *("find_package", "package_names", "find_in_package", "find_files", "find_executables", "executable_names"),
-        *("is_file", "read_bytes"),
+        *("is_file", "read_bytes", "list_folder"),
     }
 )
-QUESTIONS = _REMEMBERED | {"list_folder", "absolute"}
+QUESTIONS = _REMEMBERED | {"absolute"}
 _EXPECTED = (LookupError, OSError, ValueError)  # PackageNotFound is the first
 
 # A letter that no launch file uses, so that a marker is a legal name and is found again wherever it ends up.
@@ -144,6 +144,17 @@ class CachedWorld:
         except _EXPECTED as problem:
             return problem
 
+    def find_changes(self, path: str) -> set[Question] | None:
+        """The questions about a file at an absolute path that have other answers now; None where none was asked."""
+        known = [question for question in _about_file(path) if question in self._answers]
+        same = {each for each in known if _comparable(self._answers[each]) == _comparable(self._answer_now(each))}
+        return {*known} - same if known else None
+
+    def forget_file(self, path: str) -> Callable[[], None]:
+        """Ask again for a file at an absolute path. What is returned takes this back."""
+        known = {each: self._answers.pop(each) for each in _about_file(path) if each in self._answers}
+        return lambda: self._answers.update(known)
+
     def seen_from(self, folder: str, environment: Mapping[str, str]) -> CachedWorld:
         """The same world, answers and notes included, with other variables and another folder."""
         other = CachedWorld(self._world, environment, folder)
@@ -207,8 +218,7 @@ class CachedWorld:
         return f"{prefix}{ANONYMOUS}"
 
     def _list(self, path: str) -> tuple[str, ...]:
-        self.note("list_folder", path)
-        return self._world.list_folder(path)
+        return self._ask("list_folder", path)  # type: ignore[no-any-return]  # likewise
 
     def _absolute(self, path: str) -> str:
         if not path.startswith("/"):  # the others do not depend on the working folder
@@ -219,15 +229,26 @@ class CachedWorld:
         if self._notes.questions is not None:
             self._notes.questions.add(question)
         if question not in self._answers:
-            kind, *words = question
-            try:
-                self._answers[question] = getattr(self._world, kind)(*words)
-            except _EXPECTED as problem:
-                self._answers[question] = _Raised(problem)
+            self._answers[question] = self._answer_now(question)
         answer = self._answers[question]
         if isinstance(answer, _Raised):
             raise answer.problem.with_traceback(None)
         return answer
+
+    def _answer_now(self, question: Question) -> object:
+        kind, *words = question
+        try:
+            return getattr(self._world, kind)(*words)
+        except _EXPECTED as problem:
+            return _Raised(problem)
+
+
+def _about_file(path: str) -> tuple[Question, Question]:
+    return ("read_bytes", path), ("is_file", path)
+
+
+def _comparable(answer: object) -> object:
+    return repr(answer.problem) if isinstance(answer, _Raised) else answer
 
 
 class _Notes:

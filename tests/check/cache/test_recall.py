@@ -58,7 +58,7 @@ _PIECES = (
     ("if=", "unless="),
     *(("</launch>", '<param name="x" value="$(arg robot)"/></launch>'), ("</launch>", '<bad pkg="q"/></launch>')),
 )
-_EDITS = st.one_of(
+EDITS = st.one_of(
     st.tuples(st.just("write"), st.sampled_from((*_PATHS, *_OTHERS)), st.sampled_from(_TEXTS)),
     st.tuples(st.just("replace"), st.sampled_from(_PATHS), st.sampled_from(_PIECES)),
     st.tuples(st.just("remove"), st.sampled_from(_PATHS), st.none()),
@@ -67,7 +67,14 @@ _EDITS = st.one_of(
 )
 
 
-class _Workspace:
+class ChangingWorld(MemoryWorld):
+    """A world whose files may become those of another one."""
+
+    def become(self, other: MemoryWorld) -> None:
+        self.__dict__.update(other.__dict__)
+
+
+class Workspace:
     def __init__(self) -> None:
         self.files: dict[str, str] = dict(FILES)
         self.environment: dict[str, str] = {}
@@ -87,21 +94,23 @@ class _Workspace:
         elif kind == "executable":
             self.executables ^= {name}
 
-    def check(self, recall: Recall | None = None) -> str:
+    def world(self) -> ChangingWorld:
         found = re.compile(r"<name>(\w+)</name>")
         packages = {
             match.group(1): path.removesuffix("/package.xml")
             for path, text in self.files.items()
             if path.endswith("/package.xml") and (match := found.search(text))
         }
-        world = MemoryWorld(self.files, packages, self.environment, self.executables & set(self.files))
-        return render_json(check_paths(["/w"], world, recall=recall))
+        return ChangingWorld(self.files, packages, self.environment, self.executables & set(self.files))
+
+    def check(self, recall: Recall | None = None) -> str:
+        return render_json(check_paths(["/w"], self.world(), recall=recall))
 
 
 @settings(max_examples=60, deadline=None)
-@given(st.lists(_EDITS, min_size=1, max_size=5))
+@given(st.lists(EDITS, min_size=1, max_size=5))
 def test_recalled_findings_are_those_found_again_after_any_edit(edits: list[tuple[str, str, object]]) -> None:
-    workspace = _Workspace()
+    workspace = Workspace()
     recall = Recall()
     workspace.check(recall)
     for edit in edits:
@@ -111,7 +120,7 @@ def test_recalled_findings_are_those_found_again_after_any_edit(edits: list[tupl
 
 
 def test_only_the_files_that_an_edit_concerns_are_checked_again() -> None:
-    workspace = _Workspace()
+    workspace = Workspace()
     first = Recall()
     workspace.check(first)
     again = Recall(first.now)
@@ -125,7 +134,7 @@ def test_only_the_files_that_an_edit_concerns_are_checked_again() -> None:
 
 
 def test_file_that_is_gone_is_forgotten() -> None:
-    workspace = _Workspace()
+    workspace = Workspace()
     first = Recall()
     workspace.check(first)
     workspace.edit("remove", "/w/two/launch/beside.launch", None)
@@ -136,7 +145,7 @@ def test_file_that_is_gone_is_forgotten() -> None:
 
 
 def test_other_arguments_are_other_findings() -> None:
-    workspace = _Workspace()
+    workspace = Workspace()
     world = MemoryWorld(workspace.files, {"one": "/w/one", "two": "/w/two"}, {}, workspace.executables)
     first = Recall()
     check_paths(["/w"], world, arguments={"rate": "5"}, recall=first)

@@ -62,31 +62,33 @@ class Recall:
         """The findings of this check, for the next one."""
         return KnownFindings(tuple(self._questions), dict(self._units))
 
-    def hits_of(self, path: str, inputs: object, world: Asked, compute: Callable[[], Iterable[Hit]]) -> list[Hit]:
-        """Return the hits of a file: those known, or those that `compute` gives while `world` notes what it asks.
+    def find(self, path: str, inputs: object, world: Asked) -> tuple[list[Hit], set[Question]] | None:
+        """The hits of a file that are known and still hold, with the questions that they depend on.
 
         `inputs`: what it depends on beside the questions, made of texts, numbers, None, tuples and sorted lists.
         """
         digest = digest_of(repr(inputs))
         unit = self._known.units.get(path)
-        if unit is not None and unit.inputs == digest and all(self._holds(each, world) for each in unit.questions):
-            try:
-                hits = decode_hits(unit.hits, world.read_text)
-            except (ValueError, OSError):
-                pass  # damaged: found again
-            else:
-                self.recalled += 1
-                self._keep(path, digest, [self._known.questions[each][0] for each in unit.questions], unit.hits, world)
-                return hits
-        hits, asked = world.note_questions(compute)
+        if unit is None or unit.inputs != digest or not all(self._holds(each, world) for each in unit.questions):
+            return None
+        try:
+            hits = decode_hits(unit.hits, world.read_text)
+        except (ValueError, OSError):
+            return None  # damaged: found again
+        self.recalled += 1
+        questions = [self._known.questions[each][0] for each in unit.questions]
+        self._keep(path, digest, questions, unit.hits, world)
+        return hits, {*questions}
+
+    def keep(self, path: str, inputs: object, world: Asked, hits: Sequence[Hit], asked: set[Question]) -> None:
+        """Keep the hits of a file for the next check. `asked`: the questions that led to them."""
         self.changed = True
         try:
             encoded, files = encode_hits(hits, world.read_text)
         except TooLargeError:
-            return hits
-        asked.update(("read_bytes", each) for each in (path, *files))
-        self._keep(path, digest, sorted(asked), encoded, world)
-        return hits
+            return
+        everything = {*asked, *(("read_bytes", each) for each in (path, *files))}
+        self._keep(path, digest_of(repr(inputs)), sorted(everything), encoded, world)
 
     def _holds(self, number: int, world: Asked) -> bool:
         if number not in self._valid:
@@ -105,22 +107,13 @@ class Recall:
 
 
 class Asked:
-    """A world whose questions are noted, with digests of its answers. `checked` tells as what a path is checked."""
+    """Digests of the answers of a world. `checked` tells as what a path is checked."""
 
     def __init__(self, world: CachedWorld, checked: Callable[[str], str]) -> None:
         self._world = world
         self._checked = checked
         self._texts: dict[str, SourceFile] = {}
         self.answers = Answers(self._answer)
-
-    def note_questions(self, compute: Callable[[], Iterable[Hit]]) -> tuple[list[Hit], set[Question]]:
-        """Return what `compute` gives, and the questions that it asks."""
-        asked: set[Question] = set()
-        self._world.noted = asked
-        try:
-            return list(compute()), asked
-        finally:
-            self._world.noted = None
 
     def read_text(self, path: str) -> SourceFile:
         """Return the text of a file as a launch file is read, one object for each path. Raises OSError."""
@@ -149,7 +142,7 @@ class NotedTrees(dict[str, LaunchFile]):
 
 
 def describe_package(package: Package | None) -> object:
-    """Return what the findings of a file depend on of its package, for `Recall.hits_of`."""
+    """Return what the findings of a file depend on of its package, for `Recall.find`."""
     if package is None:
         return None
     bases = [(base.name, base.variants) for base in package.bases]

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, fields, is_dataclass
-from typing import Any
 
 from ur.check.cases import resolve_cases
 from ur.check.rule import Package
@@ -15,6 +14,7 @@ from ur.launchfile.plan.specs import Origin, Plan
 from ur.launchfile.syntax import Comment, Element, LaunchFile, parse_launch_file
 from ur.launchfile.syntax.decode import decode_text
 from ur.launchfile.world import World
+from ur.launchfile.world.overlay import OverlayWorld
 from ur.source.diagnostic import UserError, error, error_about
 from ur.tools.format.layout import lay_out
 from ur.tools.format.order import is_title, sort_pieces
@@ -91,27 +91,6 @@ def _may_move(tree: LaunchFile) -> bool:
     return not any("pass_all_args" in element.attributes for element in tree.root.elements)
 
 
-class EditedWorld:
-    """A world in which one file says something else."""
-
-    def __init__(self, world: World, path: str, data: bytes) -> None:
-        self._world = world
-        self._path = path
-        self._data = data
-
-    def read_bytes(self, path: str) -> bytes:
-        """See World."""
-        return self._data if self._world.absolute(path) == self._path else self._world.read_bytes(path)
-
-    @property
-    def environment(self) -> Mapping[str, str]:
-        """See World."""
-        return self._world.environment
-
-    def __getattr__(self, name: str) -> Any:
-        return getattr(self._world, name)
-
-
 def same_content(before: LaunchFile, after: LaunchFile) -> bool:
     """Return whether two files hold the same tags, comments and texts; those directly in `<launch>` in any order.
 
@@ -129,8 +108,8 @@ def same_content(before: LaunchFile, after: LaunchFile) -> bool:
 
 def same_plans(path: str, data: bytes, new: bytes, package: Package | None, world: World) -> bool:
     """Return whether a launch file resolves to the same plans, for each base, variant and option."""
-    before = _plans(path, package, EditedWorld(world, path, data))
-    after = _plans(path, package, EditedWorld(world, path, new))
+    before = _plans(path, package, OverlayWorld(world, {path: data}))
+    after = _plans(path, package, OverlayWorld(world, {path: new}))
     return all(first == second for first, second in zip(before, after, strict=True))
 
 

@@ -1,0 +1,83 @@
+"""Findings by the file they are about and by the piece of work that found them, so that a part can be replaced."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Set
+from dataclasses import dataclass
+
+from ur.check.findings.comments import check_comments
+from ur.check.findings.merge import Hit, merge_hits
+from ur.check.findings.suppress import Suppression, Suppressions
+from ur.check.rule import Rule
+from ur.check.worlds import Question
+from ur.source.diagnostic import Diagnostic
+
+Unit = tuple[int, str]
+"""A kind and a path: a file or package that is checked at once."""
+
+
+@dataclass(frozen=True, slots=True)
+class FoundByUnit:
+    """The hits of a unit, the questions that led to them, and what it was given beside them."""
+
+    hits: tuple[Hit, ...]
+    asked: frozenset[Question] = frozenset()
+    inputs: object = None
+
+
+class FindingIndex:
+    """The findings of each unit. `comments` are those that hide findings, by path."""
+
+    def __init__(self, rules: Mapping[str, Rule], chosen: Set[str]) -> None:
+        self.comments: dict[str, tuple[Suppression, ...]] = {}
+        self._rules = rules
+        self._chosen = chosen
+        self._found: dict[Unit, FoundByUnit] = {}
+        self._units: dict[str, set[Unit]] = {}  # by the path that they found something in
+
+    def store(self, unit: Unit, found: FoundByUnit | None) -> frozenset[str]:
+        """Replace what a unit has found, or forget it; the paths whose findings may be others then."""
+        before = self._found.pop(unit, None)
+        touched = {_path_of(hit) for hit in before.hits} if before is not None else set()
+        for path in touched:
+            self._units[path].discard(unit)
+        if found is not None:
+            self._found[unit] = found
+            for path in {_path_of(hit) for hit in found.hits}:
+                self._units.setdefault(path, set()).add(unit)
+                touched.add(path)
+        return frozenset({*touched, unit[1]})
+
+    def units(self) -> list[tuple[Unit, FoundByUnit]]:
+        """All units with what they have found."""
+        return list(self._found.items())
+
+    def units_that_asked(self, questions: Set[Question]) -> Iterator[Unit]:
+        """The units that depend on the answer to one of the questions."""
+        return (unit for unit, found in self._found.items() if not found.asked.isdisjoint(questions))
+
+    def paths(self) -> list[str]:
+        """The files in which something may be found, sorted; `""` for what is in no file."""
+        return sorted({"", *self._units, *self.comments})
+
+    def findings_of(self, path: str, more: Iterable[Diagnostic] = ()) -> tuple[list[Diagnostic], int]:
+        """The findings in one file, sorted by place, and the number of those that comments hide.
+
+        `more` are findings of no unit.
+        """
+        hits = [*map(Hit, more)]
+        for unit in sorted(self._units.get(path, ())):
+            hits.extend(hit for hit in self._found[unit].hits if _path_of(hit) == path)
+        comments = self.comments.get(path, ())
+        if not hits and not comments:
+            return [], 0
+        merged = [found for found in merge_hits(hits) if found.rule in self._chosen or found.rule not in self._rules]
+        hiding = Suppressions({path: comments})
+        shown = [found for found in merged if not hiding.hides(found)]
+        used = hiding if self._chosen >= frozenset(self._rules) else None
+        extra = [found for found in check_comments(comments, used, self._rules) if found.rule in self._chosen]
+        return merge_hits(map(Hit, (*shown, *extra))), len(merged) - len(shown)
+
+
+def _path_of(hit: Hit) -> str:
+    return hit.found.span.file.path if hit.found.span is not None else ""

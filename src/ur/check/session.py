@@ -1,0 +1,262 @@
+"""A check that is kept up to date: after a change, only what depends on it is found again.
+
+While a file is checked, the questions that are asked of the world are noted. A change makes the answers to some of
+them others; the files that asked one of those are checked again, and the findings of all others stay.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+
+from ur.check.cache.answers import CHECKED, digest_of
+from ur.check.cache.recall import Asked, Recall, describe_package
+from ur.check.catalogue import load_rules
+from ur.check.collect import may_be_checked
+from ur.check.findings.index import FindingIndex, FoundByUnit, Unit
+from ur.check.findings.merge import Hit
+from ur.check.findings.suppress import read_line_suppressions
+from ur.check.plans import Given, PlanChecks
+from ur.check.rule import LaunchView, Package, PackageView, ProgramView, YamlView
+from ur.check.sources import Sources
+from ur.check.visitor import Visitor
+from ur.check.worlds import CachedWorld, Question
+from ur.launchfile.syntax import LaunchFile
+from ur.launchfile.world import World
+from ur.source.diagnostic import Diagnostic, error
+from ur.source.file import SourceFile, Span
+from ur.source.progress import Progress, no_progress
+from ur.source.suggest import did_you_mean
+
+_LAUNCH, _YAML, _PROGRAM, _PACKAGE = range(4)
+_NOTHING: frozenset[str] = frozenset()
+_COMMAND_LINE = "<command line>"
+
+
+class Session:
+    """The findings of files, folders and packages, while they change.
+
+    `steps` does what is to be done; until it has ended, some findings are missing, or are those from before a change.
+    Raises UserError for a bad path. `chosen`, `arguments` and `recall` are those of `check_paths`.
+    """
+
+    def __init__(
+        self,
+        paths: Sequence[str],
+        world: World,
+        chosen: frozenset[str] | None = None,
+        arguments: Mapping[str, str] | None = None,
+        progress: Progress = no_progress,
+        recall: Recall | None = None,
+    ) -> None:
+        self.rules = load_rules()
+        self.chosen = frozenset(self.rules) if chosen is None else chosen
+        self._paths = paths
+        self._arguments = arguments or {}
+        self._progress = progress
+        self._recall = recall
+        self._visitor = Visitor(rule for rule in self.rules.values() if rule.id in self.chosen)
+        self._index = FindingIndex(self.rules, self.chosen)
+        self._todo: dict[Unit, None] = {}
+        self._was_read = False
+        self._begin(Sources(paths, world))
+
+    def _begin(self, sources: Sources) -> None:
+        self.sources = sources
+        self._programs: dict[str, ProgramView] = {}
+        self._asked = Asked(self.world, sources.checked_as)
+        self._plans = PlanChecks(
+            self.world, self.rules, self._visitor, sources.views, sources.trees, sources.checked_as
+        )
+
+    @property
+    def world(self) -> CachedWorld:
+        """The world that is checked, with what it has answered."""
+        return self.sources.world
+
+    # Changes
+
+    def change(self, path: str) -> bool:
+        """Take in that the file at an absolute path says something else now.
+
+        Returns False where that cannot be taken in, because it is new, removed, or of another kind: see `renew`.
+        """
+        changed = self.world.find_changes(path)
+        if changed is None or not self._was_read:
+            return not may_be_checked(path)
+        if ("is_file", path) in changed:
+            return False
+        if changed:
+            take_back = self.world.forget_file(path)
+            if not self.sources.stays_as_it_is(path):
+                take_back()
+                return False
+            self._take_change(path)
+        return True
+
+    def _digest(self, question: Question) -> str:
+        return digest_of(self.world.answer(question))
+
+    def _take_change(self, path: str) -> None:
+        sources, targets = self.sources, self.sources.targets
+        sources.trees.pop(path, None)
+        self._plans.elements.pop(path, None)
+        self._todo.update(dict.fromkeys(self._index.units_that_asked({("read_bytes", path)})))
+        if path in sources.views or path in sources.neighbours:
+            self._todo.update(((_LAUNCH, each), None) for each in sources.read_again(path))
+            self._todo.update(((_PROGRAM, each), None) for each in targets.programs)
+        if path in targets.programs:
+            self._todo[_PROGRAM, path] = None
+        elif kind := sources.checked_as(path):
+            self._todo[_LAUNCH if kind == "launch file" else _YAML, path] = None
+        self._index.comments.update({path: sources.comments[path]} if path in sources.comments else {})
+        self._todo.update(((_PACKAGE, each.folder), None) for each in targets.whole)
+
+    def renew(self, world: World) -> None:
+        """Take in any change: files, packages and variables are those of `world` now. Raises UserError as at first."""
+        before, unfinished = self.sources, frozenset(self._todo)
+        self._begin(Sources(self._paths, world))
+        trees = {path: tree for path, tree in before.trees.items() if self._is_same(("read_bytes", path), before)}
+        self._read(trees)
+        same: dict[Question, bool] = {}
+
+        def stays(question: Question) -> bool:
+            if question not in same:
+                same[question] = self._is_same(question, before)
+            return same[question]
+
+        for unit, found in self._index.units():
+            view = self.sources.views.get(unit[1]) if unit[0] == _LAUNCH else None
+            if unit not in self._todo and not (unit[0] == _LAUNCH and unit[1] in self.sources.unreadable):
+                self._index.store(unit, None)
+            elif view is None or unit in unfinished or view.path not in trees:
+                continue
+            elif found.inputs == self._inputs_of(view) and all(map(stays, found.asked)):
+                del self._todo[unit]
+
+    def _is_same(self, question: Question, before: Sources) -> bool:
+        if question[0] == CHECKED:
+            return before.checked_as(question[1]) == self.sources.checked_as(question[1])
+        return digest_of(before.world.answer(question)) == self._digest(question)
+
+    # Work
+
+    def steps(self, first: Sequence[str] = ()) -> Iterator[frozenset[str]]:
+        """Do what is to be done, `first` for those files; yields after each piece the files with other findings.
+
+        After a change, call it again: what is not finished begins anew.
+        """
+        if not self._was_read:
+            self._read({})
+        order = {path: number for number, path in enumerate(first)}
+        todo = sorted(self._todo, key=lambda unit: (order.get(unit[1], len(order)), unit))
+        for number, unit in enumerate(todo, 1):
+            if unit[0] == _LAUNCH:
+                self._progress(f"checking {number} of {len(todo)} files")
+                yield from self._check_launch_file(self.sources.views[unit[1]])
+            else:
+                yield self._store(unit, FoundByUnit(tuple(map(Hit, self._check_other(*unit)))))
+
+    @property
+    def is_finished(self) -> bool:
+        """Return whether nothing is to be done."""
+        return self._was_read and not self._todo
+
+    def _read(self, known: Mapping[str, LaunchFile]) -> None:
+        self._was_read = True
+        sources, targets = self.sources, self.sources.targets
+        sources.read(known, self._progress)
+        self._index.comments = dict(sources.comments)
+        for path, found in sources.unreadable.items():
+            self._store((_LAUNCH, path), FoundByUnit((Hit(found),)))
+        self._todo = dict.fromkeys((_LAUNCH, path) for path in sources.views)
+        self._todo.update(((_YAML, path), None) for path in targets.yaml_files)
+        self._todo.update(((_PROGRAM, path), None) for path in targets.programs)
+        self._todo.update(((_PACKAGE, each.folder), None) for each in targets.whole)
+
+    def _check_launch_file(self, view: LaunchView) -> Iterator[frozenset[str]]:
+        inputs = self._inputs_of(view)
+        known = self._recall.find(view.path, inputs, self._asked) if self._recall is not None else None
+        hits, asked = known if known is not None else ([], set())
+        if known is None:
+            work = self._plans.check_launch_file(view, self.sources.inclusions, self._given_to(view))
+            done = False
+            while not done:
+                self.world.noted = asked
+                try:
+                    done = _take_hits(work, hits)
+                finally:
+                    self.world.noted = None
+                if not done:
+                    yield _NOTHING
+            if self._recall is not None:
+                self._recall.keep(view.path, inputs, self._asked, hits, asked)
+        yield self._store((_LAUNCH, view.path), FoundByUnit(tuple(hits), frozenset(asked), inputs))
+
+    def _check_other(self, kind: int, path: str) -> Iterable[Diagnostic]:
+        if kind == _PACKAGE:
+            return self._visitor.visit_package(self._package_view(self.sources.targets.packages[path]))
+        source = self.sources.read_text(path)
+        package = self.sources.targets.package_of(path)
+        self._index.comments[path] = read_line_suppressions(source) if source is not None else ()
+        if source is None:
+            return ()  # what loads it reports it
+        if kind == _YAML:
+            return self._visitor.visit_yaml_file(YamlView(source, package))
+        if package is None:
+            return ()
+        self._programs[path] = ProgramView(source, package, self.world, self.sources.views)
+        return self._visitor.visit_program(self._programs[path])
+
+    def _package_view(self, package: Package) -> PackageView:
+        programs = tuple(each for _, each in sorted(self._programs.items()) if each.package is package)
+        return PackageView(package, self.sources.views_of(package), programs, self.sources.inclusions.tags)
+
+    def _inputs_of(self, view: LaunchView) -> tuple[object, ...]:
+        inclusions = self.sources.inclusions
+        passed = inclusions.passed.get(view.path)
+        return (
+            describe_package(view.package),
+            None if passed is None else sorted(passed),
+            view.path in inclusions.tags,
+            self._given_to(view),
+            sorted(self.chosen),
+        )
+
+    def _given_to(self, view: LaunchView) -> Given:
+        return tuple((name, value) for name, value in self._arguments.items() if name in view.declared)
+
+    def _store(self, unit: Unit, found: FoundByUnit) -> frozenset[str]:
+        self._todo.pop(unit, None)
+        return self._index.store(unit, found)
+
+    # Findings
+
+    def findings_of(self, path: str) -> tuple[list[Diagnostic], int]:
+        """The findings in one file, sorted by place, and the number of those that comments hide."""
+        return self._index.findings_of(path, self._check_arguments() if path == _COMMAND_LINE else ())
+
+    @property
+    def paths(self) -> list[str]:
+        """The files in which something may be found, sorted; `""` for what is in no file."""
+        return sorted({*self._index.paths(), _COMMAND_LINE})
+
+    def _check_arguments(self) -> Iterator[Diagnostic]:
+        line = SourceFile(_COMMAND_LINE, " ".join(f"{name}:={value}" for name, value in self._arguments.items()))
+        declared = {name for view in self.sources.views.values() for name in view.declared}
+        for name in self._arguments:
+            if name in declared:
+                continue
+            start = line.text.index(f"{name}:=")
+            near = did_you_mean(name, declared - set(self._arguments))
+            help_ = f"did you mean {near}:=...?" if near else f"declared: {', '.join(sorted(declared)) or 'none'}"
+            message = f"argument '{name}' is given, but no checked launch file declares it"
+            yield error(message, Span(line, start, start + len(name)), rule="unknown-argument", help=help_)
+
+
+def _take_hits(work: Iterator[Hit | None], hits: list[Hit]) -> bool:
+    """Add hits up to the next pause; True at the end."""
+    for hit in work:
+        if hit is None:
+            return False
+        hits.append(hit)
+    return True

@@ -1,0 +1,123 @@
+"""The files of a check as they are read, with the includes between launch files."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
+
+from ur.check.cache.recall import NotedTrees
+from ur.check.collect import collect_targets, is_script, list_launch_files, may_be_checked
+from ur.check.findings.suppress import Suppression, read_xml_suppressions
+from ur.check.inclusion import IncludeFinder, Inclusions, PossibleInclude, merge_includes
+from ur.check.rule import LaunchView, Package
+from ur.check.survey import survey_launch_file
+from ur.check.worlds import CachedWorld
+from ur.launchfile.syntax import LaunchFile
+from ur.launchfile.world import World
+from ur.source.diagnostic import Diagnostic, error
+from ur.source.file import SourceFile, Span
+from ur.source.progress import Progress, counted
+
+_STRUCTURE = ("package.xml", "base.yaml", "CATKIN_IGNORE")  # files that tell how others are checked
+
+
+class Sources:
+    """The files that a check of `paths` reads. Raises UserError for a bad path.
+
+    `views` are the launch files that are checked, `neighbours` other ones of the same packages, which may include them;
+    `trees` all launch files that have been read. `unreadable` and `comments` are findings and suppressions by path.
+    """
+
+    def __init__(self, paths: Sequence[str], world: World) -> None:
+        self.world = CachedWorld(world)
+        self.targets = collect_targets(paths, self.world)
+        self.trees = NotedTrees(self.world)
+        self.views: dict[str, LaunchView] = {}
+        self.neighbours: dict[str, LaunchView] = {}
+        self.inclusions = Inclusions()
+        self.unreadable: dict[str, Diagnostic] = {}
+        self.comments: dict[str, tuple[Suppression, ...]] = {}
+        self._includes: dict[str, tuple[PossibleInclude, ...]] = {}
+        self._yaml = frozenset(self.targets.yaml_files)
+
+    def read(self, known: Mapping[str, LaunchFile], progress: Progress) -> None:
+        """Read all launch files, except for those whose trees are `known`."""
+        for path in counted(self.targets.launch_files, "reading", "launch files", progress):
+            self._read_view(path, known.get(path))
+        folders = {view.package.folder: view.package for view in self.views.values() if view.package is not None}
+        for folder, package in folders.items():
+            progress(f"finding files that include them in {package.name}")
+            for path in list_launch_files(folder, self.world):
+                if path not in self.views:
+                    with suppress(OSError):
+                        self.neighbours[path] = survey_launch_file(path, package, self.world, known.get(path))
+        self._finder = IncludeFinder(self._all_views())
+        for view in self._all_views():
+            self._includes[view.path] = self._finder.find(view)
+        self._merge_includes()
+
+    def read_again(self, path: str) -> Iterator[str]:
+        """Read a launch file that says something else now; yields those whose including files differ by that."""
+        before = self.inclusions
+        if path in self.neighbours:
+            view = survey_launch_file(path, self.neighbours[path].package, self.world)
+            self.neighbours[path] = view
+        else:
+            self._read_view(path, None)
+            view = self.views[path]
+        self._includes[path] = self._finder.find(view)
+        self._merge_includes()
+        for each in self.views:
+            same = before.passed.get(each) == self.inclusions.passed.get(each)
+            if not same or (each in before.tags) != (each in self.inclusions.tags):
+                yield each
+
+    def stays_as_it_is(self, path: str) -> bool:
+        """Return whether a file that says something else now is still checked as the same."""
+        if path.rpartition("/")[2] in _STRUCTURE or not self.world.is_file(path):
+            return False
+        if path in self.targets.programs:
+            return is_script(path, self.world)
+        if path in self.views or path in self.neighbours:
+            data = self.world.read_bytes(path)
+            return path.endswith((".launch", ".launch.xml")) or b"<launch" in data
+        return path in self._yaml or not may_be_checked(path)
+
+    def checked_as(self, path: str) -> str:
+        """The kind of file that a path is checked as; empty for one that is not checked."""
+        return "launch file" if path in self.views else "YAML file" if path in self._yaml else ""
+
+    def views_of(self, package: Package) -> tuple[LaunchView, ...]:
+        """The launch files of a package that are checked."""
+        return tuple(view for view in self.views.values() if view.package is package)
+
+    def read_text(self, path: str) -> SourceFile | None:
+        """Read a text in UTF-8; None where it cannot be read."""
+        try:
+            return SourceFile(path, self.world.read_bytes(path).decode("utf-8"))
+        except (OSError, UnicodeDecodeError):
+            return None
+
+    def _read_view(self, path: str, tree: LaunchFile | None) -> None:
+        try:
+            view = survey_launch_file(path, self.targets.package_of(path), self.world, tree)
+        except OSError as problem:
+            self.unreadable[path] = _explain_unreadable(path, problem)
+            return
+        self.views[path] = view
+        self.trees[path] = view.tree
+        self.comments[path] = read_xml_suppressions(view.tree)
+
+    def _all_views(self) -> Iterable[LaunchView]:
+        return (*self.views.values(), *self.neighbours.values())
+
+    def _merge_includes(self) -> None:
+        # In the order of the files, so that what is named first stays the same.
+        self.inclusions = merge_includes(self._includes[view.path] for view in self._all_views())
+
+
+def _explain_unreadable(path: str, problem: OSError) -> Diagnostic:
+    reason = (problem.strerror or str(problem)).lower()
+    return error(
+        f"{path}: {reason}, expected a readable text", Span(SourceFile(path, ""), 0, 0), rule="unreadable-file"
+    )
