@@ -11,9 +11,9 @@ from pathlib import Path
 
 from bench.urdf_parts.descriptions import Robot
 
-from ur.cli.files.new_things import FIGURES
 from ur.robot.description.reading import QUESTIONS, read_base_figures
 from ur.robot.description.urdf_parts import Description
+from ur.tools.new.description import FIGURES
 
 _ROOT = Path(__file__).resolve().parents[2]
 _SECONDS = 300.0

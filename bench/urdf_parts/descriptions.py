@@ -7,12 +7,12 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from ur.cli.files.base_from import load_file, look_around
 from ur.request.environment import PACKAGE
 from ur.robot.base import list_bases
 from ur.robot.description.drive import find_drive
 from ur.robot.description.urdf_parts import Description
 from ur.source.diagnostic import UserError
+from ur.tools.new.description import load_file, look_around
 
 _ROBOT = re.compile(r"<robot[\s>]")
 _INCLUDE = re.compile(r"<(?:xacro:)?include\s[^>]*?filename\s*=\s*[\"']([^\"']+)[\"']")

@@ -6,6 +6,8 @@ import sys
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
+from ur.source.diagnostic import UserError, error
+
 if TYPE_CHECKING:
     from ur.run.clients.protocol import Severity
     from ur.run.remote.lease import Mode
@@ -22,6 +24,8 @@ _PRECEDENCE = (
     "dry-run",
     "dump",
 )  # as roslaunch's main
+_OURS = {"dry-run", "dump"}
+_EXCLUSIVE = {"nodes", "find-node", "args", "ros-args"}
 
 
 class LaunchOptions(NamedTuple):
@@ -85,3 +89,39 @@ class StartReporter:
 def choose_query(queries: Sequence[Query]) -> Query | None:
     """The question that is answered, where roslaunch allows several; None without one."""
     return min(queries, key=lambda query: _PRECEDENCE.index(query[0]), default=None)
+
+
+def check_options(argv: Sequence[str], options: LaunchOptions) -> None:
+    """Raise UserError for options and arguments that cannot be used together."""
+    if options.core and (argv or options.wait or options.queries):
+        raise UserError(
+            error("--core starts a master alone, expected no launch file, --wait or question", rule="bad-options")
+        )
+    if argv.count("-") > 1:
+        raise UserError(error("'-' is standard input, expected it once", rule="bad-options"))
+    if options.screen and options.log:
+        raise UserError(error("--screen and --log cannot be used together", rule="bad-options"))
+    modes = [name for name in ("watch", "ask", "take_over") if getattr(options, name)]
+    if len(modes) > 1:
+        text = " and ".join(f"--{name.replace('_', '-')}" for name in modes)
+        raise UserError(error(f"{text} cannot be used together", rule="bad-options"))
+    if options.detach and options.json:
+        help_ = "'ur attach --json' prints the events of a run that is detached"
+        raise UserError(error("--detach and --json cannot be used together", rule="bad-options", help=help_))
+    _check_seconds(options)
+    names = [name for name, _ in options.queries]
+    if len([name for name in names if name in _EXCLUSIVE]) > 1 or (len(names) > 1 and set(names) & _OURS):
+        raise UserError(
+            error(f"{' and '.join(f'--{name}' for name in names)} cannot be used together", rule="bad-options")
+        )
+
+
+def _check_seconds(options: LaunchOptions) -> None:
+    """Raise UserError for times that are no numbers."""
+    for name in ("timeout", "sigint_timeout", "sigterm_timeout", "timeout_ready"):
+        value = getattr(options, name)
+        if value is not None and value != value:
+            option = name.replace("_", "-")
+            raise UserError(
+                error(f"--{option} nan, expected a number of seconds above 0", rule="bad-options", subject=option)
+            )

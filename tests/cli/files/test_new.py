@@ -11,7 +11,6 @@ import pytest
 import yaml
 from tests.robot.description.urdfs import MESHES, SMALL
 
-from ur.cli.files.new_parts import find_target
 from ur.cli.files.new_things import describe_observed
 from ur.cli.main import main
 from ur.cli.verbs import load_verb
@@ -19,6 +18,7 @@ from ur.request.environment import PACKAGE as LIBRARY
 from ur.robot.base import load_base, read_base
 from ur.robot.base.search import find_base_package
 from ur.tools.new.parts import NodeTopic, Observed
+from ur.tools.new.target import find_target
 
 PACKAGE = ["new", "package", "my_robot", "--summary", "Mine.", "--maintainer", "A & B", "--email", "a@b.invalid"]
 

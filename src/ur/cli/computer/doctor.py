@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import fcntl
 import os
 import sys
 import time
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import ExitStack, contextmanager, nullcontext
+from collections.abc import Callable, Sequence
+from contextlib import ExitStack, nullcontext
 
 import click
 
@@ -23,6 +22,7 @@ from ur.robot.devices import expected_devices
 from ur.robot.discovery.record import RobotRecord, load_records, records_folder
 from ur.robot.discovery.seen import SeenRobot, load_seen, note_seen, seen_path
 from ur.robot.doctor.findings import ComputerPair, Finding, FixCommand
+from ur.robot.doctor.fix import inspect_until_fixed, list_safe, run_fix
 from ur.robot.doctor.inspect import inspect_computer, inspect_pair, read_name
 from ur.robot.doctor.route import explain_route, inspect_route, list_steps
 from ur.robot.doctor.rules import diagnose, diagnose_alone
@@ -35,9 +35,7 @@ from ur.source.diagnostic import UserError
 from ur.source.progress_line import show_progress
 from ur.system.debian_root import describe_system, find_root
 
-FIX_SECONDS = 600.0  # packages may have to be fetched
 Apply = Callable[[Sequence[tuple[str, FixCommand]]], list[Finding]]
-LOOKS = 3  # after the fixes: names need a moment until everybody knows them
 PAUSE = 2.0
 
 
@@ -115,7 +113,8 @@ def _examine(
         if any(each.where == "there" and each.root for _, each in commands):
             find_sudo(there, password)
         _apply(commands, here, there, report, quiet=as_json)
-        return _inspect_again(here, there, report.findings)
+        inspect = lambda: diagnose(_inspect(here, there, refused=False))  # noqa: E731 - a name for a line
+        return inspect_until_fixed(report.findings, inspect, _wait)
 
     return _conclude(report, apply if fix else None, as_json=as_json)
 
@@ -143,7 +142,7 @@ def _conclude(report: DoctorReport, apply: Apply | None, *, as_json: bool) -> in
 
     `apply` runs commands, each with its rule, and returns the findings after them; None leaves everything as it is.
     """
-    commands = [(finding.rule, each) for finding in report.findings for each in finding.commands if each.safe]
+    commands = list_safe(report.findings)
     if apply and commands:
         report.findings = apply(commands)
         if not as_json:
@@ -194,48 +193,23 @@ def _inspect_alone(here: LocalShell) -> Side:
         return inspect_computer(here)
 
 
-def _inspect_again(here: LocalShell, there: SshShell, before: Sequence[Finding]) -> list[Finding]:
-    fixed = {finding.rule for finding in before if finding.fixable}
-    for attempt in range(LOOKS):
-        if attempt:
-            with show_progress("waiting for the fixes to take effect"):
-                time.sleep(PAUSE)
-        left = diagnose(_inspect(here, there, refused=False))
-        if not any(finding.rule in fixed for finding in left):
-            break
-    return left
-
-
 def _apply(
     commands: Sequence[tuple[str, FixCommand]], here: Shell, there: Shell, report: DoctorReport, *, quiet: bool
 ) -> None:
+    lock = seen_path(os.environ).with_name("doctor.lock")
     for rule, each in commands:
-        shell = here if each.where == "here" else there
-        try:
-            # On this computer sudo may ask for a password on the terminal.
-            asks = each.root and each.where == "here"
-            with (
-                _hold_computer() if each.where == "here" else nullcontext(),
-                nullcontext() if asks else show_progress(f"running {each.line}"),
-            ):
-                done = shell.run(each.line, root=each.root, timeout=FIX_SECONDS)
-            reported = (done.err or done.out).strip().splitlines()
-            result = "done" if done.code == 0 else f"failed: {reported[-1] if reported else done.code}"
-        except UserError as problem:
-            result = f"failed: {problem}"
+        # On this computer sudo may ask for a password on the terminal.
+        asks = each.root and each.where == "here"
+        with nullcontext() if asks else show_progress(f"running {each.line}"):
+            result = run_fix(each, here, there, lock)
         report.fixed.append((rule, result))
         if not quiet:
             click.echo(f"  {rule}: {result}")
 
 
-@contextmanager
-def _hold_computer() -> Iterator[None]:
-    """Let other doctors of this user wait, who may be about to run the same command here."""
-    place = seen_path(os.environ).with_name("doctor.lock")
-    place.parent.mkdir(parents=True, exist_ok=True)
-    with place.open("w") as lock:
-        fcntl.flock(lock, fcntl.LOCK_EX)
-        yield
+def _wait() -> None:
+    with show_progress("waiting for the fixes to take effect"):
+        time.sleep(PAUSE)
 
 
 def _seen(pair: ComputerPair) -> list[SeenRobot]:

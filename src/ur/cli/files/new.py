@@ -179,9 +179,11 @@ def new_base(
     With --from its figures, wheels and sensors are read from a URDF or xacro file, and only the rest is asked for.
     ARG:=VALUE are arguments of the xacro file.
     """
-    from ur.cli.files.base_from import check_source, describe_base, next_step, refuse_arguments, target_of
+    from ur.cli.files.base_from import describe_base
+    from ur.tools.new.description import check_source, refuse_arguments
     from ur.tools.new.package import write_base
     from ur.tools.new.parts import NewFile
+    from ur.tools.new.target import next_step, target_of
 
     if source is not None:
         check_source(Path(source))

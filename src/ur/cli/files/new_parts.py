@@ -3,29 +3,19 @@
 from __future__ import annotations
 
 import os
-import re
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
 
 import click
 
 from ur.source.diagnostic import UserError, error
-from ur.source.foreign.files import MAX_MANIFEST, read_text
 from ur.tools.new.parts import NewFile
+from ur.tools.new.target import TargetPackage, find_target
 
 SUMMARY = click.option("--summary", help="One line that says what it does.")
 in_package = click.option(
     "--package", "-p", help="Name or folder of the package; without it the one around this folder."
 )
-
-
-@dataclass(frozen=True, slots=True)
-class TargetPackage:
-    """The package that gets new files."""
-
-    name: str
-    folder: Path
 
 
 class _Done:
@@ -56,33 +46,6 @@ class _Done:
 
 
 show_done = _Done()
-
-
-_NAME_A_PACKAGE = "change to the folder of a package, name one with --package, or create one: ur new package"
-
-
-def find_target(place: str | None, help_: str = _NAME_A_PACKAGE) -> TargetPackage:
-    """The package of a name or folder, or the one around the current folder.
-
-    Raises UserError: no such folder or package, or no package around the folder, with the advice `help_`.
-    """
-    if place is not None and not Path(place).is_dir():
-        from ur.launchfile.world.protocol import PackageNotFound
-        from ur.launchfile.world.system import SystemWorld
-        from ur.request.environment import add_own_package
-
-        try:
-            return TargetPackage(place, Path(SystemWorld(add_own_package(os.environ)).find_package(place)))
-        except PackageNotFound:
-            message = f"no folder or package named '{place}'"
-            raise UserError(error(message, rule="unknown-package", help="create one: ur new package")) from None
-    start = Path(place or ".").resolve()
-    for folder in (start, *start.parents):
-        if (folder / "package.xml").is_file():
-            named = re.search(r"<name>\s*([\w-]+)\s*</name>", read_text(folder / "package.xml", MAX_MANIFEST))
-            return TargetPackage(named.group(1) if named else folder.name, folder)
-    message = f"no package.xml in {start} or its parent folders"
-    raise UserError(error(message, rule="no-package", help=help_))
 
 
 def _formatted(target: TargetPackage, file: NewFile) -> NewFile:

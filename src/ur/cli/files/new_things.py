@@ -14,27 +14,15 @@ from typing import TYPE_CHECKING
 
 import click
 
-from ur.cli.files.new_parts import TargetPackage
 from ur.source.diagnostic import UserError, error
 from ur.source.read import read_source
 from ur.source.suggest import did_you_mean
+from ur.tools.new.description import FIGURES, check_figure
 from ur.tools.new.parts import BaseRequest, IncludedPart, NewFile, NodeRequest, Observed
+from ur.tools.new.target import TargetPackage
 
 if TYPE_CHECKING:
     from ur.launchfile.world.protocol import World
-
-# The question, an ordinary value, and the least that a base file may have.
-FIGURES: dict[str, tuple[str, float, float]] = {
-    "length": ("Length in m", 0.4, 0.01),
-    "width": ("Width in m", 0.35, 0.01),
-    "height": ("Height in m", 0.25, 0.01),
-    "mass": ("Mass in kg", 6.0, 0.01),
-    "wheel_radius": ("Radius of a driven wheel in m", 0.06, 0.005),
-    "wheel_separation": ("Separation of the driven wheels in m", 0.3, 0.02),
-    "velocity": ("Highest speed in m/s", 0.5, 0.01),
-    "angular_velocity": ("Highest turning speed in rad/s", 1.5, 0.01),
-}
-_MOST = 100000.0  # more is a mistake, and is written in a form that YAML reads as text
 
 
 def ask(value: str | None, option: str, question: str, default: str | None = None) -> str:
@@ -171,16 +159,6 @@ def base_request(
             given = check_figure(key, click.prompt(question, default=ordinary, type=float))
         answers[key] = ordinary if given is None else given
     return BaseRequest(name, summary, lidar=lidar, raspicam=raspicam, **answers)
-
-
-def check_figure(key: str, given: float | None) -> float | None:
-    """A figure of a base, if it is in the range of base files. Raises UserError."""
-    question, _, least = FIGURES[key]
-    if given is None or least <= given <= _MOST:  # not so for NaN
-        return given
-    option = f"--{key.replace('_', '-')}"
-    message = f"invalid {option} '{given:g}', expected a number from {least:g} to {_MOST:.0f}"
-    raise UserError(error(message, rule="bad-value", help=f"give {option}: {question}"))
 
 
 def check_like(library: Path, name: str, like: str | None) -> str | None:

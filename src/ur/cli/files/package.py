@@ -20,12 +20,12 @@ def command(path: str, write: bool) -> int:
     Exit code: 0 when nothing is missing (or with --write), 1 when something is.
     """
     from ur.check.computer import make_world
-    from ur.cli.files.new_parts import find_target
     from ur.cli.output import replace_file
     from ur.request.environment import add_own_package
     from ur.source.diagnostic import UserError, error
     from ur.source.progress_line import show_progress
     from ur.source.read import read_source
+    from ur.tools.new.target import find_target
     from ur.tools.package.cmake import choose_folders, describe_changes, put_block, write_block
     from ur.tools.package.manifest import add_run_dependencies, read_optional, read_run_dependencies
     from ur.tools.package.uses import find_used_packages

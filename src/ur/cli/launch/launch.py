@@ -5,9 +5,11 @@ from __future__ import annotations
 import os
 from typing import Any
 
+import click
+
 from ur.cli.launch.act import act_on, explain_problem
-from ur.cli.launch.options import PARAMETERS, LaunchCommand, check_options
-from ur.request.options import LaunchOptions, Query
+from ur.cli.launch.options import PARAMETERS, LaunchCommand
+from ur.request.options import LaunchOptions, Query, check_options
 from ur.source.diagnostic import UserError, error
 
 
@@ -35,6 +37,8 @@ def launch(
     queries: list[Query] = [(name, None) for name, asked in flags.items() if asked]
     queries += [(name, node) for name, node in (("find-node", find_node), ("args", args), ("dump", dump)) if node]
     options = LaunchOptions(**others, queries=tuple(queries))
+    if not argv and not options.core:
+        raise click.UsageError("missing argument '[PACKAGE] FILE [ARG:=VALUE]...'", click.get_current_context())
     check_options(argv, options)
     if (with_origins or no_commands) and not dump:
         raise UserError(error("--with-origins and --no-commands belong to --dump json", rule="bad-options"))

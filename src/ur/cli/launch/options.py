@@ -8,11 +8,8 @@ from typing import Any
 
 import click
 
-from ur.request.options import LaunchOptions
 from ur.source.diagnostic import UserError, error
 
-_OURS = {"dry-run", "dump"}
-_EXCLUSIVE = {"nodes", "find-node", "args", "ros-args"}
 # roslaunch 1.16's own; '--dump-params' may be written '--dump' there, which is an option of ours.
 ROSLAUNCH = (
     "--files", "--args", "--nodes", "--find-node", "--child", "--local", "--screen", "--required", "--log",
@@ -148,17 +145,6 @@ def list_groups() -> dict[str, list[str]]:
     return groups
 
 
-def check_seconds(options: LaunchOptions) -> None:
-    """Raise UserError for times that are no numbers, which click takes."""
-    for name in ("timeout", "sigint_timeout", "sigterm_timeout", "timeout_ready"):
-        value = getattr(options, name)
-        if value is not None and value != value:
-            option = name.replace("_", "-")
-            raise UserError(
-                error(f"--{option} nan, expected a number of seconds above 0", rule="bad-options", subject=option)
-            )
-
-
 class LaunchCommand(click.Command):
     """Takes the beginnings of roslaunch's long options too, where only one begins so: optparse does."""
 
@@ -178,30 +164,3 @@ def _complete_options(argv: Sequence[str], known: set[str]) -> Iterator[str]:
         if name.startswith("--") and name not in known and len(near) == 1:
             name = near[0]
         yield name + sign + value
-
-
-def check_options(argv: Sequence[str], options: LaunchOptions) -> None:
-    """Raise UserError for options that cannot be used together, click.UsageError where FILE is missing or surplus."""
-    if options.core and (argv or options.wait or options.queries):
-        raise UserError(
-            error("--core starts a master alone, expected no launch file, --wait or question", rule="bad-options")
-        )
-    if not argv and not options.core:
-        raise click.UsageError("missing argument '[PACKAGE] FILE [ARG:=VALUE]...'", click.get_current_context())
-    if argv.count("-") > 1:
-        raise UserError(error("'-' is standard input, expected it once", rule="bad-options"))
-    if options.screen and options.log:
-        raise UserError(error("--screen and --log cannot be used together", rule="bad-options"))
-    modes = [name for name in ("watch", "ask", "take_over") if getattr(options, name)]
-    if len(modes) > 1:
-        text = " and ".join(f"--{name.replace('_', '-')}" for name in modes)
-        raise UserError(error(f"{text} cannot be used together", rule="bad-options"))
-    if options.detach and options.json:
-        help_ = "'ur attach --json' prints the events of a run that is detached"
-        raise UserError(error("--detach and --json cannot be used together", rule="bad-options", help=help_))
-    check_seconds(options)
-    names = [name for name, _ in options.queries]
-    if len([name for name in names if name in _EXCLUSIVE]) > 1 or (len(names) > 1 and set(names) & _OURS):
-        raise UserError(
-            error(f"{' and '.join(f'--{name}' for name in names)} cannot be used together", rule="bad-options")
-        )

@@ -75,7 +75,7 @@ def _argument(each: ArgumentSpec, environment: Mapping[str, str], width: int) ->
 
 
 def _values(each: ArgumentSpec, environment: Mapping[str, str]) -> list[str]:
-    from ur.cli.computer.completing import list_values
+    from ur.complete.names import list_values
 
     found = [value.text for value in list_values(each.name, {}, environment)]
     if not found and (each.default or "").lower() in ("true", "false"):

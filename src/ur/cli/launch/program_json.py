@@ -46,7 +46,7 @@ def _describe(program: Program, ambiguous: bool, environment: Mapping[str, str],
 
 
 def _list_values(name: str, default: str | None, environment: Mapping[str, str]) -> list[dict[str, str]]:
-    from ur.cli.computer.completing import list_values
+    from ur.complete.names import list_values
 
     found = [{"text": each.text, "help": each.help} for each in list_values(name, {}, environment)]
     if not found and (default or "").lower() in ("true", "false"):

@@ -8,10 +8,10 @@ from errno import ENOEXEC
 
 import click
 
-from ur.cli.launch.options import check_options, make_lease_options
+from ur.cli.launch.options import make_lease_options
 from ur.request.arguments import split_argv
 from ur.request.environment import PACKAGE, add_own_package, apply_selection, current_selection
-from ur.request.options import LaunchOptions
+from ur.request.options import LaunchOptions, check_options
 from ur.request.program_arguments import check_arguments
 from ur.request.programs import find_launch_file, find_program, read_launch_argv
 from ur.source.diagnostic import UserError, error_about

@@ -12,14 +12,12 @@ from ur.cli.answers import read_lines
 from ur.cli.changing import show_changes
 from ur.cli.guarded import PASSWORD_FROM, become_root
 from ur.cli.robots.fleet import ALL, ask_passwords, choose_robots, is_fleet, run_for_each
+from ur.request.remote.boot_command import PAGE
+from ur.request.remote.boot_services import check_name, has_service, install_services, remove_services
 from ur.request.remote.connection import connect_robot, robot_address
 from ur.request.requirements.python_packages import need_all
 from ur.robot.boot.status import SCRIPT, describe_status, log_command, parse_status
-from ur.robot.boot.units import FOLDER, MASTER, PREFIX, UnitFile, is_unit_name, master_unit, program_unit
-from ur.robot.setup.engine import bring_about
-from ur.robot.setup.facts import ComputerFacts, FactsRequest
-from ur.robot.setup.packages import WantedService
-from ur.robot.setup.wanted import Wanted, WantedFile
+from ur.robot.boot.units import MASTER
 from ur.robot.ssh.openssh import SshShell
 from ur.source.ansi import allows_colour
 from ur.source.diagnostic import UserError, error
@@ -70,27 +68,13 @@ def install(
     if request and request.page and sys.stdout.isatty():
         need_all(["segno"], "web.lock", "what the page needs (2 MB to download)")
     called = name or (request.name if request else MASTER)
-    if request and not is_unit_name(called):
-        raise _bad_name(called, "give --name")
+    if request:
+        check_name(called, "give --name")
     with connect_robot(address) as shell:
         copied = bring_library(request, shell, address.user, lambda change: show_changes([change])) if request else 0
         line = make_line(request, shell, known_as) if request else ""
-
-        def make(facts: ComputerFacts) -> list[Wanted]:
-            units = [master_unit(address.user, facts.home)]
-            if line:
-                units.append(program_unit(called, line, address.user, facts.home))
-            return [item for unit in units for item in _wanted(unit)]
-
         become_root(shell, read_lines(password_from, "--password-from", 1)[0])
-        _, count = bring_about(
-            shell,
-            make,
-            address.user,
-            FactsRequest(address.user),
-            root=True,
-            report=lambda change: show_changes([change]),
-        )
+        count = install_services(shell, address.user, called, line, lambda change: show_changes([change]))
         if request and request.page and sys.stdout.isatty():
             _show_link(shell, address.host)
     if not count + copied:
@@ -113,7 +97,7 @@ def link(robot: str | None, look: bool) -> int:
     need_all(["segno"], "web.lock", "what the page needs (2 MB to download)")
     address = robot_address(robot)
     with connect_robot(address) as shell:
-        if shell.run(f"[ -e {FOLDER}/{PREFIX}web.service ]").code:
+        if not has_service(shell, PAGE):
             known_as = address.host.removesuffix(".local")
             raise UserError(
                 error(
@@ -152,11 +136,10 @@ def status(robots: tuple[str, ...], every: bool) -> int:
 @click.argument("name")
 def log(robot: str | None, follow: bool, lines: int, name: str) -> int:
     """Print the output of a boot service; NAME as `ur boot status` shows it."""
-    if name != MASTER and not is_unit_name(name):
-        raise _bad_name(name, "ur boot status")
+    check_name(name, "ur boot status", master=True)
     address = robot_address(robot)
     with connect_robot(address) as shell:
-        if shell.run(f"[ -e {FOLDER}/{PREFIX}{name}.service ]").code:
+        if not has_service(shell, name):
             raise UserError(
                 error(
                     f"{address.host} has no boot service {name!r}",
@@ -179,23 +162,16 @@ def log(robot: str | None, follow: bool, lines: int, name: str) -> int:
 @click.argument("names", nargs=-1, metavar="[NAME ...]")
 def remove(robots: tuple[str, ...], every: bool, password_from: int | None, names: tuple[str, ...]) -> int:
     """Stop boot services and start them no more; without NAME, all of them."""
-    bad = [name for name in names if not is_unit_name(name) and name != MASTER]
-    if bad:
-        raise _bad_name(bad[0], "ur boot status")
+    for name in names:
+        check_name(name, "ur boot status", master=True)
     chosen = choose_robots(robots, every=every)
     if is_fleet(chosen, every=every):
         return _change_each("boot remove", chosen, password_from, [], names)
-    patterns = " ".join(f"{FOLDER}/{PREFIX}{name}.service" for name in names or ["*"])
-    script = (
-        f'for f in {patterns}; do [ -e "$f" ] || continue; u=${{f##*/}}; '
-        'systemctl disable --now "$u" 2>&1; rm -f "$f"; echo "$u: removed"; done; systemctl daemon-reload'
-    )
     with connect_robot(robot_address(chosen[0] if chosen else None)) as shell:
         become_root(shell, read_lines(password_from, "--password-from", 1)[0])
-        done = shell.run(script, root=True)
-    removed = [line for line in done.out.splitlines() if line.endswith(": removed")]
+        removed, complete = remove_services(shell, names)
     click.echo("\n".join(removed) or "nothing to remove")
-    return 0 if done.code == 0 else 1
+    return 0 if complete else 1
 
 
 def _change_each(
@@ -228,18 +204,3 @@ def _show_link(shell: SshShell, host: str, *, look: bool = False) -> None:
     click.echo(f"open {address}")
     click.echo("the link is good for one login within an hour; the login outlives reboots")
     click.echo(LISTENERS)
-
-
-def _wanted(unit: UnitFile) -> list[Wanted]:
-    service = f"{unit.service}.service"
-    return [
-        WantedFile(
-            unit.service, unit.path, unit.text, then=f"systemctl daemon-reload; systemctl try-restart {service}"
-        ),
-        WantedService(f"{unit.service} runs", service),
-    ]
-
-
-def _bad_name(name: str, help: str) -> UserError:
-    message = f"{name!r} is not a name for a boot service, expected lower case letters, digits, - and _"
-    return UserError(error(message, rule="bad-name", help=help))

@@ -2,14 +2,10 @@
 
 from __future__ import annotations
 
-import fcntl
-import getpass
 import os
-import socket
 import sys
 import time
-from collections.abc import Collection, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from pathlib import Path
 
 import click
@@ -20,10 +16,10 @@ from ur.fleet.processes import answer_confirmed
 from ur.request.remote.connection import connect_robot, robot_address
 from ur.robot.sync.compare import compare
 from ur.robot.sync.memory import load_memory, memory_path, store_memory
+from ur.robot.sync.paths import check_paths, lock_sync, name_this_computer, refuse_sync, workspace_path
 from ur.robot.sync.show import describe_plan, summarise
 from ur.robot.sync.steps import SIDES, Side, SyncPlan
 from ur.robot.sync.sync import WORKSPACE, SyncOutcome, carry_out, look_at
-from ur.source.diagnostic import UserError, error
 from ur.source.printable import printable
 from ur.source.progress_line import show_progress
 
@@ -77,13 +73,13 @@ def command(
     name = address.host.removesuffix(".local")
     root = Path.home() / WORKSPACE
     _check_mounts(root)
-    only = [_inside(path, root) for path in paths]
+    only = [workspace_path(path, root) for path in paths]
     memory_file = memory_path(name, os.environ)
-    with _alone(memory_file), connect_robot(address) as shell:
+    with lock_sync(memory_file), connect_robot(address) as shell:
         with show_progress(f"listing the workspaces here and on {name}"):
             look = look_at(shell, root, load_memory(memory_file))
         agreed = look.last.agreed if look.last else {}
-        _check_paths(dict(zip(paths, only, strict=True)), {*look.here.files, *look.there.files, *agreed}, root, name)
+        check_paths(dict(zip(paths, only, strict=True)), {*look.here.files, *look.there.files, *agreed}, root, name)
         sides: Sequence[Side] = ["there"] if only_to else ["here"] if only_from else SIDES
         plan = compare(look.here, look.there, agreed, to=sides, take=take, only=only if "" not in only else [])
         click.echo("\n".join(map(printable, [*describe_plan(plan, name), summarise(plan, name)])))
@@ -95,7 +91,7 @@ def command(
             plan,
             look.pair,
             shell,
-            name=_own_name(name),
+            name=name_this_computer(name),
             stamp=time.strftime("%Y-%m-%d-%H%M%S"),
             progress=sys.stdout.isatty(),
             report=click.echo,
@@ -109,18 +105,6 @@ def _check_options(paths: Sequence[str], take: Side | None, *, both: bool) -> No
         raise click.UsageError("--to and --from cannot be used together; without them both directions are synced")
     if take and not paths:
         raise click.UsageError("--take is for the conflicts of PATHs, expected at least one ('.' is everything)")
-
-
-def _check_paths(paths: Mapping[str, str], known: Collection[str], root: Path, robot: str) -> None:
-    """Raise UserError for a path, by what was typed, that is neither here nor there."""
-    for typed, path in paths.items():
-        if path and path not in known and not any(each.startswith(f"{path}/") for each in known):
-            raise _problem(f"{typed}: nothing of this name is in {root}, here or on {robot}", "ur sync --dry-run")
-
-
-def _own_name(robot: str) -> str:
-    # Each robot has a folder of its own here, since several may be synced at once.
-    return f"{socket.gethostname().split('.')[0]}-{getpass.getuser()}-{robot}"
 
 
 def _finish(plan: SyncPlan, outcome: SyncOutcome) -> int:
@@ -156,52 +140,17 @@ def _agree(through: int | None) -> bool:
             click.echo("nothing was changed")
         return agreed
     if not sys.stdin.isatty():
-        raise _problem("there is no terminal to ask on, so nothing was changed", "--yes makes these changes")
+        raise refuse_sync("there is no terminal to ask on, so nothing was changed", "--yes makes these changes")
     if click.confirm("make these changes?", default=True):
         return True
     click.echo("nothing was changed")
     return False
 
 
-def _inside(path: str, root: Path) -> str:
-    """A PATH relative to the workspace: below the current folder when that lies in the workspace; '' is all of it."""
-    real = root.resolve()
-    here = Path.cwd()
-    base = here if here.is_relative_to(real) else real
-    whole = Path(os.path.normpath(base / Path(path).expanduser()))
-    for top in (real, root):
-        if whole.is_relative_to(top):
-            relative = str(whole.relative_to(top))
-            return "" if relative == "." else relative
-    raise _problem(f"{path} is not in {root}", "name paths of the workspace")
-
-
 def _check_mounts(root: Path) -> None:
     for mount in read_mounts():
         if root.resolve().is_relative_to(mount.target):
             whose = mount.source.partition(":")[0]
-            raise _problem(
+            raise refuse_sync(
                 f"{mount.target} is a mounted folder of {whose}, expected files of this computer", "ur unmount ROBOT"
             )
-
-
-@contextmanager
-def _alone(path: Path) -> Iterator[None]:
-    """Lock out a second sync with the same robot from this computer. Raises UserError."""
-    place = path.with_suffix(".lock")
-    try:
-        place.parent.mkdir(parents=True, exist_ok=True)
-        lock = place.open("w")
-    except OSError as problem:
-        reason = (problem.strerror or str(problem)).lower()
-        raise _problem(f"{place}: {reason}", "fix that and run this again") from None
-    with lock:
-        try:
-            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError:
-            raise _problem("another sync with this robot is running", "wait for it, then run this again") from None
-        yield
-
-
-def _problem(message: str, help: str) -> UserError:
-    return UserError(error(message, rule="no-sync", help=help))

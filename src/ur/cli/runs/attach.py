@@ -13,6 +13,7 @@ import click
 
 from ur.cli.runs.detached import choose_run, connect
 from ur.run.clients.client import iterate_events
+from ur.run.clients.node_view import describe_node
 from ur.run.clients.protocol import (
     NodeChanged,
     Notice,
@@ -24,9 +25,7 @@ from ur.run.clients.protocol import (
     Watch,
     dump_line,
 )
-from ur.run.output.messages import describe_status
 from ur.run.record.entry import RunEntry
-from ur.run.supervisor.state import ExitStatus
 from ur.source.render import shows_colour
 
 
@@ -123,23 +122,6 @@ def make_printer(*, colour: bool) -> Callable[[RunEvent], None]:
                 _say(f"error: {event.text}" if event.severity == "error" else event.text)
 
     return show
-
-
-def describe_node(node: NodeChanged) -> str:
-    """Describe the state of a node briefly."""
-    if node.pid is not None:
-        text = f"{node.state}, process {node.pid}"
-    elif node.state == "waiting" and node.restart_in is not None:
-        text = f"starts again in {node.restart_in:.0f} s"
-    elif node.held:
-        text = "stopped by hand"
-    elif node.signal is not None or node.exit_code is not None:
-        text = describe_status(ExitStatus(node.exit_code, node.signal))
-        text = f"{node.state}, {text}"
-    else:
-        text = node.state
-    text += f", restarted {node.restarts} times" if node.restarts else ""
-    return f"{text}: {node.reason}" if node.reason else text
 
 
 def _say(text: str) -> None:

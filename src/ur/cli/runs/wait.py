@@ -10,7 +10,8 @@ from collections.abc import Callable
 import click
 
 from ur.cli.runs.detached import choose_run, connect
-from ur.run.clients.protocol import NodeChanged, NodeReadiness, RunStopping, Watch
+from ur.run.clients.node_view import ReadinessView
+from ur.run.clients.protocol import Watch
 from ur.run.detach import Detach, run_detached
 from ur.run.record.entry import RunEntry
 from ur.source.progress_line import show_progress
@@ -38,8 +39,7 @@ def command(run: str | None, timeout: float) -> int:
 def wait_ready(entry: RunEntry, timeout: float) -> int:
     """Wait until every node is up, for so many s at most; print what is missing, and return the exit code."""
     end = time.monotonic() + timeout
-    nodes: dict[str, NodeChanged] = {}
-    missing: dict[str, tuple[str, ...]] = {}
+    view = ReadinessView()
     with connect(entry) as client, show_progress(f"waiting for the nodes of {entry.run}") as progress:
         client.send(Watch(readiness=True))
         while (left := end - time.monotonic()) > 0:
@@ -49,21 +49,15 @@ def wait_ready(entry: RunEntry, timeout: float) -> int:
                 sys.stderr.write(f"error: run {entry.run} has ended\n")
                 return 1
             for event in events:
-                if isinstance(event, NodeChanged) and not event.core:
-                    nodes[event.name] = event
-                    missing.setdefault(event.name, ("it is not looked at yet",))
-                    if event.state != "running":
-                        missing[event.name] = (_explain(event),)
-                elif isinstance(event, NodeReadiness) and event.name in nodes:
-                    missing[event.name] = event.missing
-                elif isinstance(event, RunStopping):
-                    sys.stderr.write(f"error: run {entry.run} ends: {event.cause}\n")
-                    return 1
-            late = [name for name in nodes if missing[name] and not _is_done(nodes[name])]
-            if nodes and not late:
+                view.take(event)
+            if view.cause is not None:
+                sys.stderr.write(f"error: run {entry.run} ends: {view.cause}\n")
+                return 1
+            late = view.list_missing()
+            if view.nodes and not late:
                 return 0
-            progress(f"waiting for {len(late)} of {len(nodes)} nodes: {', '.join(late)}")
-    _say_missing({name: missing[name] for name in nodes if missing[name] and not _is_done(nodes[name])}, timeout)
+            progress(f"waiting for {len(late)} of {len(view.nodes)} nodes: {', '.join(late)}")
+    _say_missing(view.list_missing(), timeout)
     return 1
 
 
@@ -80,17 +74,6 @@ def start_detached(run: Callable[[Detach], int], wait: float | None) -> int:
         return wait_ready(choose_run(name), wait)
 
     return run_detached(run, tell)
-
-
-def _is_done(node: NodeChanged) -> bool:
-    """A program that did its work and ended well is no longer waited for."""
-    return node.state == "ended" and node.exit_code == 0
-
-
-def _explain(node: NodeChanged) -> str:
-    from ur.cli.runs.attach import describe_node
-
-    return f"it does not run: {describe_node(node)}" + (f" (log: {node.log})" if node.log else "")
 
 
 def _say_missing(missing: dict[str, tuple[str, ...]], timeout: float) -> None:

@@ -103,11 +103,13 @@ def refuse_pending(shell: Shell) -> None:
 
 
 def _pending(place: str, reported: str) -> UserError:
-    title, by = [*reported.splitlines(), "another change", "somebody"][:2]
+    title, by = [*reported.splitlines(), "", ""][:2]
+    change = f"'{title}'" if title else "another change"
+    begun = f", begun by {by}," if by else ""
     return UserError(
         error_about(
             place,
-            f"'{title}', begun by {by}, is not finished, expected one change at a time",
+            f"{change}{begun} is not finished, expected one change at a time",
             rule="change-pending",
             help="it is confirmed or reverted within two minutes; then run this again",
         )

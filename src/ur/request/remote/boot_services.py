@@ -1,0 +1,63 @@
+"""Installation and removal of a robot's boot services."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+from ur.robot.boot.units import FOLDER, MASTER, PREFIX, UnitFile, is_unit_name, master_unit, program_unit
+from ur.robot.setup.change import Change
+from ur.robot.setup.engine import bring_about
+from ur.robot.setup.facts import ComputerFacts, FactsRequest
+from ur.robot.setup.packages import WantedService
+from ur.robot.setup.wanted import Wanted, WantedFile
+from ur.robot.ssh.shell import Shell, quote
+from ur.source.diagnostic import UserError, error
+
+
+def check_name(name: str, help: str, *, master: bool = False) -> None:
+    """Raise UserError, with the advice `help`, for a name that no boot service can have; `master` allows its own."""
+    if not is_unit_name(name) and not (master and name == MASTER):
+        message = f"{name!r} is not a name for a boot service, expected lower case letters, digits, - and _"
+        raise UserError(error(message, rule="bad-name", help=help))
+
+
+def has_service(shell: Shell, name: str) -> bool:
+    """Return whether a robot has a boot service of this name."""
+    return not shell.run(quote("[", "-e", f"{FOLDER}/{PREFIX}{name}.service", "]")).code
+
+
+def install_services(shell: Shell, user: str, name: str, line: str, report: Callable[[Change], None]) -> int:
+    """Install the master's service, and that of a command line unless it is ""; return how many changes that took.
+
+    `report` gets each change. The shell has to be root's, or to know how to become root. Raises UserError.
+    """
+
+    def make(facts: ComputerFacts) -> list[Wanted]:
+        units = [master_unit(user, facts.home)]
+        if line:
+            units.append(program_unit(name, line, user, facts.home))
+        return [item for unit in units for item in _want(unit)]
+
+    _, count = bring_about(shell, make, user, FactsRequest(user), root=True, report=report)
+    return count
+
+
+def remove_services(shell: Shell, names: Sequence[str]) -> tuple[list[str], bool]:
+    """Stop and remove services, all without names: a line for each that is removed, and whether that succeeded."""
+    patterns = " ".join(f"{FOLDER}/{PREFIX}{name}.service" for name in names or ["*"])
+    script = (
+        f'for f in {patterns}; do [ -e "$f" ] || continue; u=${{f##*/}}; '
+        'systemctl disable --now "$u" 2>&1; rm -f "$f"; echo "$u: removed"; done; systemctl daemon-reload'
+    )
+    done = shell.run(script, root=True)
+    return [line for line in done.out.splitlines() if line.endswith(": removed")], done.code == 0
+
+
+def _want(unit: UnitFile) -> list[Wanted]:
+    service = f"{unit.service}.service"
+    return [
+        WantedFile(
+            unit.service, unit.path, unit.text, then=f"systemctl daemon-reload; systemctl try-restart {service}"
+        ),
+        WantedService(f"{unit.service} runs", service),
+    ]

@@ -1,0 +1,94 @@
+"""The choice of a wireless network to join or forget, among those that a robot sees and knows."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+from ur.robot.commit_confirm.network import (
+    WirelessNetwork,
+    check_managed,
+    check_password,
+    choose_management,
+    find_profile,
+)
+from ur.robot.ssh.secret import Secret
+from ur.source.diagnostic import UserError, error_about
+from ur.source.suggest import did_you_mean
+
+if TYPE_CHECKING:
+    from ur.robot.commit_confirm.network_facts import Networks, Profile
+
+
+def choose_network(
+    networks: Networks, ssid: str, password: str, ask: Callable[[bool], str], *, hidden: bool, band: str
+) -> WirelessNetwork:
+    """Choose the settings of a network to join. Raises UserError: out of reach, bad password.
+
+    `ask` is asked for a password that is missing, with whether the robot knows one already; "" is none.
+    """
+    seen = next((each for each in networks.seen if each.ssid == ssid), None)
+    if seen is None and not hidden:
+        near = did_you_mean(ssid, [each.ssid for each in networks.seen])
+        reach = ", ".join(each.ssid for each in networks.seen[:8]) or "none"
+        raise UserError(
+            error_about(
+                ssid,
+                f"the robot sees no network of this name, expected one in reach: {reach}",
+                rule="unknown-network",
+                help=f"did you mean {near!r}?" if near else "a network that does not tell its name: --hidden",
+            )
+        )
+    known = find_profile(networks, ssid) is not None
+    secured = seen.security not in ("", "OWE") if seen else True
+    if not known:
+        choose_management(seen, with_password=True)  # no question about a value that cannot be used
+    if not password and secured:
+        password = ask(known)
+    if known and not password:  # its profile knows how, also with a user name
+        return WirelessNetwork(ssid, None, "", hidden, band)
+    if not password and seen and secured:
+        raise UserError(
+            error_about(
+                ssid,
+                "it wants a password, and none is given",
+                rule="missing-answer",
+                help="run this in a terminal, or give --passwords-from FD",
+            )
+        )
+    management = choose_management(seen, with_password=bool(password))
+    secret = Secret(password) if password and management in ("wpa-psk", "sae") else None
+    if secret:
+        check_password(ssid, secret)
+    return WirelessNetwork(ssid, secret, management, hidden, band)
+
+
+def refuse_wireless(place: str, networks: Networks) -> None:
+    """Raises UserError: there is no wireless device, or it is not ours to change."""
+    device = next((each for each in networks.devices if each.kind == "wifi"), None)
+    check_managed(networks, place, device)
+    raise UserError(
+        error_about(
+            place,
+            "it has no wireless device, expected one",
+            rule="no-wifi",
+            help="is its adapter plugged in, and is its driver there? 'ur robot network' shows what it has",
+        )
+    )
+
+
+def find_known(networks: Networks, name: str) -> Profile:
+    """The profile of a network. Raises UserError: the robot knows no such network."""
+    profile = find_profile(networks, name)
+    if profile is None:
+        names = [each.ssid or each.name for each in networks.profiles if each.kind == "802-11-wireless"]
+        near = did_you_mean(name, names)
+        raise UserError(
+            error_about(
+                name,
+                f"the robot knows no network of this name, expected one of: {', '.join(names) or 'none'}",
+                rule="unknown-network",
+                help=f"did you mean {near!r}?" if near else None,
+            )
+        )
+    return profile

@@ -1,0 +1,178 @@
+"""A base from a description: the file with its surroundings, and the figures that a user gives."""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from ur.source.diagnostic import UserError, error, error_about
+from ur.source.foreign.files import MAX_MANIFEST, read_file, refuse_file
+from ur.source.read import read_source
+from ur.source.suggest import did_you_mean
+
+if TYPE_CHECKING:
+    from ur.robot.description.load import LoadedDescription
+    from ur.robot.description.reading import DescriptionReading
+    from ur.robot.description.surroundings import Surroundings
+
+_EXPECTED = "a URDF or xacro file"
+_MOST = 100000.0  # more is a mistake, and is written in a form that YAML reads as text
+# The question, an ordinary value, and the least that a base file may have.
+FIGURES: dict[str, tuple[str, float, float]] = {
+    "length": ("Length in m", 0.4, 0.01),
+    "width": ("Width in m", 0.35, 0.01),
+    "height": ("Height in m", 0.25, 0.01),
+    "mass": ("Mass in kg", 6.0, 0.01),
+    "wheel_radius": ("Radius of a driven wheel in m", 0.06, 0.005),
+    "wheel_separation": ("Separation of the driven wheels in m", 0.3, 0.02),
+    "velocity": ("Highest speed in m/s", 0.5, 0.01),
+    "angular_velocity": ("Highest turning speed in rad/s", 1.5, 0.01),
+}
+
+
+def check_source(source: Path) -> None:
+    """Raise UserError for a description that does not exist, before anything is asked."""
+    if not source.exists():
+        near = did_you_mean(source.name, (each.name for each in source.absolute().parent.glob("*")))
+        help_ = f"did you mean '{near}'?" if near else "give the path of the robot's description"
+        reason = "no such file or directory, expected a URDF or xacro file"
+        raise UserError(error_about(source, reason, rule="unreadable-file", help=help_))
+
+
+def refuse_arguments(arguments: Sequence[str]) -> None:
+    """Refuse arguments of a command without a file that could take them. Raises UserError."""
+    if arguments:
+        message = f"unexpected argument '{arguments[0]}', expected --from with the xacro file that takes it"
+        raise UserError(error(message, rule="bad-value", help="leave it out, or add --from FILE"))
+
+
+def look_around(source: Path) -> Surroundings:
+    """The surroundings of the file of a description. Raises UserError where it is not there."""
+    from ur.robot.description.surroundings import find_surroundings
+
+    try:
+        return find_surroundings(source, os.environ)
+    except OSError as problem:
+        read_source(source, expected=_EXPECTED)  # which names files beside it
+        raise refuse_file(source, problem, _EXPECTED) from None
+
+
+def load_file(
+    source: Path, around: Surroundings, arguments: Sequence[str] = (), *, consent: Callable[[str], bool] | None = None
+) -> LoadedDescription:
+    """Read a description with the xacro and the packages of this computer. Raises UserError.
+
+    `consent` is asked, with what would run, before a xacro runs that cannot be confined; without it none does.
+    """
+    from ur.request.environment import own_packages
+    from ur.robot.description.expansion.xacro import ExpansionComputer
+    from ur.robot.description.load import load_description
+
+    made = Path(own_packages(os.environ))
+    computer = ExpansionComputer(os.environ, lambda: list_packages(around), made, consent or (lambda _: False))
+    return load_description(source, around, computer, arguments)
+
+
+def list_packages(around: Surroundings) -> dict[str, str]:
+    """The folders of packages by name: those of this computer, and before them the file's own and those beside it."""
+    from ur.launchfile.world.packages import package_name_in
+    from ur.launchfile.world.system import SystemWorld
+    from ur.request.environment import add_own_package
+
+    world = SystemWorld(add_own_package(os.environ))
+    found = {name: world.find_package(name) for name in world.package_names()}
+    for folder in reversed(around.packages):
+        try:
+            manifest = folder / "package.xml"
+            name = package_name_in(str(manifest), read_file(manifest, MAX_MANIFEST, inside=folder))
+        except (OSError, ValueError):
+            continue
+        if name:
+            found[name] = str(folder)
+    return found
+
+
+def read_number(key: str, answer: str) -> float:
+    """The number that a user has typed for a figure. Raises UserError, which names what is expected."""
+    try:
+        return float(answer)
+    except ValueError:
+        pass
+    point = f", as {answer.replace(',', '.')}" if re.fullmatch(r"\d*,\d+", answer.strip()) else " without a unit"
+    message = f"'{answer}' is no number, expected one{point}: {FIGURES[key][0][0].lower()}{FIGURES[key][0][1:]}"
+    raise UserError(error(message, rule="bad-value"))
+
+
+def usual_figure(key: str) -> float:
+    """The value that is suggested for a figure."""
+    from ur.robot.description.reading import QUESTIONS
+
+    return min(FIGURES[key][1], QUESTIONS[key][1])
+
+
+def check_figure(key: str, given: float | None) -> float | None:
+    """A figure of a base, if it is in the range of base files. Raises UserError."""
+    question, _, least = FIGURES[key]
+    if given is None or least <= given <= _MOST:  # not so for NaN
+        return given
+    option = f"--{key.replace('_', '-')}"
+    message = f"invalid {option} '{given:g}', expected a number from {least:g} to {_MOST:.0f}"
+    raise UserError(error(message, rule="bad-value", help=f"give {option}: {question}"))
+
+
+def check_measured(key: str, value: float) -> float:
+    """A figure of a base that follows from a description, if a robot can have it. Raises UserError."""
+    from ur.robot.description.reading import QUESTIONS
+
+    least, most = QUESTIONS[key]
+    if least <= value <= most:  # not so for NaN
+        return value
+    option = f"--{key.replace('_', '-')}"
+    why = ", so that the robot stops within 0.3 s" if key.endswith("velocity") else ""
+    message = f"invalid {option} '{value:g}', expected a number from {least:g} to {most:g}{why}"
+    raise UserError(error(message, rule="bad-value", help=f"give {option}: {FIGURES[key][0]}"))
+
+
+def check_arguments(source: Path, arguments: Sequence[str]) -> None:
+    """Raise UserError for an argument of a xacro file that has not the form NAME:=VALUE."""
+    for each in arguments:
+        if not re.match(r"\w+:=", each):
+            message = f"unexpected argument '{each}', expected ARG:=VALUE for '{source.name}'"
+            raise UserError(error(message, rule="bad-value", subject=each))
+
+
+def missing_figures(source: Path, reading: DescriptionReading, lidar: bool | None) -> UserError:
+    """The error that names all figures which a description does not give, with the options that give them."""
+    asks = lidar is None and not reading.has_lidar
+    names = ", ".join([*(key.replace("_", " ") for key in reading.open), *(["a lidar"] if asks else [])])
+    options = " ".join(f"--{key.replace('_', '-')} {usual_figure(key):g}" for key in reading.open)
+    options += " --lidar (or --no-lidar)" if asks else ""
+    message = f"cannot read from '{source}': {names}"
+    return UserError(error(message, rule="not-given", help=f"add, with your robot's figures: {options}"))
+
+
+def describe_left_out(loaded: LoadedDescription, around: Surroundings) -> list[str]:
+    """Notes on files of a description that were not read."""
+    notes = []
+    if loaded.missing:
+        names = " ".join(loaded.missing)
+        notes.append(f"note: left out, since their packages are not here: files of {names} (ur get {names})")
+    if loaded.outside:
+        names = ", ".join(loaded.outside[:5]) + (" ..." if len(loaded.outside) > 5 else "")
+        notes.append(f"note: meshes outside of '{around.folder}' and of packages are not read: {names}")
+    return notes
+
+
+def describe_reading(reading: DescriptionReading) -> str:
+    """Describe what was read from a description: a line for each figure, sensor and note."""
+    rows = [
+        f"read: {key.replace('_', ' ')} {figure.value:.4g} ({figure.source})"
+        for key, figure in reading.figures.items()
+        if key not in reading.open and figure.source not in ("given", "usual")
+    ]
+    rows += [f"read: {sensor.kind} {sensor.frame} ({sensor.source})" for sensor in reading.sensors]
+    rows += [f"note: {note}" for note in reading.notes]
+    return "".join(f"{row}\n" for row in rows)
