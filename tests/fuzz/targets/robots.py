@@ -17,7 +17,7 @@ from ur.robot.commit_confirm.guard import parse_last
 from ur.robot.commit_confirm.network_facts import parse_networks
 from ur.robot.deploy.build import parse_builder
 from ur.robot.doctor.observe import parse_side
-from ur.robot.doctor.rules import diagnose
+from ur.robot.doctor.rules import OBSERVE, diagnose
 from ur.robot.doctor.summary import summarize
 from ur.robot.mount import parse_mounts
 from ur.robot.remote_run import ask_part
@@ -81,7 +81,7 @@ def _read_facts(data: bytes, _: Path) -> None:
 
 
 def _diagnose(data: bytes, _: Path) -> None:
-    side = parse_side(_text(data))
+    side = parse_side(_text(data), OBSERVE)
     for pair in (replace(PAIR, there=side), replace(PAIR, here=side)):
         for finding in diagnose(pair):
             for command in finding.commands:

@@ -9,6 +9,7 @@ import pytest
 
 from ur.robot.doctor.messages import MESSAGES_SCRIPT, Message, parse_messages
 from ur.robot.doctor.observe import observe_script, parse_side
+from ur.robot.doctor.rules import OBSERVE
 from ur.robot.doctor.side import Disk, FailedUnit, Setting, Side
 
 
@@ -17,7 +18,7 @@ def test_what_was_not_seen_stays_unknown() -> None:
 
 
 def test_side_is_read_from_the_answer_of_a_computer() -> None:
-    side = parse_side(Path(__file__).with_name("side.txt").read_bytes().decode())
+    side = parse_side(Path(__file__).with_name("side.txt").read_bytes().decode(), ["throttled"])
     assert side == Side(
         "bob",
         "ros",
@@ -44,7 +45,7 @@ def test_side_is_read_from_the_answer_of_a_computer() -> None:
         mtu=1500,
         full_frames=False,
         firewall="nft",
-        throttled=0x50005,
+        observed={"throttled": "throttled=0x50005\n"},
         packages={"ros-std-msgs": "0.5"},
         messages={"std_msgs/String.msg": Message("0123", "/usr/share/std_msgs")},
         built=True,
@@ -55,7 +56,7 @@ def test_side_is_read_from_the_answer_of_a_computer() -> None:
 
 
 def test_script_gets_to_its_end_in_a_plain_shell() -> None:
-    done = subprocess.run(["sh", "-c", observe_script("")], capture_output=True, text=True, check=False)
+    done = subprocess.run(["sh", "-c", observe_script("", OBSERVE)], capture_output=True, text=True, check=False)
     side = parse_side(done.stdout)
     assert done.stdout.endswith("\x1eend\n")
     assert side.name == Path("/proc/sys/kernel/hostname").read_text().strip()

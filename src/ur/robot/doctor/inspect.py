@@ -13,6 +13,7 @@ from ur.robot.devices import inspect_devices
 from ur.robot.discovery.ask import clock_offset
 from ur.robot.doctor.findings import AdvertisedNode, ComputerPair, Owner, Where
 from ur.robot.doctor.observe import SHELL_FILES, STRICT, observe_script, parse_side
+from ur.robot.doctor.rules import OBSERVE
 from ur.robot.doctor.side import Side
 from ur.robot.ros2.observe import hear_other, inspect_ros2
 from ur.robot.ssh.openssh import SshShell
@@ -47,7 +48,7 @@ def inspect_computer(here: Shell) -> Side:
     """Inspect this computer by itself."""
     with ThreadPoolExecutor(2) as pool:
         ros2 = pool.submit(inspect_ros2, here, SHELL_FILES)
-        side = parse_side(here.run(observe_script(""), timeout=LOOK_SECONDS).out)
+        side = parse_side(here.run(observe_script("", OBSERVE), timeout=LOOK_SECONDS).out, OBSERVE)
     return _with_journals(here, replace(side, ros2=ros2.result()))
 
 
@@ -70,14 +71,14 @@ def inspect_pair(
     other = read_name(there)
     with ThreadPoolExecutor(10) as pool:
         newer = [pool.submit(inspect_ros2, shell, SHELL_FILES) for shell in (here, there)]
-        left = pool.submit(here.run, observe_script(f"{other}.local"), timeout=LOOK_SECONDS)
-        right = pool.submit(there.run, observe_script(f"{mine}.local"), timeout=LOOK_SECONDS)
+        left = pool.submit(here.run, observe_script(f"{other}.local", OBSERVE), timeout=LOOK_SECONDS)
+        right = pool.submit(there.run, observe_script(f"{mine}.local", OBSERVE), timeout=LOOK_SECONDS)
         twins = {name: pool.submit(_resolve, here, f"{name}-2.local", TWIN_SECONDS) for name in (mine, other)}
         to_there = pool.submit(_reaches_there, there)
         to_here = pool.submit(_reaches_here, there, f"{mine}.local")
         devices = pool.submit(inspect_devices, there)
         advertised = pool.submit(_advertised, here, there, nodes)
-        sides = parse_side(left.result().out), parse_side(right.result().out)
+        sides = parse_side(left.result().out, OBSERVE), parse_side(right.result().out, OBSERVE)
         ros2 = newer[0].result(), newer[1].result()
         if ros2[0].present and ros2[1].present:
             ends = ((here, mine, other), (there, other, mine))

@@ -44,16 +44,13 @@ t=$(systemctl show -p ActiveEnterTimestampMonotonic --value "$u")
 t=$(($(cut -d. -f1 /proc/uptime) - ${t:-0} / 1000000))
 case $s in auto-restart*) echo "$u $n";; start-pre) [ "$n" = 0 ] || echo "$u $n";;
 running) [ "$n" -lt 3 ] || [ "$t" -gt 30 ] || echo "$u $n";; esac; done"""
-# Of Raspberry Pi: its own program, or what the kernel shows.
-_THROTTLED = """\
-vcgencmd get_throttled 2>/dev/null || \
-sed 's/^/0x/' /sys/devices/platform/soc/soc:firmware/get_throttled 2>/dev/null || \
-for d in /sys/class/hwmon/hwmon*; do [ "$(cat "$d/name" 2>/dev/null)" != rpi_volt ] || \
-sed 's/^/0x/' "$d/in0_lcrit_alarm"; done"""
 
 
-def observe_script(other: str) -> str:
-    """The script to be run on a computer, as the user, about itself and, unless '', the OTHER computer's full name."""
+def observe_script(other: str, more: Mapping[str, str] | None = None) -> str:
+    """The script to be run on a computer, as the user, about itself and, unless '', the OTHER computer's full name.
+
+    `more` are scripts of rules, by name: what they print is in `Side.observed`.
+    """
     parts = [
         "mark() { printf '\\036%s\\n' \"$1\"; }; export LC_ALL=C; PATH=$PATH:/usr/sbin:/sbin; cd",
         "mark name; cat /proc/sys/kernel/hostname; id -un",
@@ -75,7 +72,6 @@ def observe_script(other: str) -> str:
         f'for f in {" ".join(LARGE)}; do timeout 5 du -sxm "$f" 2>/dev/null; done',
         "mark memory; grep MemAvailable /proc/meminfo",
         f"mark firewall; {_FIREWALL}",
-        f"mark throttled; {_THROTTLED}",
         'mark system; . /etc/os-release; echo "$PRETTY_NAME"; uname -m',
         "mark release; cat /etc/os-release",
         "mark ur; cat /etc/avahi/services/ubiquity.service 2>/dev/null",
@@ -84,6 +80,7 @@ def observe_script(other: str) -> str:
         "mark workspace; find -L catkin_ws/src -maxdepth 4 -name package.xml 2>/dev/null",
         f"mark messages; {MESSAGES_SCRIPT}",
     ]
+    parts += [f"mark {name}; {script}" for name, script in (more or {}).items()]
     if other:
         parts.append(_other_script(quote(other)))
     # After the pings: the rate is that of the latest packets.
@@ -101,8 +98,8 @@ mark ping; ping -q -n -c 5 -i 0.2 -W 1 "$a" 2>/dev/null
 mark frame; ping -q -n -c 2 -i 0.2 -W 1 -M do -s $((${{m:-1500}} - {HEADERS})) "$a" 2>&1"""
 
 
-def parse_side(output: str) -> Side:
-    """Read what the script printed; what is missing in it, or makes no sense, stays unknown."""
+def parse_side(output: str, names: Iterable[str] = ()) -> Side:
+    """Read what the script printed, with the scripts of rules by `names`; what makes no sense stays unknown."""
     # Repeats in the patterns are bounded, or a long line would take quadratic time.
     output = output.replace("\0", "")  # as a shell does: no command line holds a zero byte
     parts = {name: text for name, _, text in (part.partition("\n") for part in output.split(_MARK)[1:])}
@@ -112,7 +109,6 @@ def parse_side(output: str) -> Side:
     times = re.search(r"= [\d.]{1,20}/([\d.]{1,20})/", ping)
     lost = _scale(re.search(r"([\d.]{1,20})% packet loss", parts.get("frame", "")), 0.01)
     memory = re.search(r"(\d{1,15}) kB", parts.get("memory", ""))
-    throttled = re.search(r"0x([0-9a-fA-F]{1,16})\b", parts.get("throttled", ""))
     announced = re.search(r'"(.*)"', parts.get("announced", ""))
     device, mtu = [*parts.get("device", "").split(), "", ""][:2]
     x11 = re.search(r"(?i)x11forwarding\s+(\w+)", parts.get("x11", ""))  # sshd takes the first
@@ -151,7 +147,6 @@ def parse_side(output: str) -> Side:
         mtu=parse_integer(mtu),
         full_frames=None if lost is None else lost < 1,
         firewall=parts.get("firewall", "").strip(),
-        throttled=int(throttled[1], 16) if throttled else 0,
         packages=_packages(line.split() for line in parts.get("packages", "").splitlines()),
         messages=parse_messages(parts.get("messages", "")),
         built=bool(parts.get("built", "").strip()),
@@ -160,6 +155,7 @@ def parse_side(output: str) -> Side:
         system=" ".join(parts.get("system", "").split("\n")).strip(),
         release=parse_os_release(parts["release"]) if parts.get("release", "").strip() else None,
         wifi=parse_wifi(parts.get("wifi", "")),
+        observed={name: parts[name] for name in names if name in parts},
     )
 
 

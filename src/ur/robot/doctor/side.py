@@ -50,7 +50,7 @@ class Side:
     name, '' when that worked. `large` are folders that may be emptied, with their sizes. `packages` are Debian's, with
     their versions, `workspace` those below ~/catkin_ws/src, which is `built` or not; `ur` is the version that set
     a robot up. `device` leads to the other
-    computer. `ros2` is its ROS 2.
+    computer. `ros2` is its ROS 2, `observed` the output of scripts that rules declare, by name.
     """
 
     name: str
@@ -78,7 +78,6 @@ class Side:
     mtu: int | None = None
     full_frames: bool | None = None
     firewall: str = ""
-    throttled: int = 0
     packages: Mapping[str, str] = field(default_factory=dict)
     messages: Mapping[str, Message] = field(default_factory=dict)
     built: bool = False
@@ -88,6 +87,7 @@ class Side:
     ur: str = ""
     wifi: tuple[WirelessLink, ...] = ()
     ros2: Ros2 = field(default_factory=Ros2)
+    observed: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def only_ros2(self) -> bool:

@@ -36,8 +36,9 @@ RULES: tuple[Rule, ...] = (
     *ros2.RULES,
 )
 KINDS = {kind: meaning for rule in RULES for kind, meaning in rule.kinds.items()}
+OBSERVE = {name: script for rule in RULES for name, script in rule.observe.items()}
 
-__all__ = ["KINDS", "RULES", "diagnose", "diagnose_alone"]
+__all__ = ["KINDS", "OBSERVE", "RULES", "diagnose", "diagnose_alone"]
 
 
 def diagnose(pair: ComputerPair) -> list[Finding]:

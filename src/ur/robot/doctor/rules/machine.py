@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 
 from ur.robot.doctor.findings import Finding, FixCommand, Where
@@ -13,6 +14,12 @@ FULL_USED = 0.9  # a small file system that is hardly used is not full
 MEMORY_FREE = 100.0  # MB
 LARGE = 5.0  # MB that are worth the trouble
 _NOW, _EVER = 0x1, 0x10000  # of the firmware's word: under-voltage now, and since boot
+# Of Raspberry Pi: its own program, or what the kernel shows.
+_THROTTLED = """\
+vcgencmd get_throttled 2>/dev/null || \
+sed 's/^/0x/' /sys/devices/platform/soc/soc:firmware/get_throttled 2>/dev/null || \
+for d in /sys/class/hwmon/hwmon*; do [ "$(cat "$d/name" 2>/dev/null)" != rpi_volt ] || \
+sed 's/^/0x/' "$d/in0_lcrit_alarm"; done"""
 # By folder: the command that empties it, as root or not, and whether nothing is lost by that.
 _EMPTY = {
     "/var/cache/apt": ("apt-get clean", True, True),
@@ -64,8 +71,10 @@ def check_memory(where: Where, side: Side) -> Iterator[Finding]:  # noqa: ARG001
 
 def check_voltage(where: Where, side: Side) -> Iterator[Finding]:  # noqa: ARG001 - of the protocol
     """Under-voltage, as a Raspberry Pi notices it."""
-    if side.throttled & (_NOW | _EVER):
-        when = "now" if side.throttled & _NOW else "since it booted, not at this moment"
+    found = re.search(r"0x([0-9a-fA-F]{1,16})\b", side.observed.get("throttled", ""))
+    throttled = int(found[1], 16) if found else 0
+    if throttled & (_NOW | _EVER):
+        when = "now" if throttled & _NOW else "since it booted, not at this moment"
         yield Finding(
             "under-voltage", f"{side.name}: its supply was too weak {when}", "a stronger supply, a shorter cable"
         )
@@ -74,5 +83,5 @@ def check_voltage(where: Where, side: Side) -> Iterator[Finding]:  # noqa: ARG00
 RULES: tuple[Rule, ...] = (
     SideRule({"full-disk": "hardly anything is left on a disk"}, check_disks, simulation=True),
     SideRule({"low-memory": "hardly any memory is left"}, check_memory, simulation=True),
-    SideRule({"under-voltage": "the robot's supply is too weak"}, check_voltage),
+    SideRule({"under-voltage": "the robot's supply is too weak"}, check_voltage, observe={"throttled": _THROTTLED}),
 )

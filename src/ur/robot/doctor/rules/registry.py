@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from ur.robot.doctor.findings import ComputerPair, Finding, Where
 from ur.robot.doctor.side import Side
@@ -13,23 +13,26 @@ from ur.robot.doctor.side import Side
 class SideRule:
     """A rule about one computer by itself. `kinds`: the id of each finding, and its description.
 
-    `simulation`: it matters for a simulated robot, too; the others are about what a real robot needs.
-    `ros1`: it matters for ROS 1 only.
+    `observe`: what it needs to know beyond the fields of `Side`, as shell scripts by name; each computer runs them, and
+    what they print is in `Side.observed`. `simulation`: it matters for a simulated robot, too; the others are about
+    what a real robot needs. `ros1`: it matters for ROS 1 only.
     """
 
     kinds: Mapping[str, str]
     check: Callable[[Where, Side], Iterable[Finding]]
     simulation: bool = False
     ros1: bool = False
+    observe: Mapping[str, str] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)
 class PairRule:
-    """A rule about two computers. `kinds` and `ros1` as in SideRule."""
+    """A rule about two computers. `kinds`, `ros1` and `observe` as in SideRule."""
 
     kinds: Mapping[str, str]
     check: Callable[[ComputerPair], Iterable[Finding]]
     ros1: bool = False
+    observe: Mapping[str, str] = field(default_factory=dict)
 
 
 Rule = SideRule | PairRule
