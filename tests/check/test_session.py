@@ -9,10 +9,10 @@ from tests.check.cache.test_recall import EDITS, FILES, Workspace
 
 from ur.check.render.json import render_json
 from ur.check.run import finish_report
-from ur.check.session import Session
+from ur.check.session import CheckSession
 
 
-def findings_now(session: Session) -> str:
+def findings_now(session: CheckSession) -> str:
     return render_json(finish_report(session))
 
 
@@ -22,7 +22,7 @@ def test_session_has_the_findings_of_a_new_check_after_any_edit(
     edits: list[tuple[tuple[str, str, object], int]],
 ) -> None:
     workspace = Workspace()
-    session = Session(["/w"], workspace.world())
+    session = CheckSession(["/w"], workspace.world())
     findings_now(session)
     for edit, steps in edits:
         workspace.edit(*edit)
@@ -37,7 +37,7 @@ def test_session_has_the_findings_of_a_new_check_after_any_edit(
 def test_change_of_a_text_is_taken_in_or_refused(edits: list[tuple[tuple[str, str, object], int]]) -> None:
     workspace = Workspace()
     world = workspace.world()
-    session = Session(["/w"], world)
+    session = CheckSession(["/w"], world)
     findings_now(session)
     for edit, steps in edits:
         workspace.edit(*edit)
@@ -55,7 +55,7 @@ def test_change_of_a_text_is_taken_in_or_refused(edits: list[tuple[tuple[str, st
 def test_only_what_depends_on_a_file_is_checked_again() -> None:
     workspace = Workspace()
     world = workspace.world()
-    session = Session(["/w"], world)
+    session = CheckSession(["/w"], world)
     findings_now(session)
     workspace.edit("replace", "/w/two/launch/beside.launch", ("unused", "used"))
     world.become(workspace.world())
@@ -68,7 +68,7 @@ def test_only_what_depends_on_a_file_is_checked_again() -> None:
 
 
 def test_text_that_is_the_same_changes_nothing() -> None:
-    session = Session(["/w"], Workspace().world())
+    session = CheckSession(["/w"], Workspace().world())
     findings_now(session)
     assert session.change("/w/two/launch/beside.launch")
     assert session.is_finished
@@ -78,7 +78,7 @@ def test_text_that_is_the_same_changes_nothing() -> None:
 def test_new_files_and_those_that_describe_packages_need_a_new_reading(path: str) -> None:
     workspace = Workspace()
     world = workspace.world()
-    session = Session(["/w"], world)
+    session = CheckSession(["/w"], world)
     findings_now(session)
     workspace.edit("write", path, FILES.get(path, "") + " ")
     world.become(workspace.world())

@@ -50,11 +50,15 @@ class IncludeFinder:
         found = []
         for element, _ in walk_elements(view.tree.launch):
             if element.name == "include":
-                files = tuple(path for path in self._meant_by(element.attributes.get("file", "")) if path != view.path)
+                files = self.files_of(element, view)
                 if files:
                     passes = frozenset(_passed_by(element, view))
                     found.append(PossibleInclude(element.value_span("file"), files, passes))
         return tuple(found)
+
+    def files_of(self, include: Element, view: LaunchView) -> tuple[str, ...]:
+        """The files that a tag of a file may mean, without that file."""
+        return tuple(path for path in self._meant_by(include.attributes.get("file", "")) if path != view.path)
 
     def _meant_by(self, file: str) -> Iterable[str]:
         parts = _PIECE.split(file)

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from ur.check.cache.recall import Recall
-from ur.check.session import Session
+from ur.check.session import CheckSession
 from ur.launchfile.world import World
 from ur.source.diagnostic import Diagnostic, Severity
 from ur.source.progress import Progress, no_progress
@@ -40,11 +40,11 @@ def check_paths(
     `arguments` are given to every launch file that declares them; the others keep their defaults or are unknown.
     `recall` holds findings of an earlier check, which spare work and change nothing, and gains those of this one.
     """
-    session = Session(paths, world, chosen, arguments, progress, recall)
+    session = CheckSession(paths, world, chosen, arguments, progress, recall)
     return finish_report(session)
 
 
-def finish_report(session: Session) -> CheckReport:
+def finish_report(session: CheckSession) -> CheckReport:
     """Do what is to be done in a session, and report its findings."""
     for _ in session.steps():
         pass

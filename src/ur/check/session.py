@@ -17,7 +17,7 @@ from ur.check.findings.merge import Hit
 from ur.check.findings.suppress import read_line_suppressions
 from ur.check.plans import Given, PlanChecks
 from ur.check.rule import LaunchView, Package, PackageView, ProgramView, YamlView
-from ur.check.sources import Sources
+from ur.check.sources import CheckSources
 from ur.check.visitor import Visitor
 from ur.check.worlds import CachedWorld, Question
 from ur.launchfile.syntax import LaunchFile
@@ -32,7 +32,7 @@ _NOTHING: frozenset[str] = frozenset()
 _COMMAND_LINE = "<command line>"
 
 
-class Session:
+class CheckSession:
     """The findings of files, folders and packages, while they change.
 
     `steps` does what is to be done; until it has ended, some findings are missing, or are those from before a change.
@@ -58,9 +58,9 @@ class Session:
         self._index = FindingIndex(self.rules, self.chosen)
         self._todo: dict[Unit, None] = {}
         self._was_read = False
-        self._begin(Sources(paths, world))
+        self._begin(CheckSources(paths, world))
 
-    def _begin(self, sources: Sources) -> None:
+    def _begin(self, sources: CheckSources) -> None:
         self.sources = sources
         self._programs: dict[str, ProgramView] = {}
         self._asked = Asked(self.world, sources.checked_as)
@@ -114,7 +114,7 @@ class Session:
     def renew(self, world: World) -> None:
         """Take in any change: files, packages and variables are those of `world` now. Raises UserError as at first."""
         before, unfinished = self.sources, frozenset(self._todo)
-        self._begin(Sources(self._paths, world))
+        self._begin(CheckSources(self._paths, world))
         trees = {path: tree for path, tree in before.trees.items() if self._is_same(("read_bytes", path), before)}
         self._read(trees)
         same: dict[Question, bool] = {}
@@ -133,7 +133,7 @@ class Session:
             elif found.inputs == self._inputs_of(view) and all(map(stays, found.asked)):
                 del self._todo[unit]
 
-    def _is_same(self, question: Question, before: Sources) -> bool:
+    def _is_same(self, question: Question, before: CheckSources) -> bool:
         if question[0] == CHECKED:
             return before.checked_as(question[1]) == self.sources.checked_as(question[1])
         return digest_of(before.world.answer(question)) == self._digest(question)

@@ -21,7 +21,7 @@ from ur.source.progress import Progress, counted
 _STRUCTURE = ("package.xml", "base.yaml", "CATKIN_IGNORE")  # files that tell how others are checked
 
 
-class Sources:
+class CheckSources:
     """The files that a check of `paths` reads. Raises UserError for a bad path.
 
     `views` are the launch files that are checked, `neighbours` other ones of the same packages, which may include them;

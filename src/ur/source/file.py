@@ -32,6 +32,10 @@ class SourceFile:
         line = bisect_right(starts, offset)
         return Position(line, offset - starts[line - 1] + 1)
 
+    def offset_of_line(self, number: int) -> int:
+        """The offset at which a line (1-based) begins."""
+        return self._starts()[number - 1]
+
     def line(self, number: int) -> str:
         """The text of a line (1-based) without its line break."""
         starts = self._starts()

@@ -2,37 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 
 from ur.check.example_parts import group_example
 from ur.check.rule import LaunchView, Rule, RuleFinding, RuleGroup, launch_example
 from ur.check.survey import is_switched_off
-from ur.launchfile.plan.tags.arguments import ARG_ATTRIBUTES
-from ur.launchfile.plan.tags.body import GROUP_ATTRIBUTES, INCLUDE_ATTRIBUTES, TAGS
-from ur.launchfile.plan.tags.nodes import NODE_ATTRIBUTES, TEST_ATTRIBUTES
-from ur.launchfile.plan.tags.params import PARAM_ATTRIBUTES, ROSPARAM_ATTRIBUTES
-from ur.launchfile.plan.tags.simple import MACHINE_ATTRIBUTES
+from ur.launchfile.plan.tags.body import TAGS
+from ur.launchfile.query.vocabulary import ATTRIBUTES, INSIDE
 from ur.launchfile.syntax import Element
 from ur.source.diagnostic import Severity
 from ur.source.suggest import did_you_mean
 
-_KNOWN: Mapping[str, Sequence[str]] = {
-    "arg": ARG_ATTRIBUTES,
-    "env": ("name", "value"),
-    "group": GROUP_ATTRIBUTES,
-    "include": INCLUDE_ATTRIBUTES,
-    "machine": MACHINE_ATTRIBUTES,
-    "node": NODE_ATTRIBUTES,
-    "param": PARAM_ATTRIBUTES,
-    "remap": ("from", "to"),
-    "rosparam": ROSPARAM_ATTRIBUTES,
-    "test": TEST_ATTRIBUTES,
-}
 _REFUSED = frozenset({"ros-root", "ros-package-path", "ros-ip", "ros-hostname"})  # obsolete-machine speaks of these
 
 
 def _find_unknown_attributes(element: Element, _view: LaunchView) -> Iterable[RuleFinding]:
-    known = _KNOWN.get(element.name)
+    known = ATTRIBUTES.get(element.name)
     if known is None:
         return
     for name in element.attributes:
@@ -46,16 +31,12 @@ def _find_unknown_attributes(element: Element, _view: LaunchView) -> Iterable[Ru
         )
 
 
-_IN_NODE = ("remap", "param", "rosparam", "env")
-_INSIDE = {"launch": TAGS, "group": TAGS, "include": ("arg", "env"), "node": _IN_NODE, "test": _IN_NODE}
-
-
 def _find_unknown_tags(view: LaunchView) -> Iterable[RuleFinding]:
     # Resolving reports those that take part; here are the others, in branches that a condition leaves out.
     stack = [view.tree.launch] if view.tree.launch else []
     while stack:
         element = stack.pop()
-        known = _INSIDE.get(element.name)
+        known = INSIDE.get(element.name)
         if known is None:
             continue
         for child in element.elements:
@@ -68,7 +49,7 @@ def _find_unknown_tags(view: LaunchView) -> Iterable[RuleFinding]:
                 yield _explain(child, element, known)
 
 
-def _explain(child: Element, parent: Element, known: tuple[str, ...]) -> RuleFinding:
+def _explain(child: Element, parent: Element, known: Sequence[str]) -> RuleFinding:
     near = did_you_mean(child.name, known)
     return RuleFinding(
         child.span,

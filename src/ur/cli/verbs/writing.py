@@ -148,6 +148,22 @@ WRITING = (
         needs_ros=False,
     ),
     Verb(
+        "lsp",
+        "ur.cli.files.lsp",
+        "Serve an editor: findings while you type, completion, definitions.",
+        _SECTION,
+        examples=(
+            ("ur lsp", "Serve the editor that started it; see docs/how-to/edit-launch-files.md."),
+            ("ur lsp --stdio", "The same, for editors that give this option."),
+        ),
+        trust=Trust(
+            f"{LAUNCH}; requests of the editor that started it",
+            starts="pip, to install pygls when it is used first",
+            writes="nothing: the editor changes files",
+        ),
+        needs_ros=False,
+    ),
+    Verb(
         "docs",
         "ur.cli.files.docs",
         "Write documents of launch files: one page, or a web site.",

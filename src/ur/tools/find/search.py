@@ -71,7 +71,7 @@ def _everything(
         if "arg" in kinds:
             yield from _arguments(view)
         if kinds & {"node", "topic", "param"}:
-            yield from _resolved(view, world, kinds)
+            yield from find_resolved(view, world, kinds)
     if "arg" in kinds:
         for path in targets.programs:
             yield from _in_program(path, world)
@@ -112,6 +112,15 @@ def _files(view: LaunchView, files: Sequence[str]) -> Iterator[Occurrence]:
             for path in files:
                 if path != view.path and pattern.search(path):
                     yield Occurrence("file", path, False, element.value_span(attribute), f"<{element.name}>")
+
+
+def find_resolved(
+    view: LaunchView, world: CachedWorld, kinds: frozenset[Kind], *, follow: bool = True
+) -> Iterator[Occurrence]:
+    """Nodes, topics and parameters of a launch file in every case. Without `follow`, only those of the file itself."""
+    for each in _resolved(view, world, kinds):
+        if follow or each.span.file.path == view.path:
+            yield each
 
 
 def _resolved(view: LaunchView, world: CachedWorld, kinds: frozenset[Kind]) -> Iterator[Occurrence]:

@@ -116,10 +116,11 @@ def same_plans(path: str, data: bytes, new: bytes, package: Package | None, worl
 def _plans(path: str, package: Package | None, world: World) -> Iterator[object]:
     cached = CachedWorld(world)
     for resolved in resolve_cases(survey_launch_file(path, package, cached), cached):
-        yield resolved.case, _meaning(resolved.plan)
+        yield resolved.case, describe_plan(resolved.plan)
 
 
-def _meaning(plan: Plan) -> object:
+def describe_plan(plan: Plan) -> object:
+    """A plan as a value to compare: all that it means, without the places of origin."""
     reported = Counter((found.severity, found.rule, found.message) for found in plan.diagnostics)
     return reported, [
         _plain(getattr(plan, field.name)) for field in fields(plan) if field.name not in ("diagnostics", "files")

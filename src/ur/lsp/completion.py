@@ -1,0 +1,179 @@
+"""Candidates for what is typed: tags, attributes, packages, programs, files, arguments and values."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from contextlib import suppress
+from dataclasses import dataclass
+from typing import Literal
+
+from ur.check.rule import LaunchView
+from ur.complete.completions import Completion
+from ur.complete.launch import complete_packages, complete_paths
+from ur.launchfile.query.vocabulary import ATTRIBUTES, CONDITIONS, DOCUMENTS, INSIDE, REQUIRED, find_choices
+from ur.launchfile.syntax.substitution import COMMANDS
+from ur.launchfile.world.protocol import PackageNotFound
+from ur.lsp.documents import document_of
+from ur.lsp.names import expand_everywhere, find_files
+from ur.lsp.place import CursorPlace, OpenTag, find_place
+from ur.lsp.workspace import Workspace
+
+CandidateKind = Literal["tag", "attribute", "package", "program", "file", "folder", "argument", "value", "rule"]
+_OPEN = re.compile(r"\$\((\w*)(?:\s+([^)\s]*))?\Z")
+_FOUND = re.compile(r"(\$\(find\s+([\w.-]+)\s*\)|\$\(dirname\))((?:/[^/$]*)*)\Z")
+
+
+@dataclass(frozen=True, slots=True)
+class Candidate:
+    """Something to insert between two offsets. `more`: another candidate may follow at once."""
+
+    label: str
+    kind: CandidateKind
+    insert: str
+    start: int
+    end: int
+    help: str = ""
+    document: str = ""
+    more: bool = False
+
+
+def complete(workspace: Workspace, path: str, offset: int) -> list[Candidate]:
+    """The candidates at a place of a launch file, best first."""
+    view = workspace.view(path)
+    if view is None:
+        return []
+    text = view.tree.source.text
+    place = find_place(text, offset)
+    if place.kind == "text" and place.inside not in ("", "rosparam"):
+        return [*_tags(place, text)]
+    if place.kind in ("tag", "text"):
+        return [*_tags(place, text)]
+    if place.kind == "attribute" and place.tag is not None:
+        return [*_attributes(place, place.tag, text)]
+    if place.kind == "value" and place.tag is not None:
+        return [*_values(place, place.tag, view, workspace)]
+    return []
+
+
+def _tags(place: CursorPlace, text: str) -> Iterator[Candidate]:
+    bracket = "" if text[: place.start].endswith("<") else "<"
+    inside = place.inside
+    if inside and not place.begin and bracket == "":
+        yield Candidate(f"/{inside}>", "tag", f"/{inside}>", place.start, place.end, f"closes <{inside}>")
+    for tag in INSIDE.get(inside, ()):
+        if tag.startswith(place.begin):
+            needed = " ".join(f'{name}=""' for name in REQUIRED.get(tag, ()))
+            end = "></launch>" if tag == "launch" else "></group>" if tag == "group" else "/>"
+            insert = f"{bracket}{tag}{' ' if needed else ''}{needed}{end}"
+            yield Candidate(tag, "tag", insert, place.start, max(place.end, place.start), "", DOCUMENTS.get(tag, ""))
+
+
+def _attributes(place: CursorPlace, tag: OpenTag, text: str) -> Iterator[Candidate]:
+    written = text[place.end : place.end + 1] == "="
+    known = [each for each in (*ATTRIBUTES.get(tag.name, ()), *CONDITIONS) if each.startswith(place.begin)]
+    needed = REQUIRED.get(tag.name, ())
+    for name in sorted(known, key=lambda each: each not in needed):
+        if name not in tag.values or name == text[place.start : place.end]:
+            insert = name if written else f'{name}=""'
+            document = DOCUMENTS.get(name, "")
+            yield Candidate(
+                name, "attribute", insert, place.start, place.end, "required" if name in needed else "", document
+            )
+
+
+def _values(place: CursorPlace, tag: OpenTag, view: LaunchView, workspace: Workspace) -> Iterator[Candidate]:
+    opened = _OPEN.search(place.begin)
+    if opened is not None:
+        yield from _substitutions(place, opened, view, workspace)
+        return
+    for choice in find_choices(tag.name, place.attribute):
+        if choice.startswith(place.begin):
+            yield Candidate(choice, "value", choice, place.start, place.end)
+    if place.attribute in ("pkg", "type") and tag.name in ("node", "test"):
+        yield from _programs(place, tag, view, workspace)
+    elif tag.name == "arg" and place.attribute == "name" and place.inside == "include":
+        yield from _passed(place, view, workspace)
+    elif tag.name == "arg" and place.attribute == "value" and place.inside == "include":
+        name = view.tree.source.text[slice(*tag.values.get("name", (0, 0)))]
+        if name in view.declared:
+            yield Candidate(f"$(arg {name})", "argument", f"$(arg {name})", place.start, place.end, "of this file")
+    elif place.attribute == "machine":
+        machines = {each.name for _, plan, _ in workspace.cases(view) for each in plan.machines}
+        yield from (Candidate(each, "value", each, place.start, place.end) for each in sorted(machines))
+    yield from _files(place, view, workspace)
+
+
+def _substitutions(
+    place: CursorPlace, opened: re.Match[str], view: LaunchView, workspace: Workspace
+) -> Iterator[Candidate]:
+    command, word = opened.group(1), opened.group(2)
+    start = place.start + opened.start(1)
+    close = "" if view.tree.source.text[place.end - 1 : place.end] == ")" and place.end > start else ")"
+    if word is None:
+        for each in (*COMMANDS, "eval"):
+            if each.startswith(command):
+                yield Candidate(
+                    each, "value", each if each == "dirname" else f"{each} ", start, start + len(command), more=True
+                )
+        return
+    start = place.start + opened.start(2)
+    end = start + len(word)
+    if command == "arg":
+        for name in view.declared:
+            if name.startswith(word):
+                yield Candidate(name, "argument", f"{name}{close}", start, end, "", document_of(name, view))
+    elif command == "find":
+        found = complete_packages(word, workspace.world)
+        yield from (Candidate(each.text, "package", f"{each.text}{close}", start, end) for each in found)
+    elif command in ("env", "optenv"):
+        known = sorted(each for each in workspace.world.environment if each.startswith(word))
+        yield from (Candidate(each, "value", f"{each}{close}", start, end) for each in known)
+
+
+def _programs(place: CursorPlace, tag: OpenTag, view: LaunchView, workspace: Workspace) -> Iterator[Candidate]:
+    if place.attribute == "pkg":
+        found = complete_packages(place.begin, workspace.world)
+        yield from (Candidate(each.text, "package", each.text, place.start, place.end) for each in found)
+        return
+    written = view.tree.source.text[slice(*tag.values.get("pkg", (0, 0)))]
+    names: set[str] = set()
+    for package in expand_everywhere(written, view, place.start, workspace):
+        with suppress(PackageNotFound, OSError, ValueError):
+            names.update(workspace.world.executable_names(package))
+    known = sorted(each for each in names if each.startswith(place.begin))
+    yield from (Candidate(each, "program", each, place.start, place.end) for each in known)
+
+
+def _passed(place: CursorPlace, view: LaunchView, workspace: Workspace) -> Iterator[Candidate]:
+    include = place.parents[-1]
+    span = include.values.get("file", (0, 0))
+    for file in find_files(view.tree.source.text[slice(*span)], view, span[0], workspace):
+        included = workspace.view(file)
+        for name, elements in included.declared.items() if included is not None else ():
+            if name.startswith(place.begin) and not any("value" in each.attributes for each in elements):
+                assert included is not None
+                default = elements[0].attributes.get("default")
+                help_ = "required" if default is None else f"default {default!r}"
+                yield Candidate(name, "argument", name, place.start, place.end, help_, document_of(name, included))
+
+
+def _files(place: CursorPlace, view: LaunchView, workspace: Workspace) -> Iterator[Candidate]:
+    found = _FOUND.search(place.begin)
+    if found is not None and found.group(3):
+        folders = expand_everywhere(found.group(1), view, place.start, workspace)
+        start = place.start + found.start(3)
+        prefixes = [(folder, found.group(3)) for folder in folders]
+    elif place.attribute in ("file", "textfile", "binfile") and "$" not in place.begin:
+        start, prefixes = place.start, [("", place.begin)]
+    else:
+        return
+    for folder, begin in prefixes:
+        for each in complete_paths(f"{folder}{begin}", workspace.world, every=True):
+            yield _file(each, folder, start, place.end)
+
+
+def _file(each: Completion, folder: str, start: int, end: int) -> Candidate:
+    insert = each.text.removeprefix(folder)
+    name = insert.rstrip("/").rpartition("/")[2] + ("/" if each.open else "")
+    return Candidate(name, "folder" if each.open else "file", insert, start, end, each.help, "", each.open)

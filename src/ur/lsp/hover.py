@@ -1,0 +1,105 @@
+"""Text about the thing at a place, as Markdown: documentation, values in each case, what a node does."""
+
+from __future__ import annotations
+
+from ur.check.rule import LaunchView
+from ur.launchfile.plan.specs import NodeSpec
+from ur.launchfile.query.topics import find_name_uses
+from ur.launchfile.query.vocabulary import DOCUMENTS, find_choices
+from ur.lsp.definitions import find_packages, find_programs, included_by
+from ur.lsp.documents import document_of, summary_of
+from ur.lsp.names import NamedThing, arguments_before, expand_everywhere, find_files, find_name_at
+from ur.lsp.workspace import Workspace
+from ur.source.file import Span
+
+_MOST = 8  # cases, topics
+
+
+def describe_place(workspace: Workspace, path: str, offset: int) -> tuple[str, Span] | None:
+    """Markdown about the thing at a place, and the text that it is about; None where there is nothing to say."""
+    view = workspace.view(path)
+    thing = find_name_at(view.tree.source, offset) if view is not None else None
+    if view is None or thing is None:
+        return None
+    parts = [each for each in (_describe(thing, view, workspace), _expansion(thing, view, workspace)) if each]
+    return ("\n\n".join(parts), thing.span) if parts else None
+
+
+def _describe(thing: NamedThing, view: LaunchView, workspace: Workspace) -> str:
+    if thing.kind in ("tag", "attribute"):
+        choices = find_choices(thing.place.tag.name if thing.place.tag else "", thing.name)
+        return " ".join([DOCUMENTS.get(thing.name, ""), f"One of {', '.join(choices)}." if choices else ""]).strip()
+    if thing.kind == "arg":
+        return _describe_argument(thing.name, view, workspace)
+    if thing.kind == "passed":
+        views = (workspace.view(each) for each in included_by(thing, view, workspace))
+        known = [each for each in views if each is not None and thing.name in each.declared]
+        return "\n\n".join(_describe_argument(thing.name, each, workspace) for each in known[:1])
+    if thing.kind == "package":
+        return "\n".join(f"package `{thing.name}` in `{folder}`" for folder in find_packages(thing, view, workspace))
+    if thing.kind == "program":
+        return "\n\n".join(f"runs `{each}`" for each in find_programs(thing, view, workspace)[:_MOST])
+    if thing.kind == "file":
+        files = find_files(thing.name, view, thing.span.start, workspace)
+        return "\n\n".join(
+            " — ".join(filter(None, (f"`{each}`", summary_of(each, workspace)))) for each in files[:_MOST]
+        )
+    if thing.kind == "node":
+        return _describe_node(thing, view, workspace)
+    return ""
+
+
+def _describe_argument(name: str, view: LaunchView, workspace: Workspace) -> str:
+    elements = view.declared.get(name, ())
+    if not elements:
+        return f"argument `{name}` is not declared in this file"
+    kind = next(
+        (f'{each}="{elements[0].attributes[each]}"' for each in ("default", "value") if each in elements[0].attributes),
+        "required",
+    )
+    values: dict[str, list[str]] = {}
+    for case in workspace.cases(view):
+        value = arguments_before(case, view, len(view.tree.source.text)).get(name)
+        if value is not None and "ǂ" not in value:
+            values.setdefault(value, []).append(case[0])
+    lines = [f"**{name}** ({kind})", document_of(name, view)]
+    return "\n\n".join(filter(None, (*lines, _list_values(values))))
+
+
+def _list_values(values: dict[str, list[str]]) -> str:
+    if len(values) == 1:
+        return f"value: `{next(iter(values))}`"
+    rows = [f"- `{value}` with {', '.join(filter(None, cases)) or 'no argument'}" for value, cases in values.items()]
+    more = [f"- and {len(rows) - _MOST} other values"] if len(rows) > _MOST else []
+    return "\n".join([*rows[:_MOST], *more])
+
+
+def _expansion(thing: NamedThing, view: LaunchView, workspace: Workspace) -> str:
+    place = thing.place
+    if place.kind != "value" or thing.kind == "file":
+        return ""
+    value = view.tree.source.text[place.start : place.end]
+    if "$(" not in value or value == f"$(arg {thing.name})":
+        return ""
+    results = expand_everywhere(value, view, place.start, workspace)
+    return _list_values({result: [labels] for result, labels in results.items()}) if results else ""
+
+
+def _describe_node(thing: NamedThing, view: LaunchView, workspace: Workspace) -> str:
+    start = thing.place.tag.start if thing.place.tag is not None else -1
+    for _, plan, _ in workspace.cases(view):
+        for node in plan.all_nodes():
+            if node.origin.span.start == start and node.origin.span.file.path == view.path:
+                return describe_node(node)
+    return ""
+
+
+def describe_node(node: NodeSpec) -> str:
+    """A node as Markdown: its program and the names that it is known to use."""
+    lines = [f"node `{node.full_name}` runs `{node.type}` of package `{node.package}`"]
+    uses = find_name_uses(node)
+    for use in dict.fromkeys(each.use for each in uses):
+        names = [each.name for each in uses if each.use == use]
+        shown = ", ".join(f"`{name}`" for name in names[:_MOST]) + (", ..." if len(names) > _MOST else "")
+        lines.append(f"- {(use or 'uses').replace('-', ' ')} {shown}")
+    return "\n".join(lines)

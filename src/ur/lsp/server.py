@@ -1,0 +1,96 @@
+"""The language server: requests of an editor to functions of the workspace, and findings back to the editor."""
+
+from __future__ import annotations
+
+import asyncio
+import time
+
+from lsprotocol import types
+from pygls.lsp.server import LanguageServer
+from pygls.workspace import TextDocument
+
+from ur.lsp.convert import Units, move_span, path_of, uri_of
+from ur.lsp.workspace import MakeWorld, Workspace
+from ur.source.file import SourceFile
+
+_TURN = 0.005  # seconds of work before the next message is looked at
+
+
+class LaunchServer(LanguageServer):
+    """A server for the launch files of an editor's folders."""
+
+    def __init__(self, version: str, make_world: MakeWorld) -> None:
+        super().__init__("ur", version, text_document_sync_kind=types.TextDocumentSyncKind.Incremental)
+        self.make_world = make_world
+        self.files = Workspace([], make_world)
+        self.units = Units(types.PositionEncodingKind.Utf16)
+        self._published: dict[str, object] = {}
+        self._first: list[str] = []
+        self._working: asyncio.Task[None] | None = None
+
+    def begin(self, folders: list[str]) -> None:
+        """Open folders, in place of those that were open."""
+        self.files = Workspace(folders, self.make_world)
+        self.units = Units(self.workspace.position_encoding or types.PositionEncodingKind.Utf16)
+
+    def take(self, uri: str, document: TextDocument | None) -> None:
+        """Take the text of a document, or with None that of the file, and find what is wrong in it."""
+        path = path_of(uri)
+        if path is None:
+            return
+        if document is None:
+            self.files.drop_text(path)
+        else:
+            self.files.set_text(path, document.source)
+        self.find(path)
+
+    def find(self, path: str) -> None:
+        """Find what is wrong, in `path` first."""
+        self._first = [path, *(each for each in self._first if each != path)][:8]
+        if self._working is None or self._working.done():
+            self._working = asyncio.get_running_loop().create_task(self._work())
+
+    async def _work(self) -> None:
+        while True:
+            version = self.files.version
+            began = time.monotonic()
+            for touched in self.files.steps(self._first):
+                self._publish(touched)
+                if time.monotonic() - began > _TURN:
+                    await asyncio.sleep(0)
+                    began = time.monotonic()
+                if self.files.version != version:
+                    break
+            else:
+                return
+
+    def _publish(self, paths: frozenset[str]) -> None:
+        for path in paths:
+            if not path.startswith("/"):
+                continue
+            found = self._diagnostics(path)
+            if found != self._published.get(path, []):
+                self._published[path] = found
+                self.text_document_publish_diagnostics(types.PublishDiagnosticsParams(uri_of(path), found))
+
+    def _diagnostics(self, path: str) -> list[types.Diagnostic]:
+        now: SourceFile | None = None
+        diagnostics = []
+        for found in self.files.findings_of(path):
+            assert found.span is not None
+            if now is None:
+                try:
+                    now = self.files.source(path)
+                except OSError:
+                    now = found.span.file
+            span = move_span(found.span, now)
+            if span is not None:
+                diagnostics.append(self.units.diagnostic(found, span))
+        return diagnostics
+
+    def read(self, path: str) -> SourceFile:
+        """The text of a file, empty where it cannot be read."""
+        try:
+            return self.files.source(path)
+        except OSError:
+            return SourceFile(path, "")

@@ -1,0 +1,76 @@
+"""The places of one argument: its declaration, its uses, where other files pass it, and where programs give it.
+
+With `pass_all_args`, an argument of the including file and that of the included one are the same.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator, Mapping, Set
+
+from ur.check.inclusion import IncludeFinder
+from ur.check.rule import LaunchView
+from ur.check.survey import walk_elements
+from ur.launchfile.syntax import Element
+from ur.source.file import SourceFile, Span
+from ur.tools.find.occurrences import Occurrence
+
+_COMMENT = re.compile(r"\s*(\w+)\s*:")
+
+
+def find_sharing_files(path: str, name: str, views: Mapping[str, LaunchView]) -> Set[str]:
+    """The files that have an argument in common: `path`, and those that get or give it by `pass_all_args`."""
+    finder = IncludeFinder(views.values())
+    links: dict[str, set[str]] = {}
+    for view in views.values():
+        for element in _includes_of(view):
+            if element.attributes.get("pass_all_args", "false").lower() != "false":
+                for other in finder.files_of(element, view):
+                    if name in view.declared and name in views[other].declared:
+                        links.setdefault(view.path, set()).add(other)
+                        links.setdefault(other, set()).add(view.path)
+    found, waiting = {path}, [path]
+    while waiting:
+        new = links.get(waiting.pop(), set()) - found
+        found |= new
+        waiting.extend(new)
+    return found
+
+
+def find_argument(
+    path: str, name: str, views: Mapping[str, LaunchView], programs: Iterable[SourceFile] = ()
+) -> Iterator[Occurrence]:
+    """Every place of the argument `name` of the launch file `path`."""
+    files = find_sharing_files(path, name, views)
+    finder = IncludeFinder(views.values())
+    for file in sorted(files):
+        view = views[file]
+        for element in view.declared.get(name, ()):
+            yield Occurrence("arg", name, True, element.value_span("name"))
+        yield from (Occurrence("arg", name, False, span) for span in view.used.get(name, ()))
+        yield from _comments(view, name)
+    for view in views.values():
+        for include in _includes_of(view):
+            if files.isdisjoint(finder.files_of(include, view)):
+                continue
+            for child in include.elements:
+                if child.name == "arg" and child.attributes.get("name") == name:
+                    yield Occurrence("arg", name, False, child.value_span("name"), "handed on")
+    names = {file.rpartition("/")[2] for file in files}
+    for source in programs:
+        if any(each in source.text for each in names):
+            for match in re.finditer(rf"(?<![\w$]){re.escape(name)}(?=:=)", source.text):
+                yield Occurrence("arg", name, False, Span(source, *match.span()), "given")
+
+
+def _includes_of(view: LaunchView) -> Iterator[Element]:
+    return (element for element, _ in walk_elements(view.tree.launch) if element.name == "include")
+
+
+def _comments(view: LaunchView, name: str) -> Iterator[Occurrence]:
+    # <!--name: documentation-->
+    for comment in view.tree.launch.comments if view.tree.launch is not None else ():
+        match = _COMMENT.match(comment.text)
+        if match and match.group(1) == name:
+            start = comment.span.start + len("<!--") + match.start(1)
+            yield Occurrence("arg", name, False, Span(comment.span.file, start, start + len(name)), "documented")

@@ -1,0 +1,104 @@
+"""A client of `ur lsp` over standard input and output, as an editor is one."""
+
+from __future__ import annotations
+
+import asyncio
+import os
+import sys
+from collections.abc import AsyncIterator, Sequence
+from contextlib import asynccontextmanager
+from pathlib import Path
+
+from lsprotocol import types
+from pygls.lsp.client import LanguageClient
+
+PATIENCE = 60  # seconds
+
+
+class Editor:
+    """Documents that are open, and what the server has published about them."""
+
+    def __init__(self, client: LanguageClient, folder: Path) -> None:
+        self.client = client
+        self.folder = folder
+        self.published: dict[str, list[types.Diagnostic]] = {}
+        self.texts: dict[str, str] = {}
+        self._news = asyncio.Event()
+        self._version = 0
+
+    def take(self, params: types.PublishDiagnosticsParams) -> None:
+        self.published[params.uri] = list(params.diagnostics)
+        self._news.set()
+
+    def uri(self, name: str) -> str:
+        return (self.folder / name).as_uri()
+
+    def document(self, name: str) -> types.TextDocumentIdentifier:
+        return types.TextDocumentIdentifier(self.uri(name))
+
+    def open(self, name: str, text: str | None = None) -> None:
+        text = (self.folder / name).read_text() if text is None else text
+        self.texts[name] = text
+        item = types.TextDocumentItem(self.uri(name), "xml", 1, text)
+        self.client.text_document_did_open(types.DidOpenTextDocumentParams(item))
+
+    def replace(self, name: str, old: str, new: str) -> None:
+        """Replace a text that occurs once, as typing does."""
+        text = self.texts[name]
+        assert text.count(old) == 1, old
+        start = text.index(old)
+        self._version += 1
+        change = types.TextDocumentContentChangePartial(
+            types.Range(position_of(text, start), position_of(text, start + len(old))), new
+        )
+        document = types.VersionedTextDocumentIdentifier(self._version, self.uri(name))
+        self.client.text_document_did_change(types.DidChangeTextDocumentParams(document, [change]))
+        self.texts[name] = text.replace(old, new)
+
+    async def wait_for(self, name: str, codes: Sequence[str]) -> list[types.Diagnostic]:
+        """Wait until exactly these rules are published for a file."""
+        while sorted(str(each.code) for each in self.published.get(self.uri(name), [])) != sorted(codes):
+            self._news.clear()
+            try:
+                await asyncio.wait_for(self._news.wait(), PATIENCE)
+            except asyncio.TimeoutError:
+                raise AssertionError(f"{self.published.get(self.uri(name))}, expected {codes}") from None
+        return self.published.get(self.uri(name), [])
+
+    def at(self, name: str, text: str, shift: int = 0) -> types.Position:
+        """The position of the first letter of a text that occurs once."""
+        assert self.texts[name].count(text) == 1, text
+        return position_of(self.texts[name], self.texts[name].index(text) + shift)
+
+
+def position_of(text: str, offset: int) -> types.Position:
+    before = text[:offset]
+    column = len(before.rpartition("\n")[2].encode("utf-16-le")) // 2
+    return types.Position(before.count("\n"), column)
+
+
+@asynccontextmanager
+async def open_editor(folder: Path, environment: dict[str, str] | None = None) -> AsyncIterator[Editor]:
+    """A server on a folder, initialised; it ends with the context."""
+    client = LanguageClient("tests", "1")
+    editor = Editor(client, folder)
+
+    @client.feature(types.TEXT_DOCUMENT_PUBLISH_DIAGNOSTICS)  # type: ignore[untyped-decorator]
+    def _take(params: types.PublishDiagnosticsParams) -> None:
+        editor.take(params)
+
+    variables = {**os.environ, "ROS_PACKAGE_PATH": "", **(environment or {})}
+    await client.start_io(sys.executable, "-I", "-m", "ur", "lsp", env=variables)
+    try:
+        await client.initialize_async(
+            types.InitializeParams(
+                capabilities=types.ClientCapabilities(),
+                workspace_folders=[types.WorkspaceFolder(folder.as_uri(), folder.name)],
+            )
+        )
+        client.initialized(types.InitializedParams())
+        yield editor
+    finally:
+        await client.shutdown_async(None)
+        client.exit(None)
+        await client.stop()  # type: ignore[no-untyped-call]

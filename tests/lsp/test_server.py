@@ -1,0 +1,106 @@
+"""`ur lsp` as an editor uses it: a process, the protocol, and a workspace on the disk."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+pytest.importorskip("pygls", reason="pygls is not installed: requirements/lsp.lock")
+
+from lsprotocol import types
+from tests.lsp.client import open_editor
+
+BRINGUP = """<launch>
+  <arg name="robot" default="bob"/>
+  <!--robot: The robot's name.-->
+  <include file="$(find my_robot)/launch/part.launch.xml">
+    <arg name="speed" value="0.5"/>
+  </include>
+  <node name="talker" pkg="my_robot" type="talk" args="$(arg robot)"/>
+</launch>
+"""
+PART = """<launch>
+  <!--Summary: Sets the speed.-->
+  <arg name="speed"/>
+  <!--speed: How fast it drives, in m/s.-->
+  <param name="speed" value="$(arg speed)"/>
+</launch>
+"""
+
+
+@pytest.fixture
+def package(tmp_path: Path) -> Path:
+    folder = tmp_path / "my_robot"
+    (folder / "launch").mkdir(parents=True)
+    (folder / "scripts").mkdir()
+    (folder / "package.xml").write_text("<package><name>my_robot</name></package>")
+    (folder / "launch/bringup.launch").write_text(BRINGUP)
+    (folder / "launch/part.launch.xml").write_text(PART)
+    program = folder / "scripts/talk"
+    program.write_text("#!/bin/sh\n")
+    program.chmod(0o755)
+    return folder
+
+
+async def test_server_answers_an_editor_from_start_to_end(package: Path) -> None:
+    name = "launch/bringup.launch"
+    async with open_editor(package) as editor:
+        editor.open(name)
+        editor.replace(name, "$(arg robot)", "$(arg robt)")
+        (found,) = await editor.wait_for(name, ["undeclared-argument"])
+        assert found.range.start == editor.at(name, "$(arg robt)")
+        editor.replace(name, "$(arg robt)", "$(arg robot)")
+        await editor.wait_for(name, [])
+        editor.replace(name, '"speed"', '"sped"')
+        await editor.wait_for(name, ["missing-argument", "unknown-argument"])
+        editor.replace(name, '"sped"', '"speed"')
+        await editor.wait_for(name, [])
+
+        client = editor.client
+        document = editor.document(name)
+        hover = await client.text_document_hover_async(types.HoverParams(document, editor.at(name, "arg robot)", 5)))
+        assert hover is not None
+        assert isinstance(hover.contents, types.MarkupContent)
+        assert "The robot's name." in hover.contents.value
+        assert "`bob`" in hover.contents.value
+        found_at = await client.text_document_definition_async(
+            types.DefinitionParams(document, editor.at(name, "part.launch.xml"))
+        )
+        assert isinstance(found_at, list)
+        assert [each.uri for each in found_at if isinstance(each, types.Location)] == [
+            editor.uri("launch/part.launch.xml")
+        ]
+        places = await client.text_document_references_async(
+            types.ReferenceParams(types.ReferenceContext(True), document, editor.at(name, '"speed"', 1))
+        )
+        assert places is not None
+        assert {(each.uri.rpartition("/")[2], each.range.start.line) for each in places} == {
+            ("part.launch.xml", 2),
+            ("part.launch.xml", 3),
+            ("part.launch.xml", 4),
+            ("bringup.launch", 4),
+        }
+        offered = await client.text_document_completion_async(
+            types.CompletionParams(document, editor.at(name, "$(arg robot)", 6))
+        )
+        assert isinstance(offered, list)
+        assert [each.label for each in offered] == ["robot"]
+        symbols = await client.text_document_document_symbol_async(types.DocumentSymbolParams(document))
+        assert symbols is not None
+        assert [each.name for each in symbols] == ["robot", "$(find my_robot)/launch/part.launch.xml", "talker"]
+        edits = await client.text_document_formatting_async(
+            types.DocumentFormattingParams(document, types.FormattingOptions(2, True))
+        )
+        assert edits is not None
+        assert [line for line in edits[0].new_text.splitlines() if line not in BRINGUP.splitlines()] == [
+            '  <node args="$(arg robot)" name="talker" pkg="my_robot" type="talk"/>'
+        ]
+        editor.replace(name, 'pkg="my_robot" ', 'pkg="my_robot" output="scren" ')
+        await editor.wait_for(name, ["bad-choice"])
+        place = editor.at(name, "scren")
+        actions = await client.text_document_code_action_async(
+            types.CodeActionParams(document, types.Range(place, place), types.CodeActionContext([]))
+        )
+        assert actions is not None
+        assert [each.title for each in actions] == ["Change to 'screen'", "Hide 'bad-choice' here"]
