@@ -6,11 +6,19 @@ import os
 import subprocess
 from pathlib import Path
 
+from ur.system.ros import users_of_domains
+
 ROOT = Path(__file__).parents[1]
 PYTHON = ROOT / ".ros2/bin/python"
 """Python with the wheels of ROS 2; missing where there are none for the processor."""
 
 _PATIENCE = 10.0  # s
+
+
+def free_domain() -> str:
+    """A domain in which no node of this computer is."""
+    used = users_of_domains()
+    return str(next(each for step in range(59) if (each := 1 + (os.getpid() + step) % 59) not in used))
 
 
 class Ros2Session:
@@ -22,7 +30,7 @@ class Ros2Session:
             "AMENT_PREFIX_PATH": str(ROOT / ".ros2"),
             "PYTHONPATH": str(ROOT),
             "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
-            "ROS_DOMAIN_ID": str(1 + os.getpid() % 100),
+            "ROS_DOMAIN_ID": free_domain(),
             "ROS_LOG_DIR": str(folder),
             "ROS_VERSION": "2",
             "UR_FACTS": str(folder / "facts.json"),

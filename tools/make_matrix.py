@@ -33,9 +33,9 @@ Made by `tools/make_matrix.py`: edit the programs, the bases or `tests/e2e/matri
 
 ## On which base
 
-A test runs every program on every base in the simulator, without a display: every topic comes at its rate, the frames
-are one tree, nothing is said on standard error, and nothing is left at the end. Where a base cannot do it, the program
-says in one line what it lacks. `bench/matrix` runs the same and prints it.
+A test runs every program on every base in the simulator, without a display, on ROS 1 and on ROS 2: every topic comes at
+its rate, the frames are one tree, nothing is said on standard error, and nothing is left at the end. Where a base
+cannot do it, the program says in one line what it lacks. `bench/matrix [--ros 2]` runs the same and prints it.
 """
 _SHOWS = """\
 ## What they show

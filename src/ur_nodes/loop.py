@@ -188,7 +188,7 @@ class Worker:
 
     def __init__(self, name: str) -> None:
         self._name = name
-        self._jobs: queue.SimpleQueue[Callable[[], None]] = queue.SimpleQueue()
+        self._jobs: queue.SimpleQueue[Callable[[], None] | None] = queue.SimpleQueue()  # None: the end
         self._thread: threading.Thread | None = None
 
     def add(self, job: Callable[[], None]) -> None:
@@ -204,9 +204,19 @@ class Worker:
             while True:
                 self._jobs.get_nowait()
 
+    def end(self) -> None:
+        """Forget the jobs that wait, and end the thread after the one that runs."""
+        self.drop()
+        self._jobs.put(None)
+
+    def join(self, within: float) -> None:
+        """Wait for the end, at most `within` s."""
+        if self._thread is not None:
+            self._thread.join(within)
+
     def _run(self) -> None:
-        while True:
-            self._jobs.get()()
+        while (job := self._jobs.get()) is not None:
+            job()
 
 
 def run_aside(call: Callable[[], None]) -> None:

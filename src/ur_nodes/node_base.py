@@ -14,6 +14,7 @@ from ur_nodes.ports.log import Log
 Value = TypeVar("Value")
 
 _END_LIMIT = 3.0  # s, besides the time that the jobs of the end have
+_JOB_LIMIT = 2.0  # s for jobs that still run: Python aborts where it ends while a thread is in a library
 
 
 class LoopNode:
@@ -69,6 +70,11 @@ class LoopNode:
     def finish(self, leave: Callable[[], None]) -> None:
         """Make the calls of the end on the node's thread; after them `leave`, which lets what was sent last leave."""
         self._loop.end(lambda: self._finish(leave), _END_LIMIT + self._end_limit)
+        workers, end = list(self._workers.values()), time.monotonic() + _JOB_LIMIT
+        for worker in workers:
+            worker.end()
+        for worker in workers:
+            worker.join(max(0.0, end - time.monotonic()))
 
     def _finish(self, leave: Callable[[], None]) -> None:
         for worker in self._workers.values():

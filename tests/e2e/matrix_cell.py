@@ -15,7 +15,8 @@ from pathlib import Path
 from typing import IO, Any
 
 import psutil
-from tests.e2e.conftest import make_environment
+from tests.e2e.conftest import ROOT, make_environment
+from tests.e2e.matrix_ros2 import Ros2Ears, ros2_environment
 from tests.e2e.matrix_table import Cell
 from tests.e2e.matrix_topics import Ears, find_fault, find_tree_faults, measure_rate
 from tests.office_fiducials import write_office_map
@@ -23,6 +24,8 @@ from tests.office_fiducials import write_office_map
 from ur.request.bases.needs import describe_base, describe_need
 from ur.request.bases.robot_facts import read_facts
 from ur.run.master.client import parse_master_uri
+from ur.run.middleware.facts import read_facts as read_file
+from ur.system.ros import read_domain
 
 PATIENCE = 90.0  # s that a run gets to come up, and its topics to come at their rates
 LOOK = 0.1  # s between two looks
@@ -40,11 +43,20 @@ class Result:
 
 
 def try_cell(
-    cell: Cell, folder: Path, patience: float = PATIENCE, environment: Mapping[str, str] | None = None
+    cell: Cell,
+    folder: Path,
+    patience: float = PATIENCE,
+    environment: Mapping[str, str] | None = None,
+    domain: str | None = None,
 ) -> Result:
-    """Run a cell in an empty folder of its own, from its start to its end, with more `environment` than it needs."""
+    """Run a cell in an empty folder of its own, from its start to its end, with more `environment` than it needs.
+
+    With a `domain`, on ROS 2 and in that domain.
+    """
     start = time.monotonic()
     env = _environment(folder) | dict(environment or {})
+    if domain is not None:
+        env = _select_ros2(env, folder, domain)
     result = _try_refusal(cell, folder, env) if cell.lacks else _try_run(cell, folder, env, patience)
     result.seconds = time.monotonic() - start
     return result
@@ -61,6 +73,13 @@ def _words(cell: Cell, folder: Path) -> list[str]:
 
 def _environment(folder: Path) -> dict[str, str]:
     return make_environment(folder) | {"XDG_STATE_HOME": str(folder / "state"), "XDG_RUNTIME_DIR": str(folder / "run")}
+
+
+def _select_ros2(env: dict[str, str], folder: Path, domain: str) -> dict[str, str]:
+    """As `ur use sim --ros 2` does: programs find the rest by themselves, the node that hears topics needs it all."""
+    ours = {name: value for name, value in env.items() if not name.startswith("ROS_")}
+    subprocess.run([str(ROOT / "ur"), "use", "sim", "--ros", "2"], env=ours, capture_output=True, check=True)
+    return ours | ros2_environment(folder, domain)
 
 
 def _try_refusal(cell: Cell, folder: Path, env: dict[str, str]) -> Result:
@@ -91,13 +110,13 @@ def _try_run(cell: Cell, folder: Path, env: dict[str, str], patience: float) -> 
     with _start(cell, folder, env) as run:
         deadline = time.monotonic() + patience
         if run.wait_ready(deadline):
-            _look(cell, run.master_uri, result, deadline)
+            _look(cell, run.master_uri, env, result, deadline)
         else:
             result.faults.append(f"not up after {patience:g} s: {run.describe_missing()}")
         _stop(run, result)
     said = [line for line in run.said if not any(each in line for each in cell.may_say)]
     result.faults += [f"said: {line}" for line in said]
-    left = [process.pid for process in psutil.process_iter(["environ"]) if _is_of(process, env["ROS_MASTER_URI"])]
+    left = [process.pid for process in psutil.process_iter(["environ"]) if _is_of(process, env["XDG_RUNTIME_DIR"])]
     for pid in left:
         os.kill(pid, signal.SIGKILL)
     if left:
@@ -107,12 +126,18 @@ def _try_run(cell: Cell, folder: Path, env: dict[str, str], patience: float) -> 
     return result
 
 
-def _is_of(process: psutil.Process, master_uri: str) -> bool:
-    return (process.info["environ"] or {}).get("ROS_MASTER_URI") == master_uri
+def _is_of(process: psutil.Process, folder: str) -> bool:
+    return (process.info["environ"] or {}).get("XDG_RUNTIME_DIR") == folder
 
 
-def _look(cell: Cell, master_uri: str, result: Result, deadline: float) -> None:
-    ears = Ears(parse_master_uri(master_uri), cell.topics)
+def _listen(cell: Cell, address: str, env: Mapping[str, str]) -> Ears | Ros2Ears:
+    if read_domain(address) is not None:
+        return Ros2Ears(env, cell.topics)
+    return Ears(parse_master_uri(address), cell.topics)
+
+
+def _look(cell: Cell, master_uri: str, env: Mapping[str, str], result: Result, deadline: float) -> None:
+    ears = _listen(cell, master_uri, env)
     right: set[str] = set()  # what came at its rate once does: this computer may have other things to do meanwhile
     try:
         while True:
@@ -127,13 +152,18 @@ def _look(cell: Cell, master_uri: str, result: Result, deadline: float) -> None:
     finally:
         ears.close()
     result.faults += faults
-    if (facts := read_facts(master_uri)) != (cell.base.name, cell.base.variant):
-        result.faults.append(
-            f"the parameter server says that the robot is {facts}, expected {describe_base(cell.base)}"
-        )
+    if (facts := _read_facts(master_uri, env)) != (cell.base.name, cell.base.variant):
+        result.faults.append(f"the run says that the robot is {facts}, expected {describe_base(cell.base)}")
     for topic in cell.topics:
         if topic.rate is not None and (rate := measure_rate(topic, ears.heard[topic.name])):
             result.rates[topic.name] = rate
+
+
+def _read_facts(address: str, env: Mapping[str, str]) -> tuple[object, object] | None:
+    if read_domain(address) is None:
+        return read_facts(address)
+    found = read_file(env["UR_FACTS"])
+    return found.get("base_name"), found.get("variant")
 
 
 def _stop(run: Run, result: Result) -> None:
@@ -208,14 +238,20 @@ class Run:
                 self.nodes[event["name"]] = event
             case "NodeReadiness":
                 self._missing[event["name"]] = event["missing"]
-            case "OutputLine" if event["stream"] == "err" or event["severity"] in ("warning", "error", "fatal"):
+            case "OutputLine" if _complains(event):
                 self._lines.append(f"[{event['name']}] {event['text']}")
             case "Notice" if event["severity"] in ("warning", "error", "fatal"):
                 self._lines.append(event["text"])
 
 
+def _complains(line: Mapping[str, Any]) -> bool:
+    """Whether a line is a warning, or on standard error: where ROS 2 writes its information, too."""
+    informs = line["text"].startswith(("[INFO]", "[DEBUG]"))
+    return line["severity"] in ("warning", "error", "fatal") or (line["stream"] == "err" and not informs)
+
+
 def _is_greeting(line: str) -> bool:
-    return line.startswith(("ROS_MASTER_URI=", "stopping: ")) or " log files in " in line
+    return line.startswith(("ROS_MASTER_URI=", "ROS 2 ", "stopping: ")) or " log files in " in line
 
 
 @contextmanager

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 from tests.e2e.conftest import ROOT, make_environment
-from tests.ros2_session import PYTHON
+from tests.ros2_session import PYTHON, free_domain
 
 pytestmark = [pytest.mark.ros, pytest.mark.timeout(600)]
 
@@ -47,7 +47,7 @@ def shell_of_either(request: pytest.FixtureRequest, shell: Shell) -> Shell:
     if request.param == "2":
         if not PYTHON.exists():
             pytest.skip("no wheels of ROS 2 for this processor")
-        shell.environment["ROS_DOMAIN_ID"] = str(1 + os.getpid() % 59)
+        shell.environment["ROS_DOMAIN_ID"] = free_domain()
         shell.environment["XDG_RUNTIME_DIR"] = str(shell.folder)
         assert shell.ur("use", "sim", "--ros", "2").returncode == 0
     return shell

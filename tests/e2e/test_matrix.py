@@ -1,6 +1,6 @@
-"""Every program on every base and variant, in the simulator: topics, rates, frames, silence, and a clean end.
+"""Every program on every base and variant, on either ROS: topics, rates, frames, silence, and a clean end.
 
-`bench/matrix` runs the same cells and prints them; `docs/reference/programs.md` shows what is expected.
+`bench/matrix [--ros 2]` runs the same cells and prints them; `docs/reference/programs.md` shows what is expected.
 """
 
 from __future__ import annotations
@@ -10,18 +10,31 @@ from pathlib import Path
 import pytest
 from tests.e2e.matrix_cell import try_cell
 from tests.e2e.matrix_table import Cell, list_all_bases, load_cells
+from tests.ros2_session import PYTHON, free_domain
 
-SAMPLE = ("robot_base-stage", "rviz_sonar-stage")  # one that runs and one that is refused: the default suite's
+SAMPLE = {  # the default suite's: one that runs and one that is refused; on ROS 2 one that runs
+    "1": ("robot_base-stage", "rviz_sonar-stage"),
+    "2": ("robot_base-stage",),
+}
 CELLS = load_cells(list_all_bases())
 
 
-def _parameters() -> list[object]:
-    return [pytest.param(cell, id=cell.name, marks=[] if cell.name in SAMPLE else [pytest.mark.long]) for cell in CELLS]
+def _parameters(ros: str) -> list[object]:
+    sample = SAMPLE[ros]
+    return [pytest.param(cell, id=cell.name, marks=[] if cell.name in sample else [pytest.mark.long]) for cell in CELLS]
 
 
 @pytest.mark.ros
 @pytest.mark.timeout(400)
-@pytest.mark.parametrize("cell", _parameters())
+@pytest.mark.parametrize("cell", _parameters("1"))
 def test_program_runs_on_base_or_says_what_it_lacks(cell: Cell, tmp_path: Path) -> None:
     result = try_cell(cell, tmp_path)
+    assert not result.faults, "\n".join(result.faults)
+
+
+@pytest.mark.timeout(400)
+@pytest.mark.skipif(not PYTHON.exists(), reason="no wheels of ROS 2 for this processor")
+@pytest.mark.parametrize("cell", _parameters("2"))
+def test_program_runs_on_base_or_says_what_it_lacks_on_ros_2(cell: Cell, tmp_path: Path) -> None:
+    result = try_cell(cell, tmp_path, domain=free_domain())
     assert not result.faults, "\n".join(result.faults)

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 from tests.e2e.test_joining import Shell
 from tests.e2e.web_page import PROGRAM, Page, open_first, start_server
-from tests.ros2_session import PYTHON
+from tests.ros2_session import PYTHON, free_domain
 
 LAUNCH = str(Path(__file__).with_name("robot.launch"))
 
@@ -25,7 +24,7 @@ pytest.importorskip("aiohttp", reason="aiohttp is not installed: requirements/we
 @pytest.fixture
 def page(tmp_path: Path) -> Iterator[Page]:
     shell = Shell(tmp_path)
-    shell.environment |= {"ROS_DOMAIN_ID": str(1 + os.getpid() % 59), "XDG_RUNTIME_DIR": str(tmp_path)}
+    shell.environment |= {"ROS_DOMAIN_ID": free_domain(), "XDG_RUNTIME_DIR": str(tmp_path)}
     assert shell.ur("use", "sim", "--ros", "2").returncode == 0
     started = shell.ur("launch", "--detach", "--wait", "--timeout-ready", "200", LAUNCH)
     assert started.returncode == 0, started.stderr

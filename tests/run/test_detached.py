@@ -120,7 +120,7 @@ def test_wait_returns_when_all_is_up_and_else_names_what_is_missing(world: Any) 
     never = SLEEPER.replace("ready: process", "ready: topic scan 5 Hz") + TICKER.format("log")
     crash = '<node pkg="little_nodes" type="crash" name="crash"/>'
     text = call(world, "launch", "--detach", "--wait", "--timeout-ready=1", world.write(never + crash), code=1)
-    assert "/sleeper: it runs, but is not registered with the master" in text
+    assert "/sleeper: it runs, but is not registered yet" in text
     assert "/ticker: it runs, but is not registered" in text
     assert "/crash: it does not run: ended, exit code 3 (log: " in text
     call(world, "stop")

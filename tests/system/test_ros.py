@@ -7,7 +7,15 @@ from pathlib import Path
 import pytest
 
 from ur.source.diagnostic import UserError
-from ur.system.ros import choose_domain, facts_file, find_ros, graph_address, node_command, read_domain
+from ur.system.ros import (
+    choose_domain,
+    facts_file,
+    find_ros,
+    graph_address,
+    node_command,
+    read_domain,
+    users_of_domains,
+)
 
 
 def make_computer(root: Path, *files: str) -> str:
@@ -67,10 +75,22 @@ def test_sourced_ros2_goes_before_others_of_its_version(tmp_path: Path) -> None:
 
 
 def test_simulated_robots_of_users_are_in_domains_of_their_own() -> None:
-    domains = {choose_domain({}, uid) for uid in range(1000, 1020)}
+    domains = {choose_domain({}, uid, ()) for uid in range(1000, 1020)}
     assert len(domains) == 20
     assert all(0 < int(each) <= 101 for each in domains)
-    assert choose_domain({"ROS_DOMAIN_ID": "5"}, 1000) == "5"
+    assert choose_domain({"ROS_DOMAIN_ID": "5"}, 1000, ()) == "5"
+
+
+def test_users_whose_ids_lead_to_one_domain_do_not_share_it(tmp_path: Path) -> None:
+    table = tmp_path / "udp"
+    domain = int(choose_domain({}, 1000, ()))
+    assert choose_domain({}, 1040, ()) == str(domain)
+    line = "  7: 00000000:{:04X} 00000000:0000 07 00000000:00000000 00:00000000 00000000  {}        0 1 2 0 0\n"
+    ports = (7400 + 250 * domain, 7410 + 250 * domain, 68)
+    table.write_text("  sl  local_address ...\n" + "".join(line.format(port, 1000) for port in ports) + "broken\n")
+    assert users_of_domains((str(table), "/nowhere")) == {domain: {1000}}
+    assert choose_domain({}, 1000, (str(table),)) == str(domain)
+    assert choose_domain({}, 1040, (str(table),)) == str(domain + 1)
 
 
 def test_address_of_a_graph_tells_its_domain() -> None:

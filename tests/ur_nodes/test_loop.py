@@ -7,7 +7,7 @@ import time
 
 import pytest
 
-from ur_nodes.loop import Beat, Beats, Loop
+from ur_nodes.loop import Beat, Beats, Loop, Worker
 
 
 class Clock:
@@ -99,3 +99,20 @@ def test_last_call_is_made_when_an_exception_has_ended_the_thread(monkeypatch: p
     assert failed.wait(10.0)
     loop.end(lambda: calls.append("stop the robot"), 10.0)
     assert calls == ["stop the robot"]
+
+
+def test_worker_ends_after_the_job_that_runs_and_forgets_the_others() -> None:
+    worker, begun, go_on, done = Worker("work"), threading.Event(), threading.Event(), list[str]()
+
+    def work() -> None:
+        begun.set()
+        go_on.wait()
+        done.append("first")
+
+    worker.add(work)
+    worker.add(lambda: done.append("second"))
+    begun.wait()
+    worker.end()
+    go_on.set()
+    worker.join(60.0)
+    assert done == ["first"]

@@ -23,6 +23,8 @@ READY = "ready"
 _MASTERS = ("usr/bin/rosmaster", "opt/ros/noetic/bin/rosmaster")
 _OLDEST = "jazzy"
 _FIRST_DOMAIN, _DOMAINS = 60, 40  # of the simulated robots, by user: 0 to 101 are free of the ports of programs
+_FIRST_PORT, _PORTS = 7400, 250  # of domain 0; of each
+_SOCKETS = ("/proc/net/udp", "/proc/net/udp6")
 _HOST = "localhost"
 _SCHEME = "ros2://"
 
@@ -70,9 +72,38 @@ def find_ros(wanted: str, environment: Mapping[str, str], state: str, *, root: s
     raise UserError(error("ROS 2 is not installed on this computer", rule="no-ros", help="ur use sim --ros 2"))
 
 
-def choose_domain(environment: Mapping[str, str], uid: int) -> str:
-    """The domain of the simulated robots of a user, in which no other robot is, unless a person has chosen one."""
-    return environment.get("ROS_DOMAIN_ID") or str(_FIRST_DOMAIN + uid % _DOMAINS)
+def choose_domain(environment: Mapping[str, str], uid: int, tables: tuple[str, ...] = _SOCKETS) -> str:
+    """The domain of the simulated robots of a user, in which no other robot is, unless a person has chosen one.
+
+    It depends on the user's id; where nodes of another user are in it, the next one without any serves.
+    """
+    if chosen := environment.get("ROS_DOMAIN_ID"):
+        return chosen
+    users = users_of_domains(tables)
+    for step in range(_DOMAINS):
+        domain = _FIRST_DOMAIN + (uid + step) % _DOMAINS
+        if users.get(domain, set()) <= {uid}:
+            return str(domain)
+    return str(_FIRST_DOMAIN + uid % _DOMAINS)
+
+
+def users_of_domains(tables: tuple[str, ...] = _SOCKETS) -> dict[int, set[int]]:
+    """The users by domain whose nodes are in it on this computer: the ports of a domain depend on its number."""
+    found: dict[int, set[int]] = {}
+    for table in tables:
+        try:
+            with open(table, encoding="ascii") as file:  # noqa: PTH123 - as above
+                lines = file.readlines()[1:]
+        except (OSError, ValueError):
+            continue
+        for words in map(str.split, lines):
+            try:
+                port, uid = int(words[1].rpartition(":")[2], 16), int(words[7])
+            except (IndexError, ValueError):
+                continue
+            if port >= _FIRST_PORT:
+                found.setdefault((port - _FIRST_PORT) // _PORTS, set()).add(uid)
+    return found
 
 
 def facts_file(environment: Mapping[str, str], domain: str) -> str:

@@ -12,6 +12,7 @@ from ur_nodes.ports.values import Scan
 
 LONGEST_QUEUE = 30  # scans
 SILENCE = 15.0  # s without a scan before the log reports it, and again after as long
+_ARRIVAL = 3.0  # s: the first scan may come before the first transforms
 
 
 class ScanFeed:
@@ -35,6 +36,7 @@ class ScanFeed:
         self._use = use
         self._odom_frame, self._base_frame = odom_frame, base_frame
         self._mounts: dict[str, SensorMount] = {}
+        self._asked: dict[str, int] = {}  # when a mount was first asked for (ns), by frame
         self._scans: deque[Scan] = deque(maxlen=LONGEST_QUEUE)
         self._quiet_since = node.now()
         node.transforms.watch(self._try)
@@ -48,9 +50,10 @@ class ScanFeed:
         )
 
     def mount(self, frame: str) -> SensorMount | None:
-        """The mount of a lidar by its frame, which does not move on the robot; None, with a log, while not known."""
+        """The mount of a lidar by its frame, which does not move on the robot; None: unknown, later with a log."""
         found = self.find_mount(frame)
-        if found is None:
+        now = self._node.now()
+        if found is None and now - self._asked.setdefault(frame, now) > _ARRIVAL * SECOND:
             self._node.log.warn(f"no transform from {frame} to {self._base_frame}, expected one", every=SILENCE)
         return found
 

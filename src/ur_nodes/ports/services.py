@@ -67,3 +67,7 @@ class UseCalibration:
     """Use a calibration from now on, and keep it."""
 
     calibration: Calibration
+
+
+READING = (AskMap, AskPath)
+"""Requests that change nothing: they can be sent again where no answer has come."""

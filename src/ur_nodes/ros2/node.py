@@ -22,6 +22,7 @@ from ur_nodes.ports.node import Location, Sender
 from ur_nodes.ports.parameters import Parameters
 from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.raw import Raw
+from ur_nodes.ports.services import READING
 from ur_nodes.ports.transforms import Transforms
 from ur_nodes.ports.values import Result
 from ur_nodes.ros2.facts import FileFacts, RosLog
@@ -33,6 +34,7 @@ Value = TypeVar("Value")
 
 _MOST_TRANSFORMS = 1000  # messages that wait while a callback takes long: a history with gaps is of no use
 _LOOK_FOR_SERVICE = 0.02  # s
+_ASK_AGAIN = 3.0  # s: the server drops an answer while it does not know all of its client
 _END_LIMIT = 3.0  # s for the executor to end
 _LEAVE = 0.05  # s: for what was sent last to leave
 
@@ -191,6 +193,8 @@ class RosNode(LoopNode):
                 return
             if client.service_is_ready():
                 client.call_async(codec.request(request)).add_done_callback(take_answer)
+                if isinstance(request, READING):
+                    self._loop.after(_ASK_AGAIN, ask, steady=True)
             else:
                 self._loop.after(_LOOK_FOR_SERVICE, ask, steady=True)
 

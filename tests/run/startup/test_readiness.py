@@ -32,7 +32,7 @@ def times(rate: float, count: int, end: float = 10.0) -> ReceivedMessages:
 
 def test_registered_node_without_conditions_is_up() -> None:
     assert missing() == ()
-    assert missing(node="/unknown") == ("it runs, but is not registered with the master",)
+    assert missing(node="/unknown") == ("it runs, but is not registered yet",)
     assert missing(ReadyCondition("process", ""), node="/unknown") == ()
 
 

@@ -25,7 +25,7 @@ def find_missing(
 ) -> tuple[str, ...]:
     """List a running node's unmet readiness conditions, as text for people; empty when it is ready."""
     if not any(condition.kind == "process" for condition in conditions) and not graph.knows(node):
-        return ("it runs, but is not registered with the master",)
+        return ("it runs, but is not registered yet",)
     found = (_describe_unmet(condition, graph, received, now) for condition in conditions)
     return tuple(unmet for unmet in found if unmet)
 
