@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from http.client import HTTPException
-from typing import Any, TypeVar
+from typing import Any, TypeVar, cast
 from urllib.parse import urlsplit
 from xml.parsers.expat import ExpatError
 from xmlrpc.client import Error as XmlRpcError
@@ -24,11 +24,11 @@ from ur_nodes.ports.parameters import Parameters
 from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.raw import Raw
 from ur_nodes.ports.transforms import Transforms
-from ur_nodes.ports.values import Result
+from ur_nodes.ports.values import ClockTime, Result
 from ur_nodes.ros1.facts import RosFacts, RosLog, RosParameters
 from ur_nodes.ros1.repairs.sent import DELAY, wait_until_sent
 from ur_nodes.ros1.services import call_service, serve_service
-from ur_nodes.ros1.topics import RosPublisher, RosSubscription, sender_of
+from ur_nodes.ros1.topics import RosClock, RosPublisher, RosSubscription, sender_of
 
 Value = TypeVar("Value")
 
@@ -83,6 +83,8 @@ class RosNode(LoopNode):
         greet: Callable[[], Value | None] | None = None,
     ) -> RosPublisher[Value]:
         """See Node."""
+        if kind is ClockTime:
+            return cast("RosPublisher[Value]", RosClock(topic, quality))
         publisher = RosPublisher(topic, find_codec(kind), quality)
         if quality is Quality.LATCHED:
 

@@ -10,11 +10,14 @@ import genpy
 import rospy
 
 from ur.source.diagnostic import UserError
-from ur_nodes.codecs import KindCodec
+from ur_nodes.codecs import KindCodec, find_codec
+from ur_nodes.codecs.dialect import time_of
 from ur_nodes.loop import Loop
 from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.topics import Sender
+from ur_nodes.ports.values import ClockTime
 from ur_nodes.ros1.ending import quiet_at_end
+from ur_nodes.ros1.repairs.own_clock import keep_own_clock
 from ur_nodes.ros1.repairs.sent import free_sent
 
 Value = TypeVar("Value")
@@ -68,6 +71,19 @@ class RosPublisher(Generic[Value]):
         """Give back the memory of messages that were sent."""
         if (implementation := self._publisher.impl) is not None:
             free_sent(tuple(implementation.connections))
+
+
+class RosClock(RosPublisher[ClockTime]):
+    """Publishes /clock, and goes by it at once."""
+
+    def __init__(self, topic: str, quality: Quality) -> None:
+        super().__init__(topic, find_codec(ClockTime), quality)
+        self._set = keep_own_clock()
+
+    def send(self, value: ClockTime) -> None:
+        """See Publisher."""
+        self._set(time_of(value.stamp))
+        super().send(value)
 
 
 class RosSubscription(Generic[Value]):

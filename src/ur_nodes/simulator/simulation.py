@@ -17,7 +17,7 @@ from ur_nodes.simulator.drive import WheelDrive
 from ur_nodes.simulator.mujoco_model import TIME_STEP, build_model
 from ur_nodes.simulator.physics import Physics
 from ur_nodes.simulator.senses import Senses
-from ur_nodes.simulator.sensors.lidar import LidarBeams
+from ur_nodes.simulator.sensors.lidar import make_lidars
 from ur_nodes.simulator.sensors.odometry import EncoderOdometry
 
 CONTROL_RATE = 50.0  # Hz
@@ -90,8 +90,7 @@ class Simulation:
         self._world = world
         self._seed = seed
         self._physics = Physics(build_model(world, base, robots, start or world.start), robots)
-        beams = range(robots) if base.lidar else ()
-        self._lidars = [LidarBeams(self._physics.model, base.lidar, robot) for robot in beams if base.lidar]
+        self._lidars = make_lidars(self._physics.model, base.lidar, robots) if base.lidar else []
         self._steps_before = 0
         self._step: int = 0
         self._noise: list[npt.NDArray[np.float64]] = []

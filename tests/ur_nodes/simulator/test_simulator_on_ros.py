@@ -30,6 +30,14 @@ class Ros(RosSession):
     def simulate(self, *parameters: str) -> subprocess.Popen[str]:
         return self.start(str(SIMULATOR), "__name:=simulator", *parameters)
 
+    def go_by_its_clock(self) -> None:
+        xmlrpc.client.ServerProxy(self.env["ROS_MASTER_URI"]).setParam("/test", "/use_sim_time", True)
+
+    def listeners(self, topic: str) -> list[str]:
+        """The nodes that subscribe to a topic."""
+        answer: Any = xmlrpc.client.ServerProxy(self.env["ROS_MASTER_URI"]).getSystemState("/test")
+        return next((nodes for name, nodes in answer[2][1] if name == topic), [])
+
     def types(self) -> dict[str, str]:
         answer: Any = xmlrpc.client.ServerProxy(self.env["ROS_MASTER_URI"]).getTopicTypes("/test")
         return dict(answer[2])
@@ -43,12 +51,14 @@ def ros(tmp_path: Path) -> Iterator[Ros]:
 
 
 def test_topics_types_and_services_are_those_of_ros(ros: Ros) -> None:
+    ros.go_by_its_clock()
     node = ros.simulate("_base:=magni", "_variant:=lidar", "_speed:=4.0")
     ros.ask("collect", topics=["/odom", "/tf", "/clock", "/scan", "/sonars"], count=5, seconds=60)
     expected = list_topics(load("magni", "lidar"))
     known = ros.types()
     assert {topic: known.get(topic) for topic in expected} == expected
     assert (known["/tf"], known["/clock"]) == ("tf2_msgs/TFMessage", "rosgraph_msgs/Clock")
+    assert "/simulator" not in ros.listeners("/clock")  # it has the time without a message to itself
     assert known["/simulator/collisions"] == "std_msgs/Int32"
     assert ros.ask("call", service="step") == [False, "not paused, expected ~pause with true before ~step"]
     assert ros.ask("call", service="pause", data=True) == [True, "paused"]

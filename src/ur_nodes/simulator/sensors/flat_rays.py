@@ -1,0 +1,148 @@
+"""Rays of a level lidar as lines in a plane, where all that it can hit is upright: faster than in space."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+from scipy.spatial import ConvexHull
+
+from ur_nodes.simulator.mujoco_model import LIDAR_GROUPS
+from ur_nodes.simulator.sensors.rays import Floats
+
+_LEVEL = math.cos(0.03)  # a robot that brakes is less than this (rad) from level: 0.05 % of a range
+_ROOM = 0.02  # m from the rays to the top and the bottom of shapes
+_EVEN = 1e-3  # m: corners of a top
+_SLACK = 1e-9  # of the step between two beams: a beam through a corner meets the sides of both
+_PARALLEL = 1e-12
+_QUARTERS = np.array(((1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)))
+_NO_SIDES: Floats = np.zeros((4, 0))
+
+
+class UprightShapes:
+    """The sides of all that lidars detect, seen from above, at a height (m) above the floor.
+
+    `flat` is false where something is no upright prism, or begins or ends near that height.
+    """
+
+    def __init__(self, model: mujoco.MjModel, height: float) -> None:
+        self.flat = True
+        self._height = height
+        data = mujoco.MjData(model)
+        mujoco.mj_forward(model, data)
+        fixed, moving, bodies = [_NO_SIDES], [_NO_SIDES], []
+        for geom in range(model.ngeom):
+            if not LIDAR_GROUPS[model.geom_group[geom]]:
+                continue
+            body = int(model.geom_bodyid[geom])
+            prism = _prism_of(model, data, geom)
+            if prism is None or min(abs(prism.low - height), abs(prism.high - height)) < _ROOM:
+                self.flat = False
+            elif prism.low < height < prism.high and model.body_weldid[body] == 0:
+                fixed.append(_sides_of(prism.corners))
+            elif prism.low < height < prism.high:
+                turn, place = data.xmat[body].reshape(3, 3)[:2, :2], data.xpos[body, :2]
+                moving.append(_sides_of((prism.corners - place) @ turn))
+                bodies += [body] * moving[-1].shape[1]
+        self._fixed, self._moving = np.concatenate(fixed, axis=1), np.concatenate(moving, axis=1)
+        self._bodies = np.array(bodies, np.int64)
+        self._heights = data.xpos[self._bodies, 2]
+
+    def sides(self, data: mujoco.MjData, own_body: int) -> Floats | None:
+        """The sides now, but those of a body, shape (4, n): x, y of a corner, and dx, dy on, counter-clockwise.
+
+        None: a shape has tipped over, or stands higher or lower than at first.
+        """
+        others = self._bodies != own_body
+        bodies = self._bodies[others]
+        if not len(bodies):
+            return self._fixed
+        turn, place = data.xmat[bodies], data.xpos[bodies]
+        if turn[:, 8].min() < _LEVEL or np.abs(place[:, 2] - self._heights[others]).max() > _ROOM / 2.0:
+            return None
+        (x, y, dx, dy), (a, b), (c, d) = self._moving[:, others], turn[:, :2].T, turn[:, 3:5].T
+        now = (place[:, 0] + a * x + b * y, place[:, 1] + c * x + d * y, a * dx + b * dy, c * dx + d * dy)
+        return np.concatenate((self._fixed, np.stack(now)), axis=1)
+
+    def is_at_height(self, place: Floats, turn: Floats) -> bool:
+        """Return whether a lidar with a place (3,) and a rotation matrix (9,) sees in the plane of the sides."""
+        return bool(turn[8] >= _LEVEL and abs(place[2] - self._height) < _ROOM / 2.0)
+
+
+class PlanarBeams:
+    """Beams in a plane: `count` of them from the angle `first` (rad) on, `step` apart, counter-clockwise."""
+
+    def __init__(self, first: float, step: float, count: int, reach: float) -> None:
+        """`reach` (m) is how far they go."""
+        self._first, self._step, self._reach = first, step, reach
+        self._angles = first + step * np.arange(count)
+
+    def cast(self, sides: Floats, place: tuple[float, float], yaw: float) -> Floats:
+        """Distances (m), shape (count,), from a place to the nearest of the sides; inf where nothing is in reach."""
+        x, y, dx, dy = sides
+        x, y = x - place[0], y - place[1]
+        away = y * dx - x * dy  # to the line of the side, times its length
+        facing = away > 0.0
+        x, y, dx, dy, away = x[facing], y[facing], dx[facing], dy[facing], away[facing]
+        end_x, end_y = x + dx, y + dy
+        # The beams that meet a side, as numbers: from its end, counter-clockwise, to its corner.
+        start = (np.arctan2(end_y, end_x) - (self._first + yaw)) / self._step
+        turn = 2.0 * math.pi / self._step
+        start -= turn * np.floor(start / turn)
+        end = start + np.arctan2(away, x * end_x + y * end_y) / self._step
+        which = np.flatnonzero(end >= turn)  # they begin before the first beam, and end after it
+        both = np.concatenate((np.arange(len(start)), which))
+        first = np.ceil(np.concatenate((start, start[which] - turn)) - _SLACK).astype(np.int64)
+        last = np.floor(np.concatenate((end, end[which] - turn)) + _SLACK).astype(np.int64)
+        np.maximum(first, 0, out=first)
+        np.minimum(last, len(self._angles) - 1, out=last)
+        counts = np.maximum(last - first + 1, 0)
+        ends = np.cumsum(counts)
+        beams = np.arange(int(ends[-1]) if len(ends) else 0) + np.repeat(first - (ends - counts), counts)
+        side = np.repeat(both, counts)
+        angles = self._angles + yaw
+        slope = np.sin(angles)[beams] * dx[side] - np.cos(angles)[beams] * dy[side]
+        distances = np.full(len(angles), np.inf)
+        np.minimum.at(distances, beams, away[side] / np.maximum(slope, _PARALLEL))
+        distances[distances > self._reach] = np.inf
+        return distances
+
+
+@dataclass(frozen=True, slots=True)
+class _Prism:
+    """An upright prism: its corners seen from above, counter-clockwise, shape (n, 2), and where it begins and ends."""
+
+    corners: Floats
+    low: float
+    high: float
+
+
+def _prism_of(model: mujoco.MjModel, data: mujoco.MjData, geom: int) -> _Prism | None:
+    """A box or a mesh where it is now; None: it is something else, or not upright."""
+    turn, (x, y, z) = data.geom_xmat[geom].reshape(3, 3), data.geom_xpos[geom].tolist()
+    if model.geom_type[geom] == mujoco.mjtGeom.mjGEOM_BOX and turn[2, 2] > 1.0 - 1e-9:
+        half = model.geom_size[geom]
+        return _Prism(_QUARTERS * half[:2] @ turn[:2, :2].T + (x, y), z - float(half[2]), z + float(half[2]))
+    if model.geom_type[geom] != mujoco.mjtGeom.mjGEOM_MESH:
+        return None
+    mesh = int(model.geom_dataid[geom])
+    first = int(model.mesh_vertadr[mesh])
+    points = model.mesh_vert[first : first + int(model.mesh_vertnum[mesh])] @ turn.T + (x, y, z)
+    low, high = float(points[:, 2].min()), float(points[:, 2].max())
+    above, below = points[points[:, 2] > high - _EVEN, :2], points[points[:, 2] < low + _EVEN, :2]
+    if len(above) + len(below) != len(points) or not _are_equal(above, below):
+        return None
+    return _Prism(above[ConvexHull(above).vertices], low, high)
+
+
+def _are_equal(some: Floats, others: Floats) -> bool:
+    """Return whether points, shape (n, 2), are the same in any order."""
+    return len(some) == len(others) and all(np.abs(others - each).max(axis=1).min() < _EVEN for each in some)
+
+
+def _sides_of(corners: Floats) -> Floats:
+    """The sides of a polygon: see UprightShapes.sides."""
+    x, y = corners.T
+    return np.stack((x, y, np.roll(x, -1) - x, np.roll(y, -1) - y))
