@@ -7,7 +7,7 @@ second, ACTION/feedback the place of the robot. ACTION_simple/goal takes a pose 
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Literal
+from typing import Literal, Protocol
 
 from ur_nodes.ports.actions import Goal, GoalFollower, GoalId, GoalState, GoalStates, GoalTakers
 from ur_nodes.ports.node import Node
@@ -15,6 +15,16 @@ from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.values import PlacedPose
 
 _STATUS_PERIOD = 0.2  # s, as actionlib
+
+
+class GoalReporter(Protocol):
+    """Passes on what becomes of a goal that arrived by other means than a topic."""
+
+    def take_state(self, state: GoalState) -> None:
+        """The goal was accepted, or has ended."""
+
+    def take_place(self, place: PlacedPose) -> None:
+        """The robot is at this pose."""
 
 
 class TopicGoalHandle:
@@ -97,10 +107,29 @@ class TopicGoalServer:
                 self._states.send(handle.state)
         self._status.send(GoalStates(tuple(each.state for each in self._handles.values())))
 
+    def take_goal(self, goal: Goal, reporter: GoalReporter) -> None:
+        """Take a goal that arrived by other means than a topic; clients on topics are informed of it, too."""
+
+        def tell(state: GoalState) -> None:
+            self._states.send(state)
+            reporter.take_state(state)
+
+        def report(place: PlacedPose) -> None:
+            self._feedback.send(place)
+            reporter.take_place(place)
+
+        self._take(TopicGoalHandle(goal, self._node.now(), tell, report))
+
+    def cancel_goal(self, id: str) -> None:
+        """Have the goal with this id end; where there is none, nothing happens."""
+        self._take_cancel(GoalId(id))
+
     def _take_goal(self, goal: Goal) -> None:
-        if goal.id not in self._handles:
-            handle = TopicGoalHandle(goal, self._node.now(), self._states.send, self._feedback.send)
-            self._handles[goal.id] = handle
+        self._take(TopicGoalHandle(goal, self._node.now(), self._states.send, self._feedback.send))
+
+    def _take(self, handle: TopicGoalHandle) -> None:
+        if handle.goal.id not in self._handles:
+            self._handles[handle.goal.id] = handle
             self._takers.take_goal(handle)
 
     def _take_pose(self, pose: PlacedPose) -> None:

@@ -31,3 +31,5 @@ class QoSProfile:
         durability: DurabilityPolicy = ...,
         lifespan: Duration = ...,
     ) -> None: ...
+
+qos_profile_action_status_default: QoSProfile

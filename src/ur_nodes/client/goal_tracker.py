@@ -150,5 +150,6 @@ def _apply(tracker: GoalTracker, status: actions.GoalState, now: float) -> GoalT
     text = "" if state is LastGoalState.REACHED else _printable(status.text)
     if state is LastGoalState.FAILED and not text:
         text = "move_base gave no reason"
-    report = replace(tracker.report, state=state, text=text, any_heading=has_any_heading(tracker.goal_id))
+    any_heading = has_any_heading(tracker.goal_id)
+    report = replace(tracker.report, state=state, text=text, any_heading=any_heading, recoveries=status.recoveries)
     return replace(tracker, heard_at=now, known=True, report=report)

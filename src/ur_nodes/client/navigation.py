@@ -107,6 +107,7 @@ class NavigationTopics:
         self._seen = RobotSnapshot()
         self._tracker = GoalTracker()
         self._status_at = -math.inf
+        self._driven_to = False  # some goal is open
         self.robot = RobotState(node, names.map_frame, names.base_frame)
         self._goals = node.follow_goals("move_base", self)
         self._continues = node.publish("move_base/continue", GoalId)
@@ -162,6 +163,7 @@ class NavigationTopics:
     def take_states(self, states: tuple[GoalState, ...]) -> None:
         """See GoalFollower."""
         self._status_at = self._node.steady()
+        self._driven_to = any(each.open for each in states)
         self._tracker = track_status(self._tracker, states, self._status_at)
 
     def take_goal_end(self, state: GoalState) -> None:
@@ -192,6 +194,9 @@ class NavigationTopics:
 
     def _take_plan(self, path: Path) -> None:
         self._seen = replace(self._seen, path=path.poses[:, :2])
+        if self._driven_to and self._tracker.report.over and len(path.poses):
+            # Nav2 does not publish the goals of other clients: the path to one ends there.
+            self._tracker = track_current(self._tracker, Pose2(*path.poses[-1]), self._node.steady())
 
     def _take_current_goal(self, goal: PlacedPose) -> None:
         self._tracker = track_current(self._tracker, goal.pose, self._node.steady())

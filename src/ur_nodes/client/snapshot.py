@@ -40,6 +40,7 @@ class GoalReport:
     """The last goal, its number (0: none was sent yet), its state, and why when it failed, is held or has stopped.
 
     `any_heading`: the sender has asked for no heading, so that of `place` means nothing.
+    `recoveries`: how often navigation has freed the robot on the way, where it reports that.
     `UNKNOWN`: the robot is silent; the goal is neither over nor known to be driven to.
     """
 
@@ -48,11 +49,18 @@ class GoalReport:
     state: LastGoalState = LastGoalState.NONE
     text: str = ""
     any_heading: bool = False
+    recoveries: int = 0
 
     @property
     def over(self) -> bool:
         """True once the goal has ended."""
         return self.state in (LastGoalState.NONE, LastGoalState.REACHED, LastGoalState.STOPPED, LastGoalState.FAILED)
+
+
+def describe_recoveries(report: GoalReport) -> str:
+    """The recoveries on the way to a goal that is driven to; '' for none."""
+    count = 0 if report.over else report.recoveries
+    return f"{count} {'recovery' if count == 1 else 'recoveries'}" if count else ""
 
 
 @dataclass(frozen=True, slots=True)

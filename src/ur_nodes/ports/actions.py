@@ -32,11 +32,15 @@ GoalPhase = Literal["pending", "active", "succeeded", "aborted", "cancelled"]
 
 @dataclass(frozen=True, slots=True)
 class GoalState:
-    """The state of a goal: cancelled ones were ended by a client, aborted ones given up; `text` is for people."""
+    """The state of a goal: cancelled ones were ended by a client, aborted ones given up; `text` is for people.
+
+    `recoveries` is how often navigation has freed the robot on the way, where it reports that.
+    """
 
     id: str
     state: GoalPhase
     text: str
+    recoveries: int = 0
 
     @property
     def open(self) -> bool:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import threading
 import time
 from collections.abc import Callable
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import rclpy.node
 from rclpy.callback_groups import ReentrantCallbackGroup
@@ -27,8 +27,12 @@ from ur_nodes.ports.transforms import Transforms
 from ur_nodes.ports.values import Result
 from ur_nodes.ros2.facts import FileFacts, RosLog
 from ur_nodes.ros2.names import resolve, type_name_of
+from ur_nodes.ros2.navigation.lifecycle import answer_for_managed_nodes
 from ur_nodes.ros2.parameters import RosParameters
 from ur_nodes.ros2.topics import RosPublisher, RosSubscription
+
+if TYPE_CHECKING:
+    from ur_nodes.ros2.navigation.server import NavigationActions
 
 Value = TypeVar("Value")
 
@@ -61,6 +65,8 @@ class RosNode(LoopNode):
         self._receiver = threading.Thread(target=self._executor.spin, name="executor", daemon=True)
         self._services = ReentrantCallbackGroup()  # a request that is answered later holds up no other
         self._clients: dict[tuple[str, type], rclpy.node.Client] = {}
+        self._actions: NavigationActions | None = None
+        answer_for_managed_nodes(self._node)
 
     def begin(self, on_failure: Callable[[], None] = lambda: None) -> None:
         """Let callbacks come. `on_failure` is called when one of them has failed, after which there are no more."""
@@ -73,6 +79,8 @@ class RosNode(LoopNode):
         self._executor.shutdown(_END_LIMIT)
         if self._receiver.is_alive():
             self._receiver.join(_END_LIMIT)
+        if self._actions is not None:
+            self._actions.close()
         self._node.destroy_node()
 
     @property
@@ -205,14 +213,27 @@ class RosNode(LoopNode):
     def serve_goals(self, action: str, takers: GoalTakers, kept: float = 5.0) -> GoalServer:
         """See Node."""
         from ur_nodes.goal_topics import TopicGoalServer
+        from ur_nodes.ros2.navigation.server import NavigationActions
 
-        return TopicGoalServer(self, action, takers, kept)
+        server = TopicGoalServer(self, action, takers, kept)
+        if self._actions is None:
+            self._actions = NavigationActions(self._node, self._executor, self._loop.post, self.now)
+            self.on_end(self._actions.end)
+        self._actions.offer(self.resolve(f"{action}/goal").removesuffix("/goal"), server, kept)
+        return server
 
     def follow_goals(self, action: str, follower: GoalFollower) -> GoalClient:
         """See Node."""
         from ur_nodes.goal_topics import TopicGoalClient
+        from ur_nodes.ros2.navigation.client import LIST_PERIOD, follow_actions
 
-        return TopicGoalClient(self, action, follower)
+        topics = TopicGoalClient(self, action, follower)
+        name = self.resolve(f"{action}/goal").removesuffix("/goal")
+        client = follow_actions(self._node, self._loop.post, name, topics, follower)
+        if client is None:
+            return topics
+        self.every(LIST_PERIOD, client.beat, steady=True)
+        return client
 
     def read_graph(self, take: Callable[[Graph | None], None]) -> None:
         """See Node."""

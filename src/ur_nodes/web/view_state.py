@@ -7,7 +7,7 @@ import math
 from ur.source.printable import printable
 from ur_nodes.client.mux import MuxView
 from ur_nodes.client.patrol_text import PatrolStatus, describe_patrol
-from ur_nodes.client.snapshot import GoalReport
+from ur_nodes.client.snapshot import GoalReport, describe_recoveries
 from ur_nodes.exploration.status import ExploreStatus, describe_status
 from ur_nodes.motion.lease.text import Lease
 from ur_nodes.ports.values import Battery
@@ -30,7 +30,10 @@ def describe_goal(goal: GoalReport, left: float | None) -> dict[str, object]:
     if place is not None and goal.any_heading:
         place[2] = None
     rest = None if left is None or goal.over else round(left, 1)
-    return {"number": goal.number, "place": place, "state": goal.state.name.lower(), "text": goal.text, "left": rest}
+    text = goal.text
+    if not text and (recoveries := describe_recoveries(goal)):
+        text = recoveries if rest is None else f"{recoveries}, {rest} m left"
+    return {"number": goal.number, "place": place, "state": goal.state.name.lower(), "text": text, "left": rest}
 
 
 def describe_lease(lease: Lease | None) -> dict[str, object] | None:

@@ -11,7 +11,14 @@ from rich.text import Text
 from ur_nodes.client.driver_text import clock_time, describe_lost, describe_silence, name_holder
 from ur_nodes.client.mux import describe_emergency, describe_obstacles
 from ur_nodes.client.patrol_text import describe_patrol
-from ur_nodes.client.snapshot import ROBOT, LastGoalState, RobotSnapshot, distance_left, format_number
+from ur_nodes.client.snapshot import (
+    ROBOT,
+    LastGoalState,
+    RobotSnapshot,
+    describe_recoveries,
+    distance_left,
+    format_number,
+)
 from ur_nodes.teleop.navigate.commands import MAP_USAGE, USAGE
 
 _SHOWN = {
@@ -191,6 +198,8 @@ def _goal(snapshot: RobotSnapshot) -> Text:
     left = distance_left(snapshot)
     if not (report.over or held) and left is not None:
         text.append(f"  {left:.1f}").append(" m left", "dim")
+    if recoveries := describe_recoveries(report):
+        text.append(f"  {recoveries}", "yellow")
     return text
 
 

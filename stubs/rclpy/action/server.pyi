@@ -1,0 +1,13 @@
+from typing import Any
+
+import genpy
+
+class ServerGoalHandle:
+    request: Any
+    goal_id: Any
+    is_active: bool
+    is_cancel_requested: bool
+    def publish_feedback(self, feedback: genpy.Message) -> None: ...
+    def succeed(self) -> None: ...
+    def abort(self) -> None: ...
+    def canceled(self) -> None: ...
