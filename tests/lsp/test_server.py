@@ -104,3 +104,54 @@ async def test_server_answers_an_editor_from_start_to_end(package: Path) -> None
         )
         assert actions is not None
         assert [each.title for each in actions] == ["Change to 'screen'", "Hide 'bad-choice' here"]
+
+
+async def test_server_renames_marks_and_follows_includes(package: Path) -> None:
+    name = "launch/bringup.launch"
+    async with open_editor(package) as editor:
+        editor.open(name)
+        editor.open("launch/part.launch.xml")
+        client, document = editor.client, editor.document(name)
+        edit = await client.text_document_rename_async(
+            types.RenameParams(document, editor.at(name, '"speed"', 1), "velocity")
+        )
+        assert edit is not None
+        assert edit.changes is not None
+        assert {uri.rpartition("/")[2]: len(edits) for uri, edits in edit.changes.items()} == {
+            "bringup.launch": 1,
+            "part.launch.xml": 3,
+        }
+        tokens = await client.text_document_semantic_tokens_full_async(types.SemanticTokensParams(document))
+        assert tokens is not None
+        assert len(tokens.data) % 5 == 0
+        assert len(tokens.data) // 5 == 9
+        whole = types.Range(types.Position(0, 0), types.Position(99, 0))
+        hints = await client.text_document_inlay_hint_async(types.InlayHintParams(document, whole))
+        assert hints is not None
+        assert [hint.label for hint in hints][1:] == [" = bob"]
+        lenses = await client.text_document_code_lens_async(types.CodeLensParams(document))
+        assert lenses is not None
+        assert [lens.command.title for lens in lenses if lens.command] == ["Check: no findings", "Show graph", "Launch"]
+        command = types.ExecuteCommandParams("ur.check", arguments=[editor.uri(name)])
+        assert await client.workspace_execute_command_async(command) == "bringup.launch: no findings"
+        items = await client.text_document_prepare_call_hierarchy_async(
+            types.CallHierarchyPrepareParams(editor.document("launch/part.launch.xml"), types.Position(0, 0))
+        )
+        assert items is not None
+        callers = await client.call_hierarchy_incoming_calls_async(types.CallHierarchyIncomingCallsParams(items[0]))
+        assert callers is not None
+        assert [each.from_.name for each in callers] == ["bringup.launch"]
+        included = await client.call_hierarchy_outgoing_calls_async(
+            types.CallHierarchyOutgoingCallsParams(callers[0].from_)
+        )
+        assert included is not None
+        assert [each.to.name for each in included] == ["part.launch.xml"]
+        folds = await client.text_document_folding_range_async(types.FoldingRangeParams(document))
+        assert folds is not None
+        assert [(fold.start_line, fold.end_line) for fold in folds] == [(0, 6), (3, 4)]
+        symbols = await client.workspace_symbol_async(types.WorkspaceSymbolParams("spd"))
+        assert symbols is not None
+        assert {(each.name, each.location.uri.rpartition("/")[2]) for each in symbols if each.name == "speed"} == {
+            ("speed", "part.launch.xml"),
+            ("speed", "bringup.launch"),
+        }

@@ -62,7 +62,7 @@ def find_argument_in(path: str, name: str, workspace: Workspace) -> list[Occurre
     views = dict(workspace.views)
     if path not in views and (view := workspace.view(path)) is not None:
         views[path] = view
-    return list(find_argument(path, name, views, _programs(workspace))) if path in views else []
+    return list(find_argument(path, name, views, list_programs(workspace))) if path in views else []
 
 
 def included_by(thing: NamedThing, view: LaunchView, workspace: Workspace) -> list[str]:
@@ -106,7 +106,8 @@ def _others(thing: NamedThing, view: LaunchView, workspace: Workspace) -> Iterat
                 yield each
 
 
-def _programs(workspace: Workspace) -> list[SourceFile]:
+def list_programs(workspace: Workspace) -> list[SourceFile]:
+    """The programs of the workspace's packages, which may start launch files with arguments."""
     session = workspace.session
     paths = session.sources.targets.programs if session is not None else ()
     texts = (session.sources.read_text(path) for path in paths) if session is not None else ()

@@ -6,6 +6,7 @@ from lsprotocol import types
 
 from ur.lsp.answers import add_answers
 from ur.lsp.convert import path_of
+from ur.lsp.more_answers import add_more_answers
 from ur.lsp.server import LaunchServer
 from ur.lsp.workspace import MakeWorld
 
@@ -15,6 +16,7 @@ def make_server(version: str, make_world: MakeWorld) -> LaunchServer:
     server = LaunchServer(version, make_world)
     _add_documents(server)
     add_answers(server)
+    add_more_answers(server)
     return server
 
 

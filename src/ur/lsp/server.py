@@ -14,6 +14,7 @@ from ur.lsp.workspace import MakeWorld, Workspace
 from ur.source.file import SourceFile
 
 _TURN = 0.005  # seconds of work before the next message is looked at
+_QUIET = 0.03  # seconds without a message after which other files are looked at
 
 
 class LaunchServer(LanguageServer):
@@ -54,9 +55,14 @@ class LaunchServer(LanguageServer):
         while True:
             version = self.files.version
             began = time.monotonic()
+            waited = False
             for touched in self.files.steps(self._first):
                 self._publish(touched)
-                if time.monotonic() - began > _TURN:
+                if not waited and touched and self._first[0] in touched:
+                    # What depends on the file takes longer, and is in vain where the next letter comes.
+                    waited = True
+                    await asyncio.sleep(_QUIET)
+                elif time.monotonic() - began > _TURN:
                     await asyncio.sleep(0)
                     began = time.monotonic()
                 if self.files.version != version:

@@ -1,4 +1,4 @@
-"""The things that launch files define, in a file and over the workspace, and what can be folded."""
+"""The things that launch files define, what can be folded, and the files that include one another."""
 
 from __future__ import annotations
 
@@ -119,3 +119,32 @@ def list_folds(view: LaunchView) -> list[Fold]:
         if last > first:
             folds.append(Fold(first, last, comment=True))
     return sorted(folds, key=lambda each: (each.first, each.last))
+
+
+@dataclass(frozen=True, slots=True)
+class IncludeStep:
+    """A file at the other end, and the `<include>` tags between the two."""
+
+    path: str
+    tags: tuple[Span, ...]
+
+
+def find_included(workspace: Workspace, path: str) -> list[IncludeStep]:
+    """The files that a file includes, in any case."""
+    view = workspace.view(path)
+    found: dict[str, dict[int, Span]] = {}
+    for _, plan, _ in workspace.cases(view) if view is not None else ():
+        for include in plan.includes:
+            if not include.origin.includes and include.found:
+                found.setdefault(include.file, {})[include.origin.span.start] = include.origin.span
+    return [IncludeStep(each, tuple(spans.values())) for each, spans in sorted(found.items())]
+
+
+def find_including(workspace: Workspace, path: str) -> list[IncludeStep]:
+    """The files of the workspace that include a file, in any case."""
+    session = workspace.session
+    if session is None:
+        return []
+    files = {span.file.path for span in session.sources.inclusions.tags.get(path, ())}
+    steps = ((file, step) for file in sorted(files) for step in find_included(workspace, file))
+    return [IncludeStep(file, step.tags) for file, step in steps if step.path == path]

@@ -1,0 +1,111 @@
+"""Marks in a text: kinds of words for colours, values beside what they come from, and lines with commands."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Literal
+
+from ur.check.rule import LaunchView
+from ur.check.survey import walk_elements
+from ur.launchfile.syntax import Element
+from ur.lsp.names import arguments_before, expand
+from ur.lsp.workspace import ResolvedCase, Workspace
+from ur.source.file import Span
+
+WordKind = Literal["macro", "parameter", "namespace", "function", "string", "keyword"]
+WORD_KINDS: tuple[WordKind, ...] = ("macro", "parameter", "namespace", "function", "string", "keyword")
+_PIECE = re.compile(r"\$\((\w+)\s*([^)]*)\)")
+_LONG = 40
+_NAMES: dict[tuple[str, str], WordKind] = {
+    ("arg", "name"): "parameter",
+    ("node", "name"): "function",
+    ("node", "pkg"): "namespace",
+    ("node", "type"): "function",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Word:
+    """A word with its kind."""
+
+    span: Span
+    kind: WordKind
+
+
+@dataclass(frozen=True, slots=True)
+class Hint:
+    """A text to show after an offset, which is not part of the file."""
+
+    span: Span
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
+class Lens:
+    """A command above a tag."""
+
+    span: Span
+    title: str
+    command: Literal["ur.check", "ur.graph", "ur.launch"]
+
+
+def list_words(view: LaunchView) -> list[Word]:
+    """The words of a file that have a meaning beyond XML, in order, without overlaps."""
+    found = [word for element, _ in walk_elements(view.tree.launch) for word in _words_of(element)]
+    return sorted(found, key=lambda each: each.span.start)
+
+
+def _words_of(element: Element) -> Iterator[Word]:
+    for attribute in element.attributes:
+        span = element.value_span(attribute)
+        if span.start == element.start:
+            continue
+        kind = _NAMES.get((element.name, attribute))
+        if "$(" not in span.text:
+            if kind is not None and span.text and "\n" not in span.text:
+                yield Word(span, kind)
+            continue
+        for piece in _PIECE.finditer(span.text):
+            start = span.start + piece.start(1)
+            yield Word(Span(span.file, start, start + len(piece.group(1))), "macro")
+            if piece.group(1) in ("arg", "find") and piece.group(2).strip() and "\n" not in piece.group(2):
+                start = span.start + piece.start(2)
+                word = Span(span.file, start, start + len(piece.group(2).rstrip()))
+                yield Word(word, "parameter" if piece.group(1) == "arg" else "namespace")
+
+
+def list_hints(workspace: Workspace, view: LaunchView, start: int, end: int) -> list[Hint]:
+    """The results of values with `$(...)` between two offsets, where they are the same in every case."""
+    cases = workspace.cases(view)
+    found = []
+    for element, _ in walk_elements(view.tree.launch):
+        for attribute, value in element.attributes.items():
+            if "$(" not in value or not start <= element.start < end:
+                continue
+            span = element.value_span(attribute)
+            results = {_result(value, case, view, element, workspace) for case in cases}
+            if len(results) == 1 and (result := results.pop()) is not None and result != value:
+                shown = result if len(result) <= _LONG else f"...{result[3 - _LONG :]}"
+                found.append(Hint(Span(span.file, span.end + 1, span.end + 1), f" = {shown}"))
+    return found
+
+
+def _result(value: str, case: ResolvedCase, view: LaunchView, element: Element, workspace: Workspace) -> str | None:
+    return expand(value, arguments_before(case, view, element.start - 1), view.path, workspace)
+
+
+def list_lenses(workspace: Workspace, view: LaunchView) -> list[Lens]:
+    """Commands for a whole file, above its `<launch>`."""
+    launch = view.tree.launch
+    if launch is None:
+        return []
+    bases = len(view.package.bases) if view.package is not None and "robot_base" in view.declared else 0
+    found = len(workspace.findings_of(view.path))
+    state = "no findings" if not found else "1 finding" if found == 1 else f"{found} findings"
+    title = f"Check for all {bases} bases: {state}" if bases else f"Check: {state}"
+    lenses = [Lens(launch.span, title, "ur.check"), Lens(launch.span, "Show graph", "ur.graph")]
+    if view.path.endswith(".launch"):
+        lenses.append(Lens(launch.span, "Launch", "ur.launch"))
+    return lenses

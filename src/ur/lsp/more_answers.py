@@ -1,0 +1,146 @@
+"""Requests of the protocol about names and marks: rename, colours, values, includes as calls, commands."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from lsprotocol import types
+from pygls.exceptions import JsonRpcInvalidParams
+
+from ur.check.rule import TextEdit
+from ur.lsp.convert import path_of, uri_of
+from ur.lsp.definitions import included_by, list_programs
+from ur.lsp.marks import WORD_KINDS, list_hints, list_lenses, list_words
+from ur.lsp.names import NamedThing, find_name_at
+from ur.lsp.symbols import IncludeStep, find_included, find_including
+from ur.source.diagnostic import UserError
+from ur.source.file import SourceFile, Span
+from ur.tools.find.rename import rename_argument
+
+if TYPE_CHECKING:
+    from ur.lsp.server import LaunchServer
+
+
+def add_more_answers(server: LaunchServer) -> None:
+    """Register what a client may ask about names and marks."""
+    _add_rename(server)
+    _add_marks(server)
+    _add_hierarchy(server)
+    _add_commands(server)
+
+
+def _argument_at(server: LaunchServer, uri: str, position: types.Position) -> tuple[str, NamedThing] | None:
+    # The file that declares the argument at a position, and the argument.
+    path = path_of(uri) or ""
+    view = server.files.view(path)
+    if view is None:
+        return None
+    source = view.tree.source
+    thing = find_name_at(source, server.units.offset(source, position))
+    if thing is None or thing.kind not in ("arg", "passed"):
+        return None
+    files = [path] if thing.kind == "arg" else included_by(thing, view, server.files)
+    return (files[0], thing) if files and files[0] in server.files.views else None
+
+
+def _add_rename(server: LaunchServer) -> None:
+    @server.feature(types.TEXT_DOCUMENT_PREPARE_RENAME)
+    def _prepare(params: types.PrepareRenameParams) -> types.Range | None:
+        found = _argument_at(server, params.text_document.uri, params.position)
+        return server.units.range(found[1].span) if found is not None else None
+
+    @server.feature(types.TEXT_DOCUMENT_RENAME, types.RenameOptions(prepare_provider=True))
+    def _rename(params: types.RenameParams) -> types.WorkspaceEdit | None:
+        found = _argument_at(server, params.text_document.uri, params.position)
+        if found is None:
+            return None
+        files = server.files
+        try:
+            spans = rename_argument(
+                found[0], found[1].name, params.new_name, files.views, files.world, list_programs(files)
+            )
+        except UserError as problem:
+            raise JsonRpcInvalidParams(problem.diagnostics[0].message) from None
+        return types.WorkspaceEdit(server.units.edits(TextEdit(span, params.new_name) for span in spans))
+
+
+def _add_marks(server: LaunchServer) -> None:
+    legend = types.SemanticTokensLegend(list(WORD_KINDS), [])
+
+    @server.feature(types.TEXT_DOCUMENT_SEMANTIC_TOKENS_FULL, legend)
+    def _words(params: types.SemanticTokensParams) -> types.SemanticTokens:
+        view = server.files.view(path_of(params.text_document.uri) or "")
+        data: list[int] = []
+        line = column = 0
+        for word in list_words(view) if view is not None else ():
+            place = server.units.range(word.span)
+            start = place.start
+            shift = start.character - (column if start.line == line else 0)
+            length = place.end.character - start.character
+            data += [start.line - line, shift, length, WORD_KINDS.index(word.kind), 0]
+            line, column = start.line, start.character
+        return types.SemanticTokens(data)
+
+    @server.feature(types.TEXT_DOCUMENT_INLAY_HINT)
+    def _hints(params: types.InlayHintParams) -> list[types.InlayHint]:
+        view = server.files.view(path_of(params.text_document.uri) or "")
+        if view is None:
+            return []
+        source = view.tree.source
+        start, end = (server.units.offset(source, each) for each in (params.range.start, params.range.end))
+        return [
+            types.InlayHint(server.units.position(source, hint.span.start), hint.text)
+            for hint in list_hints(server.files, view, start, end)
+        ]
+
+    @server.feature(types.TEXT_DOCUMENT_CODE_LENS)
+    def _lenses(params: types.CodeLensParams) -> list[types.CodeLens]:
+        view = server.files.view(path_of(params.text_document.uri) or "")
+        lenses = list_lenses(server.files, view) if view is not None else []
+        arguments = [params.text_document.uri]
+        return [
+            types.CodeLens(server.units.range(each.span), types.Command(each.title, each.command, arguments=arguments))
+            for each in lenses
+        ]
+
+
+def _add_hierarchy(server: LaunchServer) -> None:
+    @server.feature(types.TEXT_DOCUMENT_PREPARE_CALL_HIERARCHY)
+    def _prepare(params: types.CallHierarchyPrepareParams) -> list[types.CallHierarchyItem]:
+        path = path_of(params.text_document.uri)
+        return [_file_item(server, path)] if path is not None else []
+
+    @server.feature(types.CALL_HIERARCHY_OUTGOING_CALLS)
+    def _included(params: types.CallHierarchyOutgoingCallsParams) -> list[types.CallHierarchyOutgoingCall]:
+        steps = find_included(server.files, path_of(params.item.uri) or "")
+        return [types.CallHierarchyOutgoingCall(_file_item(server, each.path), _tags(server, each)) for each in steps]
+
+    @server.feature(types.CALL_HIERARCHY_INCOMING_CALLS)
+    def _including(params: types.CallHierarchyIncomingCallsParams) -> list[types.CallHierarchyIncomingCall]:
+        steps = find_including(server.files, path_of(params.item.uri) or "")
+        return [types.CallHierarchyIncomingCall(_file_item(server, each.path), _tags(server, each)) for each in steps]
+
+
+def _tags(server: LaunchServer, step: IncludeStep) -> Sequence[types.Range]:
+    return [server.units.range(tag) for tag in step.tags]
+
+
+def _file_item(server: LaunchServer, path: str) -> types.CallHierarchyItem:
+    source: SourceFile = server.read(path)
+    whole = server.units.range(Span(source, 0, len(source.text)))
+    start = types.Range(whole.start, whole.start)
+    return types.CallHierarchyItem(path.rpartition("/")[2], types.SymbolKind.File, uri_of(path), whole, start)
+
+
+def _add_commands(server: LaunchServer) -> None:
+    @server.command("ur.check")
+    def _check(uri: str) -> str:
+        """Find all that is to be found, and say how much it is in one file."""
+        path = path_of(uri) or ""
+        for _ in server.files.steps([path]):
+            pass
+        count = len(server.files.findings_of(path))
+        text = f"{path.rpartition('/')[2]}: {count or 'no'} finding{'' if count == 1 else 's'}"
+        server.window_show_message(types.ShowMessageParams(types.MessageType.Info, text))
+        return text
