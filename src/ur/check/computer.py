@@ -53,3 +53,30 @@ def _folders(folder: Path) -> Iterable[Path]:
     except OSError:
         return ()
     return [Path(entry.path) for entry in sorted(found, key=lambda entry: entry.name)[:_MAX_BESIDE]]
+
+
+class FileWatch:
+    """The files and folders below paths, with the times of their changes."""
+
+    def __init__(self, paths: Sequence[str]) -> None:
+        self._paths = [os.path.abspath(path) for path in paths]  # noqa: PTH100 - texts throughout
+        self._stamps = dict(self._look())
+
+    def take_changes(self) -> list[str]:
+        """The paths that have been written, made or removed since the last call, sorted."""
+        before, self._stamps = self._stamps, dict(self._look())
+        return sorted(path for path in {*before, *self._stamps} if before.get(path) != self._stamps.get(path))
+
+    def _look(self) -> Iterator[tuple[str, tuple[int, int, int]]]:
+        waiting = list(self._paths)
+        while waiting:
+            path = waiting.pop()
+            try:
+                status = os.stat(path)  # noqa: PTH116 - likewise
+                if os.path.isdir(path):  # noqa: PTH112 - likewise
+                    with os.scandir(path) as entries:
+                        waiting.extend(entry.path for entry in entries if not entry.name.startswith("."))
+                    continue  # a folder changes with each file in it
+            except OSError:
+                continue
+            yield path, (status.st_mtime_ns, status.st_size, status.st_mode)

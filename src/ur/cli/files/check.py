@@ -4,15 +4,20 @@ from __future__ import annotations
 
 import os
 import sys
+import time
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NoReturn
 
 import click
 
 from ur.source.render import shows_colour
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from ur.check.run import CheckReport
+
+_INTERVAL = 0.3  # seconds between two looks for changes
 
 
 @click.command("check")
@@ -20,6 +25,7 @@ if TYPE_CHECKING:
 @click.option("--select", multiple=True, metavar="RULE", help="Check only these rules or groups; may be repeated.")
 @click.option("--ignore", multiple=True, metavar="RULE", help="Leave out these rules or groups; may be repeated.")
 @click.option("--fix", is_flag=True, help="Repair what can be repaired safely.")
+@click.option("--watch", is_flag=True, help="Check again whenever a file changes, until Ctrl-C.")
 @click.option("--strict", is_flag=True, help="End with exit code 1 for warnings, too.")
 @click.option(
     "--format",
@@ -42,6 +48,7 @@ def command(
     select: tuple[str, ...],
     ignore: tuple[str, ...],
     fix: bool,
+    watch: bool,
     strict: bool,
     form: str,
     no_cache: bool,
@@ -75,6 +82,11 @@ def command(
     program = "" if no_cache else digest_program()
     cache = f"{cache_folder(os.environ)}/{name_cache([*map(os.path.abspath, places), *names], chosen, values)}"
 
+    if watch:
+        if fix:
+            raise click.UsageError("--watch cannot be used with --fix")
+        _watch(places, chosen, values, form)
+
     def check() -> CheckReport:
         recall = None if no_cache else load_recall(cache, program)
         with show_progress("finding launch files") as progress:
@@ -92,6 +104,26 @@ def command(
     if note := describe_left_out(report.left_out):
         click.echo(note, err=True)
     return 1 if report.errors or (strict and report.findings) else 0
+
+
+def _watch(places: list[str], chosen: frozenset[str], values: Mapping[str, str], form: str) -> NoReturn:
+    from ur.check.computer import FileWatch, make_world
+    from ur.check.run import finish_report
+    from ur.check.session import CheckSession
+    from ur.request.environment import add_own_package
+    from ur.source.printable import printable
+
+    files = FileWatch(places)
+    session = CheckSession(places, make_world(places, add_own_package(os.environ)), chosen, values)
+    while True:
+        _show(finish_report(session), form)
+        sys.stdout.flush()
+        while not (changed := files.take_changes()):
+            time.sleep(_INTERVAL)
+        names = ", ".join(os.path.relpath(path) for path in changed[:3]) + (", ..." if len(changed) > 3 else "")
+        click.echo(printable(f"\nchanged: {names}"), err=True)
+        if not all(session.change(path) for path in changed):
+            session.renew(make_world(places, add_own_package(os.environ)))
 
 
 def _repair(report: CheckReport) -> None:
