@@ -39,8 +39,7 @@ class Option(NamedTuple):
 Source = Callable[[], Iterable[Completion]]
 
 
-@dataclass(frozen=True, slots=True)
-class NameSources:
+class NameSources(NamedTuple):
     """The sources of names; each is asked when it is needed.
 
     `sources` are by kind (`program`, `robot`, `run`, `node`, `base`, `selection`, `rule`, `verb`); `kinds` of
@@ -49,7 +48,7 @@ class NameSources:
     remaps and nodes.
     """
 
-    sources: Mapping[str, Source] = field(default_factory=dict)
+    sources: Mapping[str, Source] = {}
     kinds: Callable[[str], Sequence[str]] = lambda _verb: ()
     options: Callable[[str], Sequence[Option]] = lambda _verb: ()
     launch_file: Callable[[str], str | None] = lambda _program: None

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import socket
 import sys
 from collections.abc import Callable, Collection, Iterable, Sequence
 from dataclasses import dataclass, replace
@@ -13,8 +12,6 @@ from ur.launchfile.plan.load import load_plan
 from ur.launchfile.plan.specs import MachineSpec, Origin, Plan
 from ur.launchfile.world.protocol import World
 from ur.launchfile.world.system import SystemWorld
-from ur.maps.names import LATEST, check_map_name
-from ur.maps.store import own_store
 from ur.request.arguments import Argument, values_of
 from ur.request.environment import apply_selection, current_selection
 from ur.request.launch_request import LaunchRequest, make_request
@@ -200,7 +197,7 @@ def localisation_argument(
 
 def is_this_computer(robot: str) -> bool:
     """Return whether a robot's name is the name of the computer we run on."""
-    return socket.gethostname().split(".")[0].lower() == robot.lower()
+    return os.uname().nodename.split(".")[0].lower() == robot.lower()
 
 
 def _harden(finding: Diagnostic) -> Diagnostic:
@@ -221,15 +218,21 @@ def resolve_map(
     if _MAP not in declared or "map_file" not in declared:
         return tuple(arguments)
     values = values_of(arguments)
-    store = own_store(os.environ)
     if name := values.get(_MAP, ""):
         if "map_file" in values:
             return tuple(arguments)
+        from ur.maps.names import LATEST, check_map_name  # most launches name no map
+        from ur.maps.store import own_store
+
+        store = own_store(os.environ)
         resolved = (name if name == LATEST else check_map_name(name)) if remote else store.resolve(name)
         return tuple(Argument(_MAP, resolved) if each.name == _MAP else each for each in arguments)
     if not real or _MAP in values or any(other in values for other in _OTHERS) or values.get("simulate") == "true":
         return tuple(arguments)
     if values.get("localisation") == "fiducials":
         return tuple(arguments)
-    found = LATEST if remote else store.latest()
+    from ur.maps.names import LATEST
+    from ur.maps.store import own_store
+
+    found = LATEST if remote else own_store(os.environ).latest()
     return (*arguments, Argument(_MAP, found)) if found else tuple(arguments)

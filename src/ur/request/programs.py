@@ -17,8 +17,8 @@ PREFIX = "ur_"
 _HEAD = 30  # lines
 _LARGEST = 1024 * 1024  # bytes of a script
 _HERE = 'here="$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")"'
-_ONLY_LAUNCH = re.compile(r'exec "\$here/ur" launch ((?:[\w.:=/-]+ )+)"\$@"')
-_LAUNCH = re.compile(r"^[^#\n]*\blaunch\s+(\w+)\s+(\w+\.launch(?:\.xml)?)\b", re.MULTILINE)
+_ONLY_LAUNCH = r'exec "\$here/ur" launch ((?:[\w.:=/-]+ )+)"\$@"'  # texts: Tab needs neither
+_LAUNCH = r"(?m)^[^#\n]*\blaunch\s+(\w+)\s+(\w+\.launch(?:\.xml)?)\b"
 
 
 @dataclass(frozen=True, slots=True)
@@ -171,7 +171,7 @@ def read_launch_argv(program: Program) -> list[str] | None:
     except OSError:
         return None
     code = [line for line in lines if line.strip() and not line.startswith("#")]
-    found = _ONLY_LAUNCH.fullmatch(code[1]) if len(code) == 2 and code[0] == _HERE else None
+    found = re.fullmatch(_ONLY_LAUNCH, code[1]) if len(code) == 2 and code[0] == _HERE else None
     return found[1].split() if found else None
 
 
@@ -182,7 +182,7 @@ def find_launch_file(program: Program) -> Path | None:
     except OSError:
         return None
     package = program.folder
-    for owner, name in _LAUNCH.findall(text):
+    for owner, name in re.findall(_LAUNCH, text):
         if owner in (program.package, package.name):
             paths = (package / name.partition(".")[0] / "launch" / name, package / "launch" / name, package / name)
             return next((path for path in paths if path.is_file()), None)

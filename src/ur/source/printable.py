@@ -16,22 +16,23 @@ from typing import TextIO, cast
 
 # C0, DEL, C1; marks that turn the direction of text around; line separators; halves of characters (bytes not in UTF-8).
 _ACTIVE = "\x00-\x1f\x7f-\x9f\u2028-\u202e\u2066-\u2069\ud800-\udfff"
-_FIELD = re.compile(f"[{_ACTIVE}]")
-_LINES = re.compile(f"[{_ACTIVE}]".replace("\x00-\x1f", "\x00-\x08\x0b-\x1f"))
+# Patterns as texts: most commands print nothing that acts, and compiling these takes a fiftieth of their start.
+_FIELD = f"[{_ACTIVE}]"
+_LINES = f"[{_ACTIVE}]".replace("\x00-\x1f", "\x00-\x08\x0b-\x1f")
 # Written by our own tables, tests and live views: colours, moves of the cursor, erasing (ECMA-48), a hidden cursor and
 # the other screen. What makes a terminal answer, report the mouse, change its title or fill the clipboard is not among
 # them.
-_STREAM = re.compile(rf"(\x1b\[[0-9;:]*[A-HJKSTm]|\x1b\[\?(?:25|1049)[hl]|\r)|{_LINES.pattern}")
+_STREAM = rf"(\x1b\[[0-9;:]*[A-HJKSTm]|\x1b\[\?(?:25|1049)[hl]|\r)|{_LINES}"
 
 
 def printable(text: str) -> str:
     """Make a text safe as a field of one line. Other texts come back as they are."""
-    return text if text.isprintable() else _FIELD.sub(_escape, text)
+    return text if text.isprintable() else re.sub(_FIELD, _escape, text)
 
 
 def printable_lines(text: str) -> str:
     """Make a text safe, line breaks and tabs kept."""
-    return text if text.isprintable() else _LINES.sub(_escape, text)
+    return text if text.isprintable() else re.sub(_LINES, _escape, text)
 
 
 class OutputLost(Exception):  # noqa: N818 - says what happened
@@ -56,7 +57,8 @@ class GuardedStream:
     def write(self, text: str) -> int:
         """Write a text; the number of characters that were given."""
         try:
-            self._stream.write(text if text.isprintable() else _STREAM.sub(_keep_or_escape, text))
+            plain = text.replace("\n", "").isprintable()
+            self._stream.write(text if plain else re.sub(_STREAM, _keep_or_escape, text))
         except OSError as problem:
             self._lose(problem)
         return len(text)

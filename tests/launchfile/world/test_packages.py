@@ -61,3 +61,30 @@ def test_files_of_a_package_are_searched_without_going_round_in_circles(tmp_path
     (tmp_path / "a" / "linked").symlink_to("nodes")
     world = SystemWorld({"ROS_PACKAGE_PATH": str(tmp_path)})
     assert set(world.find_files("a", "talker")) == {f"{tmp_path}/a/{each}/talker" for each in ("nodes", "linked")}
+
+
+@pytest.mark.parametrize(
+    ("text", "found"),
+    [
+        (
+            "<?xml version='1.0'?>\n<?xml-model href='a'?>\n<package><!-- <name>b</name> --><name>a</name></package>",
+            True,
+        ),
+        ("<package><name>a</name><export><metapackage/></export></package>\n", False),
+        ("<package><name>a</name><export><x/><metapackage/></export></package>", False),
+        ("<package><name>a</name><!-- <export><metapackage/></export></package> --></package>", True),
+        ("<package><name>a</name><description>no metapackage</description></package>", True),
+        ("<package><name>a</name><?x <!-- ?><!-- <name>b</name> --></package>", True),
+    ],
+)
+def test_metapackages_are_no_packages_and_comments_do_not_count(tmp_path: Path, text: str, found: bool) -> None:
+    (tmp_path / "a").mkdir()
+    (tmp_path / "a/package.xml").write_text(text)
+    assert (find_packages([str(tmp_path)]) == {"a": str(tmp_path / "a")}) is found
+
+
+def test_folder_counts_where_it_is_named_first(tmp_path: Path) -> None:
+    for each in ("one", "two"):
+        _package(tmp_path / each / "a", "a")
+    first, second = str(tmp_path / "one"), str(tmp_path / "two")
+    assert find_packages([first, second, first]) == {"a": f"{first}/a"}

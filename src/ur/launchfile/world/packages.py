@@ -5,7 +5,7 @@ ROS_PACKAGE_PATH are walked, first match wins; below `/usr/share`, which Debian'
 """
 
 # Paths are texts here: pathlib would change what roslaunch prints, and costs too much in hot loops.
-# ruff: noqa: PTH100, PTH113, PTH119
+# ruff: noqa: PTH113, PTH119
 
 from __future__ import annotations
 
@@ -18,6 +18,8 @@ from ur.source.foreign.files import MAX_MANIFEST, read_file
 
 SHARE = "/usr/share"
 _NAME = re.compile(rb"<name>([^<&]*)</name>")
+_PROLOG = re.compile(rb"\s*(?:<\?xml[^<>]*\?>\s*)*")
+_METAPACKAGE = re.compile(rb"<export>\s*<metapackage\s*/>\s*</export>\s*</package>\s*\Z")
 _COMMENT = re.compile(rb"<!--[^-]*(?:-[^-]+)*-->")  # as XML has them: without -- inside
 
 
@@ -41,8 +43,8 @@ def find_packages(paths: list[str]) -> dict[str, str]:
     Raises ValueError with the file's name when a package.xml cannot be understood: rospack refuses to work then.
     """
     found: dict[str, str] = {}
-    for path in reversed(paths):
-        _walk(os.path.abspath(path), found)
+    for path in reversed(dict.fromkeys(map(os.path.abspath, paths))):  # a folder counts where it is named first
+        _walk(path, found)
     return found
 
 
@@ -131,14 +133,18 @@ def read_package_name(path: str) -> str | None:
 
 def package_name_in(path: str, data: bytes) -> str | None:
     """As read_package_name, for the content of the file."""
-    # A processing instruction may hold what looks like a comment; the declaration does not.
-    simple = b"<![CDATA[" not in data and data.count(b"<?") <= data.startswith(b"<?xml")
-    plain = _COMMENT.sub(b"", data) if simple and b"<!--" in data else data
+    # A processing instruction may hold what looks like a comment; the declaration does not, nor does that of a schema.
+    begin = _PROLOG.match(data)
+    body = data[begin.end() :] if begin else data
+    simple = b"<![CDATA[" not in body and b"<?" not in body
+    plain = _COMMENT.sub(b"", body) if simple and b"<!--" in body else body
     if b"metapackage" not in plain and b"<!--" not in plain and b"<![CDATA[" not in plain:
         names = _NAME.findall(plain)
         if len(names) == 1 and names[0].isascii():
             text: str = names[0].decode("ascii")
             return text.strip(" \n\r\t")
+    elif simple and b"<!--" not in plain and plain.count(b"<export>") == 1 and _METAPACKAGE.search(plain):
+        return None
     return _parse_package_name(path, data)
 
 
