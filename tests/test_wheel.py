@@ -16,6 +16,7 @@ from pathlib import Path
 import pytest
 from tests.ros_session import RosSession
 from tools.build import build
+from tools.release import set_version
 
 from ur.cli.verbs import VERBS
 from ur.robot.deploy.repository import read_programs, read_repository
@@ -210,6 +211,55 @@ def session(tmp_path: Path) -> Iterator[RosSession]:
     started = RosSession(tmp_path)
     yield started
     started.close()
+
+
+def build_version(version: str, folder: Path) -> Path:
+    """The wheel of this commit under another version."""
+    clone = folder / "clone"
+    subprocess.run(["git", "clone", "-q", "--shared", str(ROOT), str(clone)], check=True, timeout=120)
+    for name in ("pyproject.toml", "ubiquity_launches/package.xml"):
+        place = clone / name
+        place.write_text(set_version(place.read_text(encoding="utf-8"), version), encoding="utf-8")
+    return build(folder / "dist", clone)[1]
+
+
+def build_first_release(folder: Path) -> Path:
+    """The wheel of 0.1.0: of its tag, or, before there is one and in a clone without tags, of this commit."""
+    clone = folder / "clone"
+    subprocess.run(["git", "clone", "-q", "--shared", str(ROOT), str(clone)], check=True, timeout=120)
+    subprocess.run(["git", "-C", str(clone), "checkout", "-q", "v0.1.0"], check=False, capture_output=True)
+    return build(folder / "dist", clone)[1]
+
+
+@pytest.mark.long
+@pytest.mark.ros
+def test_upgrade_from_the_first_release_keeps_state_and_renews_environment_and_caches(tmp_path: Path) -> None:
+    installed = Installed(build_first_release(tmp_path / "first"), tmp_path)
+    before = ROOT / "tests/data/version_0_1_0"
+    for source, folder in (("config", ".config"), ("state", ".local/state"), ("share", ".local/share")):
+        shutil.copytree(before / source, installed.home / folder, symlinks=True)
+    state = {path: path.read_bytes() for path in installed.home.rglob("*") if path.is_file()}
+    make_environment(installed.made, "--system-site-packages")
+    assert "bob:magni:lidar" in installed.ur("use")
+    assert installed.ur("--version").startswith("ur 0.1.0 ")
+    launch = installed.home / "a.launch"
+    launch.write_text('<launch><arg name="unused"/></launch>\n')
+    found = installed.run("ur", "check", str(launch))
+    assert found.stdout == installed.run("ur", "check", str(launch)).stdout  # the second one is from the cache
+    maps = installed.ur("maps")
+    installed.install(build_version("0.1.1", tmp_path / "later"))
+    done = installed.run("ur", "use")
+    assert (done.returncode, "setting up this computer" in done.stderr) == (0, True), done
+    assert "bob:magni:lidar" in done.stdout
+    assert installed.ur("--version").startswith("ur 0.1.1 ")
+    assert installed.run("ur", "use").stderr == ""
+    again = installed.run("ur", "check", str(launch))
+    assert (again.returncode, again.stdout) == (found.returncode, found.stdout)
+    assert installed.ur("maps") == maps
+    assert "phone" in installed.ur("web", "--sessions")
+    assert {path: path.read_bytes() for path in state} == state
+    left = [path.name for path in installed.home.rglob("*.ur-new")]
+    assert left == []
 
 
 @pytest.mark.long

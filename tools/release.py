@@ -73,9 +73,16 @@ def check_version(version: str, present: str, tags: list[str]) -> None:
 def close_changelog(text: str, version: str, date: str) -> tuple[str, str]:
     """Close the changelog's unreleased section: the text with its changes under a version and date, and those changes.
 
-    A section `## VERSION, not yet released` was never released: its changes come first in this release.
+    A section `## VERSION, not yet released` was never released: its changes come first in this release. A section of
+    this version that has a date already stays as it is, while nothing is unreleased.
     """
     text, never_released = _take_never_released(text)
+    dated = re.search(
+        rf"^## {re.escape(version)} - \d{{4}}-\d\d-\d\d\n(.*?)(?=^## |\Z)", text, re.MULTILINE | re.DOTALL
+    )
+    unreleased = text.partition(f"{_UNRELEASED}\n")[2].partition("\n## ")[0]
+    if dated and not never_released and not re.search(r"^- ", unreleased, re.MULTILINE):
+        return text, dated[1].strip()
     if re.search(rf"^## {re.escape(version)}\b", text, re.MULTILINE):
         raise ReleaseError(f"CHANGELOG.md has a section {version}, expected its changes under '## Unreleased'")
     before, heading, rest = text.partition(f"{_UNRELEASED}\n")
@@ -112,7 +119,7 @@ def prepare(root: Path, clone: Path, version: str) -> str:
         (clone / place).write_text(set_version((clone / place).read_text(encoding="utf-8"), version), encoding="utf-8")
     name, address = (_git(root, "config", f"user.{key}").strip() for key in ("name", "email"))
     author = ["-c", f"user.name={name}", "-c", f"user.email={address}"]
-    _git(clone, *author, "commit", "-q", "-a", "-m", f"release: {version}")
+    _git(clone, *author, "commit", "-q", "-a", "--allow-empty", "-m", f"release: {version}")
     return changes
 
 

@@ -18,6 +18,10 @@ def clone(tmp_path: Path) -> Path:
     subprocess.run(["git", "clone", "-q", str(ROOT), str(folder)], check=True)
     git(folder, "config", "user.name", "A")
     git(folder, "config", "user.email", "a@b.invalid")
+    changelog = folder / "CHANGELOG.md"
+    text = changelog.read_text(encoding="utf-8")
+    changelog.write_text(text.replace("## Unreleased\n", "## Unreleased\n\n### Added\n\n- Something new.\n", 1))
+    git(folder, "commit", "-q", "-a", "-m", "docs: describe something new")
     return folder
 
 
@@ -51,6 +55,11 @@ def test_changes_move_below_their_version() -> None:
         close_changelog(text, "0.3.0", "2026-02-04")
     with pytest.raises(ReleaseError, match=r"has a section 0\.1\.0"):
         close_changelog(CHANGELOG, "0.1.0", "2026-02-04")
+
+
+def test_section_that_has_its_date_stays_while_nothing_is_unreleased() -> None:
+    dated = "# Changelog\n\n## Unreleased\n\n## 0.1.0 - 2026-01-01\n\n- Zero.\n\n## 0.0.1 - 2025-01-01\n\n- Before.\n"
+    assert close_changelog(dated, "0.1.0", "2026-02-03") == (dated, "- Zero.")
 
 
 def test_changes_of_a_version_that_was_never_released_belong_to_the_release() -> None:
