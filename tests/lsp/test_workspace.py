@@ -4,9 +4,12 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import pytest
+from tests.check.test_golden import INPUTS, THE_THIRTEEN, check
 from tests.lsp import random_edits
 
 from ur.check.computer import make_world
+from ur.launchfile import SystemWorld
 from ur.lsp.workspace import Workspace, encode_text
 
 TOP = """<launch>
@@ -61,3 +64,19 @@ def test_file_outside_of_the_folders_is_checked_with_its_package(tmp_path: Path)
 def test_text_is_encoded_as_it_declares() -> None:
     assert encode_text('<?xml version="1.0" encoding="latin-1"?><launch>ä</launch>').endswith(b"\xe4</launch>")
     assert encode_text("ä\ud800") == "ä?".encode()
+
+
+@pytest.mark.parametrize("case", THE_THIRTEEN, ids=lambda case: case.name)
+def test_ordinary_mistake_appears_while_it_is_typed(case: Path) -> None:
+    environment = {"ROS_PACKAGE_PATH": str(INPUTS), "HOME": "/home/robot"}
+    workspace = Workspace([str(case)], lambda _: SystemWorld(environment))
+    path = str(case / "main.launch")
+    text = Path(path).read_text(encoding="utf-8")
+    for end in (*range(0, len(text), 16), len(text)):  # as it is typed, a few letters at a time
+        workspace.set_text(path, text[:end])
+        rules_in(workspace, path)
+    found = {(each.rule, str(each.span)) for each in workspace.findings_of(path)}
+    if not (case / "arguments.txt").exists():  # an editor gives none
+        expected = {(each.rule, f"{case}/{each.span}") for each in check(case).findings}
+        assert found == {each for each in expected if each[1].startswith(path)}
+        assert expected
