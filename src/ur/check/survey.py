@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 from ur.check.rule import LaunchView, Package
 from ur.launchfile.syntax import (
@@ -25,21 +25,47 @@ def survey_launch_file(path: str, package: Package | None, world: World, tree: L
     """A launch file and the arguments it declares and uses; `tree` where it is parsed already. Raises OSError."""
     tree = parse_launch_file(path, world.read_bytes(path)) if tree is None else tree
     declared: dict[str, list[Element]] = {}
-    used: dict[str, list[Span]] = {}
     for element, parent in walk_elements(tree.launch):
         name = element.attributes.get("name")
         if element.name == "arg" and name and (parent is None or parent.name != "include"):
             declared.setdefault(name, []).append(element)
-        for argument, span in find_uses(element):
-            used.setdefault(argument, []).append(span)
     return LaunchView(
         path,
         tree,
         package,
         {name: tuple(elements) for name, elements in declared.items()},
-        {name: tuple(spans) for name, spans in used.items()},
+        ArgumentUses(tree),
         world,
     )
+
+
+class ArgumentUses(Mapping[str, tuple[Span, ...]]):
+    """The places that speak of arguments, by name; looked for when the first is asked for.
+
+    A check that recalls the findings of a file never asks.
+    """
+
+    def __init__(self, tree: LaunchFile) -> None:
+        self._tree = tree
+        self._found: dict[str, tuple[Span, ...]] | None = None
+
+    def _find(self) -> dict[str, tuple[Span, ...]]:
+        if self._found is None:
+            used: dict[str, list[Span]] = {}
+            for element, _ in walk_elements(self._tree.launch):
+                for argument, span in find_uses(element):
+                    used.setdefault(argument, []).append(span)
+            self._found = {name: tuple(spans) for name, spans in used.items()}
+        return self._found
+
+    def __getitem__(self, name: str) -> tuple[Span, ...]:
+        return self._find()[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._find())
+
+    def __len__(self) -> int:
+        return len(self._find())
 
 
 def walk_elements(top: Element | None) -> Iterator[tuple[Element, Element | None]]:

@@ -83,9 +83,7 @@ def command(
     cache = f"{cache_folder(os.environ)}/{name_cache([*map(os.path.abspath, places), *names], chosen, values)}"
 
     if watch:
-        if fix:
-            raise click.UsageError("--watch cannot be used with --fix")
-        _watch(places, chosen, values, form)
+        _watch(places, chosen, values, form, fix=fix)
 
     def check() -> CheckReport:
         recall = None if no_cache else load_recall(cache, program)
@@ -106,7 +104,9 @@ def command(
     return 1 if report.errors or (strict and report.findings) else 0
 
 
-def _watch(places: list[str], chosen: frozenset[str], values: Mapping[str, str], form: str) -> NoReturn:
+def _watch(places: list[str], chosen: frozenset[str], values: Mapping[str, str], form: str, *, fix: bool) -> NoReturn:
+    if fix:
+        raise click.UsageError("--watch cannot be used with --fix")
     from ur.check.computer import FileWatch, make_world
     from ur.check.run import finish_report
     from ur.check.session import CheckSession
