@@ -8,7 +8,8 @@ from rclpy.parameter import Parameter
 from rclpy.qos import QoSProfile
 from rclpy.task import Future
 
-class Context: ...
+class Context:
+    def get_domain_id(self) -> int: ...
 
 class Logger:
     def debug(self, message: str, *, throttle_duration_sec: float = ...) -> bool: ...

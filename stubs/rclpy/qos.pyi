@@ -14,10 +14,15 @@ class HistoryPolicy(enum.IntEnum):
     KEEP_LAST = ...
     KEEP_ALL = ...
 
+class LivelinessPolicy(enum.IntEnum):
+    AUTOMATIC = ...
+    MANUAL_BY_TOPIC = ...
+
 class QoSProfile:
     durability: DurabilityPolicy
     reliability: ReliabilityPolicy
     history: HistoryPolicy
+    liveliness: LivelinessPolicy
     depth: int
     lifespan: Duration
     deadline: Duration

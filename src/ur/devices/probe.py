@@ -35,10 +35,10 @@ def probe_script(questions: Sequence[tuple[str, str, int]]) -> str:
 
 def parse_answers(output: str) -> Mapping[str, str]:
     """The answer of each path; '' where the answer makes no sense. Foreign text is made harmless."""
+    from ur.source.foreign.json_values import BadJsonError, read_json
+
     try:
-        answers = json.loads(output.strip().splitlines()[-1])
-    except (ValueError, IndexError):
+        answers = read_json(output.strip().rpartition("\n")[2], dict[str, str])
+    except BadJsonError:
         return {}
-    if not isinstance(answers, dict):
-        return {}
-    return {str(path): printable(str(text))[:200] for path, text in answers.items()}
+    return {path: printable(text)[:200] for path, text in answers.items()}

@@ -37,7 +37,7 @@ DISTRIBUTIONS = (
 _SECONDS = 20.0
 
 
-class Sources(Protocol):
+class PackageSources(Protocol):
     """Texts and facts that a plan is made from. Nothing that is not here is an error."""
 
     def read_rosdep(self) -> tuple[str, str]:
@@ -66,7 +66,7 @@ class Sources(Protocol):
 
 def load_tables(
     missing: Iterable[Missing],
-    sources: Sources,
+    sources: PackageSources,
     distribution: str = "",
     hints: Sequence[SourceRepository] = (),
     names: Iterable[str] = (),
@@ -106,13 +106,13 @@ def find_questions(plan: GetPlan) -> tuple[str, ...]:
     return tuple(dict.fromkeys(guess.url for _, guess in guesses))
 
 
-def confirm_tables(tables: Tables, plan: GetPlan, sources: Sources) -> Tables:
+def confirm_tables(tables: Tables, plan: GetPlan, sources: PackageSources) -> Tables:
     """Ask the servers at `find_questions`, and return the tables with their answers."""
     unknown = (step.missing for step in plan.steps_by("unknown") if not step.missing.hidden)
     return replace(tables, confirmed=confirm_guesses(unknown, sources.list_branches))
 
 
-def _load_index(sources: Sources, names: Sequence[str]) -> tuple[Index | None, str]:
+def _load_index(sources: PackageSources, names: Sequence[str]) -> tuple[Index | None, str]:
     texts, note = sources.read_indexes(names)
     indexes = []
     for distribution, text in texts:
@@ -139,7 +139,7 @@ class ThisComputer:
         self._offline = offline
 
     def read_rosdep(self) -> tuple[str, str]:
-        """See Sources. Debian's package is unpacked for its table, not installed."""
+        """See PackageSources. Debian's package is unpacked for its table, not installed."""
         kept = self._cache / "rosdep-debian.yaml"
         for path in (ROSDEP, kept):
             if text := _read(path):
@@ -150,7 +150,7 @@ class ThisComputer:
         return "", f"without rosdep's table (python3-rosdep2: {reason}) only apt's names were compared"
 
     def read_indexes(self, names: Sequence[str]) -> tuple[tuple[tuple[str, str], ...], str]:
-        """See Sources. Raises UserError: a file that was asked for and cannot be read."""
+        """See PackageSources. Raises UserError: a file that was asked for and cannot be read."""
         if self._files:
             return tuple(("", _read_given(path)) for path in self._files if names[0] == NEWEST), ""
         found: list[tuple[str, str]] = []
@@ -171,21 +171,21 @@ class ThisComputer:
         return tuple(found), ""
 
     def show_candidates(self, names: Sequence[str]) -> Mapping[str, DebianPackage] | None:
-        """See Sources."""
+        """See PackageSources."""
         if not names:
             return {}
         text = _output(["apt-cache", "show", "--no-all-versions", *names])
         return None if text is None else parse_candidates(text)
 
     def list_installed(self, names: Sequence[str]) -> frozenset[str]:
-        """See Sources."""
+        """See PackageSources."""
         if not names:
             return frozenset()
         text = _output(["dpkg-query", "--show", "--showformat=${Package} ${db:Status-Status}\n", *names]) or ""
         return frozenset(line.split()[0] for line in text.splitlines() if line.endswith(" installed"))
 
     def list_branches(self, url: str) -> Sequence[str] | None:
-        """See Sources."""
+        """See PackageSources."""
         return None if self._offline else ask_server(url)
 
     def _fetch_rosdep(self, kept: Path) -> str:

@@ -2,25 +2,28 @@
 
 from __future__ import annotations
 
-import json
 import os
 from collections.abc import Iterable, Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
+from typing import Annotated
+
+from msgspec import Meta
 
 from ur.get.tables import PYPI
 from ur.source.diagnostic import UserError, error
+from ur.source.foreign.json_values import BadJsonError, read_json, write_json
 from ur.source.replace import replace_file
 from ur.source.user_folders import user_folder
 
-_CHARACTERS = frozenset("abcdefghijklmnopqrstuvwxyz0123456789+.-")
+DebianName = Annotated[str, Meta(pattern=r"^[a-z0-9][a-z0-9+.-]*\Z", description="the name of a package")]
 
 
 @dataclass(frozen=True, slots=True)
 class InstallRecord:
     """Debian packages and packages from PyPI that were not installed before `ur get` was asked for them."""
 
-    debian: tuple[str, ...] = ()
+    debian: tuple[DebianName, ...] = ()
     pypi: tuple[str, ...] = ()
 
     def adding(self, debian: Iterable[str] = (), pypi: Iterable[str] = ()) -> InstallRecord:
@@ -42,16 +45,12 @@ def load_record(path: Path) -> InstallRecord:
     except (OSError, ValueError) as problem:
         raise _damaged(path, str(problem)) from None
     try:
-        fields = json.loads(text)
-        debian, pypi = tuple(fields["debian"]), tuple(fields["pypi"])
-    except (ValueError, KeyError, TypeError, RecursionError):
-        raise _damaged(path, "not what 'ur get' writes") from None
-    sound = all(
-        isinstance(name, str) and name and name[0].isalnum() and _CHARACTERS.issuperset(name) for name in debian
-    )
-    if not sound or not all(name in PYPI for name in pypi):
+        record = read_json(text, InstallRecord)
+    except BadJsonError as problem:
+        raise _damaged(path, str(problem)) from None
+    if not all(name in PYPI for name in record.pypi):
         raise _damaged(path, "a name in it is no package's")
-    return InstallRecord(debian, pypi)
+    return record
 
 
 def store_record(record: InstallRecord, path: Path) -> None:
@@ -60,7 +59,7 @@ def store_record(record: InstallRecord, path: Path) -> None:
         if record == InstallRecord():
             path.unlink(missing_ok=True)
         else:
-            replace_file(path, json.dumps(asdict(record), indent=1) + os.linesep, parents=True)
+            replace_file(path, write_json(record) + os.linesep, parents=True)
     except OSError as problem:
         reason = (problem.strerror or str(problem)).lower()
         message = f"{path}: the record of what is installed cannot be written: {reason}; nothing was changed"

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import hashlib
-import json
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 from ur.maps.change import add_to_record, write_edits
 from ur.maps.picture_file import write_picture
@@ -13,6 +12,7 @@ from ur.maps.record import MOST_STROKES, MapEdit, MapRecord, render_record
 from ur.maps.store import MapStore
 from ur.source.diagnostic import UserError, error
 from ur.source.foreign.files import read_file
+from ur.source.foreign.json_values import Count, read_json, write_json
 from ur.source.replace import replace_file
 from ur.worlds.cells import CellFrame
 from ur.worlds.map_file import MapImage, read_map
@@ -20,6 +20,15 @@ from ur.worlds.map_file import MapImage, read_map
 _BEFORE = "before"  # the picture before the last change
 _NOTE = "before.json"  # written last: without it nothing can be restored
 _LONGEST_NOTE = 1000
+
+
+@dataclass(frozen=True, slots=True)
+class _Note:
+    """The number of edits before the last change, and the fingerprint of the map after it."""
+
+    version: int
+    edits: Count
+    left: str
 
 
 def draw_walls(store: MapStore, name: str, strokes: Sequence[MapEdit], plan: CellFrame) -> MapImage:
@@ -41,7 +50,7 @@ def draw_walls(store: MapStore, name: str, strokes: Sequence[MapEdit], plan: Cel
         write_edits(store, name, after, image, strokes)
         drawn = read_map(store.picture(name))
         left = _fingerprint(store.record(name), drawn)
-        replace_file(note, json.dumps({"version": 1, "edits": len(record.edits), "left": left}) + "\n")
+        replace_file(note, write_json(_Note(1, len(record.edits), left)) + "\n")
         return drawn
 
 
@@ -72,13 +81,12 @@ def is_restorable(store: MapStore, name: str) -> bool:
 def _read_note(store: MapStore, name: str) -> int | None:
     """The number of edits before the last change; None where that is not the last change. Raises UserError."""
     try:
-        note = json.loads(read_file(store.path(name) / _NOTE, _LONGEST_NOTE))
-        edits, left = note["edits"], note["left"]
-    except (OSError, ValueError, KeyError, TypeError):
+        note = read_json(read_file(store.path(name) / _NOTE, _LONGEST_NOTE), _Note)
+    except (OSError, ValueError):
         return None
     record = store.record(name)
-    known = type(edits) is int and 0 <= edits <= len(record.edits)
-    return edits if known and left == _fingerprint(record, read_map(store.picture(name))) else None
+    known = note.edits <= len(record.edits)
+    return note.edits if known and note.left == _fingerprint(record, read_map(store.picture(name))) else None
 
 
 def _fingerprint(record: MapRecord, image: MapImage) -> str:

@@ -12,8 +12,10 @@ import select
 import subprocess
 import time
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
+from ur.source.foreign.json_values import BadJsonError, Count, read_json
 from ur.source.printable import printable
 from ur_nodes.camera.formats import trim_jpeg
 from ur_nodes.camera.libcamera_program import HEAD
@@ -22,6 +24,17 @@ from ur_nodes.camera.source import Adjustments, CameraError, CameraSettings, Fra
 COMMAND = ("/usr/bin/python3", "-I", str(Path(__file__).with_name("libcamera_program.py")))
 _START_SECONDS = 20.0
 _LARGEST = 64 << 20  # bytes of a picture
+
+
+@dataclass(frozen=True, slots=True)
+class Greeting:
+    """The first line of libcamera_program.py: the camera and its size, or an error and how to fix it."""
+
+    width: Count = 0
+    height: Count = 0
+    camera: str = "camera"
+    error: str = ""
+    help: str = ""
 
 
 class LibcameraCamera:
@@ -44,15 +57,12 @@ class LibcameraCamera:
         self._output = self._process.stdout.fileno()
         self._data = b""
         try:
-            reported = self._read_greeting()
-            size = int(reported["width"]), int(reported["height"])
-        except (CameraError, KeyError, TypeError, ValueError) as problem:
+            found = self._read_greeting()
+        except CameraError:
             self.close()
-            if isinstance(problem, CameraError):
-                raise
-            raise CameraError("libcamera's process answered nonsense", "start it anew") from None
-        name = printable(str(reported.get("camera", "camera")))
-        self._mode = Mode(name, f"libcamera {number}", *size, settings.rate, "JPEG", passed_on=True)
+            raise
+        name = printable(found.camera)
+        self._mode = Mode(name, f"libcamera {number}", found.width, found.height, settings.rate, "JPEG", passed_on=True)
 
     @property
     def mode(self) -> Mode:
@@ -81,17 +91,20 @@ class LibcameraCamera:
             self._process.kill()
             self._process.wait()
 
-    def _read_greeting(self) -> dict[str, str]:
+    def _read_greeting(self) -> Greeting:
         end = time.monotonic() + _START_SECONDS
         while b"\n" not in self._data:
             if not self._fill(max(0.0, end - time.monotonic())):
                 raise CameraError(f"libcamera did not start the camera within {_START_SECONDS:.0f} s")
         line, _, self._data = self._data.partition(b"\n")
-        reported = json.loads(line)
-        if not isinstance(reported, dict):
-            raise TypeError
-        if "error" in reported:
-            raise CameraError(printable(str(reported["error"])), printable(str(reported.get("help", ""))))
+        try:
+            reported = read_json(line, Greeting)
+        except BadJsonError:
+            raise CameraError("libcamera's process answered nonsense", "start it anew") from None
+        if reported.error:
+            raise CameraError(printable(reported.error), printable(reported.help))
+        if not reported.width or not reported.height:
+            raise CameraError("libcamera's process answered nonsense", "start it anew")
         return reported
 
     def _fill(self, seconds: float) -> bool:

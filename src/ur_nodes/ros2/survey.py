@@ -10,12 +10,22 @@ import json
 import math
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
 from functools import partial
-from typing import Any
+from typing import TYPE_CHECKING
 
 import rclpy
 from rclpy.qos import QoSProfile, ReliabilityPolicy
+
+if TYPE_CHECKING:
+    from lifecycle_msgs.srv import GetState
+    from rcl_interfaces.srv import GetParameters
+    from rclpy.duration import Duration
+    from rclpy.node import Client, Node, TopicEndpointInfo
+    from rclpy.task import Future
+    from sensor_msgs.msg import BatteryState, LaserScan
+    from tf2_msgs.msg import TFMessage
 
 SETTLE = (1.5, 6.0)  # s: the least and most that discovery is waited for
 MISSING = 18.0  # s: the most while participants of this computer are not discovered, as on a busy one
@@ -32,15 +42,15 @@ _LOOSE = QoSProfile(depth=20, reliability=ReliabilityPolicy.BEST_EFFORT)
 _SCAN, _BATTERY, _TF = "sensor_msgs/msg/LaserScan", "sensor_msgs/msg/BatteryState", "tf2_msgs/msg/TFMessage"
 
 
-def survey(node: Any) -> dict[str, Any]:
+def survey(node: Node) -> dict[str, object]:
     """Wait for discovery, then ask and listen."""
     wait_until_settled(node)
     nodes = [full_name(space, name) for name, space in node.get_node_names_and_namespaces()][:MOST]
     nodes.remove(full_name(node.get_namespace(), node.get_name()))
     kinds = {name: types[0] for name, types in node.get_topic_names_and_types() if name not in _OWN}
     kinds = dict(list(kinds.items())[:MOST])
-    topics = [[name, *read_ends(node, name)] for name in sorted(kinds)]
-    topics = [each for each in topics if each[1] or each[2]]
+    topics = [read_topic(node, name) for name in sorted(kinds)]
+    topics = [each for each in topics if each["publishers"] or each["subscribers"]]
     services = {name: types[0] for name, types in node.get_service_names_and_types()}
     simulated: dict[str, bool] = {}
     states: dict[str, str] = {}
@@ -71,14 +81,14 @@ def full_name(namespace: str, name: str) -> str:
     return f"{namespace.rstrip('/')}/{name}"
 
 
-def wait_until_settled(node: Any) -> None:
+def wait_until_settled(node: Node) -> None:
     """Wait until nothing new is discovered, and what runs on this computer is.
 
     Each participant of DDS is bound to a port of its own, so their least number is known before they answer. An end
     without the name of its node is one whose name is still to arrive, or a program that is no node.
     """
     begin = time.monotonic()
-    known: Any = None
+    known: object = None
     since = missing = begin  # the last news; when participants were missing last
     turns = 0
     while (now := time.monotonic()) - begin < MISSING:
@@ -93,7 +103,7 @@ def wait_until_settled(node: Any) -> None:
         turns += 1
 
 
-def look_at(node: Any) -> tuple[Any, int, bool]:
+def look_at(node: Node) -> tuple[object, int, bool]:
     """Return numbers that change with what is discovered, the participants, and whether all ends have a node's name."""
     nodes = sorted(node.get_node_names_and_namespaces())
     topics = node.get_topic_names_and_types()[:MOST]
@@ -124,70 +134,82 @@ def read_udp_ports() -> set[int]:
     return {int(row[1].rpartition(":")[2], 16) for row in rows if len(row) > 1 and ":" in row[1]}
 
 
-def read_ends(node: Any, topic: str) -> list[list[list[Any]]]:
-    """The publishers and subscribers of a topic: node, type, hash, and qualities."""
-    own = node.get_name()
-    return [
-        sorted(describe_end(each) for each in ends if each.node_name != own)
-        for ends in (node.get_publishers_info_by_topic(topic), node.get_subscriptions_info_by_topic(topic))
-    ]
+def read_topic(node: Node, topic: str) -> dict[str, object]:
+    """The publishers and subscribers of a topic."""
+
+    def describe_all(ends: Iterable[TopicEndpointInfo]) -> list[dict[str, object]]:
+        found = [describe_end(each) for each in ends if each.node_name != node.get_name()]
+        return sorted(found, key=repr)
+
+    publishers, subscribers = node.get_publishers_info_by_topic(topic), node.get_subscriptions_info_by_topic(topic)
+    return {"name": topic, "publishers": describe_all(publishers), "subscribers": describe_all(subscribers)}
 
 
-def describe_end(end: Any) -> list[Any]:
-    """One of them; times in s, null for never."""
+def describe_end(end: TopicEndpointInfo) -> dict[str, object]:
+    """One of them; times in s, none for never."""
     qos = end.qos_profile
     number = getattr(end, "topic_type_hash", None)
     text = str(number) if number is not None else ""
-    return [
-        full_name(end.node_namespace, end.node_name),
-        str(end.topic_type),
-        text if text.startswith("RIHS") else "",
-        qos.reliability.name != "BEST_EFFORT",
-        qos.durability.name == "TRANSIENT_LOCAL",
-        seconds(qos.deadline),
-        seconds(qos.liveliness_lease_duration),
-        qos.liveliness.name == "MANUAL_BY_TOPIC",
-    ]
+    times = {"deadline": seconds(qos.deadline), "lease": seconds(qos.liveliness_lease_duration)}
+    qualities = {
+        "reliable": qos.reliability.name != "BEST_EFFORT",
+        "latched": qos.durability.name == "TRANSIENT_LOCAL",
+        "manual": qos.liveliness.name == "MANUAL_BY_TOPIC",
+        **{name: value for name, value in times.items() if value is not None},
+    }
+    return {
+        "node": full_name(end.node_namespace, end.node_name),
+        "kind": str(end.topic_type),
+        "hash": text if text.startswith("RIHS") else "",
+        "qos": qualities,
+    }
 
 
-def seconds(duration: Any) -> float | None:
+def seconds(duration: Duration) -> float | None:
     """A duration in s, None where it never ends."""
     return None if not 0 < duration.nanoseconds < _NEVER else duration.nanoseconds / 1e9
 
 
+@dataclass
+class OpenRequest:
+    """A request to a service that has not been answered; `future` is None until the service is ready."""
+
+    client: Client
+    request: GetParameters.Request | GetState.Request
+    take: Callable[[object], None]
+    future: Future | None = None
+
+
 def ask_nodes(
-    node: Any, names: list[str], services: dict[str, str], simulated: dict[str, bool], states: dict[str, str]
+    node: Node, names: list[str], services: dict[str, str], simulated: dict[str, bool], states: dict[str, str]
 ) -> None:
     """Ask all nodes at once whether their time is simulated, and managed nodes for their state."""
     from lifecycle_msgs.srv import GetState
     from rcl_interfaces.srv import GetParameters
 
-    waiting: list[Any] = []
+    waiting: list[OpenRequest] = []
 
-    def take_time(name: str, answer: Any) -> None:
+    def take_time(name: str, answer: GetParameters.Response) -> None:
         if answer.values and answer.values[0].type == 1:
             simulated[name] = bool(answer.values[0].bool_value)
 
-    def take_state(name: str, answer: Any) -> None:
+    def take_state(name: str, answer: GetState.Response) -> None:
         states[name] = str(answer.current_state.label)
 
-    def ask(service: str, kind: Any, request: Any, take: Callable[[Any], None]) -> None:
-        waiting.append([node.create_client(kind, service), request, take, None])
-
     for name in names:
-        if services.get(f"{name}/get_parameters") == "rcl_interfaces/srv/GetParameters":
+        if services.get(service := f"{name}/get_parameters") == "rcl_interfaces/srv/GetParameters":
             request = GetParameters.Request(names=["use_sim_time"])
-            ask(f"{name}/get_parameters", GetParameters, request, partial(take_time, name))
-        if services.get(f"{name}/get_state") == "lifecycle_msgs/srv/GetState":
-            ask(f"{name}/get_state", GetState, GetState.Request(), partial(take_state, name))
+            waiting.append(OpenRequest(node.create_client(GetParameters, service), request, partial(take_time, name)))
+        if services.get(service := f"{name}/get_state") == "lifecycle_msgs/srv/GetState":
+            client = node.create_client(GetState, service)
+            waiting.append(OpenRequest(client, GetState.Request(), partial(take_state, name)))
     end = time.monotonic() + ANSWER
     while waiting and time.monotonic() < end:
         for each in list(waiting):
-            client, request, take, future = each
-            if future is None and client.service_is_ready():
-                each[3] = client.call_async(request)
-            elif future is not None and future.done():
-                take(future.result())
+            if each.future is None and each.client.service_is_ready():
+                each.future = each.client.call_async(each.request)
+            elif each.future is not None and each.future.done():
+                each.take(each.future.result())
                 waiting.remove(each)
         rclpy.spin_once(node, timeout_sec=0.05)
 
@@ -195,8 +217,8 @@ def ask_nodes(
 class Listener:
     """Listens to scans, batteries and tf. By topic or frame, lists as they are printed."""
 
-    def __init__(self, node: Any, kinds: dict[str, str]) -> None:
-        self.scans: dict[str, list[Any]] = {}
+    def __init__(self, node: Node, kinds: dict[str, str]) -> None:
+        self.scans: dict[str, dict[str, float]] = {}
         self.charge: dict[str, float] = {}
         self._frames: dict[str, tuple[set[str], set[str]]] = {}
         self._owners: dict[bytes, str] = {}
@@ -210,26 +232,30 @@ class Listener:
                 self._hear_transforms(name)
 
     @property
-    def frames(self) -> dict[str, list[list[str]]]:
+    def frames(self) -> dict[str, dict[str, list[str]]]:
         """By frame: the nodes that send it, and its parents."""
-        return {child: [sorted(senders), sorted(parents)] for child, (senders, parents) in self._frames.items()}
+        return {
+            child: {"senders": sorted(senders), "parents": sorted(parents)}
+            for child, (senders, parents) in self._frames.items()
+        }
 
     def _hear_scans(self, topic: str) -> None:
         from sensor_msgs.msg import LaserScan
 
-        row = self.scans[topic] = [0, None]
+        found = self.scans[topic] = {"messages": 0}
 
-        def take(message: Any) -> None:
+        def take(message: LaserScan) -> None:
             stamp = message.header.stamp
             age = time.time() - (stamp.sec + stamp.nanosec / 1e9)
-            row[:] = [row[0] + 1, age if row[1] is None else min(row[1], age, key=abs)]  # others have waited here
+            found["messages"] += 1
+            found["age"] = min(found.get("age", age), age, key=abs)  # others have waited here
 
         self._node.create_subscription(LaserScan, topic, take, _LOOSE)
 
     def _hear_battery(self, topic: str) -> None:
         from sensor_msgs.msg import BatteryState
 
-        def take(message: Any) -> None:
+        def take(message: BatteryState) -> None:
             if math.isfinite(message.percentage):
                 self.charge[topic] = message.percentage
 
@@ -245,7 +271,7 @@ class Listener:
         profile = QoSProfile(depth=200, reliability=ReliabilityPolicy.BEST_EFFORT)
         self._node.create_subscription(TFMessage, topic, self._take_transforms, profile)
 
-    def _take_transforms(self, message: Any, details: Any) -> None:
+    def _take_transforms(self, message: TFMessage, details: Mapping[str, object]) -> None:
         number = details.get("publisher_gid") if isinstance(details, dict) else None
         data = number.get("data", b"") if isinstance(number, dict) else b""
         sender = self._owners.get(bytes(data)[:_GID], "")  # "" where the release does not tell it
@@ -257,15 +283,8 @@ class Listener:
 
 def main() -> None:
     """Survey, and print the result."""
-    rclpy.init(
-        args=[
-            "ur_doctor",
-            "--ros-args",
-            "--disable-stdout-logs",
-            "--disable-rosout-logs",
-            "--disable-external-lib-logs",
-        ]
-    )
+    quiet = [f"--disable-{each}-logs" for each in ("stdout", "rosout", "external-lib")]
+    rclpy.init(args=["ur_doctor", "--ros-args", *quiet])
     node = rclpy.create_node(
         "ur_doctor", enable_rosout=False, start_parameter_services=False, enable_logger_service=False
     )

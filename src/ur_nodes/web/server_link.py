@@ -11,8 +11,8 @@ import sys
 import threading
 from collections.abc import Callable, Mapping
 from functools import partial
-from typing import Any
 
+from ur.source.foreign.json_values import read_json
 from ur.web.wire.frames import LENGTH
 from ur_nodes.ports.node import Node
 from ur_nodes.run import run
@@ -59,7 +59,7 @@ def end_with_run(node: Node) -> None:
     node.after(_RUN_EVERY, ask, steady=True)
 
 
-def read_lines(node: Node, takers: Mapping[socket.socket, Callable[[Any], None]]) -> None:
+def read_lines(node: Node, takers: Mapping[socket.socket, Callable[[dict[str, object]], None]]) -> None:
     """Have the JSON of each line that arrives taken on the node's thread, from now on; the node ends with a socket."""
 
     def read() -> None:
@@ -79,7 +79,7 @@ def read_lines(node: Node, takers: Mapping[socket.socket, Callable[[Any], None]]
                     return
                 *lines, rests[connection] = (rests[connection] + data).split(b"\n")
                 for line in lines:
-                    node.post(partial(takers[connection], json.loads(line)))
+                    node.post(partial(takers[connection], read_json(line, dict[str, object], _MOST_WAITING)))
 
     threading.Thread(target=read, name="server", daemon=True).start()
 

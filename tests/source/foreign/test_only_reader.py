@@ -17,7 +17,16 @@ PARSERS = {
     *(f"{module}.{name}" for module in ("ElementTree", "ET") for name in ("fromstring", "parse", "iterparse", "XML")),
     *("json.load", "np.load", "numpy.load", "tarfile.open", "zipfile.ZipFile", "Image.open", "shutil.unpack_archive"),
 }
-WORLDS = ("world", "self.world", "self._world", "cached", "draft.world")  # which read by the reader
+WORLDS = (
+    "world",
+    "self.world",
+    "self._world",
+    "workspace.world",
+    "cached",
+    "draft.world",
+    "self.sources",
+    "session.sources",
+)  # which read by the reader
 
 OURS = "a file of this project or of an installed package"
 STATE = "a file that this program has written into a folder of its user"
@@ -33,6 +42,7 @@ USER = "a file or descriptor that its user has named for secrets, which may be a
 ALLOWED = {
     "ur_nodes/ros2/facts.py": STATE,
     "ur_nodes/ros2/raw.py": OURS,
+    "ur_nodes/ros2/survey.py": ROBOT,
     "ur/check/cache/program.py": OURS,
     "ur/check/cache/store.py": STATE,
     "ur/complete/names.py": OURS,
@@ -117,6 +127,7 @@ ALLOWED = {
     "ur/source/replace.py": WRITTEN,
     "ur/source/run_users.py": STATE,
     "ur/system/releases.py": OURS,
+    "ur/system/ros.py": KERNEL,
     "ur/web/runs/log_lines.py": LOG,
     "ur/web/server/data/three.py": OURS,
     "ur/web/server/link_files.py": STATE,

@@ -28,10 +28,8 @@ class Answers:
         return self._digests[question]
 
 
-def is_question(words: object) -> bool:
-    """Return whether a value from a file is a question that a world can be asked."""
-    if not isinstance(words, list) or not words or not all(isinstance(word, str) for word in words):
-        return False
+def is_question(words: tuple[str, ...]) -> bool:
+    """Return whether texts from a file are a question that a world can be asked."""
     return words[0] in _KINDS and len(words) == 1 + _WORDS.get(words[0], 1)
 
 

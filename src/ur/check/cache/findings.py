@@ -1,44 +1,79 @@
-"""Findings as JSON, and back: the texts that they point into are read again instead of being kept."""
+"""Findings as they are kept, and back: the texts that they point into are read again instead of being kept."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
-from typing import Any
+from collections.abc import Callable, Iterable, Sequence
 
 from ur.check.findings.merge import Hit
 from ur.source.diagnostic import Diagnostic, Note, Severity
 from ur.source.file import SourceFile, Span
+from ur.source.foreign.json_values import Count, ForeignValue
 
 MAX_TEXT = 100_000  # characters of texts that are in no file
 ReadText = Callable[[str], SourceFile]  # the text of a file; raises OSError
-
-_DAMAGED = "not a finding"
 
 
 class TooLargeError(ValueError):
     """Findings that point into more text that is in no file than is worth keeping."""
 
 
-def encode_hits(hits: Iterable[Hit], read: ReadText) -> tuple[list[Any], set[str]]:
-    """Return hits as JSON values, and the paths of the files whose texts they point into. Raises TooLargeError."""
+class KeptSpan(ForeignValue, frozen=True, array_like=True):
+    """A span of the text with the index `source` in `KeptHits.sources`."""
+
+    source: Count
+    start: Count
+    end: Count
+
+
+class KeptNote(ForeignValue, frozen=True, array_like=True):
+    """A note."""
+
+    message: str
+    span: KeptSpan | None
+
+
+class KeptDiagnostic(ForeignValue, frozen=True, array_like=True):
+    """The fields of a diagnostic, in its order."""
+
+    severity: Severity
+    message: str
+    rule: str
+    span: KeptSpan | None
+    notes: tuple[KeptNote, ...]
+    help: str | None
+    subject: str
+    kind: str
+    expected: tuple[str, ...]
+    reason: str
+
+
+class KeptHit(ForeignValue, frozen=True, array_like=True):
+    """A hit."""
+
+    found: KeptDiagnostic
+    root: str
+    label: str
+    plain: tuple[str, ...]
+
+
+class KeptHits(ForeignValue, frozen=True, array_like=True):
+    """The hits of a file. `sources` are paths, each with its text where that is in no file."""
+
+    sources: tuple[tuple[str, str | None], ...]
+    hits: tuple[KeptHit, ...]
+
+
+def encode_hits(hits: Iterable[Hit], read: ReadText) -> tuple[KeptHits, set[str]]:
+    """Return hits to keep, and the paths of the files whose texts they point into. Raises TooLargeError."""
     encoder = _Encoder(read)
-    rows = [[encoder.diagnostic(hit.found), hit.root, hit.label, sorted(hit.plain)] for hit in hits]
-    return [encoder.sources, rows], encoder.files
+    kept = [KeptHit(encoder.diagnostic(hit.found), hit.root, hit.label, tuple(sorted(hit.plain))) for hit in hits]
+    return KeptHits(tuple(encoder.sources), tuple(kept)), encoder.files
 
 
-def decode_hits(value: Any, read: ReadText) -> list[Hit]:
-    """Return the hits that encode_hits was given. Raises ValueError for a value that is not of its shape, and OSError.
-
-    Nothing is taken on trust: a value may come from a damaged file.
-    """
-    sources, rows = _list(value, 2)
-    texts = [_source(each, read) for each in _list(sources)]
-    hits = []
-    for row in _list(rows):
-        found, root, label, plain = _list(row, 4)
-        cases = frozenset(map(_text, _list(plain)))
-        hits.append(Hit(_diagnostic(found, texts), _text(root), _text(label), cases))
-    return hits
+def decode_hits(kept: KeptHits, read: ReadText) -> list[Hit]:
+    """Return the hits that encode_hits was given. Raises ValueError for spans outside of their texts, and OSError."""
+    texts = [read(path) if text is None else SourceFile(path, text) for path, text in kept.sources]
+    return [Hit(_diagnostic(each.found, texts), each.root, each.label, frozenset(each.plain)) for each in kept.hits]
 
 
 class _Encoder:
@@ -47,22 +82,31 @@ class _Encoder:
         self._numbers: dict[int, int] = {}
         self._kept: list[SourceFile] = []  # so that no other object gets the identity of one of them
         self._room = MAX_TEXT
-        self.sources: list[list[str | None]] = []
+        self.sources: list[tuple[str, str | None]] = []
         self.files: set[str] = set()
 
-    def diagnostic(self, found: Diagnostic) -> list[Any]:
-        notes = [[note.message, self.span(note.span)] for note in found.notes]
-        words = [found.severity.value, found.message, found.rule, found.help, found.subject, found.kind, found.reason]
-        return [*words, list(found.expected), self.span(found.span), notes]
+    def diagnostic(self, found: Diagnostic) -> KeptDiagnostic:
+        return KeptDiagnostic(
+            found.severity,
+            found.message,
+            found.rule,
+            self.span(found.span),
+            tuple(KeptNote(note.message, self.span(note.span)) for note in found.notes),
+            found.help,
+            found.subject,
+            found.kind,
+            tuple(found.expected),
+            found.reason,
+        )
 
-    def span(self, span: Span | None) -> list[int] | None:
-        return None if span is None else [self.number_of(span.file), span.start, span.end]
+    def span(self, span: Span | None) -> KeptSpan | None:
+        return None if span is None else KeptSpan(self.number_of(span.file), span.start, span.end)
 
     def number_of(self, source: SourceFile) -> int:
         if id(source) not in self._numbers:
             self._numbers[id(source)] = len(self.sources)
             self._kept.append(source)
-            self.sources.append([source.path, self.text_of(source)])
+            self.sources.append((source.path, self.text_of(source)))
         return self._numbers[id(source)]
 
     def text_of(self, source: SourceFile) -> str | None:
@@ -79,46 +123,24 @@ class _Encoder:
         return source.text
 
 
-def _source(value: Any, read: ReadText) -> SourceFile:
-    path, text = _list(value, 2)
-    return read(_text(path)) if text is None else SourceFile(_text(path), _text(text))
-
-
-def _diagnostic(value: Any, texts: list[SourceFile]) -> Diagnostic:
-    severity, message, rule, help_, subject, kind, reason, expected, span, notes = _list(value, 10)
-    pairs = [_list(note, 2) for note in _list(notes)]
+def _diagnostic(kept: KeptDiagnostic, texts: Sequence[SourceFile]) -> Diagnostic:
     return Diagnostic(
-        Severity(severity),
-        _text(message),
-        _text(rule),
-        _span(span, texts),
-        tuple(Note(_text(words), _span(place, texts)) for words, place in pairs),
-        None if help_ is None else _text(help_),
-        _text(subject),
-        _text(kind),
-        tuple(map(_text, _list(expected))),
-        _text(reason),
+        kept.severity,
+        kept.message,
+        kept.rule,
+        _span(kept.span, texts),
+        tuple(Note(each.message, _span(each.span, texts)) for each in kept.notes),
+        kept.help,
+        kept.subject,
+        kept.kind,
+        kept.expected,
+        kept.reason,
     )
 
 
-def _span(value: Any, texts: list[SourceFile]) -> Span | None:
-    if value is None:
+def _span(kept: KeptSpan | None, texts: Sequence[SourceFile]) -> Span | None:
+    if kept is None:
         return None
-    number, start, end = _list(value, 3)
-    if not all(type(each) is int for each in (number, start, end)) or not 0 <= number < len(texts):
-        raise ValueError(_DAMAGED)
-    if not 0 <= start <= end <= len(texts[number].text):
-        raise ValueError(_DAMAGED)
-    return Span(texts[number], start, end)
-
-
-def _list(value: Any, length: int | None = None) -> list[Any]:
-    if not isinstance(value, list) or (length is not None and len(value) != length):
-        raise ValueError(_DAMAGED)
-    return value
-
-
-def _text(value: Any) -> str:
-    if not isinstance(value, str):
-        raise ValueError(_DAMAGED)
-    return value
+    if kept.source >= len(texts) or not kept.start <= kept.end <= len(texts[kept.source].text):
+        raise ValueError("a span outside of its text")
+    return Span(texts[kept.source], kept.start, kept.end)

@@ -11,25 +11,25 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from ur.check.cache.answers import CHECKED, Answers, digest_of
-from ur.check.cache.findings import TooLargeError, decode_hits, encode_hits
+from ur.check.cache.findings import KeptHits, TooLargeError, decode_hits, encode_hits
 from ur.check.findings.merge import Hit
 from ur.check.rule import Package
 from ur.check.worlds import CachedWorld, Question
 from ur.launchfile.syntax import LaunchFile
 from ur.launchfile.syntax.decode import decode_text
 from ur.source.file import SourceFile
+from ur.source.foreign.json_values import Count, ForeignValue
 
 
-@dataclass(frozen=True, slots=True)
-class RecalledFile:
-    """The findings of one file, as encode_hits gives them, with what they depend on.
+class RecalledFile(ForeignValue, frozen=True, array_like=True):
+    """The findings of one file, with what they depend on.
 
     `inputs` is a digest of what the check was given about the file; `questions`: indices in `KnownFindings.questions`.
     """
 
     inputs: str
-    questions: Sequence[int]
-    hits: object
+    questions: tuple[Count, ...]
+    hits: KeptHits
 
 
 @dataclass(frozen=True, slots=True)
@@ -96,14 +96,14 @@ class Recall:
             self._valid[number] = world.answers.digest_of(question) == digest
         return self._valid[number]
 
-    def _keep(self, path: str, inputs: str, questions: Iterable[Question], hits: object, world: Asked) -> None:
+    def _keep(self, path: str, inputs: str, questions: Iterable[Question], hits: KeptHits, world: Asked) -> None:
         numbers = []
         for question in questions:
             if question not in self._numbers:
                 self._numbers[question] = len(self._questions)
                 self._questions.append((question, world.answers.digest_of(question)))
             numbers.append(self._numbers[question])
-        self._units[path] = RecalledFile(inputs, numbers, hits)
+        self._units[path] = RecalledFile(inputs, tuple(numbers), hits)
 
 
 class Asked:

@@ -10,19 +10,22 @@ A file that cannot be read, or was written by another program, is ignored: the c
 from __future__ import annotations
 
 import hashlib
-import json
 import os
 import stat
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
+from typing import Annotated
+
+from msgspec import Meta
 
 from ur.check.cache.answers import is_question
 from ur.check.cache.recall import KnownFindings, Recall, RecalledFile
+from ur.source.foreign.json_values import read_json_names, write_json_names
 from ur.source.replace import PRIVATE, make_folder, replace_file
 from ur.source.user_folders import user_folder
 
-FORMAT = 1
+FORMAT = 2
 _SUFFIX = ".json"
 _HEADER = 1000  # bytes at most
 
@@ -38,6 +41,21 @@ class CacheBounds:
 
 
 _BOUNDS = CacheBounds()
+
+
+@dataclass(frozen=True, slots=True)
+class _Header:
+    format: int
+    program: str
+    digest: str
+
+
+@dataclass(frozen=True, slots=True)
+class _Body:
+    """Each question has the digest of its answer before it."""
+
+    questions: tuple[Annotated[tuple[str, ...], Meta(min_length=2)], ...]
+    units: Mapping[str, RecalledFile]
 
 
 def cache_folder(environment: Mapping[str, str]) -> str:
@@ -68,8 +86,9 @@ def store_recall(recall: Recall, path: str, program: str, bounds: CacheBounds = 
         if not recall.changed and not recall.forgets:
             os.utime(path)
             return
-    text = json.dumps(_body_of(recall.now), separators=(",", ":"))
-    header = json.dumps({"format": bounds.format, "program": program, "digest": _digest(text.encode())})
+    questions = tuple((digest, *question) for question, digest in recall.now.questions)
+    text = write_json_names(_Body(questions, recall.now.units))
+    header = write_json_names(_Header(bounds.format, program, _digest(text.encode())))
     if len(text) > bounds.bytes - _HEADER:
         return
     folder = os.path.dirname(path)
@@ -77,13 +96,6 @@ def store_recall(recall: Recall, path: str, program: str, bounds: CacheBounds = 
         make_folder(folder, mode=0o700, lasting=False)
         replace_file(path, f"{header}\n{text}", mode=PRIVATE, follow=False, lasting=False)
         _remove_oldest(folder, bounds)
-
-
-def _body_of(known: KnownFindings) -> dict[str, object]:
-    return {
-        "questions": [[digest, *question] for question, digest in known.questions],
-        "units": {path: [unit.inputs, list(unit.questions), unit.hits] for path, unit in known.units.items()},
-    }
 
 
 def _read(path: str, bounds: CacheBounds) -> bytes:
@@ -96,30 +108,17 @@ def _read(path: str, bounds: CacheBounds) -> bytes:
 
 
 def _read_known(data: bytes, program: str, bounds: CacheBounds) -> KnownFindings:
-    header, line_break, text = data.partition(b"\n")
-    expected = {"format": bounds.format, "program": program, "digest": _digest(text)}
-    if not line_break or len(header) > _HEADER or json.loads(header) != expected:
+    header, _, text = data.decode().partition("\n")
+    expected = _Header(bounds.format, program, _digest(text.encode()))
+    if read_json_names(header, _Header, _HEADER) != expected:
         raise ValueError("written by another program, or damaged")
-    body = json.loads(text)
-    if not isinstance(body, dict) or set(body) != {"questions", "units"} or not isinstance(body["questions"], list):
-        raise ValueError("not the findings of a check")
-    questions = []
-    for each in body["questions"]:
-        if not isinstance(each, list) or not each or not isinstance(each[0], str) or not is_question(each[1:]):
-            raise ValueError("not a question")
-        questions.append((tuple(each[1:]), each[0]))
-    if not isinstance(body["units"], dict):
-        raise ValueError("not the findings of a check")
-    return KnownFindings(questions, {path: _read_unit(unit, len(questions)) for path, unit in body["units"].items()})
-
-
-def _read_unit(value: object, questions: int) -> RecalledFile:
-    if not isinstance(value, list) or len(value) != 3 or not isinstance(value[0], str):
-        raise ValueError("not the findings of a file")
-    inputs, numbers, hits = value
-    if not isinstance(numbers, list) or not all(type(each) is int and 0 <= each < questions for each in numbers):
+    body = read_json_names(text, _Body, bounds.bytes)
+    if not all(is_question(each[1:]) for each in body.questions):
+        raise ValueError("not a question")
+    count = len(body.questions)
+    if any(number >= count for unit in body.units.values() for number in unit.questions):
         raise ValueError("not the questions of a file")
-    return RecalledFile(inputs, numbers, hits)  # hits are checked when they are decoded
+    return KnownFindings([(each[1:], each[0]) for each in body.questions], body.units)
 
 
 def _remove_oldest(folder: str, bounds: CacheBounds) -> None:

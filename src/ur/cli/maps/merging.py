@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import json
 import os
 import subprocess
 import sys
+from dataclasses import dataclass
 
 from ur.maps.change import move_places, read_places, write_places
 from ur.maps.names import check_map_name
@@ -13,6 +13,7 @@ from ur.maps.store import MapStore
 from ur.maps.waypoint_path import waypoint_path
 from ur.request.requirements.python_packages import need_all
 from ur.source.diagnostic import UserError, error
+from ur.source.foreign.json_values import read_json
 from ur.source.progress_line import show_progress
 
 _SECONDS = 1800.0
@@ -39,14 +40,23 @@ def merge_maps(store: MapStore, first: str, second: str, name: str) -> str:
     sys.stderr.write(done.stderr)
     if done.returncode:
         raise MergeFailed(done.returncode)
-    merged = json.loads(done.stdout)
+    merged = read_json(done.stdout, MergedMap)
     mine, other = (read_places(waypoint_path(each, os.environ)) for each in (first, second))
-    places = {**move_places(other, tuple(merged["place"])), **mine}
+    places = {**move_places(other, merged.place), **mine}
     if places:
         write_places(waypoint_path(name, os.environ), name, places)
     twice = ", ".join(sorted(set(mine) & set(other)))
     kept = f"; waypoints of both names are those of {first}: {twice}" if twice else ""
-    return f"{name}: {merged['keyframes']} scans, {merged['links']} links between the two maps{kept}"
+    return f"{name}: {merged.keyframes} scans, {merged.links} links between the two maps{kept}"
+
+
+@dataclass(frozen=True, slots=True)
+class MergedMap:
+    """The output of `ur_nodes.slam.storage.merging`: the place of the second map on the first, and its figures."""
+
+    place: tuple[float, float, float]
+    keyframes: int
+    links: int
 
 
 class MergeFailed(Exception):  # noqa: N818 - an outcome

@@ -26,6 +26,7 @@ from ur.robot.ssh.openssh import STRICT
 from ur.robot.ssh.secret import Secret
 from ur.source.ansi import BOLD, paint
 from ur.source.diagnostic import UserError, error
+from ur.source.foreign.json_values import read_json
 from ur.source.printable import printable_lines
 from ur.source.progress_line import show_progress
 from ur.source.render import shows_colour
@@ -33,6 +34,7 @@ from ur.source.render import shows_colour
 if TYPE_CHECKING:
     from rich.live import Live
 
+_LONGEST_REPORT = 64 << 20  # characters
 MOST_LINES = 60  # of the output of one robot that are printed after the table; its file has all of it
 ALL = click.option("--all", "every", is_flag=True, help="All robots that were set up from this computer, side by side.")
 
@@ -197,12 +199,12 @@ def _print_outputs(fleet: Fleet, outputs: Sequence[Output], show: Literal["faile
 
 def _as_dict(status: JobStatus, output: Output) -> dict[str, object]:
     try:
-        reported = json.loads(output.log.read_all())
+        reported = read_json(output.log.read_all(), dict[str, object], _LONGEST_REPORT)
     except ValueError:
-        reported = None
+        reported = {}
     errors = output.errors.read_all().strip() if output.errors else ""
     row: dict[str, object] = {"robot": status.name, "code": status.code, "error": errors}
-    return row | reported if isinstance(reported, dict) else row
+    return row | reported
 
 
 class _Table:

@@ -75,14 +75,19 @@ def find_processes(variables: list[str]) -> list[dict[str, Any]]:
                 "pid": int(entry),
                 "user": owner(entry),
                 "argv": argv[:300],
-                "distro": release[1] if release else (shown or {}).get("ROS_DISTRO", ""),
+                "distro": release[1] if release else read_release((shown or {}).get("ROS_DISTRO", "")),
                 "unit": unit,
-                "variables": {name: (shown or {})[name] for name in variables if (shown or {}).get(name)},
+                "variables": {name: (shown or {})[name][:400] for name in variables if (shown or {}).get(name)},
                 "readable": shown is not None,
                 "environment": shown or {},
             }
         )
     return found
+
+
+def read_release(text: str) -> str:
+    """The name of a release; '' where the text is none."""
+    return text if re.fullmatch("[a-z]{1,20}", text) else ""
 
 
 def owner(entry: str) -> str:
@@ -105,7 +110,7 @@ def read_environment(entry: str) -> dict[str, str] | None:
 
 def find_unit(entry: str) -> str:
     """The unit of the system that a process belongs to, '' where it is none."""
-    found = re.search(r"/system\.slice/(?:[^\n]*/)?([^/\n]{1,200}\.service)", read(f"/proc/{entry}/cgroup"))
+    found = re.search(r"/system\.slice/(?:[^\n]*/)?([A-Za-z0-9@._:\\-]{1,192}\.service)", read(f"/proc/{entry}/cgroup"))
     return found[1] if found else ""
 
 
@@ -140,7 +145,7 @@ def read_shell(variables: list[str]) -> dict[str, str]:
     clean = {name: os.environ[name] for name in ("HOME", "USER", "LOGNAME", "LANG", "PATH") if name in os.environ}
     shown = run([shell, "-ic", "env"], SHELL_SECONDS, env=clean, start_new_session=True)
     pairs = (line.partition("=") for line in shown.splitlines())
-    return {name: value for name, _, value in pairs if name in variables and value}
+    return {name: value[:400] for name, _, value in pairs if name in variables and value}
 
 
 def find_settings(files: list[str], variables: list[str]) -> list[list[str]]:
@@ -222,14 +227,14 @@ def read_graph(request: dict[str, Any], installations: Any, processes: Any, shel
 
 
 def find(request: dict[str, Any]) -> dict[str, Any]:
-    """Find everything; see `model.Ros2`."""
+    """Find everything; see `ur.robot.ros2.seen_graph.Ros2`."""
     variables: list[str] = request["variables"]
     installations = find_installations()
     processes = find_processes(variables)
     if not installations and not processes:
         return {}
     shell = read_shell(variables)
-    called = {name: os.environ[name] for name in variables if os.environ.get(name)}
+    called = {name: os.environ[name][:400] for name in variables if os.environ.get(name)}
     graph, problem = None, ""
     if request["graph"]:
         graph, problem = read_graph(request, installations, processes, shell)

@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import json
-import math
-import re
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from importlib.resources import files
-from typing import Any, TypeVar
 
-from ur.robot.ros2.seen_graph import End, Installation, Process, Qos, Received, Ros2, SeenFrame, SeenGraph, SeenTopic
+from ur.robot.ros2.seen_graph import Ros2
 from ur.robot.ssh.shell import Shell, quote
+from ur.source.foreign.json_values import BadJsonError, read_json
 
 VARIABLES = (
     *("ROS_DOMAIN_ID", "RMW_IMPLEMENTATION", "ROS_AUTOMATIC_DISCOVERY_RANGE", "ROS_STATIC_PEERS", "ROS_LOCALHOST_ONLY"),
@@ -19,9 +17,7 @@ VARIABLES = (
 )
 FIND_SECONDS = 75.0
 HEAR_SECONDS = 5
-MOST = 2000  # entries of a list, which no small robot has
-LONGEST = 400  # characters of a name
-_BAD_ANSWER = (LookupError, TypeError, ValueError, AttributeError)
+_LONGEST = 4 << 20  # characters of an answer
 # The group and port of `ros2 multicast`. Each computer sends its name and listens for the other's.
 _HEAR = r"""
 import socket, struct, sys, time
@@ -41,7 +37,6 @@ while time.monotonic() < end:
         pass
 print("heard" if heard else "silent")
 """
-Value = TypeVar("Value")
 
 
 def inspect_ros2(
@@ -74,101 +69,6 @@ def hear_other(shell: Shell, own: str, other: str) -> bool | None:
 def parse_ros2(output: str) -> Ros2:
     """Read the finder's answer; nothing where it makes no sense."""
     try:
-        top = json.loads(output)
-        return _read(top) if top else Ros2()
-    except (*_BAD_ANSWER, RecursionError):
+        return read_json(output, Ros2, _LONGEST)
+    except BadJsonError:
         return Ros2()
-
-
-def _read(top: Any) -> Ros2:
-    return Ros2(
-        installations=_each(top["installations"], lambda row: Installation(
-            _text(row["distro"]), _text(row["folder"]), _texts(row["middlewares"])
-        )),
-        processes=_each(top["processes"], _process),
-        shell=_variables(top["shell"]),
-        called=_variables(top["called"]),
-        settings=_each(top["settings"], lambda row: (_text(row[0]), _text(row[1]))),
-        files=_mapping(top["files"], _truth),
-        ports=frozenset(_each(top["ports"], _whole)),
-        no_multicast=_texts(top["no_multicast"]),
-        graph=_graph(top["graph"]) if top["graph"] is not None else None,
-        problem=_text(top["problem"]),
-    )  # fmt: skip
-
-
-def _process(row: Any) -> Process:
-    unit = _text(row["unit"])
-    return Process(
-        _whole(row["pid"]),
-        _text(row["user"]),
-        _text(row["argv"]),
-        distro if re.fullmatch(r"[a-z]{1,20}", distro := _text(row["distro"])) else "",
-        unit if re.fullmatch(r"[A-Za-z0-9@._:\\-]{1,200}", unit) else "",
-        _variables(row["variables"]),
-        _truth(row["readable"]),
-    )
-
-
-def _graph(top: Any) -> SeenGraph:
-    def ends(rows: Any) -> tuple[End, ...]:
-        return _each(rows, lambda row: End(
-            _text(row[0]), _text(row[1]), _text(row[2]),
-            Qos(_truth(row[3]), _truth(row[4]), _period(row[5]), _period(row[6]), _truth(row[7])),
-        ))  # fmt: skip
-
-    return SeenGraph(
-        nodes=_texts(top["nodes"]),
-        topics=_each(top["topics"], lambda row: SeenTopic(_text(row[0]), ends(row[1]), ends(row[2]))),
-        simulated=_mapping(top["simulated"], _truth),
-        states=_mapping(top["states"], _text),
-        scans=_mapping(top["scans"], lambda row: Received(_whole(row[0]), None if row[1] is None else _number(row[1]))),
-        charge=_mapping(top["charge"], _number),
-        frames=_mapping(top["frames"], lambda row: SeenFrame(_texts(row[0]), _texts(row[1]))),
-    )
-
-
-def _each(rows: Any, read: Callable[[Any], Value]) -> tuple[Value, ...]:
-    if not isinstance(rows, list):
-        raise TypeError(rows)
-    return tuple(map(read, rows[:MOST]))
-
-
-def _mapping(rows: Any, read: Callable[[Any], Value]) -> dict[str, Value]:
-    return {_text(name): read(value) for name, value in list(rows.items())[:MOST]}
-
-
-def _variables(rows: Any) -> Mapping[str, str]:
-    return {name: value for name, value in _mapping(rows, _text).items() if name in VARIABLES}
-
-
-def _texts(rows: Any) -> tuple[str, ...]:
-    return _each(rows, _text)
-
-
-def _text(value: Any) -> str:
-    if not isinstance(value, str):
-        raise TypeError(value)
-    return value[:LONGEST]
-
-
-def _truth(value: Any) -> bool:
-    if not isinstance(value, bool):
-        raise TypeError(value)
-    return value
-
-
-def _whole(value: Any) -> int:
-    if not isinstance(value, int) or not 0 <= value < 1 << 53:
-        raise TypeError(value)
-    return value
-
-
-def _number(value: Any) -> float:
-    if not isinstance(value, (int, float)) or not math.isfinite(value):
-        raise TypeError(value)
-    return float(value)
-
-
-def _period(value: Any) -> float:
-    return math.inf if value is None else _number(value)

@@ -1,4 +1,4 @@
-"""Values about ROS 2 on a computer. Values only."""
+"""Values about ROS 2 on a computer, with the limits of what a robot may answer. Values only."""
 
 from __future__ import annotations
 
@@ -6,6 +6,16 @@ import math
 from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import Annotated
+
+from msgspec import Meta
+
+from ur.source.foreign.json_values import Count
+
+Name = Annotated[str, Meta(max_length=400)]
+Release = Annotated[str, Meta(pattern="^[a-z]{0,20}\\Z")]
+Unit = Annotated[str, Meta(pattern=r"^[A-Za-z0-9@._:\\-]{0,200}\Z")]
+Variables = Mapping[Annotated[str, Meta(pattern="^[A-Z][A-Z0-9_]{0,40}\\Z")], Name]
 
 DEFAULT_MIDDLEWARE = "rmw_fastrtps_cpp"  # of every release from Humble to Lyrical
 # Their graphs have no type hashes; nodes of newer releases raise exceptions when they discover one of these.
@@ -17,9 +27,9 @@ NAMES = {"humble": "Humble", "iron": "Iron", "jazzy": "Jazzy", "kilted": "Kilted
 class Installation:
     """A release: its name such as jazzy, its folder, and the middlewares that it has."""
 
-    distro: str
-    folder: str
-    middlewares: tuple[str, ...] = ()
+    distro: Name
+    folder: Name
+    middlewares: tuple[Name, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,12 +39,12 @@ class Process:
     `readable` is False where its variables could not be read, since it belongs to another user.
     """
 
-    pid: int
-    user: str
-    argv: str
-    distro: str = ""
-    unit: str = ""
-    variables: Mapping[str, str] = field(default_factory=dict)
+    pid: Count
+    user: Name
+    argv: Name
+    distro: Release = ""
+    unit: Unit = ""
+    variables: Variables = field(default_factory=dict)
     readable: bool = True
 
 
@@ -53,9 +63,9 @@ class Qos:
 class End:
     """A publisher or subscriber: full name of the node, type, and hash of the type's definition ('': unknown)."""
 
-    node: str
-    kind: str
-    hash: str = ""
+    node: Name
+    kind: Name
+    hash: Name = ""
     qos: Qos = Qos()
 
 
@@ -63,7 +73,7 @@ class End:
 class SeenTopic:
     """A topic and its ends."""
 
-    name: str
+    name: Name
     publishers: tuple[End, ...] = ()
     subscribers: tuple[End, ...] = ()
 
@@ -72,7 +82,7 @@ class SeenTopic:
 class Received:
     """Number of messages received on a topic while it was listened to, and the least age of their stamps (s)."""
 
-    messages: int
+    messages: Count
     age: float | None = None
 
 
@@ -80,8 +90,8 @@ class Received:
 class SeenFrame:
     """A frame of tf: the nodes that send its pose, and the frames in which they send it."""
 
-    senders: tuple[str, ...]
-    parents: tuple[str, ...]
+    senders: tuple[Name, ...]
+    parents: tuple[Name, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,13 +101,13 @@ class SeenGraph:
     By topic: scans that arrived, and the charge of batteries (0..1).
     """
 
-    nodes: tuple[str, ...] = ()
+    nodes: tuple[Name, ...] = ()
     topics: tuple[SeenTopic, ...] = ()
-    simulated: Mapping[str, bool] = field(default_factory=dict)
-    states: Mapping[str, str] = field(default_factory=dict)
-    scans: Mapping[str, Received] = field(default_factory=dict)
-    charge: Mapping[str, float] = field(default_factory=dict)
-    frames: Mapping[str, SeenFrame] = field(default_factory=dict)
+    simulated: Mapping[Name, bool] = field(default_factory=dict)
+    states: Mapping[Name, Name] = field(default_factory=dict)
+    scans: Mapping[Name, Received] = field(default_factory=dict)
+    charge: Mapping[Name, float] = field(default_factory=dict)
+    frames: Mapping[Name, SeenFrame] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)
@@ -112,14 +122,14 @@ class Ros2:
 
     installations: tuple[Installation, ...] = ()
     processes: tuple[Process, ...] = ()
-    shell: Mapping[str, str] = field(default_factory=dict)
-    called: Mapping[str, str] = field(default_factory=dict)
-    settings: tuple[tuple[str, str], ...] = ()
-    files: Mapping[str, bool] = field(default_factory=dict)
-    ports: frozenset[int] = frozenset()
-    no_multicast: tuple[str, ...] = ()
+    shell: Variables = field(default_factory=dict)
+    called: Variables = field(default_factory=dict)
+    settings: tuple[tuple[Name, Name], ...] = ()
+    files: Mapping[Name, bool] = field(default_factory=dict)
+    ports: frozenset[Count] = frozenset()
+    no_multicast: tuple[Name, ...] = ()
     graph: SeenGraph | None = None
-    problem: str = ""
+    problem: Name = ""
     heard: bool | None = None
 
     @property

@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Literal
 
-from ur.robot.sync.steps import Agreed, File
+from ur.robot.sync.steps import Agreed
 from ur.source.diagnostic import UserError, error_about
+from ur.source.foreign.json_values import BadJsonError, read_json_names, write_json_names
 from ur.source.replace import replace_file
 from ur.source.user_folders import user_folder
 
-VERSION = 1
+_LONGEST = 256 << 20  # characters
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,6 +33,13 @@ class SyncMemory:
     agreed: Mapping[str, Agreed] = field(default_factory=dict)
 
 
+@dataclass(frozen=True, slots=True)
+class _StoredMemory:
+    version: Literal[1]
+    pair: WorkspacePair
+    agreed: Mapping[str, Agreed]
+
+
 def memory_path(robot: str, environment: Mapping[str, str]) -> Path:
     """The file of a robot, below the user's state folder (XDG base directory specification)."""
     return Path(user_folder("XDG_STATE_HOME", environment)) / "ubiquity_launches" / "sync" / f"{robot}.json"
@@ -40,21 +48,16 @@ def memory_path(robot: str, environment: Mapping[str, str]) -> Path:
 def load_memory(path: Path) -> SyncMemory | None:
     """The last sync; None when there was none. One that cannot be read counts as none: then nothing is deleted."""
     try:
-        top = json.loads(path.read_text(encoding="utf-8"))
-        if top["version"] != VERSION:
-            return None
-        agreed = {name: Agreed(File(*row[0]), File(*row[1])) for name, row in top["agreed"].items()}
-        return SyncMemory(WorkspacePair(**top["pair"]), agreed)
-    except (OSError, ValueError, TypeError, KeyError, IndexError, AttributeError, RecursionError):
+        stored = read_json_names(path.read_text(encoding="utf-8"), _StoredMemory, _LONGEST)
+    except (OSError, UnicodeError, BadJsonError):
         return None
+    return SyncMemory(stored.pair, stored.agreed)
 
 
 def store_memory(path: Path, memory: SyncMemory) -> None:
     """Write it in one step. Raises UserError."""
-    rows = {name: [each.here.as_json(), each.there.as_json()] for name, each in memory.agreed.items()}
-    pair = {"here": memory.pair.here, "there": memory.pair.there, "machine": memory.pair.machine}
     try:
-        replace_file(path, json.dumps({"version": VERSION, "pair": pair, "agreed": rows}), parents=True)
+        replace_file(path, write_json_names(_StoredMemory(1, memory.pair, memory.agreed)), parents=True)
     except OSError as problem:
         reason = (problem.strerror or str(problem)).lower()
         raise UserError(error_about(path, f"cannot be written: {reason}", rule="no-memory")) from None

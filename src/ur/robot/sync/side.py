@@ -268,10 +268,15 @@ def _reason(problem: OSError) -> str:
     return (problem.strerror or str(problem)).lower()
 
 
+def respond(text: str) -> str:
+    """Answer a request; both are JSON."""
+    request = json.loads(text)
+    return json.dumps({"scan": scan, "prepare": prepare, "apply": apply}[request["do"]](request))
+
+
 def main() -> None:
     """Answer the request on standard input."""
-    request = json.load(sys.stdin)
-    json.dump({"scan": scan, "prepare": prepare, "apply": apply}[request["do"]](request), sys.stdout)
+    sys.stdout.write(respond(sys.stdin.read()))
 
 
 if __name__ == "__main__":

@@ -4,16 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any, Literal, cast, get_args
+from typing import Literal
+
+from ur.source.foreign.json_values import ForeignValue, convert_json
 
 Kind = Literal["file", "link", "folder"]
 Side = Literal["here", "there"]
 SIDES: tuple[Side, Side] = ("here", "there")
 
 
-@dataclass(frozen=True, slots=True)
-class File:
-    """A file of one side. `content` is its hash, or the target of a link; `time` is in ns since 1970."""
+class File(ForeignValue, frozen=True, array_like=True):
+    """A file of one side, as `ur.robot.sync.side` writes and reads it.
+
+    `content` is its hash, or the target of a link; `time` is in ns since 1970.
+    """
 
     kind: Kind
     size: int
@@ -25,10 +29,6 @@ class File:
     def identity(self) -> Identity:
         """The identity that it shares with the same file on the other side."""
         return self.kind, self.executable, self.content
-
-    def as_json(self) -> list[Any]:
-        """As `ur.robot.sync.side` writes and reads it."""
-        return [self.kind, self.size, self.time, self.executable, self.content]
 
 
 Identity = tuple[str, bool, str]
@@ -42,8 +42,7 @@ class Manifest:
     skipped: Mapping[str, str] = field(default_factory=dict)
 
 
-@dataclass(frozen=True, slots=True)
-class Agreed:
+class Agreed(ForeignValue, frozen=True, array_like=True):
     """A path that both had alike at the last sync. Size and time tell either side whether it was changed since."""
 
     here: File
@@ -91,30 +90,16 @@ class SyncPlan:
     notes: tuple[str, ...] = ()
 
 
-def read_files(rows: Mapping[str, list[Any]]) -> dict[str, File]:
-    """Files from their JSON, which another computer may have sent. Raises TypeError or ValueError for anything else.
+def read_files(rows: object) -> dict[str, File]:
+    """Files from their JSON, which another computer may have sent. Raises ValueError for anything else.
 
     A path stays inside of the workspace: it is relative, and no part of it is empty, `.` or `..`.
     """
-    if not isinstance(rows, Mapping):
-        raise TypeError("expected files by path")
-    return {check_path(path): _read_file(row) for path, row in rows.items()}
+    return {check_path(path): file for path, file in convert_json(rows, dict[str, File]).items()}
 
 
-def check_path(path: object) -> str:
-    """Return a path of a workspace. Raises TypeError or ValueError for one that leads out of it."""
-    if not isinstance(path, str):
-        raise TypeError("expected a path")
+def check_path(path: str) -> str:
+    """Return a path of a workspace. Raises ValueError for one that leads out of it."""
     if "\0" in path or any(part in ("", ".", "..") for part in path.split("/")):
         raise ValueError(f"{path!r} is no path inside of a workspace")
     return path
-
-
-def _read_file(row: object) -> File:
-    if not isinstance(row, list) or len(row) != 5:
-        raise TypeError("expected a file")
-    kind, size, time, executable, content = row
-    numbers = all(isinstance(each, int) and not isinstance(each, bool) for each in (size, time))
-    if kind not in get_args(Kind) or not numbers or not isinstance(executable, bool) or not isinstance(content, str):
-        raise TypeError("expected a file")
-    return File(cast(Kind, kind), size, time, executable, content)

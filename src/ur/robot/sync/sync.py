@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import base64
-import json
 import subprocess
 import sys
 import zlib
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TypeVar
 
 from ur.robot.ssh.failures import lost_connection
 from ur.robot.ssh.openssh import SshShell
@@ -18,10 +17,12 @@ from ur.robot.ssh.shell import Shell, quote
 from ur.robot.sync import side as side_program
 from ur.robot.sync.compare import agree, drop_ignored
 from ur.robot.sync.memory import SyncMemory, WorkspacePair, known_files
-from ur.robot.sync.steps import SIDES, Manifest, Side, SyncPlan, SyncStep, check_path, read_files
-from ur.source.diagnostic import UserError, error, error_about
+from ur.robot.sync.steps import SIDES, File, Manifest, Side, SyncPlan, check_path
+from ur.source.diagnostic import UserError, error_about
+from ur.source.foreign.json_values import read_json_names, write_json_names
 
 WORKSPACE = "catkin_ws/src"
+_LONGEST = 256 << 20  # characters of an answer
 _SECONDS = 1800.0  # a first look reads every file
 _RSYNC_LOST = {10, 12, 30, 35, 255}  # rsync(1), exit values: socket I/O, protocol stream, two timeouts; and ssh's own
 
@@ -56,14 +57,40 @@ class SyncOutcome:
 class _Scan:
     """The workspace of a side, as that side describes it."""
 
-    manifest: Manifest
+    files: Mapping[str, File]
+    skipped: Mapping[str, str]
     root: str
     machine: str
-    has_rsync: bool
-    ignored: tuple[str, ...]
+    rsync: bool
+    ignore: tuple[str, ...]
+
+    @property
+    def paths(self) -> Sequence[str]:
+        """See _ask; '' is the workspace itself."""
+        return [*self.files, *filter(None, self.skipped)]
 
 
-_BAD_ANSWER = (LookupError, TypeError, ValueError, AttributeError)
+@dataclass(frozen=True, slots=True)
+class _Applied:
+    """The files that a side has after its steps, None for those that are deleted, and the paths left alone."""
+
+    done: Mapping[str, File | None]
+    left: Mapping[str, str]
+
+    @property
+    def paths(self) -> Sequence[str]:
+        """See _ask."""
+        return [*self.done, *filter(None, self.left)]
+
+
+@dataclass(frozen=True, slots=True)
+class _Prepared:
+    """The answer of a side that has made its folders."""
+
+    paths: tuple[str, ...] = ()
+
+
+Answer = TypeVar("Answer", _Scan, _Applied, _Prepared)
 
 
 def look_at(shell: SshShell, root: Path, last: SyncMemory | None) -> Look:
@@ -72,16 +99,16 @@ def look_at(shell: SshShell, root: Path, last: SyncMemory | None) -> Look:
     answers = {}
     for place, where in ((SyncSide("here", None), str(root)), (SyncSide("there", shell), f"~/{WORKSPACE}")):
         request = {"do": "scan", "root": where, "ignore": [], "known": known_files(agreed, place.side)}
-        answers[place.side] = _read_scan(place, _ask(place, request))
-        if not answers[place.side].has_rsync:
+        answers[place.side] = _ask(place, request, _Scan)
+        if not answers[place.side].rsync:
             who = "this computer" if place.side == "here" else shell.place
             raise UserError(
                 error_about(
                     who, "rsync is not installed", rule="missing-program", help="there: sudo apt-get install rsync"
                 )
             )
-    patterns = [*answers["here"].ignored, *answers["there"].ignored]
-    sides = [drop_ignored(answers[side].manifest, patterns) for side in SIDES]
+    patterns = [*answers["here"].ignore, *answers["there"].ignore]
+    sides = [drop_ignored(Manifest(answers[side].files, answers[side].skipped), patterns) for side in SIDES]
     pair = WorkspacePair(answers["here"].root, answers["there"].root, answers["there"].machine)
     return Look(sides[0], sides[1], pair, last if last and last.pair == pair else None)
 
@@ -102,80 +129,47 @@ def carry_out(
     """
     roots = {"here": pair.here, "there": pair.there}
     places = {"here": SyncSide("here", None), "there": SyncSide("there", shell)}
-    done: dict[Side, dict[str, Any]] = {"here": {}, "there": {}}
-    left: dict[Side, dict[str, str]] = {"here": {}, "there": {}}
+    done: dict[Side, Mapping[str, File | None]] = {"here": {}, "there": {}}
+    left: dict[Side, Mapping[str, str]] = {"here": {}, "there": {}}
     for side in ("there", "here"):
         steps = [step for step in plan.steps if step.to == side]
         if not steps:
             continue
         beside = Path(roots[side]).parent / ".ur_sync"
         request = {"root": roots[side], "arriving": f"{beside}/arriving-{name}", "kept": f"{beside}/kept/{stamp}"}
-        _ask(places[side], {**request, "do": "prepare"})
+        _ask(places[side], {**request, "do": "prepare"}, _Prepared)
         paths = [step.path for step in steps if step.after and step.after.kind == "file"]
         if paths:
             count = f"{len(paths)} file{'' if len(paths) == 1 else 's'}"
             report(f"{count} to {'this computer' if side == 'here' else shell.place} ...")
             _run_rsync(shell, side, roots, request["arriving"], paths, progress=progress)
-        answer = _ask(places[side], {**request, "do": "apply", "steps": [_render_step(step) for step in steps]})
-        try:
-            done[side] = {**read_files({k: v for k, v in answer["done"].items() if v}), **_deleted(answer["done"])}
-            left[side] = _read_texts(answer["left"])
-        except _BAD_ANSWER as problem:
-            raise _misshapen(places[side], problem) from None
+        rows = [(step.path, step.before, step.after, step.keep) for step in steps]
+        answer = _ask(places[side], {**request, "do": "apply", "steps": rows}, _Applied)
+        done[side], left[side] = answer.done, answer.left
     return SyncOutcome(SyncMemory(pair, agree(plan, done)), left)
 
 
-def _read_scan(place: SyncSide, answer: Any) -> _Scan:
-    try:
-        return _Scan(
-            Manifest(read_files(answer["files"]), _read_texts(answer["skipped"])),
-            str(answer["root"]),
-            str(answer["machine"]),
-            bool(answer["rsync"]),
-            tuple(str(each) for each in answer["ignore"]),
-        )
-    except _BAD_ANSWER as problem:
-        raise _misshapen(place, problem) from None
-
-
-def _read_texts(rows: Mapping[str, Any]) -> dict[str, str]:
-    return {path and check_path(path): str(why) for path, why in rows.items()}  # '' is the workspace itself
-
-
-def _misshapen(place: SyncSide, problem: Exception) -> UserError:
-    who = "this computer" if place.shell is None else place.shell.place
-    message = f"{who}: the list of its workspace makes no sense: {problem}"
-    return UserError(error(message, rule="failed-sync", help="ur doctor"))
-
-
-def _deleted(done: Mapping[str, Any]) -> dict[str, None]:
-    return {check_path(path): None for path, row in done.items() if row is None}
-
-
-def _render_step(step: SyncStep) -> list[Any]:
-    before, after = (each.as_json() if each else None for each in (step.before, step.after))
-    return [step.path, before, after, step.keep]
-
-
-def _ask(place: SyncSide, request: Mapping[str, Any]) -> Any:
+def _ask(place: SyncSide, request: Mapping[str, object], kind: type[Answer]) -> Answer:
+    """Have a side do something, and read its answer, whose paths stay inside of the workspace. Raises UserError."""
+    text = write_json_names(request)
     if place.shell is None:
-        # Through JSON as well: both sides answer alike.
-        answer = {"scan": side_program.scan, "prepare": side_program.prepare, "apply": side_program.apply}[
-            request["do"]
-        ](json.loads(json.dumps(request)))
-        return json.loads(json.dumps(answer))
-    source = base64.b64encode(zlib.compress(Path(side_program.__file__).read_bytes())).decode()
-    code = f"import base64,zlib;exec(zlib.decompress(base64.b64decode('{source}')))"
-    done = place.shell.run(quote("python3", "-I", "-c", code), stdin=json.dumps(request), timeout=_SECONDS)
+        done, out = None, side_program.respond(text)
+    else:
+        source = base64.b64encode(zlib.compress(Path(side_program.__file__).read_bytes())).decode()
+        code = f"import base64,zlib;exec(zlib.decompress(base64.b64decode('{source}')))"
+        done = place.shell.run(quote("python3", "-I", "-c", code), stdin=text, timeout=_SECONDS)
+        out = done.out
     try:
-        return json.loads(done.out)
-    except (ValueError, RecursionError):
-        reason = (done.err.strip().splitlines() or [f"exit code {done.code}"])[-1]
-        raise UserError(
-            error_about(
-                place.shell.place, f"its workspace cannot be read: {reason}", rule="failed-sync", help="ur doctor"
-            )
-        ) from None
+        answer = read_json_names(out, kind, _LONGEST)
+        for path in answer.paths:
+            check_path(path)
+    except ValueError as problem:
+        reasons = [f"exit code {done.code}" if done and done.code else str(problem)]
+        reasons += done.err.strip().splitlines() if done else []
+        message = f"its workspace cannot be read: {reasons[-1]}"
+        who = place.shell.place if place.shell else "this computer"
+        raise UserError(error_about(who, message, rule="failed-sync", help="ur doctor")) from None
+    return answer
 
 
 def rsync_command(

@@ -10,9 +10,10 @@ import subprocess
 import time
 from collections.abc import Collection, Mapping
 from contextlib import suppress
-from typing import TypedDict
+from dataclasses import dataclass
 
 from ur.run.middleware.protocol import TF_TOPICS, NoGraph, ReceivedMessages, RunGraph
+from ur.source.foreign.json_values import read_json
 from ur.system.ros import node_command
 
 _MODULE = "ur_nodes.web.graph_report_node"
@@ -22,8 +23,9 @@ _END = 3.0  # s
 _MOST = 16 << 20  # bytes of an answer
 
 
-class _Answer(TypedDict):
-    """See `ur_nodes.web.graph_report_node`; nothing has checked it."""
+@dataclass(frozen=True, slots=True)
+class _Answer:
+    """See `ur_nodes.web.graph_report_node`."""
 
     publishers: dict[str, list[str]]
     subscribers: dict[str, list[str]]
@@ -47,14 +49,11 @@ class HelperView:
         """See GraphView."""
         frames = any(each in TF_TOPICS for each in topics)
         answer = self._ask({"topics": sorted(each for each in topics if each not in TF_TOPICS), "frames": frames})
-        try:
-            for topic, times in answer["received"].items():
-                self.received.setdefault(topic, ReceivedMessages()).times.extend(map(float, times))
-            if frames:
-                self.received.setdefault(TF_TOPICS[0], ReceivedMessages()).frames.update(map(str, answer["frames"]))
-            return RunGraph(answer["publishers"], answer["subscribers"], answer["services"], frozenset(answer["nodes"]))
-        except (KeyError, TypeError, ValueError, AttributeError):
-            raise NoGraph("the node that reads the graph answers wrongly") from None
+        for topic, times in answer.received.items():
+            self.received.setdefault(topic, ReceivedMessages()).times.extend(times)
+        if frames:
+            self.received.setdefault(TF_TOPICS[0], ReceivedMessages()).frames.update(answer.frames)
+        return RunGraph(answer.publishers, answer.subscribers, answer.services, frozenset(answer.nodes))
 
     def wait(self, seconds: float) -> None:
         """See GraphView. The node notes what arrives."""
@@ -108,7 +107,6 @@ class HelperView:
                 self._data += part
             line, found, self._data = self._data.partition(b"\n")
             if found:
-                answer: _Answer = json.loads(line)
-                return answer
+                return read_json(line, _Answer, _MOST)
         self.forget()
         raise NoGraph("the node that reads the graph does not answer")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 import shutil
 import subprocess
@@ -13,6 +12,7 @@ from pathlib import Path
 
 from ur.run.remote.local_runs import share_arguments
 from ur.run.remote.protocol import Problem, ShareRequest
+from ur.source.foreign.json_values import read_json
 
 START_SECONDS = 60.0
 
@@ -55,9 +55,8 @@ def launch_arguments(request: ShareRequest, running: Sequence[str], report: str)
 def read_report(report: Path) -> Problem | None:
     """The first problem that `ur launch` has reported. None: it has not reported any."""
     try:
-        first = json.loads(report.read_text(encoding="utf-8"))[0]
-        return Problem(first["message"], first["help"], first["rule"], first["place"])
-    except (OSError, ValueError, LookupError, TypeError):
+        return next(iter(read_json(report.read_text(encoding="utf-8"), list[Problem])), None)
+    except (OSError, ValueError):
         return None
 
 

@@ -66,6 +66,17 @@ def read_json(text: object, kind: Any, longest: int = _ANY_TEXT) -> Any:
         raise BadJsonError("expected JSON") from None
 
 
+def read_json_names(text: str, kind: type[Kind], longest: int) -> Kind:
+    """As read_json, for texts with names of files that are not UTF-8, which Python holds as halves of pairs."""
+    if len(text) > longest:
+        raise BadJsonError(f"expected a text of at most {longest} characters")
+    try:
+        value = json.loads(text)
+    except (ValueError, RecursionError):
+        raise BadJsonError("expected JSON") from None
+    return convert_json(value, kind)
+
+
 @overload
 def convert_json(value: object, kind: type[Kind]) -> Kind: ...
 @overload
@@ -87,6 +98,11 @@ def write_json(value: object) -> str:
     except UnicodeEncodeError:  # bytes of a file's name that are not UTF-8, as Python holds them
         text = json.dumps(msgspec.to_builtins(value), ensure_ascii=False)
         return text.encode("utf-8", "replace").decode()
+
+
+def write_json_names(value: object) -> str:
+    """A value as JSON that read_json_names reads."""
+    return json.dumps(msgspec.to_builtins(value))
 
 
 @lru_cache(maxsize=256)

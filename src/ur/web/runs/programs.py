@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-import json
 import time
 from collections.abc import Mapping, Sequence
-from typing import Any
+from dataclasses import asdict, dataclass
+from typing import TypeVar
 
+from ur.source.foreign.json_values import BadJsonError, read_json
 from ur.source.printable import printable_lines
 from ur.web.runs.commands import CommandQueue, EndedCommand
 from ur.web.wire.run_requests import StartProgram
@@ -15,6 +16,41 @@ _FRESH = 20.0  # s for which a list is taken for current
 _READING = 60.0  # s that a command gets that reads files only
 _STARTING = 120.0
 _DIAGNOSING = 120.0
+
+
+_LONGEST = 32 << 20  # characters of what a command prints
+Kind = TypeVar("Kind")
+
+
+@dataclass(frozen=True, slots=True)
+class ListedValue:
+    """A value that an argument can have."""
+
+    text: str
+    help: str
+
+
+@dataclass(frozen=True, slots=True)
+class ListedArgument:
+    """An argument; one without default has to be given."""
+
+    name: str
+    doc: str
+    default: str | None
+    values: tuple[ListedValue, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class ListedProgram:
+    """A program as `ur list --json` describes it."""
+
+    name: str
+    package: str
+    summary: str
+    launch_file: str
+    lack: str
+    problem: str
+    arguments: tuple[ListedArgument, ...]
 
 
 class ProgramsError(Exception):
@@ -26,13 +62,14 @@ class Programs:
 
     def __init__(self, commands: CommandQueue) -> None:
         self._commands = commands
-        self._listed: tuple[float, list[dict[str, Any]]] | None = None
-        self._finding: tuple[float, dict[str, Any]] | None = None
+        self._listed: tuple[float, list[ListedProgram]] | None = None
+        self._finding: tuple[float, dict[str, object]] | None = None
 
-    async def list_all(self) -> list[dict[str, Any]]:
+    async def list_all(self) -> list[dict[str, object]]:
         """List all programs with their arguments, as `ur list --json` does, without paths."""
         return [
-            {name: value for name, value in each.items() if name != "launch_file"} | {"file": bool(each["launch_file"])}
+            {name: value for name, value in asdict(each).items() if name != "launch_file"}
+            | {"file": bool(each.launch_file)}
             for each in await self._read_list()
         ]
 
@@ -40,12 +77,10 @@ class Programs:
         """Start a program that runs on without this server; returns the id of its run."""
         program = await self._find(request.program)
         arguments = _check_arguments(program, request.arguments)
-        done = await self._commands.run(
-            "run", program["name"], "--detach", "--no-terminal", *arguments, limit=_STARTING
-        )
+        done = await self._commands.run("run", program.name, "--detach", "--no-terminal", *arguments, limit=_STARTING)
         run = done.out.strip().rpartition("\n")[2]
         if done.code != 0 or not run:
-            raise ProgramsError(explain_failure(done, f"program {program['name']} did not start"))
+            raise ProgramsError(explain_failure(done, f"program {program.name} did not start"))
         return run
 
     async def draw(self, program: str, arguments: Mapping[str, str]) -> str:
@@ -76,53 +111,52 @@ class Programs:
             raise ProgramsError(explain_failure(done, f"{node} cannot be explained"))
         return printable_lines(done.out)
 
-    async def diagnose(self) -> dict[str, Any]:
+    async def diagnose(self) -> dict[str, object]:
         """The findings of the doctor about this computer and the selected robot; nothing is changed."""
         if self._finding is not None and time.monotonic() - self._finding[0] < _FRESH:
             return self._finding[1]
         done = await self._commands.run("doctor", "--json", limit=_DIAGNOSING)
-        found = parse_output(done, "the doctor found out nothing")
-        if not isinstance(found, dict):
-            raise ProgramsError("the doctor found out nothing")
+        found = parse_output(done, dict[str, object], "the doctor found out nothing")
         self._finding = (time.monotonic(), found)
         return found
 
-    async def _read_list(self) -> list[dict[str, Any]]:
+    async def _read_list(self) -> list[ListedProgram]:
         if self._listed is None or time.monotonic() - self._listed[0] > _FRESH:
             done = await self._commands.run("list", "--json", limit=_READING)
-            self._listed = (time.monotonic(), parse_output(done, "the programs cannot be listed"))
+            programs = parse_output(done, list[ListedProgram], "the programs cannot be listed")
+            self._listed = (time.monotonic(), programs)
         return self._listed[1]
 
-    async def _find(self, name: str) -> dict[str, Any]:
+    async def _find(self, name: str) -> ListedProgram:
         for program in await self._read_list():
-            if program["name"] == name:
+            if program.name == name:
                 return program
         raise ProgramsError(f"unknown program {name!r}, expected one of the list")
 
 
-def _address(program: Mapping[str, Any]) -> Sequence[str]:
-    if not program["launch_file"]:
-        raise ProgramsError(f"program {program['name']} has no launch file")
-    return (str(program["launch_file"]),)
+def _address(program: ListedProgram) -> Sequence[str]:
+    if not program.launch_file:
+        raise ProgramsError(f"program {program.name} has no launch file")
+    return (program.launch_file,)
 
 
-def _check_arguments(program: Mapping[str, Any], given: Mapping[str, str]) -> list[str]:
+def _check_arguments(program: ListedProgram, given: Mapping[str, str]) -> list[str]:
     """Arguments as words `NAME:=VALUE`. Raises ProgramsError: one that the program does not have, or one is missing."""
-    known = {each["name"]: each for each in program["arguments"]}
+    known = {each.name: each for each in program.arguments}
     unknown = [name for name in given if name not in known]
     if unknown:
-        raise ProgramsError(f"unknown argument {unknown[0]!r} of program {program['name']}")
-    missing = [name for name, each in known.items() if each["default"] is None and not given.get(name)]
+        raise ProgramsError(f"unknown argument {unknown[0]!r} of program {program.name}")
+    missing = [name for name, each in known.items() if each.default is None and not given.get(name)]
     if missing:
         raise ProgramsError(f"argument {missing[0]!r} is missing, expected a value")
     return [f"{name}:={value}" for name, value in given.items()]
 
 
-def parse_output(done: EndedCommand, otherwise: str) -> Any:
+def parse_output(done: EndedCommand, kind: type[Kind], otherwise: str) -> Kind:
     """Parse the JSON that a command printed. Raises ProgramsError."""
     try:
-        return json.loads(done.out)
-    except (ValueError, RecursionError):
+        return read_json(done.out, kind, _LONGEST)
+    except BadJsonError:
         raise ProgramsError(explain_failure(done, otherwise)) from None
 
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import asyncio
 import math
 import time
-from typing import Any
 
 from ur.maps.names import check_map_name
 from ur.source.diagnostic import UserError
@@ -25,17 +24,17 @@ class StoredMaps:
         self._commands = commands
         self._reading = asyncio.Lock()
         self._read_at = -math.inf
-        self._listed: list[dict[str, Any]] = []
+        self._listed: list[dict[str, object]] = []
 
-    async def list_all(self) -> list[dict[str, Any]]:
+    async def list_all(self) -> list[dict[str, object]]:
         """List the maps with a small picture of each, as `ur maps --json --pictures` does, without paths."""
         asked = time.monotonic()
         async with self._reading:
             if self._read_at < asked:  # those that have waited share the answer to the first of them
                 began = time.monotonic()
                 done = await self._commands.run("maps", "--json", "--pictures", limit=_READING)
-                found = parse_output(done, "the maps cannot be listed")
-                self._listed = [{key: each[key] for key in _SHOWN} for each in found[:_MOST_MAPS]]
+                found = parse_output(done, list[dict[str, object]], "the maps cannot be listed")
+                self._listed = [{key: each.get(key) for key in _SHOWN} for each in found[:_MOST_MAPS]]
                 self._read_at = began
             return self._listed
 

@@ -14,6 +14,7 @@ from urllib.parse import urlsplit
 from ur.run.join.claims import read_claims
 from ur.run.record.computer import read_computer
 from ur.run.record.registry import list_runs
+from ur.source.foreign.json_values import read_json
 from ur.source.run_users import PAGE, forget_user, note_user
 from ur.system.ros import graph_address, node_command, read_domain
 from ur.web.wire.frames import LENGTH, LONGEST
@@ -154,7 +155,7 @@ class RobotProcess:
     async def _read_messages(self, reader: asyncio.StreamReader) -> None:
         with suppress(ConnectionError, ValueError):
             while line := await reader.readline():
-                self._on_message(json.loads(line))
+                self._on_message(read_json(line, dict[str, object], _DRIVE_LINE))
 
     async def _read_errors(self, process: asyncio.subprocess.Process) -> None:
         assert process.stderr is not None

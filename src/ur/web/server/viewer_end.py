@@ -3,17 +3,26 @@
 from __future__ import annotations
 
 import asyncio
-import json
 import socket
 from collections.abc import AsyncIterator, Callable, Mapping
 from contextlib import asynccontextmanager, suppress
+from dataclasses import dataclass
+from typing import Annotated
 
+from msgspec import Meta
+
+from ur.source.foreign.json_values import read_json
 from ur.system.ros import node_command
 from ur.web.server.robot_end import wait_or_kill
 
 _MODULE = "ur_nodes.web.viewers.viewer_end_node"
 _START_LIMIT = 20.0  # s
-_LOOPBACK = "127."
+
+
+@dataclass(frozen=True, slots=True)
+class _Address:
+    host: Annotated[str, Meta(pattern=r"^127\.[0-9.]{1,12}\Z")]
+    port: Annotated[int, Meta(gt=0, lt=1 << 16)]
 
 
 class ViewerProcessError(Exception):
@@ -64,15 +73,11 @@ class ViewerProcess:
         self._reading = asyncio.create_task(self._read_errors(process))
         try:
             line = await asyncio.wait_for(reader.readline(), _START_LIMIT)
-            value = json.loads(line)
-            host, port = str(value["host"]), int(value["port"])
-        except (OSError, ValueError, KeyError, TypeError, asyncio.TimeoutError):
+            address = read_json(line, _Address)
+        except (OSError, ValueError, asyncio.TimeoutError):
             await self._end()
             raise ViewerProcessError("the topics of the robot cannot be offered; see web.log") from None
-        if not host.startswith(_LOOPBACK):
-            await self._end()
-            raise ViewerProcessError("the server of topics is not on the loopback interface")
-        self._address = host, port
+        self._address = address.host, address.port
 
     async def _end(self) -> None:
         """End the process, which ends when its socket is closed."""

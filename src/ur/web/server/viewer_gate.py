@@ -14,11 +14,13 @@ import secrets
 import time
 from collections.abc import Callable, Mapping
 from contextlib import suppress
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import aiohttp
 from aiohttp import WSCloseCode, WSMsgType, web
 
+from ur.source.foreign.json_values import Count, read_json
 from ur.web.access.rate import draw, make_bucket
 from ur.web.access.roles import Role
 from ur.web.server.drivers import DrivingPages
@@ -57,6 +59,11 @@ if TYPE_CHECKING:
     Topics = aiohttp.ClientWebSocketResponse[bool]
 
 
+@dataclass(frozen=True, slots=True)
+class _Challenge:
+    n: list[Count]
+
+
 class _Viewer:
     """One viewer that may publish; a driver as a page is one."""
 
@@ -72,7 +79,7 @@ class _Viewer:
 
     def challenge(self, text: str) -> None:
         """Note the newest challenge."""
-        self._newest = json.loads(text)["n"]
+        self._newest = read_json(text, _Challenge).n
 
     def answer(self, value: Mapping[str, object]) -> None:
         """Show a refusal of the robot's end to the user of the viewer."""

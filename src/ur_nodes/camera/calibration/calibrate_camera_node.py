@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from ur.source.ansi import has_true_colour, is_plain
 from ur_nodes.camera.calibration.board import Board
 from ur_nodes.camera.calibration.screen import Views, show_session, write_session
-from ur_nodes.camera.calibration.session import Session
+from ur_nodes.camera.calibration.session import CalibrationSession
 from ur_nodes.camera.calibration.solve import describe_result, solve_or_fail
 from ur_nodes.camera.calibration.store import CalibrationClient
 from ur_nodes.pictures.feed import PictureFeed
@@ -27,7 +27,7 @@ class Calibrator:
     """The pictures of a camera, the views of the board in them, and the camera's store."""
 
     feed: PictureFeed
-    session: Session
+    session: CalibrationSession
     store: CalibrationClient
 
 
@@ -40,7 +40,7 @@ def start(node: Node) -> Calibrator:
         own.integer("rows", 6, minimum=3),
         own.number("square", 0.025, minimum=0.001, maximum=1.0),
     )
-    return Calibrator(PictureFeed(node, f"{camera}/image"), Session(board), CalibrationClient(node, camera))
+    return Calibrator(PictureFeed(node, f"{camera}/image"), CalibrationSession(board), CalibrationClient(node, camera))
 
 
 def calibrate(wired: Calibrator, ended: threading.Event) -> int:

@@ -7,7 +7,7 @@ import threading
 import time
 
 from ur_nodes.camera.calibration.coverage import advise
-from ur_nodes.camera.calibration.session import Session, describe, describe_progress, draw_overlay
+from ur_nodes.camera.calibration.session import CalibrationSession, describe, describe_progress, draw_overlay
 from ur_nodes.pictures.decode import BadPictureError, Pixels, fit_picture
 from ur_nodes.pictures.feed import decode_view
 from ur_nodes.teleop.camera.picture_screen import draw_picture_screen
@@ -24,7 +24,7 @@ _FEWEST = 3  # views with which `c` calibrates
 class Views:
     """Takes each picture of a feed into a session, once."""
 
-    def __init__(self, feed: Feed, session: Session) -> None:
+    def __init__(self, feed: Feed, session: CalibrationSession) -> None:
         self.session = session
         self._feed = feed
         self._number = 0

@@ -25,7 +25,7 @@ MOST_VIEWS = 60
 
 
 @dataclass(slots=True)
-class Session:
+class CalibrationSession:
     """Views so far. `look` takes a picture; all must have one size: another one begins anew."""
 
     board: Board
@@ -59,18 +59,18 @@ class Session:
         self.last = view
 
 
-def describe(session: Session) -> str:
+def describe(session: CalibrationSession) -> str:
     """Progress and advice in one line."""
     return f"{describe_progress(session)}   {advise(session.coverage) or 'complete'}"
 
 
-def describe_progress(session: Session) -> str:
+def describe_progress(session: CalibrationSession) -> str:
     """The share that is done, the number of views, and what became of the last picture."""
     coverage = session.coverage
     return f"{100 * coverage.share:3.0f} %   {coverage.views} of {ENOUGH_VIEWS} views   {session.event}"
 
 
-def draw_overlay(pixels: Pixels, session: Session) -> Pixels:
+def draw_overlay(pixels: Pixels, session: CalibrationSession) -> Pixels:
     """The picture with what is missing: cells without corners in red, the others in green, corners as they are seen."""
     height, width = pixels.shape[:2]
     drawn = pixels.astype(np.int16)

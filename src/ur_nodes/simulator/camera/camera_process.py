@@ -9,9 +9,7 @@ lengths of pixels and JPEG, and those). It ends when its input does, so it canno
 from __future__ import annotations
 
 import contextlib
-import dataclasses
 import io
-import json
 import os
 import struct
 import subprocess
@@ -25,12 +23,14 @@ import numpy.typing as npt
 
 from ur.robot.base import Base, Camera
 from ur.source.diagnostic import Diagnostic, UserError, error
+from ur.source.foreign.json_values import read_json, write_json
 from ur.worlds.world_file import Fiducial, WorldModel
 from ur_nodes.simulator.mujoco_model import build_model
 from ur_nodes.simulator.scenery import build_scenery, draw_textures
 
 _REQUEST = struct.Struct("<iiiq")  # robot, pixels wanted, JPEG wanted, bytes of state
 _ANSWER = struct.Struct("<qq")
+_LONGEST_JOB = 64 << 20  # bytes
 _WAYS = ("egl", "osmesa")  # how MuJoCo can draw without a screen, the quicker to start first
 _ABSENT = "not installed"
 _INSTALL = "sudo apt-get install libegl1 libopengl0 libgl1-mesa-dri"
@@ -42,6 +42,17 @@ class RenderedPicture:
 
     pixels: bytes
     jpeg: bytes
+
+
+@dataclass(frozen=True, slots=True)
+class CameraJob:
+    """The first line to the process: the model as MJCF, its fiducials, and the pictures that are wanted."""
+
+    model: str
+    fiducials: tuple[Fiducial, ...]
+    width: int
+    height: int
+    quality: int
 
 
 class CameraProcess:
@@ -60,17 +71,13 @@ class CameraProcess:
         """`camera` is the base's with the size that is wanted. Raises UserError where nothing can draw."""
         fiducials, self.warning = _drawable(world.fiducials)
         scenery = build_scenery(camera, fiducials, robots)
-        job = {
-            "model": build_model(world, base, robots, world.start, scenery),
-            "fiducials": [dataclasses.asdict(fiducial) for fiducial in fiducials],
-            "size": [camera.width, camera.height],
-            "quality": quality,
-        }
+        model = build_model(world, base, robots, world.start, scenery)
+        job = CameraJob(model, fiducials, camera.width, camera.height, quality)
         chosen = environment.get("MUJOCO_GL")
         reasons: dict[str, str] = {}
         for way in (chosen,) if chosen else _WAYS:
             self._process = _start(way, environment)
-            answer = self._begin(json.dumps(job).encode() + b"\n")
+            answer = self._begin(write_json(job).encode() + b"\n")
             if answer == "ok":
                 return
             self.close()
@@ -163,7 +170,7 @@ def _read(stream: IO[bytes], size: int) -> bytes:
 def serve(requests: BinaryIO, answers: BinaryIO) -> int:
     """Draw what is asked for until there is nothing more to read."""
     os.nice(5)  # physics first
-    job = json.loads(requests.readline())
+    job = read_json(requests.readline(), CameraJob, _LONGEST_JOB)
     renderer: mujoco.Renderer | None = None
     try:
         try:
@@ -171,11 +178,10 @@ def serve(requests: BinaryIO, answers: BinaryIO) -> int:
         except (AttributeError, ImportError):  # PyOpenGL's, where the library that it wraps is missing
             raise RuntimeError(_ABSENT) from None
 
-        textures = draw_textures(Fiducial(**fiducial) for fiducial in job["fiducials"])
-        model = mujoco.MjModel.from_xml_string(job["model"], textures)
+        textures = draw_textures(job.fiducials)
+        model = mujoco.MjModel.from_xml_string(job.model, textures)
         data = mujoco.MjData(model)
-        width, height = job["size"]
-        renderer = mujoco.Renderer(model, height, width)
+        renderer = mujoco.Renderer(model, job.height, job.width)
         renderer.render()
     except Exception as problem:  # whatever drivers and libraries raise goes to the node
         answers.write((str(problem).replace("\n", " ") or type(problem).__name__).encode()[:300] + b"\n")
@@ -192,7 +198,7 @@ def serve(requests: BinaryIO, answers: BinaryIO) -> int:
             renderer.update_scene(data, f"camera_{robot}")
             image = renderer.render()
             raw = image.tobytes() if pixels else b""
-            packed = pack_jpeg(image, job["quality"]) if jpeg else b""
+            packed = pack_jpeg(image, job.quality) if jpeg else b""
             answers.write(_ANSWER.pack(len(raw), len(packed)) + raw + packed)
             answers.flush()
     except (EOFError, OSError):

@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import json
-import math
-from typing import NoReturn
-
+from ur.source.foreign.json_values import BadJsonError, read_json
 from ur_nodes.web.messages.definition import MOMENTS, PRIMITIVES, Definition
 
 _DEEPEST = 8
@@ -40,22 +37,9 @@ def _empty(definition: Definition, kind: str, deepest: int) -> object:
 def read_value(text: str) -> object:
     """The value of a JSON text without numbers that are not finite. Raises BadValueError."""
     try:
-        return json.loads(text, parse_constant=_refuse, parse_float=_read_float)
-    except RecursionError:
-        raise BadValueError("value: nested too deeply") from None
-    except BadValueError:
-        raise
-    except ValueError as problem:
-        raise BadValueError(f"value: expected JSON: {problem}") from None
-
-
-def _refuse(name: str) -> NoReturn:
-    raise BadValueError(f"value: {name}, expected a finite number")
-
-
-def _read_float(text: str) -> float:
-    number = float(text)
-    return number if math.isfinite(number) else _refuse(text)
+        return read_json(text, object)
+    except BadJsonError as problem:
+        raise BadValueError(f"value: {problem}, with finite numbers") from None
 
 
 def read_fields(text: str) -> dict[str, object]:

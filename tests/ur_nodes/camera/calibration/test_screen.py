@@ -8,11 +8,11 @@ import threading
 import pytest
 from tests.ur_nodes.camera.calibration.rendered_board import Studio, list_poses, project_views
 from tests.ur_nodes.camera.fake_device import encode
-from tests.ur_nodes.teleop.screen import Screen
+from tests.ur_nodes.teleop.screen import TypedTerminal
 
 from ur_nodes.camera.calibration.board import Board
 from ur_nodes.camera.calibration.screen import Views, show_session, write_session
-from ur_nodes.camera.calibration.session import Session
+from ur_nodes.camera.calibration.session import CalibrationSession
 from ur_nodes.memory.bus import Bus
 from ur_nodes.pictures.feed import PictureFeed
 from ur_nodes.ports.values import PackedPicture
@@ -27,7 +27,7 @@ class Camera:
 
     def __init__(self, views: int = 0) -> None:
         self.bus = Bus()
-        self.session = Session(BOARD, VIEWS[:views])
+        self.session = CalibrationSession(BOARD, VIEWS[:views])
         self.views = Views(PictureFeed(self.bus.node("calibrate_camera"), "left/image"), self.session)
 
     def show(self, *pictures: bytes) -> None:
@@ -75,7 +75,7 @@ def test_views_that_suffice_complete_the_session_without_a_key() -> None:
 @pytest.mark.parametrize(("views", "key", "complete"), [(3, "c", True), (3, "q", False), (2, "\x03", False)])
 def test_c_calibrates_from_three_views_on_and_q_and_ctrl_c_leave(views: int, key: str, complete: bool) -> None:
     camera, results = Camera(views), list[bool]()
-    with Screen(
+    with TypedTerminal(
         lambda terminal, ended: results.append(show_session(terminal, camera.views, ended, rich=True))
     ) as screen:
         screen.wait_for(f"{views} of ")

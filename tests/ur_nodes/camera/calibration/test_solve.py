@@ -7,7 +7,7 @@ from tests.ur_nodes.camera.calibration.rendered_board import MATRIX, Studio, lis
 from ur.source.diagnostic import UserError
 from ur_nodes.camera.calibration.board import Board, find_corners
 from ur_nodes.camera.calibration.coverage import BoardView, measure_coverage
-from ur_nodes.camera.calibration.session import Session, describe, draw_overlay
+from ur_nodes.camera.calibration.session import CalibrationSession, describe, draw_overlay
 from ur_nodes.camera.calibration.solve import CalibrationResult, solve, solve_or_fail
 
 BOARD = Board()
@@ -33,7 +33,7 @@ def test_calibration_is_found_within_one_percent() -> None:
 @pytest.mark.long
 @pytest.mark.timeout(400)
 def test_calibration_of_rendered_pictures_is_found_within_one_percent() -> None:
-    studio, session = Studio(BOARD), Session(BOARD)
+    studio, session = Studio(BOARD), CalibrationSession(BOARD)
     for rotation, translation in list_poses():
         picture = studio.take(rotation, translation)
         session.look(picture)
@@ -58,13 +58,13 @@ def test_views_of_those_poses_cover_the_picture() -> None:
 
 def test_overlay_marks_what_is_missing_and_the_corners() -> None:
     grey = np.full((480, 640, 3), 128, np.uint8)
-    drawn = draw_overlay(grey, Session(BOARD, VIEWS, VIEWS[0]))
+    drawn = draw_overlay(grey, CalibrationSession(BOARD, VIEWS, VIEWS[0]))
     assert drawn[475, 635, 1] > drawn[475, 635, 0]  # green
     x, y = VIEWS[0].corners[0].round().astype(int)
     assert drawn[y, x].tolist() == [240, 220, 60]
-    begun = draw_overlay(grey, Session(BOARD))
+    begun = draw_overlay(grey, CalibrationSession(BOARD))
     assert begun[5, 5, 0] > begun[5, 5, 1]  # red
-    assert "18 of 15 views" in describe(Session(BOARD, VIEWS))
+    assert "18 of 15 views" in describe(CalibrationSession(BOARD, VIEWS))
 
 
 def test_view_of_a_board_that_moved_is_left_out() -> None:
@@ -97,7 +97,7 @@ def test_too_few_views_have_no_solution() -> None:
 
 
 def test_picture_of_another_size_begins_anew() -> None:
-    session = Session(BOARD, list(VIEWS))
+    session = CalibrationSession(BOARD, list(VIEWS))
     session.look(np.zeros((240, 320, 3), np.uint8))
     assert session.views == []
     assert session.event == "no board of 8 x 6 inner corners is seen"

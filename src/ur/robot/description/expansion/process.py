@@ -10,7 +10,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from threading import Timer
-from typing import IO
+from typing import IO, Literal
 
 SECONDS = 60  # of computing, and in all; xacro files may call themselves without end
 MEMORY = 1 << 30  # bytes of address space
@@ -81,9 +81,9 @@ def expand(
     try:
         report = _converse(child.stdin, child.stdout, {**order, **limits}, answers, bounds.questions)
     except (BrokenPipeError, EOFError):
-        report = {}
-    except (ValueError, KeyError, TypeError, RecursionError):
-        report = {"end": "done", "problem": "it sent what xacro does not send"}
+        report = None
+    except (ValueError, KeyError):
+        report = _Message(end="done", problem="it sent what xacro does not send")
     finally:
         late = not timer.is_alive()
         timer.cancel()
@@ -97,24 +97,39 @@ def expand(
     return Expansion(problem=f"it did not finish within {bounds.seconds} s" if late else "it ended without a result")
 
 
+@dataclass(frozen=True, slots=True)
+class _Message:
+    """A line of the process: `ask` for the thing `of` a name, or the `end` with a result."""
+
+    ask: str = ""
+    of: str = ""
+    end: Literal["", "done", "not confined"] = ""
+    text: str = ""
+    problem: str = ""
+    errors: str = ""
+    missing: tuple[str, ...] = ()
+
+
 def _converse(
     to: IO[bytes], of: IO[bytes], order: Mapping[str, object], answers: Mapping[str, Answer], most: int
-) -> dict[str, object]:
+) -> _Message:
+    from ur.source.foreign.json_values import read_json  # for those who expand
+
     _send(to, order)
     for _ in range(most):
         line = of.readline(MOST_SENT)
         if not line.endswith(b"\n"):
             if len(line) == MOST_SENT:
-                return {"end": "done", "problem": f"the result is larger than {MOST_SENT:,} bytes"}
+                return _Message(end="done", problem=f"the result is larger than {MOST_SENT:,} bytes")
             raise EOFError
-        message = json.loads(line)
-        if "end" in message:
-            return dict(message)
+        message = read_json(line, _Message, MOST_SENT)
+        if message.end:
+            return message
         try:
-            _send(to, {"value": answers[message["ask"]](str(message["of"]))})
+            _send(to, {"value": answers[message.ask](message.of)})
         except QuestionRefused as reason:
             _send(to, {"error": str(reason)})
-    return {"end": "done", "problem": f"it asked for more than {most:,} files and packages"}
+    return _Message(end="done", problem=f"it asked for more than {most:,} files and packages")
 
 
 def _send(to: IO[bytes], fields: Mapping[str, object]) -> None:
@@ -122,13 +137,9 @@ def _send(to: IO[bytes], fields: Mapping[str, object]) -> None:
     to.flush()
 
 
-def _read_report(report: Mapping[str, object]) -> Expansion:
-    if report["end"] == "not confined":
-        return Expansion(unconfined=str(report.get("problem")) or "no reason is known")
-    problem = str(report.get("problem", ""))
-    if problem:
-        lines = str(report.get("errors", "")).strip().splitlines()
-        problem = next((line for line in lines if line.strip() not in ("", "error:")), problem)
-    missing = report.get("missing", ())
-    names = tuple(dict.fromkeys(map(str, missing))) if isinstance(missing, list) else ()
-    return Expansion(str(report.get("text", "")), problem, missing=names)
+def _read_report(report: _Message) -> Expansion:
+    if report.end == "not confined":
+        return Expansion(unconfined=report.problem or "no reason is known")
+    lines = [line for line in report.errors.strip().splitlines() if line.strip() not in ("", "error:")]
+    problem = report.problem and (lines or [report.problem])[0]
+    return Expansion(report.text, problem, missing=tuple(dict.fromkeys(report.missing)))

@@ -6,9 +6,9 @@ import asyncio
 import socket
 import time
 from collections.abc import Callable, Mapping
-from typing import Any
 
 from ur.source.diagnostic import UserError, error
+from ur.source.foreign.json_values import convert_json
 from ur.web.access.roles import Role
 from ur.web.server.robots.peer import LONGEST_LINE, Peer, PeerError
 from ur.web.server.robots.robots import RobotEntry, ServerLogin
@@ -45,23 +45,23 @@ class ParentServer:
 
     async def list(self) -> list[RobotEntry]:
         """List the robots."""
-        return [RobotEntry(**each) for each in await self._ask({"list": True})]
+        return convert_json(await self._ask({"list": True}), list[RobotEntry])
 
     async def invite(self, name: str, role: Role) -> ServerLogin:
         """Have a server run for a robot of the list, and make a token of a role there. Raises PeerError."""
         if name == self.own:
             raise PeerError("this page shows this robot")
-        return ServerLogin(*await self._ask({"open": name, "role": role.value}))
+        return convert_json(await self._ask({"open": name, "role": role.value}), ServerLogin)
 
     async def close(self) -> None:
         """End nothing: the other server has started all servers."""
 
-    async def _ask(self, request: Mapping[str, Any]) -> Any:
+    async def _ask(self, request: Mapping[str, object]) -> object:
         if self._peer is None:
             raise PeerError("this server has just been started, try again")
         return await self._peer.ask(request)
 
-    async def _answer(self, request: Mapping[str, Any]) -> Any:
+    async def _answer(self, request: Mapping[str, object]) -> object:
         """Make a token for one login."""
         self._idle.note(time.monotonic())
         return self._invite(Role(request["invite"]))

@@ -6,12 +6,24 @@ import asyncio
 import json
 from collections.abc import Awaitable, Callable, Mapping
 from contextlib import suppress
-from typing import Any
+from dataclasses import dataclass
+
+from ur.source.foreign.json_values import convert_json, read_json
 
 LONGEST_LINE = 1 << 16
 _ANSWER_LIMIT = 30.0  # s: a server may have to be started first
 
-Handler = Callable[[Mapping[str, Any]], Awaitable[Any]]
+Handler = Callable[[Mapping[str, object]], Awaitable[object]]
+
+
+@dataclass(frozen=True, slots=True)
+class _Message:
+    """A request `ask` with its value, or the `answer` to one: its value, or the problem."""
+
+    ask: int | None = None
+    answer: int | None = None
+    value: object = None
+    problem: str | None = None
 
 
 class PeerError(Exception):
@@ -26,7 +38,7 @@ class Peer:
 
     def __init__(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter, handle: Handler) -> None:
         self._reader, self._writer, self._handle = reader, writer, handle
-        self._answers: dict[int, asyncio.Future[Any]] = {}
+        self._answers: dict[int, asyncio.Future[object]] = {}
         self._tasks: set[asyncio.Task[None]] = set()
         self._number = 0
         self.ended = False
@@ -36,7 +48,7 @@ class Peer:
         try:
             with suppress(ConnectionError, ValueError):  # ValueError: a line that is too long, or no JSON
                 while line := await self._reader.readline():
-                    self._take(json.loads(line))
+                    self._take(read_json(line, _Message, LONGEST_LINE))
         finally:
             self.ended = True
             for task in self._tasks:
@@ -46,8 +58,8 @@ class Peer:
                     answer.set_exception(PeerError("the server of this robot has ended"))
             self._writer.close()
 
-    async def ask(self, request: Mapping[str, Any]) -> Any:
-        """Return the answer to a request. Raises PeerError."""
+    async def ask(self, request: Mapping[str, object]) -> object:
+        """Return the answer to a request, a value of JSON. Raises PeerError."""
         if self.ended:
             raise PeerError("the server of this robot has ended")
         self._number += 1
@@ -65,24 +77,25 @@ class Peer:
         """Have `run` return on both ends."""
         self._writer.close()
 
-    def _write(self, message: Mapping[str, Any]) -> None:
+    def _write(self, message: Mapping[str, object]) -> None:
         self._writer.write(json.dumps(message, separators=(",", ":")).encode() + b"\n")
 
-    def _take(self, message: Mapping[str, Any]) -> None:
-        if "ask" in message:
-            task = asyncio.create_task(self._answer(message["ask"], message["value"]))
+    def _take(self, message: _Message) -> None:
+        if message.ask is not None:
+            request = convert_json(message.value, dict[str, object])
+            task = asyncio.create_task(self._answer(message.ask, request))
             self._tasks.add(task)
             task.add_done_callback(self._tasks.discard)
             return
-        answer = self._answers.get(message["answer"])
+        answer = self._answers.get(message.answer or 0)
         if answer is None or answer.done():
             return
-        if "problem" in message:
-            answer.set_exception(PeerError(message["problem"]))
+        if message.problem is not None:
+            answer.set_exception(PeerError(message.problem))
         else:
-            answer.set_result(message["value"])
+            answer.set_result(message.value)
 
-    async def _answer(self, number: int, request: Mapping[str, Any]) -> None:
+    async def _answer(self, number: int, request: Mapping[str, object]) -> None:
         try:
             self._write({"answer": number, "value": await self._handle(request)})
         except PeerError as problem:

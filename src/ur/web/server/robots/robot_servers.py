@@ -9,14 +9,15 @@ import time
 from collections.abc import Callable, Collection, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
-from typing import Any
+from dataclasses import asdict
 from urllib.parse import urlsplit
 
 from ur.robot.discovery.masters import RobotMaster
+from ur.source.foreign.json_values import convert_json
 from ur.system.ros import graph_address
 from ur.web.access.roles import Role
 from ur.web.server.robot_end import wait_or_kill
-from ur.web.server.robots.peer import LONGEST_LINE, Peer, PeerError
+from ur.web.server.robots.peer import LONGEST_LINE, Handler, Peer, PeerError
 from ur.web.server.robots.robots import RobotEntry, ServerLogin, write_rows
 
 LIMIT = 1.0
@@ -144,11 +145,10 @@ class RobotServers:
         self._log(f"the server of {robot.name} runs on port {server.port}")
         return server
 
-    async def _handle(self, request: Mapping[str, Any]) -> Any:
+    async def _handle(self, request: Mapping[str, object]) -> object:
         """Answer a server that was started here: the list, and the place of another robot."""
         if "open" in request:
-            place = await self.invite(str(request["open"]), Role(request["role"]))
-            return [place.port, place.token]
+            return asdict(await self.invite(str(request["open"]), Role(request["role"])))
         return write_rows(await self.list())
 
 
@@ -160,7 +160,7 @@ class _Server:
         process: asyncio.subprocess.Process,
         reader: asyncio.StreamReader,
         writer: asyncio.StreamWriter,
-        handle: Callable[[Mapping[str, Any]], Any],
+        handle: Handler,
         log: Callable[[str], None],
     ) -> None:
         self._process, self._handle, self._log = process, handle, log
@@ -170,10 +170,10 @@ class _Server:
         self.problem = ""
         self.ended = asyncio.ensure_future(self._run())
 
-    async def _answer(self, request: Mapping[str, Any]) -> Any:
+    async def _answer(self, request: Mapping[str, object]) -> object:
         if "ready" not in request:
             return await self._handle(request)
-        self.port = int(request["ready"])
+        self.port = convert_json(request["ready"], int)
         if not self.ready.done():
             self.ready.set_result(None)
         return None
