@@ -13,7 +13,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 
 
-class Terminal:
+class TmuxTerminal:
     """`command` in `folder`, with `ur` on its PATH and the folder as home. `close` ends everything in it.
 
     `more` are variables that it gets in addition.

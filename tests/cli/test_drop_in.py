@@ -13,7 +13,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from tests.run.conftest import World, master, world  # noqa: F401 - fixtures
+from tests.run.conftest import RunWorld, master, world  # noqa: F401 - fixtures
 
 from ur.cli.launch.options import PARAMETERS
 from ur.cli.launch.options import ROSLAUNCH as ROSLAUNCH_OPTIONS
@@ -65,7 +65,7 @@ def words(text: str, folder: Path, port: int) -> list[str]:
     return [f"{folder}/{word}.launch" if word in FILES else word for word in found]
 
 
-def run(command: list[str], world: World, given: str = "") -> tuple[int, str, str]:  # noqa: F811 - a fixture's value
+def run(command: list[str], world: RunWorld, given: str = "") -> tuple[int, str, str]:  # noqa: F811 - a fixture's value
     done = subprocess.run(
         command, env=world.environment, cwd=world.folder, input=given, capture_output=True, text=True, check=False,
         timeout=60,
@@ -73,7 +73,7 @@ def run(command: list[str], world: World, given: str = "") -> tuple[int, str, st
     return done.returncode, done.stdout, done.stderr
 
 
-def write_files(world: World) -> None:  # noqa: F811 - likewise
+def write_files(world: RunWorld) -> None:  # noqa: F811 - likewise
     for name, body in FILES.items():
         world.write(body, f"{name}.launch")
     world.environment["PATH"] = f"/usr/bin:/bin:{os.environ['PATH']}"
@@ -85,7 +85,7 @@ def ur(*found: str) -> list[str]:
 
 @pytest.fixture
 def ask(
-    world: World,  # noqa: F811 - likewise
+    world: RunWorld,  # noqa: F811 - likewise
     monkeypatch: pytest.MonkeyPatch,
     capfd: pytest.CaptureFixture[str],
 ) -> Callable[..., tuple[int, str, str]]:
@@ -107,7 +107,7 @@ def ask(
 @pytest.mark.parametrize("text", QUESTIONS)
 def test_question_is_answered_as_roslaunch_does(
     text: str,
-    world: World,  # noqa: F811 - likewise
+    world: RunWorld,  # noqa: F811 - likewise
     ask: Callable[..., tuple[int, str, str]],
 ) -> None:
     write_files(world)
@@ -123,7 +123,7 @@ def test_question_is_answered_as_roslaunch_does(
 @pytest.mark.parametrize("text", DIFFERENT)
 def test_named_differences_are_as_named(
     text: str,
-    world: World,  # noqa: F811 - likewise
+    world: RunWorld,  # noqa: F811 - likewise
     ask: Callable[..., tuple[int, str, str]],
 ) -> None:
     write_files(world)
@@ -133,7 +133,7 @@ def test_named_differences_are_as_named(
 
 @pytest.mark.ros
 @pytest.mark.parametrize("text", RUNS)
-def test_run_ends_with_the_code_of_roslaunch(text: str, world: World, master: int) -> None:  # noqa: F811 - likewise
+def test_run_ends_with_the_code_of_roslaunch(text: str, world: RunWorld, master: int) -> None:  # noqa: F811 - likewise
     write_files(world)
     found = words(text, world.folder, master)
     given = f"<launch>{FILES['required_well']}</launch>"
@@ -145,7 +145,7 @@ def test_run_ends_with_the_code_of_roslaunch(text: str, world: World, master: in
 
 
 @pytest.mark.ros
-def test_run_that_is_interrupted_exits_as_roslaunch_does(world: World) -> None:  # noqa: F811 - a fixture
+def test_run_that_is_interrupted_exits_as_roslaunch_does(world: RunWorld) -> None:  # noqa: F811 - a fixture
     write_files(world)
     text = "-p {port} --pid it.pid -w 4 -t 5 --master-logger-level error --sigint-timeout 1 runs"
     found = words(text, world.folder, world.port)
@@ -153,11 +153,11 @@ def test_run_that_is_interrupted_exits_as_roslaunch_does(world: World) -> None: 
 
 
 @pytest.mark.ros
-def test_core_alone_runs_until_it_is_interrupted(world: World) -> None:  # noqa: F811 - a fixture
+def test_core_alone_runs_until_it_is_interrupted(world: RunWorld) -> None:  # noqa: F811 - a fixture
     assert interrupt(ur("--core", "--pid", "it.pid"), world) == 0
 
 
-def interrupt(command: list[str], world: World) -> int:  # noqa: F811 - a fixture's value
+def interrupt(command: list[str], world: RunWorld) -> int:  # noqa: F811 - a fixture's value
     """Start, wait for the last process that is to come, interrupt, wait for the end; return the exit code."""
     process = subprocess.Popen(
         command,
@@ -204,7 +204,7 @@ def read_until(descriptor: int) -> None:
 
 
 @pytest.mark.ros
-def test_wait_goes_on_once_a_master_is_there(world: World, master: int) -> None:  # noqa: F811 - a fixture
+def test_wait_goes_on_once_a_master_is_there(world: RunWorld, master: int) -> None:  # noqa: F811 - a fixture
     # roslaunch 1.16 of Debian 12 does not come back from --wait, so that there is nothing to compare with.
     assert master
     write_files(world)
@@ -213,14 +213,14 @@ def test_wait_goes_on_once_a_master_is_there(world: World, master: int) -> None:
 
 
 @pytest.mark.ros
-def test_second_core_is_refused_as_by_roslaunch(world: World, master: int) -> None:  # noqa: F811 - a fixture
+def test_second_core_is_refused_as_by_roslaunch(world: RunWorld, master: int) -> None:  # noqa: F811 - a fixture
     assert master
     code, _, errors = run(ur("--core"), world)
     assert code == run([ROSLAUNCH, "--core", "-p", str(master)], world)[0] == 1
     assert "a master runs already" in errors
 
 
-def test_every_option_of_roslaunch_is_known(world: World) -> None:  # noqa: F811 - likewise
+def test_every_option_of_roslaunch_is_known(world: RunWorld) -> None:  # noqa: F811 - likewise
     _, told, _ = run([ROSLAUNCH, "--help"], world)
     names = {
         word.strip(",").partition("=")[0]

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from tests.terminal import ROOT, Terminal
+from tests.terminal import ROOT, TmuxTerminal
 
 from ur.complete.shells import SCRIPTS
 
@@ -41,7 +41,7 @@ printf '%s\\0' "$@" >"{told}.new" && mv "{told}.new" "{told}"
 
 
 @pytest.fixture(params=sorted(STARTS))
-def terminal(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[Terminal]:
+def terminal(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[TmuxTerminal]:
     for program in ("tmux", request.param):
         if not shutil.which(program):
             pytest.skip(f"{program} is not installed")
@@ -50,7 +50,7 @@ def terminal(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[Termina
         (tmp_path / f"d{number}" / name).touch()
     script = tmp_path / f"complete.{request.param}"
     script.write_text(SCRIPTS[request.param])
-    opened = Terminal(STARTS[request.param], tmp_path)
+    opened = TmuxTerminal(STARTS[request.param], tmp_path)
     (tmp_path / "ur").write_text(UR.format(python=ROOT / ".venv/bin/python", told=tmp_path / "told"))
     opened.type(f". ./{script.name}; echo rea''dy", "Enter")
     opened.until("ready")
@@ -59,7 +59,9 @@ def terminal(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[Termina
 
 
 @pytest.mark.parametrize("quote", ["", "'", '"'])
-def test_completed_name_arrives_as_one_word_and_runs_nothing(terminal: Terminal, tmp_path: Path, quote: str) -> None:
+def test_completed_name_arrives_as_one_word_and_runs_nothing(
+    terminal: TmuxTerminal, tmp_path: Path, quote: str
+) -> None:
     told = tmp_path / "told"
     for number, name in enumerate(NAMES):
         terminal.type(f"ur check {quote}d{number}/", "Tab")
@@ -73,7 +75,7 @@ def test_completed_name_arrives_as_one_word_and_runs_nothing(terminal: Terminal,
     assert not list(tmp_path.rglob("ran"))
 
 
-def test_program_of_the_current_folder_is_not_started_by_tab(terminal: Terminal, tmp_path: Path) -> None:
+def test_program_of_the_current_folder_is_not_started_by_tab(terminal: TmuxTerminal, tmp_path: Path) -> None:
     downloaded = tmp_path / "downloaded"
     downloaded.mkdir()
     (downloaded / "ur").write_text(f"#!/bin/sh\ntouch {tmp_path}/ran\n")
@@ -86,7 +88,7 @@ def test_program_of_the_current_folder_is_not_started_by_tab(terminal: Terminal,
     assert not (tmp_path / "ran").exists()
 
 
-def test_names_with_control_characters_are_not_offered(terminal: Terminal, tmp_path: Path) -> None:
+def test_names_with_control_characters_are_not_offered(terminal: TmuxTerminal, tmp_path: Path) -> None:
     (tmp_path / "odd").mkdir()
     for name in ("a\nopen\tb", "a\x1b]0;t\x07", "a\tb", "after"):
         (tmp_path / "odd" / name).touch()

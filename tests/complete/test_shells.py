@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from tests.terminal import Terminal
+from tests.terminal import TmuxTerminal
 
 from ur.complete.shells import SCRIPTS
 
@@ -19,7 +19,7 @@ STARTS = {
 
 
 @pytest.fixture(params=sorted(STARTS))
-def terminal(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[Terminal]:
+def terminal(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[TmuxTerminal]:
     for program in ("tmux", request.param):
         if not shutil.which(program):
             pytest.skip(f"{program} is not installed")
@@ -28,14 +28,14 @@ def terminal(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[Termina
     )
     script = tmp_path / f"complete.{request.param}"
     script.write_text(SCRIPTS[request.param])
-    opened = Terminal(STARTS[request.param], tmp_path)
+    opened = TmuxTerminal(STARTS[request.param], tmp_path)
     opened.type(f". ./{script.name}; echo rea''dy", "Enter")
     opened.until("ready")
     yield opened
     opened.close()
 
 
-def test_tab_completes_verb_file_argument_and_value(terminal: Terminal) -> None:
+def test_tab_completes_verb_file_argument_and_value(terminal: TmuxTerminal) -> None:
     terminal.type("ur laun", "Tab")
     terminal.until("ur launch ")
     terminal.type("fas", "Tab")
@@ -51,7 +51,7 @@ def test_tab_completes_verb_file_argument_and_value(terminal: Terminal) -> None:
     terminal.type("C-c")
 
 
-def test_tab_shows_what_there_is(terminal: Terminal) -> None:
+def test_tab_shows_what_there_is(terminal: TmuxTerminal) -> None:
     terminal.type("ur run keyboard_", "Tab", "Tab")
     screen = terminal.until("keyboard_drive")
     assert "keyboard_navigate" in screen

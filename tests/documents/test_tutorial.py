@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
-from tests.terminal import ROOT, Terminal
+from tests.terminal import ROOT, TmuxTerminal
 
 pytestmark = [
     pytest.mark.ros,
@@ -40,7 +40,7 @@ BLOCKS = [Block(*found) for found in _BLOCK.findall((ROOT / "docs" / "tutorial.m
 
 
 @pytest.fixture
-def terminals(tmp_path: Path) -> Iterator[tuple[Terminal, Terminal]]:
+def terminals(tmp_path: Path) -> Iterator[tuple[TmuxTerminal, TmuxTerminal]]:
     """The first and the second terminal of the tutorial."""
     with socket.socket() as probe:
         probe.bind(("localhost", 0))
@@ -49,7 +49,7 @@ def terminals(tmp_path: Path) -> Iterator[tuple[Terminal, Terminal]]:
     opened = []
     try:
         for _ in range(2):
-            opened.append(Terminal(["bash", "--noprofile", "--norc", "-i"], tmp_path, own))
+            opened.append(TmuxTerminal(["bash", "--noprofile", "--norc", "-i"], tmp_path, own))
             (tmp_path / "ur").unlink()  # the tutorial says how ur gets on PATH
             opened[-1].type(f"cd {ROOT}", "Enter")
         yield opened[0], opened[1]
@@ -64,7 +64,7 @@ def terminals(tmp_path: Path) -> Iterator[tuple[Terminal, Terminal]]:
         assert done.returncode in (0, 2)  # 2: nothing runs
 
 
-def run(terminal: Terminal, command: str) -> str:
+def run(terminal: TmuxTerminal, command: str) -> str:
     mark = uuid.uuid4().hex[:8]  # what the command before this one left on the screen is no answer to this one
     terminal.type(f'clear; {command}; echo "{mark}"=$?', "Enter")
     screen = terminal.until(f"{mark}=", 120.0)
@@ -72,7 +72,7 @@ def run(terminal: Terminal, command: str) -> str:
     return screen
 
 
-def drive(terminal: Terminal, first: Terminal, command: str) -> None:
+def drive(terminal: TmuxTerminal, first: TmuxTerminal, command: str) -> None:
     """Join the robot that runs, drive it, and leave it running."""
     terminal.type(f"clear; {command}; echo en''ded=$?", "Enter")
     terminal.until("1 subscriber", 120.0)
@@ -87,13 +87,13 @@ def drive(terminal: Terminal, first: Terminal, command: str) -> None:
     run(first, "ur ps | grep m_wander")
 
 
-def begin_to_watch(terminal: Terminal, command: str) -> None:
+def begin_to_watch(terminal: TmuxTerminal, command: str) -> None:
     """Start the map in the second terminal, and leave it open."""
     terminal.type("clear; " + command + "; echo en''ded", "Enter")
     terminal.until("localised", 120.0)
 
 
-def see_it_wander(terminal: Terminal, first: Terminal) -> None:
+def see_it_wander(terminal: TmuxTerminal, first: TmuxTerminal) -> None:
     """See the robot move on the map of the second terminal, quit there, and see what had joined end."""
     before = pose_on(terminal)
     end = time.monotonic() + 60.0
@@ -109,7 +109,7 @@ def see_it_wander(terminal: Terminal, first: Terminal) -> None:
     first.until("gone", 60.0)
 
 
-def pose_on(terminal: Terminal) -> tuple[float, float]:
+def pose_on(terminal: TmuxTerminal) -> tuple[float, float]:
     """The x and y (m) that the map's program shows."""
     end = time.monotonic() + 60.0
     while (found := re.search(r"x (-?[\d.]+) y (-?[\d.]+)", terminal.screen())) is None:
@@ -118,7 +118,7 @@ def pose_on(terminal: Terminal) -> tuple[float, float]:
     return float(found[1]), float(found[2])
 
 
-def test_every_command_of_the_tutorial_works(terminals: tuple[Terminal, Terminal], tmp_path: Path) -> None:
+def test_every_command_of_the_tutorial_works(terminals: tuple[TmuxTerminal, TmuxTerminal], tmp_path: Path) -> None:
     terminal, second = terminals
     package = tmp_path / "robots" / "my_robot"
     watching = False

@@ -34,7 +34,7 @@ from ur_nodes.ros1.node import RosNode
 _STATES = {value: name for name, value in vars(GoalStatus).items() if name.isupper()}
 
 
-class Client:
+class DrivingClient:
     """What a person with RViz and a few terminals could do."""
 
     def __init__(self) -> None:
@@ -326,7 +326,7 @@ def main() -> None:
     """Answer requests until standard input ends."""
     answers = claim_output()
     rospy.init_node("test_client", anonymous=True, disable_signals=True)
-    answer_requests(answers, Client(), "do_")
+    answer_requests(answers, DrivingClient(), "do_")
     rospy.signal_shutdown("done")
 
 

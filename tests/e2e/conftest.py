@@ -5,7 +5,6 @@ from __future__ import annotations
 import contextlib
 import os
 import signal
-import socket
 import subprocess
 import time
 from collections.abc import Iterator
@@ -13,16 +12,10 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from tests.ros_session import Client
+from tests.ros_session import Client, free_port
 
 ROOT = Path(__file__).parents[2]
 PYTHON = ROOT / ".venv" / "bin" / "python"
-
-
-def free_port() -> int:
-    with socket.socket() as probe:
-        probe.bind(("localhost", 0))
-        return int(probe.getsockname()[1])
 
 
 def make_environment(folder: Path) -> dict[str, str]:
@@ -83,7 +76,7 @@ def end(process: subprocess.Popen[Any], seconds: float = 60.0) -> None:
     assert not left, f"still running after the end: {left}"
 
 
-class Robot(Client):
+class LaunchedRobot(Client):
     """The client's requests as calls: robot.ask("goal", x=1.0, y=2.0, seconds=30)."""
 
     def __init__(self, launch: subprocess.Popen[str], env: dict[str, str], log: Path) -> None:
@@ -100,14 +93,14 @@ class Robot(Client):
 
 
 @pytest.fixture(scope="module")
-def robot(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Robot]:
+def robot(tmp_path_factory: pytest.TempPathFactory) -> Iterator[LaunchedRobot]:
     """A simulated stage robot in the maze that navigates, one for all tests of a module."""
     with start_robot(tmp_path_factory.mktemp("robot")) as robot:
         yield robot
 
 
 @contextlib.contextmanager
-def start_robot(folder: Path, *arguments: str) -> Iterator[Robot]:
+def start_robot(folder: Path, *arguments: str) -> Iterator[LaunchedRobot]:
     """A simulated stage robot that navigates, started with these arguments of robot.launch besides."""
     env = make_environment(folder)
     log = folder / "launch.log"
@@ -117,7 +110,7 @@ def start_robot(folder: Path, *arguments: str) -> Iterator[Robot]:
         launch = subprocess.Popen(
             command, env=env, text=True, stdin=subprocess.DEVNULL, stdout=output, stderr=subprocess.STDOUT, cwd=folder
         )
-    robot = Robot(launch, env, log)
+    robot = LaunchedRobot(launch, env, log)
     try:
         robot.ask("ready", seconds=60)
         yield robot

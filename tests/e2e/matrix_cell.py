@@ -166,7 +166,7 @@ def _read_facts(address: str, env: Mapping[str, str]) -> tuple[object, object] |
     return found.get("base_name"), found.get("variant")
 
 
-def _stop(run: Run, result: Result) -> None:
+def _stop(run: ProgramRun, result: Result) -> None:
     run.process.send_signal(signal.SIGINT)
     if not run.drain(time.monotonic() + 2.0 * END):
         result.faults.append(f"does not end within {2.0 * END:g} s of an interrupt")
@@ -181,7 +181,7 @@ def _stop(run: Run, result: Result) -> None:
             result.faults.append(f"{name}: exit code {event['exit_code']}, signal {event['signal']} at the end")
 
 
-class Run:
+class ProgramRun:
     """A program under `--json`: `nodes` is how each stands, `said` what any of them wrote to standard error."""
 
     def __init__(self, process: subprocess.Popen[bytes], errors: Path) -> None:
@@ -255,14 +255,14 @@ def _is_greeting(line: str) -> bool:
 
 
 @contextmanager
-def _start(cell: Cell, folder: Path, env: dict[str, str]) -> Iterator[Run]:
+def _start(cell: Cell, folder: Path, env: dict[str, str]) -> Iterator[ProgramRun]:
     errors = folder / "errors.txt"
     words = [*_words(cell, folder), "--json", "--sigint-timeout", f"{END:g}"]
     pipe = subprocess.PIPE
     with errors.open("wb") as sink:
         process = subprocess.Popen(words, env=env, stdin=pipe, stdout=pipe, stderr=sink, cwd=folder)
     try:
-        yield Run(process, errors)
+        yield ProgramRun(process, errors)
     finally:
         if process.poll() is None:
             process.kill()

@@ -19,7 +19,7 @@ _SEQUENCE = re.compile(rb"\x1b(\[[0-?]*[ -/]*[@-~]|\][^\x07\x1b]*(\x07|\x1b\\)|[
 _KEY_REPEAT = 0.04  # s
 
 
-class Terminal:
+class ProgramTerminal:
     """Runs a command until the end of the `with`; then it and what it started are killed."""
 
     def __init__(self, command: Sequence[str], env: Mapping[str, str], columns: int = 100, rows: int = 30) -> None:
@@ -41,7 +41,7 @@ class Terminal:
         for thread in self._threads:
             thread.start()
 
-    def __enter__(self) -> Terminal:
+    def __enter__(self) -> ProgramTerminal:
         return self
 
     def __exit__(self, _kind: type | None, _value: BaseException | None, _trace: TracebackType | None) -> None:

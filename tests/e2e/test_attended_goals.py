@@ -10,8 +10,8 @@ from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
-from tests.e2e.conftest import Robot, start_robot
-from tests.e2e.terminal import Terminal
+from tests.e2e.conftest import LaunchedRobot, start_robot
+from tests.e2e.terminal import ProgramTerminal
 from tests.e2e.test_first_drive import find_node, put_at_start
 from tests.e2e.test_safe_motion import NAVIGATE, stand
 
@@ -20,13 +20,13 @@ pytestmark = [pytest.mark.ros, pytest.mark.timeout(300)]
 FAR = "g 7.23 10.63\n"
 
 
-def environment(robot: Robot, name: str, **more: str) -> dict[str, str]:
+def environment(robot: LaunchedRobot, name: str, **more: str) -> dict[str, str]:
     return {**robot.env, "UR_CLIENT": f"client-of-{name}", "UR_CLIENT_NAME": name, **more}
 
 
 @contextmanager
 def navigate(
-    robot: Robot, name: str, lines: str, *, keep_open: bool = True, attended: str = "1"
+    robot: LaunchedRobot, name: str, lines: str, *, keep_open: bool = True, attended: str = "1"
 ) -> Iterator[subprocess.Popen[str]]:
     """keyboard_navigate on a computer of this name, with commands through a pipe."""
     pipe = subprocess.PIPE
@@ -47,7 +47,7 @@ def navigate(
         process.communicate()
 
 
-def kill_on_the_way(robot: Robot, name: str) -> None:
+def kill_on_the_way(robot: LaunchedRobot, name: str) -> None:
     """A program sends the robot away and is killed."""
     put_at_start(robot)
     with navigate(robot, name, FAR) as process:
@@ -55,11 +55,11 @@ def kill_on_the_way(robot: Robot, name: str) -> None:
         process.kill()
 
 
-def test_robot_holds_the_goal_of_a_killed_program_and_goes_on_when_it_is_back(robot: Robot) -> None:
+def test_robot_holds_the_goal_of_a_killed_program_and_goes_on_when_it_is_back(robot: LaunchedRobot) -> None:
     kill_on_the_way(robot, "laptop")
     robot.ask("goals", state="ACTIVE", text="held: no word from laptop for ", seconds=60)
     stand(robot)
-    with Terminal([NAVIGATE, "__name:=back"], environment(robot, "laptop")) as terminal:
+    with ProgramTerminal([NAVIGATE, "__name:=back"], environment(robot, "laptop")) as terminal:
         robot.ask("moving", seconds=60)
         robot.ask("goals", state="ACTIVE", text="", seconds=60)
         terminal.wait_for("driving")
@@ -70,7 +70,7 @@ def test_robot_holds_the_goal_of_a_killed_program_and_goes_on_when_it_is_back(ro
         terminal.process.wait(60)
 
 
-def test_goal_is_cancelled_when_another_computer_takes_over(robot: Robot) -> None:
+def test_goal_is_cancelled_when_another_computer_takes_over(robot: LaunchedRobot) -> None:
     put_at_start(robot)
     with navigate(robot, "laptop", FAR, keep_open=False) as former:
         robot.ask("moving", seconds=60)
@@ -87,7 +87,7 @@ def test_goal_is_cancelled_when_another_computer_takes_over(robot: Robot) -> Non
             assert "g 0.5 0: reached" in out
 
 
-def test_goal_that_was_sent_unattended_goes_on_without_its_program(robot: Robot) -> None:
+def test_goal_that_was_sent_unattended_goes_on_without_its_program(robot: LaunchedRobot) -> None:
     put_at_start(robot)
     with navigate(robot, "laptop", "g 1.5 0 0\n", attended="0") as process:
         robot.ask("moving", seconds=60)
@@ -97,17 +97,17 @@ def test_goal_that_was_sent_unattended_goes_on_without_its_program(robot: Robot)
         process.communicate(timeout=60)
 
 
-def test_goal_that_arrives_late_is_refused(robot: Robot) -> None:
+def test_goal_that_arrives_late_is_refused(robot: LaunchedRobot) -> None:
     put_at_start(robot)
     robot.ask("late_goal", client="anybody", x=3.0, y=0.0, age=1.2)
     robot.ask("goals", state="ABORTED", text="the goal arrived late (1.", seconds=60)
     stand(robot)
 
 
-def test_screen_says_that_the_robot_is_silent_and_holds_the_goal_open(robot: Robot) -> None:
+def test_screen_says_that_the_robot_is_silent_and_holds_the_goal_open(robot: LaunchedRobot) -> None:
     put_at_start(robot)
     silent = [find_node(robot, name) for name in ("cmd_vel_mux", "move_base")]
-    with Terminal([NAVIGATE, "__name:=at_hand"], environment(robot, "laptop")) as terminal:
+    with ProgramTerminal([NAVIGATE, "__name:=at_hand"], environment(robot, "laptop")) as terminal:
         terminal.wait_for("localised")
         terminal.type("g 7.23 10.63\r")
         robot.ask("moving", seconds=60)
@@ -135,7 +135,7 @@ def test_robot_that_is_told_to_ask_waits_for_the_answer_on_the_screen(tmp_path: 
         kill_on_the_way(robot, "laptop")
         robot.ask("goals", state="ACTIVE", text="held: no word from laptop for ", seconds=60)
         stand(robot)
-        with Terminal([NAVIGATE, "__name:=back"], environment(robot, "laptop")) as terminal:
+        with ProgramTerminal([NAVIGATE, "__name:=back"], environment(robot, "laptop")) as terminal:
             terminal.wait_for("held: the robot waits for you; Enter or c continues, x cancels")
             stand(robot)
             terminal.type("\r")

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 from tests.e2e.conftest import ROOT, make_environment
-from tests.e2e.terminal import Terminal
+from tests.e2e.terminal import ProgramTerminal
 from tests.ur_nodes.camera.fake_device import encode
 
 from ur_nodes.camera.calibration_file import read_calibration
@@ -55,7 +55,7 @@ def film(tmp_path: Path) -> Path:
 def test_screen_names_the_missing_camera_and_calibrates_the_one_that_is_plugged_in(tmp_path: Path, film: Path) -> None:
     env = make_environment(tmp_path)
     command = [str(ROOT / "ur"), "run", "calibrate_camera", "bring_up:=false", "robot_base:=magni"]
-    with Terminal(command, env, columns=80) as terminal:
+    with ProgramTerminal(command, env, columns=80) as terminal:
         terminal.wait_for("no picture on /raspicam_node/image/compressed")
         terminal.wait_for("no node publishes it")
         with plugged_camera(film, env):
@@ -70,7 +70,7 @@ def test_screen_names_the_missing_camera_and_calibrates_the_one_that_is_plugged_
 def test_q_leaves_the_screen_and_changes_nothing(tmp_path: Path, film: Path) -> None:
     env = make_environment(tmp_path)
     command = [str(ROOT / "ur"), "run", "calibrate_camera", "bring_up:=false", "robot_base:=magni"]
-    with Terminal(command, env, columns=80) as terminal:
+    with ProgramTerminal(command, env, columns=80) as terminal:
         terminal.wait_for("no node publishes it")
         with plugged_camera(film, env):
             terminal.wait_for("of the picture")  # the advice is not cut off

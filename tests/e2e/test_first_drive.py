@@ -10,7 +10,7 @@ from typing import Any
 
 import psutil
 import pytest
-from tests.e2e.conftest import Robot, list_family
+from tests.e2e.conftest import LaunchedRobot, list_family
 
 pytestmark = [pytest.mark.ros, pytest.mark.timeout(300)]
 
@@ -21,7 +21,7 @@ def distance(first: list[float], second: tuple[float, float] | list[float]) -> f
     return math.hypot(first[0] - second[0], first[1] - second[1])
 
 
-def put_at_start(robot: Robot) -> None:
+def put_at_start(robot: LaunchedRobot) -> None:
     """Stop the robot at the start, localised there, with no emergency and no lease left by a test that failed."""
     robot.ask("call", service="cmd_vel_mux/release")
     robot.ask("stopped", value=False, seconds=60)
@@ -39,7 +39,7 @@ def read_command(pid: int) -> list[str]:
         return []
 
 
-def find_node(robot: Robot, name: str, other_than: int = 0, seconds: float = 60.0) -> int:
+def find_node(robot: LaunchedRobot, name: str, other_than: int = 0, seconds: float = 60.0) -> int:
     """The process id of a node, waited for."""
     deadline = time.monotonic() + seconds
     while time.monotonic() < deadline:
@@ -50,7 +50,7 @@ def find_node(robot: Robot, name: str, other_than: int = 0, seconds: float = 60.
     raise AssertionError(f"no process of the node {name} within {seconds:g} s")
 
 
-def test_robot_drives_as_told_and_stops_when_the_commands_stop(robot: Robot) -> None:
+def test_robot_drives_as_told_and_stops_when_the_commands_stop(robot: LaunchedRobot) -> None:
     put_at_start(robot)
     before = robot.ask("where")["true"]
     robot.ask("drive", forward=0.3, turn=0.0, seconds=1.0)
@@ -58,7 +58,7 @@ def test_robot_drives_as_told_and_stops_when_the_commands_stop(robot: Robot) -> 
     assert 0.02 < distance(before, after) < 1.5  # 0.3 m, had the computer all the time it needs
 
 
-def test_robot_reaches_a_goal(robot: Robot) -> None:
+def test_robot_reaches_a_goal(robot: LaunchedRobot) -> None:
     put_at_start(robot)
     result = robot.ask("goal", x=1.5, y=0.0, degrees=90.0, seconds=60)
     assert result["state"] == "SUCCEEDED", result["text"]
@@ -67,7 +67,7 @@ def test_robot_reaches_a_goal(robot: Robot) -> None:
     assert abs(math.degrees(yaw) - 90.0) < 8.0
 
 
-def test_cancelled_goal_stops_the_robot(robot: Robot) -> None:
+def test_cancelled_goal_stops_the_robot(robot: LaunchedRobot) -> None:
     put_at_start(robot)
     robot.ask("goal", **GOALS["far"])
     robot.ask("moving", seconds=60)
@@ -76,7 +76,7 @@ def test_cancelled_goal_stops_the_robot(robot: Robot) -> None:
     robot.ask("still", seconds=60)
 
 
-def test_new_goal_replaces_the_old_one(robot: Robot) -> None:
+def test_new_goal_replaces_the_old_one(robot: LaunchedRobot) -> None:
     put_at_start(robot)
     robot.ask("goal", **GOALS["far"])
     robot.ask("moving", seconds=60)
@@ -85,20 +85,20 @@ def test_new_goal_replaces_the_old_one(robot: Robot) -> None:
     assert distance(result["true"], (0.8, 0.0)) < 0.15
 
 
-def test_goal_in_a_wall_is_refused_with_the_reason(robot: Robot) -> None:
+def test_goal_in_a_wall_is_refused_with_the_reason(robot: LaunchedRobot) -> None:
     result = robot.ask("goal", x=-3.0, y=-20.0, seconds=60)
     assert result["state"] == "ABORTED"
     assert "map" in result["text"], result["text"]
 
 
-def test_plans_are_made_without_driving(robot: Robot) -> None:
+def test_plans_are_made_without_driving(robot: LaunchedRobot) -> None:
     put_at_start(robot)
     plan = robot.ask("plan", x=1.5, y=0.0)
     assert plan["poses"] > 5
     assert plan["frame"] == "map"
 
 
-def test_kidnapped_robot_finds_itself_again(robot: Robot) -> None:
+def test_kidnapped_robot_finds_itself_again(robot: LaunchedRobot) -> None:
     put_at_start(robot)
     assert robot.ask("place", **GOALS["far"])["success"]
     robot.ask("globalise")
@@ -110,7 +110,7 @@ def test_kidnapped_robot_finds_itself_again(robot: Robot) -> None:
 
 
 @pytest.mark.parametrize("name", ["amcl", "move_base"])
-def test_killed_node_is_restarted_and_the_robot_goes_on(robot: Robot, name: str) -> None:
+def test_killed_node_is_restarted_and_the_robot_goes_on(robot: LaunchedRobot, name: str) -> None:
     put_at_start(robot)
     victim = find_node(robot, name)
     os.kill(victim, signal.SIGKILL)

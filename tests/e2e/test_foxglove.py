@@ -18,7 +18,8 @@ from typing import Any
 import psutil
 import pytest
 from tests.e2e.camera_publisher import PICTURE
-from tests.e2e.conftest import PYTHON, ROOT, Robot, end, free_port, is_alive, list_family
+from tests.e2e.conftest import PYTHON, ROOT, LaunchedRobot, end, is_alive, list_family
+from tests.ros_session import free_port
 
 aiohttp = pytest.importorskip("aiohttp", reason="aiohttp is not installed: requirements/web.lock")
 pytest.importorskip("foxglove", reason="foxglove-sdk is not installed: requirements/foxglove.lock")
@@ -28,7 +29,7 @@ SDK, OLD = "foxglove.sdk.v1", "foxglove.websocket.v1"
 LIMIT = 60.0  # s
 
 
-class Viewer:
+class FoxgloveViewer:
     """A client of the Foxglove WebSocket protocol."""
 
     def __init__(self, socket: Any) -> None:
@@ -85,7 +86,7 @@ def pose_bytes(x: float, y: float, frame: str = "map") -> bytes:
 
 
 @dataclass
-class Server:
+class PageProcess:
     process: subprocess.Popen[Any]
     printed: str
     port: int
@@ -97,7 +98,7 @@ class Server:
         return found[0].replace("ws:", "http:")
 
 
-def start_server(robot: Robot, *options: str) -> Server:
+def start_server(robot: LaunchedRobot, *options: str) -> PageProcess:
     port = free_port()
     log = robot.log.with_name(f"web-{port}.log")
     command = [str(ROOT / "ur"), "web", "--port", str(port), "--no-browser", "--foxglove", *options]
@@ -110,18 +111,18 @@ def start_server(robot: Robot, *options: str) -> Server:
         assert process.poll() is None, log.read_text()
         assert time.monotonic() < deadline, "ur web printed no address"
         time.sleep(0.1)
-    return Server(process, log.read_text(), port)
+    return PageProcess(process, log.read_text(), port)
 
 
 @pytest.fixture(scope="module")
-def server(robot: Robot) -> Iterator[Server]:
+def server(robot: LaunchedRobot) -> Iterator[PageProcess]:
     server = start_server(robot)
     yield server
     end(server.process)
 
 
 @pytest.fixture(scope="module")
-def camera(robot: Robot) -> Iterator[None]:
+def camera(robot: LaunchedRobot) -> Iterator[None]:
     command = [str(PYTHON), "-m", "tests.e2e.camera_publisher"]
     process = subprocess.Popen(command, cwd=ROOT, env=robot.env, stdin=subprocess.DEVNULL)
     yield
@@ -146,7 +147,7 @@ async def wait_until_up(client: Any, address: str) -> None:
 
 
 @pytest.mark.usefixtures("camera")
-async def test_viewer_sees_scan_map_and_camera_and_sends_a_goal(server: Server, robot: Robot) -> None:
+async def test_viewer_sees_scan_map_and_camera_and_sends_a_goal(server: PageProcess, robot: LaunchedRobot) -> None:
     async with aiohttp.ClientSession() as client:
         await wait_until_up(client, server.address)
         bare = server.address.partition("?")[0]
@@ -156,7 +157,7 @@ async def test_viewer_sees_scan_map_and_camera_and_sends_a_goal(server: Server, 
         assert await refusal(client, server.address, Host="evil.example") == 421
         async with client.ws_connect(server.address, protocols=(OLD,), max_msg_size=0) as socket:
             assert socket.protocol == OLD
-            viewer = Viewer(socket)
+            viewer = FoxgloveViewer(socket)
             scan = await viewer.subscribe(1, "/scan")
             grid = await viewer.subscribe(2, "/map")
             picture = await viewer.subscribe(3, "/raspicam_node/image/compressed")
@@ -171,7 +172,7 @@ async def test_viewer_sees_scan_map_and_camera_and_sends_a_goal(server: Server, 
             assert b"map" in grid[:40]
             assert picture.endswith(struct.pack("<I", len(PICTURE)) + PICTURE)  # not a byte of it was touched
             async with client.ws_connect(server.address, protocols=(SDK,), max_msg_size=0) as other:
-                second = Viewer(other)
+                second = FoxgloveViewer(other)
                 assert (await second.subscribe(7, "/map"))[16:] == grid[16:]  # latched, though long published
             await viewer.publish(11, "/cmd_vel", "geometry_msgs/Twist", bytes(48))
             await viewer.until(lambda: any("/cmd_vel is not taken" in each for each in viewer.status))
@@ -191,13 +192,13 @@ async def test_viewer_sees_scan_map_and_camera_and_sends_a_goal(server: Server, 
         await asyncio.to_thread(robot.ask, "lease", state="free", seconds=60)
 
 
-async def test_viewer_that_may_only_look_cannot_publish(robot: Robot) -> None:
+async def test_viewer_that_may_only_look_cannot_publish(robot: LaunchedRobot) -> None:
     server = start_server(robot, "--look")
     try:
         async with aiohttp.ClientSession() as client:
             await wait_until_up(client, server.address)
             async with client.ws_connect(server.address, protocols=(SDK,), max_msg_size=0) as socket:
-                viewer = Viewer(socket)
+                viewer = FoxgloveViewer(socket)
                 await viewer.subscribe(1, "/scan")
                 assert viewer.info["capabilities"] == []
                 await viewer.publish(2, "/move_base_simple/goal", "geometry_msgs/PoseStamped", pose_bytes(0.0, 0.0))
@@ -208,7 +209,7 @@ async def test_viewer_that_may_only_look_cannot_publish(robot: Robot) -> None:
         end(server.process)
 
 
-async def test_killed_server_leaves_the_base_at_rest_and_no_process(robot: Robot) -> None:
+async def test_killed_server_leaves_the_base_at_rest_and_no_process(robot: LaunchedRobot) -> None:
     server = start_server(robot)
     try:
         url = f"http://localhost:{server.port}"
@@ -218,7 +219,7 @@ async def test_killed_server_leaves_the_base_at_rest_and_no_process(robot: Robot
             await wait_until_up(client, server.address)
             await (await client.post(f"{url}/login", json={"token": token[1]})).release()
             async with client.ws_connect(server.address, protocols=(SDK,), max_msg_size=0) as viewer:
-                await Viewer(viewer).subscribe(1, "/scan")
+                await FoxgloveViewer(viewer).subscribe(1, "/scan")
                 async with client.ws_connect(f"{url}/ws/drive?tab=0123456789") as page:
                     driving = asyncio.create_task(hold_stick(page))
                     await asyncio.to_thread(robot.ask, "moving", seconds=60)

@@ -14,7 +14,7 @@ from tests.ros2_session import PYTHON, free_domain
 pytestmark = [pytest.mark.ros, pytest.mark.timeout(600)]
 
 
-class Shell:
+class UrShell:
     """`ur` in an environment of its own."""
 
     def __init__(self, folder: Path) -> None:
@@ -36,14 +36,14 @@ class Shell:
 
 
 @pytest.fixture
-def shell(tmp_path: Path) -> Iterator[Shell]:
-    made = Shell(tmp_path)
+def shell(tmp_path: Path) -> Iterator[UrShell]:
+    made = UrShell(tmp_path)
     yield made
     assert made.ur("stop", "--all").returncode == 0
 
 
 @pytest.fixture(params=["1", "2"])
-def shell_of_either(request: pytest.FixtureRequest, shell: Shell) -> Shell:
+def shell_of_either(request: pytest.FixtureRequest, shell: UrShell) -> UrShell:
     if request.param == "2":
         if not PYTHON.exists():
             pytest.skip("no wheels of ROS 2 for this processor")
@@ -53,14 +53,14 @@ def shell_of_either(request: pytest.FixtureRequest, shell: Shell) -> Shell:
     return shell
 
 
-def start_robot(shell: Shell, *arguments: str) -> str:
+def start_robot(shell: UrShell, *arguments: str) -> str:
     words = ("--detach", "--wait", "--timeout-ready", "200", *arguments)
     done = shell.ur("run", "robot_base", *words)
     assert done.returncode == 0, done.stderr
     return done.stdout.strip()
 
 
-def test_navigation_joins_the_robot_in_its_world_and_leaves_it_running(shell_of_either: Shell) -> None:
+def test_navigation_joins_the_robot_in_its_world_and_leaves_it_running(shell_of_either: UrShell) -> None:
     shell = shell_of_either
     run = start_robot(shell, "world:=office")
     for _ in range(2):
@@ -80,7 +80,7 @@ def test_navigation_joins_the_robot_in_its_world_and_leaves_it_running(shell_of_
         ("robot_base:=magni", "robot_base 'stage'"),
     ],
 )
-def test_argument_that_the_running_robot_contradicts_is_refused(shell: Shell, argument: str, present: str) -> None:
+def test_argument_that_the_running_robot_contradicts_is_refused(shell: UrShell, argument: str, present: str) -> None:
     run = start_robot(shell, "world:=office")
     done = shell.ur("run", "keyboard_drive", argument)
     assert done.returncode == 1

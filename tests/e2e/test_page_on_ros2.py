@@ -6,8 +6,8 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from tests.e2e.test_joining import Shell
-from tests.e2e.web_page import PROGRAM, Page, open_first, start_server
+from tests.e2e.test_joining import UrShell
+from tests.e2e.web_page import PROGRAM, BrowserPage, open_first, start_server
 from tests.ros2_session import PYTHON, free_domain
 
 LAUNCH = str(Path(__file__).with_name("robot.launch"))
@@ -22,15 +22,15 @@ pytest.importorskip("aiohttp", reason="aiohttp is not installed: requirements/we
 
 
 @pytest.fixture
-def page(tmp_path: Path) -> Iterator[Page]:
-    shell = Shell(tmp_path)
+def page(tmp_path: Path) -> Iterator[BrowserPage]:
+    shell = UrShell(tmp_path)
     shell.environment |= {"ROS_DOMAIN_ID": free_domain(), "XDG_RUNTIME_DIR": str(tmp_path)}
     assert shell.ur("use", "sim", "--ros", "2").returncode == 0
     started = shell.ur("launch", "--detach", "--wait", "--timeout-ready", "200", LAUNCH)
     assert started.returncode == 0, started.stderr
     try:
         with start_server(shell.environment, tmp_path) as server, open_first(server, tmp_path) as browser:
-            page = Page(browser)
+            page = BrowserPage(browser)
             page.wait("globalThis.page?.map.tiles.tiles.size && page.map.pose && page.state && page.drive.newest")
             browser.complaints.clear()
             yield page
@@ -39,7 +39,7 @@ def page(tmp_path: Path) -> Iterator[Page]:
         assert shell.ur("stop", "--all").returncode == 0
 
 
-def test_page_shows_the_robot_and_drives_it_by_the_stick(page: Page) -> None:
+def test_page_shows_the_robot_and_drives_it_by_the_stick(page: BrowserPage) -> None:
     page.wait("page.map.scan.length > 50 && !page.state.missing.length")
     before = float(page.run("page.pose.x"))
     page.tap("#mode-drive")

@@ -6,8 +6,8 @@ import os
 import signal
 
 import pytest
-from tests.e2e.conftest import Robot
-from tests.e2e.terminal import Terminal
+from tests.e2e.conftest import LaunchedRobot
+from tests.e2e.terminal import ProgramTerminal
 from tests.e2e.test_attended_goals import environment, navigate
 from tests.e2e.test_first_drive import find_node, put_at_start
 from tests.e2e.test_safe_motion import NAVIGATE, stand
@@ -19,18 +19,18 @@ FAR = [{"name": "attic", "x": 7.23, "y": 10.63}, *NEAR]
 
 
 @pytest.fixture(autouse=True)
-def _quiet(robot: Robot) -> None:
+def _quiet(robot: LaunchedRobot) -> None:
     robot.ask("ask_patrol", action="end", seconds=60)
     put_at_start(robot)
 
 
-def test_patrol_goes_on_without_the_program_that_started_it_until_another_ends_it(robot: Robot) -> None:
+def test_patrol_goes_on_without_the_program_that_started_it_until_another_ends_it(robot: LaunchedRobot) -> None:
     lines = "g 0.5 0\nw sofa\ng 0.9 0\nw hall\npatrol loop wait=0 sofa hall\n"
     with navigate(robot, "laptop", lines, keep_open=False) as process:
         out, errors = process.communicate(timeout=120)
         assert out.splitlines()[-1] == "patrol loop wait=0 sofa hall: started", out + errors
     robot.ask("patrol", state="driving", rounds=2, seconds=120)
-    with Terminal([NAVIGATE, "__name:=second"], environment(robot, "laptop2")) as terminal:
+    with ProgramTerminal([NAVIGATE, "__name:=second"], environment(robot, "laptop2")) as terminal:
         terminal.wait_for("patrol: drives to")
         terminal.type("patrol pause\r")
         terminal.wait_for("patrol paused before")
@@ -46,7 +46,7 @@ def test_patrol_goes_on_without_the_program_that_started_it_until_another_ends_i
     stand(robot)
 
 
-def test_patrol_of_a_script_waits_at_each_place_and_is_done_after_the_last(robot: Robot) -> None:
+def test_patrol_of_a_script_waits_at_each_place_and_is_done_after_the_last(robot: LaunchedRobot) -> None:
     assert robot.ask("ask_patrol", action="start", places=NEAR, wait=0.5, seconds=60) == {"problem": ""}
     robot.ask("patrol", state="done", seconds=120)
     states = robot.ask("patrol_states")
@@ -56,7 +56,9 @@ def test_patrol_of_a_script_waits_at_each_place_and_is_done_after_the_last(robot
     assert "unknown waypoint 'nowhere'" in unknown
 
 
-def test_patrol_pauses_at_emergency_stop_take_over_and_foreign_goal_and_starts_nothing_by_itself(robot: Robot) -> None:
+def test_patrol_pauses_at_emergency_stop_take_over_and_foreign_goal_and_starts_nothing_by_itself(
+    robot: LaunchedRobot,
+) -> None:
     for way in ("emergency", "take-over", "goal"):
         put_at_start(robot)
         assert robot.ask("ask_patrol", action="start", places=FAR, loop=True, seconds=60) == {"problem": ""}
@@ -77,7 +79,7 @@ def test_patrol_pauses_at_emergency_stop_take_over_and_foreign_goal_and_starts_n
         robot.ask("patrol", state="paused", seconds=60)
 
 
-def test_killed_node_leaves_nothing_driving_and_forgets_the_patrol(robot: Robot) -> None:
+def test_killed_node_leaves_nothing_driving_and_forgets_the_patrol(robot: LaunchedRobot) -> None:
     assert robot.ask("ask_patrol", action="start", places=FAR, loop=True, seconds=60) == {"problem": ""}
     robot.ask("moving", seconds=60)
     victim = find_node(robot, "patrol")

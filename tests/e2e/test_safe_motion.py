@@ -10,8 +10,8 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from tests.e2e.conftest import ROOT, Robot
-from tests.e2e.terminal import Terminal
+from tests.e2e.conftest import ROOT, LaunchedRobot
+from tests.e2e.terminal import ProgramTerminal
 from tests.e2e.test_first_drive import GOALS, find_node, put_at_start
 from tests.json_client import wait_until
 
@@ -22,21 +22,21 @@ NAVIGATE = str(ROOT / "ubiquity_launches" / "n_keyboard_navigate" / "bin" / "key
 ON_KEYS = ("cmd_vel:=key_vel", "_speed:=0.3", "_turn:=0.6")
 
 
-def stand(robot: Robot, *, holding: bool = False) -> None:
+def stand(robot: LaunchedRobot, *, holding: bool = False) -> None:
     """It stands, and no client drives any more, unless a key is held that drives nowhere."""
     robot.ask("still", seconds=60)
     if not holding:
         robot.ask("active", name="idle", seconds=60)
 
 
-def publishes(robot: Robot, node: str) -> bool:
+def publishes(robot: LaunchedRobot, node: str) -> bool:
     """Return whether a node publishes anything besides its log."""
     with xmlrpc.client.ServerProxy(robot.env["ROS_MASTER_URI"]) as master:
         answer: Any = master.getSystemState("/test")
     return any(node in nodes for topic, nodes in answer[2][0] if topic != "/rosout")
 
 
-def test_keyboard_takes_over_from_navigation_which_then_goes_on(robot: Robot) -> None:
+def test_keyboard_takes_over_from_navigation_which_then_goes_on(robot: LaunchedRobot) -> None:
     put_at_start(robot)
     stand(robot)
     pipe = subprocess.PIPE
@@ -55,7 +55,7 @@ def test_keyboard_takes_over_from_navigation_which_then_goes_on(robot: Robot) ->
     assert "navigation" in after
 
 
-def test_emergency_ends_the_goal_and_no_other_is_taken_until_the_release(robot: Robot) -> None:
+def test_emergency_ends_the_goal_and_no_other_is_taken_until_the_release(robot: LaunchedRobot) -> None:
     put_at_start(robot)
     robot.ask("goal", **GOALS["far"])
     robot.ask("moving", seconds=60)
@@ -73,9 +73,9 @@ def test_emergency_ends_the_goal_and_no_other_is_taken_until_the_release(robot: 
     assert result["state"] == "SUCCEEDED", result["text"]
 
 
-def test_space_in_keyboard_navigate_stops_the_robot_until_the_release(robot: Robot) -> None:
+def test_space_in_keyboard_navigate_stops_the_robot_until_the_release(robot: LaunchedRobot) -> None:
     put_at_start(robot)
-    with Terminal([NAVIGATE, "__name:=navigate_by_hand"], robot.env) as terminal:
+    with ProgramTerminal([NAVIGATE, "__name:=navigate_by_hand"], robot.env) as terminal:
         terminal.wait_for("localised")
         terminal.type("g 7.23 10.63\r")
         robot.ask("moving", seconds=60)
@@ -93,11 +93,11 @@ def test_space_in_keyboard_navigate_stops_the_robot_until_the_release(robot: Rob
         terminal.wait_for("reached 1.50 0.00 0")
 
 
-def test_space_in_keyboard_drive_stops_navigation_too(robot: Robot) -> None:
+def test_space_in_keyboard_drive_stops_navigation_too(robot: LaunchedRobot) -> None:
     put_at_start(robot)
     robot.ask("goal", **GOALS["far"])
     robot.ask("moving", seconds=60)
-    with Terminal([KEYBOARD, *ON_KEYS, "__name:=drive_by_hand"], robot.env) as terminal:
+    with ProgramTerminal([KEYBOARD, *ON_KEYS, "__name:=drive_by_hand"], robot.env) as terminal:
         terminal.wait_for("navigation drives")
         terminal.type(" ")
         terminal.wait_for("EMERGENCY STOP")
@@ -112,10 +112,10 @@ def test_space_in_keyboard_drive_stops_navigation_too(robot: Robot) -> None:
         stand(robot)
 
 
-def test_robot_driven_by_hand_stops_before_a_wall_until_that_is_turned_off(robot: Robot) -> None:
+def test_robot_driven_by_hand_stops_before_a_wall_until_that_is_turned_off(robot: LaunchedRobot) -> None:
     put_at_start(robot)
     touched = robot.ask("where")["collisions"]
-    with Terminal([KEYBOARD, *ON_KEYS, "__name:=drive_by_hand"], robot.env) as terminal:
+    with ProgramTerminal([KEYBOARD, *ON_KEYS, "__name:=drive_by_hand"], robot.env) as terminal:
         terminal.wait_for("■ stopped")
         terminal.hold(",")  # a wall is 0.3 m behind
         terminal.wait_for("slowed: obstacle")
@@ -141,9 +141,9 @@ def test_robot_driven_by_hand_stops_before_a_wall_until_that_is_turned_off(robot
         assert robot.ask("obstacle_stop", state="clear", seconds=60) == {}
 
 
-def test_robot_stands_when_the_keyboard_is_killed(robot: Robot) -> None:
+def test_robot_stands_when_the_keyboard_is_killed(robot: LaunchedRobot) -> None:
     put_at_start(robot)
-    with Terminal([KEYBOARD, *ON_KEYS, "__name:=drive_by_hand"], robot.env) as terminal:
+    with ProgramTerminal([KEYBOARD, *ON_KEYS, "__name:=drive_by_hand"], robot.env) as terminal:
         terminal.wait_for("■ stopped")
         terminal.hold("i")
         robot.ask("moving", seconds=60)
@@ -151,9 +151,9 @@ def test_robot_stands_when_the_keyboard_is_killed(robot: Robot) -> None:
         stand(robot)
 
 
-def test_robot_stands_when_the_network_to_the_keyboard_is_gone(robot: Robot) -> None:
+def test_robot_stands_when_the_network_to_the_keyboard_is_gone(robot: LaunchedRobot) -> None:
     put_at_start(robot)
-    with Terminal([KEYBOARD, *ON_KEYS, "__name:=drive_by_hand"], robot.env) as terminal:
+    with ProgramTerminal([KEYBOARD, *ON_KEYS, "__name:=drive_by_hand"], robot.env) as terminal:
         terminal.wait_for("■ stopped")
         terminal.hold("i")
         robot.ask("moving", seconds=60)
@@ -161,10 +161,10 @@ def test_robot_stands_when_the_network_to_the_keyboard_is_gone(robot: Robot) -> 
         stand(robot)
 
 
-def test_robot_stands_when_the_viewer_is_killed_and_the_robot_side_lives_on(robot: Robot) -> None:
+def test_robot_stands_when_the_viewer_is_killed_and_the_robot_side_lives_on(robot: LaunchedRobot) -> None:
     put_at_start(robot)
     launch = Path(__file__).with_name("viewer.launch")
-    with Terminal([str(ROOT / "ur"), "launch", str(launch), "robot_base:=stage"], robot.env) as viewer:
+    with ProgramTerminal([str(ROOT / "ur"), "launch", str(launch), "robot_base:=stage"], robot.env) as viewer:
         viewer.wait_for("■ stopped")
         viewer.hold("i")
         robot.ask("moving", seconds=60)
@@ -176,7 +176,7 @@ def test_robot_stands_when_the_viewer_is_killed_and_the_robot_side_lives_on(robo
 
 @pytest.mark.parametrize("name", ["move_base", "cmd_vel_mux"])
 def test_robot_stands_when_a_node_that_drives_it_is_killed_and_drives_again_when_it_is_back(
-    robot: Robot, name: str
+    robot: LaunchedRobot, name: str
 ) -> None:
     put_at_start(robot)
     robot.ask("goal", **GOALS["far"])

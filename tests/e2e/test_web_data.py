@@ -9,9 +9,9 @@ from pathlib import Path
 
 import pytest
 from tests.docs.chromium import Chromium
-from tests.e2e.conftest import PYTHON, ROOT, Robot, end
+from tests.e2e.conftest import PYTHON, ROOT, LaunchedRobot, end
 from tests.e2e.test_web_page import DESK, server
-from tests.e2e.web_page import PROGRAM, Page
+from tests.e2e.web_page import PROGRAM, BrowserPage
 
 __all__ = ["server"]  # a fixture
 
@@ -37,9 +37,9 @@ def browser(server: tuple[int, Path], tmp_path_factory: pytest.TempPathFactory) 
 
 
 @pytest.fixture
-def page(browser: Chromium, robot: Robot) -> Iterator[Page]:
+def page(browser: Chromium, robot: LaunchedRobot) -> Iterator[BrowserPage]:
     assert robot.launch.poll() is None
-    page = Page(browser)
+    page = BrowserPage(browser)
     browser.resize(*DESK)
     page.wait("globalThis.page?.state && page.map.pose")
     browser.complaints.clear()
@@ -48,21 +48,21 @@ def page(browser: Chromium, robot: Robot) -> Iterator[Page]:
     assert browser.faults == []
 
 
-def press(page: Page, selector: str) -> None:
+def press(page: BrowserPage, selector: str) -> None:
     """Press the first control that is in sight, as soon as it is there."""
     button = f"[...document.querySelectorAll({selector!r})].find((e) => e.checkVisibility())"
     page.wait(button)
     page.run(f"{button}.click(); 0")
 
 
-def open_row(page: Page, name: str) -> None:
+def open_row(page: BrowserPage, name: str) -> None:
     """Open a topic, a service or a parameter by its name in a list."""
     button = f"[...document.querySelectorAll('#topics-panel .go')].find((e) => e.textContent === '{name}')"
     page.wait(f"{button}?.checkVisibility()")
     page.run(f"{button}.click(); 0")
 
 
-def test_topic_is_measured_printed_and_published(page: Page) -> None:
+def test_topic_is_measured_printed_and_published(page: BrowserPage) -> None:
     page.run("page.panels.show(['topics']); 0")
     page.wait("globalThis.page.topicPanel")
     page.run("document.getElementById('topic-filter').value = 'odometry'; page.topicPanel.views.topics.draw(); 0")
@@ -74,7 +74,7 @@ def test_topic_is_measured_printed_and_published(page: Page) -> None:
     page.wait("document.querySelector('#topics-panel').innerText.includes('it is measured by the robot')")
 
 
-def test_service_is_called_and_parameter_is_set(page: Page) -> None:
+def test_service_is_called_and_parameter_is_set(page: BrowserPage) -> None:
     page.run("page.panels.show(['topics']); 0")
     press(page, "#data-services")
     open_row(page, "/amcl/get_loggers")
@@ -87,7 +87,7 @@ def test_service_is_called_and_parameter_is_set(page: Page) -> None:
 
 
 @pytest.fixture
-def scene(robot: Robot) -> Iterator[None]:
+def scene(robot: LaunchedRobot) -> Iterator[None]:
     """A node that publishes clouds, markers and diagnostics."""
     process = subprocess.Popen([str(PYTHON), "-m", "tests.e2e.scene_node"], cwd=ROOT, env=robot.env)
     yield
@@ -95,7 +95,7 @@ def scene(robot: Robot) -> Iterator[None]:
 
 
 @pytest.mark.usefixtures("scene")
-def test_scene_shows_robot_cloud_and_markers_in_their_frames(page: Page) -> None:
+def test_scene_shows_robot_cloud_and_markers_in_their_frames(page: BrowserPage) -> None:
     page.run("page.panels.show(['scene']); 0")
     page.wait("globalThis.page.scenePanel?.view?.model.length > 3 && page.scenePanel.view.root === 'map'", 120)
     page.wait("document.querySelectorAll('#scene-panel li input').length === 2")
@@ -110,7 +110,7 @@ def test_scene_shows_robot_cloud_and_markers_in_their_frames(page: Page) -> None
 
 
 @pytest.mark.usefixtures("scene")
-def test_status_shows_diagnostics_by_level_and_the_computer(page: Page) -> None:
+def test_status_shows_diagnostics_by_level_and_the_computer(page: BrowserPage) -> None:
     page.run("page.panels.show(['status']); 0")
     page.wait("document.querySelectorAll('#status-panel .components details').length === 2")
     lines = page.run("[...document.querySelectorAll('#status-panel .components summary')].map((e) => e.textContent)")

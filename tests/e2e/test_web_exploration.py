@@ -8,7 +8,7 @@ from collections.abc import Iterator
 
 import pytest
 from tests.e2e.conftest import ROOT, end, make_environment
-from tests.e2e.web_page import PROGRAM, Page, open_first, start_server
+from tests.e2e.web_page import PROGRAM, BrowserPage, open_first, start_server
 
 pytestmark = [
     pytest.mark.ros,
@@ -24,7 +24,7 @@ HEAD = "document.getElementById('driver').textContent"
 
 
 @pytest.fixture(scope="module")
-def page(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Page]:
+def page(tmp_path_factory: pytest.TempPathFactory) -> Iterator[BrowserPage]:
     """A page of a robot that explores the maze."""
     folder = tmp_path_factory.mktemp("exploration")
     env = make_environment(folder)
@@ -43,14 +43,14 @@ def page(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Page]:
         )
     try:
         with start_server(env, folder) as server, open_first(server, folder / "chromium") as browser:
-            page = Page(browser)
+            page = BrowserPage(browser)
             page.wait(f"globalThis.page?.map.tiles.tiles.size && page.map.pose && page.drive.newest && {EXPLORES}", 120)
             yield page
     finally:
         end(run)
 
 
-def send(page: Page, place: str) -> None:
+def send(page: BrowserPage, place: str) -> None:
     """Send a goal until it is not late: a busy computer may be too slow."""
     for _ in range(10):
         page.run(f"page.setMode('goal'); page.point({place}); 0")
@@ -60,24 +60,24 @@ def send(page: Page, place: str) -> None:
     raise AssertionError(f"no goal arrives in time: {page.explain()}")
 
 
-def test_page_shows_an_exploration_as_the_terminal_does(page: Page) -> None:
+def test_page_shows_an_exploration_as_the_terminal_does(page: BrowserPage) -> None:
     page.wait(f"{HEAD} === 'exploring drives'")
     page.wait("/^\\d+ m2 known, .* left, about/.test(document.getElementById('banners').innerText)")
     page.wait("page.overlays.found.get(12)?.frontiers.length > 0")
 
 
-def test_exploration_goes_on_after_a_goal_of_the_page_was_refused(page: Page) -> None:
+def test_exploration_goes_on_after_a_goal_of_the_page_was_refused(page: BrowserPage) -> None:
     send(page, "{ x: 900, y: 900, yaw: 0 }")
     page.wait(f"page.state.lease.state === 'free' && {EXPLORES}")
 
 
-def test_exploration_goes_on_after_a_goal_of_the_page_was_reached(page: Page) -> None:
+def test_exploration_goes_on_after_a_goal_of_the_page_was_reached(page: BrowserPage) -> None:
     send(page, "{ x: page.pose.x, y: page.pose.y, yaw: null, dragged: false }")
     page.wait(f"page.state.lease.state === 'free' && {EXPLORES}")
 
 
 @pytest.mark.parametrize("button", ["#hand-back", "#mode-look"])
-def test_lease_is_handed_back_by_its_button_and_by_look(page: Page, button: str) -> None:
+def test_lease_is_handed_back_by_its_button_and_by_look(page: BrowserPage, button: str) -> None:
     page.run("page.drive.request({ t: 'lease', do: 'take' }); 0")
     page.wait(f"{MINE} && document.getElementById('hand-back').checkVisibility()")
     assert page.run(HEAD).startswith("You drive")

@@ -11,8 +11,8 @@ from pathlib import Path
 import psutil
 import pytest
 from tests.docs.chromium import Chromium
-from tests.e2e.conftest import Robot
-from tests.e2e.web_page import PHONE, PROGRAM, Page, open_first, open_second, start_server
+from tests.e2e.conftest import LaunchedRobot
+from tests.e2e.web_page import PHONE, PROGRAM, BrowserPage, open_first, open_second, start_server
 
 DESK = (1400, 900)
 
@@ -26,7 +26,7 @@ pytest.importorskip("aiohttp", reason="aiohttp is not installed: requirements/we
 
 
 @pytest.fixture(scope="module")
-def server(robot: Robot) -> Iterator[tuple[int, Path]]:
+def server(robot: LaunchedRobot) -> Iterator[tuple[int, Path]]:
     """`ur web`: its port, and the file of what it prints."""
     with start_server(robot.env, robot.log.parent) as server:
         yield server
@@ -39,8 +39,8 @@ def browser(server: tuple[int, Path], tmp_path_factory: pytest.TempPathFactory) 
 
 
 @pytest.fixture
-def page(browser: Chromium) -> Iterator[Page]:
-    page = Page(browser)
+def page(browser: Chromium) -> Iterator[BrowserPage]:
+    page = BrowserPage(browser)
     page.wait("globalThis.page?.map.tiles.tiles.size && page.map.pose && page.state && page.drive.newest")
     browser.complaints.clear()
     yield page
@@ -48,7 +48,7 @@ def page(browser: Chromium) -> Iterator[Page]:
     assert browser.complaints == []
 
 
-def test_link_leads_to_the_map_with_the_robot_on_it(page: Page) -> None:
+def test_link_leads_to_the_map_with_the_robot_on_it(page: BrowserPage) -> None:
     assert page.run("location.pathname + location.hash") == "/"
     assert page.run("document.title") == "simulated robot"
     page.wait("page.map.scan.length > 50 && !page.state.missing.length")
@@ -57,7 +57,7 @@ def test_link_leads_to_the_map_with_the_robot_on_it(page: Page) -> None:
     assert page.run("document.cookie") == ""  # no script sees the session
 
 
-def test_stick_drives_while_it_is_held_and_stops_when_it_is_let_go(page: Page, robot: Robot) -> None:
+def test_stick_drives_while_it_is_held_and_stops_when_it_is_let_go(page: BrowserPage, robot: LaunchedRobot) -> None:
     before = robot.ask("where")["true"]
     page.tap("#mode-drive")
     page.push_stick()
@@ -68,7 +68,7 @@ def test_stick_drives_while_it_is_held_and_stops_when_it_is_let_go(page: Page, r
     assert page.run("page.drive.press") == "idle"
 
 
-def test_hidden_page_lets_go(page: Page, robot: Robot) -> None:
+def test_hidden_page_lets_go(page: BrowserPage, robot: LaunchedRobot) -> None:
     page.tap("#mode-drive")
     page.push_stick()
     page.run("dispatchEvent(new Event('blur'))")
@@ -77,7 +77,7 @@ def test_hidden_page_lets_go(page: Page, robot: Robot) -> None:
     page.touch("End")
 
 
-def test_stop_button_stops_everything_until_the_release(page: Page, robot: Robot) -> None:
+def test_stop_button_stops_everything_until_the_release(page: BrowserPage, robot: LaunchedRobot) -> None:
     page.touch("Start", *page.middle("#stop"))  # a finger that stays
     robot.ask("stopped", value=True, seconds=60)
     page.touch("End")
@@ -87,7 +87,7 @@ def test_stop_button_stops_everything_until_the_release(page: Page, robot: Robot
     page.wait("!document.querySelector('.banner.red')")
 
 
-def test_goal_is_set_by_press_drag_release_and_reached(page: Page) -> None:
+def test_goal_is_set_by_press_drag_release_and_reached(page: BrowserPage) -> None:
     page.tap("#mode-goal")
     page.run("page.map.view.zoom(3, 195, 400); page.map.view.x = page.pose.x; page.map.view.y = page.pose.y; 0")
     x, y = page.run("page.map.view.toScreen(1.4, 0.0)")
@@ -102,7 +102,7 @@ def test_goal_is_set_by_press_drag_release_and_reached(page: Page) -> None:
     page.run("page.map.fit()")
 
 
-def test_place_is_named_on_the_page_and_driven_to(page: Page, robot: Robot) -> None:
+def test_place_is_named_on_the_page_and_driven_to(page: BrowserPage, robot: LaunchedRobot) -> None:
     page.tap_panel("places")
     page.wait("document.getElementById('place-here').checkVisibility()")
     page.run("document.getElementById('place-name').value = 'here'; document.getElementById('place-here').click(); 0")
@@ -125,7 +125,7 @@ def test_place_is_named_on_the_page_and_driven_to(page: Page, robot: Robot) -> N
 
 
 def test_patrol_goes_on_at_each_place_and_without_the_page_that_started_it(
-    page: Page, robot: Robot, server: tuple[int, Path], tmp_path: Path
+    page: BrowserPage, robot: LaunchedRobot, server: tuple[int, Path], tmp_path: Path
 ) -> None:
     for name, x in (("sofa", 0.6), ("hall", 1.0)):
         page.run(f"page.sendPlace({{t: 'name_place', place: '{name}', x: {x}, y: 0, yaw: 0}}); 0")
@@ -152,7 +152,7 @@ def test_patrol_goes_on_at_each_place_and_without_the_page_that_started_it(
     page.wait("page.state.lease.state === 'free'")
 
 
-def test_route_that_is_tapped_is_driven_and_shown(page: Page, robot: Robot) -> None:
+def test_route_that_is_tapped_is_driven_and_shown(page: BrowserPage, robot: LaunchedRobot) -> None:
     wanted = [[1.0, 0.0], [0.5, 0.0]]
     page.run("page.map.show([0.7, 0, 60]); 0")
     page.tap_panel("route")
@@ -171,7 +171,7 @@ def test_route_that_is_tapped_is_driven_and_shown(page: Page, robot: Robot) -> N
     page.tap_panel("route")
 
 
-def test_goal_that_is_tapped_asks_for_no_heading(page: Page) -> None:
+def test_goal_that_is_tapped_asks_for_no_heading(page: BrowserPage) -> None:
     page.tap("#mode-goal")
     page.run("page.map.show([page.pose.x, page.pose.y, 60]); 0")
     x, y = page.run("page.map.view.toScreen(page.pose.x + 0.3, page.pose.y)")
@@ -181,14 +181,14 @@ def test_goal_that_is_tapped_asks_for_no_heading(page: Page) -> None:
     page.run("page.map.fit(); 0")
 
 
-def drive_to(page: Page, x: float, y: float) -> None:
+def drive_to(page: BrowserPage, x: float, y: float) -> None:
     """Drive to a place of the map, wherever the tests before have left the robot."""
     before = page.run("page.state.goal.number")
     page.run(f"page.setMode('goal'); page.point({{x: {x}, y: {y}, yaw: 0}}); 0")
     page.wait(f"page.state.goal.number > {before} && page.state.goal.state === 'reached'", 120)
 
 
-def test_zone_that_is_drawn_on_the_page_is_kept_out_of(page: Page, robot: Robot) -> None:
+def test_zone_that_is_drawn_on_the_page_is_kept_out_of(page: BrowserPage, robot: LaunchedRobot) -> None:
     goal = 1.6  # m: in the corridor along the x axis, far from its ends
     drive_to(page, 0.6, 0.0)
     page.tap_panel("zones")
@@ -221,7 +221,7 @@ def test_zone_that_is_drawn_on_the_page_is_kept_out_of(page: Page, robot: Robot)
     page.run("page.map.fit(); 0")
 
 
-def test_layers_are_switched_and_a_link_shows_the_same(page: Page) -> None:
+def test_layers_are_switched_and_a_link_shows_the_same(page: BrowserPage) -> None:
     page.run("document.getElementById('layers').click(); 0")
     for name in ("local", "global", "particles", "plan"):
         page.run(f"document.getElementById('layer-{name}').click(); 0")
@@ -236,7 +236,7 @@ def test_layers_are_switched_and_a_link_shows_the_same(page: Page) -> None:
     assert page.run("[...page.map.layers].sort().join()") == "frontiers,plan,scan"
 
 
-def test_map_is_never_empty_while_its_size_changes(page: Page) -> None:
+def test_map_is_never_empty_while_its_size_changes(page: BrowserPage) -> None:
     corner = page.run(
         """new Promise((done) => {
           const { canvas, context } = page.map;
@@ -256,7 +256,9 @@ def test_map_is_never_empty_while_its_size_changes(page: Page) -> None:
     assert max(corner[:3]) > 0
 
 
-def test_page_recovers_when_the_end_at_the_robot_is_killed_while_the_stick_is_held(page: Page, robot: Robot) -> None:
+def test_page_recovers_when_the_end_at_the_robot_is_killed_while_the_stick_is_held(
+    page: BrowserPage, robot: LaunchedRobot
+) -> None:
     page.tap("#mode-drive")
     page.push_stick()
     (before,) = find_ends(robot)
@@ -275,7 +277,7 @@ def test_page_recovers_when_the_end_at_the_robot_is_killed_while_the_stick_is_he
     robot.ask("still", seconds=60)
 
 
-def find_ends(robot: Robot) -> list[int]:
+def find_ends(robot: LaunchedRobot) -> list[int]:
     """The processes at the robot's end of the page."""
     return [
         each.pid
@@ -286,7 +288,7 @@ def find_ends(robot: Robot) -> list[int]:
 
 
 def test_killed_browser_leaves_nothing_driving(
-    page: Page, robot: Robot, server: tuple[int, Path], tmp_path: Path
+    page: BrowserPage, robot: LaunchedRobot, server: tuple[int, Path], tmp_path: Path
 ) -> None:
     page.run("page.drive.request({ t: 'lease', do: 'release' }); 0")
     with open_second(page, server, tmp_path) as other:
@@ -300,7 +302,7 @@ def test_killed_browser_leaves_nothing_driving(
 DRIVES = "page.state.lease?.state === 'held' && page.state.lease.client === page.drive.client"
 
 
-def take(page: Page) -> None:
+def take(page: BrowserPage) -> None:
     """Have a page drive, whoever does."""
     page.wait("page.state.lease")
     page.run("page.drive.request({ t: 'lease', do: 'take' }); 0")
@@ -308,7 +310,7 @@ def take(page: Page) -> None:
 
 
 def test_second_page_asks_for_the_drive_is_given_it_and_it_is_taken_back(
-    page: Page, robot: Robot, server: tuple[int, Path], tmp_path: Path
+    page: BrowserPage, robot: LaunchedRobot, server: tuple[int, Path], tmp_path: Path
 ) -> None:
     take(page)
     with open_second(page, server, tmp_path) as other:
@@ -332,7 +334,7 @@ def test_second_page_asks_for_the_drive_is_given_it_and_it_is_taken_back(
         other.wait("[...document.querySelectorAll('.banner button')].some((e) => e.textContent === 'Ask')")
 
 
-def test_initial_pose_is_set_by_press_drag_release(page: Page, robot: Robot) -> None:
+def test_initial_pose_is_set_by_press_drag_release(page: BrowserPage, robot: LaunchedRobot) -> None:
     x, y, yaw = robot.ask("where")["true"]
     take(page)
     for aside in (0.3, 0.0):  # at last the truth, for the tests that follow
@@ -351,7 +353,7 @@ def test_initial_pose_is_set_by_press_drag_release(page: Page, robot: Robot) -> 
 
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])
-def test_controls_have_names_and_fit_on_phone_and_desk(page: Page, scheme: str, tmp_path: Path) -> None:
+def test_controls_have_names_and_fit_on_phone_and_desk(page: BrowserPage, scheme: str, tmp_path: Path) -> None:
     browser = page.browser
     browser.prefer(scheme)
     page.wait("page.server.end === 'up' && page.poseAge < 0.3")

@@ -13,7 +13,8 @@ from typing import Any
 
 import pytest
 from tests.docs.chromium import Chromium, find_chromium
-from tests.e2e.conftest import ROOT, end, free_port, make_environment
+from tests.e2e.conftest import ROOT, end, make_environment
+from tests.ros_session import free_port
 
 PROGRAM = find_chromium()
 PHONE, DESK = (390, 844), (1280, 800)
@@ -136,7 +137,7 @@ def both(site: Site) -> None:
     site.ensure("talk", "word:=cat<i>")
 
 
-class Page:
+class ProgramsPage:
     """The page, by its elements."""
 
     def __init__(self, browser: Chromium) -> None:
@@ -163,13 +164,13 @@ class Page:
 
 
 @pytest.fixture
-def page(browser: Chromium) -> Page:
-    page = Page(browser)
+def page(browser: Chromium) -> ProgramsPage:
+    page = ProgramsPage(browser)
     page.wait(SETTLED)
     return page
 
 
-def picture(page: Page, folder: Path, name: str) -> None:
+def picture(page: ProgramsPage, folder: Path, name: str) -> None:
     for size in (PHONE, DESK):
         page.browser.resize(*size, phone=size == PHONE)
         (folder / f"{name}-{size[0]}.png").write_bytes(page.browser.screenshot())
@@ -181,7 +182,9 @@ def picture(page: Page, folder: Path, name: str) -> None:
         ), "a panel covers the emergency stop"
 
 
-def test_program_is_started_with_an_argument_and_its_nodes_are_seen(page: Page, site: Site, tmp_path: Path) -> None:
+def test_program_is_started_with_an_argument_and_its_nodes_are_seen(
+    page: ProgramsPage, site: Site, tmp_path: Path
+) -> None:
     page.wait("document.querySelector('.banner button')")  # nothing runs: the page offers the programs
     page.run("document.querySelector('.banner button').click(); 0")
     page.wait("document.querySelector('#program-keyboard_navigate summary')", 120)
@@ -207,7 +210,7 @@ def test_program_is_started_with_an_argument_and_its_nodes_are_seen(page: Page, 
 
 
 @pytest.mark.usefixtures("navigation")
-def test_log_is_read_and_filtered_and_a_node_is_restarted(page: Page, tmp_path: Path) -> None:
+def test_log_is_read_and_filtered_and_a_node_is_restarted(page: ProgramsPage, tmp_path: Path) -> None:
     page.open("programs")
     page.wait("document.getElementById('program-talk')")
     page.run("document.querySelector('.others').open = document.getElementById('program-talk').open = true; 0")
@@ -237,7 +240,7 @@ def test_log_is_read_and_filtered_and_a_node_is_restarted(page: Page, tmp_path: 
     picture(page, tmp_path, "log")
 
 
-def choose(page: Page, field: str, value: str) -> None:
+def choose(page: ProgramsPage, field: str, value: str) -> None:
     event = "dispatchEvent(new Event('change'))"
     page.run(f"(() => {{ const e = document.getElementById('{field}'); e.value = '{value}'; e.{event}; }})()")
 
@@ -247,7 +250,7 @@ def node(name: str) -> str:
 
 
 @pytest.mark.usefixtures("both")
-def test_page_shows_the_truth_after_the_server_was_killed(page: Page, site: Site) -> None:
+def test_page_shows_the_truth_after_the_server_was_killed(page: ProgramsPage, site: Site) -> None:
     page.open("runs")
     page.wait(f"{node('/amcl')}?.ready", 120)
     page.wait("document.getElementById('log').innerText.includes('an error')")
@@ -270,7 +273,7 @@ def kill(site: Site) -> None:
     site.process.wait(30)
 
 
-def test_launch_file_is_drawn_and_each_node_is_explained(page: Page, tmp_path: Path) -> None:
+def test_launch_file_is_drawn_and_each_node_is_explained(page: ProgramsPage, tmp_path: Path) -> None:
     page.open("programs")
     page.wait("document.getElementById('program-robot_base')")
     page.run("document.querySelector('.others').open = document.getElementById('program-robot_base').open = true; 0")
@@ -282,13 +285,13 @@ def test_launch_file_is_drawn_and_each_node_is_explained(page: Page, tmp_path: P
     picture(page, tmp_path, "launch")
 
 
-def test_findings_of_the_doctor_are_shown_with_their_commands(page: Page, tmp_path: Path) -> None:
+def test_findings_of_the_doctor_are_shown_with_their_commands(page: ProgramsPage, tmp_path: Path) -> None:
     page.open("doctor")
     page.wait("/problem|All is well/.test(document.querySelector('#doctor-panel p').textContent)", 120)
     picture(page, tmp_path, "doctor")
 
 
-def test_controls_of_panels_have_names(page: Page) -> None:
+def test_controls_of_panels_have_names(page: ProgramsPage) -> None:
     for panel in ("programs", "runs", "doctor"):
         page.open(panel)
         tree = page.browser.ask("Accessibility.getFullAXTree")["nodes"]
@@ -302,7 +305,7 @@ def test_controls_of_panels_have_names(page: Page) -> None:
 
 
 @pytest.mark.usefixtures("both")
-def test_run_is_ended_after_a_second_press(page: Page, site: Site) -> None:
+def test_run_is_ended_after_a_second_press(page: ProgramsPage, site: Site) -> None:
     page.open("runs")
     page.wait("page.runs.state?.runs.length === 2")
     for left in (1, 0):

@@ -11,13 +11,14 @@ from pathlib import Path
 from typing import Any
 
 from tests.docs.chromium import Chromium, find_chromium
-from tests.e2e.conftest import ROOT, end, free_port
+from tests.e2e.conftest import ROOT, end
+from tests.ros_session import free_port
 
 PROGRAM = find_chromium()
 PHONE = (390, 844)
 
 
-class Page:
+class BrowserPage:
     """The page on a phone, with one finger."""
 
     def __init__(self, browser: Chromium) -> None:
@@ -123,7 +124,7 @@ def open_first(server: tuple[int, Path], folder: Path) -> Iterator[Chromium]:
 
 
 @contextmanager
-def open_second(page: Page, server: tuple[int, Path], folder: Path) -> Iterator[Page]:
+def open_second(page: BrowserPage, server: tuple[int, Path], folder: Path) -> Iterator[BrowserPage]:
     """A page in a browser of its own, which is logged in as the first one."""
     site = f"http://localhost:{server[0]}"
     (cookie,) = page.browser.ask("Network.getCookies", urls=[site])["cookies"]
@@ -133,6 +134,6 @@ def open_second(page: Page, server: tuple[int, Path], folder: Path) -> Iterator[
         browser.ask("Emulation.setTouchEmulationEnabled", enabled=True)
         browser.ask("Network.setCookie", name=cookie["name"], value=cookie["value"], url=site, httpOnly=True)
         browser.open(f"{site}/")
-        other = Page(browser)
+        other = BrowserPage(browser)
         other.wait("globalThis.page?.map.pose && page.state && page.drive.newest")
         yield other

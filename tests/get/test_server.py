@@ -19,7 +19,7 @@ pytestmark = pytest.mark.skipif(shutil.which("git") is None, reason="git is not 
 ABSENT = {"asks": 401, "tells": 404}  # owners whose missing repositories are answered for as GitHub and GitLab do
 
 
-class Server(BaseHTTPRequestHandler):
+class AptServer(BaseHTTPRequestHandler):
     """`git http-backend` for the folder `root`."""
 
     root = Path()
@@ -79,7 +79,7 @@ def owners(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[dict[str
             run([*robot, "update-ref", f"refs/heads/{branch}", commit])
     monkeypatch.setenv("no_proxy", "127.0.0.1")
 
-    class Here(Server):
+    class Here(AptServer):
         root = tmp_path
 
     server = ThreadingHTTPServer(("127.0.0.1", 0), Here)
@@ -109,6 +109,6 @@ def test_guess_with_dashes_is_confirmed_by_the_server_with_its_branch_for_ros_1(
 
 def test_server_that_does_not_answer_tells_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("no_proxy", "127.0.0.1")
-    with ThreadingHTTPServer(("127.0.0.1", 0), Server) as closed:
+    with ThreadingHTTPServer(("127.0.0.1", 0), AptServer) as closed:
         port = closed.server_port
     assert ask_server(f"http://127.0.0.1:{port}/me/robot.git") is None

@@ -10,7 +10,7 @@ FREE: Holder = ("free", "")
 
 
 @dataclass(slots=True)
-class Client:
+class LeaseHolder:
     """A client that was started; `identity` is its client id."""
 
     name: str
@@ -28,14 +28,14 @@ class Model:
 
     holder: Holder = FREE
     names: Mapping[str, str] = field(default_factory=dict)
-    clients: dict[str, Client] = field(default_factory=dict)
+    clients: dict[str, LeaseHolder] = field(default_factory=dict)
     asking: list[str] = field(default_factory=list)
 
     def owns(self, name: str) -> bool:
         """Return whether a client holds the lease, or is the one that lost it."""
         return name in self.clients and self.holder[1] == self.clients[name].identity
 
-    def start(self, client: Client) -> set[Holder]:
+    def start(self, client: LeaseHolder) -> set[Holder]:
         """A client starts, with a conduct; all that may be held then."""
         self.clients[client.name] = client
         own: Holder = ("held", client.identity)
@@ -99,7 +99,7 @@ class Model:
         keen = [each for each in self._active() if each.conduct != "watch"]  # all hold their keys
         return {("held", each.identity) for each in keen} or {FREE}
 
-    def _active(self) -> list[Client]:
+    def _active(self) -> list[LeaseHolder]:
         return [each for each in self.clients.values() if not each.halted]
 
     def _forget(self, name: str) -> None:

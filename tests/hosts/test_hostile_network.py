@@ -13,7 +13,7 @@ import pytest
 from tests.hosts import announcer
 from tests.hosts.bench import UR, Bench, Done, Machine, boot, wait_until
 from tests.hosts.test_robot_setup import PASSWORD, command, fingerprint, prepare, running
-from tests.hosts.test_robot_setup_secrets import Terminal
+from tests.hosts.test_robot_setup_secrets import MachineTerminal
 
 pytestmark = [pytest.mark.long, pytest.mark.timeout(1800)]
 SECONDS = 150  # more than any command may take; it is ended then, which is a failure
@@ -149,7 +149,7 @@ def test_host_that_answers_first_gets_no_password(net: Bench) -> None:
 def refuse_at_the_terminal(net: Bench) -> None:
     """The user compares: another fingerprint than the one that the robot shows is no consent, and neither is Enter."""
     for answer in (fingerprint(net["robot"]), ""):
-        terminal = Terminal(net["laptop"], "pat")
+        terminal = MachineTerminal(net["laptop"], "pat")
         terminal.answer("$ ", "ur robot setup robot.local --name bob --base magni --variant plain --no-programs")
         terminal.answer("or the fingerprint]", answer)
         terminal.answer("nothing was sent to it", "exit")
@@ -161,7 +161,7 @@ def refuse_at_the_terminal(net: Bench) -> None:
 def test_robot_is_set_up_once_its_fingerprint_was_confirmed_and_gets_no_login_here(net: Bench) -> None:
     laptop, robot = net["laptop"], net["robot"]
     allowed = laptop.run("cat .ssh/authorized_keys", user="pat").out
-    terminal = Terminal(laptop, "pat")
+    terminal = MachineTerminal(laptop, "pat")
     terminal.answer("$ ", "ur robot setup robot.local --name bob --base magni --variant plain --no-programs")
     terminal.answer("or the fingerprint]", fingerprint(robot))
     terminal.answer("may bob log in to this computer", "n")

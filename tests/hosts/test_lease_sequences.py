@@ -9,7 +9,7 @@ from collections.abc import Iterator
 
 import pytest
 from tests.hosts.bench import wait_until
-from tests.hosts.lease_model import Client, Holder, Model
+from tests.hosts.lease_model import Holder, LeaseHolder, Model
 from tests.hosts.lease_world import NAMES, LeaseWorld, check_screen, start_lease_world
 
 pytestmark = pytest.mark.long
@@ -79,7 +79,7 @@ class Sequence:
     def _do(self, what: str, name: str, conduct: str) -> set[Holder]:
         world, model = self._world, self._model
         if what == "start":
-            return model.start(Client(name, world.start(name, conduct), conduct))
+            return model.start(LeaseHolder(name, world.start(name, conduct), conduct))
         if what in ("take", "ask", "grant", "end"):
             world.press(name, {"take": "d", "ask": "a", "grant": "y", "end": "\x03"}[what])
             holders: set[Holder] = getattr(model, what)(name)
@@ -113,7 +113,7 @@ class Sequence:
                 continue
             wrong = ""
 
-            def true(client: Client = client) -> bool:
+            def true(client: LeaseHolder = client) -> bool:
                 nonlocal wrong
                 lines = self._world.screen(client.name)
                 wrong = check_screen(lines, client.name, client.identity, self._world.lease(), client.conduct)

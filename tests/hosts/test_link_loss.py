@@ -93,7 +93,7 @@ def pair() -> Iterator[Bench]:
         yield bench
 
 
-class Program:
+class RemoteProgram:
     """A program that was started on the laptop, and what it has printed so far."""
 
     def __init__(self, laptop: Machine, words: str, log: Path) -> None:
@@ -129,8 +129,8 @@ class Program:
 
 
 @contextmanager
-def started(pair: Bench, words: str, tmp_path: Path) -> Iterator[Program]:
-    program = Program(pair["laptop"], words, tmp_path / "said")
+def started(pair: Bench, words: str, tmp_path: Path) -> Iterator[RemoteProgram]:
+    program = RemoteProgram(pair["laptop"], words, tmp_path / "said")
     try:
         yield program
     finally:

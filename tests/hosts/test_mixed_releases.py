@@ -41,7 +41,7 @@ for name, service in sorted(vars(importlib.import_module("std_srvs.srv")).items(
 
 
 @dataclass(frozen=True, slots=True)
-class Pair:
+class ReleasePair:
     """Two computers, of which one has another release than this one; and the command `ur` on the laptop."""
 
     bench: Bench
@@ -57,7 +57,7 @@ class Pair:
 
 
 @pytest.fixture(scope="module", params=["robot", "laptop"])
-def pair(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Pair]:
+def pair(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Iterator[ReleasePair]:
     """A laptop with a robot that was set up from it; the one that the parameter names has the other release."""
     (suite,) = PYTHONS.keys() - {codename()}
     own = request.param == "robot"  # the laptop has this computer's release, and this repository with its environment
@@ -71,7 +71,7 @@ def pair(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactor
         install_packages(laptop, (*PROGRAM_PACKAGES, "ros-robot-state-publisher") if own else ("python3-venv",))
         if not own:
             install_wheel(laptop, build(tmp_path_factory.mktemp("dist"))[1])
-        pair = Pair(bench, UR if own else ".local/bin/ur")
+        pair = ReleasePair(bench, UR if own else ".local/bin/ur")
         laptop.run(f"{pair.ur} setup --yes", user="pat", timeout=SECONDS).check()
         yield pair
 
@@ -90,7 +90,7 @@ def install_wheel(laptop: Machine, wheel: Path) -> None:
     laptop.run(line, user="pat", timeout=SECONDS).check()
 
 
-def test_robot_of_another_release_is_set_up_and_runs_its_share(pair: Pair) -> None:
+def test_robot_of_another_release_is_set_up_and_runs_its_share(pair: ReleasePair) -> None:
     laptop, robot = pair.laptop, pair.robot
     releases = {machine.run("sed -n s/^VERSION_CODENAME=//p /etc/os-release").out for machine in (laptop, robot)}
     assert len(releases) == 2
@@ -110,7 +110,7 @@ def test_robot_of_another_release_is_set_up_and_runs_its_share(pair: Pair) -> No
     robot.wait_for("! pgrep -u ros -f ur_nodes", deadline=60)
 
 
-def test_messages_and_services_of_the_two_releases_are_the_same(pair: Pair) -> None:
+def test_messages_and_services_of_the_two_releases_are_the_same(pair: ReleasePair) -> None:
     sums = [machine.run(["python3", "-c", MESSAGES]).check().out.splitlines() for machine in (pair.laptop, pair.robot)]
     assert sums[0] == sums[1]
     assert len(sums[0]) >= 100

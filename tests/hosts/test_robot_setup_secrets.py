@@ -19,7 +19,7 @@ MISTAKEN = "mistaken-secret-16180"
 SECRETS = (FLASHED, PASSWORD, MISTAKEN)
 
 
-class Terminal:
+class MachineTerminal:
     """An interactive shell of a computer's user, at a terminal of its own; `screen` is all that was shown there."""
 
     def __init__(self, machine: Machine, user: str) -> None:
@@ -95,7 +95,7 @@ def set_up_in_every_way(laptop: Machine, robot: Machine) -> None:
         assert f"bob: {point}" in said
         robot.restore()
 
-    terminal = Terminal(laptop, "pat")
+    terminal = MachineTerminal(laptop, "pat")
     terminal.answer("$ ", "ur robot setup robot.local --name bob --base magni --no-programs")
     terminal.answer("variant of bob", "plain")
     terminal.answer("may bob log in to this computer", "y")

@@ -12,7 +12,7 @@ from tests.hosts.bench import UR, Bench, wait_until
 from tests.hosts.managed import wait_settled
 from tests.hosts.test_doctor import pair
 from tests.hosts.test_robot_setup import PASSWORD
-from tests.terminal import Terminal
+from tests.terminal import TmuxTerminal
 
 pytestmark = pytest.mark.long
 __all__ = ["pair"]
@@ -38,10 +38,10 @@ def until_listed(pair: Bench, key: str, value: object) -> dict[str, Any]:
 
 
 @pytest.fixture
-def terminal(pair: Bench, tmp_path: Path) -> Iterator[Terminal]:
+def terminal(pair: Bench, tmp_path: Path) -> Iterator[TmuxTerminal]:
     """A shell of pat's on the laptop, with a terminal of its own, so that Ctrl-C reaches what runs in it."""
     shell = "exec script -q -c 'bash --norc -i' /dev/null"
-    opened = Terminal(pair["laptop"].command_line(shell, user="pat", environment={"PS1": "$ "}), tmp_path)
+    opened = TmuxTerminal(pair["laptop"].command_line(shell, user="pat", environment={"PS1": "$ "}), tmp_path)
     try:
         yield opened
     finally:
@@ -120,7 +120,7 @@ def test_robot_that_is_away_is_listed_with_where_it_was(pair: Bench) -> None:
     until_listed(pair, "address", pair["robot"].address)
 
 
-def test_live_list_notices_who_goes_and_comes_and_ends_with_control_c(pair: Bench, terminal: Terminal) -> None:
+def test_live_list_notices_who_goes_and_comes_and_ends_with_control_c(pair: Bench, terminal: TmuxTerminal) -> None:
     terminal.type(f"clear; {UR} robots --watch; echo en''ded", "Enter")
     terminal.until("here", SECONDS)
     pair["robot"].cut()
@@ -139,7 +139,7 @@ def test_link_is_measured_and_what_cannot_be_seen_is_said(pair: Bench) -> None:
     assert "no wireless interface at laptop and bob: latency and loss only" in done.out
 
 
-def test_gap_of_a_link_is_marked_and_measuring_goes_on(pair: Bench, terminal: Terminal) -> None:
+def test_gap_of_a_link_is_marked_and_measuring_goes_on(pair: Bench, terminal: TmuxTerminal) -> None:
     terminal.type(f"clear; {UR} wifi bob --watch --log walk.csv; echo en''ded", "Enter")
     terminal.until("good: ", SECONDS)
     pair["robot"].cut()

@@ -12,7 +12,7 @@ import pytest
 from tests.hosts.bench import REPOSITORY, UR, Bench, Machine, boot, wait_until
 from tests.hosts.bench.ros2_robot import install_jazzy, remove_ros1
 from tests.hosts.test_ros2_robot import SUDO, set_up
-from tests.terminal import Terminal
+from tests.terminal import TmuxTerminal
 
 pytestmark = pytest.mark.long
 AT_REST = 0.3  # s
@@ -35,9 +35,9 @@ def pair() -> Iterator[Bench]:
 
 
 @contextmanager
-def program(laptop: Machine, line: str, folder: Path) -> Iterator[Terminal]:
+def program(laptop: Machine, line: str, folder: Path) -> Iterator[TmuxTerminal]:
     """A program on a terminal of the laptop."""
-    terminal = Terminal(laptop.command_line(f"TERM=xterm exec {UR} {line}", user="pat"), folder)
+    terminal = TmuxTerminal(laptop.command_line(f"TERM=xterm exec {UR} {line}", user="pat"), folder)
     try:
         yield terminal
     finally:
@@ -45,7 +45,7 @@ def program(laptop: Machine, line: str, folder: Path) -> Iterator[Terminal]:
 
 
 @contextmanager
-def key_held(terminal: Terminal, key: str) -> Iterator[None]:
+def key_held(terminal: TmuxTerminal, key: str) -> Iterator[None]:
     """A key that repeats."""
     released = threading.Event()
 

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import io
 import os
-import struct
 import tarfile
-import zlib
 from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import pytest
+from tests.fakes.pictures import make_png
 
 from ur.maps.exchange import import_picture, pack_map, unpack_map
 from ur.maps.picture_file import write_picture
@@ -21,21 +20,13 @@ from ur.source.diagnostic import UserError
 SETTINGS = "resolution: 0.05\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n"
 
 
-def _png(width: int, height: int, bits: int, kind: int) -> bytes:
-    def chunk(name: bytes, data: bytes) -> bytes:
-        return struct.pack(">I", len(data)) + name + data + struct.pack(">I", zlib.crc32(name + data))
-
-    head = struct.pack(">IIBBBBB", width, height, bits, kind, 0, 0, 0)
-    return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", head) + chunk(b"IDAT", zlib.compress(b"")) + chunk(b"IEND", b"")
-
-
 @pytest.mark.parametrize(
     ("make", "reason"),
     [
         (os.mkfifo, "not a regular file"),
         (lambda path: path.symlink_to("/dev/zero"), "not a regular file"),
         (Path.mkdir, "not a regular file"),
-        (lambda path: path.write_bytes(_png(8900, 8900, 16, 6)), "316,840,000 bytes"),
+        (lambda path: path.write_bytes(make_png(8900, 8900, 16, 6)), "316,840,000 bytes"),
         (lambda path: path.write_bytes(b"P5\n#" + b"x" * 30_000_000 + b"\n1 1\n255\n\0"), "comments"),
         (lambda path: path.write_bytes(b"P5\n8000 8000\n255\n"), "truncated|damaged|not enough"),
         (lambda path: os.truncate(os.open(path, os.O_CREAT | os.O_WRONLY), 1 << 40), "larger than"),

@@ -42,12 +42,12 @@ def test_stray_name_is_explained() -> None:
 def test_each_file_is_parsed_once_for_all_plans_of_a_request() -> None:
     reads: list[str] = []
 
-    class Counting(MemoryWorld):
+    class CountedWorld(MemoryWorld):
         def read_bytes(self, path: str) -> bytes:
             reads.append(path)
             return super().read_bytes(path)
 
-    request: LaunchRequest = make_request(["/top.launch", "/x.launch", "a:=1"], Counting(files=FILES))
+    request: LaunchRequest = make_request(["/top.launch", "/x.launch", "a:=1"], CountedWorld(files=FILES))
     files = request.files
     assert files.declared == ("a", "b")
     for text in ("a:=1", "a:=2"):

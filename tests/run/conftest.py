@@ -126,7 +126,7 @@ class Launched:
 
 
 @dataclass
-class World:
+class RunWorld:
     """What tests start `ur` in."""
 
     folder: Path
@@ -174,6 +174,12 @@ class World:
         self.running.append(launched)
         return launched
 
+    def call(self, *words: str, code: int = 0) -> str:
+        """What `ur` prints, which ends with an exit code."""
+        done = self.ur(*words)
+        assert done.wait() == code, done.text
+        return str(done.text)
+
     def launch(self, body: str, *words: str, **how: bool) -> Launched:
         return self.ur("launch", self.write(body), *words, **how)
 
@@ -193,7 +199,7 @@ def _own_terminal() -> None:
 
 
 @pytest.fixture
-def world(tmp_path: Path) -> Iterator[World]:
+def world(tmp_path: Path) -> Iterator[RunWorld]:
     package = tmp_path / "little_nodes"
     (package / "nodes").mkdir(parents=True)
     (package / "package.xml").write_text(MANIFEST)
@@ -218,7 +224,7 @@ def world(tmp_path: Path) -> Iterator[World]:
         "ROS_PACKAGE_PATH": str(package),
     }
     environment.pop("WAYLAND_DISPLAY", None)
-    made = World(tmp_path, environment, port)
+    made = RunWorld(tmp_path, environment, port)
     yield made
     for launched in made.running:
         launched.look()
@@ -237,7 +243,7 @@ def world(tmp_path: Path) -> Iterator[World]:
                 os.close(descriptor)
 
 
-def start_master(world: World) -> subprocess.Popen[bytes]:
+def start_master(world: RunWorld) -> subprocess.Popen[bytes]:
     """Start a master at the world's address, and wait until it answers."""
     process = subprocess.Popen(
         ["/usr/bin/rosmaster", "--core", "-p", str(world.port)],
@@ -255,7 +261,7 @@ def start_master(world: World) -> subprocess.Popen[bytes]:
 
 
 @pytest.fixture
-def master(world: World) -> Iterator[int]:
+def master(world: RunWorld) -> Iterator[int]:
     """A master of somebody else at the world's address: its port."""
     process = start_master(world)
     world.master_pid = process.pid

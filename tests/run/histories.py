@@ -14,7 +14,7 @@ MASTER = Unit("master", core=True, required=True)
 ROSOUT = Unit("/rosout", core=True, respawn=True)
 
 
-class History:
+class RunHistory:
     """A run that is being told what happens."""
 
     def __init__(self, *units: Unit, own_master: bool = False) -> None:
@@ -30,7 +30,7 @@ class History:
             told += actions
         return told
 
-    def running(self) -> History:
+    def running(self) -> RunHistory:
         """Everything is up."""
         if self.state.own_master:
             self.happens(Begin(), Started("master", 1), MasterAnswered(), Started("/rosout", 2), ParametersSet())

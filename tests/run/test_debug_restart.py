@@ -11,7 +11,7 @@ from pathlib import Path
 
 import psutil
 import pytest
-from tests.run.conftest import World
+from tests.run.conftest import RunWorld
 from tests.run.debugger.test_pane import Tmux, tmux, until  # noqa: F401 - a fixture
 
 from ur.run.clients.client import RunClient, connect_run
@@ -22,7 +22,7 @@ pytestmark = pytest.mark.ros
 BODY = '<node pkg="little_nodes" type="sleeper" name="one" launch-prefix="nice -n 1"/>'
 
 
-def watch(world: World) -> RunClient:
+def watch(world: RunWorld) -> RunClient:
     (folder,) = (world.folder / "state/ur/runs").iterdir()
     return connect_run(str(folder))
 
@@ -56,7 +56,7 @@ def until_command(pid: int, begins: str) -> None:
         time.sleep(0.02)
 
 
-def test_prefix_holds_for_one_start_and_takes_the_place_of_the_nodes_own(world: World) -> None:
+def test_prefix_holds_for_one_start_and_takes_the_place_of_the_nodes_own(world: RunWorld) -> None:
     own = psutil.Process().nice()
     launched = world.launch(BODY)
     launched.until("[/one] started", limit=60)
@@ -79,7 +79,7 @@ def test_prefix_holds_for_one_start_and_takes_the_place_of_the_nodes_own(world: 
 
 
 def test_node_is_debugged_in_another_terminal_and_ends_with_its_run(
-    world: World,
+    world: RunWorld,
     tmux: Tmux,  # noqa: F811 - a fixture
 ) -> None:
     launched = world.launch(

@@ -35,15 +35,9 @@ SLEEPER = '<node pkg="little_nodes" type="sleeper" name="sleeper"><!--ready: pro
 TICKER = '<node pkg="little_nodes" type="ticker" name="ticker" output="{}"/>'
 
 
-def call(world: Any, *words: str, code: int = 0) -> str:
-    done = world.ur(*words)
-    assert done.wait() == code, done.text
-    return str(done.text)
-
-
 def start(world: Any, body: str, *words: str) -> str:
     """Start a detached run; return its id."""
-    text = call(world, "launch", "--detach", *words, world.write(body))
+    text: str = world.call("launch", "--detach", *words, world.write(body))
     return next(line for line in text.splitlines() if line.startswith("test."))
 
 
@@ -55,21 +49,21 @@ def test_detached_run_outlives_its_terminal_and_is_stopped_from_another(world: A
     if run.output >= 0:
         os.close(run.output)
     run.keeper = run.output = -1
-    assert "detached" in call(world, "ps")
-    [listed] = json.loads(call(world, "ps", "--json"))
+    assert "detached" in world.call("ps")
+    [listed] = json.loads(world.call("ps", "--json"))
     assert listed["title"] == "test"
-    assert f"{listed['run']} has ended" in call(world, "stop")
+    assert f"{listed['run']} has ended" in world.call("stop")
     wait_nothing_left(world.folder, without=frozenset({world.master_pid}))
-    assert "no run is active" in call(world, "ps")
+    assert "no run is active" in world.call("ps")
     assert not Path(listed["folder"]).exists()
 
 
 def test_detached_run_that_cannot_start_says_why_and_returns_its_exit_code(world: Any) -> None:
-    assert "no executable 'slepper'" in call(
-        world, "launch", "--detach", world.write(SLEEPER.replace('"sleeper"', '"slepper"', 1)), code=1
+    assert "no executable 'slepper'" in world.call(
+        "launch", "--detach", world.write(SLEEPER.replace('"sleeper"', '"slepper"', 1)), code=1
     )
-    assert "needs the terminal" in call(
-        world, "launch", "--detach", world.write(SLEEPER.replace("ready: process", "terminal: x")), code=1
+    assert "needs the terminal" in world.call(
+        "launch", "--detach", world.write(SLEEPER.replace("ready: process", "terminal: x")), code=1
     )
     wait_nothing_left(world.folder, without=frozenset({world.master_pid}))
 
@@ -81,16 +75,16 @@ def test_logs_attach_and_restart_reach_a_detached_run(world: Any) -> None:
     attached.until("[/sleeper] running", "[/ticker] tick")
     followed = world.ur("logs", "-f", "ticker")
     followed.until("tick\ntick\n")
-    assert "/ticker runs again" in call(world, "restart", "ticker")
+    assert "/ticker runs again" in world.call("restart", "ticker")
     attached.until("[/ticker] started")
-    assert "did you mean /sleeper?" in call(world, "restart", "sleper", code=2)
-    assert call(world, "logs", "sleeper", "--path").strip().endswith("-stdout.log")
-    assert "[/ticker] started" in call(world, "logs")
+    assert "did you mean /sleeper?" in world.call("restart", "sleper", code=2)
+    assert world.call("logs", "sleeper", "--path").strip().endswith("-stdout.log")
+    assert "[/ticker] started" in world.call("logs")
     assert re.search(
-        r"^node /sleeper has printed nothing since it was started \d+ s ago$", call(world, "logs", "sleeper"), re.M
+        r"^node /sleeper has printed nothing since it was started \d+ s ago$", world.call("logs", "sleeper"), re.M
     )
-    assert "printed nothing" not in call(world, "logs", "ticker")
-    call(world, "stop", name)
+    assert "printed nothing" not in world.call("logs", "ticker")
+    world.call("stop", name)
     assert attached.wait() == 0
     assert followed.wait() == 0
     wait_nothing_left(world.folder, without=frozenset({world.master_pid}))
@@ -104,8 +98,8 @@ def test_attached_viewer_that_leaves_does_not_stop_the_run(world: Any) -> None:
     attached.process.send_signal(signal.SIGINT)
     assert attached.wait() == 0
     assert "runs on" in attached.text
-    assert name in call(world, "ps")
-    call(world, "stop", "--all")
+    assert name in world.call("ps")
+    world.call("stop", "--all")
     wait_nothing_left(world.folder, without=frozenset({world.master_pid}))
 
 
@@ -115,24 +109,24 @@ def test_wait_returns_when_all_is_up_and_else_names_what_is_missing(world: Any) 
         '<node pkg="little_nodes" type="talker" name="talker"><!--ready: topic chat; service ~get_loggers--></node>'
     )
     start(world, SLEEPER + talker, "--wait")
-    call(world, "wait")
-    call(world, "stop")
+    world.call("wait")
+    world.call("stop")
     never = SLEEPER.replace("ready: process", "ready: topic scan 5 Hz") + TICKER.format("log")
     crash = '<node pkg="little_nodes" type="crash" name="crash"/>'
-    text = call(world, "launch", "--detach", "--wait", "--timeout-ready=1", world.write(never + crash), code=1)
+    text = world.call("launch", "--detach", "--wait", "--timeout-ready=1", world.write(never + crash), code=1)
     assert "/sleeper: it runs, but is not registered yet" in text
     assert "/ticker: it runs, but is not registered" in text
     assert "/crash: it does not run: ended, exit code 3 (log: " in text
-    call(world, "stop")
+    world.call("stop")
 
 
 @pytest.mark.usefixtures("master")
 def test_run_killed_with_9_is_not_listed_any_more(world: Any) -> None:
     start(world, SLEEPER)
-    [listed] = json.loads(call(world, "ps", "--json"))
+    [listed] = json.loads(world.call("ps", "--json"))
     os.kill(listed["pid"], signal.SIGKILL)
     wait_nothing_left(world.folder, without=frozenset({world.master_pid}))
-    assert "no run is active" in call(world, "ps")
+    assert "no run is active" in world.call("ps")
     assert not Path(listed["folder"]).exists()
 
 
@@ -151,7 +145,7 @@ def test_events_on_standard_output_tell_the_whole_run(world: Any) -> None:
     assert "[/ticker]" not in run.text.replace('"text": "[/ticker]', "")
 
 
-class Viewer:
+class DetachedViewer:
     """A client that remembers the last state of every node."""
 
     def __init__(self, folder: str) -> None:
@@ -177,8 +171,8 @@ class Viewer:
 @pytest.mark.usefixtures("master")
 def test_viewer_sees_the_state_first_and_steers_every_node(world: Any) -> None:
     start(world, SLEEPER + TICKER.format("log"))
-    [listed] = json.loads(call(world, "ps", "--json"))
-    viewer = Viewer(listed["folder"])
+    [listed] = json.loads(world.call("ps", "--json"))
+    viewer = DetachedViewer(listed["folder"])
     first = viewer.until(lambda _: True)
     assert isinstance(first, RunStarted)
     assert (first.run, first.pid, first.detached) == (listed["run"], listed["pid"], True)
@@ -212,5 +206,5 @@ def test_attached_terminal_ends_when_nobody_reads_it_though_nothing_is_printed(w
     os.close(attached.output)
     attached.output = -1
     assert attached.wait() == 128 + signal.SIGPIPE
-    assert run in call(world, "ps")
-    call(world, "stop")
+    assert run in world.call("ps")
+    world.call("stop")

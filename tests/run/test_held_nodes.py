@@ -18,35 +18,29 @@ NODES = SLEEPER.format("one", "") + SLEEPER.format("two", "")
 TALKER = '<node pkg="little_nodes" type="talker" name="talker"{}/>'
 
 
-def call(world: Any, *words: str, code: int = 0) -> str:
-    done = world.ur(*words)
-    assert done.wait() == code, done.text
-    return str(done.text)
-
-
 def read_ended(world: Any) -> dict[str, Any]:
-    return {each["run"]: each for each in json.loads(call(world, "ps", "--ended", "--json"))}
+    return {each["run"]: each for each in json.loads(world.call("ps", "--ended", "--json"))}
 
 
 def test_launch_whose_nodes_all_run_already_is_refused_by_the_name_of_their_run(world: Any) -> None:
     file = world.write(NODES)
-    run = call(world, "launch", "--detach", file).split()[-1]
-    said = call(world, "launch", "--detach", file, code=1)
+    run = world.call("launch", "--detach", file).split()[-1]
+    said = world.call("launch", "--detach", file, code=1)
     assert f"error: everything of this runs already, in {run}: /one, /two [node-runs-already]" in said
     assert f"help: 'ur attach {run}' shows it, 'ur stop {run}' ends it; --replace starts it anew" in said
-    assert call(world, "ps").count("detached") == 1
-    call(world, "stop", "--all")
+    assert world.call("ps").count("detached") == 1
+    world.call("stop", "--all")
     wait_nothing_left(world.folder)
 
 
 def test_launch_that_would_end_nodes_of_another_run_is_refused_by_its_name(world: Any) -> None:
-    run = call(world, "launch", "--detach", world.write(NODES)).split()[-1]
+    run = world.call("launch", "--detach", world.write(NODES)).split()[-1]
     other = world.write(SLEEPER.format("one", "here") + SLEEPER.format("three", ""), "other.launch")
-    said = call(world, "launch", "--detach", other, code=1)
+    said = world.call("launch", "--detach", other, code=1)
     assert f"error: /one of run {run} would end, expected nodes that do not run yet [node-runs-already]" in said
     assert f"help: 'ur stop {run}' ends it; --except /one leaves out what runs; --replace starts it anyway" in said
-    assert call(world, "ps").count("detached") == 1
-    call(world, "stop", "--all")
+    assert world.call("ps").count("detached") == 1
+    world.call("stop", "--all")
     wait_nothing_left(world.folder)
 
 
@@ -54,33 +48,33 @@ def test_launch_that_would_end_nodes_of_another_run_is_refused_by_its_name(world
 def test_launch_that_would_end_a_node_that_nobody_here_has_started_is_refused(world: Any) -> None:
     talker = world.start([str(world.folder / "little_nodes/nodes/talker")])
     talker.until("up")
-    said = call(world, "launch", world.write(TALKER.format("")), code=1)
+    said = world.call("launch", world.write(TALKER.format("")), code=1)
     assert "error: /talker, which 'ur' has not started here, would end" in said
     assert "'rosnode kill /talker' ends what runs" in said
     assert talker.process.poll() is None
 
 
 def test_launch_uses_nodes_that_run_as_it_defines_them_and_ends_only_its_own(world: Any) -> None:
-    first = call(world, "launch", "--detach", world.write(NODES)).split()[-1]
+    first = world.call("launch", "--detach", world.write(NODES)).split()[-1]
     more = world.write(NODES + SLEEPER.format("three", ""), "more.launch")
-    said = call(world, "launch", "--detach", more)
+    said = world.call("launch", "--detach", more)
     assert f"using /one, /two of {first}" in said
     second = said.split()[-1]
-    runs = {each["run"]: each for each in json.loads(call(world, "ps", "--json"))}
+    runs = {each["run"]: each for each in json.loads(world.call("ps", "--json"))}
     assert runs[second]["joined"] == [first]
-    assert f"{first} has ended" not in call(world, "stop", second)
-    [left] = json.loads(call(world, "ps", "--json"))
+    assert f"{first} has ended" not in world.call("stop", second)
+    [left] = json.loads(world.call("ps", "--json"))
     assert left["run"] == first
-    call(world, "stop")
+    world.call("stop")
     wait_nothing_left(world.folder)
 
 
 def test_run_that_has_joined_ends_with_1_when_the_first_is_stopped_and_both_say_so(world: Any) -> None:
-    first = call(world, "launch", "--detach", world.write(NODES)).split()[-1]
+    first = world.call("launch", "--detach", world.write(NODES)).split()[-1]
     second = world.ur("launch", world.write(NODES + SLEEPER.format("three", ""), "more.launch"))
     second.until("[/three] started")
     name = f"more.{second.process.pid}"
-    assert f"{first} has ended; {name} had joined it and ends, too" in call(world, "stop")
+    assert f"{first} has ended; {name} had joined it and ends, too" in world.call("stop")
     assert second.wait() == 1
     assert f"error: {first}, which this run had joined, ends: asked by 'ur stop'" in second.text
     wait_nothing_left(world.folder)
@@ -100,7 +94,7 @@ def test_run_that_has_joined_ends_when_the_first_is_killed(world: Any) -> None:
     assert f"error: test.{first.process.pid}, which this run had joined, was killed" in second.text
     wait_nothing_left(world.folder)
     assert read_ended(world)[f"test.{first.process.pid}"]["exit_code"] is None
-    assert "its process was killed" in call(world, "ps", "--ended")
+    assert "its process was killed" in world.call("ps", "--ended")
 
 
 def test_first_run_goes_on_when_one_that_has_joined_is_ended_by_ctrl_c(world: Any) -> None:
@@ -123,12 +117,12 @@ def test_launch_waits_for_the_end_of_a_run_that_is_stopping_and_starts_everythin
     first.until("[/one] started", "trapped")
     first.process.send_signal(signal.SIGINT)
     first.until("stopping: SIGINT")
-    said = call(world, "launch", "--detach", world.write(NODES + SLEEPER.format("three", ""), "more.launch"))
+    said = world.call("launch", "--detach", world.write(NODES + SLEEPER.format("three", ""), "more.launch"))
     assert f"waiting for the end of test.{first.process.pid}, which is stopping" in said
     assert "master started here" in said
     assert "using" not in said
     assert first.wait() == 0
-    call(world, "stop")
+    world.call("stop")
     wait_nothing_left(world.folder)
 
 
@@ -140,7 +134,7 @@ def test_programs_that_start_at_once_share_what_they_have_in_common(world: Any) 
     assert sum("master started here" in run.text for run in runs) == 1
     assert sum(run.text.count("[/one] started") for run in runs) == 1
     assert sum("using /one, /two of " in run.text for run in runs) == 2
-    call(world, "stop", "--all")
+    world.call("stop", "--all")
     assert sorted(run.wait() for run in runs) in ([0, 0, 0], [0, 0, 1], [0, 1, 1])
     wait_nothing_left(world.folder)
 
@@ -148,21 +142,21 @@ def test_programs_that_start_at_once_share_what_they_have_in_common(world: Any) 
 @pytest.mark.parametrize("option", ["--replace", "--only=/two"])
 def test_launch_goes_on_where_it_is_meant_or_ends_nothing(world: Any, option: str) -> None:
     file = world.write(NODES)
-    call(world, "launch", "--detach", "--only=/one", file)
-    call(world, "launch", "--detach", option, file)
-    assert call(world, "ps").count("detached") == 2
-    call(world, "stop", "--all")
+    world.call("launch", "--detach", "--only=/one", file)
+    world.call("launch", "--detach", option, file)
+    assert world.call("ps").count("detached") == 2
+    world.call("stop", "--all")
     wait_nothing_left(world.folder)
 
 
 def test_nodes_at_another_master_are_not_taken_for_the_same(world: Any) -> None:
     file = world.write(NODES)
-    call(world, "launch", "--detach", file)
+    world.call("launch", "--detach", file)
     with socket.socket() as probe:
         probe.bind(("localhost", 0))
         world.environment["ROS_MASTER_URI"] = f"http://localhost:{probe.getsockname()[1]}"
-    call(world, "launch", "--detach", file)
-    call(world, "stop", "--all")
+    world.call("launch", "--detach", file)
+    world.call("stop", "--all")
     wait_nothing_left(world.folder)
 
 
@@ -190,16 +184,16 @@ def test_run_whose_node_is_replaced_by_a_program_that_ur_does_not_know_names_its
 
 def test_detached_run_that_has_ended_is_found_with_reason_and_last_lines(world: Any) -> None:
     body = '<node pkg="little_nodes" type="crash" name="crash" required="true"/>' + NODES
-    run = call(world, "launch", "--detach", world.write(body)).split()[-1]
+    run = world.call("launch", "--detach", world.write(body)).split()[-1]
     wait_nothing_left(world.folder)
-    assert "/crash is required and has ended" in call(world, "ps", "--ended")
+    assert "/crash is required and has ended" in world.call("ps", "--ended")
     ended = read_ended(world)[run]
     assert (ended["exit_code"], ended["detached"]) == (0, True)
-    said = call(world, "logs")  # nothing runs: the latest
+    said = world.call("logs")  # nothing runs: the latest
     assert f"{run} ended " in said
     assert "/crash died: exit code 3" in said
-    assert "last words" in call(world, "logs", "--run", run, "crash")
-    said = call(world, "attach", run, code=2)
+    assert "last words" in world.call("logs", "--run", run, "crash")
+    said = world.call("attach", run, code=2)
     assert f"'ur logs --run {run}' prints its last lines" in said
 
 
@@ -223,13 +217,13 @@ def test_only_the_latest_ended_runs_are_kept(world: Any) -> None:
 
 
 def test_port_of_the_command_line_chooses_the_master_that_is_joined(world: Any) -> None:
-    run = call(world, "launch", "--detach", world.write(NODES)).split()[-1]
+    run = world.call("launch", "--detach", world.write(NODES)).split()[-1]
     with socket.socket() as probe:
         probe.bind(("localhost", 0))
         other = str(probe.getsockname()[1])
-    assert "using" not in call(world, "launch", "--detach", "-p", other, world.write(NODES))
+    assert "using" not in world.call("launch", "--detach", "-p", other, world.write(NODES))
     more = world.write(NODES + SLEEPER.format("three", ""), "more.launch")
     world.environment["ROS_MASTER_URI"] = f"http://localhost:{other}"
-    assert f"of {run}" in call(world, "launch", "--detach", "-p", str(world.port), more)
-    call(world, "stop", "--all")
+    assert f"of {run}" in world.call("launch", "--detach", "-p", str(world.port), more)
+    world.call("stop", "--all")
     wait_nothing_left(world.folder)

@@ -11,13 +11,13 @@ import time
 
 import psutil
 import pytest
-from tests.run.conftest import Launched, World
+from tests.run.conftest import Launched, RunWorld
 
 pytestmark = pytest.mark.ros
 BODY = '<node pkg="little_nodes" type="sleeper" name="one"/>'
 
 
-def start(world: World, *words: str, size: tuple[int, int] = (100, 30)) -> Launched:
+def start(world: RunWorld, *words: str, size: tuple[int, int] = (100, 30)) -> Launched:
     world.environment["TERM"] = "xterm-256color"
     launched = world.launch(BODY, *words, terminal=True)
     fcntl.ioctl(launched.keeper, termios.TIOCSWINSZ, struct.pack("HHHH", size[1], size[0], 0, 0))
@@ -43,7 +43,7 @@ def is_plain(launched: Launched) -> bool:
     return bool(flags & termios.ICANON and flags & termios.ECHO)
 
 
-def test_interface_shows_the_run_and_ctrl_c_ends_it(world: World) -> None:
+def test_interface_shows_the_run_and_ctrl_c_ends_it(world: RunWorld) -> None:
     launched = start(world)
     launched.until("\x1b[?1049h", "one", "not ready")
     press(launched, "\x03")
@@ -53,7 +53,7 @@ def test_interface_shows_the_run_and_ctrl_c_ends_it(world: World) -> None:
     launched.wait_nothing_left()
 
 
-def test_interface_that_is_killed_leaves_the_terminal_whole_and_the_run_going(world: World) -> None:
+def test_interface_that_is_killed_leaves_the_terminal_whole_and_the_run_going(world: RunWorld) -> None:
     launched = start(world)
     launched.until("\x1b[?1049h", "not ready")
     find_viewer(launched).send_signal(signal.SIGKILL)
@@ -68,7 +68,7 @@ def test_interface_that_is_killed_leaves_the_terminal_whole_and_the_run_going(wo
     launched.wait_nothing_left()
 
 
-def test_supervisor_that_is_killed_takes_the_interface_with_it(world: World) -> None:
+def test_supervisor_that_is_killed_takes_the_interface_with_it(world: RunWorld) -> None:
     launched = start(world)
     launched.until("\x1b[?1049h", "not ready")
     viewer = find_viewer(launched)
@@ -81,7 +81,7 @@ def test_supervisor_that_is_killed_takes_the_interface_with_it(world: World) -> 
 
 
 @pytest.mark.parametrize(("words", "size"), [(("--calm",), (100, 30)), ((), (40, 10))])
-def test_calm_line_instead_of_a_screen(world: World, words: tuple[str, ...], size: tuple[int, int]) -> None:
+def test_calm_line_instead_of_a_screen(world: RunWorld, words: tuple[str, ...], size: tuple[int, int]) -> None:
     if not words:
         world.environment |= {"COLUMNS": "40", "LINES": "10"}
     launched = start(world, *words, size=size)
@@ -93,7 +93,7 @@ def test_calm_line_instead_of_a_screen(world: World, words: tuple[str, ...], siz
     launched.wait_nothing_left()
 
 
-def test_plain_lines_when_asked_for_and_ctrl_c_is_recorded_in_words(world: World) -> None:
+def test_plain_lines_when_asked_for_and_ctrl_c_is_recorded_in_words(world: RunWorld) -> None:
     launched = start(world, "--plain")
     launched.until("[/one] started")
     assert not any("ur.tui" in child.cmdline() for child in psutil.Process(launched.process.pid).children())
@@ -105,7 +105,7 @@ def test_plain_lines_when_asked_for_and_ctrl_c_is_recorded_in_words(world: World
     assert ended.text.rstrip().endswith("in a terminal  by Ctrl-C")
 
 
-def test_run_that_never_begins_does_not_touch_the_screen(world: World) -> None:
+def test_run_that_never_begins_does_not_touch_the_screen(world: RunWorld) -> None:
     world.environment["TERM"] = "xterm-256color"
     launched = world.launch('<node pkg="little_nodes" type="missing" name="one"/>', terminal=True)
     assert launched.wait() == 1

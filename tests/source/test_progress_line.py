@@ -12,7 +12,8 @@ from pathlib import Path
 from typing import TextIO
 
 import pytest
-from tests.terminal import Terminal
+from tests.fakes.clock import ManualClock
+from tests.terminal import TmuxTerminal
 
 from ur.check.run import check_paths
 from ur.docs.build import describe_repository
@@ -28,15 +29,7 @@ from ur.tools.package.uses import find_used_packages
 ERASE = "\r\x1b[K"
 
 
-class Clock:
-    def __init__(self) -> None:
-        self.now = 100.0
-
-    def __call__(self) -> float:
-        return self.now
-
-
-class Screen:
+class ReadTerminal:
     """A terminal: what is written to `stream` can be read."""
 
     def __init__(self) -> None:
@@ -63,8 +56,8 @@ class Screen:
 
 
 @pytest.fixture
-def screen(monkeypatch: pytest.MonkeyPatch) -> Iterator[Screen]:
-    made = Screen()
+def screen(monkeypatch: pytest.MonkeyPatch) -> Iterator[ReadTerminal]:
+    made = ReadTerminal()
     monkeypatch.setenv("TERM", "xterm")
     yield made
     made.close()
@@ -85,7 +78,7 @@ def make_line(out: TextIO, clock: Callable[[], float], term: str = "xterm") -> P
 
 
 def test_line_appears_after_two_seconds_of_silence_and_says_what_is_done() -> None:
-    out, clock = io.StringIO(), Clock()
+    out, clock = io.StringIO(), ManualClock(100.0)
     line = make_line(out, clock)
     clock.now += 1.9
     line.show()
@@ -97,7 +90,7 @@ def test_line_appears_after_two_seconds_of_silence_and_says_what_is_done() -> No
 
 
 def test_line_that_says_the_same_is_not_drawn_again() -> None:
-    out, clock = io.StringIO(), Clock()
+    out, clock = io.StringIO(), ManualClock(100.0)
     line = make_line(out, clock)
     clock.now += 3.0
     line.show()
@@ -107,7 +100,7 @@ def test_line_that_says_the_same_is_not_drawn_again() -> None:
 
 
 def test_line_is_erased_before_other_output_and_comes_back_after_two_seconds() -> None:
-    out, clock = io.StringIO(), Clock()
+    out, clock = io.StringIO(), ManualClock(100.0)
     line = make_line(out, clock)
     clock.now += 3.0
     line.show()
@@ -123,7 +116,7 @@ def test_line_is_erased_before_other_output_and_comes_back_after_two_seconds() -
 
 
 def test_line_that_another_text_has_begun_is_left_alone() -> None:
-    out, clock = io.StringIO(), Clock()
+    out, clock = io.StringIO(), ManualClock(100.0)
     line = make_line(out, clock)
     line.write(out, "make these changes? [Y/n]: ")
     clock.now += 60.0
@@ -133,7 +126,7 @@ def test_line_that_another_text_has_begun_is_left_alone() -> None:
 
 @pytest.mark.parametrize("term", ["dumb", ""])
 def test_terminal_that_cannot_erase_gets_a_line_now_and_then(term: str) -> None:
-    out, clock = io.StringIO(), Clock()
+    out, clock = io.StringIO(), ManualClock(100.0)
     line = make_line(out, clock, term)
     for _ in range(20):
         clock.now += 1.0
@@ -144,7 +137,7 @@ def test_terminal_that_cannot_erase_gets_a_line_now_and_then(term: str) -> None:
 
 
 def test_foreign_text_in_the_line_does_not_act_on_the_terminal() -> None:
-    out, clock = io.StringIO(), Clock()
+    out, clock = io.StringIO(), ManualClock(100.0)
     line = make_line(out, clock)
     line.report("reading a\x1b]0;x\x07\n.launch")
     clock.now += 3.0
@@ -152,7 +145,7 @@ def test_foreign_text_in_the_line_does_not_act_on_the_terminal() -> None:
     assert out.getvalue() == f"{ERASE}reading a\\x1b]0;x\\x07\\n.launch (3 s)"
 
 
-def test_terminal_shows_the_line_and_nothing_of_it_stays(screen: Screen) -> None:
+def test_terminal_shows_the_line_and_nothing_of_it_stays(screen: ReadTerminal) -> None:
     with standard_error(screen.stream), show_progress("waiting for bob to answer", quiet=0.0) as report:
         screen.wait_for("waiting for bob to answer (")
         report("reading 1 of 2 answers")
@@ -165,7 +158,7 @@ def test_terminal_shows_the_line_and_nothing_of_it_stays(screen: Screen) -> None
 
 
 @pytest.mark.parametrize("problem", [UserError(), KeyboardInterrupt()])
-def test_line_ends_with_an_error_and_with_an_interrupt(screen: Screen, problem: BaseException) -> None:
+def test_line_ends_with_an_error_and_with_an_interrupt(screen: ReadTerminal, problem: BaseException) -> None:
     def wait() -> None:
         with show_progress("waiting", quiet=0.0):
             screen.wait_for("waiting")
@@ -179,7 +172,7 @@ def test_line_ends_with_an_error_and_with_an_interrupt(screen: Screen, problem: 
     assert not [thread for thread in threading.enumerate() if thread.name == "progress"]
 
 
-def test_inner_wait_takes_the_place_of_the_outer_line(screen: Screen) -> None:
+def test_inner_wait_takes_the_place_of_the_outer_line(screen: ReadTerminal) -> None:
     with standard_error(screen.stream), show_progress("examining the robot", quiet=0.0):
         with show_progress("waiting for bob to answer"):
             screen.wait_for("waiting for bob to answer")
@@ -197,7 +190,7 @@ def test_nothing_is_shown_where_standard_error_is_no_terminal(
     assert capsys.readouterr() == ("", "")
 
 
-def test_command_that_is_done_at_once_writes_nothing_to_the_terminal(screen: Screen) -> None:
+def test_command_that_is_done_at_once_writes_nothing_to_the_terminal(screen: ReadTerminal) -> None:
     with standard_error(screen.stream), show_progress("checking") as report:
         report("checking 1 of 2 files")
     assert screen.read() == ""
@@ -213,7 +206,7 @@ def test_items_are_reported_before_they_are_used() -> None:
 def test_robot_that_does_not_answer_is_named_while_it_is_waited_for(tmp_path: Path) -> None:
     (tmp_path / "ssh").write_text("#!/bin/sh\nexec cat\n")  # connects, and then nothing comes
     (tmp_path / "ssh").chmod(0o755)
-    terminal = Terminal(["bash", "--norc"], tmp_path)
+    terminal = TmuxTerminal(["bash", "--norc"], tmp_path)
     try:
         terminal.type("PS1='ready> '", "Enter")
         terminal.until("\nready>")

@@ -6,18 +6,9 @@ import threading
 import time
 
 import pytest
+from tests.fakes.clock import ManualClock
 
 from ur_nodes.loop import Beat, Beats, Loop, Worker
-
-
-class Clock:
-    """Seconds that pass when they are told to; those of a simulation, that are no round numbers."""
-
-    def __init__(self) -> None:
-        self.now = 0.1 + 0.2
-
-    def read(self) -> float:
-        return self.now
 
 
 def take_all(beats: Beats) -> int:
@@ -30,8 +21,8 @@ def take_all(beats: Beats) -> int:
 
 
 def test_beat_repeats_without_drift_and_leaves_out_what_is_late() -> None:
-    clock, got = Clock(), list[float]()
-    beats = Beats(clock.read, steady=False)
+    clock, got = ManualClock(), list[float]()
+    beats = Beats(clock, steady=False)
     beats.add(Beat(0.1, lambda: got.append(clock.now)))
     for _ in range(10):
         clock.now += 0.05
@@ -42,8 +33,8 @@ def test_beat_repeats_without_drift_and_leaves_out_what_is_late() -> None:
 
 
 def test_new_beat_does_not_put_off_one_that_is_due_soon() -> None:
-    clock, slow = Clock(), list[float]()
-    beats = Beats(clock.read, steady=False)
+    clock, slow = ManualClock(), list[float]()
+    beats = Beats(clock, steady=False)
     beats.add(Beat(1.0, lambda: slow.append(clock.now)))
     for _ in range(210):
         beats.add(Beat(0.007, lambda: None, once=True))
@@ -54,8 +45,8 @@ def test_new_beat_does_not_put_off_one_that_is_due_soon() -> None:
 
 
 def test_beats_go_on_after_time_was_set_back() -> None:
-    clock, got = Clock(), list[float]()
-    beats = Beats(clock.read, steady=False)
+    clock, got = ManualClock(), list[float]()
+    beats = Beats(clock, steady=False)
     beats.add(Beat(0.1, lambda: got.append(clock.now)))
     clock.now = 1000.0
     take_all(beats)
@@ -68,8 +59,8 @@ def test_beats_go_on_after_time_was_set_back() -> None:
 
 
 def test_cancelled_beat_is_not_called() -> None:
-    clock, got = Clock(), list[float]()
-    beats = Beats(clock.read, steady=False)
+    clock, got = ManualClock(), list[float]()
+    beats = Beats(clock, steady=False)
     beat = beats.add(Beat(0.1, lambda: got.append(clock.now)))
     beat.cancel()
     clock.now += 1.0

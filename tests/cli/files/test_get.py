@@ -43,7 +43,7 @@ HALF_DONE = """echo libmade-up >>"$here/installed"; echo half >"$here/reached"; 
 
 
 @dataclass(frozen=True)
-class Computer:
+class ComputerWithPackages:
     """A computer with apt's programs of its own, and an unreachable network."""
 
     folder: Path
@@ -79,7 +79,7 @@ class Computer:
 
 
 @pytest.fixture
-def computer(tmp_path: Path) -> Computer:
+def computer(tmp_path: Path) -> ComputerWithPackages:
     (tmp_path / "home").mkdir()
     (tmp_path / "bin").mkdir()
     for name, text in PROGRAMS.items():
@@ -87,10 +87,10 @@ def computer(tmp_path: Path) -> Computer:
         (tmp_path / "bin" / name).chmod(0o755)
     (tmp_path / "installed").write_text("base\n")
     (tmp_path / "fault").write_text("")
-    return Computer(tmp_path)
+    return ComputerWithPackages(tmp_path)
 
 
-def _private_folder(computer: Computer) -> Path:
+def _private_folder(computer: ComputerWithPackages) -> Path:
     """A folder of a private repository, whose launch file names a package that only its owner knows."""
     folder = computer.folder / "work"
     (folder / ".git").mkdir(parents=True)
@@ -106,7 +106,7 @@ def _private_folder(computer: Computer) -> Path:
 
 
 @pytest.mark.parametrize("words", [[], ["--dry-run"], ["--yes"], ["--no-ask-servers"]])
-def test_names_of_private_packages_stay_on_this_computer(computer: Computer, words: list[str]) -> None:
+def test_names_of_private_packages_stay_on_this_computer(computer: ComputerWithPackages, words: list[str]) -> None:
     folder = _private_folder(computer)
     index = str(computer.folder / "index.yaml")
     _, text = computer.run("--missing", str(folder), "--index", index, *words)
@@ -115,7 +115,7 @@ def test_names_of_private_packages_stay_on_this_computer(computer: Computer, wor
     assert "--ask-servers" in text
 
 
-def test_servers_are_asked_when_the_user_says_so(computer: Computer) -> None:
+def test_servers_are_asked_when_the_user_says_so(computer: ComputerWithPackages) -> None:
     folder = _private_folder(computer)
     index = str(computer.folder / "index.yaml")
     computer.run("--missing", str(folder), "--index", index, "--dry-run", "--ask-servers")
@@ -131,7 +131,9 @@ done
 
 
 @pytest.mark.parametrize("words", [["--yes"], ["--yes", "--others"]])
-def test_packages_that_are_not_of_ros_need_a_word_of_their_own(computer: Computer, words: list[str]) -> None:
+def test_packages_that_are_not_of_ros_need_a_word_of_their_own(
+    computer: ComputerWithPackages, words: list[str]
+) -> None:
     (computer.folder / "bin" / "apt-cache").write_text(f"#!/bin/sh{OTHERS}")
     (computer.folder / "bin" / "apt-get").write_text(
         f'#!/bin/sh\ncase "$*" in *" install "*) echo "$*" >>{computer.folder}/apt ;; esac\n'
@@ -150,7 +152,7 @@ def test_packages_that_are_not_of_ros_need_a_word_of_their_own(computer: Compute
 RECORD = ".local/state/ubiquity_launches/get.json"
 
 
-def test_package_is_installed_and_taken_back(computer: Computer) -> None:
+def test_package_is_installed_and_taken_back(computer: ComputerWithPackages) -> None:
     (computer.folder / "fault").write_text('echo libmade-up >>"$here/installed"\n')
     code, text = computer.run("made_up_sensor", "--yes")
     assert "ros-made-up-sensor" in text
@@ -170,7 +172,7 @@ def test_package_is_installed_and_taken_back(computer: Computer) -> None:
     ids=["no room", "no network"],
 )
 def test_failure_of_apt_changes_nothing_and_says_what_to_do(
-    computer: Computer, fault: str, reason: str, help_: str
+    computer: ComputerWithPackages, fault: str, reason: str, help_: str
 ) -> None:
     (computer.folder / "fault").write_text(fault)
     code, text = computer.run("made_up_sensor", "--yes")
@@ -182,7 +184,7 @@ def test_failure_of_apt_changes_nothing_and_says_what_to_do(
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGKILL], ids=["Ctrl-C", "killed"])
-def test_interrupted_installation_is_undone_completely(computer: Computer, number: signal.Signals) -> None:
+def test_interrupted_installation_is_undone_completely(computer: ComputerWithPackages, number: signal.Signals) -> None:
     os.mkfifo(computer.folder / "reached")
     (computer.folder / "fault").write_text(HALF_DONE)
     process = computer.start("made_up_sensor", "--yes")
@@ -199,7 +201,7 @@ def test_interrupted_installation_is_undone_completely(computer: Computer, numbe
     assert RECORD not in computer.files()
 
 
-def test_without_a_network_xacro_of_pypi_is_left_out_completely(computer: Computer) -> None:
+def test_without_a_network_xacro_of_pypi_is_left_out_completely(computer: ComputerWithPackages) -> None:
     code, text = computer.run("xacro", "--yes")
     assert code == 2
     assert "xacro could not be installed" in text
@@ -207,7 +209,7 @@ def test_without_a_network_xacro_of_pypi_is_left_out_completely(computer: Comput
     assert computer.files() == []
 
 
-def test_without_a_network_a_plan_names_the_index_that_could_not_be_fetched(computer: Computer) -> None:
+def test_without_a_network_a_plan_names_the_index_that_could_not_be_fetched(computer: ComputerWithPackages) -> None:
     code, text = computer.run("nobody_has_this", "--dry-run")
     assert code == 1
     assert "cannot be fetched" in text

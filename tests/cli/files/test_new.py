@@ -228,7 +228,7 @@ def test_everything_that_a_description_lacks_is_named_at_once(
     assert not (package / "bases").exists()
 
 
-class Answers(io.StringIO):
+class TypedAnswers(io.StringIO):
     """A terminal on which somebody has typed."""
 
     def isatty(self) -> bool:
@@ -238,7 +238,7 @@ class Answers(io.StringIO):
 def test_terminal_is_asked_once_for_each_figure_that_is_not_read(
     package: Path, small: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr("sys.stdin", Answers("9\n0,4\n40 cm/s\n0.4\n\n"))
+    monkeypatch.setattr("sys.stdin", TypedAnswers("9\n0,4\n40 cm/s\n0.4\n\n"))
     assert main(["new", "base", "small", "--from", str(small)]) == 0
     out, told = capsys.readouterr()
     assert "how to measure it: drive 2 m at full speed: 2 divided by the seconds" in told
@@ -254,7 +254,7 @@ def test_lidar_is_asked_for_with_yes_or_no(
     package: Path, small: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     small.write_text(SMALL.replace("base_scan", "plate").replace("<max>3.5</max>", "<max>0.3</max>"), encoding="utf-8")
-    monkeypatch.setattr("sys.stdin", Answers("maybe\nY\n\n\n"))
+    monkeypatch.setattr("sys.stdin", TypedAnswers("maybe\nY\n\n\n"))
     assert main(["new", "base", "small", "--from", str(small)]) == 0
     assert "error: 'maybe' is no answer, expected y or n" in capsys.readouterr().err
     assert read_base(package / "bases" / "small" / "base.yaml", "small").lidar is not None

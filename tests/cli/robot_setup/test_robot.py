@@ -30,7 +30,7 @@ def home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
-class Answers(dict[str, str]):
+class AnsweredQuestions(dict[str, str]):
     """A terminal at which questions that begin with a key get its value, and others their default."""
 
     def is_there(self) -> bool:
@@ -44,7 +44,7 @@ class Answers(dict[str, str]):
         return True
 
 
-class NoTerminal(Answers):
+class NoTerminal(AnsweredQuestions):
     """Nobody can be asked."""
 
     def is_there(self) -> bool:
@@ -52,8 +52,8 @@ class NoTerminal(Answers):
 
 
 @pytest.fixture
-def answers() -> Answers:
-    return Answers()
+def answers() -> AnsweredQuestions:
+    return AnsweredQuestions()
 
 
 def remember(home: Path, record: RobotRecord) -> None:
@@ -62,14 +62,14 @@ def remember(home: Path, record: RobotRecord) -> None:
     (folder / f"{record.name}.yaml").write_text(render_record(record))
 
 
-def test_variant_is_asked_for_and_is_the_plain_one_by_default(answers: Answers) -> None:
+def test_variant_is_asked_for_and_is_the_plain_one_by_default(answers: AnsweredQuestions) -> None:
     assert ask_task("robot.local", "bob", "magni", None, answers).robot == WantedRobot("bob", "magni")
     answers["variant of bob, a magni (plain, lidar"] = "lidar"
     assert ask_task("robot.local", "bob", "magni", None, answers).robot == WantedRobot("bob", "magni", "lidar")
     assert ask_task("robot.local", "bob", "magni", "plain", answers).robot == WantedRobot("bob", "magni")
 
 
-def test_answers_of_a_known_robot_are_the_defaults(home: Path, answers: Answers) -> None:
+def test_answers_of_a_known_robot_are_the_defaults(home: Path, answers: AnsweredQuestions) -> None:
     remember(home, RobotRecord("bob", "ros", "magni", "lidar"))
     assert ask_task("bob", None, None, None, answers).robot == WantedRobot("bob", "magni", "lidar")
     assert ask_task("bob", None, "loki", None, answers).robot == WantedRobot("bob", "loki")
@@ -151,7 +151,7 @@ def test_unknown_host_key_without_a_terminal_needs_a_fingerprint_or_consent(caps
     ("answer", "accepted"), [("y", True), (KEY.fingerprint, True), ("n", False), (OTHER, False), ("", False)]
 )
 def test_unknown_host_key_is_confirmed_by_yes_or_by_its_fingerprint(
-    answers: Answers, answer: str, accepted: bool
+    answers: AnsweredQuestions, answer: str, accepted: bool
 ) -> None:
     if answer:
         answers["is it the robot's?"] = answer
@@ -171,7 +171,7 @@ def test_robot_gets_no_login_here_unless_the_user_wants_it(home: Path) -> None:
     assert decide() == [True, False, True]
 
 
-def test_robot_login_is_asked_for_once(home: Path, answers: Answers) -> None:
+def test_robot_login_is_asked_for_once(home: Path, answers: AnsweredQuestions) -> None:
     assert decide_robot_login([TASK], None, answers)[0].robot_login
     assert list(answers) == ["may bob log in to this computer by key?"]
     remember(home, RobotRecord("bob", "ros", "magni", robot_login=False))

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import click
 import pytest
-from tests.terminal import Terminal
+from tests.terminal import TmuxTerminal
 
 from ur.cli.robots.fleet import choose_robots, read_names
 from ur.source.diagnostic import UserError
@@ -93,7 +93,7 @@ def test_terminal_shows_one_line_for_each_robot_and_control_c_ends_all(tmp_path:
     slow.chmod(0o755)
     home = tmp_path / "home"
     home.mkdir()
-    terminal = Terminal(["bash", "--noprofile", "--norc", "-i"], home, {"PS1": "$ "})
+    terminal = TmuxTerminal(["bash", "--noprofile", "--norc", "-i"], home, {"PS1": "$ "})
     try:
         line = f"PATH={slow.parent}:$PATH ur boot status --robot bob.invalid,eve.invalid; echo en''ded $?"
         terminal.type(f"clear; {line}", "Enter")

@@ -44,7 +44,7 @@ def test_program_gets_the_domain_and_middleware_of_the_nodes() -> None:
     assert "UR_LINK" not in remote_script("bob", ROS2, ["web"])
 
 
-class Robot:
+class LocalRobotShell:
     """A robot on this computer: its shell runs programs here, and prints a robot file."""
 
     place = "bob.local"
@@ -62,19 +62,19 @@ class Robot:
 
 def test_robot_tells_its_base_and_its_ros2() -> None:
     text = "name: bob\nbase: stage\nros: jazzy\nros_domain: '7'\nros_commands: /cmd_vel\n"
-    found, ros2 = read_robot(cast(SshShell, Robot(text)))
+    found, ros2 = read_robot(cast(SshShell, LocalRobotShell(text)))
     assert (found.name, found.base, ros2.distro, ros2.commands) == ("bob", "stage", "jazzy", "/cmd_vel")
 
 
 @pytest.mark.parametrize("text", ["", "name: bob\nbase: stage\n"])
 def test_robot_without_ros2_is_to_be_set_up(text: str) -> None:
     with pytest.raises(UserError, match="names no release of ROS 2, expected one") as problem:
-        read_robot(cast(SshShell, Robot(text)))
+        read_robot(cast(SshShell, LocalRobotShell(text)))
     assert problem.value.diagnostics[0].help == "ur robot setup bob"
 
 
 def test_connection_is_proven_while_the_context_lasts() -> None:
-    with guard_link(cast(SshShell, Robot(""))) as link:
+    with guard_link(cast(SshShell, LocalRobotShell(""))) as link:
         end = time.monotonic() + 30
         while not Path(link).exists() or not Path(link).read_bytes():
             assert time.monotonic() < end

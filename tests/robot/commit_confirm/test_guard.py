@@ -33,7 +33,7 @@ BOOT_ID = "/proc/sys/kernel/random/boot_id"
 
 
 @dataclass
-class Robot:
+class RobotDisk:
     """A folder that stands for a robot's disk; scripts run here with their paths moved into it."""
 
     folder: Path
@@ -125,11 +125,11 @@ class Robot:
 
 
 @pytest.fixture
-def robot(tmp_path: Path) -> Robot:
-    return Robot(tmp_path)
+def robot(tmp_path: Path) -> RobotDisk:
+    return RobotDisk(tmp_path)
 
 
-def test_arming_changes_nothing_and_starts_the_guard(robot: Robot) -> None:
+def test_arming_changes_nothing_and_starts_the_guard(robot: RobotDisk) -> None:
     assert robot.arm().returncode == 0
     assert robot.read("etc/name") == "old\n"
     place = robot.read("change/pending/keeps").splitlines().index(str(robot.folder / "etc/name"))
@@ -140,14 +140,14 @@ def test_arming_changes_nothing_and_starts_the_guard(robot: Robot) -> None:
     assert "systemd-run --quiet --collect --unit=ur-change-abc" in robot.read("calls")
 
 
-def test_all_of_it_is_for_root_alone(robot: Robot) -> None:
+def test_all_of_it_is_for_root_alone(robot: RobotDisk) -> None:
     robot.arm()
     assert (robot.folder / "change").stat().st_mode & 0o777 == 0o700
     made = [path for path in (robot.folder / "change").rglob("*") if "old" not in path.parts]
     assert {path.stat().st_mode & 0o077 for path in made} == {0}
 
 
-def test_change_that_nobody_confirms_is_taken_back(robot: Robot) -> None:
+def test_change_that_nobody_confirms_is_taken_back(robot: RobotDisk) -> None:
     assert robot.run(pending_script()).returncode == 0
     robot.arm()
     said = robot.guard()
@@ -159,7 +159,7 @@ def test_change_that_nobody_confirms_is_taken_back(robot: Robot) -> None:
     assert robot.last() == (False, "it was not confirmed within 0 s")
 
 
-def test_confirmed_change_stays(robot: Robot) -> None:
+def test_confirmed_change_stays(robot: RobotDisk) -> None:
     # It is confirmed as soon as it is made: by the last of its own words.
     robot.arm(live=f": >{FOLDER}/pending/applied; {confirm_script('abc')}".replace("-lt 100", "-lt 1"), wait=60)
     (robot.folder / "change/pending/live").write_text(robot.move(robot.read("change/pending/live")))
@@ -170,14 +170,14 @@ def test_confirmed_change_stays(robot: Robot) -> None:
     assert robot.last() == (True, "")
 
 
-def test_change_that_fails_is_taken_back_with_its_last_words(robot: Robot) -> None:
+def test_change_that_fails_is_taken_back_with_its_last_words(robot: RobotDisk) -> None:
     robot.arm(live="echo no such network >&2; echo; exit 4")
     assert "no such network; going back" in robot.guard()
     robot.assert_old()
     assert robot.last() == (False, "no such network")
 
 
-def test_after_a_power_cut_it_is_taken_back_while_booting(robot: Robot) -> None:
+def test_after_a_power_cut_it_is_taken_back_while_booting(robot: RobotDisk) -> None:
     robot.arm()
     robot.write("etc/name", "new\n")
     robot.write("change/pending/begun", "")
@@ -188,7 +188,7 @@ def test_after_a_power_cut_it_is_taken_back_while_booting(robot: Robot) -> None:
     assert "went back" not in robot.read("calls")
 
 
-def test_power_cut_after_the_confirmation_changes_nothing(robot: Robot) -> None:
+def test_power_cut_after_the_confirmation_changes_nothing(robot: RobotDisk) -> None:
     robot.arm()
     robot.write("etc/name", "new\n")
     (robot.folder / "change/pending/open").rename(robot.folder / "change/pending/confirmed")
@@ -198,7 +198,7 @@ def test_power_cut_after_the_confirmation_changes_nothing(robot: Robot) -> None:
     robot.assert_nothing_left()
 
 
-def test_guard_that_was_killed_takes_the_change_back_when_it_starts_again(robot: Robot) -> None:
+def test_guard_that_was_killed_takes_the_change_back_when_it_starts_again(robot: RobotDisk) -> None:
     robot.arm()
     robot.write("etc/name", "new\n")
     robot.write("change/pending/begun", "")
@@ -206,7 +206,7 @@ def test_guard_that_was_killed_takes_the_change_back_when_it_starts_again(robot:
     robot.assert_old()
 
 
-def test_guard_that_was_killed_while_restoring_does_so_again(robot: Robot) -> None:
+def test_guard_that_was_killed_while_restoring_does_so_again(robot: RobotDisk) -> None:
     robot.arm()
     robot.write("change/pending/begun", "")
     (robot.folder / "change/pending/open").rename(robot.folder / "change/pending/closed")
@@ -215,14 +215,14 @@ def test_guard_that_was_killed_while_restoring_does_so_again(robot: Robot) -> No
     robot.assert_old()
 
 
-def test_change_that_was_armed_only_is_not_begun_after_a_boot(robot: Robot) -> None:
+def test_change_that_was_armed_only_is_not_begun_after_a_boot(robot: RobotDisk) -> None:
     robot.arm()
     robot.write("boot_id", "next boot\n")
     robot.guard("boot")
     robot.assert_old()
 
 
-def test_second_change_is_refused_by_the_name_of_the_first(robot: Robot) -> None:
+def test_second_change_is_refused_by_the_name_of_the_first(robot: RobotDisk) -> None:
     robot.arm()
     asked = robot.run(pending_script())
     assert (asked.returncode, asked.stdout) == (BUSY, "rename bob to eve\npat@laptop\n")
@@ -232,7 +232,7 @@ def test_second_change_is_refused_by_the_name_of_the_first(robot: Robot) -> None
     assert robot.read("change/pending/id") == "abc\n"
 
 
-def test_order_that_breaks_off_changes_nothing(robot: Robot) -> None:
+def test_order_that_breaks_off_changes_nothing(robot: RobotDisk) -> None:
     change = GuardedChange("rename bob to eve", (), ":", ":")
     facts = ComputerFacts("ros", "/home/ros", "bob", "", "1", frozenset())
     whole = pack_order(Order("abc", "pat@laptop", 5, change), facts).reveal()
@@ -242,7 +242,7 @@ def test_order_that_breaks_off_changes_nothing(robot: Robot) -> None:
     assert robot.names("units/multi-user.target.wants") == []
 
 
-def test_change_while_the_robot_is_set_up_is_given_up(robot: Robot) -> None:
+def test_change_while_the_robot_is_set_up_is_given_up(robot: RobotDisk) -> None:
     robot.arm()
     robot.write("lock", "tom@desktop\n")
     script = f"exec 7>>{LOCK_FILE}; flock 7; ({GUARD.replace('flock -w 15 8', 'flock -n 8')})"
@@ -250,7 +250,7 @@ def test_change_while_the_robot_is_set_up_is_given_up(robot: Robot) -> None:
     robot.assert_old()
 
 
-def test_only_a_change_that_is_made_can_be_confirmed(robot: Robot) -> None:
+def test_only_a_change_that_is_made_can_be_confirmed(robot: RobotDisk) -> None:
     robot.arm()
     assert robot.run(confirm_script("abc")).returncode == EARLY
     assert robot.run(look_script("abc")).returncode == EARLY

@@ -33,7 +33,7 @@ AWAY = UserError(error("no computer answers to this name", rule="unknown-host"))
 
 
 @dataclass
-class Network:
+class AnsweringNetwork:
     """Computers that answer one after the other: for each address what happens, the last for ever."""
 
     answers: dict[Address, list[ShellResult | UserError]]
@@ -90,7 +90,7 @@ class _Link:
 
 
 def test_change_is_confirmed_over_the_new_way_only() -> None:
-    network = Network(
+    network = AnsweringNetwork(
         {NEW: [AWAY, ShellResult(EARLY, "", ""), ShellResult(0, "", "")], OLD: [ShellResult(EARLY, "", ""), AWAY]}
     )
     assert network.come_back() == NEW
@@ -100,7 +100,9 @@ def test_change_is_confirmed_over_the_new_way_only() -> None:
 
 
 def test_confirmation_whose_answer_was_lost_counts() -> None:
-    network = Network({NEW: [lost_connection("x", ""), ShellResult(ENDED, "abc\nconfirmed\n\n", "")], OLD: [AWAY]})
+    network = AnsweringNetwork(
+        {NEW: [lost_connection("x", ""), ShellResult(ENDED, "abc\nconfirmed\n\n", "")], OLD: [AWAY]}
+    )
     assert network.come_back() == NEW
 
 
@@ -112,7 +114,7 @@ def test_change_that_was_taken_back_is_told_with_its_reason(way: Address) -> Non
         ShellResult(ENDED, "abc\ntaken-back\nit was not confirmed within 60 s\n", ""),
     ]
     with pytest.raises(UserError) as caught:
-        Network(answers).come_back()
+        AnsweringNetwork(answers).come_back()
     (problem,) = caught.value.diagnostics
     assert problem.message == "rename bob to eve: the robot reverted the change: it was not confirmed within 60 s"
     assert problem.rule == "taken-back"
@@ -121,13 +123,13 @@ def test_change_that_was_taken_back_is_told_with_its_reason(way: Address) -> Non
 
 
 def test_robot_that_was_never_told_has_not_changed() -> None:
-    network = Network({NEW: [AWAY], OLD: [ShellResult(ENDED, "other\nconfirmed\n\n", "")]})
+    network = AnsweringNetwork({NEW: [AWAY], OLD: [ShellResult(ENDED, "other\nconfirmed\n\n", "")]})
     with pytest.raises(UserError, match="nothing was changed"):
         network.come_back()
 
 
 def test_robot_that_is_not_seen_again_is_told_with_what_to_do() -> None:
-    network = Network({NEW: [AWAY], OLD: [AWAY]})
+    network = AnsweringNetwork({NEW: [AWAY], OLD: [AWAY]})
     with pytest.raises(UserError) as caught:
         network.come_back()
     (problem,) = caught.value.diagnostics
@@ -139,7 +141,7 @@ def test_robot_that_is_not_seen_again_is_told_with_what_to_do() -> None:
 def test_change_that_failed_there_is_not_blamed_on_the_way_from_here() -> None:
     failed = ShellResult(ENDED, "abc\ntaken-back\nsecrets were required\n", "")
     with pytest.raises(UserError) as caught:
-        Network({NEW: [AWAY], OLD: [failed]}).come_back()
+        AnsweringNetwork({NEW: [AWAY], OLD: [failed]}).come_back()
     assert caught.value.diagnostics[0].notes == ()
 
 

@@ -137,7 +137,7 @@ def test_broken_record_hides_nothing() -> None:
         )
         return name
 
-    class Network:
+    class NetworkOfAnnouncements:
         def __init__(self) -> None:
             self.cache = cache
 
@@ -150,10 +150,10 @@ def test_broken_record_hides_nothing() -> None:
     changes: list[Any] = []
     browser = Browser(lambda: changes.append(1))
     for name in names:
-        browser._notice(Network(), kind, name, zeroconf.ServiceStateChange.Added)
+        browser._notice(NetworkOfAnnouncements(), kind, name, zeroconf.ServiceStateChange.Added)
     assert [one.name for one in browser.sightings if one.base] == ["bob"]
     assert browser.left_out[0] >= 1
-    browser._notice(Network(), kind, names[3], zeroconf.ServiceStateChange.Removed)
+    browser._notice(NetworkOfAnnouncements(), kind, names[3], zeroconf.ServiceStateChange.Removed)
     assert "bob" not in [one.name for one in browser.sightings]
 
 

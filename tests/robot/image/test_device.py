@@ -8,7 +8,7 @@ from ur.robot.image.device import check_device
 from ur.source.diagnostic import UserError
 
 
-class Computer:
+class ComputerWithDisks:
     """What the kernel tells about a computer with one disk and one card, as files."""
 
     def __init__(self, folder: Path) -> None:
@@ -51,38 +51,38 @@ class Computer:
 
 
 @pytest.fixture
-def computer(tmp_path: Path) -> Computer:
-    return Computer(tmp_path)
+def computer(tmp_path: Path) -> ComputerWithDisks:
+    return ComputerWithDisks(tmp_path)
 
 
-def test_card_is_called_by_its_model_and_size(computer: Computer) -> None:
+def test_card_is_called_by_its_model_and_size(computer: ComputerWithDisks) -> None:
     assert computer.check("sdb").endswith("sdb (Mass Storage Device, 31.9 GB)")
 
 
-def test_partition_is_refused_with_the_name_of_its_disk(computer: Computer) -> None:
+def test_partition_is_refused_with_the_name_of_its_disk(computer: ComputerWithDisks) -> None:
     computer.write("dev/sdb1", "x")
     assert "is a partition, expected a whole disk: /dev/sdb" in computer.refuse("sdb1")[0]
 
 
-def test_disk_of_this_computer_is_refused(computer: Computer) -> None:
+def test_disk_of_this_computer_is_refused(computer: ComputerWithDisks) -> None:
     computer.mount("8:1", "/")
     assert "this computer's own system" in computer.refuse("sda")[0]
     assert computer.check("sdb")
 
 
-def test_mounted_card_comes_with_the_command_that_unmounts_it(computer: Computer) -> None:
+def test_mounted_card_comes_with_the_command_that_unmounts_it(computer: ComputerWithDisks) -> None:
     computer.mount("8:18", "/media/pat/writable\\040two")
     said, help = computer.refuse("sdb")
     assert "is mounted (/dev/sdb2 at /media/pat/writable two)" in said
     assert help == "run: sudo umount /dev/sdb2"
 
 
-def test_disk_below_a_volume_or_a_swap_is_refused(computer: Computer) -> None:
+def test_disk_below_a_volume_or_a_swap_is_refused(computer: ComputerWithDisks) -> None:
     computer.write("sys/devices/sda/sda2/holders/dm-0/x", "")
     assert "/dev/sda2 is in use by this computer (dm-0)" in computer.refuse("sda")[0]
     computer.write("proc/swaps", "Filename Type\n/dev/sdb1 partition 1 0 -2\n")
     assert "/dev/sdb1 is in use by this computer (swap)" in computer.refuse("sdb")[0]
 
 
-def test_reader_without_a_card_is_named(computer: Computer) -> None:
+def test_reader_without_a_card_is_named(computer: ComputerWithDisks) -> None:
     assert "is empty, expected a card in it" in computer.refuse("sdc")[0]

@@ -154,7 +154,7 @@ def test_changes_are_made_together_unless_one_may_alter_another(items: list[Item
 def test_independent_changes_need_no_look_between_them_and_all_are_as_wanted(tmp_path: Path) -> None:
     looks: list[str] = []
 
-    class Counting(LocalShell):
+    class CountedShell(LocalShell):
         def run(self, script: str, **more: Any) -> ShellResult:
             looks.extend(["look"] if "mark end" in script else [])
             return super().run(script, **more)
@@ -162,7 +162,9 @@ def test_independent_changes_need_no_look_between_them_and_all_are_as_wanted(tmp
     user = getpass.getuser()
     names = ("a", "b", "c")
     wanted = [WantedLine(name, str(tmp_path / name), name) for name in names]
-    _, count = bring_about(Counting(), lambda _: wanted, user, FactsRequest(user), root=False, report=lambda _: None)
+    _, count = bring_about(
+        CountedShell(), lambda _: wanted, user, FactsRequest(user), root=False, report=lambda _: None
+    )
     assert count == 3
     assert [(tmp_path / name).read_text() for name in names] == ["a\n", "b\n", "c\n"]
     # At first it is not known what to look at: once for that, once before the changes, once after them.

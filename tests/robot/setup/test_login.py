@@ -22,7 +22,7 @@ MET = Task(Address("ros", "robot.local"), WantedRobot("robot", "magni"), OLD, NE
 KNOWN = replace(MET, first_contact=False)
 
 
-class Shell:
+class LoginShell:
     """A robot that lets this computer in, with sudo that takes some passwords, and everything that it was sent."""
 
     address = MET.address
@@ -63,29 +63,29 @@ def test_new_password_is_no_way_in_at_the_first_contact() -> None:
 
 
 def test_host_that_refuses_the_present_password_for_sudo_does_not_get_the_new_one() -> None:
-    shell = Shell(takes=[NEW])
+    shell = LoginShell(takes=[NEW])
     with pytest.raises(UserError, match="sudo refuses this password"):
         enter(MET, shell)
     assert shell.sent == [OLD]
     # A robot that this computer knows may have got it in a run that was interrupted.
-    known = Shell(takes=[NEW])
+    known = LoginShell(takes=[NEW])
     enter(KNOWN, known)
     assert known.sent == [OLD, NEW]
 
 
 def test_host_that_asks_for_no_password_is_asked_about_the_present_one_first() -> None:
-    shell = Shell(takes=[None])
+    shell = LoginShell(takes=[None])
     with pytest.raises(UserError, match="is not sent the new one"):
         enter(MET, shell)
     assert shell.sent == [OLD]
     assert shell.allowed == ()
-    honest = Shell(takes=[None, OLD])
+    honest = LoginShell(takes=[None, OLD])
     enter(MET, honest)
     assert honest.allowed == [OLD, NEW]
 
 
 def test_password_that_was_accepted_allows_the_new_one() -> None:
-    shell = Shell(takes=[OLD])
+    shell = LoginShell(takes=[OLD])
     enter(MET, shell)
     assert (shell.sent, shell.allowed) == ([OLD], [OLD, NEW])
 

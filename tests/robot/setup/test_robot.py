@@ -27,7 +27,7 @@ def test_refusal_of_sudo_is_explained(said: str, given: bool, message: str, help
     assert help in (diagnostic.help or "")
 
 
-class Clock:
+class ClockShell:
     """A computer that knows what time it is."""
 
     place = "ros@robot.local"
@@ -45,7 +45,7 @@ class Clock:
     ("there", "words"), [(1e9, "11574 days behind"), (2e9 + 500, "500 s ahead"), (2e9 + 60, ""), (2e9 - 60, "")]
 )
 def test_clock_that_is_far_off_is_set_and_no_other(there: float, words: str) -> None:
-    shell, said = Clock(there), list[str]()
+    shell, said = ClockShell(there), list[str]()
     set_clock(shell, lambda: 2e9, said.append)
     assert said == ([f"clock, which is {words}"] if words else [])
     assert shell.ran[1:] == ([("date -u -s @2000000000", True)] if words else [])

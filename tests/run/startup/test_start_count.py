@@ -24,7 +24,7 @@ LINE = "pilot takes this terminal in a few seconds"
 
 
 @dataclass
-class Played:
+class LentTerminal:
     """A terminal that is lent; the real one is tried with `ur launch`."""
 
     unused: bool = True
@@ -39,7 +39,7 @@ class Start:
     def __init__(self) -> None:
         self._screen, end = os.openpty()
         fcntl.ioctl(end, termios.TIOCSWINSZ, struct.pack("HHHH", 30, 100, 0, 0))
-        self.terminal, self.console, self.now = Played(), Console(end, end), 0.0
+        self.terminal, self.console, self.now = LentTerminal(), Console(end, end), 0.0
         self.count = StartCount("/ns/pilot", 3, cast("Terminal", self.terminal), self.console)
         self.console.hold()
         self.program = subprocess.Popen(

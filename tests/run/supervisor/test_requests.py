@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from signal import SIGINT, SIGKILL, SIGTERM
 
-from tests.run.histories import CLEAN, FAILED, KILLED, History
+from tests.run.histories import CLEAN, FAILED, KILLED, RunHistory
 
 from ur.run.supervisor.actions import ReportDeath, ReportPressure, ReportRequest, SignalUnit, StartUnit
 from ur.run.supervisor.events import Exited, RestartWanted, Started, StartWanted, StopRequested, StopWanted, Tick
@@ -13,7 +13,7 @@ from ur.run.supervisor.supervisor import next_deadline
 
 
 def test_storm_of_deaths_ends_with_giving_up_and_a_restart_by_hand_begins_anew() -> None:
-    history = History(Unit("/a", respawn=True), Unit("/b")).running()
+    history = RunHistory(Unit("/a", respawn=True), Unit("/b")).running()
     for _ in range(TimeLimits().quick_deaths - 1):
         history.happens(Exited("/a", FAILED), after=0.1)
         history.happens(Tick(), after=history.due())
@@ -28,7 +28,7 @@ def test_storm_of_deaths_ends_with_giving_up_and_a_restart_by_hand_begins_anew()
 
 
 def test_node_stopped_by_hand_stays_stopped_and_keeps_the_run() -> None:
-    history = History(Unit("/a", respawn=True), Unit("/b", required=True)).running()
+    history = RunHistory(Unit("/a", respawn=True), Unit("/b", required=True)).running()
     for name in ("/a", "/b"):
         assert history.happens(StopWanted(name)) == [SignalUnit(name, SIGINT)]
         assert history.happens(Exited(name, FAILED)) == [ReportRequest(name)]
@@ -38,7 +38,7 @@ def test_node_stopped_by_hand_stays_stopped_and_keeps_the_run() -> None:
 
 
 def test_stubborn_node_stopped_by_hand_gets_stronger_signals() -> None:
-    history = History(Unit("/a"), Unit("/b")).running()
+    history = RunHistory(Unit("/a"), Unit("/b")).running()
     history.happens(StopWanted("/a"))
     assert history.happens(Tick(), after=history.due()) == [ReportPressure(("/a",), SIGTERM), SignalUnit("/a", SIGTERM)]
     assert history.happens(Tick(), after=history.due()) == [ReportPressure(("/a",), SIGKILL), SignalUnit("/a", SIGKILL)]
@@ -48,7 +48,7 @@ def test_stubborn_node_stopped_by_hand_gets_stronger_signals() -> None:
 
 
 def test_restart_by_hand_waits_for_the_end_and_kill_does_not_ask() -> None:
-    history = History(Unit("/a"), Unit("/b")).running()
+    history = RunHistory(Unit("/a"), Unit("/b")).running()
     assert history.happens(RestartWanted("/a")) == [SignalUnit("/a", SIGINT)]
     assert history.happens(Exited("/a", CLEAN)) == [StartUnit("/a")]
     assert history.happens(StopWanted("/a", kill=True)) == []  # not there yet
@@ -56,7 +56,7 @@ def test_restart_by_hand_waits_for_the_end_and_kill_does_not_ask() -> None:
 
 
 def test_requests_about_core_and_unknown_nodes_are_refused_and_a_stop_forgets_all() -> None:
-    history = History(Unit("/a"), own_master=True).running()
+    history = RunHistory(Unit("/a"), own_master=True).running()
     for name in ("master", "/nobody"):
         [told] = history.happens(StopWanted(name))
         assert isinstance(told, ReportRequest)

@@ -8,7 +8,7 @@ from typing import Any
 
 from hypothesis import given
 from hypothesis import strategies as st
-from tests.run.histories import CLEAN, FAILED, KILLED, MASTER, ROSOUT, History
+from tests.run.histories import CLEAN, FAILED, KILLED, MASTER, ROSOUT, RunHistory
 
 from ur.run.supervisor.actions import (
     AwaitMaster,
@@ -52,7 +52,7 @@ from ur.run.supervisor.supervisor import begin_state, next_deadline, step
 
 
 def test_run_without_master_starts_it_first_and_terminal_nodes_last() -> None:
-    history = History(Unit("/front", terminal=True), Unit("/a"), Unit("/b"), own_master=True)
+    history = RunHistory(Unit("/front", terminal=True), Unit("/a"), Unit("/b"), own_master=True)
     assert history.happens(Begin()) == [StartUnit("master"), AwaitMaster()]
     assert history.happens(Started("master", 1)) == []
     assert history.happens(MasterAnswered()) == [StartUnit("/rosout"), SetParameters()]
@@ -61,13 +61,13 @@ def test_run_without_master_starts_it_first_and_terminal_nodes_last() -> None:
 
 
 def test_run_with_master_starts_with_parameters() -> None:
-    history = History(Unit("/a"))
+    history = RunHistory(Unit("/a"))
     assert history.happens(Begin()) == [SetParameters()]
     assert history.happens(ParametersSet()) == [StartUnit("/a")]
 
 
 def test_master_that_does_not_answer_ends_the_run() -> None:
-    history = History(Unit("/a"), own_master=True)
+    history = RunHistory(Unit("/a"), own_master=True)
     history.happens(Begin(), Started("master", 1))
     assert history.due() == TimeLimits().master
     told = history.happens(Tick(), after=history.due())
@@ -77,7 +77,7 @@ def test_master_that_does_not_answer_ends_the_run() -> None:
 
 
 def test_master_that_dies_at_start_ends_the_run_with_1() -> None:
-    history = History(Unit("/a"), own_master=True)
+    history = RunHistory(Unit("/a"), own_master=True)
     history.happens(Begin(), Started("master", 1))
     told = history.happens(Exited("master", FAILED))
     assert told[0] == ReportDeath("master", FAILED, ends_run=True)
@@ -85,7 +85,7 @@ def test_master_that_dies_at_start_ends_the_run_with_1() -> None:
 
 
 def test_refused_parameters_end_the_run_before_nodes_start() -> None:
-    history = History(Unit("/a"))
+    history = RunHistory(Unit("/a"))
     history.happens(Begin())
     assert history.happens(SetupFailed("no")) == [ReportStop("no", failed=True), Sweep(SIGTERM)]
     assert history.happens(NothingLeft()) == [Unregister()]
@@ -93,7 +93,7 @@ def test_refused_parameters_end_the_run_before_nodes_start() -> None:
 
 
 def test_another_master_gets_the_parameters_and_every_node_starts_again() -> None:
-    history = History(Unit("/a"), Unit("/b"), Unit("/c", respawn=True, respawn_delay=1.0)).running()
+    history = RunHistory(Unit("/a"), Unit("/b"), Unit("/c", respawn=True, respawn_delay=1.0)).running()
     history.happens(Exited("/b", FAILED), Exited("/c", FAILED))
     assert history.happens(MasterReplaced()) == [ReportRevival(), SetParameters()]
     history.happens(Tick(), after=2.0)  # nothing starts before the parameters are there
@@ -102,7 +102,7 @@ def test_another_master_gets_the_parameters_and_every_node_starts_again() -> Non
 
 
 def test_master_that_goes_again_while_parameters_are_set_does_not_end_the_run() -> None:
-    history = History(Unit("/a")).running()
+    history = RunHistory(Unit("/a")).running()
     history.happens(MasterReplaced())
     assert history.happens(SetupFailed("gone")) == []
     assert history.state.phase is RunPhase.RUNNING

@@ -4,22 +4,13 @@ from __future__ import annotations
 
 import io
 import os
-import struct
-import zlib
 from pathlib import Path
 
 import pytest
 from PIL import Image
+from tests.fakes.pictures import make_png
 
 from ur.source.foreign.pictures import MAP_FORMATS, open_picture
-
-
-def _png(width: int, height: int, bits: int, kind: int) -> bytes:
-    def chunk(name: bytes, data: bytes) -> bytes:
-        return struct.pack(">I", len(data)) + name + data + struct.pack(">I", zlib.crc32(name + data))
-
-    head = struct.pack(">IIBBBBB", width, height, bits, kind, 0, 0, 0)
-    return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", head) + chunk(b"IDAT", zlib.compress(b"")) + chunk(b"IEND", b"")
 
 
 def _jpeg() -> bytes:
@@ -31,10 +22,10 @@ def _jpeg() -> bytes:
 @pytest.mark.parametrize(
     ("data", "reason"),
     [
-        (_png(8900, 8900, 16, 6), "79210000|take 316,840,000 bytes"),
-        (_png(8900, 8900, 8, 2), "take 237,630,000 bytes"),
-        (_png(9000, 9000, 8, 0), "pixels are too many"),
-        (_png(2**31 - 1, 2**31 - 1, 8, 0), "pixels|exceeds"),
+        (make_png(8900, 8900, 16, 6), "79210000|take 316,840,000 bytes"),
+        (make_png(8900, 8900, 8, 2), "take 237,630,000 bytes"),
+        (make_png(9000, 9000, 8, 0), "pixels are too many"),
+        (make_png(2**31 - 1, 2**31 - 1, 8, 0), "pixels|exceeds"),
         (b"P5\n#" + b"x" * 30_000_000 + b"\n2 2\n255\n\0\0\0\0", "too many comments"),
         (b"P5\n" + b"#\n" * 15_000_000 + b"2 2\n255\n\0\0\0\0", "too many comments"),
         (b"P5\n2 2" + b" " * 30_000_000 + b"\n255\n\0\0\0\0", "too many comments"),

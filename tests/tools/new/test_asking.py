@@ -7,19 +7,19 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from tests.terminal import Terminal
+from tests.terminal import TmuxTerminal
 
 pytestmark = pytest.mark.skipif(shutil.which("tmux") is None, reason="tmux is not installed")
 
 
 @pytest.fixture
-def terminal(tmp_path: Path) -> Iterator[Terminal]:
-    opened = Terminal(["bash", "--noprofile", "--norc", "-i"], tmp_path)
+def terminal(tmp_path: Path) -> Iterator[TmuxTerminal]:
+    opened = TmuxTerminal(["bash", "--noprofile", "--norc", "-i"], tmp_path)
     yield opened
     opened.close()
 
 
-def test_package_and_group_are_made_by_answering(terminal: Terminal, tmp_path: Path) -> None:
+def test_package_and_group_are_made_by_answering(terminal: TmuxTerminal, tmp_path: Path) -> None:
     terminal.type("ur new package my_robot", "Enter")
     for question, answer in (
         ("What it is for", "Mine."), ("Who looks after it", "Ada"), ("Their address", "ada@here.invalid"),
@@ -38,7 +38,7 @@ def test_package_and_group_are_made_by_answering(terminal: Terminal, tmp_path: P
     assert "n_joy" in (tmp_path / "my_robot" / "m_drive" / "launch" / "m_drive.launch.xml").read_text()
 
 
-def test_ctrl_c_while_it_asks_writes_nothing(terminal: Terminal, tmp_path: Path) -> None:
+def test_ctrl_c_while_it_asks_writes_nothing(terminal: TmuxTerminal, tmp_path: Path) -> None:
     terminal.type("ur new package my_robot; echo code $?", "Enter")
     terminal.until("What it is for")
     terminal.type("C-c")

@@ -22,7 +22,7 @@ from ur_nodes.camera.raspicam_node import main
 HOLD = 15  # pictures that a camera takes of each file
 
 
-class Computer:
+class ComputerWithCameras:
     """The cameras that are plugged in, by their paths."""
 
     def __init__(self, count: int, rate: float, picture: str, folder: Path, *, patient: bool = True) -> None:
@@ -70,7 +70,7 @@ def list_pictures(picture: str) -> list[Path]:
     return sorted(Path(picture).glob("*.jpg")) if Path(picture).is_dir() else [Path(picture)]
 
 
-def obey(computer: Computer) -> None:
+def obey(computer: ComputerWithCameras) -> None:
     for line in sys.stdin:
         word, number = line.split()
         getattr(computer, word)(int(number))
@@ -80,14 +80,14 @@ def run() -> int:
     count, rate, picture, topic = sys.argv[1:5]
     del sys.argv[1:5]
     with tempfile.TemporaryDirectory() as folder:
-        computer = Computer(int(count), float(rate), picture, Path(folder))
+        computer = ComputerWithCameras(int(count), float(rate), picture, Path(folder))
         threading.Thread(target=obey, args=(computer,), daemon=True).start()
         if topic:  # subscribed to by the node's own connection to the master, once there is one
             threading.Thread(target=subscribe, args=(topic, computer), daemon=True).start()
         return main(computer.system())
 
 
-def subscribe(topic: str, computer: Computer) -> None:
+def subscribe(topic: str, computer: ComputerWithCameras) -> None:
     while not rospy.core.is_initialized():
         threading.Event().wait(0.05)
 

@@ -12,7 +12,7 @@ from ur_nodes.camera.finder import CameraFinder, FinderSystem
 from ur_nodes.camera.source import CameraError, CameraSettings, PictureSource
 
 
-class Computer:
+class ComputerWithDevices:
     """Cameras by their paths, and what an inspection shows of them."""
 
     def __init__(self, folder: Path) -> None:
@@ -50,11 +50,11 @@ class Computer:
 
 
 @pytest.fixture
-def computer(tmp_path: Path) -> Computer:
-    return Computer(tmp_path)
+def computer(tmp_path: Path) -> ComputerWithDevices:
+    return ComputerWithDevices(tmp_path)
 
 
-def test_camera_that_comes_back_under_another_name_is_found(computer: Computer) -> None:
+def test_camera_that_comes_back_under_another_name_is_found(computer: ComputerWithDevices) -> None:
     computer.plug("/dev/video0", "046d:082d", serial="A1")
     finder = CameraFinder(CameraSettings(), system=computer.system)
     finder.open().close()
@@ -66,7 +66,7 @@ def test_camera_that_comes_back_under_another_name_is_found(computer: Computer) 
     assert finder.open().mode.path == "/dev/video5"
 
 
-def test_another_camera_does_not_take_the_place_of_the_one_that_was_unplugged(computer: Computer) -> None:
+def test_another_camera_does_not_take_the_place_of_the_one_that_was_unplugged(computer: ComputerWithDevices) -> None:
     computer.plug("/dev/video0", "046d:082d", port="1-1")
     computer.plug("/dev/video2", "046d:082d", port="1-2")  # the same model, without serial numbers
     finder = CameraFinder(CameraSettings(), system=computer.system)
@@ -78,7 +78,7 @@ def test_another_camera_does_not_take_the_place_of_the_one_that_was_unplugged(co
     assert finder.open().mode.path == "/dev/video0"
 
 
-def test_two_cameras_are_read_side_by_side(computer: Computer) -> None:
+def test_two_cameras_are_read_side_by_side(computer: ComputerWithDevices) -> None:
     computer.plug("/dev/video0", "046d:082d")
     computer.plug("/dev/video2", "0c45:6366")
     first = CameraFinder(CameraSettings(), system=computer.system).open()
@@ -88,7 +88,7 @@ def test_two_cameras_are_read_side_by_side(computer: Computer) -> None:
         CameraFinder(CameraSettings(), system=computer.system).open()
 
 
-def test_devices_are_inspected_again_when_one_changes_or_after_a_while(computer: Computer) -> None:
+def test_devices_are_inspected_again_when_one_changes_or_after_a_while(computer: ComputerWithDevices) -> None:
     finder = CameraFinder(CameraSettings(), system=computer.system)
     for _ in range(5):
         with pytest.raises(CameraError, match="no camera is there"):
@@ -103,7 +103,7 @@ def test_devices_are_inspected_again_when_one_changes_or_after_a_while(computer:
     assert computer.inspections == 3
 
 
-def test_ribbon_camera_is_opened_by_libcamera(computer: Computer) -> None:
+def test_ribbon_camera_is_opened_by_libcamera(computer: ComputerWithDevices) -> None:
     opened = []
     computer.plug("/dev/video0", "")
     computer.devices["/dev/video0"] = Device("/dev/video0", "camera", driver="unicam")

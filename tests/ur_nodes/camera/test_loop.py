@@ -31,7 +31,7 @@ class Consumer:
         self.events.append(problem.reason)
 
 
-class Stage:
+class CameraLoopStage:
     """A loop on a bus, where each use of the camera takes 0.5 s."""
 
     def __init__(self, open_camera: Callable[[], PictureSource] | None = None) -> None:
@@ -60,7 +60,7 @@ class Stage:
 
 
 def test_pictures_go_on_by_themselves_after_the_camera_was_unplugged() -> None:
-    stage = Stage()
+    stage = CameraLoopStage()
     stage.camera.feed(make_jpeg())
     assert stage.run(2.0) == ["picture"]
     stage.camera.unplug()
@@ -76,14 +76,14 @@ def test_same_reason_is_reported_again_after_half_a_minute_only() -> None:
     def open_camera() -> PictureSource:
         raise CameraError("no camera")
 
-    stage = Stage(open_camera)
+    stage = CameraLoopStage(open_camera)
     assert stage.consumer.events == ["no camera"]
     assert stage.run(29.0) == []
     assert stage.run(5.0) == ["no camera"]
 
 
 def test_pause_releases_the_camera_and_resume_takes_it_again() -> None:
-    stage = Stage()
+    stage = CameraLoopStage()
     done: list[str] = []
     stage.loop.pause(lambda: done.append("released"))
     assert stage.camera.user is not None
@@ -98,7 +98,7 @@ def test_pause_releases_the_camera_and_resume_takes_it_again() -> None:
 
 
 def test_pause_and_resume_while_the_camera_is_away_leave_one_loop() -> None:
-    stage = Stage()
+    stage = CameraLoopStage()
     stage.camera.unplug()
     stage.run(1.2)
     done: list[str] = []
@@ -114,7 +114,7 @@ def test_pause_and_resume_while_the_camera_is_away_leave_one_loop() -> None:
 
 
 def test_camera_that_falls_silent_is_opened_again() -> None:
-    stage = Stage()
+    stage = CameraLoopStage()
     assert stage.run(STALLED + 2.0) == [
         "the camera Fake Camera (/dev/video0) has sent no picture for 5 s",
         "begin 640",
@@ -122,7 +122,7 @@ def test_camera_that_falls_silent_is_opened_again() -> None:
 
 
 def test_camera_is_released_at_the_end_of_the_node() -> None:
-    stage = Stage()
+    stage = CameraLoopStage()
     stage.run(1.0)
     stage.node.end("done")
     assert stage.camera.user is None

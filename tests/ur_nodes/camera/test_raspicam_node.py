@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from tests.ur_nodes.camera.fake_camera_node import Computer
+from tests.ur_nodes.camera.fake_camera_node import ComputerWithCameras
 from tests.ur_nodes.camera.fake_device import make_jpeg
 
 from ur.source.diagnostic import UserError
@@ -31,13 +31,13 @@ def calibration(width: int, focal: float) -> Calibration:
     return Calibration(0, "", width, 480, "plumb_bob", (0.0,) * 5, matrix, square, projection)
 
 
-class Stage:
+class RaspicamStage:
     """A computer with cameras, its nodes on a bus, and a client; each use of a camera takes 0.1 s."""
 
     def __init__(self, folder: Path, cameras: int = 1) -> None:
         devices = folder / "dev"
         devices.mkdir(exist_ok=True)
-        self.computer = Computer(cameras, 0.0, "", devices, patient=False)
+        self.computer = ComputerWithCameras(cameras, 0.0, "", devices, patient=False)
         self.bus = Bus()
         self.bus.durations[CAMERA] = 0.1
         self.client = self.bus.node("client")
@@ -67,12 +67,12 @@ class Stage:
 
 
 @pytest.fixture
-def stage(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Stage:
+def stage(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> RaspicamStage:
     monkeypatch.setenv("ROS_HOME", str(tmp_path))
-    return Stage(tmp_path, 2)
+    return RaspicamStage(tmp_path, 2)
 
 
-def test_picture_is_passed_on_unpacked_and_described(stage: Stage) -> None:
+def test_picture_is_passed_on_unpacked_and_described(stage: RaspicamStage) -> None:
     stage.start("raspicam_node")
     stage.listen("raspicam_node", *KINDS)
     before = stage.bus.now
@@ -88,7 +88,7 @@ def test_picture_is_passed_on_unpacked_and_described(stage: Stage) -> None:
     assert info.stamp == packed.stamp
 
 
-def test_pictures_go_on_after_the_camera_was_unplugged(stage: Stage) -> None:
+def test_pictures_go_on_after_the_camera_was_unplugged(stage: RaspicamStage) -> None:
     stage.start("raspicam_node")
     stage.listen("raspicam_node", "image/compressed")
     stage.computer.unplug(0)
@@ -100,7 +100,7 @@ def test_pictures_go_on_after_the_camera_was_unplugged(stage: Stage) -> None:
     assert "the camera Fake Camera (/dev/video0) was unplugged" in lines
 
 
-def test_camera_that_is_not_captured_is_free_for_other_programs(stage: Stage) -> None:
+def test_camera_that_is_not_captured_is_free_for_other_programs(stage: RaspicamStage) -> None:
     stage.start("raspicam_node")
     stage.listen("raspicam_node", "image/compressed")
     assert stage.ask("raspicam_node/stop_capture", Silent()).success
@@ -114,7 +114,7 @@ def test_camera_that_is_not_captured_is_free_for_other_programs(stage: Stage) ->
     assert "raspicam_node/image/compressed" in stage.take_picture()
 
 
-def test_picture_that_cannot_be_decoded_is_left_out_where_it_is_raw(stage: Stage) -> None:
+def test_picture_that_cannot_be_decoded_is_left_out_where_it_is_raw(stage: RaspicamStage) -> None:
     stage.start("raspicam_node")
     stage.listen("raspicam_node", "image/compressed", "image")
     assert set(stage.take_picture(JPEG[:2000] + b"\xff\xd9")) >= {"raspicam_node/image/compressed"}
@@ -123,7 +123,7 @@ def test_picture_that_cannot_be_decoded_is_left_out_where_it_is_raw(stage: Stage
     assert any(level == "warn" and text.startswith("a picture is left out: ") for level, text in lines)
 
 
-def test_calibration_is_stored_used_at_once_and_loaded_again(stage: Stage, tmp_path: Path) -> None:
+def test_calibration_is_stored_used_at_once_and_loaded_again(stage: RaspicamStage, tmp_path: Path) -> None:
     stage.start("left")
     stage.listen("left", "camera_info")
     path = tmp_path / "camera_info" / "left.yaml"
@@ -140,14 +140,14 @@ def test_calibration_is_stored_used_at_once_and_loaded_again(stage: Stage, tmp_p
     assert focal(stage) == 0.0
 
 
-def focal(stage: Stage) -> float:
+def focal(stage: RaspicamStage) -> float:
     """That of what is published with a picture."""
     info = stage.take_picture()["left/camera_info"]
     assert isinstance(info, Calibration)
     return info.matrix[0]
 
 
-def test_calibration_that_cannot_be_written_is_refused(stage: Stage, tmp_path: Path) -> None:
+def test_calibration_that_cannot_be_written_is_refused(stage: RaspicamStage, tmp_path: Path) -> None:
     stage.start("left")
     (tmp_path / "camera_info").write_text("a file where a folder should be")
     result = stage.ask("left/set_camera_info", UseCalibration(calibration(640, 530.5)))
@@ -155,7 +155,7 @@ def test_calibration_that_cannot_be_written_is_refused(stage: Stage, tmp_path: P
     assert "expected a file that this user can write" in result.text
 
 
-def test_two_nodes_of_two_cameras_publish_side_by_side(stage: Stage) -> None:
+def test_two_nodes_of_two_cameras_publish_side_by_side(stage: RaspicamStage) -> None:
     for number in range(2):
         stage.bus.parameters[f"/camera_{number}/camera_id"] = number
         stage.start(f"camera_{number}")

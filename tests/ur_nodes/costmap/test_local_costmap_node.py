@@ -24,7 +24,7 @@ PARAMETERS = ROOT / "ubiquity_launches" / "n_local_costmap" / "params"
 PLACE, MOUNT = Pose2(3.0, 0.0, 0.0), Pose2(0.0, 0.0, math.pi / 2)  # the sonar looks to the left
 
 
-class Stage:
+class SonarStage:
     """A robot with one sonar, which stands still."""
 
     def __init__(self, parameters: dict[str, Any]) -> None:
@@ -59,7 +59,7 @@ def load(name: str) -> dict[str, Any]:
 
 
 def test_costmap_marks_what_a_sonar_hears_where_it_looks_and_forgets_it() -> None:
-    stage = Stage(load("loki.yaml"))
+    stage = SonarStage(load("loki.yaml"))
     start(stage.costmap)
     stage.hear(1.0)
     found = stage.obstacles()
@@ -74,7 +74,7 @@ def test_costmap_marks_what_a_sonar_hears_where_it_looks_and_forgets_it() -> Non
 
 
 def test_costmap_names_the_frame_of_data_that_it_cannot_place() -> None:
-    stage = Stage(load("loki.yaml"))
+    stage = SonarStage(load("loki.yaml"))
     start(stage.costmap)
     stage.hear(1.0, times=120, frame="unknown")
     assert stage.costmap.lines[0] == ("warn", "data of unknown ignored: no transform from unknown to odom")
@@ -82,7 +82,7 @@ def test_costmap_names_the_frame_of_data_that_it_cannot_place() -> None:
 
 
 def test_parameter_that_makes_no_sense_is_named() -> None:
-    stage = Stage({"costmap": {"resolution": "fine"}})
+    stage = SonarStage({"costmap": {"resolution": "fine"}})
     with pytest.raises(UserError, match="parameter /local_costmap/costmap/resolution: 'fine', expected a number"):
         start(stage.costmap)
 

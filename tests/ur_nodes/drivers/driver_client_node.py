@@ -11,11 +11,11 @@ from nav_msgs.msg import Odometry
 from roslib.message import get_message_class
 from sensor_msgs.msg import JointState, LaserScan
 from std_msgs.msg import Bool
-from tests.json_client import answer_requests, claim_output
+from tests.ur_nodes.ros1_client import run_client
 from tf2_msgs.msg import TFMessage
 
 
-class Client:
+class DriverClient:
     def __init__(self) -> None:
         self.arrived = threading.Condition()
         self.heard: dict[str, list[Any]] = {}
@@ -82,12 +82,5 @@ def brief(message: Any) -> Any:
     }
 
 
-def main() -> None:
-    answers = claim_output()
-    rospy.init_node("client", anonymous=True, disable_signals=True)
-    answer_requests(answers, Client())
-    rospy.signal_shutdown("done")
-
-
 if __name__ == "__main__":
-    main()
+    run_client(DriverClient)

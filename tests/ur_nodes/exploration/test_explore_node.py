@@ -18,7 +18,7 @@ from ur_nodes.ports.values import Map, MapUpdate, Markers, Result, Transform
 KNOWN = ROOM.replace("...........?", "......#?????")
 
 
-class World:
+class ExploreWorld:
     """A robot whose navigation puts it at its goal after `takes` s, or ends the goal with `ends`."""
 
     def __init__(self, text: str = ROOM, **parameters: object) -> None:
@@ -96,7 +96,7 @@ class World:
 
 
 def test_drives_to_the_frontier_and_ends_when_the_map_is_complete_and_saved() -> None:
-    world = World(save_service="save_map")
+    world = ExploreWorld(save_service="save_map")
     world.takes = 20.0
     world.bus.run(3.0)
     assert world.statuses[-1].state == "exploring"
@@ -122,7 +122,7 @@ def test_waits_for_map_and_navigation_and_says_so() -> None:
 
 
 def test_pauses_at_the_emergency_stop_and_goes_on_after_it() -> None:
-    world = World()
+    world = ExploreWorld()
     world.takes = 1000.0
     world.bus.run(3.0)
     assert len(world.goals) == 1
@@ -137,7 +137,7 @@ def test_pauses_at_the_emergency_stop_and_goes_on_after_it() -> None:
 
 
 def test_pauses_while_somebody_drives_and_waits_a_while_afterwards() -> None:
-    world = World()
+    world = ExploreWorld()
     world.takes = 1000.0
     world.bus.run(3.0)
     world.active.send("keyboard")
@@ -149,7 +149,7 @@ def test_pauses_while_somebody_drives_and_waits_a_while_afterwards() -> None:
 
 
 def test_change_that_does_not_fit_the_costmap_is_left_out_and_logged() -> None:
-    world = World()
+    world = ExploreWorld()
     world.costs.send(Map(world.bus.now, "map", draw(ROOM)))
     world.bus.run(1.0)
     world.changes.send(MapUpdate(world.bus.now, "map", 1000, 0, np.zeros((2, 2), np.int8)))

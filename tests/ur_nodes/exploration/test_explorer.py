@@ -39,7 +39,7 @@ CORNER = """
 """A room whose right wall has a hole of 0.4 m, which is not seen."""
 
 
-class Run:
+class ExplorerRun:
     """An explorer with a clock: each step is a second and, unless told otherwise, a new map."""
 
     def __init__(self, text: str = ROOM, radius: float = 0.2, corners: CornerSettings | None = None) -> None:
@@ -64,7 +64,7 @@ class Run:
 
 
 def test_first_goal_looks_at_the_frontier_and_is_kept() -> None:
-    run = Run()
+    run = ExplorerRun()
     first = run.step()
     assert first.goal is not None
     assert first.goal.x > place(6, 4).x
@@ -74,7 +74,7 @@ def test_first_goal_looks_at_the_frontier_and_is_kept() -> None:
 
 
 def test_map_without_frontiers_is_complete_after_a_moment() -> None:
-    run = Run(KNOWN)
+    run = ExplorerRun(KNOWN)
     assert run.step().status.state == "exploring"  # the map may not have come yet
     end = run.until_the_end()
     assert end.status.state == "complete"
@@ -83,7 +83,7 @@ def test_map_without_frontiers_is_complete_after_a_moment() -> None:
 
 
 def test_frontier_that_vanishes_on_the_way_ends_its_goal() -> None:
-    run = Run()
+    run = ExplorerRun()
     assert run.step().goal is not None
     run.grid = draw(KNOWN)
     out = run.step()
@@ -92,14 +92,14 @@ def test_frontier_that_vanishes_on_the_way_ends_its_goal() -> None:
 
 
 def test_narrow_door_is_named_at_the_end() -> None:
-    end = Run(NARROW, radius=0.4).until_the_end()
+    end = ExplorerRun(NARROW, radius=0.4).until_the_end()
     assert end.status.state == "complete"
     assert len(end.status.unreachable) == 1
     assert end.status.unreachable[0].startswith("too narrow at (3.")
 
 
 def test_corner_that_hides_little_is_left_out_and_named_at_the_end() -> None:
-    end = Run(CORNER).until_the_end()
+    end = ExplorerRun(CORNER).until_the_end()
     assert end.status.state == "complete"
     assert end.status.reachable == 0
     assert end.status.corners == ("(3.98, 1.78)",)
@@ -107,19 +107,19 @@ def test_corner_that_hides_little_is_left_out_and_named_at_the_end() -> None:
 
 
 def test_corner_is_driven_to_when_all_are_asked_for() -> None:
-    out = Run(CORNER, corners=CornerSettings(left_out=0.0)).step()
+    out = ExplorerRun(CORNER, corners=CornerSettings(left_out=0.0)).step()
     assert out.goal is not None
     assert out.status.reachable == 1
     assert out.status.corners == ()
 
 
 def test_frontier_that_is_in_sight_and_stays_unseen_is_explained_by_the_narrow_door() -> None:
-    end = Run(radius=0.5).until_the_end(ended=GoalEnd(True))
+    end = ExplorerRun(radius=0.5).until_the_end(ended=GoalEnd(True))
     assert end.status.unreachable[0].startswith("too narrow at (3.")
 
 
 def test_navigation_that_gives_up_is_tried_again_and_named_at_the_end() -> None:
-    run, goals = Run(), 0
+    run, goals = ExplorerRun(), 0
     for _ in range(120):
         out = run.step(ended=GoalEnd(False, "no path") if goals else None)
         goals += out.goal is not None
@@ -131,13 +131,13 @@ def test_navigation_that_gives_up_is_tried_again_and_named_at_the_end() -> None:
 
 
 def test_frontier_that_stays_unseen_is_left_after_some_looks() -> None:
-    run = Run()
+    run = ExplorerRun()
     end = run.until_the_end(ended=GoalEnd(True))
     assert end.status.unreachable == ("at (4.53, 1.62) the lidar sees nothing",)
 
 
 def test_goal_without_progress_is_given_up() -> None:
-    run = Run()
+    run = ExplorerRun()
     run.step()
     outputs = [run.step() for _ in range(40)]
     assert sum(out.cancel for out in outputs) == 1
@@ -145,7 +145,7 @@ def test_goal_without_progress_is_given_up() -> None:
 
 
 def test_pause_cancels_the_goal_and_afterwards_it_goes_on() -> None:
-    run = Run()
+    run = ExplorerRun()
     run.step()
     paused = run.step(paused="the keyboard drives")
     assert paused.cancel
@@ -155,7 +155,7 @@ def test_pause_cancels_the_goal_and_afterwards_it_goes_on() -> None:
 
 
 def test_door_that_closes_is_waited_for_and_its_room_explored_once_it_opens() -> None:
-    run = Run()
+    run = ExplorerRun()
     assert run.step().goal is not None
     shut = run.step(SHUT)
     assert shut.cancel
@@ -168,13 +168,13 @@ def test_door_that_closes_is_waited_for_and_its_room_explored_once_it_opens() ->
 
 
 def test_door_that_stays_closed_ends_the_exploration_with_its_place() -> None:
-    end = Run().until_the_end(SHUT)
+    end = ExplorerRun().until_the_end(SHUT)
     assert end.status.state == "complete"
     assert end.status.unreachable[0].startswith("behind an obstacle at (3.")
 
 
 def test_people_who_walk_about_neither_end_it_nor_are_driven_into() -> None:
-    run = Run()
+    run = ExplorerRun()
     for second in range(30):
         x = place(5 + 3 * np.sin(second / 3.0), 4.5).x
         person = box(x - 0.2, DOOR.y - 0.2, x + 0.2, DOOR.y + 0.2)
@@ -186,7 +186,7 @@ def test_people_who_walk_about_neither_end_it_nor_are_driven_into() -> None:
 
 
 def test_robot_that_does_not_fit_where_it_stands_says_so() -> None:
-    run = Run()
+    run = ExplorerRun()
     around = box(run.robot.x - 0.9, run.robot.y - 0.9, run.robot.x + 0.9, run.robot.y + 0.9)
     first = run.step(around)
     assert first.clear
@@ -196,7 +196,7 @@ def test_robot_that_does_not_fit_where_it_stands_says_so() -> None:
 
 
 def test_way_and_time_are_measured() -> None:
-    run = Run()
+    run = ExplorerRun()
     run.step()
     run.robot = Pose2(run.robot.x + 0.5, run.robot.y, 0.0)
     status = run.step(seconds=2.0).status
@@ -205,7 +205,7 @@ def test_way_and_time_are_measured() -> None:
 
 
 def test_time_left_is_estimated_while_the_map_grows_and_not_while_paused() -> None:
-    run = Run()
+    run = ExplorerRun()
     room = run.grid
     for column in range(48, 88):  # cells of 0.05 m
         values = room.values.copy()

@@ -6,7 +6,7 @@ import os
 from collections.abc import Callable
 from typing import Any
 
-from tests.ur_nodes.first_drive.stage import Stage
+from tests.ur_nodes.first_drive.stage import DrivenStage
 
 from ur.launchfile import Plan, SystemWorld, load_plan
 from ur.source.project import launch_library
@@ -35,7 +35,7 @@ def read_launch_files(world: str) -> Plan:
     return load_plan(files, ["robot_base:=stage", f"map_file:={library}/n_map_server/maps/{world}.yaml"], system)
 
 
-class FirstDrive(Stage):
+class FirstDrive(DrivenStage):
     """A stage with mux, amcl and move_base, and a client that sends goals. Begins localised, where the robot is."""
 
     def __init__(self, world: str = "maze", *, seed: int = 0, delay: Callable[[str], int | None] | None = None) -> None:

@@ -35,7 +35,7 @@ COMMAND_PERIOD = 0.05  # s: a base stops for a command that is older than 0.08 s
 ANSWER_LIMIT = 10.0  # s
 
 
-class Stage:
+class DrivenStage:
     """A bus with a simulator, the fixed frames of its base, its map as a service, and a client that drives and asks.
 
     `parameters` are those of the simulator, `delay` is that of the bus.

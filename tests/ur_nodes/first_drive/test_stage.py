@@ -6,14 +6,14 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from tests.ur_nodes.first_drive.stage import Stage, fingerprint
+from tests.ur_nodes.first_drive.stage import DrivenStage, fingerprint
 
 from ur_nodes.ports.services import AskMap
 from ur_nodes.ports.values import Map, Odometry, Scan
 
 
 def recorded_drive(seed: int) -> str:
-    stage = Stage("maze", seed=seed)
+    stage = DrivenStage("maze", seed=seed)
     scans, odometry = stage.record("scan", Scan), stage.record("odom", Odometry)
     transforms = stage.record("/tf", tuple)
     stage.drive(0.4, 0.3, 3.0)
@@ -30,7 +30,7 @@ def test_same_seed_and_commands_give_the_same_run_to_the_last_bit() -> None:
 
 
 def test_bus_is_the_clock_of_the_simulator() -> None:
-    stage = Stage("maze")
+    stage = DrivenStage("maze")
     scans = stage.record("scan", Scan)
     arrived: list[int] = []
     stage.client.subscribe("scan", Scan, lambda _scan: arrived.append(stage.bus.now))
@@ -40,7 +40,7 @@ def test_bus_is_the_clock_of_the_simulator() -> None:
 
 
 def test_sensors_have_frames_on_the_robot() -> None:
-    stage = Stage("maze")
+    stage = DrivenStage("maze")
     tree = stage.client.transforms
     stage.bus.run(0.5)
     lidar = stage.base.lidar
@@ -51,7 +51,7 @@ def test_sensors_have_frames_on_the_robot() -> None:
 
 
 def test_map_of_the_world_is_served() -> None:
-    stage = Stage("office")
+    stage = DrivenStage("office")
     stage.serve_map()
     value = stage.ask("static_map", AskMap()).value
     assert isinstance(value, Map)

@@ -10,23 +10,24 @@ from typing import Any
 
 import numpy as np
 import rospy
-from geometry_msgs.msg import PoseArray, PoseWithCovarianceStamped, TransformStamped
+from geometry_msgs.msg import PoseArray, PoseWithCovarianceStamped
 from nav_msgs.msg import MapMetaData, OccupancyGrid
 from nav_msgs.srv import GetMap
 from sensor_msgs.msg import LaserScan
 from std_srvs.srv import Empty
 from tests.json_client import answer_requests, claim_output
 from tests.ur_nodes.navigation.synthetic import ANGLES, LASER, RANGE_MAX, Drifter, cast_rays
+from tests.ur_nodes.ros1_client import stamped_transform
 from tf2_msgs.msg import TFMessage
 
-from ur_nodes.codecs.geometry import pose3_of_transform, pose_message, transform_message
+from ur_nodes.codecs.geometry import pose3_of_transform, pose_message
 from ur_nodes.geometry.grid import load_map
 from ur_nodes.geometry.pose import Pose2
 
 PATIENCE = 30.0  # s
 
 
-class Client:
+class LocalisationClient:
     """One robot on one map, which moves only when told; every move is published with odometry, then a scan."""
 
     def __init__(self, map_file: Path) -> None:
@@ -40,7 +41,7 @@ class Client:
         self._scan = rospy.Publisher("scan", LaserScan, queue_size=5)
         self._place = rospy.Publisher("initialpose", PoseWithCovarianceStamped, queue_size=1)
         rospy.Subscriber("/tf", TFMessage, self._take_tf, queue_size=100)
-        self._static.publish(TFMessage([self._transform("base_footprint", "laser", LASER, rospy.Time.now())]))
+        self._static.publish(TFMessage([stamped_transform("base_footprint", "laser", LASER, rospy.Time.now())]))
 
     def map(self) -> Any:
         """What the topics and the service say, each as [width, height, resolution, frame, sum of cells]."""
@@ -89,7 +90,7 @@ class Client:
         end = rospy.get_time() + PATIENCE
         while rospy.get_time() < end:  # amcl may still be waiting for its map: say it again
             stamp = rospy.Time.now()
-            self._tf.publish(TFMessage([self._transform("odom", "base_footprint", self._robot.odometry, stamp)]))
+            self._tf.publish(TFMessage([stamped_transform("odom", "base_footprint", self._robot.odometry, stamp)]))
             self._scan.publish(self._scan_message(stamp))
             key = round((stamp + rospy.Duration(0.1)).to_sec(), 4)
             with self._news:
@@ -116,13 +117,6 @@ class Client:
             self._news.notify_all()
 
     @staticmethod
-    def _transform(parent: str, child: str, pose: Pose2, stamp: rospy.Time) -> TransformStamped:
-        message = TransformStamped()
-        message.header.frame_id, message.child_frame_id, message.header.stamp = parent, child, stamp
-        message.transform = transform_message(pose)
-        return message
-
-    @staticmethod
     def _wait(condition: Any, what: str) -> None:
         end = rospy.get_time() + PATIENCE
         while not condition():
@@ -135,7 +129,7 @@ def main() -> None:
     """Answer questions on standard input until it ends."""
     answers = claim_output()
     rospy.init_node("client", disable_signals=True)
-    answer_requests(answers, Client(Path(sys.argv[1])))
+    answer_requests(answers, LocalisationClient(Path(sys.argv[1])))
 
 
 if __name__ == "__main__":

@@ -41,7 +41,7 @@ PARAMETERS = {
 }
 
 
-class Stage:
+class AmclStage:
     """One robot on one map, which moves only when told; every move is sent with odometry, then a scan."""
 
     def __init__(self, grid: Grid, **parameters: object) -> None:
@@ -107,7 +107,7 @@ class Stage:
 
 
 def test_follows_the_robot_and_finds_it_after_a_kidnapping_and_a_restart() -> None:
-    stage = Stage(MAZE)
+    stage = AmclStage(MAZE)
     errors = stage.drive(20, 0.04, 0.02)
     assert max(errors) < 0.1
     assert sum(errors) / len(errors) < 0.03
@@ -134,7 +134,7 @@ def test_follows_the_robot_and_finds_it_after_a_kidnapping_and_a_restart() -> No
 
 
 def test_equal_inputs_give_equal_estimates_to_the_last_bit() -> None:
-    one, other = Stage(MAZE), Stage(MAZE)
+    one, other = AmclStage(MAZE), AmclStage(MAZE)
     assert one.drive(5, 0.1, 0.1) == other.drive(5, 0.1, 0.1)
     assert one.estimates[-1].pose == other.estimates[-1].pose
     assert np.array_equal(one.clouds[-1].poses, other.clouds[-1].poses)
@@ -145,7 +145,7 @@ def test_names_places_that_look_alike_and_what_tells_them_apart() -> None:
     values[:2] = values[-2:] = values[:, :2] = values[:, 101:103] = values[:, -2:] = 100
     values[20:40, 20:30] = values[20:40, 121:131] = 100  # a cupboard in each of two rooms
     values[8:12, 109:113] = 100  # and a box behind the second one
-    stage = Stage(Grid(values, 0.05, Pose2(0.0, 0.0, 0.0)))
+    stage = AmclStage(Grid(values, 0.05, Pose2(0.0, 0.0, 0.0)))
     stage.robot.truth = Pose2(3.0, 3.0, 0.0)
     stage.drive(1, 0.0, 0.1)
     stage.ask("global_localization", Silent())
@@ -157,7 +157,7 @@ def test_names_places_that_look_alike_and_what_tells_them_apart() -> None:
 
 
 def test_first_map_of_the_topic_is_kept_where_it_is_asked_for() -> None:
-    stage = Stage(MAZE, use_map_topic=True, first_map_only=True)
+    stage = AmclStage(MAZE, use_map_topic=True, first_map_only=True)
     maps = stage.robot_node.publish("map", Map, Quality.LATCHED)
     maps.send(stage.map)
     stage.bus.run(0.1)
@@ -168,7 +168,7 @@ def test_first_map_of_the_topic_is_kept_where_it_is_asked_for() -> None:
 
 
 def test_map_of_the_service_replaces_the_one_in_use_and_places_the_robot() -> None:
-    stage = Stage(MAZE)
+    stage = AmclStage(MAZE)
     stage.drive(2, 0.04, 0.0)
     stage.robot.truth = Pose2(1.0, 0.0, 0.0)
     pose = Pose2(1.0, 0.0, 0.0)
@@ -177,7 +177,7 @@ def test_map_of_the_service_replaces_the_one_in_use_and_places_the_robot() -> No
 
 
 def test_place_in_another_frame_or_without_a_map_is_refused_with_a_reason() -> None:
-    stage = Stage(MAZE)
+    stage = AmclStage(MAZE)
     stage.place(Pose2(1.0, 1.0, 0.0), frame="odom")
     assert "initialpose in frame 'odom' ignored, expected 'map'" in stage.log()
     stage.place(Pose2(math.nan, 1.0, 0.0))
@@ -185,14 +185,14 @@ def test_place_in_another_frame_or_without_a_map_is_refused_with_a_reason() -> N
 
 
 def test_service_says_that_there_is_no_map_yet() -> None:
-    stage = Stage(MAZE, use_map_topic=True)
+    stage = AmclStage(MAZE, use_map_topic=True)
     answer = stage.ask("global_localization", Silent())
     assert not answer.success
     assert answer.text == "there is no map with free cells yet, expected one"
 
 
 def test_silence_is_explained() -> None:
-    stage = Stage(MAZE)
+    stage = AmclStage(MAZE)
     stage.bus.run(20.0)
     assert "no scan on /scan for 15 s; is the lidar driver running?" in stage.log()
 
@@ -200,4 +200,4 @@ def test_silence_is_explained() -> None:
 def test_parameter_that_cannot_be_used_is_named() -> None:
     expected = "parameter /amcl/odom_model_type: 'dif', expected one of diff, diff-corrected"
     with pytest.raises(UserError, match=expected):
-        Stage(MAZE, odom_model_type="dif")
+        AmclStage(MAZE, odom_model_type="dif")

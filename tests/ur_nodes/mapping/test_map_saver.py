@@ -14,7 +14,7 @@ from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.values import Map
 
 
-class Stage:
+class SaverStage:
     """The node, and who makes maps."""
 
     def __init__(self, name: Path, *, keep: bool = False) -> None:
@@ -30,7 +30,7 @@ class Stage:
 
 
 def test_first_map_is_saved_and_the_node_ends(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    stage = Stage(tmp_path / "flat")
+    stage = SaverStage(tmp_path / "flat")
     stage.send(0, 100)
     assert stage.node.ended == "done"
     assert not stage.saver.failed
@@ -39,7 +39,7 @@ def test_first_map_is_saved_and_the_node_ends(tmp_path: Path, capsys: pytest.Cap
 
 
 def test_each_map_is_saved_where_the_node_is_kept(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    stage = Stage(tmp_path / "flat", keep=True)
+    stage = SaverStage(tmp_path / "flat", keep=True)
     stage.send(0, 100)
     stage.send(0, 100, -1)
     assert stage.node.ended is None
@@ -48,7 +48,7 @@ def test_each_map_is_saved_where_the_node_is_kept(tmp_path: Path, capsys: pytest
 
 
 def test_file_that_cannot_be_written_is_named(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    stage = Stage(tmp_path / "none" / "flat")
+    stage = SaverStage(tmp_path / "none" / "flat")
     (tmp_path / "none").write_text("")
     stage.send(0)
     assert stage.saver.failed
@@ -58,7 +58,7 @@ def test_file_that_cannot_be_written_is_named(tmp_path: Path, capsys: pytest.Cap
 def test_map_that_cannot_be_read_ends_the_node_with_the_reason(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    stage = Stage(tmp_path / "flat")
+    stage = SaverStage(tmp_path / "flat")
     stage.bus.spoil("/map", "map of 2 x 2 cells with 3 values, expected one value per cell")
     stage.bus.run(1.0)
     assert stage.node.ended == "done"
@@ -67,7 +67,7 @@ def test_map_that_cannot_be_read_ends_the_node_with_the_reason(
 
 
 def test_kept_node_saves_the_map_after_one_that_cannot_be_read(tmp_path: Path) -> None:
-    stage = Stage(tmp_path / "flat", keep=True)
+    stage = SaverStage(tmp_path / "flat", keep=True)
     stage.send(0, 100)
     stage.bus.spoil("/map", "map with resolution 0, expected more than 0 m")
     stage.bus.run(1.0)
@@ -78,7 +78,7 @@ def test_kept_node_saves_the_map_after_one_that_cannot_be_read(tmp_path: Path) -
 
 
 def test_silence_is_explained(tmp_path: Path) -> None:
-    stage = Stage(tmp_path / "flat")
+    stage = SaverStage(tmp_path / "flat")
     stage.bus.run(16.0)
     assert stage.node.lines == [("warn", "no map on /map for 15 s; is a mapping node running?")]
     assert stage.saver.failed

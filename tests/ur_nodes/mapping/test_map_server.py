@@ -30,7 +30,7 @@ def _add_json(texts: list[dict[str, Any]], text: str) -> None:
     texts.append(json.loads(text))
 
 
-class Stage:
+class MapServerStage:
     """The node, and a client that listens to all that it publishes."""
 
     def __init__(self, file: Path) -> None:
@@ -71,11 +71,11 @@ def store(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> MapStore:
 
 
 @pytest.fixture
-def stage(store: MapStore) -> Stage:
-    return Stage(store.picture("flat"))
+def stage(store: MapStore) -> MapServerStage:
+    return MapServerStage(store.picture("flat"))
 
 
-def test_map_is_published_and_given_on_request(stage: Stage) -> None:
+def test_map_is_published_and_given_on_request(stage: MapServerStage) -> None:
     infos: list[MapInfo] = []
     answers: list[Result] = []
     stage.client.subscribe("map_metadata", MapInfo, infos.append, Quality.LATCHED)
@@ -88,7 +88,7 @@ def test_map_is_published_and_given_on_request(stage: Stage) -> None:
     assert answers[0].value is stage.maps["map"]
 
 
-def test_zones_are_put_and_deleted_on_request_with_their_masks(stage: Stage) -> None:
+def test_zones_are_put_and_deleted_on_request_with_their_masks(stage: MapServerStage) -> None:
     assert stage.zones == {"zones": [], "problem": "", "answer": None}
     assert set(stage.maps) == {"map"}, "no mask before the first zone"
     stage.ask("zone_request", do="put", zone=ZONE)
@@ -104,7 +104,7 @@ def test_zones_are_put_and_deleted_on_request_with_their_masks(stage: Stage) -> 
     assert "speed_filter_mask" not in stage.maps
 
 
-def test_zone_of_another_program_is_published_within_a_second(stage: Stage, store: MapStore) -> None:
+def test_zone_of_another_program_is_published_within_a_second(stage: MapServerStage, store: MapStore) -> None:
     slow = make_zone("ramp", "speed", [(0.0, 0.0), (1.0, 1.0)], 40)
     put_zone(store, "flat", slow, load_map(store.picture("flat")))
     stage.bus.run(1.1)
@@ -115,7 +115,9 @@ def test_zone_of_another_program_is_published_within_a_second(stage: Stage, stor
     assert len(stage.states["zones"]) == count, "nothing new, nothing published"
 
 
-def test_zones_stay_and_the_reason_is_published_where_their_file_is_damaged(stage: Stage, store: MapStore) -> None:
+def test_zones_stay_and_the_reason_is_published_where_their_file_is_damaged(
+    stage: MapServerStage, store: MapStore
+) -> None:
     stage.ask("zone_request", do="put", zone=ZONE)
     (store.path("flat") / RECORD).write_text("{")
     stage.bus.run(1.1)
@@ -130,14 +132,14 @@ def test_zones_stay_and_the_reason_is_published_where_their_file_is_damaged(stag
     [({"do": "melt"}, "expected put or delete"), ({"do": "delete", "name": "attic"}, "unknown zone 'attic'")],
 )
 def test_request_for_zones_that_makes_no_sense_is_answered(
-    stage: Stage, request_: dict[str, Any], problem: str
+    stage: MapServerStage, request_: dict[str, Any], problem: str
 ) -> None:
     stage.ask("zone_request", **request_)
     assert problem in stage.zones["answer"]["problem"]
     assert stage.zones["zones"] == []
 
 
-def test_walls_that_are_drawn_are_in_the_next_map_and_can_be_restored(stage: Stage) -> None:
+def test_walls_that_are_drawn_are_in_the_next_map_and_can_be_restored(stage: MapServerStage) -> None:
     assert stage.walls == {"name": "flat", "restorable": False, "answer": None}
     stage.ask("wall_request", map="flat", do="draw", strokes=[STROKE])
     assert stage.walls == {"name": "flat", "restorable": True, "answer": {"id": "a", "problem": ""}}
@@ -150,7 +152,7 @@ def test_walls_that_are_drawn_are_in_the_next_map_and_can_be_restored(stage: Sta
 
 
 def test_walls_of_a_map_that_is_not_stored_stay_as_they_are(store: MapStore, tmp_path: Path) -> None:
-    stage = Stage(write_picture(tmp_path / "plan", np.zeros((5, 5), np.int8), 0.1, (0.0, 0.0, 0.0)))
+    stage = MapServerStage(write_picture(tmp_path / "plan", np.zeros((5, 5), np.int8), 0.1, (0.0, 0.0, 0.0)))
     assert stage.walls["name"] == ""
     stage.ask("wall_request", map="plan", do="draw", strokes=[STROKE])
     assert "the map in use is a file" in stage.walls["answer"]["problem"]

@@ -15,7 +15,7 @@ from std_srvs.srv import Trigger
 from tests.json_client import answer_requests, claim_output, wait_until
 
 
-class Client:
+class MotionClient:
     def __init__(self) -> None:
         self.active: list[str] = []
         self.stopped = False
@@ -114,7 +114,7 @@ def take(messages: list[Any]) -> list[Any]:
 def main() -> None:
     answers = claim_output()
     rospy.init_node("motion_client")
-    answer_requests(answers, Client())
+    answer_requests(answers, MotionClient())
 
 
 if __name__ == "__main__":

@@ -14,7 +14,7 @@ from ur_nodes.ports.values import StampedTwist, Twist
 AHEAD = Velocity(0.3, 0.1)
 
 
-class Bench:
+class OutputBench:
     """An output that sends 50 times a second, and what arrives at subscribers, by their names."""
 
     def __init__(self) -> None:
@@ -38,18 +38,18 @@ class Bench:
 
 
 @pytest.fixture
-def bench() -> Bench:
-    return Bench()
+def bench() -> OutputBench:
+    return OutputBench()
 
 
-def test_base_that_takes_twists_gets_them(bench: Bench) -> None:
+def test_base_that_takes_twists_gets_them(bench: OutputBench) -> None:
     bench.listen("base", Twist)
     bench.begin()
     assert bench.got["base"][-1] == Twist(0.3, 0.1)
     assert bench.lines() == ["/cmd_vel: velocities are sent as Twist, which the base takes"]
 
 
-def test_base_that_takes_stamped_twists_gets_them_with_the_time_of_all_nodes(bench: Bench) -> None:
+def test_base_that_takes_stamped_twists_gets_them_with_the_time_of_all_nodes(bench: OutputBench) -> None:
     bench.listen("base", StampedTwist)
     bench.begin()
     newest = bench.got["base"][-1]
@@ -59,7 +59,7 @@ def test_base_that_takes_stamped_twists_gets_them_with_the_time_of_all_nodes(ben
     assert bench.lines() == ["/cmd_vel: velocities are sent as TwistStamped, which the base takes"]
 
 
-def test_base_that_starts_later_is_stopped_first_and_then_driven(bench: Bench) -> None:
+def test_base_that_starts_later_is_stopped_first_and_then_driven(bench: OutputBench) -> None:
     bench.begin()
     assert bench.lines() == []
     bench.listen("base", StampedTwist)
@@ -69,7 +69,7 @@ def test_base_that_starts_later_is_stopped_first_and_then_driven(bench: Bench) -
     assert twists[-1] == Twist(0.3, 0.1)
 
 
-def test_type_changes_with_the_subscriber(bench: Bench) -> None:
+def test_type_changes_with_the_subscriber(bench: OutputBench) -> None:
     old = bench.listen("base", Twist)
     bench.begin()
     old.end("another driver is started")
@@ -80,7 +80,7 @@ def test_type_changes_with_the_subscriber(bench: Bench) -> None:
     assert len(bench.lines()) == 2
 
 
-def test_type_stays_while_its_subscriber_is_there(bench: Bench) -> None:
+def test_type_stays_while_its_subscriber_is_there(bench: OutputBench) -> None:
     bench.listen("base", Twist)
     bench.begin()
     bench.listen("other", StampedTwist)

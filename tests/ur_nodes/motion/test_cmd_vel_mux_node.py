@@ -23,13 +23,15 @@ from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.services import Switch, Trigger
 from ur_nodes.ports.values import Result, Scan, StampedTwist, Time, Twist
 
+pytestmark = pytest.mark.usefixtures("home")
+
 ROOT = Path(__file__).parents[3]
 SOURCES = yaml.safe_load((ROOT / "ubiquity_launches/n_cmd_vel_mux/params/sources.yaml").read_text())
 AHEAD = Twist(0.3, 0.0)
 STILL = Twist(0.0, 0.0)
 
 
-class Driver:
+class LeaseDriver:
     """A client of the mux that sends commands at 50 Hz while `wanted` is set, each with the newest challenge."""
 
     def __init__(self, bus: Bus, name: str, conduct: Conduct = "drive", topic: str = "key_vel") -> None:
@@ -45,7 +47,7 @@ class Driver:
             self.sent_at = self.node.now()
 
 
-class Robot:
+class MuxRobot:
     """A bus with a mux whose clock is a steady one, and what reaches the base: times (ns) and velocities."""
 
     def __init__(self, home: Path, delay: Callable[[str], int | None] | None = None, **parameters: Any) -> None:
@@ -97,16 +99,9 @@ class Robot:
         return lambda: publisher.send(AHEAD)
 
 
-@pytest.fixture(autouse=True)
-def home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    monkeypatch.setenv("ROS_HOME", str(tmp_path))
-    monkeypatch.setenv("ROS_MASTER_URI", "http://robot:1")
-    return tmp_path
-
-
 def test_fresh_commands_drive_on_time_and_the_robot_stops_after_the_last(home: Path) -> None:
-    robot = Robot(home, lambda _topic: 3_000_000)
-    driver = Driver(robot.bus, "a")
+    robot = MuxRobot(home, lambda _topic: 3_000_000)
+    driver = LeaseDriver(robot.bus, "a")
     driver.wanted = AHEAD
     speeds = robot.speeds(1.0)
     assert max(speeds) == pytest.approx(0.3)
@@ -120,16 +115,16 @@ def test_fresh_commands_drive_on_time_and_the_robot_stops_after_the_last(home: P
 
 
 def test_commands_that_arrive_late_do_not_drive(home: Path) -> None:
-    robot = Robot(home, lambda topic: 200_000_000 if topic.endswith("_stamped") else 0)
-    driver = Driver(robot.bus, "a")
+    robot = MuxRobot(home, lambda topic: 200_000_000 if topic.endswith("_stamped") else 0)
+    driver = LeaseDriver(robot.bus, "a")
     driver.wanted = AHEAD
     assert not any(robot.speeds(2.0))
     assert any("dropped" in text and "older than 0.15 s" in text for _, text in robot.mux.lines)
 
 
 def test_age_of_a_command_counts_from_its_challenge(home: Path) -> None:
-    robot = Robot(home, lambda topic: 100_000_000 if topic.endswith("_stamped") else 0)
-    driver = Driver(robot.bus, "a")
+    robot = MuxRobot(home, lambda topic: 100_000_000 if topic.endswith("_stamped") else 0)
+    driver = LeaseDriver(robot.bus, "a")
     driver.wanted = AHEAD
     assert max(robot.speeds(1.0)) > 0.0
     driver.wanted = None
@@ -139,8 +134,8 @@ def test_age_of_a_command_counts_from_its_challenge(home: Path) -> None:
 
 
 def test_burst_that_answers_an_old_challenge_does_not_drive(home: Path) -> None:
-    robot = Robot(home)
-    driver = Driver(robot.bus, "a")
+    robot = MuxRobot(home)
+    driver = LeaseDriver(robot.bus, "a")
     driver.lease.acquire()
     robot.bus.run(0.5)
     old = driver.lease.link.newest()
@@ -153,7 +148,7 @@ def test_burst_that_answers_an_old_challenge_does_not_drive(home: Path) -> None:
 
 
 def test_challenges_are_never_repeated_and_come_on_time(home: Path) -> None:
-    robot = Robot(home)
+    robot = MuxRobot(home)
     got: list[tuple[int, int]] = []
     robot.person.subscribe("cmd_vel_mux/challenge", Time, lambda each: got.append((robot.bus.now, each.stamp)))
     robot.bus.run(2.0)
@@ -164,7 +159,7 @@ def test_challenges_are_never_repeated_and_come_on_time(home: Path) -> None:
 
 @pytest.mark.parametrize(("pause", "count", "drives"), [(0.033, 30, True), (0.0, 250, False), (0.4, 5, False)])
 def test_plain_commands_drive_at_a_steady_rate_only(home: Path, pause: float, count: int, drives: bool) -> None:
-    robot = Robot(home)
+    robot = MuxRobot(home)
     send = robot.plain("key_vel")
     del robot.outputs[:]
     for _ in range(count):
@@ -175,22 +170,22 @@ def test_plain_commands_drive_at_a_steady_rate_only(home: Path, pause: float, co
 
 
 def test_single_plain_command_does_not_drive(home: Path) -> None:
-    robot = Robot(home)
+    robot = MuxRobot(home)
     robot.plain("key_vel")()
     assert robot.speeds(1.0) == []
 
 
 def test_command_that_is_not_finite_is_a_stop(home: Path) -> None:
-    robot = Robot(home)
-    driver = Driver(robot.bus, "a")
+    robot = MuxRobot(home)
+    driver = LeaseDriver(robot.bus, "a")
     driver.wanted = Twist(float("nan"), 0.5)
     assert not any(robot.speeds(1.0))
     assert any("is not finite" in text for _, text in robot.mux.lines)
 
 
 def test_one_client_drives_until_another_takes_over_and_each_is_told(home: Path) -> None:
-    robot = Robot(home)
-    a, b = Driver(robot.bus, "a"), Driver(robot.bus, "b")
+    robot = MuxRobot(home)
+    a, b = LeaseDriver(robot.bus, "a"), LeaseDriver(robot.bus, "b")
     a.wanted = AHEAD
     robot.bus.run(0.5)
     assert (a.lease.view().mine, b.lease.view().holder) == (True, "a-host")
@@ -213,8 +208,8 @@ def test_one_client_drives_until_another_takes_over_and_each_is_told(home: Path)
 
 
 def test_client_that_vanishes_is_lost_and_the_robot_stops(home: Path) -> None:
-    robot = Robot(home)
-    a, b = Driver(robot.bus, "a"), Driver(robot.bus, "b", "watch")
+    robot = MuxRobot(home)
+    a, b = LeaseDriver(robot.bus, "a"), LeaseDriver(robot.bus, "b", "watch")
     a.wanted = AHEAD
     robot.bus.run(1.0)
     a.node.end("killed")
@@ -227,8 +222,8 @@ def test_client_that_vanishes_is_lost_and_the_robot_stops(home: Path) -> None:
 
 
 def test_lease_is_mirrored_and_free_after_the_end(home: Path) -> None:
-    robot = Robot(home)
-    a = Driver(robot.bus, "a")
+    robot = MuxRobot(home)
+    a = LeaseDriver(robot.bus, "a")
     a.lease.acquire()
     robot.bus.run(0.5)
     lease = json.loads(robot.bus.facts["lease"])
@@ -241,8 +236,8 @@ def test_lease_is_mirrored_and_free_after_the_end(home: Path) -> None:
 
 @pytest.mark.parametrize("mirrored", [True, False])
 def test_announced_lease_outlives_a_mux_that_is_killed(home: Path, mirrored: bool) -> None:
-    robot = Robot(home)
-    a, b = Driver(robot.bus, "a"), Driver(robot.bus, "b", "watch")
+    robot = MuxRobot(home)
+    a, b = LeaseDriver(robot.bus, "a"), LeaseDriver(robot.bus, "b", "watch")
     a.lease.acquire()
     robot.bus.run(0.5)
     assert b.lease.view().holder == "a-host"
@@ -255,15 +250,15 @@ def test_announced_lease_outlives_a_mux_that_is_killed(home: Path, mirrored: boo
     robot.bus.run(0.5)
     state = b.lease.view().state
     assert state in ("lost", "free")
-    a = Driver(robot.bus, "a")
+    a = LeaseDriver(robot.bus, "a")
     a.lease.acquire()
     robot.bus.run(0.5)
     assert (a.lease.view().mine, a.lease.view().state) == (True, "held")
 
 
 def test_lock_is_released_by_a_repeated_false_only(home: Path) -> None:
-    robot = Robot(home, locks=[{"name": "pause", "topic": "pause_driving", "timeout": 0.0, "priority": 255}])
-    driver = Driver(robot.bus, "a")
+    robot = MuxRobot(home, locks=[{"name": "pause", "topic": "pause_driving", "timeout": 0.0, "priority": 255}])
+    driver = LeaseDriver(robot.bus, "a")
     driver.wanted = AHEAD
     pause = robot.person.publish("pause_driving", bool, Quality.EVERY)
     pause.send(True)
@@ -278,8 +273,8 @@ def test_lock_is_released_by_a_repeated_false_only(home: Path) -> None:
 
 
 def test_emergency_stop_outlives_the_mux_and_only_a_pause_after_release_lets_drive_again(home: Path) -> None:
-    robot = Robot(home)
-    driver = Driver(robot.bus, "a")
+    robot = MuxRobot(home)
+    driver = LeaseDriver(robot.bus, "a")
     driver.wanted = AHEAD
     robot.bus.run(0.5)
     assert robot.ask("stop") == Result(True, "stopped")
@@ -298,13 +293,13 @@ def test_emergency_stop_outlives_the_mux_and_only_a_pause_after_release_lets_dri
 
 
 def test_speed_limit_outlives_the_mux(home: Path) -> None:
-    robot = Robot(home)
+    robot = MuxRobot(home)
     robot.person.publish("cmd_vel_mux/speed_limit", float).send(50.0)
     robot.bus.run(0.1)
     robot.kill()
     robot.start()
     assert robot.newest("speed_limit_in_force", float) == 50.0
-    driver = Driver(robot.bus, "a")
+    driver = LeaseDriver(robot.bus, "a")
     driver.wanted = Twist(5.0, 0.0)
     top = max(robot.speeds(3.0))
     robot.person.publish("cmd_vel_mux/speed_limit", float).send(0.0)
@@ -316,12 +311,12 @@ def test_speed_limit_outlives_the_mux(home: Path) -> None:
 
 
 def test_new_subscriber_gets_a_stop_while_nothing_drives(home: Path) -> None:
-    robot = Robot(home)
+    robot = MuxRobot(home)
     got: list[Twist] = []
     robot.bus.node("driver").subscribe("cmd_vel_out", Twist, got.append, Quality.EVERY)
     robot.bus.run(0.1)
     assert got == [STILL]
-    driver = Driver(robot.bus, "a")
+    driver = LeaseDriver(robot.bus, "a")
     driver.wanted = AHEAD
     robot.bus.run(1.0)
     late: list[Twist] = []
@@ -331,8 +326,8 @@ def test_new_subscriber_gets_a_stop_while_nothing_drives(home: Path) -> None:
 
 
 def test_mux_that_ends_while_it_drives_sends_a_stop(home: Path) -> None:
-    robot = Robot(home)
-    driver = Driver(robot.bus, "a")
+    robot = MuxRobot(home)
+    driver = LeaseDriver(robot.bus, "a")
     driver.wanted = AHEAD
     robot.bus.run(0.5)
     del robot.outputs[:]
@@ -342,13 +337,13 @@ def test_mux_that_ends_while_it_drives_sends_a_stop(home: Path) -> None:
 
 
 def test_disk_master_and_terminal_that_hang_delay_neither_outputs_nor_challenges_nor_a_stop(home: Path) -> None:
-    robot = Robot(home)
-    driver = Driver(robot.bus, "a")
+    robot = MuxRobot(home)
+    driver = LeaseDriver(robot.bus, "a")
     driver.wanted = AHEAD
     robot.bus.run(0.5)
     hanging: list[object] = []
     robot.mux.work = lambda job, take, lane="": hanging.append((job, take, lane))  # type: ignore[method-assign]
-    other = Driver(robot.bus, "b")
+    other = LeaseDriver(robot.bus, "b")
     robot.bus.run(0.5)
     other.lease.take()  # the disk hangs
     robot.person.publish("cmd_vel_mux/speed_limit", float).send(90.0)  # the master hangs
@@ -365,7 +360,7 @@ def test_disk_master_and_terminal_that_hang_delay_neither_outputs_nor_challenges
 
 
 def test_stop_is_answered_when_the_master_is_gone(home: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    robot = Robot(home)
+    robot = MuxRobot(home)
 
     def fail(*_: object) -> None:
         raise OSError("connection refused")
@@ -377,16 +372,16 @@ def test_stop_is_answered_when_the_master_is_gone(home: Path, monkeypatch: pytes
     assert robot.newest("stopped", bool) is True
 
 
-def scan_of(robot: Robot, distance: float) -> Scan:
+def scan_of(robot: MuxRobot, distance: float) -> Scan:
     ranges = np.full(360, distance, np.float32)
     return Scan(robot.bus.now, "laser", -np.pi, np.pi / 180.0, 0.05, 8.0, ranges)
 
 
 def test_robot_stops_before_an_obstacle_and_the_choice_outlives_the_mux(home: Path) -> None:
-    robot = Robot(home)
+    robot = MuxRobot(home)
     lidar = robot.bus.node("lidar").publish("scan", Scan)
     robot.base.every(0.1, lambda: lidar.send(scan_of(robot, 0.6)))
-    driver = Driver(robot.bus, "a")
+    driver = LeaseDriver(robot.bus, "a")
     driver.wanted = AHEAD
     assert max(robot.speeds(1.0)) == pytest.approx(0.3)
     assert json.loads(robot.newest("obstacle_stop", str))["state"] == "off"
@@ -411,11 +406,11 @@ def test_robot_stops_before_an_obstacle_and_the_choice_outlives_the_mux(home: Pa
 )
 def test_parameters_that_it_cannot_use_are_named(home: Path, parameters: dict[str, Any], message: str) -> None:
     with pytest.raises(UserError, match=message):
-        Robot(home, **parameters)
+        MuxRobot(home, **parameters)
 
 
 def test_programs_that_send_to_the_base_itself_drive_through_the_mux_by_either_type(home: Path) -> None:
-    robot = Robot(home, takes_over="cmd_vel")
+    robot = MuxRobot(home, takes_over="cmd_vel")
     for kind, command in ((Twist, AHEAD), (StampedTwist, StampedTwist(0, "", AHEAD))):
         program = robot.bus.node(f"their_{kind.__name__}")
         publisher = program.publish("cmd_vel", kind)
@@ -429,6 +424,6 @@ def test_programs_that_send_to_the_base_itself_drive_through_the_mux_by_either_t
 
 def test_mux_does_not_take_over_the_topic_that_it_sends_to(home: Path) -> None:
     with pytest.raises(UserError, match="takes_over: 'cmd_vel_out', expected another topic than that of the base"):
-        Robot(home, takes_over="cmd_vel_out")
+        MuxRobot(home, takes_over="cmd_vel_out")
     with pytest.raises(UserError, match="takes_over: 'key_vel', expected a topic that is none of the sources"):
-        Robot(home, takes_over="key_vel")
+        MuxRobot(home, takes_over="key_vel")

@@ -22,7 +22,7 @@ HERE = Path(__file__).parent
 DEAD_MAN, STOP, RELEASE = 4, 1, 7
 
 
-class Robot(Client):
+class JoystickRobot(Client):
     """The launched robot, its joystick, and the client's requests as calls."""
 
     def __init__(self, launch: subprocess.Popen[str], env: dict[str, str], joystick: VirtualJoystick) -> None:
@@ -44,7 +44,7 @@ def joystick(tmp_path_factory: pytest.TempPathFactory) -> Iterator[VirtualJoysti
 
 
 @pytest.fixture(scope="module")
-def robot(tmp_path_factory: pytest.TempPathFactory, joystick: VirtualJoystick) -> Iterator[Robot]:
+def robot(tmp_path_factory: pytest.TempPathFactory, joystick: VirtualJoystick) -> Iterator[JoystickRobot]:
     folder = tmp_path_factory.mktemp("motion")
     env = make_environment(folder)
     command = [str(ROOT / "ur"), "launch", str(HERE / "robot.launch"), "robot_base:=stage", f"dev:={joystick.device}"]
@@ -52,7 +52,7 @@ def robot(tmp_path_factory: pytest.TempPathFactory, joystick: VirtualJoystick) -
         launch = subprocess.Popen(
             command, env=env, text=True, stdin=subprocess.DEVNULL, stdout=log, stderr=subprocess.STDOUT, cwd=folder
         )
-    started = Robot(launch, env, joystick)
+    started = JoystickRobot(launch, env, joystick)
     try:
         assert started.ask("ready", seconds=60) == "idle"
         yield started
@@ -63,7 +63,7 @@ def robot(tmp_path_factory: pytest.TempPathFactory, joystick: VirtualJoystick) -
 
 
 @pytest.fixture(autouse=True)
-def rested(robot: Robot) -> Iterator[None]:
+def rested(robot: JoystickRobot) -> Iterator[None]:
     """Each test begins and ends with a robot that stands and nobody who drives."""
     robot.ask("history")
     yield
@@ -81,7 +81,7 @@ def drivers(names: list[str]) -> list[str]:
     return [name for n, name in enumerate(driving) if n == 0 or driving[n - 1] != name]
 
 
-def test_joystick_drives_while_its_dead_man_button_is_held(robot: Robot, record_property: Any) -> None:
+def test_joystick_drives_while_its_dead_man_button_is_held(robot: JoystickRobot, record_property: Any) -> None:
     kernel = isinstance(robot.joystick, UinputJoystick)
     pipe = f"a pipe that speaks as a device does, read by joy_node: there is no {UINPUT}"
     record_property("joystick", f"a virtual device of the kernel ({UINPUT})" if kernel else pipe)
@@ -105,7 +105,7 @@ def test_joystick_drives_while_its_dead_man_button_is_held(robot: Robot, record_
     assert max(b - a for a, b in pairwise(speeds)) <= 1.0 * 0.02 + 1e-6
 
 
-def test_keyboard_drives_before_navigation_and_joystick_before_both(robot: Robot) -> None:
+def test_keyboard_drives_before_navigation_and_joystick_before_both(robot: JoystickRobot) -> None:
     robot.ask("drive", topic="nav_vel", velocity=[0.0, 0.3])
     teleop = ROOT / "ubiquity_launches" / "n_teleop_twist_keyboard" / "bin" / "teleop_twist_keyboard.py"
     keys = subprocess.run(
@@ -126,7 +126,7 @@ def test_keyboard_drives_before_navigation_and_joystick_before_both(robot: Robot
     assert "keyboard" not in drove[joystick:]
 
 
-def test_emergency_button_stops_and_only_a_pause_after_release_lets_drive_again(robot: Robot) -> None:
+def test_emergency_button_stops_and_only_a_pause_after_release_lets_drive_again(robot: JoystickRobot) -> None:
     robot.ask("drive", topic="key_vel", velocity=[0.3, 0.0])
     robot.ask("moves", seconds=60)
     robot.joystick.press(STOP, True)
@@ -144,7 +144,7 @@ def test_emergency_button_stops_and_only_a_pause_after_release_lets_drive_again(
     robot.ask("moves", seconds=60)
 
 
-def test_emergency_stop_outlives_the_mux(robot: Robot) -> None:
+def test_emergency_stop_outlives_the_mux(robot: JoystickRobot) -> None:
     assert robot.ask("call", service="cmd_vel_mux/stop") == "stopped"
     kill_mux(robot)
     assert robot.ask("ready", seconds=60) == "idle"  # it is there again
@@ -155,14 +155,14 @@ def test_emergency_stop_outlives_the_mux(robot: Robot) -> None:
     assert robot.ask("call", service="cmd_vel_mux/release").startswith("released")
 
 
-def test_new_mux_sends_a_stop_to_the_base(robot: Robot) -> None:
+def test_new_mux_sends_a_stop_to_the_base(robot: JoystickRobot) -> None:
     robot.ask("history")  # no client drives, so what is published from now on is the new mux's stop
     kill_mux(robot)
     robot.ask("hears", velocity=[0.0, 0.0], seconds=60)  # for drivers that go on with the last command they received
     assert robot.ask("ready", seconds=60) == "idle"
 
 
-def kill_mux(robot: Robot) -> None:
+def kill_mux(robot: JoystickRobot) -> None:
     (mux,) = (
         pid for pid in list_family(robot.launch.pid) if "cmd_vel_mux_node" in " ".join(psutil.Process(pid).cmdline())
     )
@@ -170,7 +170,7 @@ def kill_mux(robot: Robot) -> None:
     os.kill(mux, signal.SIGKILL)
 
 
-def test_mux_refuses_what_it_cannot_use_in_one_clear_message(robot: Robot) -> None:
+def test_mux_refuses_what_it_cannot_use_in_one_clear_message(robot: JoystickRobot) -> None:
     program = ROOT / "ubiquity_launches" / "n_cmd_vel_mux" / "bin" / "twist_mux"
     command = [str(program), "__name:=cmd_vel_mux_2", "_base:=stagge"]
     done = subprocess.run(command, env=robot.env, text=True, capture_output=True, timeout=120)

@@ -45,7 +45,7 @@ BUDGET = SETTINGS.stop_time - SETTINGS.lag
 
 
 @dataclass
-class Run:
+class MuxRun:
     """A mux that is stepped when something comes and when it asks for it."""
 
     state: MuxState
@@ -77,14 +77,14 @@ class Run:
 
 
 @pytest.fixture
-def run() -> Run:
-    return Run(start_mux(SETTINGS))
+def run() -> MuxRun:
+    return MuxRun(start_mux(SETTINGS))
 
 
 AHEAD = Velocity(0.5, 0.0)
 
 
-def test_mux_is_silent_until_somebody_wants_to_move(run: Run) -> None:
+def test_mux_is_silent_until_somebody_wants_to_move(run: MuxRun) -> None:
     run.until(1.0)
     run.handle(VelocityCommand(NAVIGATION, STILL))
     run.until(2.0)
@@ -92,7 +92,7 @@ def test_mux_is_silent_until_somebody_wants_to_move(run: Run) -> None:
     assert run.state.next_at == math.inf
 
 
-def test_mux_speeds_up_within_the_limits_and_sends_at_a_steady_rate(run: Run) -> None:
+def test_mux_speeds_up_within_the_limits_and_sends_at_a_steady_rate(run: MuxRun) -> None:
     run.drive(KEYBOARD, AHEAD, 1.0, rate=30.0)
     times = [at for at, _, _ in run.sent]
     assert times[0] == 0.0  # at once
@@ -101,7 +101,7 @@ def test_mux_speeds_up_within_the_limits_and_sends_at_a_steady_rate(run: Run) ->
     assert run.last == AHEAD
 
 
-def test_mux_brakes_in_time_when_the_commander_is_lost_then_says_zero_three_times_and_falls_silent(run: Run) -> None:
+def test_mux_brakes_in_time_when_the_commander_is_lost_then_says_zero_three_times_and_falls_silent(run: MuxRun) -> None:
     run.drive(KEYBOARD, AHEAD, 1.0)
     last = 0.95
     run.until(3.0)
@@ -114,7 +114,7 @@ def test_mux_brakes_in_time_when_the_commander_is_lost_then_says_zero_three_time
     assert run.sent[-1][2] == "idle"
 
 
-def test_mux_follows_zeros_of_the_active_source_with_the_harder_limit(run: Run) -> None:
+def test_mux_follows_zeros_of_the_active_source_with_the_harder_limit(run: MuxRun) -> None:
     run.drive(KEYBOARD, AHEAD, 1.0)
     stop = run.now
     run.handle(VelocityCommand(KEYBOARD, STILL))
@@ -122,7 +122,7 @@ def test_mux_follows_zeros_of_the_active_source_with_the_harder_limit(run: Run) 
     assert next(at for at, velocity, _ in run.sent if velocity == STILL) - stop <= 0.5 / 4.0 + 0.02
 
 
-def test_higher_priority_takes_over_at_once_and_gives_back_when_it_falls_silent(run: Run) -> None:
+def test_higher_priority_takes_over_at_once_and_gives_back_when_it_falls_silent(run: MuxRun) -> None:
     for n in range(40):
         run.until(n * 0.05)
         run.handle(VelocityCommand(NAVIGATION, AHEAD))
@@ -136,7 +136,7 @@ def test_higher_priority_takes_over_at_once_and_gives_back_when_it_falls_silent(
     assert joystick[-1] == pytest.approx(0.95 + 0.15, abs=0.021)
 
 
-def test_source_that_sends_zeros_when_idle_does_not_hold_the_robot(run: Run) -> None:
+def test_source_that_sends_zeros_when_idle_does_not_hold_the_robot(run: MuxRun) -> None:
     for n in range(40):
         run.until(n * 0.05)
         run.handle(VelocityCommand(KEYBOARD, STILL))
@@ -145,7 +145,7 @@ def test_source_that_sends_zeros_when_idle_does_not_hold_the_robot(run: Run) -> 
     assert run.last == AHEAD
 
 
-def test_source_whose_zeros_hold_makes_the_robot_stand(run: Run) -> None:
+def test_source_whose_zeros_hold_makes_the_robot_stand(run: MuxRun) -> None:
     run.drive(NAVIGATION, AHEAD, 1.0)
     for n in range(20):
         run.until(1.0 + n * 0.05)
@@ -154,7 +154,7 @@ def test_source_whose_zeros_hold_makes_the_robot_stand(run: Run) -> None:
     assert (run.sent[-1][1], run.sent[-1][2]) == (STILL, "joystick")
 
 
-def test_emergency_stop_brakes_at_once_and_shuts_everybody_out(run: Run) -> None:
+def test_emergency_stop_brakes_at_once_and_shuts_everybody_out(run: MuxRun) -> None:
     run.drive(KEYBOARD, AHEAD, 1.01)
     run.handle(EmergencyStopped())
     assert run.sent[-1][0] == pytest.approx(1.01)  # not at the next period
@@ -165,7 +165,7 @@ def test_emergency_stop_brakes_at_once_and_shuts_everybody_out(run: Run) -> None
     assert all(velocity == STILL for at, velocity, _ in run.sent if at > standing)
 
 
-def test_release_does_not_set_the_robot_in_motion_until_the_source_has_paused(run: Run) -> None:
+def test_release_does_not_set_the_robot_in_motion_until_the_source_has_paused(run: MuxRun) -> None:
     run.handle(EmergencyStopped())
     run.drive(NAVIGATION, AHEAD, 0.5)
     run.handle(EmergencyReleased())
@@ -182,13 +182,13 @@ def test_release_does_not_set_the_robot_in_motion_until_the_source_has_paused(ru
     assert run.last == AHEAD
 
 
-def test_emergency_stop_survives_a_start(run: Run) -> None:
+def test_emergency_stop_survives_a_start(run: MuxRun) -> None:
     run.state = start_mux(SETTINGS, stopped=True)
     run.drive(KEYBOARD, AHEAD, 1.0)
     assert run.sent == []
 
 
-def test_lock_shuts_out_lower_priorities_only(run: Run) -> None:
+def test_lock_shuts_out_lower_priorities_only(run: MuxRun) -> None:
     run.handle(LockMessage(0, True))
     run.drive(NAVIGATION, AHEAD, 0.5)
     assert run.sent == []
@@ -201,7 +201,7 @@ def test_lock_shuts_out_lower_priorities_only(run: Run) -> None:
 
 
 def test_lock_that_has_to_be_repeated_locks_when_it_is_silent() -> None:
-    run = Run(start_mux(replace(SETTINGS, locks=(Lock("watchdog", "w", 255, 0.5),))))
+    run = MuxRun(start_mux(replace(SETTINGS, locks=(Lock("watchdog", "w", 255, 0.5),))))
     run.drive(KEYBOARD, AHEAD, 0.5)
     assert run.sent == []
     run.handle(LockMessage(0, False))
@@ -212,13 +212,13 @@ def test_lock_that_has_to_be_repeated_locks_when_it_is_silent() -> None:
 
 
 @pytest.mark.parametrize("bad", [Velocity(math.nan, 0.0), Velocity(0.0, math.inf), Velocity(-math.inf, math.nan)])
-def test_command_that_is_not_finite_means_stand_still(run: Run, bad: Velocity) -> None:
+def test_command_that_is_not_finite_means_stand_still(run: MuxRun, bad: Velocity) -> None:
     run.drive(KEYBOARD, AHEAD, 1.0)
     run.drive(KEYBOARD, bad, 0.14)
     assert run.last == STILL
 
 
-def test_time_that_goes_back_makes_all_commands_old(run: Run) -> None:
+def test_time_that_goes_back_makes_all_commands_old(run: MuxRun) -> None:
     run.drive(KEYBOARD, AHEAD, 1.0)
     run.now = 0.2
     run.handle(None)
@@ -244,7 +244,7 @@ histories = st.lists(st.tuples(st.floats(0.0, 0.12) | st.just(0.05), events), ma
 @given(histories)
 @settings(max_examples=150, deadline=None)
 def test_output_obeys_the_limits_and_never_outlives_its_commands(history: list[tuple[float, Event | None]]) -> None:
-    run = Run(start_mux(SETTINGS))
+    run = MuxRun(start_mux(SETTINGS))
     newest = -math.inf
     checked = 0
 
@@ -279,13 +279,13 @@ def check_change(before: Velocity, after: Velocity, seconds: float) -> None:
 
 
 def test_command_that_is_delayed_between_admission_and_mux_does_not_move_the_base() -> None:
-    run = Run(start_mux(SETTINGS), now=1.0)
+    run = MuxRun(start_mux(SETTINGS), now=1.0)
     run.handle(VelocityCommand(KEYBOARD, AHEAD, at=0.6))
     run.until(3.0)
     assert all(velocity.still for _, velocity, _ in run.sent)
 
 
-def test_speed_limit_slows_every_source_on_the_same_curve_until_it_is_lifted(run: Run) -> None:
+def test_speed_limit_slows_every_source_on_the_same_curve_until_it_is_lifted(run: MuxRun) -> None:
     run.handle(SpeedLimited(0.4))
     run.drive(KEYBOARD, Velocity(0.5, 0.5), 1.0, rate=30.0)
     assert (run.last.forward, run.last.turn) == pytest.approx((0.2, 0.2))
@@ -299,7 +299,7 @@ def test_speed_limit_slows_every_source_on_the_same_curve_until_it_is_lifted(run
     assert run.last.forward == pytest.approx(FORWARD.speed), "never above the limit of the base"
 
 
-def test_speed_limit_that_is_lowered_while_driving_brakes_within_the_limits(run: Run) -> None:
+def test_speed_limit_that_is_lowered_while_driving_brakes_within_the_limits(run: MuxRun) -> None:
     run.drive(KEYBOARD, AHEAD, 1.0, rate=30.0)
     run.handle(SpeedLimited(0.2))
     run.drive(KEYBOARD, AHEAD, 1.0, rate=30.0)
@@ -320,7 +320,7 @@ def make_guard_before_a_wall(clear: float) -> Guard:
 
 def test_commands_of_people_stop_before_what_is_seen_and_those_of_navigation_do_not() -> None:
     sources = (SOURCES[KEYBOARD], replace(SOURCES[NAVIGATION], avoids_obstacles=True))
-    run = Run(start_mux(replace(SETTINGS, sources=sources)))
+    run = MuxRun(start_mux(replace(SETTINGS, sources=sources)))
     run.handle(GuardChanged(make_guard_before_a_wall(0.02)))
     run.drive(0, AHEAD, 0.4, rate=30.0)
     assert run.last == STILL
@@ -334,7 +334,7 @@ def test_commands_of_people_stop_before_what_is_seen_and_those_of_navigation_do_
     assert run.last == AHEAD
 
 
-def test_guard_that_is_switched_off_or_on_counts_at_once_and_brakes_within_the_limits(run: Run) -> None:
+def test_guard_that_is_switched_off_or_on_counts_at_once_and_brakes_within_the_limits(run: MuxRun) -> None:
     run.drive(KEYBOARD, AHEAD, 1.0, rate=30.0)
     run.handle(GuardChanged(make_guard_before_a_wall(0.02)))
     begin = len(run.sent) - 1
@@ -348,7 +348,7 @@ def test_guard_that_is_switched_off_or_on_counts_at_once_and_brakes_within_the_l
 
 
 def test_robot_stops_in_time_before_an_obstacle_when_commands_end() -> None:
-    run = Run(start_mux(SETTINGS))
+    run = MuxRun(start_mux(SETTINGS))
     run.handle(GuardChanged(make_guard_before_a_wall(0.3)))
     run.drive(KEYBOARD, AHEAD, 0.5, rate=30.0)
     ended = run.sent[-1][0]
@@ -356,7 +356,7 @@ def test_robot_stops_in_time_before_an_obstacle_when_commands_end() -> None:
     assert all(output == STILL for at, output, _ in run.sent if at > ended + BUDGET)
 
 
-def test_mux_that_was_suspended_while_it_drove_moves_the_robot_no_further(run: Run) -> None:
+def test_mux_that_was_suspended_while_it_drove_moves_the_robot_no_further(run: MuxRun) -> None:
     run.drive(KEYBOARD, AHEAD, 2.0)
     assert run.last == AHEAD
     run.now += 2.0
@@ -368,7 +368,7 @@ def test_mux_that_was_suspended_while_it_drove_moves_the_robot_no_further(run: R
     assert set(after) == {STILL}
 
 
-def test_mux_that_was_suspended_goes_on_from_zero_for_fresh_commands(run: Run) -> None:
+def test_mux_that_was_suspended_goes_on_from_zero_for_fresh_commands(run: MuxRun) -> None:
     run.drive(KEYBOARD, AHEAD, 2.0)
     run.now += 2.0
     count = len(run.sent)

@@ -5,12 +5,12 @@ The robot lives in two rooms with a door (the map); its odometry is right, its l
 
 from __future__ import annotations
 
-import json
 import math
 from pathlib import Path as FilePath
 from typing import Any
 
 import numpy as np
+from tests.fakes.mux import FakeMux
 from tests.ur_nodes.navigation.closed_loop import two_rooms
 
 from ur.source.foreign.yaml_text import load_yaml
@@ -20,7 +20,7 @@ from ur_nodes.memory.bus import Bus
 from ur_nodes.navigation.move_base_node import start
 from ur_nodes.ports.actions import Goal, GoalId, GoalState
 from ur_nodes.ports.qualities import Quality
-from ur_nodes.ports.values import Map, PlacedPose, Range, Result, Scan, StampedTwist, Time, Transform, Twist
+from ur_nodes.ports.values import Map, PlacedPose, Range, Result, Scan, Transform, Twist
 
 BEAMS = 180
 CONE, HEARD, THICK = 0.5, 3.0, 0.12  # a sonar: rad, m; the radius of a pillar, m
@@ -59,7 +59,7 @@ class RobotStage:
         self.maps = self.node.publish("map", Map, Quality.LATCHED)
         self.maps.send(Map(self.bus.now, "map", self.grid))
         self.node.every(0.05, self._live)
-        self.mux = FakeMux(self.bus, self) if mux else None
+        self.mux = FakeMux(self.bus, self.take_command) if mux else None
         self.stops = self.node.publish("cmd_vel_mux/stopped", bool, Quality.LATCHED)
         if not mux:
             self.node.subscribe("cmd_vel", Twist, self.take_command, Quality.EVERY)
@@ -174,32 +174,3 @@ class RobotStage:
         hit = self.occupied[np.where(inside, cells[..., 0], 0), np.where(inside, cells[..., 1], 0)] & inside
         ranges = np.where(hit.any(axis=1), steps[hit.argmax(axis=1)], math.inf).astype(np.float32)
         return Scan(self.bus.now, "base_footprint", -math.pi, math.tau / BEAMS, 0.05, 4.0, ranges)
-
-
-class FakeMux:
-    """Issues challenges at 30 Hz, publishes the lease that the test wants, and lets commands pass that are in time."""
-
-    def __init__(self, bus: Bus, robot: RobotStage) -> None:
-        self.mute = False
-        self.newest = 0  # ns
-        self._bus, self._robot = bus, robot
-        node = bus.node("cmd_vel_mux")
-        self._challenges = node.publish("cmd_vel_mux/challenge", Time)
-        self._lease = node.publish("cmd_vel_mux/lease", str, Quality.LATCHED)
-        node.subscribe("cmd_vel_stamped", StampedTwist, self._take, Quality.EVERY)
-        node.every(1 / 30, self._issue)
-
-    def say(self, state: str, **changes: Any) -> None:
-        """Publish a lease: who drives, or did."""
-        laptop = {"client": "aa", "name": "laptop", "since": 50.0, "attended": True, "asking": []}
-        self._lease.send(json.dumps({"state": state, **laptop, **changes}))
-        self._bus.run(0.05)
-
-    def _issue(self) -> None:
-        if not self.mute:
-            self.newest = self._bus.now + 10**12
-            self._challenges.send(Time(self.newest))
-
-    def _take(self, command: StampedTwist) -> None:
-        if not command.frame and self.newest - command.stamp < 150_000_000:
-            self._robot.take_command(command.twist)

@@ -7,7 +7,8 @@ import json
 import math
 
 import pytest
-from tests.ur_nodes.navigation.robot_stage import FakeMux, RobotStage
+from tests.fakes.mux import FakeMux
+from tests.ur_nodes.navigation.robot_stage import RobotStage
 
 from ur_nodes.navigation.goals.goal_claim import write_any_heading, write_goal_id
 from ur_nodes.ports.values import Twist

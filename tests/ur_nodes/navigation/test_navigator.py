@@ -151,7 +151,7 @@ def test_navigator_leaves_a_place_where_it_cannot_turn() -> None:
 # Histories: one navigator, inputs written down, outputs looked at.
 
 
-class History:
+class NavigatorHistory:
     def __init__(self, **settings: float | bool) -> None:
         self.now = 0.0
         self.navigator = Navigator(
@@ -173,12 +173,12 @@ class History:
 
 
 def test_navigator_is_silent_without_a_goal() -> None:
-    out = History().step()
+    out = NavigatorHistory().step()
     assert (out.command, out.plan, out.ending) == (None, False, None)
 
 
 def test_navigator_asks_for_a_plan_once_and_then_drives() -> None:
-    history = History()
+    history = NavigatorHistory()
     assert history.start().plan
     assert not history.step().plan
     out = history.step(PlanAnswer(STRAIGHT))
@@ -188,7 +188,7 @@ def test_navigator_asks_for_a_plan_once_and_then_drives() -> None:
 
 
 def test_navigator_asks_anew_when_the_way_is_blocked_and_not_more_than_once_a_second() -> None:
-    history = History()
+    history = NavigatorHistory()
     history.start()
     history.step(PlanAnswer(STRAIGHT))
     history.now += 1.0
@@ -200,7 +200,7 @@ def test_navigator_asks_anew_when_the_way_is_blocked_and_not_more_than_once_a_se
 
 
 def test_navigator_stops_in_trouble_says_why_and_goes_on_after_it() -> None:
-    history = History()
+    history = NavigatorHistory()
     history.start()
     history.step(PlanAnswer(STRAIGHT))
     out = history.step(trouble="no scan on /scan for 1.0 s")
@@ -213,7 +213,7 @@ def test_navigator_stops_in_trouble_says_why_and_goes_on_after_it() -> None:
 
 
 def test_navigator_gives_up_when_trouble_lasts() -> None:
-    history = History(trouble_patience=2.0)
+    history = NavigatorHistory(trouble_patience=2.0)
     history.start()
     endings = [history.step(trouble="no scan on /scan for a while") for _ in range(25)]
     last = next(out for out in endings if out.ending is not None)
@@ -223,7 +223,7 @@ def test_navigator_gives_up_when_trouble_lasts() -> None:
 
 
 def test_navigator_tries_each_recovery_in_order_before_it_gives_up() -> None:
-    history = History(planner_patience=0.5)
+    history = NavigatorHistory(planner_patience=0.5)
     history.start()
     tried: list[str] = []
     cleared: list[Behaviour] = []
@@ -248,14 +248,14 @@ def test_navigator_tries_each_recovery_in_order_before_it_gives_up() -> None:
 
 
 def test_navigator_without_recovery_gives_up_at_once() -> None:
-    history = History(planner_patience=0.5, recovery_enabled=False)
+    history = NavigatorHistory(planner_patience=0.5, recovery_enabled=False)
     history.start()
     outs = [history.step(PlanAnswer(None, "no path: it is shut")) for _ in range(10)]
     assert [out.text for out in outs if out.ending] == ["no path: it is shut"]
 
 
 def test_navigator_notices_that_the_robot_does_not_move() -> None:
-    history = History(progress_timeout=2.0)
+    history = NavigatorHistory(progress_timeout=2.0)
     history.start()
     history.step(PlanAnswer(STRAIGHT))
     outs = [history.step() for _ in range(30)]
@@ -263,7 +263,7 @@ def test_navigator_notices_that_the_robot_does_not_move() -> None:
 
 
 def test_navigator_takes_a_new_goal_over_without_a_jerk() -> None:
-    history = History()
+    history = NavigatorHistory()
     history.start()
     out = history.step(PlanAnswer(STRAIGHT))
     for _ in range(6):

@@ -13,7 +13,7 @@ from tests.json_client import answer_requests, claim_output
 COLOUR = (200, 40, 90)
 
 
-class Client:
+class PictureClient:
     """Publishes `camera/image/compressed` ten times a second while a request waits."""
 
     def __init__(self) -> None:
@@ -39,7 +39,7 @@ def main() -> None:
     """Answer requests until standard input ends."""
     answers = claim_output()
     rospy.init_node("camera_client", anonymous=True, disable_signals=True)
-    answer_requests(answers, Client(), "do_")
+    answer_requests(answers, PictureClient(), "do_")
 
 
 if __name__ == "__main__":

@@ -70,7 +70,7 @@ class ActionlibClient:
         self._heard = placed_of(feedback.base_position)
 
 
-class RosStage:
+class Ros1Stage:
     """One node of ROS 1, for both ends."""
 
     raw_senders_unknown = False
@@ -119,7 +119,7 @@ def main(names: list[str]) -> None:
 
 def _failure(check: Callable[[Stage], None]) -> str:
     try:
-        check(RosStage())
+        check(Ros1Stage())
     except Exception:
         return traceback.format_exc()
     return ""

@@ -21,7 +21,7 @@ from ur_nodes.ports.values import Map
 from ur_nodes.ros2.node import RosNode
 
 
-class RosStage:
+class Ros2Stage:
     """One node of ROS 2, for both ends."""
 
     raw_senders_unknown = True
@@ -67,7 +67,7 @@ def main(names: list[str]) -> None:
 
 
 def _failure(check: Callable[[Stage], None]) -> str:
-    stage = RosStage()
+    stage = Ros2Stage()
     try:
         check(stage)
     except Exception:

@@ -25,7 +25,7 @@ def loop() -> Iterator[Loop]:
     loop.end(lambda: None, 10.0)
 
 
-class Answers:
+class CallResults:
     """Results of calls."""
 
     def __init__(self) -> None:
@@ -42,7 +42,7 @@ def test_server_that_ends_during_a_call_is_a_result(loop: Loop, problem: Excepti
     def fail(_request: Any) -> None:
         raise problem
 
-    answers = Answers()
+    answers = CallResults()
     loop.post(lambda: call_service(loop, "cmd_vel_mux/stop", Trigger(), answers.take, 60.0, lambda *_: fail))
     assert answers.arrived.wait(60.0)
     assert not answers.results[0].success
@@ -57,7 +57,7 @@ def test_request_that_was_reported_as_failed_is_not_sent_later(loop: Loop) -> No
         looked.set()
         return sent.append
 
-    answers = Answers()
+    answers = CallResults()
     loop.post(lambda: call_service(loop, "cmd_vel_mux/release", Trigger(), answers.take, 0.05, find))
     assert answers.arrived.wait(60.0)
     before = threading.enumerate()

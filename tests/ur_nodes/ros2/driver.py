@@ -19,7 +19,7 @@ _REST = 0.01  # m/s
 _PATIENCE = 20.0  # s
 
 
-class Driver:
+class PlainDriver:
     """`stopped` is the state of the emergency stop that the mux had kept."""
 
     def __init__(self, node: Node) -> None:
@@ -63,4 +63,4 @@ class Driver:
 
 
 if __name__ == "__main__":
-    sys.exit(run("driver", Driver))
+    sys.exit(run("driver", PlainDriver))

@@ -3,28 +3,16 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import pytest
-from tests.ros2_session import PYTHON, Ros2Session
+from tests.ros2_session import Ros2Session
 
 DRIVER = str(Path(__file__).with_name("driver.py"))
 MUX = "ur_nodes.motion.cmd_vel_mux_node"
 SOURCES = ("_topics/keyboard/topic:=key_vel", "_topics/keyboard/timeout:=0.15", "_topics/keyboard/priority:=90")
 MUX_ARGUMENTS = ("_base:=stage", "_obstacle_stop:=true", "cmd_vel_out:=cmd_vel", *SOURCES)
-
-
-@pytest.fixture
-def session(tmp_path: Path) -> Iterator[Ros2Session]:
-    if not PYTHON.exists():
-        pytest.skip("no wheels of ROS 2 for this processor")
-    started = Ros2Session(tmp_path)
-    try:
-        yield started
-    finally:
-        started.close()
 
 
 def drive(session: Ros2Session) -> dict[str, Any]:

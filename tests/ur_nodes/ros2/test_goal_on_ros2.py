@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import pytest
-from tests.ros2_session import PYTHON, Ros2Session
+from tests.ros2_session import Ros2Session
 from tests.ur_nodes.first_drive.drive import read_launch_files
 
 from ur.launchfile import Plan
@@ -22,17 +21,6 @@ MODULES = {
     "/move_base": "ur_nodes.navigation.move_base_node",
 }
 DRIVER = str(Path(__file__).with_name("goal_driver.py"))
-
-
-@pytest.fixture
-def session(tmp_path: Path) -> Iterator[Ros2Session]:
-    if not PYTHON.exists():
-        pytest.skip("no wheels of ROS 2 for this processor")
-    started = Ros2Session(tmp_path)
-    try:
-        yield started
-    finally:
-        started.close()
 
 
 def plain(value: Any) -> Any:

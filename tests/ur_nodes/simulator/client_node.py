@@ -8,10 +8,10 @@ from typing import Any
 import rospy
 from nav_msgs.srv import SetMap, SetMapRequest
 from std_srvs.srv import Empty, SetBool, Trigger
-from tests.json_client import answer_requests, claim_output
+from tests.ur_nodes.ros1_client import run_client
 
 
-class Client:
+class SimulatorClient:
     def __init__(self) -> None:
         self.arrived = threading.Condition()
         self.counts: dict[str, int] = {}
@@ -46,12 +46,5 @@ class Client:
         return [getattr(answer, "success", None), getattr(answer, "message", None)]
 
 
-def main() -> None:
-    answers = claim_output()
-    rospy.init_node("client", anonymous=True, disable_signals=True)
-    answer_requests(answers, Client())
-    rospy.signal_shutdown("done")
-
-
 if __name__ == "__main__":
-    main()
+    run_client(SimulatorClient)

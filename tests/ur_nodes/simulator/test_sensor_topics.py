@@ -5,7 +5,7 @@ from itertools import pairwise
 from pathlib import Path
 
 import pytest
-from tests.ur_nodes.first_drive.stage import Stage
+from tests.ur_nodes.first_drive.stage import DrivenStage
 from tests.ur_nodes.simulator.conftest import PACKAGE
 
 from ur_nodes.ports.qualities import Quality
@@ -13,7 +13,7 @@ from ur_nodes.ports.values import Battery, Imu, Joints, Range
 
 
 def test_sonars_share_a_topic_and_have_a_frame_each() -> None:
-    stage = Stage(base="magni")
+    stage = DrivenStage(base="magni")
     sonars = stage.base.sonars
     assert sonars is not None
     ranges, transforms = stage.record(sonars.topic, Range), stage.record("/tf", tuple)
@@ -33,7 +33,7 @@ def test_sonars_share_a_topic_and_have_a_frame_each() -> None:
 
 
 def test_inertial_unit_battery_and_wheels_publish_as_the_base_says() -> None:
-    stage = Stage(battery_charge=0.5)
+    stage = DrivenStage(battery_charge=0.5)
     imu, battery = stage.base.imu, stage.base.battery
     assert imu is not None
     assert battery is not None
@@ -54,7 +54,7 @@ def test_inertial_unit_battery_and_wheels_publish_as_the_base_says() -> None:
 
 
 def test_bumpers_tell_newcomers_and_change_when_the_robot_runs_into_something() -> None:
-    stage = Stage()
+    stage = DrivenStage()
     front, back = (stage.record(f"bumper/{side}", bool, Quality.LATCHED_EVERY) for side in ("front", "back"))
     stage.bus.run(0.1)
     assert (front, back) == ([False], [False])
@@ -69,7 +69,7 @@ def test_cliff_sensors_report_a_drop_while_the_robot_is_before_it(tmp_path: Path
     maze = PACKAGE / "n_map_server" / "maps" / "maze.yaml"
     world = tmp_path / "stair.yaml"
     world.write_text(f"floor_plan: {maze}\ndrops:\n  - {{pose: [0.7, 0.5, 0.0], size: [0.4, 1.0]}}\n", "utf-8")
-    stage = Stage(world, base="botvac")
+    stage = DrivenStage(world, base="botvac")
     left, right = (stage.record(f"cliff/{side}", bool, Quality.LATCHED_EVERY) for side in ("left", "right"))
     stage.bus.run(0.1)
     assert (left, right) == ([False], [False])

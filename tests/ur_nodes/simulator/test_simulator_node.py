@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 from tests.base_contract import EVERY, list_topics, load
-from tests.ur_nodes.first_drive.stage import WORLDS, Stage
+from tests.ur_nodes.first_drive.stage import WORLDS, DrivenStage
 from tests.ur_nodes.simulator.renderer import needs_renderer
 
 from ur.source.diagnostic import UserError
@@ -36,14 +36,14 @@ SENSORS = {"sensor_msgs/Range", "sensor_msgs/LaserScan", "sensor_msgs/Imu", "sen
 @pytest.mark.parametrize(("name", "variant"), EVERY)
 def test_simulated_base_publishes_what_its_file_says(name: str, variant: str) -> None:
     expected = list_topics(load(name, variant))
-    topics = Stage(base=name, variant=variant).bus.topics
+    topics = DrivenStage(base=name, variant=variant).bus.topics
     known = {topic: TYPES.get(offer.kind, "") for topic, ends in topics.items() for offer in ends.offers}
     assert {topic: known.get(topic) for topic in expected} == expected
     assert {topic for topic, kind in known.items() if kind in SENSORS} <= set(expected)
 
 
 def test_node_publishes_what_stage_ros_does_at_the_rates_of_the_base() -> None:
-    stage = Stage()
+    stage = DrivenStage()
     scans, odometry = stage.record("scan", Scan), stage.record("odom", Odometry)
     transforms, joints = stage.record("/tf", tuple), stage.record("joint_states", Joints)
     stage.bus.run(1.5)
@@ -63,7 +63,7 @@ def test_node_publishes_what_stage_ros_does_at_the_rates_of_the_base() -> None:
 
 
 def test_node_drives_and_stops_when_commands_cease() -> None:
-    stage = Stage()
+    stage = DrivenStage()
     odometry = stage.record("odom", Odometry)
     stage.drive(0.4, 0.0, 1.0)
     assert stage.truth.twist.forward > 0.1
@@ -74,7 +74,7 @@ def test_node_drives_and_stops_when_commands_cease() -> None:
 
 
 def test_node_goes_step_by_step_and_repeats_itself_after_a_reset() -> None:
-    stage = Stage(seed=4, publish_clock=True)
+    stage = DrivenStage(seed=4, publish_clock=True)
     scans = stage.record("scan", Scan)
     refused = stage.ask("simulator/step", Trigger())
     assert (refused.success, refused.text) == (False, "not paused, expected ~pause with true before ~step")
@@ -98,7 +98,7 @@ def test_node_goes_step_by_step_and_repeats_itself_after_a_reset() -> None:
     assert len(scans) == pytest.approx(count + 10, abs=1)
 
 
-def simulated_time(stage: Stage) -> float:
+def simulated_time(stage: DrivenStage) -> float:
     """The simulated time (s) after a step."""
     text = stage.ask("simulator/step", Trigger()).text
     stage.bus.run(0.001)  # what was sent arrives
@@ -107,7 +107,7 @@ def simulated_time(stage: Stage) -> float:
 
 
 def test_node_places_robot_and_obstacles_and_counts_collisions() -> None:
-    stage = Stage()
+    stage = DrivenStage()
     scans, collisions = stage.record("scan", Scan), stage.record("simulator/collisions", int, Quality.LATCHED_EVERY)
     assert stage.place(2.0, 0.0).success
     stage.bus.run(0.1)
@@ -130,7 +130,7 @@ def test_node_places_robot_and_obstacles_and_counts_collisions() -> None:
 
 
 def test_node_at_another_speed_is_the_clock() -> None:
-    stage = Stage(speed=5.0)
+    stage = DrivenStage(speed=5.0)
     clock, scans = stage.record("/clock", ClockTime), stage.record("scan", Scan)
     stage.bus.run(1.0)
     assert clock[-1].stamp - clock[0].stamp == pytest.approx(5e9, abs=3e7)
@@ -139,7 +139,7 @@ def test_node_at_another_speed_is_the_clock() -> None:
 
 
 def test_node_gives_several_robots_names_of_their_own() -> None:
-    stage = Stage("office", robots=2)
+    stage = DrivenStage("office", robots=2)
     odometry, scans = stage.record("robot_1/odom", Odometry), stage.record("robot_1/scan", Scan)
     truth = stage.record("robot_1/base_pose_ground_truth", Odometry)
     stage.drive(0.5, 0.0, 1.0, topic="robot_1/cmd_vel")
@@ -165,13 +165,13 @@ def test_node_refuses_what_it_cannot_use(tmp_path: Path, name: str, value: objec
     value = str(tmp_path / "broken.yaml") if value == "BROKEN" else value
     parameters: dict[str, Any] = {"base": "magni", "world_file": str(WORLDS / "maze.yaml"), name: value}
     with pytest.raises(UserError) as caught:
-        Stage(**parameters)
+        DrivenStage(**parameters)
     assert message in render_human(caught.value.diagnostics)
 
 
 def test_camera_draws_while_its_topics_have_listeners() -> None:
     needs_renderer()
-    stage = Stage(base="magni", camera_width=160, camera_height=120, camera_rate=5.0)
+    stage = DrivenStage(base="magni", camera_width=160, camera_height=120, camera_rate=5.0)
     stage.bus.run(1.0)
     images = stage.record("raspicam_node/image_raw", Picture)
     stage.bus.run(0.7)
@@ -189,7 +189,7 @@ def test_camera_draws_while_its_topics_have_listeners() -> None:
 
 def test_camera_that_cannot_draw_reports_it_and_tries_again(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("MUJOCO_GL", "none")
-    stage = Stage(base="magni")
+    stage = DrivenStage(base="magni")
     stage.record("raspicam_node/image_raw", Picture)
     stage.bus.run(9.0)
     errors = [text for level, text in stage.simulator.lines if level == "error"]

@@ -7,18 +7,18 @@ import threading
 from typing import Any
 
 import rospy
-from geometry_msgs.msg import TransformStamped
 from nav_msgs.msg import MapMetaData, OccupancyGrid
 from nav_msgs.srv import GetMap
 from sensor_msgs.msg import LaserScan
 from std_msgs.msg import Float64
 from tests.json_client import answer_requests, claim_output
+from tests.ur_nodes.ros1_client import stamped_transform
 from tf2_msgs.msg import TFMessage
 
 from ur.robot.base import load_base
 from ur.source.project import launch_library
 from ur.worlds.world_file import read_world
-from ur_nodes.codecs.geometry import pose3_of_transform, transform_message
+from ur_nodes.codecs.geometry import pose3_of_transform
 from ur_nodes.codecs.maps import grid_of_message
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.simulator.simulation import Simulation
@@ -26,7 +26,7 @@ from ur_nodes.simulator.simulation import Simulation
 PATIENCE = 30.0  # s
 
 
-class Client:
+class SlamClient:
     """A robot in the maze that moves only when told; every scan waits until it has been used."""
 
     def __init__(self) -> None:
@@ -43,7 +43,7 @@ class Client:
         rospy.Subscriber("slam_gmapping/entropy", Float64, self._take_entropy, queue_size=100)
         assert self._base.lidar
         laser = Pose2(self._base.lidar.pose[0], self._base.lidar.pose[1], self._base.lidar.pose[5])
-        placed = transform("base_footprint", "laser", laser, rospy.Time.now())
+        placed = stamped_transform("base_footprint", "laser", laser, rospy.Time.now())
         self._static.publish(TFMessage([placed]))
 
     def drive(self, linear: float, angular: float, seconds: float) -> float:
@@ -77,7 +77,7 @@ class Client:
         deadline = rospy.get_time() + PATIENCE
         while True:  # the node may not be connected yet
             stamp = rospy.Time.now()
-            self._tf.publish(TFMessage([transform("odom", "base_footprint", odometry, stamp)]))
+            self._tf.publish(TFMessage([stamped_transform("odom", "base_footprint", odometry, stamp)]))
             self._scan.publish(self._message(ranges, stamp))
             with self._news:
                 if self._news.wait_for(lambda: self._used != before, 1.0):
@@ -127,18 +127,11 @@ class Client:
             rospy.sleep(0.02)
 
 
-def transform(parent: str, child: str, pose: Pose2, stamp: rospy.Time) -> TransformStamped:
-    message = TransformStamped()
-    message.header.frame_id, message.child_frame_id, message.header.stamp = parent, child, stamp
-    message.transform = transform_message(pose)
-    return message
-
-
 def main() -> None:
     """Answer questions on standard input until it ends."""
     answers = claim_output()
     rospy.init_node("client", disable_signals=True)
-    answer_requests(answers, Client())
+    answer_requests(answers, SlamClient())
 
 
 if __name__ == "__main__":

@@ -36,7 +36,7 @@ LIDAR = BASE.lidar
 MOUNT = Pose2(LIDAR.pose[0], LIDAR.pose[1], LIDAR.pose[5]).in_space()
 
 
-class Stage:
+class SlamStage:
     """A robot in the maze with the node, in lock step with the time of the bus."""
 
     def __init__(self, **parameters: object) -> None:
@@ -128,7 +128,7 @@ def share_on_walls(grid: Grid) -> float:
 
 
 def test_map_is_published_and_answered_and_the_transform_is_sent_at_its_rate() -> None:
-    stage = Stage()
+    stage = SlamStage()
     assert not stage.ask("dynamic_map", AskMap()).success
     assert stage.drive(0.0, 0.8, 3.0) < 0.02
     assert len(stage.maps) == 1
@@ -146,7 +146,7 @@ def test_map_is_published_and_answered_and_the_transform_is_sent_at_its_rate() -
 
 
 def test_estimates_are_those_of_the_mapper_to_the_last_bit() -> None:
-    stage = Stage()
+    stage = SlamStage()
     stage.drive(0.2, 0.8, 2.0)
     tracker = MapTracker()
     mount = mount_of_pose(MOUNT)
@@ -161,20 +161,20 @@ def test_estimates_are_those_of_the_mapper_to_the_last_bit() -> None:
 
 
 def test_map_is_made_without_odometry() -> None:
-    stage = Stage(odom_frame="")
+    stage = SlamStage(odom_frame="")
     assert stage.drive(0.2, 0.3, 3.0) < 0.03
     assert stage.corrections[-1].child == "base_footprint"
 
 
 def test_map_is_made_with_a_lidar_that_hangs_upside_down_and_is_turned() -> None:
-    stage = Stage()
+    stage = SlamStage()
     stage.upside_down = True
     assert stage.drive(0.2, 0.4, 3.0) < 0.03
     assert np.sum(stage.maps[0].grid.values == 100) > 50
 
 
 def test_map_is_made_with_two_lidars_that_see_half_each_and_a_gyroscope() -> None:
-    stage = Stage(other_scans="rear_scan")
+    stage = SlamStage(other_scans="rear_scan")
     stage.halves = True
     assert stage.drive(0.0, 0.8, 9.0) < 0.03
     assert np.sum(stage.maps[-1].grid.values == 100) > 100
@@ -183,14 +183,14 @@ def test_map_is_made_with_two_lidars_that_see_half_each_and_a_gyroscope() -> Non
 
 
 def test_lidar_that_sends_nothing_is_left_out_with_a_reason() -> None:
-    stage = Stage(other_scans="rear_scan")
+    stage = SlamStage(other_scans="rear_scan")
     stage.drive(0.0, 0.8, 2.0)
     assert "no scan on rear_scan at the time of that on scan; it is left out" in stage.log()
 
 
 @pytest.mark.long
 def test_robot_that_is_carried_elsewhere_while_it_maps_is_found_and_nothing_is_mapped_double() -> None:
-    stage = Stage(map_update_interval=1.0)
+    stage = SlamStage(map_update_interval=1.0)
     stage.drive(0.0, 0.8, 3.0)
     stage.drive(0.3, 0.0, 4.0)
     stage.simulation.place("robot", (0.0, 0.0, -1.0))  # odometry does not notice
@@ -201,7 +201,7 @@ def test_robot_that_is_carried_elsewhere_while_it_maps_is_found_and_nothing_is_m
 
 
 def test_every_second_scan_is_used_where_half_of_them_are_to_be() -> None:
-    stage = Stage(throttle_scans=2)
+    stage = SlamStage(throttle_scans=2)
     stage.drive(0.0, 0.8, 2.0)
     assert len(stage.entropies) == len(stage.used) // 2
 
@@ -211,7 +211,7 @@ def test_map_is_saved_again_and_again_on_request_and_at_the_end_and_continued(
 ) -> None:
     monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path))
     store = own_store({"XDG_DATA_HOME": str(tmp_path)})
-    stage = Stage(store=True, map_name="flat", save_every=2.0, latest=True)
+    stage = SlamStage(store=True, map_name="flat", save_every=2.0, latest=True)
     assert stage.ask("slam_gmapping/save", Trigger()).text == "there is no map yet; is the lidar driver running?"
     stage.drive(0.2, 0.0, 1.0)
     assert store.record("flat").keyframes == 0
@@ -244,7 +244,7 @@ def test_map_is_saved_again_and_again_on_request_and_at_the_end_and_continued(
 
 def test_map_that_cannot_be_written_is_reported(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path))
-    stage = Stage(store=True, map_name="flat", save_every=1.0)
+    stage = SlamStage(store=True, map_name="flat", save_every=1.0)
     folder = own_store({"XDG_DATA_HOME": str(tmp_path)}).path("flat")
     (folder / "map.pgm").mkdir()
     stage.drive(0.2, 0.0, 3.0)
@@ -256,4 +256,4 @@ def test_map_that_cannot_be_written_is_reported(tmp_path: Path, monkeypatch: pyt
 
 def test_bad_parameter_is_refused() -> None:
     with pytest.raises(UserError, match=r"parameter /slam_gmapping/delta: 0, expected a number from 0\.01 to 1"):
-        Stage(delta=0)
+        SlamStage(delta=0)

@@ -15,7 +15,7 @@ from ur_nodes.teleop.terminal.raw import RawTerminal, own_terminal
 LIMIT = 60.0  # s
 
 
-class Screen:
+class TypedTerminal:
     """Runs `body(terminal, ended)` on a thread; a test types, and reads what is shown. Leaving it ends the body."""
 
     def __init__(self, body: Callable[[RawTerminal, threading.Event], object]) -> None:
@@ -26,7 +26,7 @@ class Screen:
         self._body = body
         self._threads = [threading.Thread(target=self._run), threading.Thread(target=self._read, daemon=True)]
 
-    def __enter__(self) -> Screen:
+    def __enter__(self) -> TypedTerminal:
         for thread in self._threads:
             thread.start()
         self.wait_for("\x1b[?u")  # what is typed before the terminal is in raw mode is lost

@@ -60,7 +60,7 @@ def jpeg_at(pose: Pose2) -> bytes:
     return cv2.imencode(".jpg", draw(seen))[1].tobytes()
 
 
-class Robot:
+class FiducialRobot:
     """Drives with a camera and exact wheels; keeps the newest value of each topic."""
 
     def __init__(self, calibration: Calibration = CALIBRATION) -> None:
@@ -110,21 +110,21 @@ class Robot:
 def map_file(tmp_path: Path) -> Path:
     """The map of the fiducials."""
     path = tmp_path / "maps" / "map.txt"
-    robot = Robot()
+    robot = FiducialRobot()
     build_map(robot, path)
     assert robot.ask("save_map", Trigger()).success
     return path
 
 
-def build_map(robot: Robot, path: Path) -> None:
+def build_map(robot: FiducialRobot, path: Path) -> None:
     robot.bus.load_parameters("/slam", {"map_file": str(path)})
     FiducialDetect(robot.bus.node("detect"))
     FiducialSlamNode(robot.bus.node("slam"))
     robot.drive(PATH)
 
 
-def localise(path: Path) -> Robot:
-    robot = Robot()
+def localise(path: Path) -> FiducialRobot:
+    robot = FiducialRobot()
     robot.bus.load_parameters("/slam", {"map_file": str(path), "read_only_map": True})
     FiducialDetect(robot.bus.node("detect"))
     FiducialSlamNode(robot.bus.node("slam"))
@@ -134,7 +134,7 @@ def localise(path: Path) -> Robot:
 
 
 def test_fiducials_of_a_picture_are_published_with_poses_frames_and_drawings() -> None:
-    robot = Robot()
+    robot = FiducialRobot()
     FiducialDetect(robot.bus.node("detect"))
     robot.listen(
         fiducial_vertices=SeenFiducials,
@@ -163,7 +163,7 @@ def test_fiducials_of_a_picture_are_published_with_poses_frames_and_drawings() -
 
 
 def test_picture_that_is_none_is_reported_and_detection_goes_on() -> None:
-    robot = Robot()
+    robot = FiducialRobot()
     node = robot.bus.node("detect")
     FiducialDetect(node)
     robot.listen(fiducial_vertices=SeenFiducials)
@@ -175,7 +175,7 @@ def test_picture_that_is_none_is_reported_and_detection_goes_on() -> None:
 
 
 def test_camera_without_calibration_gives_corners_only_and_is_named_once() -> None:
-    robot = Robot(UNCALIBRATED)
+    robot = FiducialRobot(UNCALIBRATED)
     node = robot.bus.node("detect")
     FiducialDetect(node)
     robot.listen(fiducial_vertices=SeenFiducials, fiducial_transforms=PlacedFiducials)
@@ -185,7 +185,7 @@ def test_camera_without_calibration_gives_corners_only_and_is_named_once() -> No
 
 
 def test_of_pictures_that_arrive_during_a_detection_only_the_newest_is_processed() -> None:
-    robot = Robot()
+    robot = FiducialRobot()
     robot.bus.durations["pictures"] = 0.5
     FiducialDetect(robot.bus.node("detect"))
     numbers: list[int] = []
@@ -196,7 +196,7 @@ def test_of_pictures_that_arrive_during_a_detection_only_the_newest_is_processed
 
 
 def test_raw_pictures_are_taken_where_a_parameter_asks_for_them() -> None:
-    robot = Robot()
+    robot = FiducialRobot()
     robot.bus.parameters["/detect/image_transport"] = "raw"
     FiducialDetect(robot.bus.node("detect"))
     robot.listen(fiducial_vertices=SeenFiducials)
@@ -211,7 +211,7 @@ def test_raw_pictures_are_taken_where_a_parameter_asks_for_them() -> None:
 
 def test_fiducials_are_mapped_shown_and_saved(tmp_path: Path) -> None:
     path = tmp_path / "maps" / "map.txt"
-    robot = Robot()
+    robot = FiducialRobot()
     robot.listen(fiducials=Markers, fiducial_map=MappedFiducials, fiducial_pose=PoseEstimate)
     build_map(robot, path)
     correction = robot.correction()
@@ -231,7 +231,7 @@ def test_fiducials_are_mapped_shown_and_saved(tmp_path: Path) -> None:
 
 def test_map_is_saved_by_itself_when_it_has_changed_and_at_the_end(tmp_path: Path) -> None:
     path = tmp_path / "map.txt"
-    robot = Robot()
+    robot = FiducialRobot()
     build_map(robot, path)
     robot.bus.run(10.0)
     first = path.read_text()
@@ -245,7 +245,7 @@ def test_map_is_saved_by_itself_when_it_has_changed_and_at_the_end(tmp_path: Pat
 
 
 def test_map_that_cannot_be_saved_is_reported(tmp_path: Path) -> None:
-    robot = Robot()
+    robot = FiducialRobot()
     build_map(robot, tmp_path)  # which is a folder
     answer = robot.ask("save_map", Trigger())
     assert not answer.success
@@ -253,7 +253,7 @@ def test_map_that_cannot_be_saved_is_reported(tmp_path: Path) -> None:
 
 
 def test_cleared_map_is_built_anew_from_where_the_robot_is(tmp_path: Path) -> None:
-    robot = Robot()
+    robot = FiducialRobot()
     robot.listen(fiducial_map=MappedFiducials)
     build_map(robot, tmp_path / "map.txt")
     assert robot.ask("clear_map", Silent()).success
@@ -343,7 +343,7 @@ def test_detection_refuses_parameters_that_cannot_be(name: str, value: object, m
 
 @pytest.mark.parametrize("wrong", [math.nan, math.inf, 1e300])
 def test_what_no_camera_can_see_is_overlooked_and_the_map_goes_on(tmp_path: Path, wrong: float) -> None:
-    robot = Robot()
+    robot = FiducialRobot()
     robot.listen(fiducial_pose=PoseEstimate)
     build_map(robot, tmp_path / "map.txt")
     corners = np.array([(300.0, 220.0), (340.0, 220.0), (340.0, 260.0), (300.0, wrong)])
@@ -364,7 +364,7 @@ def test_what_no_camera_can_see_is_overlooked_and_the_map_goes_on(tmp_path: Path
 
 @pytest.mark.parametrize("wrong", [math.nan, math.inf])
 def test_camera_whose_calibration_is_not_finite_counts_as_uncalibrated(wrong: float) -> None:
-    robot = Robot(replace(CALIBRATION, matrix=(wrong, *CALIBRATION.matrix[1:])))
+    robot = FiducialRobot(replace(CALIBRATION, matrix=(wrong, *CALIBRATION.matrix[1:])))
     robot.listen(fiducial_vertices=SeenFiducials, fiducial_transforms=PlacedFiducials)
     node = robot.bus.node("detect")
     FiducialDetect(node)

@@ -8,11 +8,11 @@ from pathlib import Path
 from typing import Any
 
 import yaml
+from tests.fakes.navigation import FakeNavigation
 
 from ur.web.wire.frames import Kind, Layer, key_of
 from ur_nodes.memory.bus import Bus
 from ur_nodes.motion.cmd_vel_mux_node import start
-from ur_nodes.ports.actions import GoalHandle
 from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.values import Twist
 from ur_nodes.web.robot_end import RobotSession
@@ -40,23 +40,7 @@ class Outlet:
         return next(json.loads(each[6:]) for each in reversed(self.frames) if key_of(each)[:2] == (kind, layer))
 
 
-class Navigation:
-    """Takes goals, and pursues each until it is cancelled."""
-
-    def __init__(self) -> None:
-        self.goals: list[GoalHandle] = []
-        self.cancelled: list[GoalHandle] = []
-
-    def take_goal(self, handle: GoalHandle) -> None:
-        handle.accept()
-        self.goals.append(handle)
-
-    def take_cancel(self, handle: GoalHandle) -> None:
-        handle.cancel("cancelled")
-        self.cancelled.append(handle)
-
-
-class World:
+class RobotWorld:
     """A robot with a mux and navigation, and its end of the page; `speeds` reach the base: times (ns) and velocities.
 
     `ROS_HOME` is where the mux keeps the lease.
@@ -71,8 +55,7 @@ class World:
         self.base.subscribe(
             "cmd_vel_out", Twist, lambda twist: self.speeds.append((self.bus.now, twist)), Quality.EVERY
         )
-        self.navigation = Navigation()
-        self.robot.serve_goals("move_base", self.navigation)
+        self.navigation = FakeNavigation(self.robot)
         self.mux = self.bus.node("cmd_vel_mux")
         self.mux.facts.simulated_time = False
         start(self.mux)
@@ -81,7 +64,7 @@ class World:
         self.drive.take_line = self._take_line
         self.end = RobotSession(self.node, self.view, self.drive)
         self.challenge = [0, 0]
-        self.pages: dict[str, Page] = {}
+        self.pages: dict[str, DrivingPage] = {}
         self.bus.run(1.5)
 
     def _take_line(self, line: dict[str, Any]) -> None:
@@ -104,10 +87,10 @@ class World:
         return found
 
 
-class Page:
+class DrivingPage:
     """A page that may drive, and that says ten times a second that it is there, while it is `alive`."""
 
-    def __init__(self, world: World, client: str = "web-a", computer: str = "browser", **more: Any) -> None:
+    def __init__(self, world: RobotWorld, client: str = "web-a", computer: str = "browser", **more: Any) -> None:
         self.world, self.client = world, client
         self.answers: list[dict[str, Any]] = []
         self.wanted: tuple[int, float, float] | None = None

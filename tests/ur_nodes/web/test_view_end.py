@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from tests.ur_nodes.web.robot_world import Outlet, Page, World
+from tests.ur_nodes.web.robot_world import DrivingPage, Outlet, RobotWorld
 
 from ur.web.wire.frames import Kind, Layer, key_of
 from ur_nodes.geometry.grid import Grid
@@ -24,28 +24,28 @@ GRID = Grid(np.zeros((300, 600), np.int8), 0.05, Pose2(0.0, 0.0, 0.0))
 
 
 @pytest.fixture
-def world(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> World:
+def world(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> RobotWorld:
     monkeypatch.setenv("ROS_HOME", str(tmp_path))
     monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path))
     monkeypatch.setenv("ROS_MASTER_URI", "http://robot:1")
-    return World()
+    return RobotWorld()
 
 
-def keys(world: World, seconds: float) -> list[tuple[int, int]]:
+def keys(world: RobotWorld, seconds: float) -> list[tuple[int, int]]:
     """Kind and layer of the frames that are sent from now on."""
     before = len(world.view.frames)
     world.bus.run(seconds)
     return [key_of(each)[:2] for each in world.view.frames[before:]]
 
 
-def publish_pose(world: World, x: float) -> None:
+def publish_pose(world: RobotWorld, x: float) -> None:
     place = Pose2(x, 0.0, 0.0).in_space()
     world.robot.transforms.send(
         Transform(world.bus.now, "map", "odom", HERE), Transform(world.bus.now, "odom", "base_footprint", place)
     )
 
 
-def test_pose_is_sent_fifteen_times_a_second_while_a_page_is_open_and_twice_a_second_else(world: World) -> None:
+def test_pose_is_sent_fifteen_times_a_second_while_a_page_is_open_and_twice_a_second_else(world: RobotWorld) -> None:
     world.end.take_view({"viewers": 1})
     sent = keys(world, 2.0)
     assert 29 <= sent.count((Kind.POSE, 0)) <= 31
@@ -58,7 +58,7 @@ def test_pose_is_sent_fifteen_times_a_second_while_a_page_is_open_and_twice_a_se
     assert (Kind.POSE, 0) in keys(world, 0.0), "the first page does not wait"
 
 
-def test_pose_beyond_32_bits_is_sent_as_the_largest_number(world: World) -> None:
+def test_pose_beyond_32_bits_is_sent_as_the_largest_number(world: RobotWorld) -> None:
     world.end.take_view({"viewers": 1})
     publish_pose(world, 1e39)
     world.bus.run(1.0)
@@ -66,7 +66,7 @@ def test_pose_beyond_32_bits_is_sent_as_the_largest_number(world: World) -> None
     assert struct.unpack_from("<f", pose, 6)[0] > 1e38
 
 
-def test_map_scan_and_plan_are_sent_where_they_are_in_the_map(world: World) -> None:
+def test_map_scan_and_plan_are_sent_where_they_are_in_the_map(world: RobotWorld) -> None:
     world.end.take_view({"viewers": 1})
     publish_pose(world, 2.0)
     world.robot.transforms.send(Transform(0, "base_footprint", "laser", HERE, fixed=True))
@@ -88,9 +88,9 @@ def test_map_scan_and_plan_are_sent_where_they_are_in_the_map(world: World) -> N
     assert keys(world, 1.0).count((Kind.TILE, Layer.MAP)) == 1
 
 
-def test_plan_is_sent_while_its_goal_is_driven_to(world: World) -> None:
+def test_plan_is_sent_while_its_goal_is_driven_to(world: RobotWorld) -> None:
     world.end.take_view({"viewers": 1})
-    page, plans = Page(world), world.robot.publish("move_base/NavfnROS/plan", PathValue)
+    page, plans = DrivingPage(world), world.robot.publish("move_base/NavfnROS/plan", PathValue)
     page.ask("goal", x=1.0, y=2.0, yaw=0.5)
     world.bus.run(1.0)
     plans.send(PathValue(0, "map", np.zeros((3, 3))))
@@ -99,7 +99,7 @@ def test_plan_is_sent_while_its_goal_is_driven_to(world: World) -> None:
     assert (Kind.POINTS, Layer.PLAN) in keys(world, 1.0), "it is taken away"
 
 
-def test_server_that_is_slow_gets_the_newest_state_later_and_no_queue(world: World) -> None:
+def test_server_that_is_slow_gets_the_newest_state_later_and_no_queue(world: RobotWorld) -> None:
     world.end.take_view({"viewers": 1})
     world.bus.run(1.0)
     world.view.busy = True
@@ -112,7 +112,7 @@ def test_server_that_is_slow_gets_the_newest_state_later_and_no_queue(world: Wor
     assert world.view.newest(Kind.STATE)["battery"] == {"share": 0.5, "volts": 12.3, "charging": False}
 
 
-def test_state_is_sent_when_it_has_changed(world: World) -> None:
+def test_state_is_sent_when_it_has_changed(world: RobotWorld) -> None:
     world.end.take_view({"viewers": 1})
     world.bus.run(4.0)
     assert (Kind.STATE, 0) not in keys(world, 4.0)
@@ -127,7 +127,7 @@ def test_state_is_sent_when_it_has_changed(world: World) -> None:
     assert world.view.newest(Kind.STATE)["battery"] == {"share": None, "volts": None, "charging": True}
 
 
-def test_layers_that_pages_show_are_found_by_the_types_of_their_topics(world: World) -> None:
+def test_layers_that_pages_show_are_found_by_the_types_of_their_topics(world: RobotWorld) -> None:
     sonars = world.robot.publish("sonars", Range, type_name="sensor_msgs/Range")
     world.robot.transforms.send(Transform(0, "map", "sonar", HERE, fixed=True))
     world.end.take_view({"viewers": 1, "layers": [Layer.SONARS]})
@@ -142,7 +142,9 @@ def test_layers_that_pages_show_are_found_by_the_types_of_their_topics(world: Wo
 
 
 @pytest.mark.parametrize(("variance", "spread"), [(0.02, 0.2), (float("inf"), None), (float("nan"), None)])
-def test_spread_of_the_pose_is_sent_where_it_is_a_number(world: World, variance: float, spread: float | None) -> None:
+def test_spread_of_the_pose_is_sent_where_it_is_a_number(
+    world: RobotWorld, variance: float, spread: float | None
+) -> None:
     world.end.take_view({"viewers": 1})
     poses = world.robot.publish("amcl_pose", PoseEstimate, Quality.LATCHED)
     poses.send(PoseEstimate(0, "map", Pose2(0.0, 0.0, 0.0), np.diag([variance, variance, 0.1])))
@@ -150,7 +152,7 @@ def test_spread_of_the_pose_is_sent_where_it_is_a_number(world: World, variance:
     assert world.view.newest(Kind.STATE)["spread"] == spread
 
 
-def test_sources_that_cannot_be_read_are_asked_for_again(world: World, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_sources_that_cannot_be_read_are_asked_for_again(world: RobotWorld, monkeypatch: pytest.MonkeyPatch) -> None:
     def fail(_self: object, _name: str) -> object:
         raise ConnectionResetError("the master was restarted")
 

@@ -7,7 +7,6 @@ from collections.abc import AsyncIterator
 from contextlib import AsyncExitStack
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import pytest
 from tests.ros_session import free_port
@@ -15,6 +14,7 @@ from tests.ros_session import free_port
 aiohttp = pytest.importorskip("aiohttp", reason="aiohttp is not installed: requirements/web.lock")
 
 from aiohttp import web  # noqa: E402
+from tests.fakes.page_server import PageServerClient  # noqa: E402
 from tests.web.server.robot_ends import KeptRobotEnd, keep  # noqa: E402
 
 from ur.web.access.origin import make_origins  # noqa: E402
@@ -32,26 +32,14 @@ GUARDED = ["/", "/main.js", "/api/me", "/ws/view", DRIVE, RUNS, *PROGRAMS]
 
 
 @dataclass
-class Server:
+class ApplicationServer(PageServerClient):
     application: Application
-    gate: LoginGate
-    url: str
-    client: Any
     log: list[str]
     robot_end: KeptRobotEnd
 
     @property
     def origin(self) -> dict[str, str]:
         return {"Origin": self.url}
-
-    async def log_in(self, role: Role = Role.DRIVE) -> None:
-        async with self.client.post(
-            f"{self.url}/login", json={"token": self.gate.invite(role)}, headers=self.origin
-        ) as answer:
-            assert answer.status == 200
-            cookie = answer.headers["Set-Cookie"]
-            assert "HttpOnly" in cookie
-            assert "SameSite=Strict" in cookie
 
     async def status(self, method: str, path: str, **headers: str) -> int:
         async with self.client.request(method, self.url + path, headers=headers) as answer:
@@ -60,7 +48,7 @@ class Server:
 
 
 @pytest.fixture
-async def server(tmp_path: Path) -> AsyncIterator[Server]:
+async def server(tmp_path: Path) -> AsyncIterator[ApplicationServer]:
     port, log = free_port(), list[str]()
     gate = LoginGate(make_origins((), port), tmp_path / "sessions.json", log.append)
     environment = {"ROS_MASTER_URI": f"http://localhost:{free_port()}"}
@@ -71,10 +59,10 @@ async def server(tmp_path: Path) -> AsyncIterator[Server]:
         open_server(application.build(), gate, "127.0.0.1", port, log.append),
         aiohttp.ClientSession(cookie_jar=jar) as client,
     ):
-        yield Server(application, gate, f"http://127.0.0.1:{port}", client, log, ends[0])
+        yield ApplicationServer(gate, f"http://127.0.0.1:{port}", client, application, log, ends[0])
 
 
-async def test_nothing_but_the_login_is_seen_without_a_session(server: Server) -> None:
+async def test_nothing_but_the_login_is_seen_without_a_session(server: ApplicationServer) -> None:
     for path in GUARDED:
         assert await server.status("GET", path, **server.origin) == 403, path
     for path in ("/api/stop", "/logout"):
@@ -83,7 +71,7 @@ async def test_nothing_but_the_login_is_seen_without_a_session(server: Server) -
         assert await server.status("GET", path) == 200, path
 
 
-async def test_browser_without_a_session_is_shown_the_page_of_the_login(server: Server) -> None:
+async def test_browser_without_a_session_is_shown_the_page_of_the_login(server: ApplicationServer) -> None:
     for path in ("/", "/api/me"):
         async with server.client.get(server.url + path, headers={"Accept": "text/html,*/*"}) as answer:
             assert (answer.url.path, answer.status) == ("/login", 200)
@@ -91,7 +79,7 @@ async def test_browser_without_a_session_is_shown_the_page_of_the_login(server: 
             assert "login.js" in await answer.text()
 
 
-async def test_other_hosts_and_origins_are_refused_even_with_a_session(server: Server) -> None:
+async def test_other_hosts_and_origins_are_refused_even_with_a_session(server: ApplicationServer) -> None:
     await server.log_in()
     for path in [*GUARDED, "/login"]:
         assert await server.status("GET", path, Host="evil.example") == 421, path
@@ -102,7 +90,7 @@ async def test_other_hosts_and_origins_are_refused_even_with_a_session(server: S
     assert await server.status("POST", "/api/stop") == 403
 
 
-async def test_link_is_good_once_and_wrong_ones_are_limited(server: Server) -> None:
+async def test_link_is_good_once_and_wrong_ones_are_limited(server: ApplicationServer) -> None:
     token = server.gate.invite(Role.DRIVE)
     codes = []
     for value in (token, token, "wrong", *["x"] * 20):
@@ -113,14 +101,14 @@ async def test_link_is_good_once_and_wrong_ones_are_limited(server: Server) -> N
 
 
 @pytest.mark.parametrize("body", ["", "[]", "{", '{"token": 3}', "[" * 1500, "x" * 5000])
-async def test_malformed_logins_are_refused_in_a_line(server: Server, body: str) -> None:
+async def test_malformed_logins_are_refused_in_a_line(server: ApplicationServer, body: str) -> None:
     async with server.client.post(f"{server.url}/login", data=body, headers=server.origin) as answer:
         assert answer.status in (400, 403, 413)
         assert "Traceback" not in await answer.text()
 
 
 @pytest.mark.parametrize("charset", ["bogus", "utf-16", "idna", "'"])
-async def test_login_with_a_strange_charset_is_refused_in_a_line(server: Server, charset: str) -> None:
+async def test_login_with_a_strange_charset_is_refused_in_a_line(server: ApplicationServer, charset: str) -> None:
     headers = {**server.origin, "Content-Type": f"application/json; charset={charset}"}
     async with server.client.post(f"{server.url}/login", data=b"\xff{", headers=headers) as answer:
         assert answer.status == 400
@@ -130,12 +118,12 @@ async def test_login_with_a_strange_charset_is_refused_in_a_line(server: Server,
 @pytest.mark.parametrize(
     "path", ["/../serve.py", "/%2e%2e/serve.py", "/static/", "/x.js", "/.bashrc", "/main.js/", "//"]
 )
-async def test_only_files_of_the_page_are_served(server: Server, path: str) -> None:
+async def test_only_files_of_the_page_are_served(server: ApplicationServer, path: str) -> None:
     await server.log_in()
     assert await server.status("GET", path) in (403, 404)
 
 
-async def test_answers_forbid_scripts_and_frames_of_others(server: Server) -> None:
+async def test_answers_forbid_scripts_and_frames_of_others(server: ApplicationServer) -> None:
     await server.log_in()
     for path in ("/", "/login", "/x.js", "/api/me"):
         async with server.client.get(server.url + path) as answer:
@@ -151,7 +139,7 @@ async def test_answers_forbid_scripts_and_frames_of_others(server: Server) -> No
             assert b"//" not in file.plain.replace(b"<!doctype", b""), name
 
 
-async def test_page_is_small_and_is_not_sent_twice(server: Server) -> None:
+async def test_page_is_small_and_is_not_sent_twice(server: ApplicationServer) -> None:
     await server.log_in()
     assert sum(len(file.packed) for file in load_files().values()) < 250_000
     async with server.client.get(f"{server.url}/main.js") as answer:
@@ -159,7 +147,7 @@ async def test_page_is_small_and_is_not_sent_twice(server: Server) -> None:
     assert await server.status("GET", "/main.js", **{"If-None-Match": tag}) == 304
 
 
-async def test_role_that_looks_sees_the_robot_and_cannot_drive(server: Server) -> None:
+async def test_role_that_looks_sees_the_robot_and_cannot_drive(server: ApplicationServer) -> None:
     await server.log_in(Role.LOOK)
     assert await server.status("GET", DRIVE, **server.origin) == 403
     assert await server.status("POST", "/api/stop", **server.origin) == 503  # allowed; no robot runs
@@ -173,7 +161,7 @@ async def test_role_that_looks_sees_the_robot_and_cannot_drive(server: Server) -
         assert socket.close_code == aiohttp.WSCloseCode.POLICY_VIOLATION
 
 
-async def test_page_gets_only_the_layers_that_it_asks_for(server: Server) -> None:
+async def test_page_gets_only_the_layers_that_it_asks_for(server: ApplicationServer) -> None:
     await server.log_in()
     assert await server.status("GET", "/ws/view?layers=../x", **server.origin) == 400
     socket = await server.client.ws_connect(f"{server.url}/ws/view?layers=plan", headers=server.origin)
@@ -187,7 +175,7 @@ async def test_page_gets_only_the_layers_that_it_asks_for(server: Server) -> Non
         assert found[:2] == (Kind.POINTS, Layer.PLAN)
 
 
-async def test_page_changes_what_it_shows_over_its_open_connection(server: Server) -> None:
+async def test_page_changes_what_it_shows_over_its_open_connection(server: ApplicationServer) -> None:
     asked: list[tuple[int, bool, list[str]]] = []
 
     def look(viewers: int, layers: frozenset[Layer], plots: frozenset[str], _camera: str) -> None:
@@ -209,7 +197,7 @@ async def test_page_changes_what_it_shows_over_its_open_connection(server: Serve
     assert asked[:3] == [(1, False, []), (1, True, ["/a:x"]), (1, False, [])]
 
 
-async def test_page_that_changes_too_often_is_closed(server: Server) -> None:
+async def test_page_that_changes_too_often_is_closed(server: ApplicationServer) -> None:
     await server.log_in(Role.LOOK)
     async with server.client.ws_connect(f"{server.url}/ws/view", headers=server.origin) as socket:
         for _ in range(100):
@@ -219,7 +207,7 @@ async def test_page_that_changes_too_often_is_closed(server: Server) -> None:
         assert socket.close_code == aiohttp.WSCloseCode.POLICY_VIOLATION
 
 
-async def test_camera_has_a_socket_of_its_own_and_waits_for_the_page(server: Server) -> None:
+async def test_camera_has_a_socket_of_its_own_and_waits_for_the_page(server: ApplicationServer) -> None:
     come = asyncio.Event()
 
     def look(_viewers: int, layers: frozenset[Layer], _plots: frozenset[str], _camera: str) -> None:
@@ -257,7 +245,7 @@ async def test_camera_has_a_socket_of_its_own_and_waits_for_the_page(server: Ser
     ],
 )
 async def test_camera_is_chosen_for_all_pages_by_those_that_may_drive(
-    server: Server, role: Role, text: str, passed: list[str]
+    server: ApplicationServer, role: Role, text: str, passed: list[str]
 ) -> None:
     chosen, done = list[str](), asyncio.Event()
 
@@ -278,7 +266,7 @@ async def test_camera_is_chosen_for_all_pages_by_those_that_may_drive(
     assert chosen[:1] == passed
 
 
-async def test_page_that_sends_rubbish_is_closed(server: Server) -> None:
+async def test_page_that_sends_rubbish_is_closed(server: ApplicationServer) -> None:
     await server.log_in()
     async with server.client.ws_connect(server.url + DRIVE, headers=server.origin) as socket:
         assert (await socket.receive_json(timeout=30))["t"] == "hello"
@@ -292,7 +280,7 @@ async def test_page_that_sends_rubbish_is_closed(server: Server) -> None:
     assert await server.status("GET", "/ws/drive?tab=../../x", **server.origin) == 400
 
 
-async def test_page_that_is_opened_again_replaces_its_older_connection(server: Server) -> None:
+async def test_page_that_is_opened_again_replaces_its_older_connection(server: ApplicationServer) -> None:
     await server.log_in()
     async with server.client.ws_connect(server.url + DRIVE, headers=server.origin) as first:
         client = (await first.receive_json(timeout=30))["client"]
@@ -301,14 +289,14 @@ async def test_page_that_is_opened_again_replaces_its_older_connection(server: S
             assert (await first.receive(timeout=30)).type is aiohttp.WSMsgType.CLOSE
 
 
-async def test_logout_ends_the_session(server: Server) -> None:
+async def test_logout_ends_the_session(server: ApplicationServer) -> None:
     await server.log_in()
     assert await server.status("GET", "/api/me") == 200
     assert await server.status("POST", "/logout", **server.origin) == 200
     assert await server.status("GET", "/api/me") == 403
 
 
-async def test_plots_of_all_pages_are_asked_for_once_and_only_they_get_the_numbers(server: Server) -> None:
+async def test_plots_of_all_pages_are_asked_for_once_and_only_they_get_the_numbers(server: ApplicationServer) -> None:
     asked: list[tuple[int, bool, list[str]]] = []
 
     def look(viewers: int, layers: frozenset[Layer], plots: frozenset[str], _camera: str) -> None:

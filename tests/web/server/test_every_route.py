@@ -13,6 +13,7 @@ from tests.ros_session import free_port
 
 aiohttp = pytest.importorskip("aiohttp", reason="aiohttp is not installed: requirements/web.lock")
 
+from tests.fakes.page_server import PageServerClient  # noqa: E402
 from tests.web.server.robot_ends import KeptRobotEnd, keep  # noqa: E402
 
 from ur.web.access.origin import make_origins  # noqa: E402
@@ -65,18 +66,10 @@ OLD = "x" * 43
 
 
 @dataclass
-class Server:
-    gate: LoginGate
-    url: str
+class RouteServer(PageServerClient):
     routes: set[tuple[str, str]]
-    client: Any
     passed: list[Any]
     ahead: list[float]  # s of the server's clock
-
-    async def log_in(self, role: Role) -> None:
-        token = self.gate.invite(role)
-        answer = await self.client.post(f"{self.url}/login", json={"token": token}, headers={"Origin": self.url})
-        assert answer.status == 200
 
     async def refuse(self, method: str, path: str, **headers: str) -> int:
         """The status; what is refused is refused in a line that holds no secret."""
@@ -94,7 +87,7 @@ class Server:
 
 
 @pytest.fixture
-async def server(tmp_path: Path) -> AsyncIterator[Server]:
+async def server(tmp_path: Path) -> AsyncIterator[RouteServer]:
     port, ends, ahead = free_port(), list[KeptRobotEnd](), [0.0]
     gate = LoginGate(
         make_origins((), port), tmp_path / "sessions.json", lambda _: None, clock=lambda: time.time() + ahead[0]
@@ -111,14 +104,14 @@ async def server(tmp_path: Path) -> AsyncIterator[Server]:
         open_server(built, gate, "127.0.0.1", port, lambda _: None),
         aiohttp.ClientSession(cookie_jar=aiohttp.CookieJar(unsafe=True)) as client,
     ):
-        yield Server(gate, f"http://127.0.0.1:{port}", routes, client, ends[0].passed, ahead)
+        yield RouteServer(gate, f"http://127.0.0.1:{port}", client, routes, ends[0].passed, ahead)
 
 
-async def test_every_route_is_classified(server: Server) -> None:
+async def test_every_route_is_classified(server: RouteServer) -> None:
     assert server.routes == OPEN | LOOK | DRIVE | VIEWER
 
 
-async def test_every_route_but_the_login_is_refused_without_a_session(server: Server) -> None:
+async def test_every_route_but_the_login_is_refused_without_a_session(server: RouteServer) -> None:
     for cookie in ({}, {"Cookie": f"{server.gate.cookie}={OLD}"}, {"Cookie": f"{server.gate.cookie}="}):
         for method, path in server.routes - OPEN:
             for each in (method, "HEAD") if method == "GET" else (method,):
@@ -126,7 +119,7 @@ async def test_every_route_but_the_login_is_refused_without_a_session(server: Se
     assert server.passed == []
 
 
-async def test_every_route_is_refused_under_another_host(server: Server) -> None:
+async def test_every_route_is_refused_under_another_host(server: RouteServer) -> None:
     await server.log_in(Role.DRIVE)
     for host in ("evil.example", "127.0.0.1.evil.example", ""):
         for method, path in server.routes:
@@ -134,7 +127,7 @@ async def test_every_route_is_refused_under_another_host(server: Server) -> None
     assert server.passed == []
 
 
-async def test_every_route_that_changes_or_streams_is_refused_to_another_origin(server: Server) -> None:
+async def test_every_route_that_changes_or_streams_is_refused_to_another_origin(server: RouteServer) -> None:
     await server.log_in(Role.DRIVE)
     changing = {each for each in server.routes if each[0] != "GET" or each[1].startswith("/ws/")} | VIEWER
     assert len(changing) >= 8
@@ -148,7 +141,7 @@ async def test_every_route_that_changes_or_streams_is_refused_to_another_origin(
     assert server.passed == []
 
 
-async def test_every_route_is_refused_to_a_session_that_is_too_old(server: Server) -> None:
+async def test_every_route_is_refused_to_a_session_that_is_too_old(server: RouteServer) -> None:
     token = server.gate.invite(Role.DRIVE)
     await server.log_in(Role.DRIVE)
     server.ahead[0] = TOKEN_LIFE + 1.0
@@ -162,14 +155,14 @@ async def test_every_route_is_refused_to_a_session_that_is_too_old(server: Serve
     assert server.passed == []
 
 
-async def test_every_route_of_drivers_is_refused_to_the_role_that_looks(server: Server) -> None:
+async def test_every_route_of_drivers_is_refused_to_the_role_that_looks(server: RouteServer) -> None:
     await server.log_in(Role.LOOK)
     for method, path in DRIVE | VIEWER:
         assert await server.refuse(method, path, Origin=server.url) == 403, path
     assert server.passed == []
 
 
-async def test_role_that_looks_changes_nothing(server: Server) -> None:
+async def test_role_that_looks_changes_nothing(server: RouteServer) -> None:
     await server.log_in(Role.LOOK)
     requests: tuple[dict[str, Any], ...] = (
         {"t": "start", "program": "robot_base", "arguments": {}},
@@ -187,7 +180,7 @@ async def test_role_that_looks_changes_nothing(server: Server) -> None:
     assert server.passed == []
 
 
-async def test_role_that_looks_chooses_no_arguments_of_launch_files(server: Server) -> None:
+async def test_role_that_looks_chooses_no_arguments_of_launch_files(server: RouteServer) -> None:
     path = "%s?program=robot_base&node=/amcl&arguments=%s"
     await server.log_in(Role.LOOK)
     for route in ("/api/nodes", "/api/graph", "/api/explain"):

@@ -14,6 +14,8 @@ from tests.ros_session import free_port
 
 aiohttp = pytest.importorskip("aiohttp", reason="aiohttp is not installed: requirements/web.lock")
 
+from tests.fakes.page_server import PageServerClient  # noqa: E402
+
 from ur.maps.picture_file import write_picture  # noqa: E402
 from ur.maps.store import MapStore, own_store  # noqa: E402
 from ur.maps.waypoint_path import waypoint_path  # noqa: E402
@@ -53,32 +55,20 @@ class NotedCommands(CommandQueue):
 
 
 @dataclass
-class Server:
-    gate: LoginGate
-    url: str
-    client: Any
+class MapPagesServer(PageServerClient):
     store: MapStore
     waypoints: Path
     commands: NotedCommands
 
-    async def log_in(self, role: Role) -> None:
-        token = {"token": self.gate.invite(role)}
-        async with self.client.post(f"{self.url}/login", json=token, headers={"Origin": self.url}) as answer:
-            assert answer.status == 200
-
-    async def post(self, what: str, value: object) -> tuple[int, str]:
-        headers = {"Origin": self.url}
-        async with self.client.post(f"{self.url}/api/maps/{what}", json=value, headers=headers) as answer:
-            return answer.status, await answer.text()
+    async def change(self, what: str, value: object) -> tuple[int, str]:
+        return await self.post(f"/api/maps/{what}", value)
 
     async def list(self) -> Any:
-        async with self.client.get(f"{self.url}/api/maps") as answer:
-            assert answer.status == 200
-            return await answer.json()
+        return await self.read("/api/maps")
 
 
 @pytest.fixture
-async def server(tmp_path: Path) -> AsyncIterator[Server]:
+async def server(tmp_path: Path) -> AsyncIterator[MapPagesServer]:
     port = free_port()
     gate = LoginGate(make_origins((), port), tmp_path / "sessions.json", lambda _: None)
     own = {"HOME": str(tmp_path), "XDG_DATA_HOME": str(tmp_path / "data")}
@@ -96,45 +86,45 @@ async def server(tmp_path: Path) -> AsyncIterator[Server]:
         open_server(application.build(), gate, "127.0.0.1", port, lambda _: None),
         aiohttp.ClientSession(cookie_jar=aiohttp.CookieJar(unsafe=True)) as client,
     ):
-        yield Server(gate, f"http://127.0.0.1:{port}", client, store, waypoints.parent, commands)
+        yield MapPagesServer(gate, f"http://127.0.0.1:{port}", client, store, waypoints.parent, commands)
 
 
-async def test_maps_are_listed_renamed_with_their_places_and_deleted(server: Server) -> None:
+async def test_maps_are_listed_renamed_with_their_places_and_deleted(server: MapPagesServer) -> None:
     await server.log_in(Role.DRIVE)
     flat, hall = await server.list()
     assert (flat["name"], flat["width"], flat["height"], flat["places"]) == ("flat", 4.0, 2.0, 1)
     assert (hall["name"], hall["places"], len(hall["picture"])) == ("hall", 0, 10)
     assert "file" not in flat
-    assert await server.post("rename", {"name": "flat", "new_name": "home"}) == (200, '{"ok": true}')
+    assert await server.change("rename", {"name": "flat", "new_name": "home"}) == (200, '{"ok": true}')
     assert [(each["name"], each["places"]) for each in await server.list()] == [("hall", 0), ("home", 1)]
     assert (server.waypoints / "home.yaml").exists()
-    status, text = await server.post("rename", {"name": "home", "new_name": "hall"})
+    status, text = await server.change("rename", {"name": "home", "new_name": "hall"})
     assert (status, "map 'hall' exists" in text) == (409, True)
     with server.store.claim("home"):
-        status, text = await server.post("delete", {"name": "home"})
+        status, text = await server.change("delete", {"name": "home"})
         assert (status, "in use" in text) == (409, True)
-    assert (await server.post("delete", {"name": "home"}))[0] == 200
+    assert (await server.change("delete", {"name": "home"}))[0] == 200
     assert server.store.names() == ["hall"]
-    status, text = await server.post("delete", {"name": "home"})
+    status, text = await server.change("delete", {"name": "home"})
     assert (status, "unknown map 'home'" in text) == (409, True)
 
 
-async def test_names_that_no_map_can_have_reach_no_command(server: Server) -> None:
+async def test_names_that_no_map_can_have_reach_no_command(server: MapPagesServer) -> None:
     await server.log_in(Role.DRIVE)
     for name in BAD_NAMES:
-        assert (await server.post("delete", {"name": name}))[0] == 409, name
-        assert (await server.post("rename", {"name": name, "new_name": "home"}))[0] == 409, name
-        assert (await server.post("rename", {"name": "flat", "new_name": name}))[0] == 409, name
+        assert (await server.change("delete", {"name": name}))[0] == 409, name
+        assert (await server.change("rename", {"name": name, "new_name": "home"}))[0] == 409, name
+        assert (await server.change("rename", {"name": "flat", "new_name": name}))[0] == 409, name
     values: tuple[object, ...] = ([], "flat", None)
     for value in values:
-        assert (await server.post("delete", value))[0] == 400
+        assert (await server.change("delete", value))[0] == 400
     assert server.commands.ran == []
     assert server.store.names() == ["flat", "hall"]
 
 
-async def test_role_that_looks_gets_the_list_without_pictures_and_changes_nothing(server: Server) -> None:
+async def test_role_that_looks_gets_the_list_without_pictures_and_changes_nothing(server: MapPagesServer) -> None:
     await server.log_in(Role.LOOK)
     assert [(each["name"], each["picture"]) for each in await server.list()] == [("flat", []), ("hall", [])]
-    assert (await server.post("rename", {"name": "flat", "new_name": "home"}))[0] == 403
-    assert (await server.post("delete", {"name": "flat"}))[0] == 403
+    assert (await server.change("rename", {"name": "flat", "new_name": "home"}))[0] == 403
+    assert (await server.change("delete", {"name": "flat"}))[0] == 403
     assert server.store.names() == ["flat", "hall"]

@@ -13,6 +13,8 @@ from tests.ros_session import free_port
 
 aiohttp = pytest.importorskip("aiohttp", reason="aiohttp is not installed: requirements/web.lock")
 
+from tests.fakes.page_server import PageServerClient  # noqa: E402
+
 from ur.web.access.origin import make_origins  # noqa: E402
 from ur.web.access.roles import Role  # noqa: E402
 from ur.web.server.application import Application  # noqa: E402
@@ -21,25 +23,20 @@ from ur.web.server.logins.gate import LoginGate  # noqa: E402
 from ur.web.server.run_pages import RunPages  # noqa: E402
 
 
-class Server:
-    def __init__(self, gate: LoginGate, url: str, client: Any) -> None:
-        self.gate, self.url, self.client = gate, url, client
-
+class RunPagesServer(PageServerClient):
     async def connect(self, role: Role = Role.DRIVE) -> Any:
-        headers = {"Origin": self.url}
-        token = {"token": self.gate.invite(role)}
-        await (await self.client.post(f"{self.url}/login", json=token, headers=headers)).release()
-        return await self.client.ws_connect(f"{self.url}/ws/runs", headers=headers)
+        await self.log_in(role)
+        return await self.client.ws_connect(f"{self.url}/ws/runs", headers={"Origin": self.url})
 
 
 @pytest.fixture
-async def server(tmp_path: Path) -> AsyncIterator[Server]:
+async def server(tmp_path: Path) -> AsyncIterator[RunPagesServer]:
     async with serve(tmp_path) as server:
         yield server
 
 
 @asynccontextmanager
-async def serve(tmp_path: Path, **bounds: float) -> AsyncIterator[Server]:
+async def serve(tmp_path: Path, **bounds: float) -> AsyncIterator[RunPagesServer]:
     port = free_port()
     gate = LoginGate(make_origins((), port), tmp_path / "sessions.json", lambda _: None)
     environment = {"ROS_MASTER_URI": f"http://localhost:{free_port()}", "HOME": str(tmp_path)}
@@ -49,7 +46,7 @@ async def serve(tmp_path: Path, **bounds: float) -> AsyncIterator[Server]:
         open_server(application, gate, "127.0.0.1", port, lambda _: None),
         aiohttp.ClientSession(cookie_jar=aiohttp.CookieJar(unsafe=True)) as client,
     ):
-        yield Server(gate, f"http://127.0.0.1:{port}", client)
+        yield RunPagesServer(gate, f"http://127.0.0.1:{port}", client)
 
 
 async def ask(socket: Any, **message: Any) -> dict[str, Any]:
@@ -62,7 +59,7 @@ async def ask(socket: Any, **message: Any) -> dict[str, Any]:
 END = {"t": "end", "run": "demo.7"}
 
 
-async def test_page_gets_beat_and_state_and_an_answer(server: Server) -> None:
+async def test_page_gets_beat_and_state_and_an_answer(server: RunPagesServer) -> None:
     async with await server.connect() as socket:
         assert await socket.receive_json(timeout=30) == {"t": "beat", "n": 1}
         assert await socket.receive_json(timeout=30) == {"t": "runs", "runs": [], "ended": []}
@@ -72,7 +69,7 @@ async def test_page_gets_beat_and_state_and_an_answer(server: Server) -> None:
         assert (await ask(socket, **change, n=1))["text"] == "run demo.7 has ended"
 
 
-async def test_role_that_looks_sees_runs_and_changes_nothing(server: Server) -> None:
+async def test_role_that_looks_sees_runs_and_changes_nothing(server: RunPagesServer) -> None:
     async with await server.connect(Role.LOOK) as socket:
         assert (await socket.receive_json(timeout=30))["t"] == "beat"
         answer = await ask(socket, **END, n=1)
@@ -80,7 +77,7 @@ async def test_role_that_looks_sees_runs_and_changes_nothing(server: Server) -> 
         assert "may look" in answer["text"]
 
 
-async def test_request_with_a_beat_that_was_never_sent_is_not_carried_out(server: Server) -> None:
+async def test_request_with_a_beat_that_was_never_sent_is_not_carried_out(server: RunPagesServer) -> None:
     async with await server.connect() as socket:
         await socket.receive_json(timeout=30)
         assert "too slow" in (await ask(socket, **END, n=77))["text"]
@@ -92,7 +89,7 @@ async def test_request_that_has_waited_is_not_carried_out(tmp_path: Path) -> Non
         assert "too slow" in (await ask(socket, **END, n=1))["text"]
 
 
-async def test_page_that_sends_too_much_is_closed(server: Server) -> None:
+async def test_page_that_sends_too_much_is_closed(server: RunPagesServer) -> None:
     async with await server.connect() as socket:
         for _ in range(100):
             await socket.send_json({**END, "n": 1, "id": 1})
@@ -101,6 +98,6 @@ async def test_page_that_sends_too_much_is_closed(server: Server) -> None:
         assert socket.close_code == aiohttp.WSCloseCode.POLICY_VIOLATION
 
 
-async def test_server_ends_at_once_while_pages_show_runs(server: Server) -> None:
+async def test_server_ends_at_once_while_pages_show_runs(server: RunPagesServer) -> None:
     sockets = [await server.connect() for _ in range(3)]
     await asyncio.gather(*(each.receive_json(timeout=30) for each in sockets))

@@ -10,20 +10,20 @@ from tests.docs.chromium import Chromium
 from tests.web.static.in_chromium import PROGRAM
 
 if TYPE_CHECKING:
-    from tests.web.static.played_robot import Robot
+    from tests.web.static.played_robot import PlayedRobot
 
 
 @pytest.fixture(scope="module")
-def robot(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Robot]:
+def robot(tmp_path_factory: pytest.TempPathFactory) -> Iterator[PlayedRobot]:
     """A server whose robot's end is played by the test."""
-    from tests.web.static.played_robot import Robot  # it needs aiohttp, which other tests of this folder do not
+    from tests.web.static.played_robot import PlayedRobot  # it needs aiohttp, which other tests of this folder do not
 
-    with Robot(tmp_path_factory.mktemp("robot")) as robot:
+    with PlayedRobot(tmp_path_factory.mktemp("robot")) as robot:
         yield robot
 
 
 @pytest.fixture(scope="module")
-def browser(robot: Robot, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Chromium]:
+def browser(robot: PlayedRobot, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Chromium]:
     """The page of that server as on a desk, logged in and connected. At the end it must have complained of nothing."""
     from tests.web.static.played_robot import wait
 

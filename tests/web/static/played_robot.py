@@ -36,7 +36,7 @@ STATE: dict[str, Any] = {
 }
 
 
-class Robot:
+class PlayedRobot:
     """A server whose robot's end answers nothing, shows a state, and notes what pages ask for."""
 
     def __init__(self, folder: Path) -> None:
@@ -54,7 +54,7 @@ class Robot:
     def link(self) -> str:
         return f"http://127.0.0.1:{self.port}/login#{self._gate.invite(Role.DRIVE)}"
 
-    def __enter__(self) -> Robot:
+    def __enter__(self) -> PlayedRobot:
         self._thread.start()
         assert self._ready.wait(30)
         return self

@@ -12,7 +12,7 @@ from tests.docs.chromium import Chromium
 pytest.importorskip("aiohttp", reason="aiohttp is not installed: requirements/web.lock")
 
 from tests.web.static.in_chromium import MARKS
-from tests.web.static.played_robot import PLOT, STATE, Robot, wait
+from tests.web.static.played_robot import PLOT, STATE, PlayedRobot, wait
 
 from ur.web.wire.frames import Kind
 
@@ -109,7 +109,7 @@ FOCUSED = """(() => {
 
 
 @pytest.fixture(scope="module")
-def browser(robot: Robot, browser: Chromium) -> Chromium:
+def browser(robot: PlayedRobot, browser: Chromium) -> Chromium:
     """The page with something in every panel."""
     robot.show(Kind.PLACES, {"named": True, "places": {"desk": [0, 0, 0], "door": [1, 0, 0]}, "problem": ""})
     zones = [{"name": "stairs", "percent": 0, "corners": CORNERS}]
@@ -207,11 +207,11 @@ def heard(browser: Chromium, urgent: str = "") -> list[str]:
     return lines
 
 
-def show(robot: Robot, **changes: Any) -> None:
+def show(robot: PlayedRobot, **changes: Any) -> None:
     robot.show(Kind.STATE, STATE | {"bumpers": []} | changes)
 
 
-def test_changes_are_announced_once(robot: Robot, browser: Chromium) -> None:
+def test_changes_are_announced_once(robot: PlayedRobot, browser: Chromium) -> None:
     tree = browser.ask("Accessibility.getFullAXTree")["nodes"]
     regions = {"status", "alert"} & {each.get("role", {}).get("value") for each in tree}
     assert regions == {"status", "alert"}
@@ -229,7 +229,7 @@ def test_changes_are_announced_once(robot: Robot, browser: Chromium) -> None:
     wait(lambda: not browser.holds("document.querySelector('.banner.red')"))
 
 
-def test_banner_keeps_its_focused_button_while_others_come(robot: Robot, browser: Chromium) -> None:
+def test_banner_keeps_its_focused_button_while_others_come(robot: PlayedRobot, browser: Chromium) -> None:
     lease = {"state": "lost", "client": "x", "name": "ann", "program": "web", "since": 1.0, "until": 60.0, "asking": []}
     show(robot, lease=lease)
     wait(lambda: browser.holds("document.querySelector('.banner button')"))
@@ -242,7 +242,7 @@ def test_banner_keeps_its_focused_button_while_others_come(robot: Robot, browser
 
 
 def test_deletion_asks_in_the_name_of_the_button_and_the_focus_stays_in_the_panel(
-    robot: Robot, browser: Chromium
+    robot: PlayedRobot, browser: Chromium
 ) -> None:
     open_panel(browser, "places")
     browser.run("document.querySelector('[aria-label=\"Delete the place door\"]').focus(); 0")

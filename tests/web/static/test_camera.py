@@ -10,7 +10,7 @@ from tests.docs.chromium import Chromium
 pytest.importorskip("aiohttp", reason="aiohttp is not installed: requirements/web.lock")
 
 from tests.web.static.in_chromium import MARKS
-from tests.web.static.played_robot import STATE, Robot, wait
+from tests.web.static.played_robot import STATE, PlayedRobot, wait
 from tests.web.static.test_layout import BUSY, PHONES, WIDE, list_covered, set_size
 
 from ur.web.wire.frames import Kind
@@ -21,7 +21,7 @@ SEEN = "[page.camera.isSpread, document.fullscreenElement !== null, page.panels.
 
 
 @pytest.fixture
-def page(robot: Robot, browser: Chromium) -> Iterator[Chromium]:
+def page(robot: PlayedRobot, browser: Chromium) -> Iterator[Chromium]:
     """The page with the panel of the camera, and another one that was opened later."""
     robot.show(Kind.STATE, BUSY)
     set_size(browser, (1200, 800))
@@ -45,7 +45,7 @@ def choose(page: Chromium, topic: str) -> None:
     page.run(f"page.camera.choice.value = '{topic}'; page.camera.choice.dispatchEvent(new Event('change')); 0")
 
 
-def test_camera_is_chosen_where_there_are_several(robot: Robot, page: Chromium) -> None:
+def test_camera_is_chosen_where_there_are_several(robot: PlayedRobot, page: Chromium) -> None:
     assert page.run("[...page.camera.choice.options].map((each) => each.value)") == [FRONT, REAR]
     page.run("page.camera.count = 1; 0")
     choose(page, REAR)

@@ -11,7 +11,7 @@ from tests.docs.chromium import Chromium
 pytest.importorskip("aiohttp", reason="aiohttp is not installed: requirements/web.lock")
 
 from tests.web.static.in_chromium import MARKS
-from tests.web.static.played_robot import PLOT, STATE, Robot, wait
+from tests.web.static.played_robot import PLOT, STATE, PlayedRobot, wait
 
 from ur.web.wire.frames import Kind
 
@@ -27,7 +27,7 @@ page.setMode("drive");
 """
 
 
-def test_slider_limits_the_speed_when_it_is_let_go(robot: Robot, browser: Chromium) -> None:
+def test_slider_limits_the_speed_when_it_is_let_go(robot: PlayedRobot, browser: Chromium) -> None:
     browser.run("page.panels.toggle('speed'); 0")
     assert browser.run("document.getElementById('speed-limit').value") == "100"
     browser.run(
@@ -44,7 +44,7 @@ def test_bumper_that_is_pressed_is_named(browser: Chromium) -> None:
     wait(lambda: "Bumper pressed: front" in browser.run("document.getElementById('banners').textContent"))
 
 
-def test_driver_who_is_out_of_reach_is_not_said_to_drive(robot: Robot, browser: Chromium) -> None:
+def test_driver_who_is_out_of_reach_is_not_said_to_drive(robot: PlayedRobot, browser: Chromium) -> None:
     lease = {"client": "x", "name": "ann", "program": "web", "since": 1.0, "until": 60.0, "asking": []}
     for state, words in (("held", "ann drives"), ("lost", "No client drives")):
         robot.show(Kind.STATE, STATE | {"lease": lease | {"state": state}})
@@ -52,7 +52,7 @@ def test_driver_who_is_out_of_reach_is_not_said_to_drive(robot: Robot, browser: 
     robot.show(Kind.STATE, STATE)
 
 
-def test_patrol_is_asked_of_the_robot_and_shown_as_the_robot_says(robot: Robot, browser: Chromium) -> None:
+def test_patrol_is_asked_of_the_robot_and_shown_as_the_robot_says(robot: PlayedRobot, browser: Chromium) -> None:
     patrol = {"state": "idle", "line": "", "stops": [], "index": 0, "loop": False}
     robot.show(Kind.STATE, STATE | {"patrol": patrol})
     robot.show(Kind.PLACES, {"named": True, "places": {"desk": [0, 0, 0], "door": [1, 0, 0]}, "problem": ""})
@@ -86,7 +86,7 @@ def test_patrol_is_asked_of_the_robot_and_shown_as_the_robot_says(robot: Robot, 
     browser.run("page.panels.close(); 0")
 
 
-def test_exploration_is_shown_until_its_end_and_after_it(robot: Robot, browser: Chromium) -> None:
+def test_exploration_is_shown_until_its_end_and_after_it(robot: PlayedRobot, browser: Chromium) -> None:
     lease = {"client": "", "name": "", "program": "", "since": 0.0, "until": None, "asking": [], "state": "free"}
     for state, line, driver in (
         ("exploring", "72 m2 known, 85 m driven; 22 frontiers left", "exploring drives"),
@@ -116,7 +116,7 @@ def test_command_of_the_doctor_is_copied_by_its_button_or_else_selected(browser:
     browser.run("fetch = real; page.panels.close(); 0")
 
 
-def test_gamepad_drives_while_its_stick_is_pushed_and_its_button_stops(robot: Robot, browser: Chromium) -> None:
+def test_gamepad_drives_while_its_stick_is_pushed_and_its_button_stops(robot: PlayedRobot, browser: Chromium) -> None:
     browser.run("document.hasFocus = () => true; 0")
     browser.run(GAMEPAD)
     wait(lambda: browser.run("page.gamepads.state") == "idle")

@@ -10,7 +10,7 @@ from tests.docs.chromium import Chromium
 pytest.importorskip("aiohttp", reason="aiohttp is not installed: requirements/web.lock")
 
 from tests.web.static.in_chromium import MARKS
-from tests.web.static.played_robot import STATE, Robot, wait
+from tests.web.static.played_robot import STATE, PlayedRobot, wait
 
 from ur.web.wire.frames import Kind
 
@@ -53,7 +53,7 @@ def list_covered(browser: Chromium, selector: str) -> Any:
 
 @pytest.mark.parametrize("size", [*PHONES, *WIDE])
 def test_no_control_covers_another_while_lines_are_shown(
-    robot: Robot, browser: Chromium, size: tuple[int, int]
+    robot: PlayedRobot, browser: Chromium, size: tuple[int, int]
 ) -> None:
     robot.show(Kind.STATE, BUSY)
     wait(lambda: browser.run("document.querySelectorAll('.banner').length") == 2)
@@ -110,7 +110,7 @@ def test_menu_of_a_phone_opens_a_panel_and_leaves_the_stop_in_reach(browser: Chr
 
 @pytest.mark.parametrize("size", DESKS)
 def test_panels_stand_beside_the_map_of_a_desk_and_cover_nothing(
-    robot: Robot, browser: Chromium, size: tuple[int, int]
+    robot: PlayedRobot, browser: Chromium, size: tuple[int, int]
 ) -> None:
     robot.show(Kind.STATE, BUSY)
     set_size(browser, size)
@@ -171,7 +171,7 @@ def test_whole_map_is_shown_between_the_bars(browser: Chromium, size: tuple[int,
 @pytest.mark.parametrize("size", [*PHONES, *WIDE])
 @pytest.mark.parametrize("name", ["places", "layers", "plots", "runs"])
 def test_open_panel_leaves_stop_modes_and_first_line_in_reach_and_can_be_closed(
-    robot: Robot, browser: Chromium, size: tuple[int, int], name: str
+    robot: PlayedRobot, browser: Chromium, size: tuple[int, int], name: str
 ) -> None:
     robot.show(Kind.STATE, BUSY)
     set_size(browser, size)
@@ -184,7 +184,7 @@ def test_open_panel_leaves_stop_modes_and_first_line_in_reach_and_can_be_closed(
     assert browser.run("page.panels.open") == ""
 
 
-def test_a_finger_can_hit_what_is_shown_in_panels(robot: Robot, browser: Chromium) -> None:
+def test_a_finger_can_hit_what_is_shown_in_panels(robot: PlayedRobot, browser: Chromium) -> None:
     set_size(browser, PHONES[0])
     robot.show(Kind.STATE, BUSY)
     robot.show(Kind.PLACES, {"named": True, "places": {"desk": [0, 0, 0], "d": [1, 0, 0]}, "problem": ""})

@@ -11,7 +11,7 @@ from tests.docs.chromium import Chromium
 pytest.importorskip("aiohttp", reason="aiohttp is not installed: requirements/web.lock")
 
 from tests.web.static.in_chromium import MARKS
-from tests.web.static.played_robot import STATE, Robot, wait
+from tests.web.static.played_robot import STATE, PlayedRobot, wait
 
 from ur.web.wire.frames import Kind
 
@@ -52,7 +52,7 @@ def press(browser: Chromium, label: str) -> None:
     )
 
 
-def show_map(robot: Robot, browser: Chromium, name: str, *, saves: bool = False) -> None:
+def show_map(robot: PlayedRobot, browser: Chromium, name: str, *, saves: bool = False) -> None:
     robot.show(Kind.STATE, STATE | {"map": {"name": name, "saves": saves}})
     wait(lambda: browser.run("[page.mapList.state.name, page.mapList.state.saves]") == [name, saves])
 
@@ -63,7 +63,7 @@ def list_buttons(browser: Chromium) -> list[list[str]]:
     return rows
 
 
-def test_map_in_use_is_marked_and_neither_started_nor_changed(robot: Robot, panel: Chromium) -> None:
+def test_map_in_use_is_marked_and_neither_started_nor_changed(robot: PlayedRobot, panel: Chromium) -> None:
     show_map(robot, panel, "")
     wait(lambda: list_buttons(panel) == [["Drive on this map", "Rename", "Delete"], ["Rename", "Delete"]])
     show_map(robot, panel, "flat")
@@ -72,7 +72,7 @@ def test_map_in_use_is_marked_and_neither_started_nor_changed(robot: Robot, pane
     show_map(robot, panel, "")
 
 
-def test_program_starts_on_the_map_that_was_chosen(robot: Robot, panel: Chromium) -> None:
+def test_program_starts_on_the_map_that_was_chosen(robot: PlayedRobot, panel: Chromium) -> None:
     show_map(robot, panel, "")
     press(panel, "Drive on this map: flat")
     wait(lambda: panel.run("started.length") == 1)
@@ -80,7 +80,7 @@ def test_program_starts_on_the_map_that_was_chosen(robot: Robot, panel: Chromium
 
 
 def test_map_is_saved_on_request_and_its_program_is_ended_before_another_map_is_used(
-    robot: Robot, panel: Chromium
+    robot: PlayedRobot, panel: Chromium
 ) -> None:
     show_map(robot, panel, "", saves=True)
     panel.run("document.getElementById('map-save').click(); 0")
@@ -106,7 +106,7 @@ def test_map_is_saved_on_request_and_its_program_is_ended_before_another_map_is_
     assert not panel.run("document.getElementById('map-save').checkVisibility()")
 
 
-def test_map_is_renamed_by_a_good_name_and_deleted_by_two_presses(robot: Robot, panel: Chromium) -> None:
+def test_map_is_renamed_by_a_good_name_and_deleted_by_two_presses(robot: PlayedRobot, panel: Chromium) -> None:
     show_map(robot, panel, "")
     press(panel, "Rename the map flat")
     submit = "document.getElementById('map-name').form.requestSubmit(); 0"

@@ -11,7 +11,7 @@ from tests.docs.chromium import Chromium
 pytest.importorskip("aiohttp", reason="aiohttp is not installed: requirements/web.lock")
 
 from tests.web.static.in_chromium import MARKS
-from tests.web.static.played_robot import STATE, Robot, wait
+from tests.web.static.played_robot import STATE, PlayedRobot, wait
 
 from ur.web.wire.frames import Kind
 
@@ -20,7 +20,7 @@ PLACES = {"desk": [0, 0, 0], "door": [1, 0, 0.5]}
 
 
 @pytest.fixture
-def page(robot: Robot, browser: Chromium) -> Iterator[Chromium]:
+def page(robot: PlayedRobot, browser: Chromium) -> Iterator[Chromium]:
     """The page with two places; 100 pixels a metre round (2, 1)."""
     robot.asked.clear()
     robot.show(Kind.STATE, STATE | {"bumpers": []})
@@ -46,7 +46,7 @@ def drag(page: Chromium, start: tuple[float, float], end: tuple[float, float]) -
         page.ask("Input.dispatchMouseEvent", type=kind, x=x, y=y, button="left", clickCount=1)
 
 
-def test_place_is_named_where_the_map_is_pressed_and_may_have_a_blank(robot: Robot, page: Chromium) -> None:
+def test_place_is_named_where_the_map_is_pressed_and_may_have_a_blank(robot: PlayedRobot, page: Chromium) -> None:
     page.run("page.panels.show(['places']); document.getElementById('place-name').value = 'living room'; 0")
     page.run("document.getElementById('place-on-map').click(); 0")
     assert "living room" in page.run("document.getElementById('hint').textContent")
@@ -60,7 +60,9 @@ def test_place_is_named_where_the_map_is_pressed_and_may_have_a_blank(robot: Rob
     assert robot.find("goal") == []
 
 
-def test_place_is_renamed_and_the_old_name_goes_only_when_the_new_one_is_there(robot: Robot, page: Chromium) -> None:
+def test_place_is_renamed_and_the_old_name_goes_only_when_the_new_one_is_there(
+    robot: PlayedRobot, page: Chromium
+) -> None:
     page.run("page.panels.show(['places']); 0")
     page.run("document.querySelector('[aria-label=\"Rename or move the place door\"]').click(); 0")
     assert page.run("document.activeElement.ariaLabel") == "New name of door"
@@ -81,7 +83,7 @@ def test_place_is_renamed_and_the_old_name_goes_only_when_the_new_one_is_there(r
     assert [each["place"] for each in robot.find("forget_place")] == ["door"]
 
 
-def test_place_is_moved_to_a_point_of_the_map(robot: Robot, page: Chromium) -> None:
+def test_place_is_moved_to_a_point_of_the_map(robot: PlayedRobot, page: Chromium) -> None:
     page.run("page.panels.show(['places']); 0")
     page.run("document.querySelector('[aria-label=\"Rename or move the place desk\"]').click(); 0")
     page.run("document.querySelector('#places-panel .edited .row button').click(); 0")
@@ -107,7 +109,9 @@ BEGIN = {"map_tools": "measure", "zones": "zone-draw", "route": "route-tap"}
 
 
 @pytest.mark.parametrize("panel", BEGIN)
-def test_tool_that_takes_taps_ends_when_a_press_gets_another_meaning(robot: Robot, page: Chromium, panel: str) -> None:
+def test_tool_that_takes_taps_ends_when_a_press_gets_another_meaning(
+    robot: PlayedRobot, page: Chromium, panel: str
+) -> None:
     robot.show(Kind.STATE, STATE | {"bumpers": [], "patrol": PATROL})
     robot.show(Kind.ZONES, {"served": True, "zones": [], "problem": ""})
     wait(lambda: page.holds("page.state.patrol"))
@@ -133,7 +137,7 @@ def test_tool_that_takes_taps_ends_when_a_press_gets_another_meaning(robot: Robo
 PATROL: dict[str, Any] = {"state": "idle", "line": "", "stops": [], "index": 0, "loop": False}
 
 
-def test_route_that_is_tapped_is_sent_and_its_patrol_is_shown_until_it_ends(robot: Robot, page: Chromium) -> None:
+def test_route_that_is_tapped_is_sent_and_its_patrol_is_shown_until_it_ends(robot: PlayedRobot, page: Chromium) -> None:
     robot.show(Kind.STATE, STATE | {"bumpers": [], "patrol": PATROL})
     wait(lambda: page.holds("page.state.patrol"))
     page.run("page.panels.show(['route']); document.getElementById('route-tap').click(); 0")

@@ -10,7 +10,7 @@ from tests.docs.chromium import Chromium
 pytest.importorskip("aiohttp", reason="aiohttp is not installed: requirements/web.lock")
 
 from tests.web.static.in_chromium import MARKS
-from tests.web.static.played_robot import STATE, Robot, wait
+from tests.web.static.played_robot import STATE, PlayedRobot, wait
 
 from ur.web.wire.frames import Kind
 
@@ -20,7 +20,7 @@ SQUARE = [[0, 0], [1, 0], [1, 1]]
 
 
 @pytest.fixture
-def page(robot: Robot, browser: Chromium) -> Iterator[Chromium]:
+def page(robot: PlayedRobot, browser: Chromium) -> Iterator[Chromium]:
     """The page with a place and a zone."""
     robot.asked.clear()
     robot.show(Kind.STATE, STATE | {"bumpers": [], "goal": GOAL})
@@ -43,7 +43,7 @@ def lines(page: Chromium) -> str:
 
 
 @pytest.mark.parametrize("name", ["two\tparts", "<b>bold</b>", 'it"s', "-first", "a" * 41, ""])
-def test_bad_name_of_a_place_stays_in_its_field_and_is_not_sent(robot: Robot, page: Chromium, name: str) -> None:
+def test_bad_name_of_a_place_stays_in_its_field_and_is_not_sent(robot: PlayedRobot, page: Chromium, name: str) -> None:
     page.run("page.panels.toggle('places'); 0")
     name_place(page, name)
     assert lines(page).startswith("Not named: ")
@@ -52,7 +52,7 @@ def test_bad_name_of_a_place_stays_in_its_field_and_is_not_sent(robot: Robot, pa
     assert page.run("document.querySelector('#banners b')") is None
 
 
-def test_place_is_moved_only_when_its_name_is_given_twice(robot: Robot, page: Chromium) -> None:
+def test_place_is_moved_only_when_its_name_is_given_twice(robot: PlayedRobot, page: Chromium) -> None:
     page.run("page.panels.toggle('places'); 0")
     name_place(page, "desk")
     assert "There is a place desk. Press again to move it to the robot." in lines(page)
@@ -64,7 +64,7 @@ def test_place_is_moved_only_when_its_name_is_given_twice(robot: Robot, page: Ch
     assert page.run("document.getElementById('place-name').value") == ""
 
 
-def test_zone_keeps_its_corners_when_its_name_is_bad_or_taken(robot: Robot, page: Chromium) -> None:
+def test_zone_keeps_its_corners_when_its_name_is_bad_or_taken(robot: PlayedRobot, page: Chromium) -> None:
     page.run("page.panels.toggle('zones'); document.getElementById('zone-draw').click(); 0")
     for x, y in SQUARE:
         page.run(f"page.gestures.onTap({x}, {y}); 0")
@@ -79,7 +79,7 @@ def test_zone_keeps_its_corners_when_its_name_is_bad_or_taken(robot: Robot, page
     assert robot.find("put_zone")[0]["corners"] == [0, 0, 1, 0, 1, 1]
 
 
-def test_rectangle_of_a_zone_is_typed_by_keys_alone(robot: Robot, page: Chromium) -> None:
+def test_rectangle_of_a_zone_is_typed_by_keys_alone(robot: PlayedRobot, page: Chromium) -> None:
     page.run("page.panels.toggle('zones'); document.getElementById('zone-draw').focus(); 0")
     page.press("Enter")
     page.run("document.querySelector('#zones-panel .rectangle summary').focus(); 0")
@@ -106,13 +106,15 @@ def test_rectangle_of_a_zone_is_typed_by_keys_alone(robot: Robot, page: Chromium
     assert robot.find("put_zone") == [zone]
 
 
-def test_goal_that_is_refused_at_once_is_said_to_be(robot: Robot, page: Chromium) -> None:
+def test_goal_that_is_refused_at_once_is_said_to_be(robot: PlayedRobot, page: Chromium) -> None:
     text = "emergency stop is on; release it first"
     robot.show(Kind.STATE, STATE | {"bumpers": [], "goal": GOAL | {"number": 1, "state": "failed", "text": text}})
     wait(lambda: f"Goal not reached: {text}" in lines(page))
 
 
-def test_stop_that_does_not_arrive_is_said_in_red_until_the_robot_has_stopped(robot: Robot, page: Chromium) -> None:
+def test_stop_that_does_not_arrive_is_said_in_red_until_the_robot_has_stopped(
+    robot: PlayedRobot, page: Chromium
+) -> None:
     page.run("globalThis.real = fetch; globalThis.fetch = () => Promise.reject(new Error()); page.stop(); 0")
     wait(lambda: page.holds("document.querySelector('.banner.red')?.textContent.startsWith('NOT STOPPED')"))
     robot.show(Kind.STATE, STATE | {"mux": STATE["mux"] | {"stopped": True}})
@@ -121,7 +123,7 @@ def test_stop_that_does_not_arrive_is_said_in_red_until_the_robot_has_stopped(ro
     page.run("globalThis.fetch = real; 0")
 
 
-def test_goal_without_a_robot_is_not_blamed_on_a_slow_connection(robot: Robot, page: Chromium) -> None:
+def test_goal_without_a_robot_is_not_blamed_on_a_slow_connection(robot: PlayedRobot, page: Chromium) -> None:
     page.run("page.drive.stopped = page.drive.request; page.drive.request = () => false; 0")
     for end, line in (("no master", "Not sent: the robot is not connected."), ("up", "the connection was too slow")):
         page.run(f"page.server = {{ ...page.server, end: '{end}' }}; page.point({{ x: 1, y: 0, yaw: 0 }}); 0")
@@ -149,7 +151,7 @@ def test_log_shows_the_time_of_day_in_place_of_seconds_since_1970(page: Chromium
     assert lines == [[f"n [ERROR] {lines[1]} a", f"n [ INFO] {lines[1]} b", "n [WARN] [1.0]: c"], lines[1]]
 
 
-def test_new_link_that_is_opened_in_the_tab_of_an_old_one_logs_in(robot: Robot, page: Chromium) -> None:
+def test_new_link_that_is_opened_in_the_tab_of_an_old_one_logs_in(robot: PlayedRobot, page: Chromium) -> None:
     page.ask("Network.enable")
     page.ask("Network.clearBrowserCookies")
     page.open(f"http://127.0.0.1:{robot.port}/login")

@@ -10,14 +10,14 @@ from tests.docs.chromium import Chromium
 pytest.importorskip("aiohttp", reason="aiohttp is not installed: requirements/web.lock")
 
 from tests.web.static.in_chromium import MARKS
-from tests.web.static.played_robot import STATE, Robot, wait
+from tests.web.static.played_robot import STATE, PlayedRobot, wait
 
 from ur.web.wire.frames import Kind
 
 pytestmark = MARKS
 
 
-def show(robot: Robot, state: str, text: str = "") -> None:
+def show(robot: PlayedRobot, state: str, text: str = "") -> None:
     robot.show(Kind.STATE, STATE | {"mux": STATE["mux"] | {"obstacles": {"state": state, "text": text}}})
 
 
@@ -26,7 +26,9 @@ def line(page: Chromium) -> Any:
     return page.run(f"{shown} ? document.getElementById('obstacles').innerText.trim() : ''")
 
 
-def test_line_names_what_stops_the_robot_and_its_button_turns_that_off_and_on(robot: Robot, browser: Chromium) -> None:
+def test_line_names_what_stops_the_robot_and_its_button_turns_that_off_and_on(
+    robot: PlayedRobot, browser: Chromium
+) -> None:
     robot.asked.clear()
     browser.run("page.setMode('drive'); 0")
     show(robot, "clear")
@@ -44,7 +46,7 @@ def test_line_names_what_stops_the_robot_and_its_button_turns_that_off_and_on(ro
     wait(lambda: robot.find("obstacles") == [{"t": "obstacles", "on": True}])
 
 
-def test_line_is_absent_on_a_robot_without_sensors_and_outside_of_drive(robot: Robot, browser: Chromium) -> None:
+def test_line_is_absent_on_a_robot_without_sensors_and_outside_of_drive(robot: PlayedRobot, browser: Chromium) -> None:
     browser.run("page.setMode('look'); 0")
     for state in ("none", "clear"):
         show(robot, state)

@@ -7,21 +7,21 @@ import pytest
 pytest.importorskip("aiohttp", reason="aiohttp is not installed: requirements/web.lock")
 
 from tests.docs.chromium import Chromium
-from tests.e2e.web_page import PHONE, Page
+from tests.e2e.web_page import PHONE, BrowserPage
 from tests.web.static.in_chromium import MARKS
 
 pytestmark = MARKS
 
 
 @pytest.fixture(scope="module")
-def page(browser: Chromium) -> Page:
+def page(browser: Chromium) -> BrowserPage:
     browser.resize(*PHONE, phone=True)
     browser.ask("Emulation.setTouchEmulationEnabled", enabled=True)
-    return Page(browser)
+    return BrowserPage(browser)
 
 
 @pytest.mark.parametrize(("mode", "where"), [("look", "#map"), ("goal", "#map"), ("drive", "#stick")])
-def test_first_tap_after_a_quick_drag_counts(page: Page, mode: str, where: str) -> None:
+def test_first_tap_after_a_quick_drag_counts(page: BrowserPage, mode: str, where: str) -> None:
     page.run(f"page.setMode('{mode}'); 0")
     x, y = page.middle(where)
     page.touch("Start", x, y)

@@ -11,7 +11,7 @@ from tests.docs.chromium import Chromium
 pytest.importorskip("aiohttp", reason="aiohttp is not installed: requirements/web.lock")
 
 from tests.web.static.in_chromium import MARKS
-from tests.web.static.played_robot import STATE, Robot, wait
+from tests.web.static.played_robot import STATE, PlayedRobot, wait
 from tests.web.static.test_layout import SMALL, list_covered, set_size
 from tests.web.static.test_map_tools import drag
 
@@ -24,7 +24,7 @@ WALLS = {"name": "flat", "restorable": False, "why": ""}
 NOTE = "page.walls.note.textContent"
 
 
-def show_walls(robot: Robot, browser: Chromium, **change: Any) -> None:
+def show_walls(robot: PlayedRobot, browser: Chromium, **change: Any) -> None:
     walls = WALLS | change
     robot.show(Kind.STATE, STATE | {"bumpers": [], "map": {"name": walls["name"], "saves": False, "walls": walls}})
     wait(lambda: browser.run("[page.walls.state.name, page.walls.state.restorable]") == list(walls.values())[:2])
@@ -35,7 +35,7 @@ def press(browser: Chromium, name: str) -> None:
 
 
 @pytest.fixture
-def page(robot: Robot, browser: Chromium) -> Iterator[Chromium]:
+def page(robot: PlayedRobot, browser: Chromium) -> Iterator[Chromium]:
     """The page with the panel of map tools; 100 pixels a metre round (2, 1)."""
     robot.asked.clear()
     set_size(browser, (1280, 800))
@@ -45,7 +45,7 @@ def page(robot: Robot, browser: Chromium) -> Iterator[Chromium]:
     browser.run("page.walls.strokes = []; page.walls.answered({ t: 'over' }); page.panels.show([]); 0")
 
 
-def test_walls_are_drawn_erased_taken_back_and_saved_in_one_request(robot: Robot, page: Chromium) -> None:
+def test_walls_are_drawn_erased_taken_back_and_saved_in_one_request(robot: PlayedRobot, page: Chromium) -> None:
     press(page, "begin")
     drag(page, (1.0, 0.5), (2.5, 0.5))
     drag(page, (1.0, 0.5), (1.0, 2.0))
@@ -76,7 +76,7 @@ def test_walls_are_drawn_erased_taken_back_and_saved_in_one_request(robot: Robot
 
 
 def test_what_is_drawn_is_kept_when_a_goal_is_sent_meanwhile_and_dropped_by_cancel(
-    robot: Robot, page: Chromium
+    robot: PlayedRobot, page: Chromium
 ) -> None:
     press(page, "begin")
     drag(page, (1.0, 0.5), (2.5, 0.5))
@@ -91,7 +91,7 @@ def test_what_is_drawn_is_kept_when_a_goal_is_sent_meanwhile_and_dropped_by_canc
     assert page.run("page.walls.strokes") == [], "a drag moves the map again"
 
 
-def test_lines_of_one_map_are_not_saved_on_another_one(robot: Robot, page: Chromium) -> None:
+def test_lines_of_one_map_are_not_saved_on_another_one(robot: PlayedRobot, page: Chromium) -> None:
     press(page, "begin")
     drag(page, (1.0, 0.5), (2.5, 0.5))
     show_walls(robot, page, name="", why="no server")
@@ -105,7 +105,7 @@ REASONS = {"made": "is being made", "file": "is a file", "no server": "navigates
 
 
 @pytest.mark.parametrize("why", REASONS)
-def test_tool_says_why_a_map_cannot_be_changed(robot: Robot, page: Chromium, why: str) -> None:
+def test_tool_says_why_a_map_cannot_be_changed(robot: PlayedRobot, page: Chromium, why: str) -> None:
     show_walls(robot, page, name="", why=why)
     wait(lambda: page.run("page.walls.state.why") == why)
     press(page, "begin")
@@ -152,7 +152,7 @@ def test_change_that_would_be_too_large_for_one_request_is_not_drawn(page: Chrom
     assert "Press Save" in page.run("document.getElementById('banners').innerText")
 
 
-def test_map_before_is_restored_by_two_presses(robot: Robot, page: Chromium) -> None:
+def test_map_before_is_restored_by_two_presses(robot: PlayedRobot, page: Chromium) -> None:
     assert not page.run("document.getElementById('walls-restore').checkVisibility()")
     show_walls(robot, page, restorable=True)
     press(page, "restore")
@@ -164,7 +164,7 @@ def test_map_before_is_restored_by_two_presses(robot: Robot, page: Chromium) -> 
 
 
 @pytest.mark.parametrize("size", [(1280, 800), (390, 844), (360, 640), (844, 390), (720, 450)])
-def test_tool_covers_no_control_and_fits_a_finger(robot: Robot, page: Chromium, size: tuple[int, int]) -> None:
+def test_tool_covers_no_control_and_fits_a_finger(robot: PlayedRobot, page: Chromium, size: tuple[int, int]) -> None:
     show_walls(robot, page, restorable=True)
     page.run("page.panels.show([]); 0")
     set_size(page, size)

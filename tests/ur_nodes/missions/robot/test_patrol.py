@@ -25,7 +25,7 @@ ROUTE = PatrolRoute((SOFA, HALL))
 DRIVES = PatrolInputs(0.0, may_drive=True, ready=True)
 
 
-class Machine:
+class PatrolMachine:
     """A patrol that is stepped ten times a second; `sent` are the goals, each with its time."""
 
     def __init__(self, route: PatrolRoute = ROUTE) -> None:
@@ -49,7 +49,7 @@ class Machine:
 
 
 def test_patrol_waits_at_each_place_and_goes_on_though_nothing_else_happens() -> None:
-    machine = Machine()
+    machine = PatrolMachine()
     assert machine.step() == "driving"
     assert machine.step(5.0, goal=LastGoalState.DRIVING) == "driving"
     assert machine.step(0.9, goal=LastGoalState.REACHED) == "waiting"
@@ -60,7 +60,7 @@ def test_patrol_waits_at_each_place_and_goes_on_though_nothing_else_happens() ->
 
 
 def test_loop_begins_again_and_counts_its_rounds() -> None:
-    machine = Machine(replace(ROUTE, loop=True, wait=0.0))
+    machine = PatrolMachine(replace(ROUTE, loop=True, wait=0.0))
     machine.step()
     for _ in range(40):
         machine.step(0.2, goal=LastGoalState.DRIVING)
@@ -71,7 +71,7 @@ def test_loop_begins_again_and_counts_its_rounds() -> None:
 
 @pytest.mark.parametrize("missing", [{"may_drive": False, "other": "phone"}, {"ready": False}])
 def test_start_that_is_not_possible_in_time_never_happens(missing: dict[str, object]) -> None:
-    machine = Machine()
+    machine = PatrolMachine()
     assert machine.step(LATEST - 0.2, **missing) == "starting"
     assert machine.step(0.5, **missing) == "paused"
     assert machine.step(60.0) == "paused"
@@ -79,7 +79,7 @@ def test_start_that_is_not_possible_in_time_never_happens(missing: dict[str, obj
 
 
 def test_start_that_becomes_possible_in_time_happens() -> None:
-    machine = Machine()
+    machine = PatrolMachine()
     machine.step(4.0, may_drive=False)
     assert machine.step() == "driving"
     ((at, stop),) = machine.sent
@@ -87,20 +87,20 @@ def test_start_that_becomes_possible_in_time_happens() -> None:
 
 
 def test_goal_that_navigation_does_not_take_pauses_the_patrol_and_is_cancelled() -> None:
-    machine = Machine()
+    machine = PatrolMachine()
     assert machine.step(LATEST + 0.3) == "paused"
     assert machine.cancels == 1
 
 
 def test_step_that_takes_too_long_expires() -> None:
-    machine = Machine()
+    machine = PatrolMachine()
     assert machine.step(61.0, goal=LastGoalState.DRIVING) == "paused"
     assert machine.cancels == 1
     assert "sofa was not reached within 60 s" in machine.patrol.status.reason
 
 
 def test_program_that_stood_still_starts_nothing() -> None:
-    machine = Machine()
+    machine = PatrolMachine()
     machine.step(0.5, goal=LastGoalState.DRIVING)
     machine.step(0.3, goal=LastGoalState.REACHED)
     machine.now += 3600.0
@@ -123,7 +123,7 @@ def test_program_that_stood_still_starts_nothing() -> None:
     ],
 )
 def test_patrol_pauses_with_the_reason_and_goes_on_only_when_asked(inputs: dict[str, object], reason: str) -> None:
-    machine = Machine()
+    machine = PatrolMachine()
     machine.step(1.0, goal=LastGoalState.DRIVING)
     assert machine.step(0.1, **inputs) == "paused"
     assert machine.patrol.status.reason == reason
@@ -136,7 +136,7 @@ def test_patrol_pauses_with_the_reason_and_goes_on_only_when_asked(inputs: dict[
 
 def test_pause_and_end_cancel_the_goal_and_nothing_is_sent_afterwards() -> None:
     for stop in (pause_patrol, end_patrol):
-        machine = Machine()
+        machine = PatrolMachine()
         machine.step(1.0, goal=LastGoalState.DRIVING)
         machine.patrol, commands = stop(machine.patrol, "by phone", machine.now)
         assert commands.cancel

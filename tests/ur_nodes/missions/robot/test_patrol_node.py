@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from tests.fakes.navigation import FakeNavigation
 
 from ur.source.foreign.yaml_text import load_yaml
 from ur.source.project import launch_library
@@ -22,7 +23,6 @@ from ur_nodes.motion import cmd_vel_mux_node
 from ur_nodes.motion.lease.client import LeaseClient
 from ur_nodes.motion.lease.view import Identity
 from ur_nodes.navigation.goals.goal_claim import has_any_heading, read_claim
-from ur_nodes.ports.actions import GoalHandle
 from ur_nodes.ports.node import SECOND
 from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.services import Trigger
@@ -32,29 +32,7 @@ SOURCES = load_yaml((launch_library() / "n_cmd_vel_mux/params/sources.yaml").rea
 SOFA, HALL = {"name": "sofa", "x": 1.0, "y": 0.0, "yaw": 0.5}, {"name": "hall", "x": 2.0, "y": 2.0}
 
 
-class Navigation:
-    """Takes goals; `newest` has not ended unless the test says so."""
-
-    def __init__(self, bus: Bus) -> None:
-        self.node = bus.node("move_base")
-        self.handles: list[GoalHandle] = []
-        self.cancelled: list[str] = []
-        self.server = self.node.serve_goals("move_base", self)
-
-    @property
-    def newest(self) -> GoalHandle:
-        return self.handles[-1]
-
-    def take_goal(self, handle: GoalHandle) -> None:
-        self.handles.append(handle)
-        handle.accept()
-
-    def take_cancel(self, handle: GoalHandle) -> None:
-        self.cancelled.append(handle.goal.id)
-        handle.cancel("cancelled")
-
-
-class Stage:
+class PatrolStage:
     """The robot: mux, navigation, patrol; and a laptop that may drive."""
 
     def __init__(self, **parameters: Any) -> None:
@@ -64,7 +42,7 @@ class Stage:
         self.mux = self.bus.node("cmd_vel_mux")
         self.mux.facts.simulated_time = False
         cmd_vel_mux_node.start(self.mux)
-        self.navigation = Navigation(self.bus)
+        self.navigation = FakeNavigation(self.bus.node("move_base"))
         self.client = self.bus.node("client")
         self.laptop = LeaseClient(
             self.bus.node("laptop"), "cmd_vel_mux", identity=Identity("ab12", "laptop", "keys", "watch")
@@ -114,11 +92,11 @@ def home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 @pytest.fixture
-def stage() -> Stage:
-    return Stage()
+def stage() -> PatrolStage:
+    return PatrolStage()
 
 
-def test_patrol_drives_to_each_place_waits_there_and_is_done_after_the_last(stage: Stage) -> None:
+def test_patrol_drives_to_each_place_waits_there_and_is_done_after_the_last(stage: PatrolStage) -> None:
     assert stage.status["state"] == "idle"
     assert stage.ask("start", [SOFA, HALL]) == ""
     assert stage.reaches("driving")
@@ -133,7 +111,7 @@ def test_patrol_drives_to_each_place_waits_there_and_is_done_after_the_last(stag
     stage.navigation.newest.succeed("")
     assert stage.reaches("waiting")
     before = stage.bus.now
-    assert stage.bus.run_until(lambda: len(stage.navigation.handles) == 2, 5.0)
+    assert stage.bus.run_until(lambda: len(stage.navigation.goals) == 2, 5.0)
     assert 0.4 * SECOND <= stage.bus.now - before <= 0.8 * SECOND
     stage.navigation.newest.succeed("")
     assert stage.reaches("done")
@@ -145,17 +123,17 @@ def test_patrol_drives_to_each_place_waits_there_and_is_done_after_the_last(stag
     assert ("info", "patrol: drives to hall (2 of 2)") in stage.patrol.lines
 
 
-def test_loop_begins_again_with_the_first_place(stage: Stage) -> None:
+def test_loop_begins_again_with_the_first_place(stage: PatrolStage) -> None:
     stage.ask("start", [SOFA, HALL], loop=True)
     for count in range(1, 4):
-        assert stage.bus.run_until(lambda count=count: len(stage.navigation.handles) == count, 5.0)  # type: ignore[misc]
+        assert stage.bus.run_until(lambda count=count: len(stage.navigation.goals) == count, 5.0)  # type: ignore[misc]
         stage.navigation.newest.succeed("")
     stage.bus.run(0.2)
     assert (stage.status["state"], stage.status["rounds"]) == ("waiting", 1)
     assert stage.navigation.newest.goal.target.pose.x == 1.0
 
 
-def test_place_without_heading_is_driven_to_straight_from_the_robot(stage: Stage) -> None:
+def test_place_without_heading_is_driven_to_straight_from_the_robot(stage: PatrolStage) -> None:
     stage.client.transforms.send(Transform(stage.bus.now, "map", "base_footprint", Pose2(2.0, 1.0, 0.0).in_space()))
     stage.bus.run(0.1)
     stage.ask("start", [HALL])
@@ -165,7 +143,7 @@ def test_place_without_heading_is_driven_to_straight_from_the_robot(stage: Stage
     assert has_any_heading(goal.id)
 
 
-def test_patrol_is_paused_resumed_and_ended_on_request(stage: Stage) -> None:
+def test_patrol_is_paused_resumed_and_ended_on_request(stage: PatrolStage) -> None:
     assert stage.ask("resume") == "no patrol is paused"
     stage.ask("start", [SOFA, HALL])
     assert stage.reaches("driving")
@@ -185,7 +163,7 @@ def test_patrol_is_paused_resumed_and_ended_on_request(stage: Stage) -> None:
     assert stage.navigation.cancelled[-1] == stage.navigation.newest.goal.id
 
 
-def test_emergency_stop_pauses_the_patrol_and_refuses_the_next_start(stage: Stage) -> None:
+def test_emergency_stop_pauses_the_patrol_and_refuses_the_next_start(stage: PatrolStage) -> None:
     stage.ask("start", [SOFA])
     assert stage.reaches("driving")
     stage.call("cmd_vel_mux/stop")
@@ -198,7 +176,7 @@ def test_emergency_stop_pauses_the_patrol_and_refuses_the_next_start(stage: Stag
     assert stage.status["state"] == "paused", "nothing starts by itself"
 
 
-def test_take_over_pauses_the_patrol_and_names_who_drives(stage: Stage) -> None:
+def test_take_over_pauses_the_patrol_and_names_who_drives(stage: PatrolStage) -> None:
     stage.ask("start", [SOFA])
     assert stage.reaches("driving")
     stage.laptop.take()
@@ -209,7 +187,7 @@ def test_take_over_pauses_the_patrol_and_names_who_drives(stage: Stage) -> None:
     assert stage.lease == ("held", "laptop")
 
 
-def test_driver_who_starts_the_patrol_hands_the_lease_over(stage: Stage) -> None:
+def test_driver_who_starts_the_patrol_hands_the_lease_over(stage: PatrolStage) -> None:
     stage.laptop.acquire()
     assert stage.bus.run_until(lambda: stage.laptop.view().mine, 3.0)
     challenge = stage.laptop.link.newest(1.0)
@@ -220,7 +198,7 @@ def test_driver_who_starts_the_patrol_hands_the_lease_over(stage: Stage) -> None
     assert stage.lease == ("held", "patrol")
 
 
-def test_old_and_latched_requests_start_nothing(stage: Stage) -> None:
+def test_old_and_latched_requests_start_nothing(stage: PatrolStage) -> None:
     challenge = stage.laptop.link.newest(1.0)
     assert challenge is not None
     stage.bus.run(1.5)
@@ -231,10 +209,10 @@ def test_old_and_latched_requests_start_nothing(stage: Stage) -> None:
     listener.deliver(old, "/old", True)  # as on ROS 1, where all subscribers get what a topic has kept
     stage.bus.run(0.1)
     assert "a latched request may be old" in stage.status["answer"]["problem"]
-    assert not stage.navigation.handles
+    assert not stage.navigation.goals
 
 
-def test_text_that_is_no_request_is_reported_and_ignored(stage: Stage) -> None:
+def test_text_that_is_no_request_is_reported_and_ignored(stage: PatrolStage) -> None:
     stage._requests.send("start!")
     stage.bus.run(0.1)
     assert stage.patrol.lines[-1] == ("warn", "a request for a patrol is ignored, expected JSON")
@@ -244,7 +222,7 @@ def test_text_that_is_no_request_is_reported_and_ignored(stage: Stage) -> None:
     ("end", "reason"),
     [("abort", "sofa was not reached: a wall"), ("cancel", "a wall")],
 )
-def test_goal_that_ends_elsewhere_pauses_the_patrol_with_the_reason(stage: Stage, end: str, reason: str) -> None:
+def test_goal_that_ends_elsewhere_pauses_the_patrol_with_the_reason(stage: PatrolStage, end: str, reason: str) -> None:
     stage.ask("start", [SOFA])
     assert stage.reaches("driving")
     getattr(stage.navigation.newest, end)("a wall")
@@ -252,7 +230,7 @@ def test_goal_that_ends_elsewhere_pauses_the_patrol_with_the_reason(stage: Stage
     assert stage.status["reason"] == reason
 
 
-def test_start_without_navigation_is_given_up(stage: Stage) -> None:
+def test_start_without_navigation_is_given_up(stage: PatrolStage) -> None:
     stage.navigation.node.end("test")
     assert stage.ask("start", [SOFA]) == ""
     assert stage.reaches("paused", 6.0)
@@ -260,13 +238,13 @@ def test_start_without_navigation_is_given_up(stage: Stage) -> None:
 
 
 def test_place_that_takes_too_long_pauses_the_patrol() -> None:
-    stage = Stage(step_limit=3.0)
+    stage = PatrolStage(step_limit=3.0)
     stage.ask("start", [SOFA])
     assert stage.reaches("paused", 5.0)
     assert stage.status["reason"] == "sofa was not reached within 3 s"
 
 
-def test_node_that_ends_cancels_its_goal_and_frees_the_lease(stage: Stage) -> None:
+def test_node_that_ends_cancels_its_goal_and_frees_the_lease(stage: PatrolStage) -> None:
     stage.ask("start", [SOFA])
     assert stage.reaches("driving")
     stage.patrol.end("done")
@@ -275,7 +253,7 @@ def test_node_that_ends_cancels_its_goal_and_frees_the_lease(stage: Stage) -> No
     assert stage.lease[0] == "free"
 
 
-def test_goal_of_a_node_that_was_killed_is_cancelled_by_the_next(stage: Stage) -> None:
+def test_goal_of_a_node_that_was_killed_is_cancelled_by_the_next(stage: PatrolStage) -> None:
     stage.ask("start", [SOFA])
     assert stage.reaches("driving")
     stage.patrol._at_end.clear()
@@ -285,7 +263,7 @@ def test_goal_of_a_node_that_was_killed_is_cancelled_by_the_next(stage: Stage) -
     assert stage.status["state"] == "idle"
 
 
-def test_places_are_looked_up_by_name_in_the_file_of_the_keeper(stage: Stage, home: Path) -> None:
+def test_places_are_looked_up_by_name_in_the_file_of_the_keeper(stage: PatrolStage, home: Path) -> None:
     file = home / "places.yaml"
     WaypointStore(file).remember("kitchen", Pose2(3.0, 1.0, 0.0))
     stage.bus.parameters["/keyboard_navigate/waypoints_file"] = str(file)
@@ -295,7 +273,7 @@ def test_places_are_looked_up_by_name_in_the_file_of_the_keeper(stage: Stage, ho
     assert stage.navigation.newest.goal.target.pose == pytest.approx((3.0, 1.0, 0.0))
 
 
-def test_places_of_a_map_without_a_name_need_the_map(stage: Stage) -> None:
+def test_places_of_a_map_without_a_name_need_the_map(stage: PatrolStage) -> None:
     assert stage.ask("start", ["kitchen"]) == "expected a map, whose waypoints have names"
     maps = stage.bus.node("map_server").publish("map", Map, Quality.LATCHED)
     maps.send(Map(0, "map", Grid(np.zeros((2, 2), np.int8), 0.1, Pose2(0.0, 0.0, 0.0))))
@@ -304,7 +282,7 @@ def test_places_of_a_map_without_a_name_need_the_map(stage: Stage) -> None:
     assert "saved under a name" in stage.ask("start", ["kitchen"])
 
 
-def test_requests_keep_their_order_while_places_are_looked_up(stage: Stage) -> None:
+def test_requests_keep_their_order_while_places_are_looked_up(stage: PatrolStage) -> None:
     for action, route in (("start", {"places": ["kitchen"]}), ("end", {}), ("start", {"places": [SOFA]})):
         stage._requests.send(json.dumps({"do": action, "id": action, **route}))
     stage.bus.run(3.0)
@@ -314,7 +292,7 @@ def test_requests_keep_their_order_while_places_are_looked_up(stage: Stage) -> N
     assert stage.status["answer"]["id"] == "start"
 
 
-def test_flood_of_requests_does_not_grow_and_the_newest_still_counts(stage: Stage) -> None:
+def test_flood_of_requests_does_not_grow_and_the_newest_still_counts(stage: PatrolStage) -> None:
     for number in range(50):
         stage._requests.send(json.dumps({"do": "start", "id": f"{number}", "places": ["kitchen"]}))
         stage.bus.run(0.01)
@@ -327,7 +305,7 @@ def test_flood_of_requests_does_not_grow_and_the_newest_still_counts(stage: Stag
 
 
 def test_parameters_that_cannot_be_read_refuse_a_request_and_the_patrol_goes_on(
-    stage: Stage, monkeypatch: pytest.MonkeyPatch
+    stage: PatrolStage, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def fail(_self: object, _name: str) -> object:
         raise ConnectionResetError("the master was restarted")

@@ -32,7 +32,7 @@ PERIOD = 0.02
 
 
 @dataclass
-class Robot:
+class AdmittingRobot:
     """Admission and mux, with challenges that are issued on time."""
 
     admission: Admission = field(
@@ -93,20 +93,20 @@ class Robot:
 
 
 @pytest.fixture
-def robot() -> Robot:
-    robot = Robot()
+def robot() -> AdmittingRobot:
+    robot = AdmittingRobot()
     robot.until(0.1)
     return robot
 
 
-def test_stamped_command_is_as_old_as_its_challenge(robot: Robot) -> None:
+def test_stamped_command_is_as_old_as_its_challenge(robot: AdmittingRobot) -> None:
     at, stamp = robot.issued[-2]
     robot.until(0.13)
     assert robot.stamped(stamp) == pytest.approx(0.13 - at)
     assert robot.driver == "a"
 
 
-def test_robot_stops_within_the_budget_of_the_challenge_however_late_the_command_arrived(robot: Robot) -> None:
+def test_robot_stops_within_the_budget_of_the_challenge_however_late_the_command_arrived(robot: AdmittingRobot) -> None:
     for _ in range(40):
         at, stamp = robot.issued[-1]
         robot.until(robot.now + 0.06)
@@ -117,14 +117,14 @@ def test_robot_stops_within_the_budget_of_the_challenge_however_late_the_command
     assert moving[-1] - at < SETTINGS.stop_time - SETTINGS.lag
 
 
-def test_late_and_unknown_answers_are_refused(robot: Robot) -> None:
+def test_late_and_unknown_answers_are_refused(robot: AdmittingRobot) -> None:
     _, stamp = robot.issued[-1]
     robot.until(0.3)
     assert [robot.stamped(each) for each in (stamp, NO_STAMP, (3, 4))] == ["late"] * 3
     assert robot.driver == ""
 
 
-def test_commands_of_another_client_are_refused_while_one_drives(robot: Robot) -> None:
+def test_commands_of_another_client_are_refused_while_one_drives(robot: AdmittingRobot) -> None:
     robot.stamped(robot.newest, "a")
     assert robot.stamped(robot.newest, "b") == "not the driver"
     assert robot.stamped(robot.newest, "not an id") == "no client"
@@ -134,7 +134,7 @@ def test_commands_of_another_client_are_refused_while_one_drives(robot: Robot) -
     assert isinstance(robot.stamped(robot.newest, "", NAVIGATION), float)
 
 
-def test_refused_command_of_another_client_does_not_renew_the_lease(robot: Robot) -> None:
+def test_refused_command_of_another_client_does_not_renew_the_lease(robot: AdmittingRobot) -> None:
     robot.stamped(robot.newest, "a")
     for _ in range(40):
         robot.until(robot.now + 0.1)
@@ -142,7 +142,7 @@ def test_refused_command_of_another_client_does_not_renew_the_lease(robot: Robot
     assert (robot.admission.lease.lease.state, robot.driver) == ("lost", "a")
 
 
-def test_late_request_does_not_count(robot: Robot) -> None:
+def test_late_request_does_not_count(robot: AdmittingRobot) -> None:
     _, stamp = robot.issued[-1]
     robot.until(0.9)
     assert robot.request("a", "take", stamp)
@@ -151,7 +151,7 @@ def test_late_request_does_not_count(robot: Robot) -> None:
     assert robot.driver == "a"
 
 
-def test_plain_commands_are_ignored_while_stamped_ones_come_by_the_same_source(robot: Robot) -> None:
+def test_plain_commands_are_ignored_while_stamped_ones_come_by_the_same_source(robot: AdmittingRobot) -> None:
     verdicts = []
     for _ in range(20):
         robot.until(robot.now + 0.03)
@@ -164,7 +164,7 @@ def test_plain_commands_are_ignored_while_stamped_ones_come_by_the_same_source(r
     assert verdicts[-1] == 0.0
 
 
-def test_each_publisher_of_plain_commands_proves_its_own_rhythm(robot: Robot) -> None:
+def test_each_publisher_of_plain_commands_proves_its_own_rhythm(robot: AdmittingRobot) -> None:
     for _ in range(10):
         robot.until(robot.now + 0.03)
         verdict = robot.plain("/a")
@@ -175,34 +175,34 @@ def test_each_publisher_of_plain_commands_proves_its_own_rhythm(robot: Robot) ->
     assert len(robot.admission.plain) <= 32
 
 
-def test_publisher_that_is_too_slow_is_named_once(robot: Robot) -> None:
+def test_publisher_that_is_too_slow_is_named_once(robot: AdmittingRobot) -> None:
     for _ in range(5):
         robot.plain("/slow")
         robot.until(robot.now + 0.5)
     assert robot.slow == ["/slow"]
 
 
-def drive_steadily(robot: Robot, count: int = 20, delay: float = 0.002) -> None:
+def drive_steadily(robot: AdmittingRobot, count: int = 20, delay: float = 0.002) -> None:
     for _ in range(count):
         robot.until(robot.now + 0.05)
         verdict = robot.plain(sent=robot.now - delay)
     assert verdict == pytest.approx(0.0, abs=1e-6)
 
 
-def test_plain_command_with_a_stamp_is_as_old_as_its_stamp_shows(robot: Robot) -> None:
+def test_plain_command_with_a_stamp_is_as_old_as_its_stamp_shows(robot: AdmittingRobot) -> None:
     drive_steadily(robot)
     robot.until(robot.now + 0.05)
     assert robot.plain(sent=robot.now - 0.062) == pytest.approx(0.06, abs=1e-3)
 
 
-def test_time_that_a_command_waits_for_the_mux_counts(robot: Robot) -> None:
+def test_time_that_a_command_waits_for_the_mux_counts(robot: AdmittingRobot) -> None:
     drive_steadily(robot)
     moment = (round((robot.now + 100.0) * 1e9), robot.now)
     _, verdict = admit_plain(robot.admission, KEYBOARD, "/p", robot.now + 0.08, motion=True, sent=moment)
     assert verdict == pytest.approx(0.08, abs=5e-3)
 
 
-def test_command_that_was_held_back_is_refused_however_steadily_more_of_them_arrive(robot: Robot) -> None:
+def test_command_that_was_held_back_is_refused_however_steadily_more_of_them_arrive(robot: AdmittingRobot) -> None:
     drive_steadily(robot)
     robot.until(robot.now + 5.0)
     began = robot.now
@@ -215,7 +215,7 @@ def test_command_that_was_held_back_is_refused_however_steadily_more_of_them_arr
 
 
 def test_commands_of_a_new_publisher_that_a_network_held_back_do_not_drive_while_its_queue_empties(
-    robot: Robot,
+    robot: AdmittingRobot,
 ) -> None:
     for n in range(100):
         robot.until(robot.now + 0.04)
@@ -223,7 +223,7 @@ def test_commands_of_a_new_publisher_that_a_network_held_back_do_not_drive_while
         assert not robot.outputs
 
 
-def test_publisher_whose_clock_is_set_ahead_drives_again_after_its_proof(robot: Robot) -> None:
+def test_publisher_whose_clock_is_set_ahead_drives_again_after_its_proof(robot: AdmittingRobot) -> None:
     drive_steadily(robot)
     verdicts = []
     for _ in range(6):
@@ -233,7 +233,7 @@ def test_publisher_whose_clock_is_set_ahead_drives_again_after_its_proof(robot: 
     assert isinstance(verdicts[-1], float)
 
 
-def test_program_that_is_started_again_drives_whatever_its_clock_shows(robot: Robot) -> None:
+def test_program_that_is_started_again_drives_whatever_its_clock_shows(robot: AdmittingRobot) -> None:
     drive_steadily(robot)
     for _ in range(6):
         robot.until(robot.now + 0.05)
@@ -250,7 +250,7 @@ bursts = st.lists(st.tuples(st.floats(0.0, 30.0), st.integers(1, 40), kinds, del
 @settings(max_examples=150, deadline=None)
 def test_no_sequence_of_late_commands_moves_the_robot(bursts: list[tuple[float, int, str, float]]) -> None:
     """Each burst arrives after a silence, its commands together, all written `delay` s before."""
-    robot = Robot()
+    robot = AdmittingRobot()
     robot.until(0.1)
     for silence, count, kind, delay in bursts:
         robot.until(robot.now + max(0.25, silence / 10.0))
@@ -278,7 +278,7 @@ moves = st.lists(
 @given(moves)
 @settings(max_examples=150, deadline=None)
 def test_one_client_drives_at_a_time(moves: list[tuple[float, str, str]]) -> None:
-    robot = Robot()
+    robot = AdmittingRobot()
     robot.until(0.1)
     for pause, client, action in moves:
         robot.until(robot.now + pause)
@@ -295,7 +295,7 @@ def test_one_client_drives_at_a_time(moves: list[tuple[float, str, str]]) -> Non
 @settings(max_examples=150, deadline=None)
 def test_no_rhythm_of_late_stamped_commands_moves_the_robot(commands: list[tuple[float, float]]) -> None:
     """Each is sent `delay` s before it arrives, by a publisher that has driven before."""
-    robot = Robot()
+    robot = AdmittingRobot()
     robot.until(0.1)
     drive_steadily(robot)
     robot.until(robot.now + 1.0)

@@ -12,7 +12,7 @@ from typing import Any
 
 import pytest
 import yaml
-from tests.e2e.terminal import Terminal
+from tests.e2e.terminal import ProgramTerminal
 from tests.ros_session import ROOT, RosSession
 
 pytestmark = pytest.mark.ros
@@ -49,8 +49,10 @@ class Session(RosSession):
         env = self.env | environment
         return subprocess.run(command, env=env, input=text, text=True, capture_output=True, timeout=120, check=False)
 
-    def keyboard(self, name: str) -> Terminal:
-        return Terminal([KEYBOARD, "cmd_vel:=key_vel", f"__name:=keys_{name}"], self.env | {"UR_CLIENT_NAME": name})
+    def keyboard(self, name: str) -> ProgramTerminal:
+        return ProgramTerminal(
+            [KEYBOARD, "cmd_vel:=key_vel", f"__name:=keys_{name}"], self.env | {"UR_CLIENT_NAME": name}
+        )
 
 
 @pytest.fixture(scope="module")

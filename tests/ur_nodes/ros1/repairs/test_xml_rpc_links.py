@@ -85,10 +85,10 @@ def test_ending_node_does_not_try_again(server: SimpleXMLRPCServer) -> None:
         def connect(self) -> None:
             raise OSError(errno.EHOSTUNREACH, "no route to host")
 
-    class Transport(BoundedTransport):
+    class LosingTransport(BoundedTransport):
         connection_class = Loses
 
-    transport = Transport(AddressCache(), lambda: True)
+    transport = LosingTransport(AddressCache(), lambda: True)
     proxy = xmlrpc.client.ServerProxy(f"http://127.0.0.1:{server.server_address[1]}", transport=transport)
     with proxy, pytest.raises(OSError, match="no route"):
         proxy.getPid()

@@ -18,7 +18,7 @@ from rclpy.qos import qos_profile_action_status_default
 PATIENCE = 20.0  # s
 
 
-class Client:
+class ActionClientStage:
     def __init__(self) -> None:
         rclpy.init()
         self.node = rclpy.create_node("stranger")
@@ -63,7 +63,7 @@ class Client:
         self.statuses = {bytes(each.goal_info.goal_id.uuid): each.status for each in message.status_list}
 
 
-def run_all(client: Client) -> dict[str, object]:
+def run_all(client: ActionClientStage) -> dict[str, object]:
     assert client.through.wait_for_server(PATIENCE)
     found: dict[str, object] = {}
     found["reached"] = client.end(client.send(3.0))
@@ -94,7 +94,7 @@ def run_all(client: Client) -> dict[str, object]:
     return found
 
 
-def cancel_others(client: Client) -> dict[str, object]:
+def cancel_others(client: ActionClientStage) -> dict[str, object]:
     """Cancel the goal of a client that has died."""
     while not client.statuses:
         rclpy.spin_once(client.node, timeout_sec=PATIENCE)
@@ -108,7 +108,7 @@ def cancel_others(client: Client) -> dict[str, object]:
 
 
 if __name__ == "__main__":
-    peer = Client()
+    peer = ActionClientStage()
     if sys.argv[1] == "leave":  # and be killed
         peer.send(9.0)
         peer.until_feedback()

@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import pytest
 from tests.ur_nodes.pictures.test_feed import JPEG, TOPIC
-from tests.ur_nodes.teleop.screen import Screen
+from tests.ur_nodes.teleop.screen import TypedTerminal
 
 from ur_nodes.memory.bus import Bus
 from ur_nodes.pictures.feed import FeedView, PictureFeed
@@ -23,7 +23,7 @@ def test_picture_fills_the_terminal_until_q_is_pressed() -> None:
     feed = PictureFeed(bus.node("viewer"), "camera/image")
     bus.node("camera").publish(TOPIC, PackedPicture).send(JPEG)
     bus.run(0.1)
-    with Screen(lambda terminal, ended: show_pictures(terminal, feed, ended, 0.01, rich=True)) as screen:
+    with TypedTerminal(lambda terminal, ended: show_pictures(terminal, feed, ended, 0.01, rich=True)) as screen:
         screen.wait_for("64 x 48")
         assert "\x1b[38;2;2" in screen.text
         screen.type("q")
@@ -34,7 +34,7 @@ def test_picture_fills_the_terminal_until_q_is_pressed() -> None:
 @pytest.mark.parametrize("key", ["\x03", "\x1b", "Q"])
 def test_each_key_that_leaves_ends_the_view(key: str) -> None:
     feed = PictureFeed(Bus().node("viewer"), "camera/image")
-    with Screen(lambda terminal, ended: show_pictures(terminal, feed, ended, 0.01, rich=True)) as screen:
+    with TypedTerminal(lambda terminal, ended: show_pictures(terminal, feed, ended, 0.01, rich=True)) as screen:
         screen.wait_for("waiting for a publisher")
         screen.type(key)
         screen.wait_end()

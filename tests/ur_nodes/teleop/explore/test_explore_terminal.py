@@ -8,8 +8,8 @@ from functools import partial
 
 import numpy as np
 import pytest
-from tests.ur_nodes.teleop.keyboard.rig import FakeMux
-from tests.ur_nodes.teleop.screen import Screen, running
+from tests.fakes.mux import FakeMux
+from tests.ur_nodes.teleop.screen import TypedTerminal, running
 
 from ur_nodes.client.exploration import ExplorationStatus, ExplorationTopics
 from ur_nodes.client.map_saving import MapSaving
@@ -33,7 +33,7 @@ from ur_nodes.teleop.map_view.map_feed import MapFeed
 EXPLORING = ExploreStatus("exploring", 2, 5.0, 8.0)
 
 
-class Run:
+class ExploreRun:
     """An exploration, its map, its mux and its mapping node on a bus, and the screen of the program."""
 
     def __init__(self) -> None:
@@ -57,7 +57,7 @@ class Run:
         additions = partial(add_exploration, ExplorationTopics(node))
         feed = MapFeed(node, "map", "base_footprint", colour=False, additions=additions)
         link, saving = MuxLink(node, "cmd_vel_mux"), MapSaving(node, "save", hint="")
-        self.screen = Screen(
+        self.screen = TypedTerminal(
             lambda terminal, ended: show_exploration(terminal, self.statuses, feed, link, saving, ended)
         )
 
@@ -70,19 +70,19 @@ class Run:
 
 
 @pytest.fixture
-def run() -> Iterator[Run]:
-    started = Run()
+def run() -> Iterator[ExploreRun]:
+    started = ExploreRun()
     with running(started.bus), started.screen:
         yield started
 
 
-def test_map_frontiers_and_progress_are_shown(run: Run) -> None:
+def test_map_frontiers_and_progress_are_shown(run: ExploreRun) -> None:
     run.screen.wait_for("▲ exploring")
     run.screen.wait_for("?")
     run.screen.wait_for("x")
 
 
-def test_keys_save_stop_and_release(run: Run) -> None:
+def test_keys_save_stop_and_release(run: ExploreRun) -> None:
     run.screen.type("s ")
     run.screen.wait_for("EMERGENCY STOP")
     run.screen.type("r")
@@ -90,12 +90,12 @@ def test_keys_save_stop_and_release(run: Run) -> None:
     run.screen.wait_for("map 'flat' saved")
 
 
-def test_ctrl_c_ends_the_screen(run: Run) -> None:
+def test_ctrl_c_ends_the_screen(run: ExploreRun) -> None:
     run.screen.type("\x03")
     run.screen.wait_end()
 
 
-def test_end_of_the_exploration_ends_the_screen(run: Run) -> None:
+def test_end_of_the_exploration_ends_the_screen(run: ExploreRun) -> None:
     run.bus.node("explore").publish("status", str, Quality.LATCHED).send(
         write_status(ExploreStatus("complete", known=20.0, saved="flat"))
     )

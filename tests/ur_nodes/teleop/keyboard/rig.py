@@ -8,8 +8,7 @@ from typing import Any
 from ur_nodes.client.mux import MuxLink
 from ur_nodes.memory.bus import Bus
 from ur_nodes.ports.qualities import Quality
-from ur_nodes.ports.services import Switch, Trigger
-from ur_nodes.ports.values import Result, Twist
+from ur_nodes.ports.values import Twist
 from ur_nodes.teleop.keyboard.commander import Commander, make_commander
 from ur_nodes.teleop.keyboard.drive import DriveSettings
 from ur_nodes.teleop.keyboard.key_driver import KeyDriver
@@ -56,22 +55,3 @@ class Driving(Rig):
             self.bus.run(min(seconds, _WAIT))
             self.driver.press(())
             seconds -= _WAIT
-
-
-class FakeMux:
-    """A mux that does what it is asked at once, and notes it."""
-
-    def __init__(self, bus: Bus) -> None:
-        node = bus.node("cmd_vel_mux")
-        self.asked: list[str] = []
-        self._stopped = node.publish("cmd_vel_mux/stopped", bool, Quality.LATCHED)
-        self._stopped.send(False)
-        node.serve("cmd_vel_mux/stop", Trigger, lambda _: self._take("stop", stopped=True))
-        node.serve("cmd_vel_mux/release", Trigger, lambda _: self._take("release", stopped=False))
-        node.serve("cmd_vel_mux/set_obstacle_stop", Switch, lambda request: self._take(f"obstacles {request.on}"))
-
-    def _take(self, request: str, *, stopped: bool | None = None) -> Result:
-        self.asked.append(request)
-        if stopped is not None:
-            self._stopped.send(stopped)
-        return Result(success=True)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import pytest
 from tests.ur_nodes.teleop.keyboard.rig import AHEAD, STILL, Driving
-from tests.ur_nodes.teleop.screen import Screen, running
+from tests.ur_nodes.teleop.screen import TypedTerminal, running
 
 from ur_nodes.teleop.keyboard.drive_terminal import drive_by_terminal
 
@@ -17,13 +17,13 @@ class Shown:
     """A drive whose bus runs in real time beside its screen."""
 
     rig: Driving
-    screen: Screen
+    screen: TypedTerminal
 
 
 @pytest.fixture
 def shown() -> Iterator[Shown]:
     rig = Driving()
-    screen = Screen(lambda terminal, ended: drive_by_terminal(terminal, rig.driver, ended))
+    screen = TypedTerminal(lambda terminal, ended: drive_by_terminal(terminal, rig.driver, ended))
     with running(rig.bus), screen:
         yield Shown(rig, screen)
 

@@ -5,8 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from tests.ur_nodes.motion.test_cmd_vel_mux_node import Driver, Robot
-from tests.ur_nodes.teleop.keyboard.rig import AHEAD, RATE, STILL, Driving, FakeMux
+from tests.fakes.mux import FakeMux
+from tests.ur_nodes.motion.test_cmd_vel_mux_node import LeaseDriver, MuxRobot
+from tests.ur_nodes.teleop.keyboard.rig import AHEAD, RATE, STILL, Driving
 
 from ur_nodes.client.map_saving import MapSaving
 from ur_nodes.client.mux import MuxLink
@@ -15,15 +16,10 @@ from ur_nodes.ports.services import Trigger
 from ur_nodes.ports.values import Result, StampedTwist, Time
 from ur_nodes.teleop.keyboard.key_driver import KeyDriver
 
+pytestmark = pytest.mark.usefixtures("home")
+
 KITTY = b"\x1b[?15u"
 UP, UP_RELEASED = b"\x1b[1;1:1A", b"\x1b[1;1:3A"
-
-
-@pytest.fixture(autouse=True)
-def home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    monkeypatch.setenv("ROS_HOME", str(tmp_path))
-    monkeypatch.setenv("ROS_MASTER_URI", "http://robot:1")
-    return tmp_path
 
 
 def test_key_drives_at_the_rate_and_then_falls_silent_after_three_zeros() -> None:
@@ -119,7 +115,7 @@ def test_robot_is_stopped_when_the_node_ends_while_a_key_is_held() -> None:
 
 
 def test_keys_drive_the_robot_through_its_mux_and_release_the_lease_at_the_end(home: Path) -> None:
-    robot = Robot(home)
+    robot = MuxRobot(home)
     rig = Driving(robot.bus, topic="key_vel")
     rig.bus.run(0.5)
     assert rig.driver.view().link.listeners == 1
@@ -135,7 +131,7 @@ def test_keys_drive_the_robot_through_its_mux_and_release_the_lease_at_the_end(h
 
 
 def test_commands_answer_each_challenge_of_the_mux(home: Path) -> None:
-    robot = Robot(home)
+    robot = MuxRobot(home)
     rig = Driving(robot.bus, topic="key_vel")
     stamps: list[int] = []
     challenges: list[int] = []
@@ -149,8 +145,8 @@ def test_commands_answer_each_challenge_of_the_mux(home: Path) -> None:
 
 
 def test_screen_names_who_drives_and_keys_request_the_lease(home: Path) -> None:
-    robot = Robot(home)
-    other = Driver(robot.bus, "a")
+    robot = MuxRobot(home)
+    other = LeaseDriver(robot.bus, "a")
     other.lease.acquire()
     rig = Driving(robot.bus, topic="key_vel")
     rig.bus.run(0.5)

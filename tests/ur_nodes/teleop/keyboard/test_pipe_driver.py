@@ -8,7 +8,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from tests.ur_nodes.motion.test_cmd_vel_mux_node import Driver, Robot
+from tests.ur_nodes.motion.test_cmd_vel_mux_node import LeaseDriver, MuxRobot
 from tests.ur_nodes.teleop.keyboard.rig import AHEAD, LEFT, RATE, SETTINGS, STILL, Rig
 
 from ur_nodes.memory.bus import Bus
@@ -16,12 +16,7 @@ from ur_nodes.ports.values import Twist
 from ur_nodes.teleop.keyboard.pipe_driver import PipeDriver, drive_by_pipe
 from ur_nodes.teleop.terminal.keys import decode_keys
 
-
-@pytest.fixture(autouse=True)
-def home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    monkeypatch.setenv("ROS_HOME", str(tmp_path))
-    monkeypatch.setenv("ROS_MASTER_URI", "http://robot:1")
-    return tmp_path
+pytestmark = pytest.mark.usefixtures("home")
 
 
 class Pipe(Rig):
@@ -67,7 +62,7 @@ def test_first_key_waits_for_a_subscriber_and_then_drives_with_a_warning() -> No
 
 
 def test_pipe_drives_through_the_mux(home: Path) -> None:
-    robot = Robot(home)
+    robot = MuxRobot(home)
     pipe = Pipe(robot.bus, "key_vel")
     pipe.press(b"i")
     assert robot.bus.run_until(lambda: pipe.driver.ended, 10.0)
@@ -78,8 +73,8 @@ def test_pipe_drives_through_the_mux(home: Path) -> None:
 
 
 def test_pipe_does_not_drive_while_another_client_does(home: Path) -> None:
-    robot = Robot(home)
-    other = Driver(robot.bus, "a")
+    robot = MuxRobot(home)
+    other = LeaseDriver(robot.bus, "a")
     other.lease.acquire()
     robot.bus.run(0.5)
     pipe = Pipe(robot.bus, "key_vel")

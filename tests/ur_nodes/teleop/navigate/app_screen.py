@@ -15,7 +15,7 @@ from ur_nodes.teleop.navigate.command_line import CommandLine
 from ur_nodes.teleop.navigate.panel import Panel
 
 
-class Screen:
+class AppScreen:
     """The running app as a user has it before them."""
 
     def __init__(self, app: NavigateApp, pilot: Pilot[None]) -> None:
@@ -46,9 +46,9 @@ class Screen:
 
 
 @contextlib.asynccontextmanager
-async def open_app(navigator: Any, store: WaypointStore, size: tuple[int, int] = (100, 36)) -> AsyncIterator[Screen]:
+async def open_app(navigator: Any, store: WaypointStore, size: tuple[int, int] = (100, 36)) -> AsyncIterator[AppScreen]:
     """The app on a terminal of so many columns and rows."""
     app = NavigateApp(navigator, lambda _: store, title="maze")
     async with app.run_test(size=size) as pilot:
         await pilot.pause()
-        yield Screen(app, pilot)
+        yield AppScreen(app, pilot)

@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 import pytest_asyncio
-from tests.ur_nodes.teleop.navigate.app_screen import Screen, open_app
+from tests.ur_nodes.teleop.navigate.app_screen import AppScreen, open_app
 
 from ur.source.diagnostic import UserError, error
 from ur_nodes.client.driver_text import clock_time
@@ -26,13 +26,13 @@ LOST = Silence("the robot", 1.2)
 
 
 @pytest_asyncio.fixture(params=SIZES, ids=str)
-async def screen(request: Any, navigator: Any, store: WaypointStore) -> AsyncIterator[Screen]:
+async def screen(request: Any, navigator: Any, store: WaypointStore) -> AsyncIterator[AppScreen]:
     async with open_app(navigator, store, request.param) as shown:
         yield shown
 
 
 @pytest_asyncio.fixture
-async def wide(navigator: Any, store: WaypointStore) -> AsyncIterator[Screen]:
+async def wide(navigator: Any, store: WaypointStore) -> AsyncIterator[AppScreen]:
     async with open_app(navigator, store, (100, 30)) as shown:
         yield shown
 
@@ -41,7 +41,9 @@ def show(navigator: Any, **changes: Any) -> None:
     navigator.seen = replace(navigator.seen, **changes)
 
 
-async def test_lost_link_is_shown_and_the_goal_is_unknown_not_failed_or_driving(screen: Screen, navigator: Any) -> None:
+async def test_lost_link_is_shown_and_the_goal_is_unknown_not_failed_or_driving(
+    screen: AppScreen, navigator: Any
+) -> None:
     await screen.type("g 2 3 90")
     show(navigator, silence=LOST, missing=("an update of the robot's pose",))
     navigator.end(LastGoalState.UNKNOWN)
@@ -56,7 +58,7 @@ async def test_lost_link_is_shown_and_the_goal_is_unknown_not_failed_or_driving(
     assert "driving" in screen.text("status")
 
 
-async def test_lost_link_says_that_the_goal_is_unknown_where_there_is_room(wide: Screen, navigator: Any) -> None:
+async def test_lost_link_says_that_the_goal_is_unknown_where_there_is_room(wide: AppScreen, navigator: Any) -> None:
     await wide.type("g 2 3 90")
     show(navigator, silence=LOST)
     navigator.end(LastGoalState.UNKNOWN)
@@ -65,21 +67,21 @@ async def test_lost_link_says_that_the_goal_is_unknown_where_there_is_room(wide:
     assert "m/s" not in wide.text("status")
 
 
-async def test_no_goal_is_sent_while_the_link_is_lost(screen: Screen, navigator: Any) -> None:
+async def test_no_goal_is_sent_while_the_link_is_lost(screen: AppScreen, navigator: Any) -> None:
     show(navigator, silence=LOST)
     await screen.type("g 2 3 90")
     assert not navigator.goals
     assert "not sent: no word from the robot" in screen.text("message")
 
 
-async def test_goal_that_cannot_be_sent_in_time_is_said_not_to_be_sent(screen: Screen, navigator: Any) -> None:
+async def test_goal_that_cannot_be_sent_in_time_is_said_not_to_be_sent(screen: AppScreen, navigator: Any) -> None:
     navigator.problem = UserError(error("no word from the robot for 0.6 s", rule="no-word"))
     await screen.type("g 2 3 90")
     assert "not sent: no word from the robot for 0.6 s" in screen.text("message")
 
 
 async def test_stop_that_failed_goes_before_the_lost_link_and_old_news_of_the_mux_after_it(
-    screen: Screen, navigator: Any
+    screen: AppScreen, navigator: Any
 ) -> None:
     show(navigator, silence=LOST, mux=MuxView(stopped=True))
     await screen.refresh()
@@ -91,7 +93,7 @@ async def test_stop_that_failed_goes_before_the_lost_link_and_old_news_of_the_mu
 
 @pytest.mark.parametrize(("answer", "resumed"), [("", True), ("c", True), ("x", False)])
 async def test_held_goal_that_asks_is_continued_or_cancelled(
-    screen: Screen, navigator: Any, answer: str, resumed: bool
+    screen: AppScreen, navigator: Any, answer: str, resumed: bool
 ) -> None:
     show(navigator, goal=GoalReport(1, THERE, LastGoalState.ASKING, "held: laptop is back; continue or cancel"))
     await screen.refresh()
@@ -100,21 +102,21 @@ async def test_held_goal_that_asks_is_continued_or_cancelled(
     assert (navigator.resumes, navigator.stops) == ((1, 0) if resumed else (0, 1))
 
 
-async def test_nothing_is_continued_while_no_goal_asks(screen: Screen, navigator: Any) -> None:
+async def test_nothing_is_continued_while_no_goal_asks(screen: AppScreen, navigator: Any) -> None:
     await screen.type("")
     await screen.type("c")
     assert navigator.resumes == 0
     assert "no goal to continue" in screen.text("message")
 
 
-async def test_held_goal_says_why(screen: Screen, navigator: Any) -> None:
+async def test_held_goal_says_why(screen: AppScreen, navigator: Any) -> None:
     show(navigator, goal=GoalReport(1, THERE, LastGoalState.HELD, "held: no word from laptop2 for 3 s"))
     await screen.refresh()
     assert "held: no word from laptop2 for 3 s" in screen.text("status")
     assert "driving" not in screen.text("message")
 
 
-async def test_who_drives_is_shown_and_nothing_is_sent_meanwhile(screen: Screen, navigator: Any) -> None:
+async def test_who_drives_is_shown_and_nothing_is_sent_meanwhile(screen: AppScreen, navigator: Any) -> None:
     show(navigator, lease=OTHER)
     await screen.refresh()
     assert f"laptop2 (keyboard_drive) drives since {clock_time(100.0)}" in screen.text("driver")
@@ -127,7 +129,7 @@ async def test_who_drives_is_shown_and_nothing_is_sent_meanwhile(screen: Screen,
     assert navigator.stops == 1, "everybody may stop the robot"
 
 
-async def test_driver_who_was_taken_over_sees_by_whom_and_may_ask_or_take(screen: Screen, navigator: Any) -> None:
+async def test_driver_who_was_taken_over_sees_by_whom_and_may_ask_or_take(screen: AppScreen, navigator: Any) -> None:
     show(navigator, goal=GoalReport(1, THERE, LastGoalState.STOPPED, "laptop2 took over"))
     show(navigator, lease=replace(OTHER, taken_by="laptop2", taken_at=200.0))
     await screen.refresh()
@@ -138,7 +140,7 @@ async def test_driver_who_was_taken_over_sees_by_whom_and_may_ask_or_take(screen
     assert navigator.requests == ["ask", "take", "grant", "take"]
 
 
-async def test_driver_sees_who_asks_and_the_line_goes_when_nobody_does(screen: Screen, navigator: Any) -> None:
+async def test_driver_sees_who_asks_and_the_line_goes_when_nobody_does(screen: AppScreen, navigator: Any) -> None:
     show(navigator, lease=replace(MINE, asking=("laptop2",)))
     await screen.refresh()
     assert "laptop2 asks to drive; 'give' hands over" in screen.text("driver")
@@ -160,14 +162,14 @@ async def test_driver_sees_who_asks_and_the_line_goes_when_nobody_does(screen: S
         (LeaseView(), ""),
     ],
 )
-async def test_line_about_the_driver(wide: Screen, navigator: Any, lease: LeaseView, text: str) -> None:
+async def test_line_about_the_driver(wide: AppScreen, navigator: Any, lease: LeaseView, text: str) -> None:
     show(navigator, lease=lease)
     await wide.refresh()
     assert text in wide.text("driver")
     assert wide.app.query_one("#driver").display is bool(text)
 
 
-async def test_program_that_only_watches_sends_nothing_until_it_drives(screen: Screen, navigator: Any) -> None:
+async def test_program_that_only_watches_sends_nothing_until_it_drives(screen: AppScreen, navigator: Any) -> None:
     show(navigator, conduct="watch", lease=LeaseView("free", link_age=0.0))
     await screen.refresh()
     assert "no client drives; 'drive' drives" in screen.text("driver")
@@ -178,7 +180,7 @@ async def test_program_that_only_watches_sends_nothing_until_it_drives(screen: S
     assert len(navigator.goals) == 1
 
 
-async def test_quitting_says_when_the_goal_could_not_be_cancelled(screen: Screen, navigator: Any) -> None:
+async def test_quitting_says_when_the_goal_could_not_be_cancelled(screen: AppScreen, navigator: Any) -> None:
     await screen.type("g 2 3 90")
     show(navigator, silence=LOST)
     assert screen.app.cancel_own_goal() == "no word from the robot for 1.2 s"

@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 import pytest_asyncio
-from tests.ur_nodes.teleop.navigate.app_screen import Screen, open_app
+from tests.ur_nodes.teleop.navigate.app_screen import AppScreen, open_app
 from textual import events
 from textual.pilot import Pilot
 from textual.widgets import Static
@@ -27,7 +27,7 @@ SMALL = (40, 12)
 
 
 @pytest_asyncio.fixture
-async def small(navigator: Any, store: WaypointStore) -> AsyncIterator[Screen]:
+async def small(navigator: Any, store: WaypointStore) -> AsyncIterator[AppScreen]:
     async with open_app(navigator, store, SMALL) as shown:
         yield shown
 
@@ -48,7 +48,7 @@ def screen_text(pilot: Pilot[None]) -> str:
 @pytest.mark.parametrize("opened_by", ["question_mark", "l"])
 @pytest.mark.parametrize("key", KEYS)
 async def test_key_pressed_twice_at_once_closes_a_panel_and_the_program_goes_on(
-    screen: Screen, opened_by: str, key: str
+    screen: AppScreen, opened_by: str, key: str
 ) -> None:
     press_at_once(screen.app, ["question_mark"] if opened_by == "question_mark" else ["l", "enter"])
     press_at_once(screen.app, [key, key])
@@ -58,14 +58,14 @@ async def test_key_pressed_twice_at_once_closes_a_panel_and_the_program_goes_on(
 
 
 @pytest.mark.parametrize("key", [key for key in KEYS if key != "q"])
-async def test_key_pressed_twice_at_once_does_no_harm_on_the_main_screen(screen: Screen, key: str) -> None:
+async def test_key_pressed_twice_at_once_does_no_harm_on_the_main_screen(screen: AppScreen, key: str) -> None:
     press_at_once(screen.app, [key, key, "escape"])
     await screen.pilot.pause()
     assert screen.app.is_running
     assert not screen.app.query_one(CommandLine).value
 
 
-async def test_double_click_closes_a_panel_and_sends_no_goal(screen: Screen, navigator: Any) -> None:
+async def test_double_click_closes_a_panel_and_sends_no_goal(screen: AppScreen, navigator: Any) -> None:
     screen.app.map.double_click = 60.0
     await screen.pilot.press("question_mark")
     await screen.pilot.pause()
@@ -75,7 +75,7 @@ async def test_double_click_closes_a_panel_and_sends_no_goal(screen: Screen, nav
     assert not navigator.goals
 
 
-async def test_double_click_on_the_map_sends_one_goal(screen: Screen, navigator: Any) -> None:
+async def test_double_click_on_the_map_sends_one_goal(screen: AppScreen, navigator: Any) -> None:
     screen.app.map.double_click = 60.0
     await screen.pilot.click(MapView, offset=(50, 10), times=2)
     assert len(navigator.goals) == 1
@@ -83,7 +83,7 @@ async def test_double_click_on_the_map_sends_one_goal(screen: Screen, navigator:
     assert len(navigator.goals) == 2
 
 
-async def test_keys_typed_right_after_a_click_are_not_lost(screen: Screen, navigator: Any) -> None:
+async def test_keys_typed_right_after_a_click_are_not_lost(screen: AppScreen, navigator: Any) -> None:
     await screen.pilot.mouse_down(MapView, offset=(70, 10))
     await screen.pilot.mouse_up(MapView, offset=(70, 10))
     press_at_once(screen.app, ["g", "space", "1", "space", "2", "enter"])
@@ -92,7 +92,7 @@ async def test_keys_typed_right_after_a_click_are_not_lost(screen: Screen, navig
     assert not navigator.asked
 
 
-async def test_keys_act_in_the_order_in_which_they_are_typed(screen: Screen, store: WaypointStore) -> None:
+async def test_keys_act_in_the_order_in_which_they_are_typed(screen: AppScreen, store: WaypointStore) -> None:
     press_at_once(screen.app, ["w", "space", *"homf", "backspace", "e", "enter", "l", "enter", "x", "g"])
     await screen.pilot.pause()
     assert list(store.places()) == ["home"]
@@ -114,7 +114,7 @@ async def test_program_runs_without_colours(
         assert "no goal" in screen_text(pilot)
 
 
-async def test_resize_while_a_goal_is_driven_and_help_is_open(screen: Screen, navigator: Any) -> None:
+async def test_resize_while_a_goal_is_driven_and_help_is_open(screen: AppScreen, navigator: Any) -> None:
     await screen.type("g 2 3 90")
     await screen.pilot.press("question_mark")
     for step in range(10):
@@ -125,7 +125,7 @@ async def test_resize_while_a_goal_is_driven_and_help_is_open(screen: Screen, na
     assert "driving" in screen_text(screen.pilot)
 
 
-async def test_small_screen_shows_a_whole_alarm(small: Screen, navigator: Any) -> None:
+async def test_small_screen_shows_a_whole_alarm(small: AppScreen, navigator: Any) -> None:
     navigator.seen = replace(navigator.seen, mux=MuxView(stopped=True))
     await small.refresh()
     await small.pilot.pause()
@@ -133,7 +133,7 @@ async def test_small_screen_shows_a_whole_alarm(small: Screen, navigator: Any) -
     assert "EMERGENCY STOP: r and Enter let the robot drive again" in shown
 
 
-async def test_small_screen_shows_a_whole_message_and_the_emergency_key(small: Screen) -> None:
+async def test_small_screen_shows_a_whole_message_and_the_emergency_key(small: AppScreen) -> None:
     await small.type("foo")
     await small.pilot.pause()
     shown = " ".join(screen_text(small.pilot).split())
@@ -141,7 +141,7 @@ async def test_small_screen_shows_a_whole_message_and_the_emergency_key(small: S
     assert "Space: emergency stop ?: help" in shown
 
 
-async def test_help_scrolls_to_its_end_on_a_small_screen(small: Screen) -> None:
+async def test_help_scrolls_to_its_end_on_a_small_screen(small: AppScreen) -> None:
     await small.pilot.press("question_mark")
     await small.pilot.pause()
     assert "scroll, others close" in screen_text(small.pilot)
@@ -159,7 +159,7 @@ async def test_exception_ends_the_program_and_is_kept_for_the_report(navigator: 
     assert isinstance(app.problem, TypeError)
 
 
-async def test_coordinates_are_never_a_negative_zero(screen: Screen, navigator: Any) -> None:
+async def test_coordinates_are_never_a_negative_zero(screen: AppScreen, navigator: Any) -> None:
     navigator.move(Pose2(-0.001, -0.004, -0.001))
     await screen.type("w here")
     assert "-0" not in screen.text("status") + screen.text("message")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from tests.ur_nodes.teleop.navigate.app_screen import Screen
+from tests.ur_nodes.teleop.navigate.app_screen import AppScreen
 from textual.widgets import Static
 
 from ur_nodes.client.map_saving import MapSaving
@@ -16,7 +16,7 @@ from ur_nodes.ports.values import Result
 from ur_nodes.teleop.navigate.app import NavigateApp
 
 
-async def test_waypoint_is_remembered_listed_and_driven_to(screen: Screen, navigator: Any) -> None:
+async def test_waypoint_is_remembered_listed_and_driven_to(screen: AppScreen, navigator: Any) -> None:
     navigator.move(Pose2(1.0, 2.0, 0.0))
     await screen.type("w kitchen")
     assert "waypoint 'kitchen' saved at 1.00 2.00 0" in screen.text("message")
@@ -43,7 +43,7 @@ async def test_map_that_is_made_is_saved_and_has_no_waypoints_before_it_has_a_na
     saving = MapSaving(bus.node("keyboard_navigate"), "save", hint="save: save the map")
     app = NavigateApp(navigator, lambda _: None, saving=saving)
     async with app.run_test(size=(100, 36)) as pilot:
-        screen = Screen(app, pilot)
+        screen = AppScreen(app, pilot)
         await screen.refresh()
         bus.run(0.1)
         await screen.type("w here")
@@ -54,13 +54,13 @@ async def test_map_that_is_made_is_saved_and_has_no_waypoints_before_it_has_a_na
         assert screen.text("message") == "map 'flat' saved"
 
 
-async def test_nothing_is_saved_where_no_map_is_made(screen: Screen) -> None:
+async def test_nothing_is_saved_where_no_map_is_made(screen: AppScreen) -> None:
     await screen.type("save")
     assert "no map is being made" in screen.text("message")
 
 
 async def test_patrol_is_started_by_a_command_and_shown_whoever_has_started_it(
-    screen: Screen, navigator: Any, store: WaypointStore
+    screen: AppScreen, navigator: Any, store: WaypointStore
 ) -> None:
     store.remember("sofa", Pose2(1.0, 2.0, 0.0))
     await screen.type("patrol sofa")

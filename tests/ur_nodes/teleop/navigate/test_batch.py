@@ -19,7 +19,7 @@ from ur_nodes.teleop.navigate.batch_text import BatchTimeouts
 
 
 @dataclass
-class World:
+class BatchWorld:
     """Time that passes only while the batch sleeps; `happens` is called with it."""
 
     happens: Callable[[float], None] = lambda _: None
@@ -47,7 +47,7 @@ def arriving(navigator: Any) -> Callable[[float], None]:
 
 
 def run(
-    lines: list[str], navigator: Any, store: WaypointStore, world: World, limits: BatchTimeouts | None = None
+    lines: list[str], navigator: Any, store: WaypointStore, world: BatchWorld, limits: BatchTimeouts | None = None
 ) -> int:
     return run_batch(lines, navigator, store, limits or BatchTimeouts(), world.around())
 
@@ -58,7 +58,7 @@ def test_goal_that_is_reached_says_how_well(navigator: Any, store: WaypointStore
             navigator.move(Pose2(2.0, 2.96, math.radians(91.2)))
             navigator.end(LastGoalState.REACHED)
 
-    world = World(happens)
+    world = BatchWorld(happens)
     assert run(["g 2 3 90\n"], navigator, store, world) == 0
     assert world.out == ["g 2 3 90: reached, 0.04 m and 1.2 degrees off, 12.3 s"]
 
@@ -66,7 +66,7 @@ def test_goal_that_is_reached_says_how_well(navigator: Any, store: WaypointStore
 def test_goal_without_an_angle_asks_for_no_heading_and_its_result_names_none(
     navigator: Any, store: WaypointStore
 ) -> None:
-    world = World(arriving(navigator))
+    world = BatchWorld(arriving(navigator))
     assert run(["g 2 3"], navigator, store, world) == 0
     assert navigator.any_heading
     assert world.out == ["g 2 3: reached, 0.00 m off, 0.1 s"]
@@ -75,7 +75,7 @@ def test_goal_without_an_angle_asks_for_no_heading_and_its_result_names_none(
 
 
 def test_goal_that_fails_gives_the_reason_and_exit_code_1(navigator: Any, store: WaypointStore) -> None:
-    world = World(lambda _: navigator.end(LastGoalState.FAILED, "the goal is in a wall"))
+    world = BatchWorld(lambda _: navigator.end(LastGoalState.FAILED, "the goal is in a wall"))
     assert run(["g 0 5"], navigator, store, world) == 1
     assert world.out == ["g 0 5: failed after 0.1 s: the goal is in a wall"]
 
@@ -85,7 +85,7 @@ def test_patrol_is_started_with_the_poses_of_its_waypoints_and_left_to_the_robot
 ) -> None:
     store.remember("sofa", Pose2(1.0, 2.0, 0.0))
     store.remember("hall", Pose2(3.0, 0.0, 0.0))
-    world = World(lambda _: None)
+    world = BatchWorld(lambda _: None)
     assert run(["patrol loop sofa hall", "patrol pause"], navigator, store, world) == 0
     assert world.out == ["patrol loop sofa hall: started", "patrol pause: paused"]
     (start, pause) = navigator.patrols
@@ -102,14 +102,14 @@ def test_patrol_is_started_with_the_poses_of_its_waypoints_and_left_to_the_robot
 
 
 def test_goals_are_driven_one_after_another(navigator: Any, store: WaypointStore) -> None:
-    world = World(arriving(navigator))
+    world = BatchWorld(arriving(navigator))
     assert run(["g 1 0", "", "# a comment", "g 1 1"], navigator, store, world) == 0
     assert navigator.goals == [Pose2(1.0, 0.0, 0.0), Pose2(1.0, 1.0, math.pi / 2)]
     assert len(world.out) == 2
 
 
 def test_malformed_line_is_reported_and_the_rest_still_done(navigator: Any, store: WaypointStore) -> None:
-    world = World(arriving(navigator))
+    world = BatchWorld(arriving(navigator))
     assert run(["g 2 x", "m nowhere", "g 1 0 0"], navigator, store, world) == 1
     assert world.err[0] == "error: g 2 x: 'x' is not a number, expected: g X Y [ANGLE]"
     assert "m nowhere: unknown waypoint 'nowhere'" in world.err[1]
@@ -117,7 +117,7 @@ def test_malformed_line_is_reported_and_the_rest_still_done(navigator: Any, stor
 
 
 def test_waypoints_are_remembered_listed_reached_and_dropped(navigator: Any, store: WaypointStore) -> None:
-    world = World(arriving(navigator))
+    world = BatchWorld(arriving(navigator))
     navigator.move(Pose2(1.0, 2.0, math.pi))
     assert run(["l", "w here", "g 0 0 0", "m here", "l", "d here"], navigator, store, world) == 0
     assert navigator.goals[-1] == pytest.approx(Pose2(1.0, 2.0, math.pi))
@@ -128,7 +128,7 @@ def test_waypoints_are_remembered_listed_reached_and_dropped(navigator: Any, sto
 
 
 def test_other_commands(navigator: Any, store: WaypointStore) -> None:
-    world = World()
+    world = BatchWorld()
     assert run(["i 1 2 90", "global", "s", "?", "q", "g 1 1"], navigator, store, world) == 0
     assert navigator.poses == [Pose2(1.0, 2.0, math.pi / 2)]
     assert (navigator.searches, navigator.stops) == (1, 1)
@@ -137,7 +137,7 @@ def test_other_commands(navigator: Any, store: WaypointStore) -> None:
 
 
 def test_emergency_ends_the_goal_and_lasts_until_the_release(navigator: Any, store: WaypointStore) -> None:
-    world = World()
+    world = BatchWorld()
     navigator.go(Pose2(1.0, 1.0, 0.0))
     assert run(["e", "r"], navigator, store, world) == 0
     assert world.out == ["e: emergency stop", "r: released"]
@@ -146,7 +146,7 @@ def test_emergency_ends_the_goal_and_lasts_until_the_release(navigator: Any, sto
 
 
 def test_emergency_that_the_mux_does_not_answer_fails(navigator: Any, store: WaypointStore) -> None:
-    world = World()
+    world = BatchWorld()
     navigator.ask_mux = lambda request: setattr(navigator, "seen", replace(navigator.seen, mux=MuxView(asked=request)))
     assert run(["e"], navigator, store, world) == 1
     navigator.ask_mux = lambda _: setattr(navigator, "seen", replace(navigator.seen, mux=MuxView(problem="no mux")))
@@ -155,7 +155,7 @@ def test_emergency_that_the_mux_does_not_answer_fails(navigator: Any, store: Way
 
 
 def test_goal_over_the_limit_is_cancelled(navigator: Any, store: WaypointStore) -> None:
-    world = World()
+    world = BatchWorld()
     assert run(["g 1 1"], navigator, store, world, BatchTimeouts(goal=5.0)) == 1
     assert "not reached after 5 s" in world.out[0]
     assert navigator.stops == 1
@@ -165,13 +165,13 @@ def test_goal_that_is_replaced_by_somebody_else_fails(navigator: Any, store: Way
     def happens(_: float) -> None:
         navigator.seen = replace(navigator.seen, goal=GoalReport(7, Pose2(0, 0, 0), LastGoalState.DRIVING))
 
-    world = World(happens)
+    world = BatchWorld(happens)
     assert run(["g 1 1"], navigator, store, world) == 1
     assert "another goal took its place" in world.out[0]
 
 
 def test_interruption_cancels_the_goal(navigator: Any, store: WaypointStore) -> None:
-    world = World(interrupted_at=1.0)
+    world = BatchWorld(interrupted_at=1.0)
     with pytest.raises(InterruptedBatchError):
         run(["g 1 1"], navigator, store, world)
     assert navigator.stops == 1
@@ -184,12 +184,12 @@ def test_waiting_ends_when_everything_is_there(navigator: Any) -> None:
         if now > 3:
             navigator.seen = replace(navigator.seen, missing=())
 
-    assert wait_until_ready(navigator, BatchTimeouts(), World(happens).around()) is None
+    assert wait_until_ready(navigator, BatchTimeouts(), BatchWorld(happens).around()) is None
 
 
 def test_waiting_has_a_limit_and_says_what_is_missing(navigator: Any) -> None:
     navigator.seen = replace(navigator.seen, missing=("the map (topic /map)", "navigation (action /move_base)"))
-    world = World()
+    world = BatchWorld()
     missing = wait_until_ready(navigator, BatchTimeouts(start=30.0), world.around())
     assert missing == "the map (topic /map) and navigation (action /move_base)"
     assert world.now == pytest.approx(30.0, abs=0.2)
@@ -205,7 +205,7 @@ def test_held_goal_is_noted_once_and_reported_by_its_end(navigator: Any, store: 
             navigator.move(Pose2(1.0, 0.0, 0.0))
             navigator.end(LastGoalState.REACHED)
 
-    world = World(happens)
+    world = BatchWorld(happens)
     assert run(["g 1 0"], navigator, store, world) == 0
     assert world.err == ["note: g 1 0: held: no word from laptop for 3 s", "note: g 1 0: driving"]
     assert world.out[0].startswith("g 1 0: reached")
@@ -216,18 +216,18 @@ def test_lost_link_leaves_the_goal_open_and_is_given_up_as_unknown(navigator: An
         navigator.seen = replace(navigator.seen, silence=Silence("the robot", now))
         navigator.end(LastGoalState.UNKNOWN)
 
-    world = World(happens)
+    world = BatchWorld(happens)
     assert run(["g 1 0"], navigator, store, world, BatchTimeouts(start=30.0)) == 1
     assert world.err == ["note: g 1 0: no word from the robot for 0.1 s; the goal is unknown until it answers"]
     assert world.out == ["g 1 0: unknown after 30.0 s: no word from the robot for 30.0 s"]
 
 
 def test_goal_that_was_taken_over_or_came_late_says_so(navigator: Any, store: WaypointStore) -> None:
-    world = World(lambda _: navigator.end(LastGoalState.STOPPED, "laptop2 took over"))
+    world = BatchWorld(lambda _: navigator.end(LastGoalState.STOPPED, "laptop2 took over"))
     assert run(["g 0 5"], navigator, store, world) == 1
     assert world.out == ["g 0 5: stopped after 0.1 s: laptop2 took over"]
     late = "the goal arrived late (3.2 s), send it again"
-    world = World(lambda _: navigator.end(LastGoalState.FAILED, late))
+    world = BatchWorld(lambda _: navigator.end(LastGoalState.FAILED, late))
     assert run(["g 0 4"], navigator, store, world) == 1
     assert world.out == [f"g 0 4: failed after 0.1 s: {late}"]
 
@@ -235,7 +235,7 @@ def test_goal_that_was_taken_over_or_came_late_says_so(navigator: Any, store: Wa
 def test_goal_that_asks_for_an_answer_is_cancelled_since_a_pipe_cannot_answer(
     navigator: Any, store: WaypointStore
 ) -> None:
-    world = World(lambda _: navigator.end(LastGoalState.ASKING, "held: laptop is back"))
+    world = BatchWorld(lambda _: navigator.end(LastGoalState.ASKING, "held: laptop is back"))
     assert run(["g 0 5"], navigator, store, world) == 1
     assert navigator.stops == 1
     assert world.out == ["g 0 5: stopped after 0.1 s: held, and a pipe cannot answer whether it goes on"]
@@ -250,7 +250,7 @@ def test_nothing_is_sent_while_another_client_drives_until_this_one_does(navigat
             navigator.seen = replace(navigator.seen, lease=replace(other, mine=True))
         arriving(navigator)(now)
 
-    world = World(happens)
+    world = BatchWorld(happens)
     assert run(["g 1 0", "i 1 1 0", "take", "g 1 0", "give"], navigator, store, world) == 1
     drives = f"laptop2 drives since {clock_time(100.0)}; 'drive' takes over, 'ask' asks for it"
     assert world.out[:2] == [f"g 1 0: not sent: {drives}", "take: drives now"]
@@ -267,17 +267,17 @@ def test_goal_waits_for_a_silent_robot_before_it_is_sent(navigator: Any, store: 
             navigator.seen = replace(navigator.seen, silence=None)
             arriving(navigator)(now)
 
-    world = World(happens)
+    world = BatchWorld(happens)
     assert run(["g 1 0"], navigator, store, world) == 0
     navigator.seen = replace(navigator.seen, silence=Silence("the robot", 2.0))
-    silent = World()
+    silent = BatchWorld()
     assert run(["g 1 0"], navigator, store, silent, BatchTimeouts(start=5.0)) == 1
     assert silent.out == ["g 1 0: not sent: no word from the robot for 2.0 s"]
 
 
 def test_interrupt_says_whether_the_goal_was_cancelled(navigator: Any, store: WaypointStore) -> None:
     with pytest.raises(InterruptedBatchError, match="the goal was cancelled"):
-        run(["g 1 0"], navigator, store, World(interrupted_at=1.0))
+        run(["g 1 0"], navigator, store, BatchWorld(interrupted_at=1.0))
     navigator.stop = lambda: None
     navigator.seen = replace(navigator.seen, goal=GoalReport())
 
@@ -285,4 +285,4 @@ def test_interrupt_says_whether_the_goal_was_cancelled(navigator: Any, store: Wa
         navigator.seen = replace(navigator.seen, silence=Silence("the robot", 4.0))
 
     with pytest.raises(InterruptedBatchError, match="may not be cancelled: no word from the robot for 4"):
-        run(["g 1 0"], navigator, store, World(happens, interrupted_at=1.0))
+        run(["g 1 0"], navigator, store, BatchWorld(happens, interrupted_at=1.0))

@@ -30,7 +30,7 @@ def data(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
-class Program:
+class LineProgram:
     """The program beside a bus, which runs faster than real time."""
 
     def __init__(self, *, robot: bool = True, map_name: str = "test", save_service: str = "") -> None:
@@ -79,7 +79,7 @@ class Program:
 
 
 def test_goals_are_driven_one_after_the_other_and_reported(capsys: pytest.CaptureFixture[str], data: Path) -> None:
-    program = Program()
+    program = LineProgram()
     assert program.run("g 2 3 90\nw corner\ng 0 0 0\nm corner\n") == 0
     shown = capsys.readouterr()
     assert shown.err == ""
@@ -92,7 +92,7 @@ def test_goals_are_driven_one_after_the_other_and_reported(capsys: pytest.Captur
 
 
 def test_failed_goal_and_malformed_line_exit_with_1(capsys: pytest.CaptureFixture[str]) -> None:
-    assert Program().run("g 2 x\ng 90 90\ng 1 1\n") == 1
+    assert LineProgram().run("g 2 x\ng 90 90\ng 1 1\n") == 1
     shown = capsys.readouterr()
     assert shown.err == "error: g 2 x: 'x' is not a number, expected: g X Y [ANGLE]\n"
     failed, reached = shown.out.splitlines()
@@ -102,26 +102,26 @@ def test_failed_goal_and_malformed_line_exit_with_1(capsys: pytest.CaptureFixtur
 
 
 def test_missing_parts_are_named_after_the_limit(capsys: pytest.CaptureFixture[str]) -> None:
-    assert Program(robot=False).run("g 1 1\n", limits=BatchTimeouts(start=0.2, goal=600.0)) == 2
+    assert LineProgram(robot=False).run("g 1 1\n", limits=BatchTimeouts(start=0.2, goal=600.0)) == 2
     missing = "the map (topic /map) and the robot's pose (tf map -> base_footprint) and navigation (action /move_base)"
     assert f"still waiting for {missing} after 0.2 s" in capsys.readouterr().err
 
 
 def test_signal_before_the_robot_is_ready_ends_the_program(capsys: pytest.CaptureFixture[str]) -> None:
-    program = Program(robot=False)
+    program = LineProgram(robot=False)
     assert program.run("g 1 1\n", until=lambda: True) == 128 + signal.SIGINT
     assert capsys.readouterr() == ("", "")
 
 
 def test_signal_while_a_goal_is_driven_cancels_it(capsys: pytest.CaptureFixture[str]) -> None:
-    program = Program()
+    program = LineProgram()
     assert program.run("g 4.5 4.5\n", until=lambda: program.robot.pose.x > 1.0) == 1
     assert capsys.readouterr().err.endswith("error: keyboard_navigate: interrupted, the goal was cancelled\n")
     assert program.robot.pose.x < 4.0
 
 
 def test_typed_stop_does_not_wait_for_the_goal(capsys: pytest.CaptureFixture[str]) -> None:
-    assert Program().run("foo\ng 4 4\nc\nx\n", attended=True) == 1
+    assert LineProgram().run("foo\ng 4 4\nc\nx\n", attended=True) == 1
     shown = capsys.readouterr()
     assert "one command a line" in shown.out
     assert "g 4 4: stopped after" in shown.out
@@ -129,7 +129,7 @@ def test_typed_stop_does_not_wait_for_the_goal(capsys: pytest.CaptureFixture[str
 
 
 def test_map_that_is_being_made_gets_its_name_and_is_saved(capsys: pytest.CaptureFixture[str], data: Path) -> None:
-    program = Program(map_name="", save_service="save")
+    program = LineProgram(map_name="", save_service="save")
     answers = [Result(False, "the map is empty"), Result(True, "flat")]
     program.bus.node("slam").serve("save", Trigger, lambda _: answers.pop(0) if len(answers) > 1 else answers[0])
     assert program.run("w here\nsave\n") == 0
@@ -138,5 +138,5 @@ def test_map_that_is_being_made_gets_its_name_and_is_saved(capsys: pytest.Captur
 
 
 def test_map_without_a_name_is_waited_for_until_a_signal() -> None:
-    program = Program(map_name="", save_service="save")
+    program = LineProgram(map_name="", save_service="save")
     assert program.run("w here\n", until=lambda: program.bus.now > 5_000_000_000) == 128 + signal.SIGINT

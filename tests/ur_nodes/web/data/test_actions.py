@@ -37,7 +37,7 @@ class Reconfigure:
     type_name = "dynamic_reconfigure/Reconfigure"
 
 
-class World:
+class ActionsWorld:
     def __init__(self) -> None:
         self.bus = Bus()
         self.bus.schemas[STRING] = "string data\n"
@@ -55,14 +55,14 @@ class World:
 
 
 def test_services_of_other_nodes_are_listed() -> None:
-    world = World()
+    world = ActionsWorld()
     world.other.serve("reset", Trigger, lambda _: Result(True))
     world.node.serve("own", Trigger, lambda _: Result(True))
     assert world.ask(ListServices()) == {"ok": True, "text": "", "value": ["/reset"]}
 
 
 def test_parameters_are_listed_read_and_set() -> None:
-    world = World()
+    world = ActionsWorld()
     world.bus.parameters.update({"/camera/gain": 2, "/name": "robot"})
     assert world.ask(ListParameters())["value"] == ["/camera/gain", "/name"]
     assert json.loads(world.ask(GetParameter("/camera"))["value"]) == {"gain": 2}
@@ -73,7 +73,7 @@ def test_parameters_are_listed_read_and_set() -> None:
 
 
 def test_long_value_of_a_parameter_is_cut() -> None:
-    world = World()
+    world = ActionsWorld()
     world.bus.parameters["/long"] = "x" * 30_000
     answer = world.ask(GetParameter("/long"))
     assert not answer["whole"]
@@ -98,7 +98,7 @@ def test_long_value_of_a_parameter_is_cut() -> None:
     ],
 )
 def test_request_is_refused_with_its_reason(request_: Request, text: str) -> None:
-    world = World()
+    world = ActionsWorld()
     world.other.serve("reset", Trigger, lambda _: Result(True))
     answer = world.ask(request_)
     assert not answer["ok"]
@@ -107,7 +107,7 @@ def test_request_is_refused_with_its_reason(request_: Request, text: str) -> Non
 
 
 def test_types_are_described_by_their_empty_values() -> None:
-    world = World()
+    world = ActionsWorld()
     assert world.ask(DescribeMessage(STRING)) == {"ok": True, "text": "", "value": {"data": ""}, "kind": STRING}
     world.bus.schemas[Reconfigure.type_name] = "string config\n"
     world.other.serve("tune", Reconfigure, lambda _: Result(True))
@@ -116,7 +116,7 @@ def test_types_are_described_by_their_empty_values() -> None:
 
 
 def test_message_is_published_to_those_who_listen() -> None:
-    world, got = World(), list[RawMessage]()
+    world, got = ActionsWorld(), list[RawMessage]()
     world.other.raw.subscribe("words", got.append, Quality.EVERY)
     assert world.ask(Publish("/words", STRING, '{"data": "one"}'))["text"] == "published to 1 subscriber"
     assert world.ask(Publish("/words", STRING, '{"data": "two"}'))["text"] == "published to 1 subscriber"
@@ -126,7 +126,7 @@ def test_message_is_published_to_those_who_listen() -> None:
 
 
 def test_message_of_another_type_than_the_topic_has_is_refused() -> None:
-    world = World()
+    world = ActionsWorld()
     world.bus.schemas["std_msgs/Bool"] = "bool data\n"
     world.other.raw.publish("words", STRING)
     answer = world.ask(Publish("/words", "std_msgs/Bool", "{}"))
@@ -134,7 +134,7 @@ def test_message_of_another_type_than_the_topic_has_is_refused() -> None:
 
 
 def test_publishers_are_limited_and_end_after_a_pause() -> None:
-    world = World()
+    world = ActionsWorld()
     for number in range(16):
         assert world.ask(Publish(f"/words{number}", STRING, "{}"))["ok"]
     assert "expected a pause" in world.ask(Publish("/more", STRING, "{}"))["text"]
@@ -143,7 +143,7 @@ def test_publishers_are_limited_and_end_after_a_pause() -> None:
 
 
 def test_service_is_called_and_its_answer_shown() -> None:
-    world = World()
+    world = ActionsWorld()
     world.other.serve("reset", Trigger, lambda _: Result(False, "no reason"))
     answer = world.ask(Call("/reset", "{}"))
     assert answer["ok"]
@@ -152,7 +152,7 @@ def test_service_is_called_and_its_answer_shown() -> None:
 
 
 def test_requests_without_an_answer_are_limited() -> None:
-    world, answers = World(), list[Any]()
+    world, answers = ActionsWorld(), list[Any]()
     world.other.serve_later("slow", Trigger, lambda _request, _give: None)
     for _ in range(5):
         world.actions.take(Call("/slow", "{}"), answers.append)
@@ -161,7 +161,7 @@ def test_requests_without_an_answer_are_limited() -> None:
 
 
 def test_parameter_of_a_node_that_can_be_tuned_changes_while_it_runs() -> None:
-    world, got = World(), list[Any]()
+    world, got = ActionsWorld(), list[Any]()
     world.bus.parameters["/camera/gain"] = 2.0
 
     def tune(request: Reconfigure) -> Result:

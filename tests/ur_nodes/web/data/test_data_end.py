@@ -21,7 +21,7 @@ STRING, PICTURE = "std_msgs/String", "sensor_msgs/Image"
 HELLO = b"\x05\x00\x00\x00hello"
 
 
-class World:
+class DataWorld:
     def __init__(self, ours: socket.socket, its: socket.socket) -> None:
         self.bus, self._ours = Bus(), ours
         self.bus.schemas.update({STRING: "string data\n", PICTURE: "uint8[] data\n"})
@@ -49,13 +49,13 @@ class World:
 
 
 @pytest.fixture
-def world() -> Iterator[World]:
+def world() -> Iterator[DataWorld]:
     ours, its = socket.socketpair()
     with ours, its:
-        yield World(ours, its)
+        yield DataWorld(ours, its)
 
 
-def test_topics_are_listed_with_the_rates_of_those_in_view(world: World) -> None:
+def test_topics_are_listed_with_the_rates_of_those_in_view(world: DataWorld) -> None:
     words = world.other.raw.publish("words", STRING)
     world.other.raw.publish("picture", PICTURE)
     assert world.frames() == [(0, {"t": "hello"})]
@@ -71,7 +71,7 @@ def test_topics_are_listed_with_the_rates_of_those_in_view(world: World) -> None
     assert rows[1][4:] == [pytest.approx(10.0, abs=0.5), pytest.approx(90.0, abs=5.0)]
 
 
-def test_message_is_printed_once_each_time_it_is_sent(world: World) -> None:
+def test_message_is_printed_once_each_time_it_is_sent(world: DataWorld) -> None:
     words = world.other.raw.publish("words", STRING, Quality.LATCHED)
     words.send(HELLO)
     world.say(7, t="show", echo="/words")
@@ -85,7 +85,7 @@ def test_message_is_printed_once_each_time_it_is_sent(world: World) -> None:
     assert "ends within a field" in bad["problem"]
 
 
-def test_page_that_has_left_gets_nothing_and_topics_are_left(world: World) -> None:
+def test_page_that_has_left_gets_nothing_and_topics_are_left(world: DataWorld) -> None:
     words = world.other.raw.publish("words", STRING)
     world.say(7, t="show", topics=["/words"])
     world.frames(3.0)
@@ -96,7 +96,7 @@ def test_page_that_has_left_gets_nothing_and_topics_are_left(world: World) -> No
     assert world.frames() == []
 
 
-def test_state_of_the_computer_is_sent_while_it_is_shown(world: World) -> None:
+def test_state_of_the_computer_is_sent_while_it_is_shown(world: DataWorld) -> None:
     world.say(7, t="show", status=True)
     states = [each for page, each in world.frames(5.0) if page == 7]
     assert {each["t"] for each in states} == {"status"}
@@ -104,13 +104,13 @@ def test_state_of_the_computer_is_sent_while_it_is_shown(world: World) -> None:
     assert states[-1]["computer"]["name"] == socket.gethostname()[:60]
 
 
-def test_answer_has_the_number_of_its_request(world: World) -> None:
+def test_answer_has_the_number_of_its_request(world: DataWorld) -> None:
     world.bus.parameters["/speed"] = 0.5
     world.say(7, t="parameter", id=3, name="/speed")
     assert (7, {"t": "answer", "id": 3, "ok": True, "text": "", "value": "0.5", "whole": True}) in world.frames()
 
 
-def test_malformed_request_is_dropped(world: World) -> None:
+def test_malformed_request_is_dropped(world: DataWorld) -> None:
     world.frames()
     world.say(7, t="nothing")
     assert world.frames() == []

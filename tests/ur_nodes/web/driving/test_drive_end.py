@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import math
-from pathlib import Path
 
 import pytest
-from tests.ur_nodes.web.robot_world import Page, World
+from tests.ur_nodes.web.robot_world import DrivingPage, RobotWorld
 
 from ur_nodes.motion.lease.text import read_lease
 from ur_nodes.navigation.goals.goal_claim import read_claim
@@ -14,29 +13,24 @@ from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.values import StampedTwist, Twist
 from ur_nodes.web.driving.stick import GAP
 
+pytestmark = pytest.mark.usefixtures("home")
+
 STILL = Twist(0.0, 0.0)
 STOP_TIME = 0.3  # s, of which the lag of the wheels is part
 
 
-@pytest.fixture(autouse=True)
-def home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    monkeypatch.setenv("ROS_HOME", str(tmp_path))
-    monkeypatch.setenv("ROS_MASTER_URI", "http://robot:1")
-    return tmp_path
-
-
 @pytest.fixture
-def world() -> World:
-    return World()
+def world() -> RobotWorld:
+    return RobotWorld()
 
 
-def lease_of(world: World) -> tuple[str, str]:
+def lease_of(world: RobotWorld) -> tuple[str, str]:
     found = world.state()["lease"]
     return found["state"], found["client"]
 
 
-def test_stick_drives_and_the_robot_stops_when_it_is_let_go(world: World) -> None:
-    page = Page(world)
+def test_stick_drives_and_the_robot_stops_when_it_is_let_go(world: RobotWorld) -> None:
+    page = DrivingPage(world)
     page.wanted = (1, 0.3, 0.0)
     assert max(world.forward(1.5)) == pytest.approx(0.3)
     page.wanted = None
@@ -48,8 +42,8 @@ def test_stick_drives_and_the_robot_stops_when_it_is_let_go(world: World) -> Non
     assert lease_of(world) == ("held", "web-a")
 
 
-def test_stick_whose_commands_stay_away_stops_the_robot_and_counts_no_more(world: World) -> None:
-    page = Page(world)
+def test_stick_whose_commands_stay_away_stops_the_robot_and_counts_no_more(world: RobotWorld) -> None:
+    page = DrivingPage(world)
     page.wanted = (1, 0.3, 0.0)
     world.bus.run(1.0)
     page.wanted = None
@@ -63,8 +57,8 @@ def test_stick_whose_commands_stay_away_stops_the_robot_and_counts_no_more(world
     assert max(world.forward(1.0)) > 0.0
 
 
-def test_stick_that_answers_an_old_challenge_does_not_drive(world: World) -> None:
-    page = Page(world)
+def test_stick_that_answers_an_old_challenge_does_not_drive(world: RobotWorld) -> None:
+    page = DrivingPage(world)
     page.ask("stick", late=True, hold=1, forward=0.3, turn=0.0)
     assert not any(world.forward(0.5))
     assert page.told() == [{"t": "over", "hold": 1, "why": "late"}]
@@ -72,8 +66,8 @@ def test_stick_that_answers_an_old_challenge_does_not_drive(world: World) -> Non
 
 def test_challenges_that_stay_away_end_a_press() -> None:
     lost: set[str] = set()
-    world = World(lambda topic: None if topic in lost else 0)
-    page = Page(world)
+    world = RobotWorld(lambda topic: None if topic in lost else 0)
+    page = DrivingPage(world)
     page.wanted = (1, 0.3, 0.0)
     world.bus.run(1.0)
     lost.add("/cmd_vel_mux/challenge")
@@ -82,25 +76,25 @@ def test_challenges_that_stay_away_end_a_press() -> None:
 
 
 def test_without_a_mux_no_press_drives() -> None:
-    world = World()
+    world = RobotWorld()
     world.mux.end("ended")
-    page = Page(world)
+    page = DrivingPage(world)
     page.ask("stick", hold=1, forward=0.3, turn=0.0)
     assert page.told(0.0) == [{"t": "over", "hold": 1, "why": "no mux"}]
 
 
-def test_speeds_beyond_those_of_the_base_are_bounded(world: World) -> None:
+def test_speeds_beyond_those_of_the_base_are_bounded(world: RobotWorld) -> None:
     sent: list[Twist] = []
     world.robot.subscribe("web_vel_stamped", StampedTwist, lambda value: sent.append(value.twist))
-    page = Page(world)
+    page = DrivingPage(world)
     page.ask("stick", hold=1, forward=99.0, turn=-99.0)
     world.bus.run(0.1)
     limits = world.state()["robot"]["limits"]
     assert sent[0] == Twist(limits[0], -limits[1])
 
 
-def test_page_of_another_browser_cannot_drive_until_it_takes_the_lease(world: World) -> None:
-    first, second = Page(world), Page(world, "web-b", "other")
+def test_page_of_another_browser_cannot_drive_until_it_takes_the_lease(world: RobotWorld) -> None:
+    first, second = DrivingPage(world), DrivingPage(world, "web-b", "other")
     first.wanted = (1, 0.2, 0.0)
     world.bus.run(1.0)
     second.ask("stick", hold=1, forward=-0.2, turn=0.0)
@@ -114,8 +108,8 @@ def test_page_of_another_browser_cannot_drive_until_it_takes_the_lease(world: Wo
     assert {"t": "over", "hold": 2, "why": "driver"} in first.told()
 
 
-def test_page_that_leaves_stops_the_robot_at_once_and_keeps_the_lease_until_it_is_lost(world: World) -> None:
-    page = Page(world)
+def test_page_that_leaves_stops_the_robot_at_once_and_keeps_the_lease_until_it_is_lost(world: RobotWorld) -> None:
+    page = DrivingPage(world)
     page.wanted = (1, 0.3, 0.0)
     world.bus.run(1.0)
     page.leave()
@@ -125,13 +119,13 @@ def test_page_that_leaves_stops_the_robot_at_once_and_keeps_the_lease_until_it_i
     assert lease_of(world) == ("held", "web-a")
     world.bus.run(5.0)
     assert lease_of(world)[0] == "lost"
-    again = Page(world, "web-b", "browser")
+    again = DrivingPage(world, "web-b", "browser")
     again.wanted = (1, 0.3, 0.0)
     assert max(world.forward(1.0)) > 0.0, "a page of the same browser may go on"
 
 
-def test_page_that_cannot_come_again_leaves_no_goal_and_no_lease(world: World) -> None:
-    page = Page(world, once=True)
+def test_page_that_cannot_come_again_leaves_no_goal_and_no_lease(world: RobotWorld) -> None:
+    page = DrivingPage(world, once=True)
     page.ask("goal", x=1.0, y=2.0, yaw=0.5)
     world.bus.run(1.0)
     assert lease_of(world) == ("held", "web-a")
@@ -141,8 +135,8 @@ def test_page_that_cannot_come_again_leaves_no_goal_and_no_lease(world: World) -
     assert lease_of(world)[0] == "free"
 
 
-def test_end_of_the_node_stops_what_pages_hold(world: World) -> None:
-    page = Page(world)
+def test_end_of_the_node_stops_what_pages_hold(world: RobotWorld) -> None:
+    page = DrivingPage(world)
     page.wanted = (1, 0.3, 0.0)
     world.bus.run(1.0)
     page.wanted, page.alive = None, False
@@ -152,8 +146,8 @@ def test_end_of_the_node_stops_what_pages_hold(world: World) -> None:
     assert next(at for at, twist in world.speeds if twist == STILL) - ended <= STOP_TIME * 1e9
 
 
-def test_goal_acquires_the_lease_and_claims_it_and_the_lease_goes_back_after_its_end(world: World) -> None:
-    page = Page(world)
+def test_goal_acquires_the_lease_and_claims_it_and_the_lease_goes_back_after_its_end(world: RobotWorld) -> None:
+    page = DrivingPage(world)
     page.ask("goal", x=1.0, y=2.0, yaw=0.5)
     assert page.told() == [{"t": "sent", "what": "goal", "number": 1}]
     handle = world.navigation.goals[0]
@@ -167,8 +161,8 @@ def test_goal_acquires_the_lease_and_claims_it_and_the_lease_goes_back_after_its
     assert lease_of(world)[0] == "free"
 
 
-def test_goal_without_a_heading_says_so(world: World) -> None:
-    page = Page(world)
+def test_goal_without_a_heading_says_so(world: RobotWorld) -> None:
+    page = DrivingPage(world)
     page.ask("goal", x=1.0, y=2.0, yaw=None)
     world.bus.run(1.0)
     assert world.state()["goal"]["place"] == [1.0, 2.0, None]
@@ -179,18 +173,18 @@ def test_goal_without_a_heading_says_so(world: World) -> None:
     ("request_", "what"), [("goal", "goal"), ("pose", "pose"), ("resume", "resume")], ids=["goal", "pose", "resume"]
 )
 def test_requests_that_set_something_in_motion_are_refused_when_they_are_late(
-    world: World, request_: str, what: str
+    world: RobotWorld, request_: str, what: str
 ) -> None:
-    page = Page(world)
+    page = DrivingPage(world)
     page.ask(request_, late=True, x=1.0, y=2.0, yaw=0.5)
     assert page.told() == [{"t": "refused", "what": what, "why": "late"}]
     assert world.navigation.goals == []
 
 
-def test_goal_of_a_page_that_may_not_drive_is_refused(world: World) -> None:
-    Page(world).ask("lease", do="acquire")
+def test_goal_of_a_page_that_may_not_drive_is_refused(world: RobotWorld) -> None:
+    DrivingPage(world).ask("lease", do="acquire")
     world.bus.run(1.0)
-    other = Page(world, "web-b", "other")
+    other = DrivingPage(world, "web-b", "other")
     other.ask("goal", x=1.0, y=2.0, yaw=0.5)
     assert other.told() == [{"t": "refused", "what": "goal", "why": "driver"}]
     other.ask("go_to", place="nowhere")
@@ -198,8 +192,8 @@ def test_goal_of_a_page_that_may_not_drive_is_refused(world: World) -> None:
     assert world.navigation.goals == []
 
 
-def test_release_of_the_lease_cancels_the_goal_of_its_page(world: World) -> None:
-    page = Page(world)
+def test_release_of_the_lease_cancels_the_goal_of_its_page(world: RobotWorld) -> None:
+    page = DrivingPage(world)
     page.ask("goal", x=1.0, y=2.0, yaw=0.5)
     world.bus.run(1.0)
     page.ask("lease", do="release")
@@ -208,8 +202,8 @@ def test_release_of_the_lease_cancels_the_goal_of_its_page(world: World) -> None
     assert lease_of(world)[0] == "free"
 
 
-def test_any_page_stops_the_robot_and_limits_its_speed(world: World) -> None:
-    driver, other = Page(world), Page(world, "web-b", "other")
+def test_any_page_stops_the_robot_and_limits_its_speed(world: RobotWorld) -> None:
+    driver, other = DrivingPage(world), DrivingPage(world, "web-b", "other")
     driver.wanted = (1, 0.3, 0.0)
     world.bus.run(1.0)
     other.ask("stop")
@@ -226,8 +220,8 @@ def test_any_page_stops_the_robot_and_limits_its_speed(world: World) -> None:
     assert world.state()["mux"]["stopped"] is True
 
 
-def test_what_is_no_request_is_answered_and_an_unknown_page_is_not(world: World) -> None:
-    page = Page(world)
+def test_what_is_no_request_is_answered_and_an_unknown_page_is_not(world: RobotWorld) -> None:
+    page = DrivingPage(world)
     page.ask("fly")
     page.ask("stick", hold=-1, forward=0.0, turn=0.0)
     assert [each["t"] for each in page.told()] == ["bad", "bad"]
@@ -237,8 +231,8 @@ def test_what_is_no_request_is_answered_and_an_unknown_page_is_not(world: World)
     assert world.state()["mux"]["stopped"] is False
 
 
-def test_pages_are_bounded_and_names_are_printable(world: World) -> None:
-    pages = [Page(world, f"web-{number}") for number in range(101)]
+def test_pages_are_bounded_and_names_are_printable(world: RobotWorld) -> None:
+    pages = [DrivingPage(world, f"web-{number}") for number in range(101)]
     world.end.take_drive({"do": "name", "page": "web-100", "name": "a\x1b[2Jb"})
     pages[-1].ask("lease", do="acquire")
     world.bus.run(1.0)
@@ -250,7 +244,7 @@ def test_pages_are_bounded_and_names_are_printable(world: World) -> None:
     assert lease_of(world) == ("held", "web-100"), "the page that came first had to go"
 
 
-def test_lease_that_is_no_text_of_a_mux_changes_nothing(world: World) -> None:
+def test_lease_that_is_no_text_of_a_mux_changes_nothing(world: RobotWorld) -> None:
     before = lease_of(world)
     world.bus.node("rogue").publish("cmd_vel_mux/lease", str, Quality.LATCHED).send("{")
     assert read_lease("{") is None

@@ -40,7 +40,7 @@ def test_chosen_camera_is_shown_while_there_is_one_of_the_name(preferred: tuple[
     assert choose_camera({}, preferred) == ""
 
 
-class Robot:
+class CameraRobot:
     """Cameras, a view of them, and the frames that it sends."""
 
     def __init__(self) -> None:
@@ -75,7 +75,7 @@ class Robot:
 
 
 def test_camera_is_changed_at_once_and_an_unknown_one_changes_nothing() -> None:
-    robot, both = Robot(), ["/b/compressed", "/c/compressed"]
+    robot, both = CameraRobot(), ["/b/compressed", "/c/compressed"]
     assert robot.step() == (both[0], both)
     assert robot.step("/c/compressed", listed=False) == (both[1], both)
     assert robot.step("/etc/passwd", listed=False) == (both[1], both)
@@ -88,7 +88,7 @@ def test_camera_is_changed_at_once_and_an_unknown_one_changes_nothing() -> None:
 
 
 def test_chosen_camera_is_shown_again_when_it_is_back_and_one_that_answers_without_the_master() -> None:
-    robot = Robot()
+    robot = CameraRobot()
     robot.step("/c/compressed")
     both, robot.topics = robot.topics, []
     assert robot.step("/c/compressed") == ("/c/compressed", ["/b/compressed", "/c/compressed"])
@@ -101,7 +101,7 @@ def test_chosen_camera_is_shown_again_when_it_is_back_and_one_that_answers_witho
 
 
 def test_late_picture_of_the_camera_before_is_not_sent() -> None:
-    robot = Robot()
+    robot = CameraRobot()
     robot.step("/b/compressed")
     robot.send("/b/compressed")
     robot.step("/c/compressed")
@@ -112,7 +112,7 @@ def test_late_picture_of_the_camera_before_is_not_sent() -> None:
 
 
 def test_pictures_are_left_out_while_the_server_is_slow_and_when_they_are_no_jpeg() -> None:
-    robot = Robot()
+    robot = CameraRobot()
     robot.step("/b/compressed")
     robot.busy = True
     robot.send("/b/compressed")
@@ -128,7 +128,7 @@ def test_pictures_are_left_out_while_the_server_is_slow_and_when_they_are_no_jpe
 
 
 def test_picture_that_arrives_while_the_server_is_busy_is_sent_once_it_is_not() -> None:
-    robot = Robot()
+    robot = CameraRobot()
     robot.step("/b/compressed")
     robot.busy = True
     robot.send("/b/compressed", b"\xff\xd8 old")
@@ -141,7 +141,7 @@ def test_picture_that_arrives_while_the_server_is_busy_is_sent_once_it_is_not() 
 
 
 def test_newest_picture_is_sent_after_the_one_that_is_on_its_way() -> None:
-    robot = Robot()
+    robot = CameraRobot()
     robot.bus.durations["camera"] = 0.5
     robot.step("/b/compressed")
     for data in (b"\xff\xd8 1", b"\xff\xd8 2", b"\xff\xd8 3"):
@@ -153,7 +153,7 @@ def test_newest_picture_is_sent_after_the_one_that_is_on_its_way() -> None:
 
 @pytest.mark.parametrize(("width", "height"), [(0, 0), (0, 2), (5, 0), (1, 70_000)])
 def test_raw_picture_of_an_odd_size_is_reported_and_the_next_one_is_shown(width: int, height: int) -> None:
-    robot = Robot()
+    robot = CameraRobot()
     raw = robot.cameras.publish("/raw", Picture)
     robot.view.want("", wanted=True)
     robot.view.take_topics([("/raw", RAW)])
@@ -179,7 +179,7 @@ def test_raw_pictures_become_small_jpegs() -> None:
 
 
 def test_picture_that_cannot_be_read_is_reported_and_the_next_one_is_shown() -> None:
-    robot = Robot()
+    robot = CameraRobot()
     robot.topics = [("/raw", RAW)]
     raw = robot.cameras.publish("/raw", Picture)
     robot.view.want("", wanted=True)

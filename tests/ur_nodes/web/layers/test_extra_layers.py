@@ -17,7 +17,7 @@ PLACES = {"map": Pose2(0.0, 0.0, 0.0), "odom": Pose2(1.0, 2.0, 0.5)}
 LOCAL, GLOBAL = (f"move_base/{name}_costmap/costmap" for name in ("local", "global"))
 
 
-class World:
+class LayersWorld:
     """The layers, a robot whose navigation publishes them, and the frames that are sent."""
 
     def __init__(self) -> None:
@@ -40,7 +40,7 @@ class World:
 
 
 def test_only_what_is_wanted_is_subscribed_to() -> None:
-    world = World()
+    world = LayersWorld()
     world.want(Layer.SCAN, Layer.MAP, 99)
     topics = (world.local, world.whole, world.updates, world.particles)
     assert [each.listeners() for each in topics] == [0, 0, 0, 0]
@@ -49,7 +49,7 @@ def test_only_what_is_wanted_is_subscribed_to() -> None:
 
 
 def test_costmap_is_placed_in_the_map_and_forgotten_when_no_page_wants_it() -> None:
-    world = World()
+    world = LayersWorld()
     world.want(Layer.LOCAL)
     world.local.send(Map(0, "odom", Grid(np.full((30, 40), 50, np.int8), 0.05, Pose2(0.5, 0.0, 0.0))))
     world.step()
@@ -65,7 +65,7 @@ def test_costmap_is_placed_in_the_map_and_forgotten_when_no_page_wants_it() -> N
 
 
 def test_changes_of_the_global_costmap_send_only_their_tiles() -> None:
-    world = World()
+    world = LayersWorld()
     world.want(Layer.GLOBAL)
     world.whole.send(Map(0, "map", Grid(np.zeros((300, 600), np.int8), 0.05, Pose2(0.0, 0.0, 0.0))))
     world.step()
@@ -80,7 +80,7 @@ def test_changes_of_the_global_costmap_send_only_their_tiles() -> None:
 
 
 def test_particles_are_thinned_and_a_frame_that_is_not_known_is_left_out() -> None:
-    world = World()
+    world = LayersWorld()
     world.want(Layer.PARTICLES)
     poses = np.zeros((3000, 3))
     poses[:, 0] = 0.01 * np.arange(3000)

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-from tests.ur_nodes.web.robot_world import Page, World
+from tests.ur_nodes.web.robot_world import DrivingPage, RobotWorld
 
 from ur.maps.exchange import import_picture
 from ur.maps.picture_file import write_picture
@@ -34,12 +34,12 @@ def test_only_names_of_services_and_of_stored_maps_count() -> None:
         assert choose_name(value, made=False) == ""
 
 
-class MapWorld(World):
+class MapWorld(RobotWorld):
     """A robot, and a page that may drive it."""
 
     def __init__(self) -> None:
         super().__init__()
-        self.page = Page(self)
+        self.page = DrivingPage(self)
 
     def map(self) -> dict[str, Any]:
         """The map as pages see it, once it has been asked for."""

@@ -26,7 +26,7 @@ CUBE = Marker("a", 1, "cube", HERE, (1.0, 1.0, 1.0), (1.0, 0.0, 0.0, 1.0))
 CLOUD = PointCloud(0, "lidar", np.array([(1.0, 2.0, 3.0)], [("x", "<f4"), ("y", "<f4"), ("z", "<f4")]))
 
 
-class World:
+class SceneWorld:
     """A feed, a robot that publishes, and what was sent to each page, by key."""
 
     def __init__(self) -> None:
@@ -56,7 +56,7 @@ class World:
 
 
 def test_topics_that_can_be_shown_are_offered_and_only_those_that_are_shown_are_subscribed_to() -> None:
-    world = World()
+    world = SceneWorld()
     world.run()
     assert world.sent == []
     world.show(7, "/one", "/scan", "/unknown")
@@ -70,7 +70,7 @@ def test_topics_that_can_be_shown_are_offered_and_only_those_that_are_shown_are_
 
 
 def test_frames_are_sent_when_they_change_and_to_each_new_page() -> None:
-    world = World()
+    world = SceneWorld()
     world.robot.transforms.send(Transform(0, "map", "world", HERE, fixed=True))
     world.show(1)
     world.run()
@@ -85,7 +85,7 @@ def test_frames_are_sent_when_they_change_and_to_each_new_page() -> None:
 
 
 def test_markers_of_both_types_are_sent_and_outlive_themselves() -> None:
-    world = World()
+    world = SceneWorld()
     world.show(1, "/one", "/many")
     world.run()
     world.one.send(MarkerChange(0, "map", "put", CUBE, lifetime=2.0))
@@ -98,7 +98,7 @@ def test_markers_of_both_types_are_sent_and_outlive_themselves() -> None:
 
 
 def test_clouds_are_sent_a_few_times_a_second_to_the_pages_that_show_them() -> None:
-    world = World()
+    world = SceneWorld()
     world.show(1, "/cloud")
     world.show(2, "/one")
     world.run()
@@ -110,7 +110,7 @@ def test_clouds_are_sent_a_few_times_a_second_to_the_pages_that_show_them() -> N
 
 
 def test_latched_frames_are_known_to_a_page_that_comes_later() -> None:
-    world = World()
+    world = SceneWorld()
     world.robot.publish("/tf_static", tuple, Quality.LATCHED).send((Transform(0, "a", "b", HERE, fixed=True),))
     world.bus.run(60.0)
     world.show(1)

@@ -22,7 +22,7 @@ class FakeChannel:
         self.open = False
 
 
-class World:
+class OffersWorld:
     def __init__(self) -> None:
         self.bus = Bus()
         self.bus.schemas.update({STRING: "string data\n", BOOL: "bool data\n"})
@@ -37,7 +37,7 @@ class World:
 
 
 def test_topic_is_offered_while_it_is_published() -> None:
-    world = World()
+    world = OffersWorld()
     world.robot.raw.publish("words", STRING)
     world.bus.run(1.5)
     (channel,) = world.channels
@@ -48,7 +48,7 @@ def test_topic_is_offered_while_it_is_published() -> None:
 
 
 def test_topic_of_another_type_is_offered_anew() -> None:
-    world = World()
+    world = OffersWorld()
     world.robot.raw.publish("words", STRING)
     world.bus.run(1.5)
     world.robot.end("test")
@@ -58,7 +58,7 @@ def test_topic_of_another_type_is_offered_anew() -> None:
 
 
 def test_type_that_is_not_installed_is_reported_once() -> None:
-    world = World()
+    world = OffersWorld()
     world.bus.schemas["strange/Type"] = "string data\n"
     world.robot.raw.publish("strange", "strange/Type")
     del world.bus.schemas["strange/Type"]
@@ -68,7 +68,7 @@ def test_type_that_is_not_installed_is_reported_once() -> None:
 
 
 def test_topic_is_subscribed_to_while_a_viewer_wants_it() -> None:
-    world = World()
+    world = OffersWorld()
     words = world.robot.raw.publish("words", STRING)
     world.bus.run(1.5)
     world.offers.change("/words", 1)
@@ -86,7 +86,7 @@ def test_topic_is_subscribed_to_while_a_viewer_wants_it() -> None:
 
 
 def test_viewer_that_subscribes_later_gets_what_the_topic_keeps() -> None:
-    world = World()
+    world = OffersWorld()
     world.robot.raw.publish("kept", STRING, Quality.LATCHED).send(b"map")
     world.bus.run(1.5)
     for _ in range(2):

@@ -20,6 +20,7 @@ from tests.ros_session import free_port
 
 aiohttp = pytest.importorskip("aiohttp", reason="aiohttp is not installed: requirements/web.lock")
 
+from tests.fakes.page_server import PageServer  # noqa: E402
 from tests.web.server.robot_ends import IdleRobotEnd, keep  # noqa: E402
 
 from ur.web.access.origin import make_origins  # noqa: E402
@@ -36,23 +37,11 @@ PACKED = (lambda packer: packer.compress(bytes(1 << 26)) + packer.flush())(zlib.
 
 
 @dataclass
-class Server:
-    gate: LoginGate
+class AttackedServer(PageServer):
     listener: ConnectionListener
     port: int
     log: list[str]
     stopped: list[Any]
-
-    @property
-    def url(self) -> str:
-        return f"http://127.0.0.1:{self.port}"
-
-    async def log_in(self, role: Role = Role.DRIVE) -> Any:
-        """A client with a session."""
-        client = aiohttp.ClientSession(cookie_jar=aiohttp.CookieJar(unsafe=True), headers={"Origin": self.url})
-        async with client.post(f"{self.url}/login", json={"token": self.gate.invite(role)}) as answer:
-            assert answer.status == 200
-        return client
 
     async def stop(self, client: Any) -> None:
         """Press STOP, over the connection that is open and over another one."""
@@ -81,18 +70,18 @@ class Server:
 
 
 @pytest.fixture
-async def server(tmp_path: Path) -> AsyncIterator[Server]:
+async def server(tmp_path: Path) -> AsyncIterator[AttackedServer]:
     async with serve(tmp_path) as server:
         yield server
 
 
 @asynccontextmanager
-async def serve(folder: Path, **bounds: float) -> AsyncIterator[Server]:
+async def serve(folder: Path, **bounds: float) -> AsyncIterator[AttackedServer]:
     port, log, ends = free_port(), list[str](), list[IdleRobotEnd]()
     gate = LoginGate(make_origins((), port), folder / "sessions.json", log.append)
     application = Application(gate, load_files(), {}, "bob", log.append, make_robot_end=keep(ends, IdleRobotEnd))
     async with open_server(application.build(), gate, "127.0.0.1", port, log.append, **bounds) as listener:
-        yield Server(gate, listener, port, log, ends[0].passed)
+        yield AttackedServer(gate, f"http://127.0.0.1:{port}", listener, port, log, ends[0].passed)
 
 
 @pytest.mark.parametrize("data", [b"", b"GET /login HTTP/1.1\r\nHost: loc"])
@@ -103,8 +92,8 @@ async def test_connections_that_wait_for_nothing_are_bounded_and_a_session_finds
         await fill_with_connections(server, data)
 
 
-async def fill_with_connections(server: Server, data: bytes) -> None:
-    client = await server.log_in()
+async def fill_with_connections(server: AttackedServer, data: bytes) -> None:
+    client = await server.open_client()
     idle = [await server.open(data) for _ in range(300)]
     async with client, client.ws_connect(server.url + DRIVE) as drive:
         assert (await drive.receive_json(timeout=30))["t"] == "hello"
@@ -117,8 +106,8 @@ async def fill_with_connections(server: Server, data: bytes) -> None:
         writer.close()
 
 
-async def test_session_whose_head_is_late_is_served_beside_hundreds_of_others(server: Server) -> None:
-    async with await server.log_in() as client:
+async def test_session_whose_head_is_late_is_served_beside_hundreds_of_others(server: AttackedServer) -> None:
+    async with await server.open_client() as client:
         (cookie,) = client.cookie_jar
         reader, writer = await server.open()  # and the client is held up
         others = [await server.open() for _ in range(400)]
@@ -128,7 +117,7 @@ async def test_session_whose_head_is_late_is_served_beside_hundreds_of_others(se
         each.close()
 
 
-async def test_head_that_does_not_end_in_time_ends_the_connection(server: Server, tmp_path: Path) -> None:
+async def test_head_that_does_not_end_in_time_ends_the_connection(server: AttackedServer, tmp_path: Path) -> None:
     async with serve(tmp_path / "hasty", head_limit=0.0) as hasty:
         assert await hasty.answer(b"GET /login HTTP/1.1\r\nX: ") == b""
     assert await server.answer(b"GET / HTTP/1.1\r\n" + b"X: y\r\n" * 10_000) == b""
@@ -142,8 +131,8 @@ async def test_head_that_does_not_end_in_time_ends_the_connection(server: Server
     writer.close()
 
 
-async def test_requests_without_a_login_are_limited_and_never_those_of_a_session(server: Server) -> None:
-    client, other = await server.log_in(), await server.log_in(Role.LOOK)
+async def test_requests_without_a_login_are_limited_and_never_those_of_a_session(server: AttackedServer) -> None:
+    client, other = await server.open_client(), await server.open_client(Role.LOOK)
     async with client, other, client.ws_connect(server.url + DRIVE) as drive:
         server.listener._rates = Buckets(0.0, 50.0)
         codes = {(await server.answer(server.request()))[9:12] for _ in range(60)}
@@ -158,8 +147,8 @@ async def test_requests_without_a_login_are_limited_and_never_those_of_a_session
     assert len(server.log) < 50
 
 
-async def test_session_that_asks_too_much_limits_itself_only_and_can_stop(server: Server) -> None:
-    busy, client = await server.log_in(), await server.log_in(Role.LOOK)
+async def test_session_that_asks_too_much_limits_itself_only_and_can_stop(server: AttackedServer) -> None:
+    busy, client = await server.open_client(), await server.open_client(Role.LOOK)
     async with busy, client:
         server.gate._requests = Buckets(0.0, 50.0)
         codes = [(await busy.get(f"{server.url}/api/me")).status for _ in range(60)]
@@ -169,20 +158,20 @@ async def test_session_that_asks_too_much_limits_itself_only_and_can_stop(server
         await server.stop(client)
 
 
-async def test_page_can_be_loaded_again_and_again_at_once(server: Server) -> None:
-    async with await server.log_in(Role.LOOK) as client:
+async def test_page_can_be_loaded_again_and_again_at_once(server: AttackedServer) -> None:
+    async with await server.open_client(Role.LOOK) as client:
         for _ in range(8):
             for name in load_files():
                 assert (await client.get(f"{server.url}/{name}")).status == 200
 
 
-async def test_connection_without_a_login_is_good_for_one_request(server: Server) -> None:
+async def test_connection_without_a_login_is_good_for_one_request(server: AttackedServer) -> None:
     answer = await server.answer(server.request("GET /login") * 3)
     assert answer.count(b"HTTP/1.1 200") == 1
     assert b"connection: close" in answer.lower()
 
 
-async def test_wrong_logins_do_not_keep_a_good_link_out(server: Server) -> None:
+async def test_wrong_logins_do_not_keep_a_good_link_out(server: AttackedServer) -> None:
     token = server.gate.invite(Role.LOOK)
     wrong, good = json.dumps({"token": "x" * 24}).encode(), json.dumps({"token": token}).encode()
     codes = [(await server.answer(server.request("POST /login", wrong)))[9:12] for _ in range(20)]
@@ -192,7 +181,7 @@ async def test_wrong_logins_do_not_keep_a_good_link_out(server: Server) -> None:
 
 
 @pytest.mark.parametrize("encoding", ["gzip", "deflate"])
-async def test_packed_bodies_are_refused_and_not_unpacked(server: Server, encoding: str) -> None:
+async def test_packed_bodies_are_refused_and_not_unpacked(server: AttackedServer, encoding: str) -> None:
     assert len(PACKED) > 2048
     packed = server.request("POST /login", PACKED, f"Content-Encoding: {encoding}")
     assert (await server.answer(packed))[9:12] in (b"413", b"")
@@ -202,14 +191,14 @@ async def test_packed_bodies_are_refused_and_not_unpacked(server: Server, encodi
     assert b"expected JSON" in answer
     chunked = server.request("POST /login").replace(b"Content-Length: 0", b"Transfer-Encoding: chunked")
     assert (await server.answer(chunked + b"1\r\nx\r\n" * 9))[9:12] == b"413"
-    async with await server.log_in() as client:  # with a login the HTTP server reads the body itself
+    async with await server.open_client() as client:  # with a login the HTTP server reads the body itself
         headers = {"Content-Encoding": encoding}
         async with client.post(f"{server.url}/login", data=small, headers=headers) as found:
             assert found.status == 400
 
 
-async def test_pages_of_other_origins_are_refused_before_they_count(server: Server) -> None:
-    async with await server.log_in() as client:
+async def test_pages_of_other_origins_are_refused_before_they_count(server: AttackedServer) -> None:
+    async with await server.open_client() as client:
         for site in ("cross-site", "same-site"):  # another port of this host is the same site: the cookie is sent
             headers = {"Sec-Fetch-Site": site, "Sec-Fetch-Mode": "no-cors"}
             for _ in range(300):

@@ -9,7 +9,7 @@ import pytest
 
 aiohttp = pytest.importorskip("aiohttp", reason="aiohttp is not installed: requirements/web.lock")
 
-from tests.web.server.test_application import Server  # noqa: E402
+from tests.web.server.test_application import ApplicationServer  # noqa: E402
 from tests.web.server.test_application import server as server  # noqa: E402 - a fixture
 
 from ur.web.access.roles import Role  # noqa: E402
@@ -25,7 +25,7 @@ async def answer(socket: Any, number: int) -> Any:
             return message
 
 
-async def test_role_that_looks_asks_and_changes_nothing(server: Server) -> None:
+async def test_role_that_looks_asks_and_changes_nothing(server: ApplicationServer) -> None:
     await server.log_in(Role.LOOK)
     async with server.client.ws_connect(f"{server.url}/ws/data", headers=server.origin) as socket:
         beat = await socket.receive_json(timeout=30)
@@ -44,14 +44,14 @@ async def test_role_that_looks_asks_and_changes_nothing(server: Server) -> None:
         assert "not connected" in (await answer(socket, 9))["text"]
 
 
-async def test_request_that_waited_in_a_connection_is_refused(server: Server) -> None:
+async def test_request_that_waited_in_a_connection_is_refused(server: ApplicationServer) -> None:
     await server.log_in()
     async with server.client.ws_connect(f"{server.url}/ws/data", headers=server.origin) as socket:
         await socket.send_json({**PUBLISH, "id": 1, "n": 4000})
         assert "too slow" in (await answer(socket, 1))["text"]
 
 
-async def test_page_that_changes_too_much_is_refused_and_one_that_floods_is_closed(server: Server) -> None:
+async def test_page_that_changes_too_much_is_refused_and_one_that_floods_is_closed(server: ApplicationServer) -> None:
     await server.log_in()
     async with server.client.ws_connect(f"{server.url}/ws/data", headers=server.origin) as socket:
         beat = (await socket.receive_json(timeout=30))["n"]
@@ -66,7 +66,7 @@ async def test_page_that_changes_too_much_is_refused_and_one_that_floods_is_clos
             pass
 
 
-async def test_malformed_request_is_answered_and_too_many_are_not(server: Server) -> None:
+async def test_malformed_request_is_answered_and_too_many_are_not(server: ApplicationServer) -> None:
     await server.log_in()
     async with server.client.ws_connect(f"{server.url}/ws/data", headers=server.origin) as socket:
         await socket.send_json({"t": "publish", "id": 3, "n": 1, "topic": "no slash", "kind": "a/B", "value": "{}"})

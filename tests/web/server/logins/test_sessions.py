@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import AsyncIterator
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +12,7 @@ from tests.ros_session import free_port
 
 aiohttp = pytest.importorskip("aiohttp", reason="aiohttp is not installed: requirements/web.lock")
 
+from tests.fakes.page_server import PageServer  # noqa: E402
 from tests.web.server.robot_ends import KeptRobotEnd, keep  # noqa: E402
 
 from ur.web.access.origin import make_origins  # noqa: E402
@@ -23,16 +25,11 @@ from ur.web.server.logins.session_file import SessionFile  # noqa: E402
 DRIVE = "/ws/drive?tab=0123456789ab"
 
 
-class Server:
-    def __init__(self, gate: LoginGate, url: str, path: Path, said: list[str], passed: list[Any]) -> None:
-        self.gate, self.url, self.path, self.said, self.passed = gate, url, path, said, passed
-
-    async def log_in(self, role: Role = Role.DRIVE, agent: str = "X11; Linux", token: str = "") -> Any:
-        headers = {"Origin": self.url, "User-Agent": agent}
-        client = aiohttp.ClientSession(cookie_jar=aiohttp.CookieJar(unsafe=True), headers=headers)
-        async with client.post(f"{self.url}/login", json={"token": token or self.gate.invite(role)}) as answer:
-            assert answer.status == 200
-        return client
+@dataclass
+class SessionServer(PageServer):
+    path: Path
+    said: list[str]
+    passed: list[Any]
 
     async def list(self, client: Any) -> list[dict[str, Any]]:
         async with client.get(f"{self.url}/api/sessions") as answer:
@@ -45,18 +42,18 @@ class Server:
 
 
 @pytest.fixture
-async def server(tmp_path: Path) -> AsyncIterator[Server]:
+async def server(tmp_path: Path) -> AsyncIterator[SessionServer]:
     port, said, path = free_port(), list[str](), tmp_path / "sessions-8090.json"
     origins = make_origins((), port)
     gate = LoginGate(origins, path, lambda _: None, report=said.append, life=7 * DAY)
     environment, ends = {"ROS_MASTER_URI": f"http://localhost:{free_port()}"}, list[KeptRobotEnd]()
     application = Application(gate, {}, environment, "bob", lambda _: None, make_robot_end=keep(ends))
     async with open_server(application.build(), gate, "127.0.0.1", port, lambda _: None):
-        yield Server(gate, f"http://127.0.0.1:{port}", path, said, ends[0].passed)
+        yield SessionServer(gate, f"http://127.0.0.1:{port}", path, said, ends[0].passed)
 
 
-async def test_list_says_who_has_logged_in_and_the_terminal_said_it_at_once(server: Server) -> None:
-    clients = [await server.log_in(), await server.log_in(), await server.log_in(Role.LOOK, "iPhone")]
+async def test_list_says_who_has_logged_in_and_the_terminal_said_it_at_once(server: SessionServer) -> None:
+    clients = [await server.open_client(), await server.open_client(), await server.open_client(Role.LOOK, "iPhone")]
     rows = await server.list(clients[1])
     assert (rows[0]["own"], rows[0]["name"]) == (True, "Linux 2")
     assert {(row["name"], row["role"]) for row in rows[1:]} == {("Linux", "drive"), ("iPhone", "look")}
@@ -71,8 +68,8 @@ async def test_list_says_who_has_logged_in_and_the_terminal_said_it_at_once(serv
         await client.close()
 
 
-async def test_end_of_a_session_closes_its_pages_and_no_other(server: Server) -> None:
-    own, other = await server.log_in(), await server.log_in()
+async def test_end_of_a_session_closes_its_pages_and_no_other(server: SessionServer) -> None:
+    own, other = await server.open_client(), await server.open_client()
     async with own, other:
         mine = await own.ws_connect(server.url + DRIVE)
         theirs = await other.ws_connect(server.url + DRIVE)
@@ -87,15 +84,15 @@ async def test_end_of_a_session_closes_its_pages_and_no_other(server: Server) ->
         assert (await own.get(f"{server.url}/api/me")).status == 200
         assert not mine.closed
         assert (await server.post(own, "/api/sessions/end", id=row["id"]))[0] == 404
-        third = await server.log_in()
+        third = await server.open_client()
         assert await server.post(own, "/api/sessions/end", id="others") == (200, {"ended": 1})
         assert len(await server.list(own)) == 1
         await third.close()
         await mine.close()
 
 
-async def test_sessions_that_another_process_ends_are_over_within_a_moment(server: Server) -> None:
-    first, second = await server.log_in(), await server.log_in()
+async def test_sessions_that_another_process_ends_are_over_within_a_moment(server: SessionServer) -> None:
+    first, second = await server.open_client(), await server.open_client()
     async with first, second:
         socket = await first.ws_connect(server.url + DRIVE)
         number = next(each for each, grant in server.gate.sessions.list().items() if grant.name == "Linux")
@@ -103,15 +100,15 @@ async def test_sessions_that_another_process_ends_are_over_within_a_moment(serve
         while not socket.closed:
             await socket.receive(timeout=30)
         assert (await first.get(f"{server.url}/api/me")).status == 403
-        third = await server.log_in()  # the server writes the file
+        third = await server.open_client()  # the server writes the file
         await third.close()
         assert number not in server.gate.sessions.list()
         assert "Linux 2" in [grant.name for grant in server.gate.sessions.list().values()]
         assert (await second.get(f"{server.url}/api/me")).status == 200
 
 
-async def test_names_are_chosen_by_people_and_stay_unambiguous(server: Server) -> None:
-    own, other, guest = await server.log_in(), await server.log_in(), await server.log_in(Role.LOOK)
+async def test_names_are_chosen_by_people_and_stay_unambiguous(server: SessionServer) -> None:
+    own, other, guest = await server.open_client(), await server.open_client(), await server.open_client(Role.LOOK)
     async with own, other, guest:
         async with own.ws_connect(server.url + DRIVE) as page, own.ws_connect(server.url + DRIVE + "c") as second:
             assert (await page.receive_json(timeout=30))["name"] == "Linux"
@@ -131,8 +128,8 @@ async def test_names_are_chosen_by_people_and_stay_unambiguous(server: Server) -
             assert (await server.post(own, "/api/sessions/name", id=mine, name=bad))[0] == 400
 
 
-async def test_look_invites_those_who_look_and_nobody_who_drives(server: Server) -> None:
-    driver, guest = await server.log_in(), await server.log_in(Role.LOOK)
+async def test_look_invites_those_who_look_and_nobody_who_drives(server: SessionServer) -> None:
+    driver, guest = await server.open_client(), await server.open_client(Role.LOOK)
     async with driver, guest:
         assert (await server.post(guest, "/api/invite", role="drive"))[0] == 403
         for client, role in ((guest, "look"), (driver, "look"), (driver, "drive")):
@@ -142,7 +139,7 @@ async def test_look_invites_those_who_look_and_nobody_who_drives(server: Server)
             assert found["local"]
             address, _, token = found["link"].partition("/login#")
             assert address == server.url
-            invited = await server.log_in(token=token)
+            invited = await server.open_client(token=token)
             assert (await (await invited.get(f"{server.url}/api/me")).json())["role"] == role
             await invited.close()
         for bad in ("root", None, ["drive"]):

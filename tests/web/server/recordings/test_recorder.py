@@ -26,7 +26,7 @@ WRITES = 'trap "mv $0_0.bag.active $0_0.bag; exit" INT; echo 12345678 > $0_0.bag
 STUBBORN = 'trap "" INT; echo 1 > $0_0.bag.active; while :; do sleep 0.05; done'
 
 
-class Shell:
+class ScriptWriter:
     """A writer that is a shell's script."""
 
     ending, unfinished = ".bag", ".bag.active"
@@ -43,7 +43,9 @@ async def record(
     folder: Path, script: str, limits: RecordingLimits | None = None
 ) -> AsyncIterator[tuple[Recorder, Store]]:
     store = Store(folder / "recordings", ".bag", ".bag.active")
-    recorder = Recorder(store, Shell(script), dict(os.environ), lambda _: None, limits or RecordingLimits(free=0))
+    recorder = Recorder(
+        store, ScriptWriter(script), dict(os.environ), lambda _: None, limits or RecordingLimits(free=0)
+    )
     try:
         yield recorder, store
     finally:
@@ -82,7 +84,7 @@ async def test_recording_is_private_and_ends_when_it_is_stopped(tmp_path: Path) 
         await wait_until(lambda: recorder.running and recorder.running.size)
         assert recorder.running is not None
         assert (recorder.running.size, recorder.running.topics) == (9, 1)
-        other = Recorder(store, Shell(WRITES), dict(os.environ), lambda _: None, RecordingLimits(free=0))
+        other = Recorder(store, ScriptWriter(WRITES), dict(os.environ), lambda _: None, RecordingLimits(free=0))
         with pytest.raises(RecorderError, match="another page"):
             other.start(TopicSelection())
         assert await recorder.stop("stopped by Linux")
@@ -183,10 +185,10 @@ from pathlib import Path
 from ur.web.server.recordings.recorder import Recorder, RecordingLimits
 from ur.web.server.recordings.store import Store
 from ur.web.server.recordings.topics import TopicSelection
-from tests.web.server.recordings.test_recorder import WRITES, Shell
+from tests.web.server.recordings.test_recorder import WRITES, ScriptWriter
 async def main():
     store = Store(Path({str(tmp_path)!r}) / "recordings", ".bag", ".bag.active")
-    recorder = Recorder(store, Shell(WRITES), dict(os.environ), print, RecordingLimits(free=0))
+    recorder = Recorder(store, ScriptWriter(WRITES), dict(os.environ), print, RecordingLimits(free=0))
     recorder.start(TopicSelection())
     while not recorder.running.size:
         await asyncio.sleep(0.02)

@@ -13,6 +13,8 @@ from tests.ros_session import free_port
 
 aiohttp = pytest.importorskip("aiohttp", reason="aiohttp is not installed: requirements/web.lock")
 
+from tests.fakes.page_server import PageServerClient  # noqa: E402
+
 from ur.web.access.origin import make_origins  # noqa: E402
 from ur.web.access.roles import Role  # noqa: E402
 from ur.web.server.application import Application  # noqa: E402
@@ -36,31 +38,19 @@ class Writer:
 
 
 @dataclass
-class Server:
-    gate: LoginGate
-    url: str
-    client: Any
+class RecordingServer(PageServerClient):
     folder: Path
     topics: list[PublishedTopic]
 
-    async def log_in(self, role: Role) -> None:
-        token = {"token": self.gate.invite(role)}
-        async with self.client.post(f"{self.url}/login", json=token, headers={"Origin": self.url}) as answer:
-            assert answer.status == 200
-
-    async def post(self, what: str, value: object) -> tuple[int, str]:
-        headers = {"Origin": self.url}
-        async with self.client.post(f"{self.url}/api/recordings/{what}", json=value, headers=headers) as answer:
-            return answer.status, await answer.text()
+    async def change(self, what: str, value: object) -> tuple[int, str]:
+        return await self.post(f"/api/recordings/{what}", value)
 
     async def state(self) -> Any:
-        async with self.client.get(f"{self.url}/api/recordings") as answer:
-            assert answer.status == 200
-            return await answer.json()
+        return await self.read("/api/recordings")
 
 
 @pytest.fixture
-async def server(tmp_path: Path) -> AsyncIterator[Server]:
+async def server(tmp_path: Path) -> AsyncIterator[RecordingServer]:
     port = free_port()
     gate = LoginGate(make_origins((), port), tmp_path / "sessions.json", lambda _: None)
     environment = {"ROS_MASTER_URI": f"http://localhost:{free_port()}", "HOME": str(tmp_path), "PATH": "/usr/bin:/bin"}
@@ -80,10 +70,10 @@ async def server(tmp_path: Path) -> AsyncIterator[Server]:
         open_server(application.build(), gate, "127.0.0.1", port, lambda _: None),
         aiohttp.ClientSession(cookie_jar=aiohttp.CookieJar(unsafe=True)) as client,
     ):
-        yield Server(gate, f"http://127.0.0.1:{port}", client, folder, topics)
+        yield RecordingServer(gate, f"http://127.0.0.1:{port}", client, folder, topics)
 
 
-async def test_file_is_downloaded_as_an_attachment(server: Server) -> None:
+async def test_file_is_downloaded_as_an_attachment(server: RecordingServer) -> None:
     await server.log_in(Role.DRIVE)
     async with server.client.get(f"{server.url}/api/recordings/file?id={NAME}") as answer:
         assert answer.status == 200
@@ -94,7 +84,7 @@ async def test_file_is_downloaded_as_an_attachment(server: Server) -> None:
         assert await answer.read() == BYTES
 
 
-async def test_only_listed_files_are_downloaded_and_deleted(server: Server) -> None:
+async def test_only_listed_files_are_downloaded_and_deleted(server: RecordingServer) -> None:
     await server.log_in(Role.DRIVE)
     secret = server.folder.parent / "sessions.json"
     secret.write_text("secret")
@@ -102,44 +92,44 @@ async def test_only_listed_files_are_downloaded_and_deleted(server: Server) -> N
         async with server.client.get(f"{server.url}/api/recordings/file?id={name}") as answer:
             assert answer.status == 404, name
     for each in ("../sessions.json", str(secret), None, [NAME], {"id": NAME}, 1):
-        assert (await server.post("delete", {"id": each}))[0] == 404, each
+        assert (await server.change("delete", {"id": each}))[0] == 404, each
     assert secret.read_text() == "secret"
-    assert (await server.post("delete", {"id": NAME}))[0] == 200
+    assert (await server.change("delete", {"id": NAME}))[0] == 200
     assert not (server.folder / NAME).exists()
-    assert (await server.post("delete", {"id": NAME}))[0] == 404
+    assert (await server.change("delete", {"id": NAME}))[0] == 404
 
 
-async def test_role_that_looks_sees_that_it_records_and_no_files(server: Server) -> None:
+async def test_role_that_looks_sees_that_it_records_and_no_files(server: RecordingServer) -> None:
     await server.log_in(Role.LOOK)
     assert await server.state() == {"running": None, "end": ""}
     for what in ("start", "stop", "delete"):
-        assert (await server.post(what, {"id": NAME, "topics": ["/scan"]}))[0] == 403
+        assert (await server.change(what, {"id": NAME, "topics": ["/scan"]}))[0] == 403
     for what in ("topics", f"file?id={NAME}"):
         async with server.client.get(f"{server.url}/api/recordings/{what}") as answer:
             assert answer.status == 403
     assert (server.folder / NAME).exists()
 
 
-async def test_recording_without_a_robot_and_with_bad_topics_is_refused(server: Server) -> None:
+async def test_recording_without_a_robot_and_with_bad_topics_is_refused(server: RecordingServer) -> None:
     await server.log_in(Role.DRIVE)
-    assert await server.post("start", {}) == (409, "the robot is not connected: start a program of it\n")
+    assert await server.change("start", {}) == (409, "the robot is not connected: start a program of it\n")
     for topics in (["--all"], ["/a b"], [], "/scan", ["/scan", "-O/tmp/x"]):
-        status, text = await server.post("start", {"topics": topics})
+        status, text = await server.change("start", {"topics": topics})
         assert (status, "full names" in text) == (400, True)
-    assert await server.post("stop", {}) == (409, "nothing is recorded\n")
-    assert (await server.post("start", ["topics"]))[0] == 400
+    assert await server.change("stop", {}) == (409, "nothing is recorded\n")
+    assert (await server.change("start", ["topics"]))[0] == 400
 
 
-async def test_page_starts_and_stops_a_recording(server: Server) -> None:
+async def test_page_starts_and_stops_a_recording(server: RecordingServer) -> None:
     server.topics.append(PublishedTopic("/scan", "sensor_msgs/LaserScan"))
     await server.log_in(Role.DRIVE)
-    assert (await server.post("start", {"topics": ["/scan"]}))[0] == 200
-    assert (await server.post("start", {}))[0] == 409
+    assert (await server.change("start", {"topics": ["/scan"]}))[0] == 200
+    assert (await server.change("start", {}))[0] == 409
     while not (state := await server.state())["running"]["size"]:
         await asyncio.sleep(0.05)
     assert state["running"]["topics"] == 1
     assert [each["name"] for each in state["files"]] == [NAME]
-    assert (await server.post("stop", {}))[0] == 200
+    assert (await server.change("stop", {}))[0] == 200
     state = await server.state()
     assert (state["running"], state["end"].startswith("stopped by")) == (None, True)
     assert len(state["files"]) == 2

@@ -10,7 +10,7 @@ import pytest
 from ur.web.server.robots.peer import Peer, PeerError
 
 
-class Pair:
+class PeerPair:
     def __init__(self) -> None:
         self.never = asyncio.Event()
 
@@ -34,29 +34,29 @@ class Pair:
 
 
 @pytest.fixture
-async def pair() -> AsyncIterator[Pair]:
-    pair = Pair()
+async def pair() -> AsyncIterator[PeerPair]:
+    pair = PeerPair()
     await pair.open()
     yield pair
     pair.first.close()
     await asyncio.wait_for(asyncio.gather(*pair.tasks), 30)
 
 
-async def test_both_ends_ask_and_each_answer_goes_to_its_request(pair: Pair) -> None:
+async def test_both_ends_ask_and_each_answer_goes_to_its_request(pair: PeerPair) -> None:
     asked = [peer.ask({"n": number}) for number in range(20) for peer in (pair.first, pair.second)]
     assert await asyncio.gather(*asked) == [number for number in range(20) for _ in range(2)]
 
 
-async def test_answer_may_need_a_request_in_the_other_direction(pair: Pair) -> None:
+async def test_answer_may_need_a_request_in_the_other_direction(pair: PeerPair) -> None:
     assert await pair.first.ask({"back": 7}) == 7
 
 
-async def test_refusal_is_raised_with_its_reason_at_the_other_end(pair: Pair) -> None:
+async def test_refusal_is_raised_with_its_reason_at_the_other_end(pair: PeerPair) -> None:
     with pytest.raises(PeerError, match="not in the list"):
         await pair.first.ask({"refuse": True})
 
 
-async def test_requests_fail_when_the_other_end_has_ended(pair: Pair) -> None:
+async def test_requests_fail_when_the_other_end_has_ended(pair: PeerPair) -> None:
     waiting = asyncio.ensure_future(pair.first.ask({"wait": True}))
     await asyncio.sleep(0)
     pair.second.close()
@@ -66,6 +66,6 @@ async def test_requests_fail_when_the_other_end_has_ended(pair: Pair) -> None:
         await pair.first.ask({"n": 1})
 
 
-async def test_line_that_is_no_message_ends_the_connection(pair: Pair) -> None:
+async def test_line_that_is_no_message_ends_the_connection(pair: PeerPair) -> None:
     pair.writer.write(b"hello\n")
     await asyncio.wait_for(pair.tasks[0], 30)

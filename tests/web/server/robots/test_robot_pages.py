@@ -10,6 +10,8 @@ from tests.ros_session import free_port
 
 aiohttp = pytest.importorskip("aiohttp", reason="aiohttp is not installed: requirements/web.lock")
 
+from tests.fakes.page_server import PageServer  # noqa: E402
+
 from ur.web.access.origin import make_origins  # noqa: E402
 from ur.web.access.roles import Role  # noqa: E402
 from ur.web.server.application import Application  # noqa: E402
@@ -20,7 +22,7 @@ from ur.web.server.robots.robots import RobotEntry, ServerLogin  # noqa: E402
 
 
 @dataclass
-class Played:
+class PlayedRobots:
     """Robots without servers."""
 
     own: str = "sim"
@@ -43,17 +45,9 @@ class Played:
 
 
 @dataclass
-class Server:
-    gate: LoginGate
-    url: str
-    robots: Played
+class RobotPagesServer(PageServer):
+    robots: PlayedRobots
     log: list[str]
-
-    async def log_in(self, role: Role) -> Any:
-        client = aiohttp.ClientSession(cookie_jar=aiohttp.CookieJar(unsafe=True), headers={"Origin": self.url})
-        async with client.post(f"{self.url}/login", json={"token": self.gate.invite(role)}) as answer:
-            assert answer.status == 200
-        return client
 
     async def open(self, client: Any, body: Any) -> tuple[int, str]:
         async with client.post(f"{self.url}/api/robots", json=body) as answer:
@@ -61,34 +55,34 @@ class Server:
 
 
 @pytest.fixture
-async def server(tmp_path: Path) -> AsyncIterator[Server]:
-    port, robots, log = free_port(), Played(), list[str]()
+async def server(tmp_path: Path) -> AsyncIterator[RobotPagesServer]:
+    port, robots, log = free_port(), PlayedRobots(), list[str]()
     gate = LoginGate(make_origins((), port), tmp_path / "sessions.json", log.append)
     environment = {"ROS_MASTER_URI": f"http://localhost:{free_port()}", "HOME": str(tmp_path)}
     application = Application(gate, {}, environment, "sim", log.append, robots)
     async with open_server(application.build(), gate, "127.0.0.1", port, log.append):
-        yield Server(gate, f"http://127.0.0.1:{port}", robots, log)
+        yield RobotPagesServer(gate, f"http://127.0.0.1:{port}", robots, log)
 
 
-async def test_list_marks_the_robot_that_is_shown(server: Server) -> None:
-    async with await server.log_in(Role.LOOK) as client, client.get(f"{server.url}/api/robots") as answer:
+async def test_list_marks_the_robot_that_is_shown(server: RobotPagesServer) -> None:
+    async with await server.open_client(Role.LOOK) as client, client.get(f"{server.url}/api/robots") as answer:
         rows = await answer.json()
     assert [(row["name"], row["answers"], row["shown"]) for row in rows] == [("sim", True, True), ("bob", False, False)]
 
 
 @pytest.mark.parametrize("role", list(Role))
 async def test_link_is_for_the_role_of_the_session_that_asks_whatever_the_request_says(
-    server: Server, role: Role
+    server: RobotPagesServer, role: Role
 ) -> None:
-    async with await server.log_in(role) as client:
+    async with await server.open_client(role) as client:
         code, text = await server.open(client, {"name": "bob", "role": "drive"})
     assert (code, server.robots.opened) == (200, [("bob", role)])
     assert '"http://127.0.0.1:8101/login#secret"' in text
     assert "secret" not in "".join(server.log)
 
 
-async def test_names_that_are_not_in_the_list_are_refused(server: Server) -> None:
-    async with await server.log_in(Role.DRIVE) as client:
+async def test_names_that_are_not_in_the_list_are_refused(server: RobotPagesServer) -> None:
+    async with await server.open_client(Role.DRIVE) as client:
         for name in ("eve", "--phone", "../bob", "BOB", "bob:magni"):
             assert await server.open(client, {"name": name}) == (409, "this robot is not in the list\n")
         assert (await server.open(client, {"name": "sim"}))[0] == 409
@@ -98,8 +92,8 @@ async def test_names_that_are_not_in_the_list_are_refused(server: Server) -> Non
     assert server.robots.opened == []
 
 
-async def test_second_login_of_a_browser_takes_the_place_of_its_first(server: Server) -> None:
-    async with await server.log_in(Role.DRIVE) as client:
+async def test_second_login_of_a_browser_takes_the_place_of_its_first(server: RobotPagesServer) -> None:
+    async with await server.open_client(Role.DRIVE) as client:
         (before,) = server.gate.sessions.list()
         server.gate.sessions.rename(before, "kitchen")
         token = server.gate.invite(Role.DRIVE)

@@ -20,6 +20,8 @@ from tests.ros_session import RosSession, free_port
 
 aiohttp = pytest.importorskip("aiohttp", reason="aiohttp is not installed: requirements/web.lock")
 
+from tests.fakes.page_server import read_answer  # noqa: E402
+
 from ur.robot.discovery.masters import RobotMaster  # noqa: E402
 from ur.web.access.origin import make_origins  # noqa: E402
 from ur.web.access.roles import Role  # noqa: E402
@@ -43,7 +45,7 @@ def make_home(folder: Path) -> dict[str, str]:
     return kept | {"HOME": str(folder), "ROS_HOSTNAME": "localhost"}
 
 
-class Page:
+class VisitedPage:
     """A browser on the page of a server, logged in by a link."""
 
     def __init__(self, client: Any, link: str) -> None:
@@ -57,15 +59,13 @@ class Page:
         return dict(await self.get("/api/me"))
 
     async def get(self, path: str) -> Any:
-        async with self.client.get(self.url + path) as answer:
-            assert answer.status == 200
-            return await answer.json()
+        return await read_answer(self.client, self.url + path)
 
-    async def open(self, name: str) -> Page:
+    async def open(self, name: str) -> VisitedPage:
         origin = {"Origin": self.url}
         async with self.client.post(f"{self.url}/api/robots", json={"name": name}, headers=origin) as answer:
             assert answer.status == 200, await answer.text()
-            return Page(self.client, (await answer.json())["link"])
+            return VisitedPage(self.client, (await answer.json())["link"])
 
     async def list(self) -> dict[str, tuple[bool, bool]]:
         return {each["name"]: (each["answers"], each["shown"]) for each in await self.get("/api/robots")}
@@ -94,7 +94,7 @@ async def test_page_changes_to_another_robot_with_its_role_and_back(client: Any,
         application = Application(gate, {}, environment, "simulated robot", log.append, robots)
         async with open_server(application.build(), gate, "127.0.0.1", port, log.append):
             for role in Role:
-                sim = Page(client, f"http://127.0.0.1:{port}/login#{gate.invite(role)}")
+                sim = VisitedPage(client, f"http://127.0.0.1:{port}/login#{gate.invite(role)}")
                 assert (await sim.log_in())["role"] == role.value
                 assert await sim.list() == {"sim": (True, True), "bob": (True, False), "carla": (False, False)}
                 bob = await sim.open("bob")
@@ -146,7 +146,7 @@ async def test_server_ends_with_the_one_that_started_it_also_when_that_is_killed
         stack.callback(parent.stdout.close)
         found = re.search(r"open (\S+)", parent.stdout.readline())
         assert found
-        sim = Page(client, found[1])
+        sim = VisitedPage(client, found[1])
         await sim.log_in()
         assert {"sim", "bob"} <= (await sim.list()).keys()
         bob = await sim.open("bob")
