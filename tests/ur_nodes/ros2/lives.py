@@ -38,7 +38,7 @@ _AT_REST = 0.02
 
 
 @dataclass(slots=True)
-class LifeClient:
+class StartedClient:
     """A program that drives or watches, and what it printed last."""
 
     program: subprocess.Popen[str]
@@ -71,7 +71,7 @@ class Life:
         self._folder = folder
         self._session = Ros2Session(folder)
         self._nodes: dict[str, subprocess.Popen[str]] = {}
-        self._clients: list[LifeClient] = []
+        self._clients: list[StartedClient] = []
 
     def live(self) -> None:
         """Live it, and end all processes."""
@@ -144,7 +144,7 @@ class Life:
         self._nodes["simulator"].send_signal(signal.SIGINT)
         self._wait_for("simulator", self._nodes["simulator"], 0)
 
-    def _join(self, name: str, *arguments: str) -> LifeClient:
+    def _join(self, name: str, *arguments: str) -> StartedClient:
         command = [str(PYTHON), "-m", "ur_nodes", CLIENT, *arguments, f"__name:={name}"]
         with (self._folder / f"{name}.txt").open("w") as errors:
             program = subprocess.Popen(
@@ -155,7 +155,7 @@ class Life:
                 stderr=errors,
                 text=True,
             )
-        client = LifeClient(program)
+        client = StartedClient(program)
         Thread(target=client.follow, daemon=True).start()
         self._clients.append(client)
         return client
