@@ -26,14 +26,8 @@ test-all:
 # what is generated: worlds, URDFs, screenshots, locks are not (see CONTRIBUTING)
 docs:
     .venv/bin/python tools/make_worlds.py
-    .venv/bin/python tools/make_urdf.py
-    ./ur docs ubiquity_launches
-    .venv/bin/python tools/make_matrix.py
-    .venv/bin/python tools/make_verbs_page.py
-    .venv/bin/python tools/make_base_pictures.py
-    .venv/bin/python tools/make_base_page.py
+    tools/generate.bash base
     .venv/bin/python tools/make_hardware_page.py
-    .venv/bin/python tools/make_wire_numbers.py
     .venv/bin/python tools/make_screenshot.py
 
 # print the figures of a bench: just bench navigation

@@ -1,0 +1,22 @@
+#!/bin/bash
+# Make everything again that is generated from what is declared once: tools/generate.bash [base].
+# With 'base' also what takes minutes, after a change of a base: descriptions and pictures. Tests compare all of it.
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+python=.venv/bin/python
+for program in ubiquity_launches/bin/ur_*; do # programs are found by their short names, too
+  name="${program##*/ur_}"
+  compgen -G "ubiquity_launches/*/bin/$name" >/dev/null || [[ -e ubiquity_launches/bin/$name ]] || ln -s "ur_$name" "ubiquity_launches/bin/$name"
+done
+if [[ ${1-} == base ]]; then
+  "$python" tools/make_urdf.py
+  "$python" tools/make_base_pictures.py
+fi
+./ur package --write ubiquity_launches
+for each in known_nodes wire_numbers layers_table base_page matrix verbs_page trust_table; do
+  "$python" "tools/make_$each.py"
+done
+"$python" tools/make_rule_pages.py
+./ur docs ubiquity_launches
+"$python" tools/list_messages.py --update >/dev/null
+git status --short
