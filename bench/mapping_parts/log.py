@@ -17,8 +17,9 @@ Floats = NDArray[np.float64]
 class Log:
     """A drive. Poses are (n, 3) in m and rad, one row per scan; `ranges` is (n, beams) in m, inf for no echo.
 
-    `reference` holds the true poses in the frame of the world (those of CARMEN logs are corrected ones). `angles`
-    (beams) are in the frame of the lidar, whose place on the robot is `mount`.
+    `reference` holds the true poses in the frame of the world (those of public logs are corrected ones). `angles`
+    (beams) are in the frame of the lidar, whose place on the robot is `mount`. `loops`, where a log has its own, are
+    the pairs (m, 2) of scans that errors are measured between; None: they are found in the reference.
     """
 
     name: str
@@ -29,6 +30,7 @@ class Log:
     range_limits: tuple[float, float]
     odometry: Floats
     reference: Floats
+    loops: NDArray[np.intp] | None = None
 
     def __len__(self) -> int:
         return len(self.stamps)

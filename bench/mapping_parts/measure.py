@@ -103,17 +103,28 @@ def _seen(surface: Floats, log: Log) -> NDArray[np.bool_]:
     return seen
 
 
-def relation_errors(path: Floats, reference: Floats) -> tuple[Floats, Floats]:
+def relation_errors(path: Floats, log: Log) -> tuple[Floats, Floats]:
     """The errors in m and degrees of relative poses over loops: near to each other, with 50 m of travel between."""
-    way = np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(reference[:, :2], axis=0).T))))
-    pairs = cKDTree(reference[:, :2]).query_pairs(_LOOP[0], output_type="ndarray")
-    pairs = pairs[np.abs(way[pairs[:, 1]] - way[pairs[:, 0]]) > _LOOP[1]]
+    pairs = find_loops(log.reference) if log.loops is None else log.loops
     pairs = pairs[np.isfinite(path[pairs, 0]).all(axis=1)]
     if not len(pairs):
         return np.zeros(0), np.zeros(0)
-    found, true = (_relative(poses[pairs[:, 0]], poses[pairs[:, 1]]) for poses in (path, reference))
+    found, true = (_relative(poses[pairs[:, 0]], poses[pairs[:, 1]]) for poses in (path, log.reference))
     turns = np.abs(np.remainder(found[:, 2] - true[:, 2] + math.pi, 2.0 * math.pi) - math.pi)
     return np.hypot(*(found[:, :2] - true[:, :2]).T), np.degrees(turns)
+
+
+def find_loops(reference: Floats) -> NDArray[np.intp]:
+    """The pairs (n, 2) of poses that are near to each other, with 50 m of travel between."""
+    way = travelled(reference)
+    pairs = cKDTree(reference[:, :2]).query_pairs(_LOOP[0], output_type="ndarray")
+    loops: NDArray[np.intp] = pairs[np.abs(way[pairs[:, 1]] - way[pairs[:, 0]]) > _LOOP[1]]
+    return loops
+
+
+def travelled(path: Floats) -> Floats:
+    """The way in m (n) from the first pose to each one of a path."""
+    return np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(path[:, :2], axis=0).T))))
 
 
 def _relative(first: Floats, second: Floats) -> Floats:

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from bench.mapping_parts.log import Log, chain, steps_of, with_poor_sensors
 from bench.mapping_parts.measure import Fit, best_fit, errors_after_fit, relation_errors, score_map
+from bench.mapping_parts.raw_log import read_raw_log
 
 from ur.worlds.map_file import MapFile, MapImage
 from ur_nodes.geometry.grid import Grid
@@ -17,6 +18,13 @@ CIRCLE = np.array([(5.0 * math.cos(a), 5.0 * math.sin(a), a + math.pi / 2.0) for
 
 def moved(path: np.ndarray, fit: Fit) -> np.ndarray:
     return np.column_stack((fit.apply(path[:, :2]), path[:, 2] + fit.yaw))
+
+
+def log_along(path: np.ndarray, loops: np.ndarray | None = None) -> Log:
+    """A log without beams."""
+    nothing = np.zeros((len(path), 0), dtype=np.float32)
+    here = Pose2(0.0, 0.0, 0.0)
+    return Log("round", np.arange(float(len(path))), nothing, np.zeros(0), here, (0.1, 12.0), path, path, loops)
 
 
 def test_path_in_another_frame_has_no_error() -> None:
@@ -36,10 +44,32 @@ def test_error_of_one_pose_is_found() -> None:
 def test_relations_over_loops_show_an_error_between_two_rounds() -> None:
     path = CIRCLE.copy()
     path[63:] = moved(path[63:], Fit(0.0, 0.3, 0.0))
-    shifts, turns = relation_errors(np.vstack((path, path)), np.vstack((CIRCLE, CIRCLE)))
+    rounds = np.vstack((CIRCLE, CIRCLE))
+    shifts, turns = relation_errors(np.vstack((path, path)), log_along(rounds))
     assert len(shifts) > 0
     assert shifts.max() == pytest.approx(0.3, abs=1e-6)
     assert turns.max() < 1e-6
+
+
+def test_loops_that_a_log_names_are_those_that_count() -> None:
+    path = CIRCLE.copy()
+    path[5] += (0.3, 0.4, 0.0)
+    shifts, _ = relation_errors(path, log_along(CIRCLE, np.array([(2, 7), (1, 5)])))
+    assert shifts == pytest.approx([0.0, 0.5])
+
+
+def test_raw_log_is_read_with_its_loops(tmp_path: Path) -> None:
+    path = tmp_path / "hall.npz"
+    ranges = np.array([[1.0, 40.0], [2.0, 3.0], [4.0, 5.0]])
+    poses = np.zeros((3, 3))
+    np.savez(path, t=[1.0, 1.5, 2.0], ranges=ranges, angles=[-0.1, 0.2], laser=[0.1, 0.0, 0.0], limits=[0.02, 30.0],
+             odom=poses, truth=poses)  # fmt: skip
+    path.with_suffix(".relations").write_text("1.0 1.5 0 0 0 0\n1.0 2.000001 0.5 0 0 1\n")
+    log = read_raw_log(path)
+    assert log.loops is not None
+    assert log.loops.tolist() == [[0, 2]]
+    assert np.isinf(log.ranges[0, 1])
+    assert log.angles == pytest.approx([-0.1, 0.1])
 
 
 def test_true_map_scores_one_and_a_shifted_one_less() -> None:

@@ -38,8 +38,7 @@ def locate_surface(
     match = match_surface(local, surface, guess, prior)
     if _deviations(guess, match.pose, prior) > _SLIPPED or match.agreement < POOR:
         other = match_surface(local, surface, before, spread)
-        believed = other.agreement >= POOR or _deviations(guess, other.pose, prior) < _MOST_DOUBTED
-        if believed and other.agreement > match.agreement:
+        if _is_believed(other, guess, prior) and other.agreement > match.agreement:
             match = other
     if match.agreement >= POOR or len(surface) < _LEAST_POINTS:
         return match
@@ -49,7 +48,12 @@ def locate_surface(
     if found is None:
         return match
     other = match_surface(local, surface, found.pose, _PRIOR_OF_SEARCH * prior)
-    return other if other.agreement > match.agreement + _LEAD else match
+    return other if _is_believed(other, guess, prior) and other.agreement > match.agreement + _LEAD else match
+
+
+def _is_believed(match: ScanMatch, guess: Pose2, prior: Floats) -> bool:
+    """Return whether a match agrees well, or else is near the guess: a scan fits a little in many places."""
+    return match.agreement >= POOR or _deviations(guess, match.pose, prior) < _MOST_DOUBTED
 
 
 def _deviations(guess: Pose2, found: Pose2, covariance: Floats) -> float:

@@ -11,6 +11,7 @@ from ur_nodes.slam.matching.local_map import LocalMap
 from ur_nodes.slam.matching.locate import locate_surface
 from ur_nodes.slam.matching.match import match_surface
 from ur_nodes.slam.matching.scan import make_scan
+from ur_nodes.slam.matching.surface import Surface
 
 HERE = Pose2(0.0, 0.0, 0.0)
 
@@ -79,14 +80,26 @@ def test_doorway_of_a_far_wall_is_not_filled_up() -> None:
     assert np.diff(beside).max() < 0.15
 
 
-def test_turn_that_odometry_reports_is_believed_where_a_scan_fits_only_a_little_without_it() -> None:
+def scan_among_people(true: Pose2) -> Surface:
+    """The surface of a scan of which about half is people near by."""
     random = np.random.default_rng(3)
-    guess = Pose2(0.1, 0.0, 1.0)
-    ranges = ranges_at(ROOM, HERE, 0.01, seed=1)
+    ranges = ranges_at(ROOM, true, 0.01, seed=1)
     people = random.random(len(ranges)) < 0.55
     ranges[people] = random.uniform(0.3, 1.0, int(people.sum()))
-    crowd = make_scan(ranges, DIRECTIONS, (0.1, 12.0), CENTRE).surface
+    return make_scan(ranges, DIRECTIONS, (0.1, 12.0), CENTRE).surface
+
+
+def test_turn_that_odometry_reports_is_believed_where_a_scan_fits_only_a_little_without_it() -> None:
+    crowd = scan_among_people(HERE)
+    guess = Pose2(0.1, 0.0, 1.0)
     prior, spread = np.diag(np.square((0.02, 0.02, 0.05))), np.diag(np.square((0.1, 0.1, 0.15)))
     found = locate_surface(local_map(ROOM), crowd, guess, prior, HERE, spread)
     assert 0.3 < match_surface(local_map(ROOM), crowd, HERE, spread).agreement < 0.6
     assert found.pose.yaw == pytest.approx(guess.yaw, abs=0.2)
+
+
+def test_search_that_ends_far_from_odometry_with_little_agreement_is_not_believed() -> None:
+    crowd = scan_among_people(Pose2(0.18, 0.15, 0.0))
+    prior = np.diag(np.square((0.01, 0.01, 0.01)))
+    found = locate_surface(local_map(ROOM), crowd, HERE, prior, HERE, prior)
+    assert math.hypot(found.pose.x, found.pose.y) < 0.1
