@@ -167,7 +167,9 @@ def take_picture(name: str, folder: Path, env: dict[str, str], size: tuple[int, 
                 for process, command in zip(running, commands, strict=True):
                     if process.poll() is not None:
                         tail = "\n".join(log.read_text(errors="replace").splitlines()[-12:])
-                        raise SystemExit(f"error: {command[0]} has ended, expected it to run on\n{tail}")
+                        raise SystemExit(
+                            f"error: {command[0]} has ended ({process.returncode}), expected it to run on\n{tail}"
+                        )
                 return is_drawn(pictures, env["DISPLAY"])
 
             wait_until(is_ready, f"a picture of {name}")

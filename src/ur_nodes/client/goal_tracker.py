@@ -140,14 +140,14 @@ def read_hold(text: str) -> Hold | None:
     return Hold(found.goal if found.state else "", found.state == "asking")
 
 
-def _printable(text: str) -> str:
+def printable(text: str) -> str:
     """The text on one line, without what a terminal would obey."""
     return " ".join("".join(each if each.isprintable() else " " for each in text[:_LONGEST_TEXT]).split())
 
 
 def _apply(tracker: GoalTracker, status: actions.GoalState, now: float) -> GoalTracker:
     state = _STATES[status.state]
-    text = "" if state is LastGoalState.REACHED else _printable(status.text)
+    text = "" if state is LastGoalState.REACHED else printable(status.text)
     if state is LastGoalState.FAILED and not text:
         text = "move_base gave no reason"
     any_heading = has_any_heading(tracker.goal_id)

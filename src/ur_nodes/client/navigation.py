@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from ur_nodes.client.goal_tracker import (
     GoalTracker,
+    printable,
     read_hold,
     report_at,
     track_current,
@@ -116,6 +117,7 @@ class NavigationTopics:
         node.subscribe("amcl_pose", PoseEstimate, self._take_estimate, Quality.LATCHED)
         node.subscribe(names.plan_topic, Path, self._take_plan)
         node.subscribe("move_base/current_goal", PlacedPose, self._take_current_goal, Quality.LATCHED)
+        node.subscribe("amcl/lost", str, self._take_lost, Quality.LATCHED)
         node.subscribe("move_base/hold", str, self._take_hold, Quality.LATCHED)
 
     def snapshot(self) -> RobotSnapshot:
@@ -191,6 +193,9 @@ class NavigationTopics:
         variance = float(estimate.covariance[0, 0] + estimate.covariance[1, 1])
         spread = math.sqrt(max(0.0, variance)) if math.isfinite(variance) else None
         self._seen = replace(self._seen, spread=spread)
+
+    def _take_lost(self, text: str) -> None:
+        self._seen = replace(self._seen, lost=printable(text))
 
     def _take_plan(self, path: Path) -> None:
         self._seen = replace(self._seen, path=path.poses[:, :2])

@@ -77,7 +77,8 @@ class RobotSnapshot:
 
     `scan` and `path` are (n, 2) in m; `speed` m/s and `turn` rad/s; `spread` the localiser's standard deviation in m;
     `missing` names what is waited for, for users; `silence` a sender that has fallen silent;
-    `patrol` is None where no node drives patrols.
+    `lost` the localiser's words while the robot is not where it was thought to be, else empty; `patrol` is None where no
+    node drives patrols.
     """
 
     grid: Grid | None = None
@@ -88,6 +89,7 @@ class RobotSnapshot:
     speed: float = 0.0
     turn: float = 0.0
     spread: float | None = None
+    lost: str = ""
     missing: tuple[str, ...] = ()
     mux: MuxView = field(default_factory=MuxView)
     lease: LeaseView = field(default_factory=LeaseView)

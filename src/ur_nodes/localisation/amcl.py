@@ -19,7 +19,7 @@ from ur_nodes.ports.values import Map, PoseEstimate, Result, Scan
 class Amcl:
     """Localises on the map in use. `last` is the newest estimate, also that of an earlier map; None before the first.
 
-    `correction` is the pose of the odometry's frame in the map.
+    `correction` is the pose of the odometry's frame in the map. Both stay as they were while the robot is lost.
     """
 
     def __init__(self, settings: AmclSettings, log: Log) -> None:
@@ -29,6 +29,7 @@ class Amcl:
         self._localiser: ParticleLocaliser | None = None
         self._grid: Grid | None = None
         self._places = 0  # that fit, as reported last
+        self._lost = False  # likewise
         self.last: ClusterEstimate | None = None
         self.correction: Pose2 | None = None
 
@@ -36,6 +37,17 @@ class Amcl:
     def has_map(self) -> bool:
         """True while there is a map in use."""
         return self._localiser is not None
+
+    @property
+    def lost(self) -> str:
+        """What a lost robot does to be found, for people; '' while the robot is where it is thought to be."""
+        if not self._localiser or not self._localiser.lost:
+            return ""
+        places = self._localiser.places
+        if not places:
+            return "lost: the scan does not fit the map here; searching the whole map"
+        where = " and ".join(f"({place.x:.1f}, {place.y:.1f})" for place in places)
+        return f"lost: the scan fits alike at {where}; place the robot on the map by hand"
 
     @property
     def particles(self) -> Particles:
@@ -89,11 +101,24 @@ class Amcl:
         low, high = self._settings.laser_limits
         limits = (max(low, scan.range_min), min(high, scan.range_max) if high > 0.0 else scan.range_max)
         estimate = self._localiser.update(odometry, points_of_scan(scan, mount, limits))
-        if estimate:
-            self.last = estimate
-            self.correction = estimate.pose.compose(odometry.inverse())
-            self._report_places(self._localiser.places, self._grid)
+        if not estimate:
+            return None
+        self._report_lost(estimate)
+        self._report_places(self._localiser.places, self._grid)
+        if self._localiser.lost:
+            return None
+        self.last = estimate
+        self.correction = estimate.pose.compose(odometry.inverse())
         return estimate
+
+    def _report_lost(self, estimate: ClusterEstimate) -> None:
+        assert self._localiser
+        if self._localiser.lost and not self._lost:
+            self._log.warn("lost: was the robot carried? The scan does not fit the map here; searching the whole map")
+        elif self._lost and not self._localiser.lost:
+            pose = estimate.pose
+            self._log.info(f"found: at x {pose.x:.2f} m, y {pose.y:.2f} m, yaw {pose.yaw:.2f} rad")
+        self._lost = self._localiser.lost
 
     def _report_places(self, places: list[Pose2], grid: Grid) -> None:
         """Log when more than one place fits, with what would tell the best two apart, and when one is left."""

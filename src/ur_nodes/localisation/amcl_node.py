@@ -52,7 +52,9 @@ class AmclNode:
     def _use_scan(self, scan: Scan, odometry: Pose2 | None) -> None:
         mount = self._feed.mount(scan.frame)
         if mount and odometry and self._amcl.has_map:
-            if estimate := self._amcl.update(scan, mount, odometry):
+            estimate = self._amcl.update(scan, mount, odometry)
+            self._outputs.publish_lost(self._amcl.lost)
+            if estimate:
                 self._outputs.publish_estimate(estimate, self._amcl.particles, scan.stamp)
             if self._amcl.correction:
                 self._outputs.publish_correction(self._amcl.correction, scan.stamp)

@@ -19,6 +19,9 @@ class AmclOutputs:
         self._settings = settings
         self._pose = node.publish("amcl_pose", PoseEstimate, Quality.LATCHED)
         self._cloud = node.publish("particlecloud", Poses, Quality.LATCHED)
+        self._lost = node.publish("~lost", str, Quality.LATCHED)
+        self._lost.send("")
+        self._lost_text = ""
         self._cloud_due = self._save_due = 0.0
         self._last: ClusterEstimate | None = None
         self._saved: ClusterEstimate | None = None
@@ -33,6 +36,12 @@ class AmclOutputs:
         if not self._cloud_due - period <= now < self._cloud_due:
             self._cloud_due = now + period
             self._cloud.send(Poses(stamp, frame, particles.poses))
+
+    def publish_lost(self, text: str) -> None:
+        """Publish that the robot is lost, and what is done about it; '' once it is found."""
+        if text != self._lost_text:
+            self._lost_text = text
+            self._lost.send(text)
 
     def publish_correction(self, correction: Pose2, stamp: int) -> None:
         """Publish the transform map -> odom of the last estimate, valid until `transform_tolerance` after the stamp."""

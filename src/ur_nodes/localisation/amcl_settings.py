@@ -100,6 +100,7 @@ def _read_filter(p: Parameters) -> FilterSettings:
         recovery_alpha_fast=p.number("recovery_alpha_fast", 0.0, minimum=0.0, maximum=1.0),
         selective_resampling=p.boolean("selective_resampling", False),
         refine=p.boolean("refine", True),
+        notice_lost=p.boolean("notice_lost", True),
     )
 
 

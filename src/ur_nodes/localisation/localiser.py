@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from ur_nodes.geometry.pose import Pose2, wrap_angle
 from ur_nodes.localisation.ambiguity import find_places
+from ur_nodes.localisation.doubt import LOST, Fit, share_through_walls, step_doubt
 from ur_nodes.localisation.likelihood import LikelihoodField, draw_free_poses, score_poses
 from ur_nodes.localisation.motion_model import MotionModel, move_poses
 from ur_nodes.localisation.particle_filter import (
@@ -35,6 +36,7 @@ SEARCH_SHARE = 0.3  # of the particles come from there
 LEAST_SHARE = 0.3  # of the particles must keep an effective weight in one update
 LEAST_LOST = 0.1  # the averages differ as much when a person walks by
 LEAST_BEAMS = 8  # fewer determine a pose too poorly
+FOUND = 5  # updates in a row in which the scan fits in one place: a robot that was lost is there
 FARTHEST_MATCH = 0.4  # m, rad: a refined pose farther from its cluster has slipped to other walls
 
 
@@ -43,7 +45,8 @@ class FilterSettings:
     """Parameters of the filter. Distances in m, angles in rad; names are those of amcl's parameters.
 
     `recovery_alpha_slow` and `_fast` are the rates of the averages whose ratio determines the number of random
-    particles to add; 0 adds none. `refine` matches the scan to the map from the best cluster's pose.
+    particles to add; 0 adds none. `refine` matches the scan to the map from the best cluster's pose. `notice_lost`:
+    search the whole map where scans do not fit any more.
     """
 
     size: SampleSize
@@ -56,6 +59,7 @@ class FilterSettings:
     recovery_alpha_fast: float = 0.0
     selective_resampling: bool = False
     refine: bool = True
+    notice_lost: bool = True
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -83,6 +87,14 @@ class ParticleLocaliser:
         self._slow = self._fast = 0.0  # averages of how well scans fit
         self._places: list[Pose2] = []  # after the last update, during a search
         self._ambiguous = 0  # updates in a row with more than one
+        self._doubt = 0.0
+        self._found = 0  # updates in a row in which a lost robot seems to be found
+        self._lost = False
+
+    @property
+    def lost(self) -> bool:
+        """Return whether the robot is not where it was thought to be; the map is searched until one place fits."""
+        return self._lost
 
     @property
     def places(self) -> list[Pose2]:
@@ -100,6 +112,7 @@ class ParticleLocaliser:
     def place(self, pose: Pose2, covariance: NDArray[np.float64]) -> None:
         """The robot is about here: start again round a pose, covariance (3, 3)."""
         self._restart(draw_gaussian(pose, covariance, self._settings.size.maximum, self._rng))
+        self._lost = False
 
     def scatter(self) -> bool:
         """The robot may be anywhere: start again with particles on all free cells. False if the map has none."""
@@ -142,12 +155,30 @@ class ParticleLocaliser:
             self._places = [place.pose for place in find_places(particles)]
             self._ambiguous = self._ambiguous + 1 if len(self._places) > 1 else 0
             self._search = max(1 if self._ambiguous else 0, self._search - 1)
+        if settings.notice_lost and len(chosen) >= LEAST_BEAMS:
+            self._judge(estimate, chosen)
         return estimate
+
+    def _judge(self, estimate: ClusterEstimate, points: NDArray[np.float64]) -> None:
+        """Note whether the robot is lost, and search while it is."""
+        match = match_scan(self._field, estimate.pose, estimate.covariance, points, self._match)
+        fit = Fit(match.agreement, share_through_walls(self._field.grid, estimate.pose, points))
+        self._doubt = step_doubt(self._doubt, fit)
+        if self._lost:
+            fits = fit.is_good and self._ambiguous == 0 and len(self._places) <= 1
+            self._found = self._found + 1 if fits else 0
+            self._lost = self._found < FOUND
+            if self._lost and not self._search:
+                self.scatter()
+        elif self._doubt >= LOST:
+            self._lost = self.scatter()
+        self._forced = self._lost  # it stands still
 
     def _restart(self, poses: NDArray[np.float64]) -> None:
         self._particles = even_particles(keep_needed(poses, self._settings.size))
         self._odometry = None
-        self._updates = self._search = self._ambiguous = 0
+        self._updates = self._search = self._ambiguous = self._found = 0
+        self._doubt = 0.0
         self._slow = self._fast = 0.0
 
     def _is_due(self, odometry: Pose2) -> bool:

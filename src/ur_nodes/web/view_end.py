@@ -166,6 +166,7 @@ class ViewerSession:
             "exploring": describe_exploration(shown.exploration.shown()),
             "map": shown.maps.describe(),
             "spread": None if seen.spread is None else round(seen.spread, 2),
+            "lost": seen.lost,
             "battery": self._battery,
             "limit": self._limit,
             "bumpers": self._overlays.pressed(),

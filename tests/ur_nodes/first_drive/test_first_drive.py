@@ -24,6 +24,19 @@ def drive_to_goals(seed: int) -> str:
     return fingerprint([*drive.commands, *drive.estimates, *drive.truths])
 
 
+def test_robot_that_is_carried_away_holds_its_goal_until_it_is_found_and_then_drives_there() -> None:
+    drive = FirstDrive("office", seed=1)
+    lost, holds = drive.record("amcl/lost", str), drive.record("move_base/hold", str)
+    carried = drive.send_goal(3.5, -1.65)
+    drive.bus.run(2.0)
+    assert drive.place(9.0, -0.15, 1.0).success
+    assert drive.bus.run_until(lambda: any(lost), 4.0)
+    assert drive.bus.run_until(lambda: not lost[-1], 10.0)
+    assert '"state": "held"' in "".join(holds)
+    assert drive.bus.run_until(lambda: drive.states[carried].state == "succeeded", 120.0), drive.states
+    assert math.dist(drive.truth.pose[:2], (3.5, -1.65)) < 0.15
+
+
 def test_same_goals_give_the_same_path_to_the_last_bit() -> None:
     first = drive_to_goals(1)
     assert drive_to_goals(1) == first

@@ -86,6 +86,54 @@ def test_localiser_notices_a_kidnapping_when_recovery_is_on(field: LikelihoodFie
     assert max(errors[-5:]) < 0.03
 
 
+def test_robot_that_is_carried_away_is_noticed_and_found(field: LikelihoodField) -> None:
+    localiser = start(field)
+    robot = Drifter(Pose2(1.0, -0.6, 0.0), np.random.default_rng(4))
+    localiser.place(robot.truth, SURE)
+    errors_of_drive(localiser, robot, field, 20)
+    assert not localiser.lost
+    robot.truth = Pose2(5.5, 2.5, -2.0)
+    errors_of_drive(localiser, robot, field, 6)
+    assert localiser.lost
+    rng = np.random.default_rng(9)
+    for _ in range(30):  # it stands still
+        estimate = (
+            localiser.update(robot.odometry, scan_points(field.grid, robot.truth, rng)) if localiser.lost else None
+        )
+        if estimate is None:
+            break
+        found = estimate.pose
+    assert not localiser.lost
+    assert math.dist(found[:2], robot.truth[:2]) < 0.05
+
+
+def test_robot_among_people_or_without_its_furniture_is_not_lost(field: LikelihoodField) -> None:
+    changed = Grid(field.grid.values.copy(), field.grid.resolution, field.grid.origin)
+    changed.values[20:40, 110:124] = changed.values[105:112, 130:150] = 0
+    localiser, rng = start(field), np.random.default_rng(2)
+    robot = Drifter(Pose2(1.0, -0.6, 0.0), np.random.default_rng(4))
+    localiser.place(robot.truth, SURE)
+    for number in range(120):
+        robot.drive(0.05, 0.06)
+        points = scan_points(changed, robot.truth, rng)
+        people = np.convolve(rng.random(len(points)) < 0.06, np.ones(12), "same") > 0.0  # about half of the beams
+        points[people] *= (0.8 / np.hypot(*points[people].T)).clip(max=1.0)[:, None]
+        localiser.update(robot.odometry, points)
+        assert not localiser.lost, number
+
+
+def test_place_given_by_hand_ends_the_search(field: LikelihoodField) -> None:
+    localiser = start(field)
+    robot = Drifter(Pose2(1.0, -0.6, 0.0), np.random.default_rng(4))
+    localiser.place(robot.truth, SURE)
+    robot.truth = Pose2(5.5, 2.5, -2.0)
+    errors_of_drive(localiser, robot, field, 5)
+    assert localiser.lost
+    localiser.place(robot.truth, SURE)
+    assert not localiser.lost
+    assert max(errors_of_drive(localiser, robot, field, 5)) < 0.1
+
+
 def test_search_of_a_large_map_tries_more_poses(field: LikelihoodField) -> None:
     assert pool_size(field) == POOL
     large = Grid(np.zeros((1000, 1000), dtype=np.int8), 0.05, Pose2(0.0, 0.0, 0.0))

@@ -81,6 +81,7 @@ export class Status {
       banners.unshift({ text: TEXTS.emergency, red: true, buttons: page.mayDrive ? [release] : [] });
     } else if (this.stopAsked) banners.unshift({ text: TEXTS.stopAsked, red: true });
     if (state?.mux.problem) banners.unshift({ text: sentence(state.mux.problem), red: true });
+    if (!old && state?.lost) banners.push({ text: sentence(state.lost), red: true });
     if (!old && state?.bumpers?.length) banners.push({ text: TEXTS.bumpers(state.bumpers), red: true });
     if (!old && state) {
       const request = (/** @type {string} */ action) => void drive?.request({ t: "lease", do: action });

@@ -28,6 +28,7 @@ from ur_nodes.ports.node import Node
 from ur_nodes.ports.parameters import Parameters
 from ur_nodes.ports.qualities import Quality
 
+_LONGEST_TEXT = 300
 _LATEST_CONTINUE = 1.0  # s: an older answer to "continue or cancel?" is ignored
 
 
@@ -39,11 +40,12 @@ class GoalWatch:
     a `stamp`, the newest challenge, it is ignored when it arrives late.
     """
 
-    def __init__(self, node: Node, mux: str, settings: AttendanceSettings) -> None:
-        """`mux` is the name of the mux's node."""
+    def __init__(self, node: Node, mux: str, settings: AttendanceSettings, localiser: str = "amcl") -> None:
+        """`mux` and `localiser` are the names of nodes. The goal is held while the robot is lost, as well."""
         self._node = node
         self._settings = settings
         self._lease: Lease | None = None
+        self._lost = ""
         self._challenges = ReceivedChallenges()
         self._goal = ""
         self._attendance = Attendance()
@@ -53,6 +55,7 @@ class GoalWatch:
         self._publish_hold("", GoalVerdict(Act.DRIVE))
         self.link = ChallengeLink(node, mux, self._take_challenge)
         node.subscribe(f"{mux}/lease", str, self._take_lease, Quality.LATCHED)
+        node.subscribe(f"{localiser}/lost", str, self._take_lost, Quality.LATCHED)
         node.subscribe("~continue", GoalId, self._continue)
 
     def accept(self, goal_id: str) -> str:
@@ -78,6 +81,8 @@ class GoalWatch:
             self._node.log.info(
                 "the goal is unattended: no client holds the lease of the mux, so nothing holds the goal"
             )
+        if self._lost and verdict.act is Act.DRIVE:
+            verdict = GoalVerdict(Act.HOLD, f"held: {self._lost}")
         self._publish_hold(self._goal, verdict)
         return verdict
 
@@ -103,6 +108,9 @@ class GoalWatch:
             self._node.log.warn("the lease of the mux cannot be read, expected its JSON; ignored", every=10.0)
         else:
             self._lease = lease
+
+    def _take_lost(self, text: str) -> None:
+        self._lost = text[:_LONGEST_TEXT]
 
     def _continue(self, goal: GoalId) -> None:
         age = age_of_answer(self._challenges, goal.stamp, self._node.steady())

@@ -66,8 +66,8 @@ def status_line(snapshot: RobotSnapshot, columns: int) -> Text:
 
 
 def alarm_line(snapshot: RobotSnapshot) -> str:
-    """Describe an emergency; empty when there is none."""
-    return describe_emergency(snapshot.mux, "r and Enter let the robot drive again")
+    """Describe an emergency, or that the robot is lost; empty when there is neither."""
+    return describe_emergency(snapshot.mux, "r and Enter let the robot drive again") or snapshot.lost
 
 
 def silence_line(snapshot: RobotSnapshot) -> str:
