@@ -77,8 +77,8 @@ class RobotSnapshot:
 
     `scan` and `path` are (n, 2) in m; `speed` m/s and `turn` rad/s; `spread` the localiser's standard deviation in m;
     `missing` names what is waited for, for users; `silence` a sender that has fallen silent;
-    `lost` the localiser's words while the robot is not where it was thought to be, else empty; `patrol` is None where no
-    node drives patrols.
+    `lost` the localiser's words while the robot is not where it was thought to be, else empty; `patrol` is None where no node
+    drives patrols.
     """
 
     grid: Grid | None = None

@@ -40,7 +40,7 @@ class Amcl:
 
     @property
     def lost(self) -> str:
-        """What a lost robot does to be found, for people; '' while the robot is where it is thought to be."""
+        """The search for a lost robot, in words for people; '' while the robot is where it is thought to be."""
         if not self._localiser or not self._localiser.lost:
             return ""
         places = self._localiser.places

@@ -27,7 +27,7 @@ _GOOD, _CLEAR = 0.6, 0.1
 
 
 @dataclass(frozen=True, slots=True)
-class Fit:
+class PlaceFit:
     """A scan at a pose on the map: shares (0..1) of its beams that end on walls, and that pass through walls."""
 
     agreement: float
@@ -39,7 +39,7 @@ class Fit:
         return self.agreement >= _GOOD and self.through <= _CLEAR
 
 
-def step_doubt(doubt: float, fit: Fit) -> float:
+def step_doubt(doubt: float, fit: PlaceFit) -> float:
     """The doubt after one more scan: it grows by at most 1, and ends at 0."""
     if fit.agreement < _LITTLE and fit.through > _CONTRADICTED:
         return doubt + 1.0

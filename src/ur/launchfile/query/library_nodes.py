@@ -6,7 +6,7 @@ from ur.launchfile.query.interface import Interface, make_interface
 
 LIBRARY_NODES: dict[str, Interface] = {
     "amcl": make_interface(
-        publishes="amcl_pose particlecloud tf",
+        publishes="amcl_pose particlecloud ~lost tf",
         subscribes="scan initialpose map tf",
         services="global_localization request_nomotion_update set_map",
         calls="static_map",
@@ -53,8 +53,8 @@ LIBRARY_NODES: dict[str, Interface] = {
     ),
     "keyboard_navigate_node": make_interface(
         publishes="initialpose move_base/continue patrol/request cmd_vel_mux/lease_request",
-        subscribes="map scan tf amcl_pose move_base/hold patrol/status cmd_vel_mux/stopped cmd_vel_mux/active "
-        "cmd_vel_mux/lease cmd_vel_mux/challenge",
+        subscribes="map scan tf amcl_pose amcl/lost move_base/hold patrol/status cmd_vel_mux/stopped "
+        "cmd_vel_mux/active cmd_vel_mux/lease cmd_vel_mux/challenge",
         uses="move_base",
     ),
     "costmap_2d_node": make_interface(
@@ -72,8 +72,8 @@ LIBRARY_NODES: dict[str, Interface] = {
     "move_base": make_interface(
         publishes="cmd_vel cmd_vel_stamped ~current_goal ~global_costmap/costmap "
         "~global_costmap/costmap_updates ~local_costmap/costmap ~hold",
-        subscribes="map odom scan tf move_base_simple/goal ~continue cmd_vel_mux/stopped cmd_vel_mux/lease "
-        "cmd_vel_mux/challenge cmd_vel_mux/speed_limit_in_force",
+        subscribes="map odom scan tf move_base_simple/goal ~continue amcl/lost cmd_vel_mux/stopped "
+        "cmd_vel_mux/lease cmd_vel_mux/challenge cmd_vel_mux/speed_limit_in_force",
         services="~make_plan ~clear_costmaps",
         actions="move_base",
     ),
