@@ -76,9 +76,8 @@ class RobotSnapshot:
     """The state of the robot at one moment, in the map frame; None for what is not known.
 
     `scan` and `path` are (n, 2) in m; `speed` m/s and `turn` rad/s; `spread` the localiser's standard deviation in m;
-    `missing` names what is waited for, for users; `silence` a sender that has fallen silent;
-    `lost` the localiser's words while the robot is not where it was thought to be, else empty; `patrol` is None where no node
-    drives patrols.
+    `missing` names what is waited for, for users; `silence` a sender that has fallen silent; `lost` the localiser's
+    words while the robot is not where it was thought to be, else empty; `patrol` is None where no node drives patrols.
     """
 
     grid: Grid | None = None

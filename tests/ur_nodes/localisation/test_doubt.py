@@ -37,7 +37,9 @@ def test_beams_that_end_before_the_wall_pass_none() -> None:
         (PlaceFit(agreement=0.6, through=0.4), None),  # walls of the map have been taken out
     ],
 )
-def test_scans_that_look_through_walls_are_doubted_soon_and_crowds_late_or_never(fit: PlaceFit, scans: int | None) -> None:
+def test_scans_that_look_through_walls_are_doubted_soon_and_crowds_late_or_never(
+    fit: PlaceFit, scans: int | None
+) -> None:
     doubt, needed = 0.0, None
     for number in range(1, 200):
         doubt = step_doubt(doubt, fit)
