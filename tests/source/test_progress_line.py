@@ -224,7 +224,7 @@ def test_robot_that_does_not_answer_is_named_while_it_is_waited_for(tmp_path: Pa
 @pytest.mark.parametrize(
     ("work", "last"),
     [
-        (lambda world, report: check_paths(["/p"], world, progress=report), "checking 1 of 1 packages"),
+        (lambda world, report: check_paths(["/p"], world, progress=report), "checking 2 of 2 launch files"),
         (lambda world, report: find_name("x", ["/p"], world, progress=report), "searching 2 of 2 launch files"),
         (lambda world, report: find_used_packages("/p", world, report), "checking 2 of 2 launch files"),
         (

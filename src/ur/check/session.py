@@ -149,9 +149,11 @@ class CheckSession:
             self._read({})
         order = {path: number for number, path in enumerate(first)}
         todo = sorted(self._todo, key=lambda unit: (order.get(unit[1], len(order)), unit))
-        for number, unit in enumerate(todo, 1):
+        number, launch_files = 0, sum(unit[0] == _LAUNCH for unit in todo)
+        for unit in todo:
             if unit[0] == _LAUNCH:
-                self._progress(f"checking {number} of {len(todo)} files")
+                number += 1
+                self._progress(f"checking {number} of {launch_files} launch files")
                 yield from self._check_launch_file(self.sources.views[unit[1]])
             else:
                 yield self._store(unit, FoundByUnit(tuple(map(Hit, self._check_other(*unit)))))

@@ -37,6 +37,21 @@ class Ros2Robot:
         values = (self.distro, self.domain, self.middleware, self.namespace, self.commands)
         return dict(zip(_TEXTS, values, strict=True))
 
+    def variables(self, robot: str) -> dict[str, str]:
+        """The variables of programs that run on the robot of this name, among its nodes."""
+        wanted = {
+            "UR_ROBOT": robot,
+            "ROS_DOMAIN_ID": self.domain,
+            "RMW_IMPLEMENTATION": self.middleware,
+            "ROS_AUTOMATIC_DISCOVERY_RANGE": "SUBNET",  # as nodes have it that were started without us
+            "ROS_NAMESPACE": self.namespace,
+        }
+        return {name: value for name, value in wanted.items() if value}
+
+    def arguments(self) -> dict[str, str]:
+        """The arguments of launch files on the robot, whose drivers run already."""
+        return {"start_drivers": "false", "cmd_vel": self.commands}
+
 
 @dataclass(frozen=True, slots=True)
 class RobotFile:

@@ -49,6 +49,22 @@ def test_variables_of_a_new_terminal_are_read() -> None:
     assert finder.run(["/nowhere/program"], 1) == ""
 
 
+def test_users_whose_units_lose_their_shared_memory_are_found(tmp_path: Path) -> None:
+    user = pwd.getpwuid(os.getuid()).pw_name
+    assert finder.find_forgotten([{"user": "root", "unit": "base.service"}], str(tmp_path)) == []
+    units = [{"user": user, "unit": "base.service"}]
+    assert finder.find_forgotten(units, str(tmp_path), 0) == [user]
+    assert finder.find_forgotten([{"user": user, "unit": ""}, {"user": "no one", "unit": "a"}], str(tmp_path), 0) == []
+    (tmp_path / "etc/systemd/logind.conf.d").mkdir(parents=True)
+    (tmp_path / "etc/systemd/logind.conf").write_text("[Login]\nRemoveIPC=no\n")
+    assert finder.find_forgotten(units, str(tmp_path), 0) == []
+    (tmp_path / "etc/systemd/logind.conf.d/own.conf").write_text("[Login]\nRemoveIPC=yes\n")
+    assert finder.find_forgotten(units, str(tmp_path), 0) == [user]
+    (tmp_path / "var/lib/systemd/linger").mkdir(parents=True)
+    (tmp_path / "var/lib/systemd/linger" / user).touch()
+    assert finder.find_forgotten(units, str(tmp_path), 0) == []
+
+
 def test_graph_is_read_without_modules_of_the_current_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "json.py").write_text("raise SystemExit('imported from the current folder')")
     argv = f"{os.path.realpath('/usr/bin/python3')} node"

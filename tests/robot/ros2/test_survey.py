@@ -68,7 +68,7 @@ def test_doctor_names_what_real_nodes_have_wrong(session: Ros2Session) -> None:
     assert done.returncode == 0, done.stderr
     graph = json.loads(done.stdout.splitlines()[-1])
     nothing: dict[str, object] = {name: [] for name in ("installations", "processes", "settings", "ports")}
-    nothing |= {"no_multicast": [], "shell": {}, "called": {}, "files": {}, "problem": ""}
+    nothing |= {"no_multicast": [], "forgotten": [], "shell": {}, "called": {}, "files": {}, "problem": ""}
     ros2 = parse_ros2(json.dumps({**nothing, "graph": graph}))
     assert ros2.graph is not None
     assert {"/base", "/laptop"} <= set(ros2.graph.nodes)

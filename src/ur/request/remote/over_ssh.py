@@ -12,11 +12,11 @@ from contextlib import contextmanager
 from importlib.resources import files
 from pathlib import Path
 
-from ur.robot.boot.units import LIBRARIES
+from ur.robot.boot.units import LIBRARIES, source_line
 from ur.robot.robot_file import ROBOT_FILE, RobotFile, Ros2Robot, load_robot_file
 from ur.robot.ssh.guard import private_folder
 from ur.robot.ssh.openssh import SshShell
-from ur.robot.ssh.shell import quote
+from ur.robot.ssh.shell import Shell, quote
 from ur.source.diagnostic import UserError, error_about
 
 _FIND = f"""\
@@ -28,13 +28,18 @@ echo "  help: ur robot setup completes it" >&2
 exit 2"""
 
 
-def read_robot(shell: SshShell) -> tuple[RobotFile, Ros2Robot]:
-    """The robot file of a robot that has ROS 2. Raises UserError: it has none, or is not set up."""
-    text = shell.run(f"cat {ROBOT_FILE}").out
+def find_robot_file(shell: Shell) -> RobotFile | None:
+    """The robot file of a robot; None where it has none. Raises UserError: it cannot be used."""
+    text = shell.run(f"cat {ROBOT_FILE} 2>/dev/null").out
     with private_folder() as folder:
         path = Path(folder, "robot.yaml")
         path.write_text(text, encoding="utf-8")
-        found = load_robot_file(path) if text else None
+        return load_robot_file(path) if text else None
+
+
+def read_robot(shell: SshShell) -> tuple[RobotFile, Ros2Robot]:
+    """The robot file of a robot that has ROS 2. Raises UserError: it has none, or is not set up."""
+    found = find_robot_file(shell)
     if found is None or found.ros2 is None:
         name = shell.address.host.removesuffix(".local")
         message = f"{ROBOT_FILE} names no release of ROS 2, expected one"
@@ -47,27 +52,14 @@ def remote_script(robot: str, ros2: Ros2Robot, argv: Sequence[str], link: str = 
 
     `link` is the file of the guard; '' for programs that do not drive by the terminal.
     """
-    wanted = {
-        "UR_ROBOT": robot,
-        "ROS_DOMAIN_ID": ros2.domain,
-        "RMW_IMPLEMENTATION": ros2.middleware,
-        "ROS_AUTOMATIC_DISCOVERY_RANGE": "SUBNET",  # as nodes have it that were started without us
-        "UR_LINK": link,
-    }
-    settings = " ".join(f"{name}={quote(value)}" for name, value in wanted.items() if value)
-    line = f". /opt/ros/{ros2.distro}/setup.bash >/dev/null; export {settings}; set -- {quote(*argv)}; {_FIND}"
-    return quote("bash", "-lc", line)
+    settings = source_line(ros2, robot) + (f" UR_LINK={quote(link)}" if link else "")
+    return quote("bash", "-lc", f"{settings}; set -- {quote(*argv)}; {_FIND}")
 
 
 def program_arguments(robot: RobotFile, argv: Sequence[str], declared: Collection[str]) -> list[str]:
     """The arguments of a program on a robot whose drivers run already; those of the user stay."""
     assert robot.ros2
-    own = {
-        "robot_base": robot.base,
-        "robot_variant": robot.variant,
-        "start_drivers": "false",
-        "cmd_vel": robot.ros2.commands,
-    }
+    own = {"robot_base": robot.base, "robot_variant": robot.variant, **robot.ros2.arguments()}
     given = {each.partition(":=")[0] for each in argv}
     return [
         *argv,

@@ -6,7 +6,7 @@ to robots that have nothing of this project.
 """
 
 # A program for small computers, which run it before anything of ours is there.
-# ruff: noqa: PTH111, PTH112, PTH113, PTH116, PTH119, PTH120, PTH123, PTH207, PTH208
+# ruff: noqa: PTH110, PTH111, PTH112, PTH113, PTH116, PTH119, PTH120, PTH123, PTH207, PTH208
 
 from __future__ import annotations
 
@@ -21,6 +21,7 @@ import sys
 from typing import Any
 
 MOST_PROCESSES = 200
+FIRST_PERSON = 1000  # the number of the first user who is none of the system
 _IFF_UP, _IFF_LOOPBACK, _IFF_MULTICAST = 0x1, 0x8, 0x1000
 _LISTENING = {"tcp": "0A", "udp": "07"}
 _KEPT = ("AMENT_PREFIX_PATH", "PYTHONPATH", "LD_LIBRARY_PATH", "_ROS_WHEELS_BOOTSTRAP_COMPLETE")
@@ -188,6 +189,27 @@ def find_no_multicast() -> list[str]:
     return found
 
 
+def find_forgotten(processes: list[dict[str, Any]], root: str = "", first: int = FIRST_PERSON) -> list[str]:
+    """Find users whose units lose their shared memory when the last login of that user ends (logind.conf(5))."""
+    files = [f"{root}/etc/systemd/logind.conf"]
+    for folder in ("usr/lib", "run", "etc"):
+        files += glob.glob(f"{root}/{folder}/systemd/logind.conf.d/*.conf")
+    files[1:] = sorted(files[1:], key=os.path.basename)
+    settings = [value for file in files for value in re.findall(r"^\s*RemoveIPC\s*=\s*(\w+)", read(file), re.M)]
+    if settings and settings[-1].lower() in ("no", "false", "off", "0"):
+        return []
+    found = {each["user"] for each in processes if each["unit"] and number_of(each["user"]) >= first}
+    return sorted(each for each in found if not os.path.exists(f"{root}/var/lib/systemd/linger/{each}"))
+
+
+def number_of(user: str) -> int:
+    """The number of a user, -1 where there is none of this name."""
+    try:
+        return pwd.getpwnam(user).pw_uid
+    except KeyError:
+        return -1
+
+
 def read_graph(request: dict[str, Any], installations: Any, processes: Any, shell: dict[str, str]) -> Any:
     """Run the program that reads the graph with the Python of a release, in the domain of its processes."""
     program, variables = request["graph"], request["variables"]
@@ -249,6 +271,7 @@ def find(request: dict[str, Any]) -> dict[str, Any]:
         "files": find_files([*(each["variables"] for each in processes), shell]),
         "ports": find_ports(),
         "no_multicast": find_no_multicast(),
+        "forgotten": find_forgotten(processes),
         "graph": graph,
         "problem": problem,
     }

@@ -116,8 +116,9 @@ class Ros2:
 
     `settings` are pairs (file, variable) of lines that set one. `files` are settings files that variables name, and
     whether they exist. `ports` are the numbers at which a program listens, UDP and TCP. `no_multicast` are network
-    interfaces that are up and do not take part in multicast. `graph` is None where it could not be read; `problem` is
-    the reason. `heard`: multicast packets of the other computer arrived; None where that was not tried.
+    interfaces that are up and do not take part in multicast. `forgotten` are users whose units lose their shared memory
+    when their last login ends. `graph` is None where it could not be read; `problem` is the reason. `heard`: multicast
+    packets of the other computer arrived; None where that was not tried.
     """
 
     installations: tuple[Installation, ...] = ()
@@ -128,6 +129,7 @@ class Ros2:
     files: Mapping[Name, bool] = field(default_factory=dict)
     ports: frozenset[Count] = frozenset()
     no_multicast: tuple[Name, ...] = ()
+    forgotten: tuple[Name, ...] = ()
     graph: SeenGraph | None = None
     problem: Name = ""
     heard: bool | None = None

@@ -93,6 +93,7 @@ def test_nothing_but_login_name_file_and_announcement_is_changed() -> None:
         "login from the viewer",
         "robot file",
         "packages",
+        "shared memory outlives logins",
         "names ending in .local",
         "announcement",
     ]

@@ -56,10 +56,14 @@ def here(variables: Mapping[str, str] | None = None, **changes: object) -> Compu
 
 
 def both(
-    variables: Mapping[str, str], ports: tuple[int, ...] = (), *, mine: Mapping[str, str] | None = None
+    variables: Mapping[str, str],
+    ports: tuple[int, ...] = (),
+    *,
+    mine: Mapping[str, str] | None = None,
+    forgotten: tuple[str, ...] = (),
 ) -> ComputerPair:
     """All processes of the robot, and this shell, with these variables; `mine` are those of this shell."""
-    robot = replace(RUNNING, processes=(process(**variables),), ports=frozenset(ports))
+    robot = replace(RUNNING, processes=(process(**variables),), ports=frozenset(ports), forgotten=forgotten)
     called = {**DOMAIN, **(variables if mine is None else mine)}
     laptop = replace(TOOLS, called=called, ports=frozenset(ports))
     return replace(ROS2_PAIR, here=replace(HERE, ros2=laptop), there=replace(THERE, ros2=robot))
@@ -102,6 +106,7 @@ CASES: list[tuple[str, ComputerPair]] = [
     ),
     ("ros2-no-profile", there(files={PROFILE: False})),
     ("ros2-multicast-off", there(no_multicast=("wlan0",))),
+    ("ros2-removed-memory", there(forgotten=("ros",))),
     # Between the two computers.
     ("ros2-release-mix", here(installations=(HUMBLE,))),
     ("ros2-domain", here({"ROS_DOMAIN_ID": "0"})),

@@ -65,6 +65,8 @@ def test_at_least_twenty_kinds_of_faults_are_seeded() -> None:
             SeenTopic("/cmd_vel", (End("/cmd_vel_mux", TWIST),), (End("/base", TWIST),)), SeenTopic("/teleop/cmd_vel")
         ),
         there(processes=(process("jazzy"), process("kilted"))),
+        there(forgotten=("eve",)),  # whose units are none of ROS 2
+        both({"RMW_IMPLEMENTATION": "rmw_cyclonedds_cpp"}, forgotten=("ros",)),  # which uses no shared memory
     ],
 )
 def test_healthy_ros2_pair_has_no_findings(pair: ComputerPair) -> None:

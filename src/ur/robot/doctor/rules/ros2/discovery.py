@@ -13,6 +13,7 @@ from ur.robot.ssh.shell import quote
 from ur.source.foreign.numbers import parse_integer
 
 HIGHEST_DOMAIN = 101  # above, ports of DDS lie among those that Linux gives to any program
+_FAST_DDS = "rmw_fastrtps"
 ZENOH, ZENOH_PORT, SERVER_PORT = "rmw_zenoh_cpp", 7447, 11811
 SHOWN = 4
 
@@ -161,6 +162,22 @@ def check_needs(where: Where, side: Side) -> Iterator[Finding]:
         )
 
 
+def check_memory(where: Where, side: Side) -> Iterator[Finding]:
+    """Units whose shared memory systemd removes with the end of a login; Fast DDS sends nothing without it."""
+    for user in side.ros2.forgotten:
+        running = [each for each in side.ros2.processes if each.user == user and each.unit]
+        running = [each for each in running if middleware_of(each.variables).startswith(_FAST_DDS)]
+        if running:
+            yield Finding(
+                "ros2-removed-memory",
+                f"{side.name}: when the last login of {user} ends, systemd removes the shared memory of that user's "
+                f"units, and the nodes of {_processes(running)} fall silent",
+                "let the user's processes outlive the logins (RemoveIPC in logind.conf(5)); nodes that are silent "
+                "already have to be started again:",
+                (FixCommand(where, f"loginctl enable-linger {quote(user)}", root=True, safe=True),),
+            )
+
+
 def _servers(variables: Mapping[str, str]) -> Iterator[tuple[str, int]]:
     for text in variables.get("ROS_DISCOVERY_SERVER", "").split(";"):
         if text.strip():
@@ -218,5 +235,10 @@ RULES: tuple[Rule, ...] = (
             "ros2-multicast-off": "a network interface takes no part in multicast",
         },
         check_needs,
+    ),
+    SideRule(
+        {"ros2-removed-memory": "systemd removes the shared memory of units when a login ends"},
+        check_memory,
+        simulation=True,
     ),
 )
