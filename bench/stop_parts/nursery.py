@@ -25,6 +25,7 @@ from typing import Any, NamedTuple
 
 _STAMP = struct.Struct("=dddd")
 _PR_SET_PDEATHSIG = 1
+_MIDDLEWARE = ("rospy", "ur_nodes.ros1.run")  # a node imports it when it starts
 
 
 class Sent(NamedTuple):
@@ -130,7 +131,7 @@ def _serve(orders: socket.socket, modules: Sequence[str], folder: Path) -> None:
     nothing = os.open(os.devnull, os.O_RDONLY)
     for source, target in ((nothing, 0), (log, 1), (log, 2)):
         os.dup2(source, target)
-    for module in modules:
+    for module in (*_MIDDLEWARE, *modules):
         importlib.import_module(module)
     lines = orders.makefile("rw")
     while line := lines.readline():
