@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from tests.ros2_messages import add_messages
 from tests.ros2_session import Ros2Session
 from tests.ur_nodes.first_drive.drive import read_launch_files
 
@@ -20,7 +21,8 @@ MODULES = {
     "/amcl": "ur_nodes.localisation.amcl_node",
     "/move_base": "ur_nodes.navigation.move_base_node",
 }
-DRIVER = str(Path(__file__).with_name("goal_driver.py"))
+DRIVER_FOLDER = Path(__file__).parent
+DRIVER = str(DRIVER_FOLDER / "goal_driver.py")
 
 
 def plain(value: Any) -> Any:
@@ -42,8 +44,8 @@ def write_parameters(plan: Plan, node: str, file: Path) -> None:
     file.write_text(json.dumps({"/**": {"ros__parameters": tree}}))
 
 
-@pytest.mark.timeout(150)
-def test_robot_drives_to_a_goal_of_rviz(session: Ros2Session, tmp_path: Path) -> None:
+def start_robot(session: Ros2Session, tmp_path: Path) -> None:
+    """Start the nodes of the launch files."""
     plan = read_launch_files("maze")
     session.environment |= {name: value for node in plan.nodes for name, value in node.env}
     for node in plan.nodes:
@@ -52,11 +54,35 @@ def test_robot_drives_to_a_goal_of_rviz(session: Ros2Session, tmp_path: Path) ->
             write_parameters(plan, node.full_name, file)
             remaps = [f"{source}:={target}" for source, target in node.remaps]
             session.start(node.name, MODULES[node.full_name], *remaps, "--ros-args", "--params-file", str(file))
+
+
+@pytest.mark.timeout(150)
+def test_robot_drives_to_a_goal_of_rviz(session: Ros2Session, tmp_path: Path) -> None:
+    start_robot(session, tmp_path)
     program = session.run("-m", "ur_nodes", DRIVER, within=100.0)
     assert program.stdout, program.stderr
     found = json.loads(program.stdout.splitlines()[-1])
     assert found["end"] == "succeeded: goal reached"
     assert math.dist(found["place"][:2], (0.8, 0.4)) < 0.2
     assert found["planned"] > 1
+    for log in tmp_path.glob("*.txt"):
+        assert "Traceback" not in log.read_text(), log.name
+
+
+@pytest.mark.long
+@pytest.mark.timeout(400)
+def test_robot_drives_to_a_goal_of_a_client_of_nav2(session: Ros2Session, tmp_path: Path) -> None:
+    add_messages(session.environment)
+    start_robot(session, tmp_path)
+    session.start("watcher", str(DRIVER_FOLDER / "life_client.py"), "watch")
+    command = (str(DRIVER_FOLDER / "navigation/nav2_client.py"), "drive", "0.8", "0.4")
+    for _try in range(20):  # goals are refused until the robot is localised
+        program = session.run(*command, within=100.0)
+        assert program.stdout, program.stderr
+        found = json.loads(program.stdout.splitlines()[-1])
+        if found["status"] == 4:
+            break
+    assert found["status"] == 4, found
+    assert math.dist(found["place"], (0.8, 0.4)) < 0.2
     for log in tmp_path.glob("*.txt"):
         assert "Traceback" not in log.read_text(), log.name

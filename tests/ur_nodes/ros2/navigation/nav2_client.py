@@ -94,6 +94,20 @@ def run_all(client: ActionClientStage) -> dict[str, object]:
     return found
 
 
+def drive(client: ActionClientStage, x: float, y: float) -> dict[str, object]:
+    """Drive a whole robot to a place."""
+    goal = NavigateToPose.Goal(pose=PoseStamped())
+    goal.pose.header.frame_id, goal.pose.pose.position.x, goal.pose.pose.position.y = "map", x, y
+    handle = client.wait(client.to_pose.send_goal_async(goal, lambda each: client.feedback.append(each.feedback)))
+    answer = handle.get_result_async()
+    rclpy.spin_until_future_complete(client.node, answer, timeout_sec=60.0)
+    found = {"status": answer.result().status, "text": answer.result().result.error_msg}
+    if client.feedback:
+        here = client.feedback[-1].current_pose.pose.position
+        found["place"] = [here.x, here.y]
+    return found
+
+
 def cancel_others(client: ActionClientStage) -> dict[str, object]:
     """Cancel the goal of a client that has died."""
     while not client.statuses:
@@ -115,6 +129,9 @@ if __name__ == "__main__":
         sys.stdout.write("driving\n")
         sys.stdout.flush()
         rclpy.spin(peer.node)
-    made = run_all(peer) if sys.argv[1] == "all" else cancel_others(peer)
+    if sys.argv[1] == "drive":
+        made = drive(peer, *map(float, sys.argv[2:4]))
+    else:
+        made = run_all(peer) if sys.argv[1] == "all" else cancel_others(peer)
     sys.stdout.write(json.dumps(made) + "\n")
     sys.stdout.flush()
