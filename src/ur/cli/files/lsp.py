@@ -13,7 +13,7 @@ from ur.request.requirements.python_packages import need_all
 @click.command("lsp")
 @click.option("--stdio", is_flag=True, help="Speak over standard input and output, as without it.")
 def command(stdio: bool) -> int:  # noqa: ARG001 - what some editors give
-    """Serve an editor: findings while you type, completion, definitions, and more.
+    """Serve an editor: findings while you type, completion, definitions.
 
     Editors start it and speak the Language Server Protocol with it, over standard input and output.
 
