@@ -108,7 +108,7 @@ class NavigationTopics:
         self._seen = RobotSnapshot()
         self._tracker = GoalTracker()
         self._status_at = -math.inf
-        self._driven_to = False  # some goal is open
+        self._driven_to = False  # a goal that is not the followed one is open
         self.robot = RobotState(node, names.map_frame, names.base_frame)
         self._goals = node.follow_goals("move_base", self)
         self._continues = node.publish("move_base/continue", GoalId)
@@ -165,8 +165,8 @@ class NavigationTopics:
     def take_states(self, states: tuple[GoalState, ...]) -> None:
         """See GoalFollower."""
         self._status_at = self._node.steady()
-        self._driven_to = any(each.open for each in states)
         self._tracker = track_status(self._tracker, states, self._status_at)
+        self._driven_to = any(each.open and each.id != self._tracker.goal_id for each in states)
 
     def take_goal_end(self, state: GoalState) -> None:
         """See GoalFollower."""

@@ -1,0 +1,62 @@
+"""The topics of navigation on a bus: goals of this client and of others, and paths that arrive late."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ur_nodes.client.navigation import Names, NavigationTopics
+from ur_nodes.client.snapshot import LastGoalState
+from ur_nodes.geometry.pose import Pose2
+from ur_nodes.memory.bus import Bus
+from ur_nodes.ports.actions import GoalState, GoalStates
+from ur_nodes.ports.qualities import Quality
+from ur_nodes.ports.values import Path
+
+THERE, ELSEWHERE = Pose2(1.0, 0.0, 0.0), Pose2(3.0, 1.0, 0.5)
+
+
+class Navigation:
+    """A client, and a robot that says of goals what a test wants."""
+
+    def __init__(self) -> None:
+        self.bus = Bus()
+        self.client = NavigationTopics(self.bus.node("client"), Names())
+        robot = self.bus.node("robot")
+        self._states = robot.publish("move_base/state", GoalState, Quality.EVERY)
+        self._status = robot.publish("move_base/status", GoalStates)
+        self._plan = robot.publish("move_base/NavfnROS/plan", Path)
+        self.bus.run(0.1)
+
+    def list_goals(self, *states: GoalState) -> None:
+        self._status.send(GoalStates(states))
+        self.bus.run(0.1)
+
+    def end_goal(self, state: GoalState) -> None:
+        self._states.send(state)
+        self.bus.run(0.1)
+
+    def plan(self, *poses: Pose2) -> None:
+        self._plan.send(Path(self.bus.now, "map", np.array(poses)))
+        self.bus.run(0.1)
+
+
+def test_path_that_arrives_after_the_goal_was_reached_is_no_goal_of_another() -> None:
+    navigation = Navigation()
+    number = navigation.client.send_goal("ours", THERE)
+    navigation.list_goals(GoalState("ours", "active", ""))
+    navigation.end_goal(GoalState("ours", "succeeded", ""))
+    navigation.plan(Pose2(1.003, 0.001, 0.0))
+    report = navigation.client.goal()
+    assert (report.number, report.state, report.place) == (number, LastGoalState.REACHED, THERE)
+
+
+def test_goal_of_another_client_is_where_the_path_ends() -> None:
+    navigation = Navigation()
+    number = navigation.client.send_goal("ours", THERE)
+    navigation.end_goal(GoalState("ours", "succeeded", ""))
+    listed = (GoalState("ours", "succeeded", ""), GoalState("theirs", "active", ""))
+    navigation.list_goals(*listed)
+    navigation.plan(THERE, ELSEWHERE)
+    navigation.list_goals(*listed)
+    report = navigation.client.goal()
+    assert (report.number, report.state, report.place) == (number + 1, LastGoalState.DRIVING, ELSEWHERE)
