@@ -1,7 +1,8 @@
 r"""Foreign text on a terminal or in a document: what could act there is shown as an escape instead.
 
-File names, launch files, announcements and robots' answers are foreign. `printable` is for one field of a line;
-`printable_lines` for a text of several lines; `guard_stream` for everything that is written to an open stream.
+File names, launch files, announcements and robots' answers are foreign. `printable` is for one field of a line,
+`one_line` for words that are shown on one, `printable_lines` for a text of several lines; `guard_stream` for everything
+that is written to an open stream.
 A control character appears as Python would write it: `\x1b`, `\n`, `\u202e`.
 """
 
@@ -33,6 +34,11 @@ def printable(text: str) -> str:
 def printable_lines(text: str) -> str:
     """Make a text safe, line breaks and tabs kept."""
     return text if text.isprintable() else re.sub(_LINES, _escape, text)
+
+
+def one_line(text: str) -> str:
+    """The words of a text on one line; what a terminal would obey is a space."""
+    return " ".join("".join(each if each.isprintable() else " " for each in text).split())
 
 
 class OutputLost(Exception):  # noqa: N818 - says what happened

@@ -6,13 +6,16 @@ from dataclasses import dataclass, field, replace
 from typing import Final, Literal
 
 from ur.source.foreign.json_values import BadJsonError, ForeignValue, read_json
+from ur.source.printable import one_line
 from ur_nodes.client.snapshot import GoalReport, LastGoalState
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.navigation.goals.goal_claim import has_any_heading
 from ur_nodes.ports import actions
 
 _LONGEST_HOLD: Final = 4096
-_LONGEST_TEXT: Final = 500
+LONGEST_TEXT: Final = 500
+"""Characters of a text of a node that are shown."""
+
 _STATES: Final = {
     "pending": LastGoalState.WAITING,
     "active": LastGoalState.DRIVING,
@@ -140,14 +143,9 @@ def read_hold(text: str) -> Hold | None:
     return Hold(found.goal if found.state else "", found.state == "asking")
 
 
-def printable(text: str) -> str:
-    """The text on one line, without what a terminal would obey."""
-    return " ".join("".join(each if each.isprintable() else " " for each in text[:_LONGEST_TEXT]).split())
-
-
 def _apply(tracker: GoalTracker, status: actions.GoalState, now: float) -> GoalTracker:
     state = _STATES[status.state]
-    text = "" if state is LastGoalState.REACHED else printable(status.text)
+    text = "" if state is LastGoalState.REACHED else one_line(status.text[:LONGEST_TEXT])
     if state is LastGoalState.FAILED and not text:
         text = "move_base gave no reason"
     any_heading = has_any_heading(tracker.goal_id)

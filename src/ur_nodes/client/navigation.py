@@ -8,9 +8,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from ur.source.printable import one_line
 from ur_nodes.client.goal_tracker import (
+    LONGEST_TEXT,
     GoalTracker,
-    printable,
     read_hold,
     report_at,
     track_current,
@@ -195,7 +196,7 @@ class NavigationTopics:
         self._seen = replace(self._seen, spread=spread)
 
     def _take_lost(self, text: str) -> None:
-        self._seen = replace(self._seen, lost=printable(text))
+        self._seen = replace(self._seen, lost=one_line(text[:LONGEST_TEXT]))
 
     def _take_plan(self, path: Path) -> None:
         self._seen = replace(self._seen, path=path.poses[:, :2])

@@ -9,6 +9,7 @@ from collections.abc import Iterator, Sequence
 from ur.robot.base.outline import Point
 from ur.robot.description.reading import BRAKING, DescriptionReading
 from ur.robot.description.sensing import FoundSensor
+from ur.source.printable import one_line
 
 _WHOLE_TURN = 2.0 * math.pi + 0.001  # rad; 6.2832 is one, too
 
@@ -23,21 +24,21 @@ def _lines(reading: DescriptionReading, summary: str, origin: str) -> Iterator[s
     figures = reading.figures
     value = {key: figure.value for key, figure in figures.items()}
     yield f"summary: {json.dumps(summary, ensure_ascii=False)}"
-    yield f"# Read from {_comment(origin)} by `ur new base --from`. Figures that are called usual are not from there."
-    yield from (f"# {_comment(note)}" for note in reading.notes)
-    yield f"footprint: {_points(reading.outline)} # {_comment(figures['length'].source)}"
+    yield f"# Read from {one_line(origin)} by `ur new base --from`. Figures that are called usual are not from there."
+    yield from (f"# {one_line(note)}" for note in reading.notes)
+    yield f"footprint: {_points(reading.outline)} # {one_line(figures['length'].source)}"
     if reading.body:
         yield f"body: {_points(reading.body)} # without the wheels"
     for key in ("height", "ground_clearance", "mass"):
-        yield f"{key}: {_n(value[key])} # {_comment(figures[key].source)}"
+        yield f"{key}: {_n(value[key])} # {one_line(figures[key].source)}"
     wheels = ", ".join(f"{key}: {_n(value[f'wheel_{key}'])}" for key in ("radius", "width", "separation", "mass"))
     yield f"wheels: {{{wheels}}}"
     for key in ("wheel_radius", "wheel_width", "wheel_separation", "wheel_mass"):
-        yield f"# {key}: {_comment(figures[key].source)}"
+        yield f"# {key}: {one_line(figures[key].source)}"
     yield "casters:"
     for support in reading.supports:
         place = f"{{x: {_n(support.x)}, y: {_n(support.y)}, radius: {_n(support.radius)}}}"
-        yield f"  - {place} # {_comment(support.source)}"
+        yield f"  - {place} # {one_line(support.source)}"
     yield from _limits(reading)
     yield "odometry: # usual"
     yield "  {rate: 20, ticks_per_turn: 1000, wheel_noise: 0.003, radius_error: 0.003, separation_error: 0.006}"
@@ -62,9 +63,9 @@ def _limits(reading: DescriptionReading) -> Iterator[str]:
     braking = max(2.0 * acceleration, _up(velocity / BRAKING))
     turns = max(5.0, _up(turning / BRAKING))
     yield "limits:"
-    yield f"  velocity: {_n(velocity)} # {_comment(figures['velocity'].source)}"
-    yield f"  angular_velocity: {_n(turning)} # {_comment(figures['angular_velocity'].source)}"
-    yield f"  acceleration: {_n(acceleration)} # {_comment(figures['acceleration'].source)}"
+    yield f"  velocity: {_n(velocity)} # {one_line(figures['velocity'].source)}"
+    yield f"  angular_velocity: {_n(turning)} # {one_line(figures['angular_velocity'].source)}"
+    yield f"  acceleration: {_n(acceleration)} # {one_line(figures['acceleration'].source)}"
     yield "  angular_acceleration: 2.5 # usual"
     yield f"  deceleration: {_n(braking)} # so that it stops within 0.3 s of its last command"
     yield f"  angular_deceleration: {_n(turns)}"
@@ -79,7 +80,7 @@ def _lidar(sensor: FoundSensor) -> Iterator[str]:
         start, end = -math.pi, math.pi * (1.0 - 2.0 / samples)
     near = sensor.figure("range_min", 0.12, 0.0, 5.0)
     far = sensor.figure("range_max", 12.0, max(0.5, near + 0.1), 100.0)
-    yield f"  lidar: # {_comment(sensor.source)}{'' if sensor.gazebo else '; figures: usual'}"
+    yield f"  lidar: # {one_line(sensor.source)}{'' if sensor.gazebo else '; figures: usual'}"
     yield f"    {{frame: {sensor.frame}, topic: scan, pose: {_pose(sensor)},"
     yield f"     angle_min: {_n(start, 8)}, angle_max: {_n(end, 8)}, samples: {samples},"
     yield f"     rate: {_n(sensor.figure('rate', 8.0, 1.0, 50.0))}, range_min: {_n(near)}, range_max: {_n(far)},"
@@ -89,13 +90,13 @@ def _lidar(sensor: FoundSensor) -> Iterator[str]:
 def _camera(sensor: FoundSensor) -> Iterator[str]:
     width, height = (int(sensor.figure(key, usual, 16, 4096)) for key, usual in (("width", 640), ("height", 480)))
     view, rate = sensor.figure("field_of_view", 1.0856, 0.1, 2.6), sensor.figure("rate", 15.0, 1.0, 30.0)
-    yield f"  raspicam: # {_comment(sensor.source)}{'' if sensor.gazebo else '; figures: usual'}"
+    yield f"  raspicam: # {one_line(sensor.source)}{'' if sensor.gazebo else '; figures: usual'}"
     yield f"    {{frame: {sensor.frame}, pose: {_pose(sensor)},"
     yield f"     width: {width}, height: {height}, field_of_view: {_n(view)}, rate: {_n(rate)}}}"
 
 
 def _imu(sensor: FoundSensor) -> Iterator[str]:
-    yield f"  imu: # {_comment(sensor.source)}; noise: usual"
+    yield f"  imu: # {one_line(sensor.source)}; noise: usual"
     yield f"    {{frame: {sensor.frame}, topic: imu/data, pose: {_pose(sensor)},"
     yield f"     rate: {_n(sensor.figure('rate', 50.0, 1.0, 200.0))}, gyro_noise: 0.001, accel_noise: 0.03}}"
 
@@ -103,7 +104,7 @@ def _imu(sensor: FoundSensor) -> Iterator[str]:
 def _sonars(sensors: Sequence[FoundSensor]) -> Iterator[str]:
     first = sensors[0]
     view = first.figure("angle_max", 0.218, 0.01, 1.5) - first.figure("angle_min", -0.218, -1.5, -0.01)
-    yield f"  sonars: # {_comment(first.source)}; figures not of Gazebo: usual"
+    yield f"  sonars: # {one_line(first.source)}; figures not of Gazebo: usual"
     yield f"    topic: sonars\n    rate: {_n(first.figure('rate', 4.0, 1.0, 20.0))}\n    field_of_view: {_n(view)}"
     yield f"    range_min: {_n(first.figure('range_min', 0.02, 0.0, 0.4))}"
     yield f"    range_max: {_n(first.figure('range_max', 4.0, 0.5, 20.0))}\n    noise: 0.005"
@@ -117,10 +118,6 @@ def _pose(sensor: FoundSensor) -> str:
 
 def _points(points: Sequence[Point]) -> str:
     return f"[{', '.join(f'[{_n(x)}, {_n(y)}]' for x, y in points)}]"
-
-
-def _comment(text: str) -> str:
-    return " ".join("".join(c if c.isprintable() else " " for c in text).split())
 
 
 def _up(value: float) -> float:
