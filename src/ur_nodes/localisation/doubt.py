@@ -14,11 +14,11 @@ from numpy.typing import NDArray
 
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2
+from ur_nodes.localisation.likelihood import OCCUPIED_FROM
 
 LOST = 4.0
 """Doubt from which the robot counts as lost."""
 
-_WALL = 65  # of 100: cells that count as walls
 _BEHIND = 0.3  # m: a beam that ends so far behind a wall has passed it
 _MOST_SAMPLES = 400  # along a beam
 _LITTLE, _CONTRADICTED = 0.5, 0.15  # shares of the beams that end on walls, and that pass walls
@@ -59,5 +59,5 @@ def share_through_walls(grid: Grid, pose: Pose2, points: NDArray[np.float64]) ->
     directions = (points / np.maximum(lengths, 1e-9)[:, None]) @ np.array(((c, s), (-s, c)))
     places = pose[:2] + directions[beam] * along[sample, None]
     passed = np.zeros(len(points), bool)
-    passed[beam[grid.values_at(places, outside=0) >= _WALL]] = True
+    passed[beam[grid.values_at(places, outside=0) >= OCCUPIED_FROM]] = True
     return float(passed.mean())

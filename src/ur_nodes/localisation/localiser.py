@@ -165,8 +165,7 @@ class ParticleLocaliser:
         fit = PlaceFit(match.agreement, share_through_walls(self._field.grid, estimate.pose, points))
         self._doubt = step_doubt(self._doubt, fit)
         if self._lost:
-            fits = fit.is_good and self._ambiguous == 0 and len(self._places) <= 1
-            self._found = self._found + 1 if fits else 0
+            self._found = self._found + 1 if fit.is_good and not self._ambiguous else 0
             self._lost = self._found < FOUND
             if self._lost and not self._search:
                 self.scatter()

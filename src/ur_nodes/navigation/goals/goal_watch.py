@@ -40,8 +40,8 @@ class GoalWatch:
     a `stamp`, the newest challenge, it is ignored when it arrives late.
     """
 
-    def __init__(self, node: Node, mux: str, settings: AttendanceSettings, localiser: str = "amcl") -> None:
-        """`mux` and `localiser` are the names of nodes. The goal is held while the robot is lost, as well."""
+    def __init__(self, node: Node, mux: str, settings: AttendanceSettings) -> None:
+        """`mux` is the name of the mux's node. The goal is held while the robot is lost, as well."""
         self._node = node
         self._settings = settings
         self._lease: Lease | None = None
@@ -55,7 +55,7 @@ class GoalWatch:
         self._publish_hold("", GoalVerdict(Act.DRIVE))
         self.link = ChallengeLink(node, mux, self._take_challenge)
         node.subscribe(f"{mux}/lease", str, self._take_lease, Quality.LATCHED)
-        node.subscribe(f"{localiser}/lost", str, self._take_lost, Quality.LATCHED)
+        node.subscribe("amcl/lost", str, self._take_lost, Quality.LATCHED)
         node.subscribe("~continue", GoalId, self._continue)
 
     def accept(self, goal_id: str) -> str:
