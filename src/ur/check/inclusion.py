@@ -48,12 +48,11 @@ class IncludeFinder:
     def find(self, view: LaunchView) -> tuple[PossibleInclude, ...]:
         """The tags of a file that may mean others, each with those."""
         found = []
-        for element, _ in walk_elements(view.tree.launch):
-            if element.name == "include":
-                files = self.files_of(element, view)
-                if files:
-                    passes = frozenset(_passed_by(element, view))
-                    found.append(PossibleInclude(element.value_span("file"), files, passes))
+        for element in list_includes(view):
+            files = self.files_of(element, view)
+            if files:
+                passes = frozenset(_passed_by(element, view))
+                found.append(PossibleInclude(element.value_span("file"), files, passes))
         return tuple(found)
 
     def files_of(self, include: Element, view: LaunchView) -> tuple[str, ...]:
@@ -72,6 +71,16 @@ class IncludeFinder:
         _, slash, name = parts[-1].rpartition("/")
         candidates = self._by_name.get(name, []) if slash else self._paths
         return [path for path in candidates if path.endswith(parts[-1]) and pattern.search(path)]
+
+
+def list_includes(view: LaunchView) -> Iterator[Element]:
+    """The `<include>` tags of a launch file."""
+    return (element for element, _ in walk_elements(view.tree.launch) if element.name == "include")
+
+
+def passes_all(include: Element) -> bool:
+    """Return whether a tag passes all arguments of its file on."""
+    return include.attributes.get("pass_all_args", "false").lower() != "false"
 
 
 def merge_includes(found: Iterable[tuple[PossibleInclude, ...]]) -> Inclusions:
@@ -93,5 +102,5 @@ def _passed_by(include: Element, view: LaunchView) -> Iterator[str]:
     for child in include.elements:
         if child.name == "arg" and child.attributes.get("name"):
             yield child.attributes["name"]
-    if include.attributes.get("pass_all_args", "false").lower() != "false":
+    if passes_all(include):
         yield from view.declared

@@ -6,9 +6,9 @@ import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+from ur.check.inclusion import list_includes
 from ur.check.rule import LaunchView, TextEdit
 from ur.check.survey import find_uses, walk_elements
-from ur.launchfile.syntax import Element
 from ur.lsp.symbols import whole_of
 from ur.lsp.workspace import Workspace
 from ur.source.diagnostic import Diagnostic, UserError
@@ -80,7 +80,9 @@ def _add_missing(found: Diagnostic, view: LaunchView) -> Iterator[Action]:
         edit = TextEdit(Span(view.tree.source, at, at), f'\n  <arg name="{name}"/>')
         yield Action(f"Declare the argument '{name}'", (edit,), found)
     if found.rule == "missing-argument" and found.subject:
-        element = next((e for e in _includes(view) if e.start <= found.span.start < max(e.end, e.tag_span.end)), None)
+        element = next(
+            (e for e in list_includes(view) if e.start <= found.span.start < max(e.end, e.tag_span.end)), None
+        )
         if element is not None:
             tag = element.tag_span
             indent = " " * (element.span.position.column - 1)
@@ -92,10 +94,6 @@ def _add_missing(found: Diagnostic, view: LaunchView) -> Iterator[Action]:
             else:
                 edit = TextEdit(Span(tag.file, tag.end, tag.end), f"\n{indent}  {passed}")
             yield Action(f"Pass the argument '{found.subject}'", (edit,), found)
-
-
-def _includes(view: LaunchView) -> Iterator[Element]:
-    return (element for element, _ in walk_elements(view.tree.launch) if element.name == "include")
 
 
 def _hide(found: Diagnostic, view: LaunchView) -> Iterator[Action]:

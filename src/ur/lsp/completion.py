@@ -45,8 +45,6 @@ def complete(workspace: Workspace, path: str, offset: int) -> list[Candidate]:
         return []
     text = view.tree.source.text
     place = find_place(text, offset)
-    if place.kind == "text" and place.inside not in ("", "rosparam"):
-        return [*_tags(place, text)]
     if place.kind in ("tag", "text"):
         return [*_tags(place, text)]
     if place.kind == "attribute" and place.tag is not None:

@@ -7,7 +7,7 @@ from contextlib import suppress
 
 from ur.check.rule import LaunchView
 from ur.launchfile.world.protocol import PackageNotFound
-from ur.lsp.names import NamedThing, expand_everywhere, find_files, find_name_at
+from ur.lsp.names import NamedThing, expand_everywhere, find_files, find_name_at, find_thing
 from ur.lsp.workspace import Workspace
 from ur.source.file import SourceFile, Span
 from ur.tools.find.arguments import find_argument
@@ -19,10 +19,10 @@ _SAME_KIND: dict[str, Kind] = {"node": "node", "param": "param", "topic": "topic
 
 def find_definitions(workspace: Workspace, path: str, offset: int) -> list[Span]:
     """The definitions of the thing at a place."""
-    view = workspace.view(path)
-    thing = find_name_at(view.tree.source, offset) if view is not None else None
-    if view is None or thing is None:
+    here = find_thing(workspace, path, offset)
+    if here is None:
         return []
+    view, thing = here
     if thing.kind == "arg":
         return [element.value_span("name") for element in view.declared.get(thing.name, ())]
     if thing.kind == "passed":
@@ -39,10 +39,10 @@ def find_definitions(workspace: Workspace, path: str, offset: int) -> list[Span]
 
 def find_references(workspace: Workspace, path: str, offset: int) -> list[Span]:
     """Every place that speaks of the thing at a place, in the whole workspace, definitions first."""
-    view = workspace.view(path)
-    thing = find_name_at(view.tree.source, offset) if view is not None else None
-    if view is None or thing is None:
+    here = find_thing(workspace, path, offset)
+    if here is None:
         return []
+    view, thing = here
     if thing.kind in ("arg", "passed"):
         files = [path] if thing.kind == "arg" else included_by(thing, view, workspace)
         found = [each for file in files for each in find_argument_in(file, thing.name, workspace)]
@@ -109,9 +109,10 @@ def _others(thing: NamedThing, view: LaunchView, workspace: Workspace) -> Iterat
 def list_programs(workspace: Workspace) -> list[SourceFile]:
     """The programs of the workspace's packages, which may start launch files with arguments."""
     session = workspace.session
-    paths = session.sources.targets.programs if session is not None else ()
-    texts = (session.sources.read_text(path) for path in paths) if session is not None else ()
-    return [text for text in texts if text is not None]
+    if session is None:
+        return []
+    paths = session.sources.targets.programs
+    return [text for path in paths if (text := session.sources.read_text(path)) is not None]
 
 
 def _file_uses(workspace: Workspace) -> Iterator[Occurrence]:

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from ur.check.rule import LaunchView
+from ur.check.worlds import has_marker
 from ur.launchfile.plan.specs import NodeSpec
 from ur.launchfile.query.topics import find_name_uses
 from ur.launchfile.query.vocabulary import DOCUMENTS, find_choices
 from ur.lsp.definitions import find_packages, find_programs, included_by
 from ur.lsp.documents import document_of, summary_of
-from ur.lsp.names import NamedThing, arguments_before, expand_everywhere, find_files, find_name_at
+from ur.lsp.names import NamedThing, arguments_before, expand_everywhere, find_files, find_thing
 from ur.lsp.workspace import Workspace
 from ur.source.file import Span
 
@@ -17,10 +18,10 @@ _MOST = 8  # cases, topics
 
 def describe_place(workspace: Workspace, path: str, offset: int) -> tuple[str, Span] | None:
     """Markdown about the thing at a place, and the text that it is about; None where there is nothing to say."""
-    view = workspace.view(path)
-    thing = find_name_at(view.tree.source, offset) if view is not None else None
-    if view is None or thing is None:
+    here = find_thing(workspace, path, offset)
+    if here is None:
         return None
+    view, thing = here
     parts = [each for each in (_describe(thing, view, workspace), _expansion(thing, view, workspace)) if each]
     return ("\n\n".join(parts), thing.span) if parts else None
 
@@ -60,7 +61,7 @@ def _describe_argument(name: str, view: LaunchView, workspace: Workspace) -> str
     values: dict[str, list[str]] = {}
     for case in workspace.cases(view):
         value = arguments_before(case, view, len(view.tree.source.text)).get(name)
-        if value is not None and "ǂ" not in value:
+        if value is not None and not has_marker(value):
             values.setdefault(value, []).append(case[0])
     lines = [f"**{name}** ({kind})", document_of(name, view)]
     return "\n\n".join(filter(None, (*lines, _list_values(values))))

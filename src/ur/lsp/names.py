@@ -67,6 +67,13 @@ def find_name_at(source: SourceFile, offset: int) -> NamedThing | None:
     return _in_substitution(source, offset, place) or _in_value(source, place)
 
 
+def find_thing(workspace: Workspace, path: str, offset: int) -> tuple[LaunchView, NamedThing] | None:
+    """A launch file and the name at an offset of it; None where there is neither."""
+    view = workspace.view(path)
+    thing = find_name_at(view.tree.source, offset) if view is not None else None
+    return (view, thing) if view is not None and thing is not None else None
+
+
 def _in_substitution(source: SourceFile, offset: int, place: CursorPlace) -> NamedThing | None:
     value = source.text[place.start : place.end]
     if value.startswith("$(eval "):

@@ -8,10 +8,8 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Iterator, Mapping, Set
 
-from ur.check.inclusion import IncludeFinder
+from ur.check.inclusion import IncludeFinder, list_includes, passes_all
 from ur.check.rule import LaunchView
-from ur.check.survey import walk_elements
-from ur.launchfile.syntax import Element
 from ur.source.file import SourceFile, Span
 from ur.tools.find.occurrences import Occurrence
 
@@ -23,8 +21,8 @@ def find_sharing_files(path: str, name: str, views: Mapping[str, LaunchView]) ->
     finder = IncludeFinder(views.values())
     links: dict[str, set[str]] = {}
     for view in views.values():
-        for element in _includes_of(view):
-            if element.attributes.get("pass_all_args", "false").lower() != "false":
+        for element in list_includes(view):
+            if passes_all(element):
                 for other in finder.files_of(element, view):
                     if name in view.declared and name in views[other].declared:
                         links.setdefault(view.path, set()).add(other)
@@ -50,7 +48,7 @@ def find_argument(
         yield from (Occurrence("arg", name, False, span) for span in view.used.get(name, ()))
         yield from _comments(view, name)
     for view in views.values():
-        for include in _includes_of(view):
+        for include in list_includes(view):
             if files.isdisjoint(finder.files_of(include, view)):
                 continue
             for child in include.elements:
@@ -61,10 +59,6 @@ def find_argument(
         if any(each in source.text for each in names):
             for match in re.finditer(rf"(?<![\w$]){re.escape(name)}(?=:=)", source.text):
                 yield Occurrence("arg", name, False, Span(source, *match.span()), "given")
-
-
-def _includes_of(view: LaunchView) -> Iterator[Element]:
-    return (element for element, _ in walk_elements(view.tree.launch) if element.name == "include")
 
 
 def _comments(view: LaunchView, name: str) -> Iterator[Occurrence]:
