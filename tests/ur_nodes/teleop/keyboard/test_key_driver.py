@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 from tests.fakes.mux import FakeMux
-from tests.ur_nodes.motion.test_cmd_vel_mux_node import LeaseDriver, MuxRobot
+from tests.ur_nodes.motion.mux_robot import LeaseDriver, MuxRobot
 from tests.ur_nodes.teleop.keyboard.rig import AHEAD, RATE, STILL, Driving
 
 from ur_nodes.client.map_saving import MapSaving

@@ -8,7 +8,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from tests.ur_nodes.motion.test_cmd_vel_mux_node import LeaseDriver, MuxRobot
+from tests.ur_nodes.motion.mux_robot import LeaseDriver, MuxRobot
 from tests.ur_nodes.teleop.keyboard.rig import AHEAD, LEFT, RATE, SETTINGS, STILL, Rig
 
 from ur_nodes.memory.bus import Bus
