@@ -39,7 +39,8 @@ class LikelihoodField:
     `distances` float32 (height + 2, width + 2), m: from a cell's centre to the nearest wall's surface, negative inside
     walls, at most `model.max_distance`, +max_distance everywhere on a map without walls. `log_hits` float32, same size:
     the logarithm of a beam's likelihood when it ends in that cell. Both have a border of one cell that represents
-    everything outside, where ends are random. Both hold only where `cover` was called. Cells of at least 65 are walls.
+    everything outside, where ends are random. Both hold only where `cover` was called,
+    or everywhere if `complete`. Cells of at least 65 are walls.
     """
 
     def __init__(self, grid: Grid, model: BeamModel, whole: int = WHOLE) -> None:
@@ -58,7 +59,7 @@ class LikelihoodField:
         if grid.values.size <= whole:
             self._work_out(0, 0, height, width)
             self._tiles[:] = True
-        self._complete = bool(self._tiles.all())
+        self.complete = bool(self._tiles.all())
 
     @property
     def free_count(self) -> int:
@@ -77,7 +78,7 @@ class LikelihoodField:
 
     def cover(self, rows: NDArray[np.integer], columns: NDArray[np.integer]) -> None:
         """Prepare the tables at cells given by their row and column (of the same shape), which lie inside."""
-        if self._complete or not rows.size:
+        if self.complete or not rows.size:
             return
         first, last = (int(rows.min()) // _ROWS, int(columns.min()) // _COLUMNS), (int(rows.max()), int(columns.max()))
         box = (slice(first[0], last[0] // _ROWS + 1), slice(first[1], last[1] // _COLUMNS + 1))

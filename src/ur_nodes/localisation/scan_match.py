@@ -112,26 +112,29 @@ def _linearise(
     c, s = np.cos(poses[:, 2, None]), np.sin(poses[:, 2, None])
     x, y = points.T
     turned_x, turned_y = c * x - s * y, s * x + c * y
-    ends = np.stack((turned_x + poses[:, 0, None], turned_y + poses[:, 1, None]), axis=-1)
-    cells = grid.fractions_of_points(ends) + 0.5  # 0.5: the border, less half a cell to its centre
-    values, down, right = _interpolate(field, cells)
+    rows, columns = grid.fractions_at(turned_x + poses[:, 0, None], turned_y + poses[:, 1, None])
+    # 0.5: the border, less half a cell to its centre.
+    values, down, right = _interpolate(field, rows + 0.5, columns + 0.5)
     down, right = down / grid.resolution, right / grid.resolution
     if grid.origin.yaw:
         co, so = math.cos(grid.origin.yaw), math.sin(grid.origin.yaw)
         down, right = so * right + co * down, co * right - so * down
-    return values, np.stack((right, down, down * turned_x - right * turned_y), axis=1)
+    slopes = np.empty((len(values), 3, values.shape[1]))
+    slopes[:, 0], slopes[:, 1], slopes[:, 2] = right, down, down * turned_x - right * turned_y
+    return values, slopes
 
 
 def _interpolate(
-    field: LikelihoodField, cells: NDArray[np.float64]
+    field: LikelihoodField, rows: NDArray[np.float64], columns: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
-    """Distances (...) between those of cells' centres at cells (..., 2), and their slopes per row and per column."""
+    """Distances (...) between those of cells' centres at rows and columns (...), and their slopes down and right."""
     height, width = field.distances.shape
-    row = np.clip(cells[..., 0], 0.0, height - 1.001)
-    column = np.clip(cells[..., 1], 0.0, width - 1.001)
+    row = np.clip(rows, 0.0, height - 1.001)
+    column = np.clip(columns, 0.0, width - 1.001)
     top, left = row.astype(np.intp), column.astype(np.intp)
     fr, fc = row - top, column - left
-    field.cover(np.stack((top, top + 1)), np.stack((left, left + 1)))
+    if not field.complete:
+        field.cover(np.stack((top, top + 1)), np.stack((left, left + 1)))
     index = top * width + left
     flat = field.distances.ravel()
     a, b = flat.take(index).astype(np.float64), flat.take(index + 1)

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import heapq
 import itertools
+import math
 import sys
+from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import partial
@@ -98,6 +100,7 @@ class Carrier:
         self.hosts: dict[str, str] = {}  # of the nodes that run on other computers
         self._delay = delay or (lambda _topic: 0)
         self._events: list[tuple[int, int, Callable[[], None]]] = []
+        self._due: deque[Callable[[], None]] = deque()  # for the present, after what _events has for it
         self._numbers = itertools.count()
 
     def load_parameters(self, namespace: str, values: dict[str, object]) -> None:
@@ -111,7 +114,7 @@ class Carrier:
     def run(self, seconds: float) -> None:
         """Let so much time pass."""
         end = self.now + round(seconds * 1e9)
-        while self._events and self._events[0][0] <= end:
+        while self._next_time() <= end:
             self._take_event()
         self.now = end
 
@@ -119,7 +122,7 @@ class Carrier:
         """Let time pass until a condition is true after an event, at most so long. Return whether it is."""
         end = self.now + round(seconds * 1e9)
         while not condition():
-            if not self._events or self._events[0][0] > end:
+            if self._next_time() > end:
                 self.now = end
                 return condition()
             self._take_event()
@@ -138,7 +141,10 @@ class Carrier:
 
     def at(self, time: int, call: Callable[[], None]) -> None:
         """Call at a time (ns), after all that is due at that time already. From any thread."""
-        heapq.heappush(self._events, (max(time, self.now), next(self._numbers), call))
+        if time <= self.now:
+            self._due.append(call)
+        else:
+            heapq.heappush(self._events, (time, next(self._numbers), call))
 
     def offer(self, topic: str, offer: Offer) -> None:
         """Begin to send on a topic."""
@@ -202,10 +208,21 @@ class Carrier:
             if listener.open and listener.waiting:
                 listener.deliver(*listener.waiting.pop(0))
 
-        self.at(self.now + delay, arrive)
+        if delay:
+            self.at(self.now + delay, arrive)
+        else:
+            arrive()
+
+    def _next_time(self) -> float:
+        if self._due:
+            return self.now
+        return self._events[0][0] if self._events else math.inf
 
     def _take_event(self) -> None:
-        self.now, _, call = heapq.heappop(self._events)
+        if self._due and (not self._events or self._events[0][0] > self.now):
+            call = self._due.popleft()
+        else:
+            self.now, _, call = heapq.heappop(self._events)
         call()
 
 
