@@ -331,22 +331,28 @@ def imports_of(path: Path) -> set[str]:
     return found
 
 
-@pytest.mark.parametrize("module", MODULES)
-def test_module_imports_only_from_layers_below(module: str) -> None:
-    own = layer_of(module)
-    allowed = (own, *MAY_IMPORT[own])
-    for name in imports_of(MODULES[module]):
-        if name.split(".")[0] in ("ur", "ur_nodes") and name not in ("ur", "ur_nodes"):
-            below = any(name == layer or name.startswith(layer + ".") for layer in allowed)
-            parent = any(layer.startswith(name + ".") for layer in allowed)
-            assert below or parent, f"{module} imports {name}, expected only {', '.join(allowed)}"
+def test_modules_import_only_from_layers_below() -> None:
+    wrong = []
+    for module, path in MODULES.items():
+        own = layer_of(module)
+        allowed = (own, *MAY_IMPORT[own])
+        for name in imports_of(path):
+            if name.split(".")[0] in ("ur", "ur_nodes") and name not in ("ur", "ur_nodes"):
+                below = any(name == layer or name.startswith(layer + ".") for layer in allowed)
+                parent = any(layer.startswith(name + ".") for layer in allowed)
+                if not (below or parent):
+                    wrong.append(f"{module} imports {name}, expected only {', '.join(allowed)}")
+    assert not wrong, "\n".join(wrong)
 
 
-@pytest.mark.parametrize("module", MODULES)
-def test_only_the_backends_import_ros(module: str) -> None:
-    if not any(module == each or module.startswith(each + ".") for each in BACKENDS):
-        used = {name.split(".")[0] for name in imports_of(MODULES[module])} & ROS
-        assert not used, f"{module} imports {', '.join(used)}, expected ROS only in {', '.join(BACKENDS)}"
+def test_only_the_backends_import_ros() -> None:
+    wrong = [
+        f"{module} imports {', '.join(sorted(used))}, expected ROS only in {', '.join(BACKENDS)}"
+        for module, path in MODULES.items()
+        if not any(module == each or module.startswith(each + ".") for each in BACKENDS)
+        and (used := {name.split(".")[0] for name in imports_of(path)} & ROS)
+    ]
+    assert not wrong, "\n".join(wrong)
 
 
 def test_every_module_that_is_imported_exists() -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import heapq
 import itertools
+import math
 import queue
 import sys
 import threading
@@ -15,7 +16,6 @@ from typing import TypeVar
 
 Item = TypeVar("Item")
 
-_POLL = 0.005  # s: simulated time cannot be waited for
 _LONGEST_WAIT = 1.0  # s
 _ROUNDING = 1e-3  # s: a sum may be greater than its parts
 
@@ -35,11 +35,10 @@ class Beat:
 
 
 class Beats:
-    """Beats in the order in which they are due by `read` (s). See `Loop` for `steady`."""
+    """Beats in the order in which they are due by `read` (s)."""
 
-    def __init__(self, read: Callable[[], float], *, steady: bool) -> None:
+    def __init__(self, read: Callable[[], float]) -> None:
         self._read = read
-        self._steady = steady
         self._beats: list[tuple[float, int, Beat]] = []
         self._numbers = itertools.count()
 
@@ -48,12 +47,9 @@ class Beats:
         heapq.heappush(self._beats, (self._read() + beat.period, next(self._numbers), beat))
         return beat
 
-    def wait(self) -> float:
-        """The longest time (s) until a beat may be due."""
-        if not self._beats:
-            return _LONGEST_WAIT
-        left = self._beats[0][0] - self._read()
-        return min(left, _LONGEST_WAIT if self._steady else _POLL)
+    def due(self) -> float:
+        """The time of the next beat; infinite: there is none."""
+        return self._beats[0][0] if self._beats else math.inf
 
     def take(self) -> Callable[[], None] | None:
         """The call of the beat that is due; None: there is none."""
@@ -79,14 +75,18 @@ class Beats:
 class Loop:
     """Runs calls in the order in which they were posted, and beats when they are due by `read` (s).
 
-    `steady`: `read` passes at the rate of real time, so that the wait for a beat can be slept.
+    `steady`: `read` passes at the rate of real time, so that the wait for a beat can be slept. Otherwise `passed` is to
+    be called when the time of `read` is another one.
     """
 
     def __init__(self, read: Callable[[], float], *, steady: bool) -> None:
         self._calls: queue.SimpleQueue[Callable[[], None]] = queue.SimpleQueue()
-        self._beats = Beats(read, steady=steady)
-        self._steady_beats = self._beats if steady else Beats(time.monotonic, steady=True)
+        self._read = read
+        self._beats = Beats(read)
+        self._steady_beats = self._beats if steady else Beats(time.monotonic)
         self._all_beats = (self._beats,) if steady else (self._beats, self._steady_beats)
+        self._awaited = math.inf  # the time by `read` of the beat that `passed` has to wake the thread for
+        self._passed = -math.inf  # the newest time that `passed` has read
         self._thread: threading.Thread | None = None
         self._closing = False  # the last call is on its way
         self._ended = False
@@ -100,6 +100,14 @@ class Loop:
     def post(self, call: Callable[[], None]) -> None:
         """Have a call made. May come from any thread; after the end it does nothing."""
         self._calls.put(call)
+
+    def passed(self) -> None:
+        """Take note that the time is another one, later or set back. From the one thread that sets it."""
+        now = self._read()
+        if self._awaited <= now or now < self._passed:
+            self._awaited = math.inf
+            self.post(_look)
+        self._passed = now
 
     def ask(self, call: Callable[[], None], within: float = 1.0) -> None:
         """As `post`, and wait until the call is made, at most `within` s. After the end it is made here."""
@@ -175,12 +183,24 @@ class Loop:
             for beats in self._all_beats:
                 if (beat := beats.take()) is not None:
                     beat()
-            wait = min(beats.wait() for beats in self._all_beats)
+            wait = self._wait()
             try:
                 call = self._calls.get(timeout=wait) if wait > 0.0 else self._calls.get_nowait()
             except queue.Empty:
                 continue
             call()
+
+    def _wait(self) -> float:
+        """The longest time (s) to wait for a call."""
+        if self._beats is not self._steady_beats:
+            self._awaited = self._beats.due()  # before time is read: else `passed` could come between the two
+            if self._awaited <= self._read():
+                return 0.0
+        return min(self._steady_beats.due() - time.monotonic(), _LONGEST_WAIT)
+
+
+def _look() -> None:
+    """Do nothing: beats are looked at after each call."""
 
 
 class Worker:

@@ -3,6 +3,7 @@ from typing import Any
 
 import genpy
 from rclpy.callback_groups import CallbackGroup
+from rclpy.clock import JumpHandle, JumpThreshold, TimeJump
 from rclpy.event_handler import PublisherEventCallbacks
 from rclpy.parameter import Parameter
 from rclpy.qos import QoSProfile
@@ -23,6 +24,9 @@ class Time:
 
 class Clock:
     def now(self) -> Time: ...
+    def create_jump_callback(
+        self, threshold: JumpThreshold, *, post_callback: Callable[[TimeJump], None] | None = ...
+    ) -> JumpHandle: ...
 
 class Publisher:
     def publish(self, msg: genpy.Message | bytes) -> None: ...

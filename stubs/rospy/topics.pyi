@@ -31,6 +31,7 @@ class _PublisherImpl(_TopicImpl):
 class _SubscriberImpl(_TopicImpl):
     closed: bool
     c_lock: threading.RLock
+    def add_callback(self, cb: Callable[[Any, Any], object], cb_args: object) -> None: ...
     def has_connection(self, endpoint_id: str) -> bool: ...
 
 class Publisher(Topic):

@@ -11,9 +11,9 @@ CORPUS = Path(__file__).parent / "corpus"
 GROUPS = sorted(path.name for path in CORPUS.iterdir() if any(path.glob("*.launch")))
 SHIPPED = sorted(
     path
+    for package in Path("/usr/share").glob("*/package.xml")
     for pattern in ("*.launch", "*.launch.xml", "*.test")
-    for path in Path("/usr/share").rglob(pattern)
-    if any((parent / "package.xml").exists() for parent in path.parents)
+    for path in package.parent.rglob(pattern)
 )
 
 

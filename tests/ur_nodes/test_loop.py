@@ -22,7 +22,7 @@ def take_all(beats: Beats) -> int:
 
 def test_beat_repeats_without_drift_and_leaves_out_what_is_late() -> None:
     clock, got = ManualClock(), list[float]()
-    beats = Beats(clock, steady=False)
+    beats = Beats(clock)
     beats.add(Beat(0.1, lambda: got.append(clock.now)))
     for _ in range(10):
         clock.now += 0.05
@@ -34,7 +34,7 @@ def test_beat_repeats_without_drift_and_leaves_out_what_is_late() -> None:
 
 def test_new_beat_does_not_put_off_one_that_is_due_soon() -> None:
     clock, slow = ManualClock(), list[float]()
-    beats = Beats(clock, steady=False)
+    beats = Beats(clock)
     beats.add(Beat(1.0, lambda: slow.append(clock.now)))
     for _ in range(210):
         beats.add(Beat(0.007, lambda: None, once=True))
@@ -46,7 +46,7 @@ def test_new_beat_does_not_put_off_one_that_is_due_soon() -> None:
 
 def test_beats_go_on_after_time_was_set_back() -> None:
     clock, got = ManualClock(), list[float]()
-    beats = Beats(clock, steady=False)
+    beats = Beats(clock)
     beats.add(Beat(0.1, lambda: got.append(clock.now)))
     clock.now = 1000.0
     take_all(beats)
@@ -60,7 +60,7 @@ def test_beats_go_on_after_time_was_set_back() -> None:
 
 def test_cancelled_beat_is_not_called() -> None:
     clock, got = ManualClock(), list[float]()
-    beats = Beats(clock, steady=False)
+    beats = Beats(clock)
     beat = beats.add(Beat(0.1, lambda: got.append(clock.now)))
     beat.cancel()
     clock.now += 1.0
@@ -75,6 +75,32 @@ def test_what_is_asked_of_a_loop_is_done_before_and_after_its_end() -> None:
     loop.end(lambda: done.append("last"), 60.0)
     loop.ask(lambda: done.append("afterwards"), 60.0)
     assert done == ["while it runs", "last", "afterwards"]
+
+
+def test_beat_of_simulated_time_is_called_when_the_clock_arrives() -> None:
+    clock, got = ManualClock(0.0), list[float]()
+    called = threading.Semaphore(0)
+    loop = Loop(clock, steady=False)
+
+    def take() -> None:
+        got.append(clock.now)
+        called.release()
+
+    loop.every(0.1, take)
+    loop.start()
+    for now in (0.05, 0.11, 0.15, 0.21):
+        clock.now = now
+        loop.passed()
+        if now in (0.11, 0.21):
+            assert called.acquire(timeout=60.0)
+    clock.now = 0.01  # the simulator was started anew
+    loop.passed()
+    loop.ask(lambda: None, 60.0)
+    clock.now = 0.12
+    loop.passed()
+    assert called.acquire(timeout=60.0)
+    loop.end(lambda: None, 60.0)
+    assert got == [0.11, 0.21, 0.12]
 
 
 def test_last_call_is_made_when_an_exception_has_ended_the_thread(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -26,6 +26,7 @@ from ur_nodes.ports.raw import Raw
 from ur_nodes.ports.transforms import Transforms
 from ur_nodes.ports.values import ClockTime, Result
 from ur_nodes.ros1.facts import RosFacts, RosLog, RosParameters
+from ur_nodes.ros1.repairs.own_clock import follow_clock
 from ur_nodes.ros1.repairs.sent import DELAY, wait_until_sent
 from ur_nodes.ros1.services import call_service, serve_service
 from ur_nodes.ros1.topics import RosClock, RosPublisher, RosSubscription, sender_of
@@ -47,6 +48,8 @@ class RosNode(LoopNode):
         simulated = self.facts.simulated_time
         super().__init__(Loop(rospy.get_time if simulated else time.monotonic, steady=not simulated), RosLog())
         self._transforms: Transforms | None = None
+        if simulated:
+            follow_clock(self._loop.passed)
         rospy.on_shutdown(lambda: self.finish(_leave))
 
     def begin(self, on_failure: Callable[[], None] = lambda: None) -> None:

@@ -1,4 +1,4 @@
-"""Facts and log of a node of ROS 2."""
+"""Facts, log and simulated time of a node of ROS 2."""
 
 from __future__ import annotations
 
@@ -10,10 +10,11 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-if TYPE_CHECKING:
-    from rclpy.node import Logger
-
 from ur_nodes.ports.log import Throttle
+
+if TYPE_CHECKING:
+    from rclpy.clock import JumpHandle
+    from rclpy.node import Clock, Logger
 
 
 class FileFacts:
@@ -76,3 +77,12 @@ class RosLog:
         """See Log."""
         if self._throttle.lets(text, every):
             self._logger.error(text)
+
+
+def follow_clock(clock: Clock, call: Callable[[], None]) -> JumpHandle:
+    """Have a call made, on the thread that spins, when a clock has a new time; while the result is kept."""
+    from rclpy.clock import JumpThreshold
+    from rclpy.duration import Duration
+
+    every = JumpThreshold(min_forward=Duration(nanoseconds=1), min_backward=Duration(nanoseconds=-1))
+    return clock.create_jump_callback(every, post_callback=lambda _jump: call())

@@ -25,7 +25,7 @@ from ur_nodes.ports.raw import Raw
 from ur_nodes.ports.services import READING
 from ur_nodes.ports.transforms import Transforms
 from ur_nodes.ports.values import Result
-from ur_nodes.ros2.facts import FileFacts, RosLog
+from ur_nodes.ros2.facts import FileFacts, RosLog, follow_clock
 from ur_nodes.ros2.names import resolve, type_name_of
 from ur_nodes.ros2.navigation.lifecycle import answer_for_managed_nodes
 from ur_nodes.ros2.parameters import RosParameters
@@ -66,6 +66,7 @@ class RosNode(LoopNode):
         self._services = ReentrantCallbackGroup()  # a request that is answered later holds up no other
         self._clients: dict[tuple[str, type], rclpy.node.Client] = {}
         self._actions: NavigationActions | None = None
+        self._following = follow_clock(self._clock, loop.passed) if self._simulated else None
         answer_for_managed_nodes(self._node)
 
     def begin(self, on_failure: Callable[[], None] = lambda: None) -> None:

@@ -21,9 +21,9 @@ from ur.tools.format.run import format_file
 LAUNCHFILE = Path(__file__).parents[2] / "launchfile"
 SHIPPED = sorted(
     path
+    for package in Path("/usr/share").glob("*/package.xml")
     for pattern in ("*.launch", "*.launch.xml", "*.test")
-    for path in Path("/usr/share").rglob(pattern)
-    if any((parent / "package.xml").exists() for parent in path.parents)
+    for path in package.parent.rglob(pattern)
 )
 
 

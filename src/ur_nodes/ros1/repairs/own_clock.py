@@ -1,4 +1,7 @@
-"""The time of the node that publishes /clock: rospy would send it each stamp through a connection to itself."""
+"""The simulated time of rospy: when it is another, and that of the node that publishes /clock itself.
+
+rospy would send that node each stamp through a connection to itself.
+"""
 
 from __future__ import annotations
 
@@ -14,8 +17,18 @@ def keep_own_clock() -> Callable[[genpy.Time], None]:
 
     Where rospy does not go by /clock, the function does nothing.
     """
-    subscriber = getattr(rospy.impl.simtime, "_clock_sub", None)
+    subscriber = _subscriber()
     if subscriber is None:
         return lambda _time: None
     subscriber.unregister()
     return rospy.rostime._set_rostime  # noqa: SLF001 - as the subscription did
+
+
+def follow_clock(call: Callable[[], None]) -> None:
+    """Have a call made after each message of /clock, where rospy goes by it, on the thread that receives them."""
+    if (subscriber := _subscriber()) is not None:
+        subscriber.impl.add_callback(lambda _message, _arguments: call(), ())
+
+
+def _subscriber() -> rospy.Subscriber | None:
+    return getattr(rospy.impl.simtime, "_clock_sub", None)
