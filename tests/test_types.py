@@ -8,7 +8,7 @@ import tokenize
 from pathlib import Path
 
 SOURCE = Path(__file__).parents[1] / "src"
-MOST = 291
+MOST = 200
 """The number of lines today. Lower it with each change that removes some."""
 
 

@@ -13,10 +13,12 @@ if [[ ${1-} == base ]]; then
   "$python" tools/make_base_pictures.py
 fi
 ./ur package --write ubiquity_launches
+[[ ! -d .ros2/share ]] || "$python" tools/make_message_stubs.py # needs messages of both versions of ROS
 for each in known_nodes wire_numbers layers_table base_page matrix verbs_page trust_table; do
   "$python" "tools/make_$each.py"
 done
 "$python" tools/make_rule_pages.py
 ./ur docs ubiquity_launches
 "$python" tools/list_messages.py --update >/dev/null
+UR_UPDATE_GOLDEN=1 "$python" -m pytest -q tests/check/test_wording.py tests/check/test_golden.py tests/launchfile/test_golden.py
 git status --short

@@ -18,6 +18,8 @@ from importlib import import_module
 from pathlib import Path
 from typing import Literal
 
+from ur_nodes.codecs.genpy.fiducials import message_classes
+
 ROOT = Path(__file__).parents[1]
 STUBS = ROOT / "stubs"
 ROS_2 = ROOT / ".ros2/share"
@@ -65,6 +67,9 @@ def find_imports(root: Path = ROOT) -> dict[tuple[str, Part], set[str]]:
 def read_ros_1(package: str, name: str, part: Part) -> list[str] | None:
     """The definition of a message, or of a service's request and response, in Debian's module. None: it has none."""
     try:
+        if package == "fiducial_msgs":  # made by the codec where it is not installed
+            array, element = message_classes(name if name.endswith("Array") else f"{name}Array")
+            return [(array if name.endswith("Array") else element)._full_text.partition("\n====")[0]]  # noqa: SLF001 - genpy's name
         found = getattr(import_module(f"{package}.{part}"), name)
     except (ImportError, AttributeError):
         return None

@@ -1,11 +1,11 @@
-"""Rules by id, collected from the modules of `rules/`; nothing has to be listed twice."""
+"""Rules by id, collected from the modules below `rules/`; nothing has to be listed twice."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
 from functools import cache
 from importlib import import_module
-from pkgutil import iter_modules
+from pkgutil import walk_packages
 
 from ur.check import rules
 from ur.check.rule import Rule, RuleGroup
@@ -16,8 +16,8 @@ from ur.source.suggest import did_you_mean
 @cache
 def load_rules() -> dict[str, Rule]:
     """All rules, sorted by id."""
-    modules = (import_module(f"{rules.__name__}.{info.name}") for info in iter_modules(rules.__path__))
-    found: list[Rule] = [rule for module in modules for rule in module.RULES]
+    modules = (each.name for each in walk_packages(rules.__path__, f"{rules.__name__}.") if not each.ispkg)
+    found: list[Rule] = [rule for name in modules for rule in import_module(name).RULES]
     return {rule.id: rule for rule in sorted(found, key=lambda rule: rule.id)}
 
 

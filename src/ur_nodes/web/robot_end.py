@@ -26,7 +26,7 @@ from ur_nodes.web.view_end import ShownRobot, ViewerSession
 class LineOutlet(Protocol):
     """Sends JSON to the server without letting the node wait."""
 
-    def send_line(self, value: Mapping[str, Any]) -> None:
+    def send_line(self, value: Mapping[str, object]) -> None:
         """Send a line of JSON."""
 
 
@@ -50,7 +50,7 @@ class RobotSession:
         layers, plots = message.get("layers", []), message.get("plots", [])
         self._views.look(int(message.get("viewers", 0)), layers, plots, message.get("camera", ""))
 
-    def take_drive(self, message: dict[str, Any]) -> None:
+    def take_drive(self, message: dict[str, object]) -> None:
         """Take what a page that may drive does."""
         page, drives = str(message.get("page", "")), self._drives
         match message.get("do"):
@@ -66,7 +66,7 @@ class RobotSession:
             case _:
                 drives.take(page, str(message.get("m", "")))
 
-    def _reply(self, page: str, answer: Mapping[str, Any]) -> None:
+    def _reply(self, page: str, answer: Mapping[str, object]) -> None:
         self._outlet.send_line({"page": page, "m": answer})
 
     def _take_challenge(self, challenge: Stamp) -> None:

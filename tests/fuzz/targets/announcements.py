@@ -36,7 +36,7 @@ def _read_packet(data: bytes, _: Path) -> None:
     for record in records:
         cache.async_add_records([record])
     browser = Browser(known=("bob",))
-    stack = SimpleNamespace(cache=cache)
+    stack: Any = SimpleNamespace(cache=cache)
     for name in {getattr(record, "alias", "") for record in records} | {record.name for record in records}:
         if name.endswith(SERVICE_TYPE):
             browser._notice(stack, SERVICE_TYPE, name, ServiceStateChange.Added)

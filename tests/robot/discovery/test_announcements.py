@@ -141,6 +141,8 @@ def test_broken_record_hides_nothing() -> None:
         def __init__(self) -> None:
             self.cache = cache
 
+    network: Any = NetworkOfAnnouncements()
+
     names = [
         announce("evil", b"\x09\xff\xfe=\xff\xff\xff\xff\xff\x40short"),
         announce("worse", b"\x0cname=bob\xff\xfe\xfd\xfc"),
@@ -150,10 +152,10 @@ def test_broken_record_hides_nothing() -> None:
     changes: list[Any] = []
     browser = Browser(lambda: changes.append(1))
     for name in names:
-        browser._notice(NetworkOfAnnouncements(), kind, name, zeroconf.ServiceStateChange.Added)
+        browser._notice(network, kind, name, zeroconf.ServiceStateChange.Added)
     assert [one.name for one in browser.sightings if one.base] == ["bob"]
     assert browser.left_out[0] >= 1
-    browser._notice(NetworkOfAnnouncements(), kind, names[3], zeroconf.ServiceStateChange.Removed)
+    browser._notice(network, kind, names[3], zeroconf.ServiceStateChange.Removed)
     assert "bob" not in [one.name for one in browser.sightings]
 
 

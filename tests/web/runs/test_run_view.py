@@ -24,7 +24,8 @@ def show(*events: RunEvent) -> dict[str, Any]:
     view = begin_view(ENTRY)
     for event in events:
         view = take_event(view, event)
-    (run,) = describe_runs([view], ())["runs"]
+    shown: Any = describe_runs([view], ())
+    (run,) = shown["runs"]
     return dict(run)
 
 
@@ -56,6 +57,7 @@ def test_run_tells_why_it_ends_and_whether_its_robot_is_lost() -> None:
 
 def test_latest_ended_runs_come_first() -> None:
     ended = [EndedRun(ENTRY, float(at), 1, "failed", ("line",)) for at in range(MOST_ENDED + 2)]
-    found = describe_runs([], ended)["ended"]
+    shown: Any = describe_runs([], ended)
+    found = shown["ended"]
     assert [each["ended"] for each in found] == [6.0, 5.0, 4.0, 3.0, 2.0]
     assert (found[0]["cause"], found[0]["lines"]) == ("failed", ["line"])

@@ -210,7 +210,7 @@ def _ask(question: str, *, yes: bool) -> None:
 
 
 def _run_on_robot(robot: str, words: Sequence[str], flags: Sequence[tuple[str, bool]]) -> int:
-    from ur.cli.robots.build import run_attached
+    from ur.cli.workspace.build import run_attached
     from ur.request.remote.connection import connect_robot, robot_address
     from ur.robot.boot.units import LIBRARIES
     from ur.robot.ssh.shell import quote

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any
 
 from ur.request.programs import Program, find_launch_file
 from ur.source.diagnostic import UserError
@@ -11,7 +10,7 @@ from ur.source.diagnostic import UserError
 
 def describe_programs(
     programs: Sequence[Program], environment: Mapping[str, str], lack: Callable[[Program], str]
-) -> list[dict[str, Any]]:
+) -> list[dict[str, object]]:
     """Describe programs as objects for `ur list --json`.
 
     `name` is what `ur run` takes, `launch_file` its path or "" for a program that reads its arguments itself, `lack`
@@ -22,12 +21,12 @@ def describe_programs(
     return [_describe(program, names.count(program.name) > 1, environment, lack(program)) for program in programs]
 
 
-def _describe(program: Program, ambiguous: bool, environment: Mapping[str, str], lack: str) -> dict[str, Any]:
+def _describe(program: Program, ambiguous: bool, environment: Mapping[str, str], lack: str) -> dict[str, object]:
     from ur.request.program_arguments import read_program_arguments
 
     path = find_launch_file(program)
     problem = ""
-    arguments: list[dict[str, Any]] = []
+    arguments: list[dict[str, object]] = []
     try:
         for each in read_program_arguments(path, environment) if path is not None else ():
             values = _list_values(each.name, each.default, environment)

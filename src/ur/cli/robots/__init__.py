@@ -1,1 +1,1 @@
-"""Commands on robots: selection, shells, files, wireless link and boot services."""
+"""Commands on robots: selection, shells, devices, wireless link and boot services."""

@@ -99,7 +99,7 @@ REMOTE = (
     ),
     Verb(
         "sync",
-        "ur.cli.robots.sync",
+        "ur.cli.workspace.sync",
         "Synchronise the workspaces of this computer and robots.",
         _SECTION,
         arguments=("robot", "files", "..."),
@@ -120,7 +120,7 @@ REMOTE = (
     ),
     Verb(
         "build",
-        "ur.cli.robots.build",
+        "ur.cli.workspace.build",
         "Build the catkin workspace here or on robots.",
         _SECTION,
         arguments=("robot", "..."),
@@ -139,7 +139,7 @@ REMOTE = (
     ),
     Verb(
         "mount",
-        "ur.cli.robots.mount",
+        "ur.cli.workspace.mount",
         "Mount a folder of a robot here.",
         _SECTION,
         arguments=("robot",),
@@ -152,7 +152,7 @@ REMOTE = (
     ),
     Verb(
         "unmount",
-        "ur.cli.robots.unmount",
+        "ur.cli.workspace.unmount",
         "Unmount the folders of a robot.",
         _SECTION,
         arguments=("robot",),

@@ -9,7 +9,10 @@ from collections.abc import Callable, Collection, Mapping, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import suppress
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from zeroconf import ServiceInfo, ServiceStateChange, Zeroconf
 
 SERVICE_TYPE = "_ubiquity-robot._tcp.local."
 MOST_ADDRESSES = 16
@@ -105,7 +108,7 @@ class Browser:
         self._crowd = Crowd(known)
         self._sought = sorted(filter(_NAME.fullmatch, known))[:MOST_SOUGHT]
         self._lookups: list[Future[bool]] = []
-        self._zeroconf: Any = None
+        self._zeroconf: Zeroconf  # while the block is entered
         self._pool: ThreadPoolExecutor | None = None
 
     def __enter__(self) -> Browser:
@@ -145,7 +148,7 @@ class Browser:
             return ""
         return next(iter(resolver.parsed_addresses()), "")
 
-    def _notice(self, zeroconf: Any, service_type: str, name: str, state_change: Any) -> None:
+    def _notice(self, zeroconf: Zeroconf, service_type: str, name: str, state_change: ServiceStateChange) -> None:
         from zeroconf import ServiceInfo, ServiceStateChange
 
         if state_change is ServiceStateChange.Removed:
@@ -165,7 +168,7 @@ class Browser:
             with suppress(RuntimeError):  # it is being closed
                 self._pool.submit(self._resolve, zeroconf, name, info)
 
-    def _resolve(self, zeroconf: Any, name: str, info: Any) -> None:
+    def _resolve(self, zeroconf: Zeroconf, name: str, info: ServiceInfo) -> None:
         # A host that announces itself and does not answer costs one of a few threads for this long.
         if info.request(zeroconf, RESOLVE_SECONDS * 1000):
             self._take(name, info)
@@ -178,7 +181,9 @@ class Browser:
 
         info = ServiceInfo(SERVICE_TYPE, name)
         answer = info.async_request(self._zeroconf, RESOLVE_SECONDS * 1000)
-        lookup = asyncio.run_coroutine_threadsafe(answer, self._zeroconf.loop)
+        loop = self._zeroconf.loop
+        assert loop is not None, "it runs"
+        lookup = asyncio.run_coroutine_threadsafe(answer, loop)
 
         def finish(done: Future[bool]) -> None:
             if not done.cancelled() and done.exception() is None and done.result():
@@ -187,7 +192,7 @@ class Browser:
         lookup.add_done_callback(finish)
         self._lookups.append(lookup)
 
-    def _take(self, name: str, info: Any) -> None:
+    def _take(self, name: str, info: ServiceInfo) -> None:
         found: Announcement | None = None
         with suppress(Exception):  # whatever the library makes of what anybody may send
             found = parse_sighting(info.server or "", info.parsed_addresses(), read_texts(info.properties))

@@ -6,7 +6,7 @@ import os
 import time
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Literal
 
 from ur.run.master.client import Master, parse_master_uri
 from ur.run.master.xml_rpc import CallRefused, Unanswered
@@ -56,7 +56,7 @@ def read_lease(master_uri: str) -> RobotLease:
 
 def parse_lease(text: object) -> RobotLease:
     """Read a lease that another computer has sent. Raises ValueError for anything else."""
-    fields = read_json(text, dict[str, Any], _MAX_LENGTH)
+    fields = read_json(text, dict[str, object], _MAX_LENGTH)
     if "state" not in fields:
         raise ValueError("state: expected one of free, held, lost")
     found = convert_json({name: value for name, value in fields.items() if value is not None}, RobotLease)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
-from typing import Any
 
 from ur.run.clients.protocol import (
     LinkChanged,
@@ -85,7 +84,7 @@ def take_event(view: RunView, event: RunEvent) -> RunView:
     return view
 
 
-def describe_runs(views: Sequence[RunView], ended: Sequence[EndedRun]) -> dict[str, Any]:
+def describe_runs(views: Sequence[RunView], ended: Sequence[EndedRun]) -> dict[str, object]:
     """The runs that a page shows: active ones, oldest first, and those that have ended, latest first."""
     return {
         "t": "runs",
@@ -94,7 +93,7 @@ def describe_runs(views: Sequence[RunView], ended: Sequence[EndedRun]) -> dict[s
     }
 
 
-def _describe_run(view: RunView) -> dict[str, Any]:
+def _describe_run(view: RunView) -> dict[str, object]:
     entry = view.entry
     return {
         "run": entry.run,
@@ -109,7 +108,7 @@ def _describe_run(view: RunView) -> dict[str, Any]:
     }
 
 
-def _describe_node(node: ShownNode) -> dict[str, Any]:
+def _describe_node(node: ShownNode) -> dict[str, object]:
     hidden = ("log", "program", "folder")  # paths of this computer: of no use in a browser
     fields = {name: value for name, value in asdict(node.changed).items() if name not in hidden}
     restart_in = None if node.changed.restart_in is None else round(node.changed.restart_in)
@@ -117,7 +116,7 @@ def _describe_node(node: ShownNode) -> dict[str, Any]:
     return {**fields, "restart_in": restart_in, **measured}
 
 
-def _describe_ended(run: EndedRun) -> dict[str, Any]:
+def _describe_ended(run: EndedRun) -> dict[str, object]:
     return {
         "run": run.entry.run,
         "title": run.entry.title,

@@ -6,7 +6,6 @@ import asyncio
 import os
 from collections import deque
 from collections.abc import Callable, Mapping
-from typing import Any
 
 from ur.run.clients.client import RunClient, RunUnreachable, connect_run
 from ur.run.clients.protocol import (
@@ -23,7 +22,7 @@ from ur.run.clients.protocol import (
     find_severity,
 )
 from ur.run.record.computer import read_computer
-from ur.run.record.ended import list_ended
+from ur.run.record.ended import EndedRun, list_ended
 from ur.run.record.entry import RunEntry
 from ur.run.record.registry import list_runs
 from ur.web.runs.log_lines import LogLines, read_lines
@@ -58,7 +57,7 @@ class RunWatcher:
         self._watched: dict[str, _Watched] = {}
         self._holders = 0
         self._task: asyncio.Task[None] | None = None
-        self._ended: tuple[Any, ...] = ()
+        self._ended: tuple[EndedRun, ...] = ()
 
     def hold(self) -> None:
         """Another page shows runs."""
@@ -80,7 +79,7 @@ class RunWatcher:
         for run in list(self._watched):
             self._drop(run)
 
-    def describe(self) -> dict[str, Any]:
+    def describe(self) -> dict[str, object]:
         """The state of all runs for a page."""
         return describe_runs(
             sorted((each.view for each in self._watched.values()), key=lambda view: view.entry.started), self._ended

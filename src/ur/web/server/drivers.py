@@ -40,7 +40,7 @@ class DriverPage(Protocol):
     def challenge(self, text: str) -> None:
         """Take a challenge, in place of an older one."""
 
-    def answer(self, value: Mapping[str, Any]) -> None:
+    def answer(self, value: Mapping[str, object]) -> None:
         """Take an answer of the robot's end."""
 
 
@@ -58,7 +58,7 @@ class DrivingPage:
         self._challenge = text
         self._due.set()
 
-    def answer(self, value: Mapping[str, Any]) -> None:
+    def answer(self, value: Mapping[str, object]) -> None:
         """Have an answer sent; of more than a hundred that wait, the oldest are dropped."""
         self._answers = [*self._answers[-99:], json.dumps(value)]
         self._due.set()
@@ -80,10 +80,10 @@ class DrivingPage:
 class DrivingPages:
     """All pages that may drive, by client id. `send` passes a message on to the robot's end."""
 
-    def __init__(self, send: Callable[[Mapping[str, Any]], None]) -> None:
+    def __init__(self, send: Callable[[Mapping[str, object]], None]) -> None:
         self._send = send
         self._drivers: dict[str, DriverPage] = {}
-        self._arrivals: dict[str, dict[str, Any]] = {}
+        self._arrivals: dict[str, dict[str, object]] = {}
         self._numbers: dict[str, int] = {}  # of the pages of a browser, by client id
 
     async def add(self, driver: DriverPage, name: str, computer: str, *, once: bool = False) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Awaitable, Callable
-from typing import Any
+from typing import TypeVar
 
 from aiohttp import web
 
@@ -54,7 +54,10 @@ class MapPages:
         self._log(f"{request.remote} ({request[SESSION][1].name}): {what}")
 
 
-async def answer_command(work: Awaitable[Any]) -> Any:
+Result = TypeVar("Result")
+
+
+async def answer_command(work: Awaitable[Result]) -> Result:
     """The result of a command of `ur`. Raises HTTPConflict with its error."""
     try:
         return await work

@@ -9,7 +9,6 @@ import math
 import time
 from collections.abc import Callable, Mapping
 from contextlib import suppress
-from typing import Any
 
 from aiohttp import WSCloseCode, WSMsgType, web
 
@@ -52,7 +51,7 @@ class _Viewer:
         self.socket, self._oldest = socket, oldest
         self.due = asyncio.Event()
         self.due.set()
-        self.answers: list[dict[str, Any]] = []
+        self.answers: list[dict[str, object]] = []
         self.beats: dict[int, float] = {}
         self._numbers = itertools.count(1)
         self._cursors: dict[str, int] = {}
@@ -89,12 +88,12 @@ class _Viewer:
                 with suppress(asyncio.TimeoutError):
                     await asyncio.wait_for(self.due.wait(), max(0.0, beaten + BEAT - time.monotonic()))
 
-    def _beat(self, now: float) -> dict[str, Any]:
+    def _beat(self, now: float) -> dict[str, object]:
         number = next(self._numbers)
         self.beats = {each: at for each, at in self.beats.items() if now - at < self._oldest} | {number: now}
         return {"t": "beat", "n": number}
 
-    def _take_lines(self, watcher: RunWatcher) -> list[dict[str, Any]]:
+    def _take_lines(self, watcher: RunWatcher) -> list[dict[str, object]]:
         messages = []
         logs = watcher.lines()
         self._cursors = {run: self._cursors.get(run, 0) for run in logs}
@@ -109,7 +108,7 @@ class _Viewer:
                 self.due.set()
         return messages
 
-    async def _send(self, message: Mapping[str, Any]) -> None:
+    async def _send(self, message: Mapping[str, object]) -> None:
         await self.socket.send_str(json.dumps(message))
 
 

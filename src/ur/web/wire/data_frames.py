@@ -10,7 +10,6 @@ import json
 import struct
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
 
 _HEAD = struct.Struct("<IB")
 
@@ -33,7 +32,7 @@ def pack_frame(page: int, key: str, body: bytes) -> bytes:
     return _HEAD.pack(page, len(name)) + name + body
 
 
-def pack_json(page: int, key: str, value: Mapping[str, Any]) -> bytes:
+def pack_json(page: int, key: str, value: Mapping[str, object]) -> bytes:
     """The bytes of a frame with a JSON object, which holds finite numbers only. Raises ValueError."""
     return pack_frame(page, key, json.dumps(value, separators=(",", ":"), allow_nan=False).encode())
 

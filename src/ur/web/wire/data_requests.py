@@ -8,7 +8,7 @@ newest beat of the server that the page has received: a request that waited in a
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Annotated, Any
+from typing import Annotated
 
 from msgspec import Meta
 
@@ -120,7 +120,7 @@ CHANGES = (Publish, Call, SetParameter)
 
 class _NumberOf(ForeignValue, frozen=True):
     id: Count
-    n: Any = None
+    n: object = None
 
 
 class _ChangeHead(ForeignValue, frozen=True):
@@ -151,7 +151,7 @@ def read_data_request(text: object) -> DataEnvelope:
 def find_number(text: object) -> int:
     """The number of a request that is malformed, so that its page learns why; 0 where it has none."""
     try:
-        number: int = convert_json(read_json(text, dict[str, Any], LONGEST).get("id"), Count)
+        number: int = convert_json(read_json(text, dict[str, object], LONGEST).get("id"), Count)
     except BadJsonError:
         return 0
     return number

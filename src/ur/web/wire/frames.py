@@ -13,7 +13,6 @@ import zlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from enum import IntEnum
-from typing import Any
 
 from ur.web.wire.layers import Layer as Layer
 
@@ -99,7 +98,7 @@ def key_of(frame: bytes) -> Key:
     return kind, layer, x, y
 
 
-def json_frame(kind: Kind, value: Mapping[str, Any], layer: Layer = Layer.NONE) -> bytes:
+def json_frame(kind: Kind, value: Mapping[str, object], layer: Layer = Layer.NONE) -> bytes:
     """A frame of a JSON object."""
     return _KEY.pack(kind, layer, 0, 0) + json.dumps(value, separators=(",", ":"), ensure_ascii=False).encode()
 

@@ -31,8 +31,8 @@ class PageRequest(PrintableValue, frozen=True, forbid_unknown_fields=False, tag_
 _HEAD: tuple[str, ...] = ("n", "id")
 
 
-def read_numbered(text: object, kind: object, longest: int) -> tuple[Any, dict[str, Any]]:
+def read_numbered(text: object, kind: object, longest: int) -> tuple[Any, dict[str, object]]:
     """The request of a type that a text is, and its fields `n` and `id` as given. Raises BadRequestError."""
-    value = read_json(text, dict[str, Any], longest)
+    value = read_json(text, dict[str, object], longest)
     head = {name: value.pop(name) for name in _HEAD if name in value}
     return convert_json(value, kind), head

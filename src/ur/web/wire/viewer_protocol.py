@@ -108,7 +108,7 @@ def read_message(data: object) -> Message | None:
         if len(data) < _PUBLISHED.size or data[0] != _MESSAGE_DATA:
             return None
         return Publication(_PUBLISHED.unpack_from(data)[1], data[_PUBLISHED.size :])
-    value = read_json(data, dict[str, Any], LONGEST)
+    value = read_json(data, dict[str, object], LONGEST)
     operation = value.get("op")
     kind = _KINDS.get(operation) if isinstance(operation, str) else None
     if kind is None:
@@ -121,7 +121,7 @@ def read_message(data: object) -> Message | None:
     return SubscriptionMessage(write_json(found)) if isinstance(found, _Subscribe | _Unsubscribe) else found
 
 
-def read_request_of(topic: str, data: bytes) -> dict[str, Any]:
+def read_request_of(topic: str, data: bytes) -> dict[str, object]:
     """The request of a page that a message on a topic of SCHEMAS is, but for the challenge that the client proves.
 
     Raises BadRequestError: it is malformed, or not in the map frame.

@@ -8,9 +8,20 @@ from __future__ import annotations
 
 import functools
 import importlib
-from typing import Any
+from typing import TYPE_CHECKING, Literal, overload
 
+import genpy
 from genpy.dynamic import generate_dynamic
+
+if TYPE_CHECKING:
+    from fiducial_msgs.msg import (
+        Fiducial,
+        FiducialArray,
+        FiducialMapEntry,
+        FiducialMapEntryArray,
+        FiducialTransform,
+        FiducialTransformArray,
+    )  # fmt: skip
 
 _PACKAGE = "fiducial_msgs"
 _HEADER = "std_msgs/Header"
@@ -38,9 +49,25 @@ _NEEDS = {
 }
 
 
-@functools.cache
-def message_classes(array: str) -> tuple[Any, Any]:
+@overload
+def message_classes(array: Literal["FiducialArray"]) -> tuple[type[FiducialArray], type[Fiducial]]: ...
+@overload
+def message_classes(
+    array: Literal["FiducialTransformArray"],
+) -> tuple[type[FiducialTransformArray], type[FiducialTransform]]: ...
+@overload
+def message_classes(
+    array: Literal["FiducialMapEntryArray"],
+) -> tuple[type[FiducialMapEntryArray], type[FiducialMapEntry]]: ...
+@overload
+def message_classes(array: str) -> tuple[type[genpy.Message], type[genpy.Message]]: ...
+def message_classes(array: str) -> tuple[type[genpy.Message], type[genpy.Message]]:
     """The class of an array message ("FiducialArray", ...) and that of its elements."""
+    return _find_classes(array)
+
+
+@functools.cache
+def _find_classes(array: str) -> tuple[type[genpy.Message], type[genpy.Message]]:
     element = array.removesuffix("Array")
     try:
         installed = importlib.import_module(f"{_PACKAGE}.msg")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -20,19 +20,22 @@ from ur_nodes.ports.fiducials import (
     SeenFiducials,
 )
 
+if TYPE_CHECKING:
+    from fiducial_msgs.msg import FiducialArray, FiducialMapEntryArray, FiducialTransformArray
+
 _SEEN, _CORNERS = message_classes("FiducialArray")
 _PLACED, _POSE = message_classes("FiducialTransformArray")
 _MAP, _ENTRY = message_classes("FiducialMapEntryArray")
 _NAMES = tuple(f"{axis}{corner}" for corner in range(4) for axis in "xy")
 
 
-def _fill_seen(message: Any, value: SeenFiducials) -> None:
+def _fill_seen(message: FiducialArray, value: SeenFiducials) -> None:
     fill_header(message, value.stamp, value.frame)
     message.image_seq = value.picture
     message.fiducials = [_CORNERS(each.number, 0, *each.corners.ravel().tolist()) for each in value.fiducials]
 
 
-def _seen_of(message: Any) -> SeenFiducials:
+def _seen_of(message: FiducialArray) -> SeenFiducials:
     return SeenFiducials(
         stamp_of(message.header.stamp),
         frame_of(message),
@@ -44,7 +47,7 @@ def _seen_of(message: Any) -> SeenFiducials:
     )
 
 
-def _fill_placed(message: Any, value: PlacedFiducials) -> None:
+def _fill_placed(message: FiducialTransformArray, value: PlacedFiducials) -> None:
     fill_header(message, value.stamp, value.frame)
     message.image_seq = value.picture
     message.transforms = [
@@ -53,7 +56,7 @@ def _fill_placed(message: Any, value: PlacedFiducials) -> None:
     ]
 
 
-def _placed_of(message: Any) -> PlacedFiducials:
+def _placed_of(message: FiducialTransformArray) -> PlacedFiducials:
     return PlacedFiducials(
         stamp_of(message.header.stamp),
         frame_of(message),
@@ -71,11 +74,11 @@ def _placed_of(message: Any) -> PlacedFiducials:
     )
 
 
-def _fill_map(message: Any, value: MappedFiducials) -> None:
+def _fill_map(message: FiducialMapEntryArray, value: MappedFiducials) -> None:
     message.fiducials = [_ENTRY(each.number, *each.place, *map(math.degrees, each.angles)) for each in value.fiducials]
 
 
-def _map_of(message: Any) -> MappedFiducials:
+def _map_of(message: FiducialMapEntryArray) -> MappedFiducials:
     return MappedFiducials(
         tuple(
             MappedFiducial(

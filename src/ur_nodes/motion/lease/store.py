@@ -9,7 +9,6 @@ from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 from ur.source.foreign.json_values import BadJsonError, read_json
 from ur.source.replace import PRIVATE, replace_file, sync_folder
@@ -30,7 +29,7 @@ class LeaseStore:
         """Return the lease and whether it is of this run of the master; None where there is none or it is damaged."""
         try:
             with self.path.open("rb") as file:
-                value = read_json(file.read(_LONGEST), dict[str, Any])
+                value = read_json(file.read(_LONGEST), dict[str, object])
         except (OSError, BadJsonError):
             return None, True
         return read_lease(value.get("lease")), value.get("run") == self.run

@@ -18,6 +18,7 @@ from ur_nodes.client.waypoints import WaypointStore
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.teleop.map_view.widget import MapView
 from ur_nodes.teleop.navigate import commands as c
+from ur_nodes.teleop.navigate.arguments import bad_command_error, error_line
 from ur_nodes.teleop.navigate.command_line import CommandLine
 from ur_nodes.teleop.navigate.message_text import REQUESTED, describe_stop
 from ur_nodes.teleop.navigate.panel import Panel, list_places
@@ -95,7 +96,7 @@ class NavigateApp(NavigateView):
             elif command is not None:
                 self._do(command)
         except UserError as problem:
-            self._say(c.error_line(problem), "bold red")
+            self._say(error_line(problem), "bold red")
 
     async def action_quit(self) -> None:
         """End the program by Ctrl-C, as `q` does."""
@@ -162,7 +163,7 @@ class NavigateApp(NavigateView):
             self._say(f"pose set to {format_place(place)}")
         elif isinstance(command, c.StoreMap):
             if self._saving is None:
-                raise c.bad_command_error(c.NO_MAPPING)
+                raise bad_command_error(c.NO_MAPPING)
             self._saving.ask()
         elif isinstance(command, c.Relocalise):
             self._require_to_drive()
@@ -200,7 +201,7 @@ class NavigateApp(NavigateView):
     def _require_to_drive(self) -> None:
         """Raise UserError where another client drives."""
         if reason := reason_not_to_drive(self._navigator.snapshot()):
-            raise c.bad_command_error(f"not done: {reason}")
+            raise bad_command_error(f"not done: {reason}")
 
     def _ask_mux(self, request: MuxRequest) -> None:
         if request == "stop":
@@ -219,7 +220,7 @@ class NavigateApp(NavigateView):
         else:
             pose = self._navigator.snapshot().pose
             if pose is None:
-                raise c.bad_command_error("the robot's pose is not known yet, expected a localised robot")
+                raise bad_command_error("the robot's pose is not known yet, expected a localised robot")
             fresh = store.remember(command.name, pose)
             self._say(f"waypoint '{command.name}' {'saved at' if fresh else 'moved to'} {format_place(pose)}")
         self._reload_places()
@@ -227,10 +228,10 @@ class NavigateApp(NavigateView):
 
     def _store(self) -> WaypointStore:
         if self._snapshot.grid is None:
-            raise c.bad_command_error("no map yet, expected one on topic map; waypoints belong to a map")
+            raise bad_command_error("no map yet, expected one on topic map; waypoints belong to a map")
         store = self._store_for(self._snapshot)
         if store is None:
-            raise c.bad_command_error("the map has no name yet, expected one as soon as it is saved; try again")
+            raise bad_command_error("the map has no name yet, expected one as soon as it is saved; try again")
         return store
 
     def _send(self, place: Pose2, *, any_heading: bool) -> None:
@@ -240,7 +241,7 @@ class NavigateApp(NavigateView):
         try:
             self._sent = self._navigator.go(place, any_heading=any_heading)
         except UserError as problem:
-            self._say(f"not sent: {c.error_line(problem)}", "bold red")
+            self._say(f"not sent: {error_line(problem)}", "bold red")
         self._look()
 
     def _switch_theme(self) -> None:

@@ -13,37 +13,14 @@ from ur_nodes.client.patrol_text import PatrolRoute
 from ur_nodes.client.snapshot import LastGoalState, NavigationClient, RobotSnapshot, format_place
 from ur_nodes.client.waypoints import WaypointStore
 from ur_nodes.geometry.pose import Pose2
+from ur_nodes.teleop.navigate import commands as c
+from ur_nodes.teleop.navigate.arguments import bad_command_error, error_line
 from ur_nodes.teleop.navigate.batch_text import (
     BatchTimeouts,
     describe_change,
     goal_change,
     reason_to_give_up,
     result_line,
-)
-from ur_nodes.teleop.navigate.commands import (
-    NO_MAPPING,
-    USAGE,
-    AskLease,
-    AskMux,
-    CancelGoal,
-    Command,
-    ContinueGoal,
-    DrivePatrol,
-    Follow,
-    Forget,
-    Go,
-    GoToWaypoint,
-    Help,
-    ListPlaces,
-    Quit,
-    Relocalise,
-    Remember,
-    SetPose,
-    StoreMap,
-    SwitchTheme,
-    bad_command_error,
-    error_line,
-    parse_command,
 )
 from ur_nodes.teleop.navigate.status_text import reason_not_to_drive, silence_line
 from ur_nodes.teleop.navigate.target import route_of, target_of
@@ -53,10 +30,6 @@ _PATROL_DONE = {"start": "started", "pause": "paused", "resume": "goes on", "end
 _CANCEL_WAIT = 1.0  # s: for the confirmation that a goal is cancelled
 
 Write = Callable[[str], None]
-_AtOnce = (
-    Remember | Forget | ListPlaces | CancelGoal | ContinueGoal | SetPose | Relocalise | Follow | SwitchTheme | Help
-)
-_Awaited = Go | GoToWaypoint | DrivePatrol | AskLease | AskMux | StoreMap  # these wait for other computers or programs
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,7 +40,7 @@ class BatchContext:
     err: Write
     clock: Callable[[], float]
     sleep: Callable[[float], bool]
-    urgent: Callable[[], Command | None] | None = None
+    urgent: Callable[[], c.Command | None] | None = None
     """Return a command that was typed meanwhile and must not wait; None without a user to type one."""
     saving: MapSaving | None = None
     """Saves the map that is being made; None where none is being made."""
@@ -97,8 +70,8 @@ def run_batch(
     for line in lines:
         text = line.strip()
         try:
-            command = parse_command(text)
-            if isinstance(command, Quit):
+            command = c.parse_command(text)
+            if isinstance(command, c.Quit):
                 break
             if command is not None and not batch.run(command, text):
                 code = 1
@@ -116,18 +89,18 @@ class _Batch:
     ) -> None:
         self._navigator, self._store, self._limits, self._around = navigator, store, limits, around
 
-    def run(self, command: _AtOnce | _Awaited, text: str) -> bool:
+    def run(self, command: c.AtOnce | c.Awaited, text: str) -> bool:
         """Run a command and return whether it succeeded. Raises UserError."""
         match command:
-            case Go() | GoToWaypoint():
+            case c.Go() | c.GoToWaypoint():
                 return self._drive(command, text)
-            case AskLease():
+            case c.AskLease():
                 return self._ask_lease(command.request, text)
-            case DrivePatrol():
+            case c.DrivePatrol():
                 return self._ask_patrol(command, text)
-            case AskMux():
+            case c.AskMux():
                 return self._ask_mux(command.request, text)
-            case StoreMap():
+            case c.StoreMap():
                 return self._save_map(text)
             case _:
                 self._around.out(self._do_at_once(command, text))
@@ -141,7 +114,7 @@ class _Batch:
         """Have the map that is being made saved. Raises UserError: none is being made."""
         saving = self._around.saving
         if saving is None:
-            raise bad_command_error(NO_MAPPING)
+            raise bad_command_error(c.NO_MAPPING)
         before = saving.count
         saving.ask()
         while saving.count == before:
@@ -162,7 +135,7 @@ class _Batch:
         self._around.out(f"{text}: {mux.problem or late or done}")
         return not (mux.problem or late)
 
-    def _ask_patrol(self, command: DrivePatrol, text: str) -> bool:
+    def _ask_patrol(self, command: c.DrivePatrol, text: str) -> bool:
         """Send a request to the patrol of the robot and return whether it was accepted; it goes on by itself."""
         route = route_of(command, self._store) if command.names else PatrolRoute()
         deadline = self._around.clock() + _ANSWER_WAIT
@@ -191,36 +164,36 @@ class _Batch:
         self._around.out(f"{text}: {'handed over' if request == 'grant' else 'drives now'}")
         return True
 
-    def _do_at_once(self, command: _AtOnce, text: str) -> str:
+    def _do_at_once(self, command: c.AtOnce, text: str) -> str:
         """Run a command that ends at once and return its result line. Raises UserError."""
         match command:
-            case Remember():
+            case c.Remember():
                 pose = self._navigator.snapshot().pose
                 assert pose is not None, "waited for before the first line"
                 fresh = self._store.remember(command.name, pose)
                 return f"{text}: {'saved at' if fresh else 'moved to'} {format_place(pose)}"
-            case Forget():
+            case c.Forget():
                 self._store.forget(command.name)
                 return f"{text}: deleted"
-            case ListPlaces():
+            case c.ListPlaces():
                 places = (f"{name}: {format_place(place)}" for name, place in self._store.places().items())
                 return "\n".join(places) or f"{text}: no waypoints yet"
-            case CancelGoal():
+            case c.CancelGoal():
                 self._navigator.stop()
                 return f"{text}: stopped"
-            case ContinueGoal():
+            case c.ContinueGoal():
                 raise bad_command_error("no goal to continue; commands run one at a time")
-            case SetPose() | Relocalise():
+            case c.SetPose() | c.Relocalise():
                 return self._localise(command, text)
-            case Follow() | SwitchTheme():
+            case c.Follow() | c.SwitchTheme():
                 raise bad_command_error("there is no map to show, expected a terminal for this command")
-            case Help():
-                return "\n".join(f"{usage:<14} {meaning}" for usage, meaning in USAGE.values())
+            case c.Help():
+                return "\n".join(f"{usage:<14} {meaning}" for usage, meaning in c.USAGE.values())
 
-    def _localise(self, command: SetPose | Relocalise, text: str) -> str:
+    def _localise(self, command: c.SetPose | c.Relocalise, text: str) -> str:
         if reason := reason_not_to_drive(self._navigator.snapshot()):
             raise bad_command_error(f"not done: {reason}")
-        if isinstance(command, SetPose):
+        if isinstance(command, c.SetPose):
             self._navigator.set_pose(Pose2(command.x, command.y, command.yaw))
             return f"{text}: pose set"
         self._navigator.relocalise()
@@ -228,7 +201,7 @@ class _Batch:
 
     # -- goals -----------------------------------------------------------------------------------------------------
 
-    def _drive(self, command: Go | GoToWaypoint, text: str) -> bool:
+    def _drive(self, command: c.Go | c.GoToWaypoint, text: str) -> bool:
         """Send a goal and wait for its end; return whether it was reached."""
         navigator, around = self._navigator, self._around
         place, any_heading = target_of(command, navigator.snapshot(), self._store)
@@ -270,11 +243,11 @@ class _Batch:
             self._sleep(0.05)
         return reason_not_to_drive(snapshot)
 
-    def _run_urgent(self, command: Command) -> None:
+    def _run_urgent(self, command: c.Command) -> None:
         """Run a command that was typed while a goal is driven."""
-        if isinstance(command, AskMux):
+        if isinstance(command, c.AskMux):
             self._ask_mux(command.request, "emergency" if command.request == "stop" else "release")
-        elif isinstance(command, ContinueGoal):
+        elif isinstance(command, c.ContinueGoal):
             self._navigator.resume()
         else:
             self._navigator.stop()

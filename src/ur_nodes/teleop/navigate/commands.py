@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 import math
-import shlex
 from dataclasses import dataclass
 from typing import cast
 
-from ur.source.diagnostic import UserError, error
 from ur.source.printable import printable
 from ur.source.suggest import did_you_mean
 from ur_nodes.client.driver_text import DriverRequest
 from ur_nodes.client.mux import MuxRequest
 from ur_nodes.client.patrol_text import LONGEST_WAIT, MOST_PLACES, PatrolAction
-from ur_nodes.client.waypoints import WAYPOINT_NAME
+from ur_nodes.teleop.navigate.arguments import bad_command_error, check_count, check_name, read_number, split_line
 
 
 @dataclass(frozen=True, slots=True)
@@ -124,25 +122,11 @@ class Quit:
     """End the program."""
 
 
-Command = (
-    Go
-    | GoToWaypoint
-    | DrivePatrol
-    | Remember
-    | Forget
-    | SetPose
-    | ListPlaces
-    | CancelGoal
-    | ContinueGoal
-    | AskLease
-    | AskMux
-    | Relocalise
-    | StoreMap
-    | Help
-    | Follow
-    | SwitchTheme
-    | Quit
-)
+AtOnce = Remember | Forget | ListPlaces | CancelGoal | ContinueGoal | SetPose | Relocalise | Follow | SwitchTheme | Help
+Awaited = Go | GoToWaypoint | DrivePatrol | AskLease | AskMux | StoreMap
+"""Commands that wait for other computers or programs."""
+
+Command = AtOnce | Awaited | Quit
 
 USAGE: dict[str, tuple[str, str]] = {
     # command: how it is written, what it does
@@ -200,7 +184,7 @@ _LEAST_TYPO = 4  # letters: shorter ones are near to everything
 
 def parse_command(line: str) -> Command | None:
     """The command of a line; None for a blank one or a `#` comment. Raises UserError: the value, what was expected."""
-    first, *given = _split(line) or [""]
+    first, *given = split_line(line) or [""]
     if not first:
         return None
     word = _ALIASES.get(first.lower(), first)
@@ -212,15 +196,15 @@ def parse_command(line: str) -> Command | None:
             f"unknown command {printable(first)!r}, expected g X Y, m NAME, s, e, ...", "? lists all"
         )
     if word in _PLAIN:
-        _check_count(word, given, 0, 0)
+        check_count(word, _ALL_USAGE[word][0], given, 0, 0)
         return _PLAIN[word]
     if word == "g":
-        _check_count(word, given, 2, 3)
-        x, y, *angle = (_number(word, text) for text in given)
+        check_count(word, _ALL_USAGE[word][0], given, 2, 3)
+        x, y, *angle = (read_number(text, _ALL_USAGE[word][0]) for text in given)
         return Go(x, y, math.radians(angle[0]) if angle else None)
     if word == "i":
-        _check_count(word, given, 3, 3)
-        x, y, degrees = (_number(word, text) for text in given)
+        check_count(word, _ALL_USAGE[word][0], given, 3, 3)
+        x, y, degrees = (read_number(text, _ALL_USAGE[word][0]) for text in given)
         return SetPose(x, y, math.radians(degrees))
     if word == "patrol":
         return _parse_patrol(given)
@@ -229,21 +213,13 @@ def parse_command(line: str) -> Command | None:
         raise bad_command_error(
             f"unexpected {printable(given[1])!r}, expected: {_ALL_USAGE[word][0]}", f'{word} "{printable(name)}"'
         )
-    _check_count(word, given, 1, 1)
-    name = _check_name(given[0])
+    check_count(word, _ALL_USAGE[word][0], given, 1, 1)
+    name = check_name(given[0])
     return _NAMED[word](name)
 
 
-def _split(line: str) -> list[str]:
-    """Return the words of a line without its comment; quotes hold a name with blanks together."""
-    try:
-        return shlex.split(line, comments=True)
-    except ValueError:
-        raise bad_command_error(f"{printable(line)!r} has an opening quote without a closing one") from None
-
-
 def _parse_patrol(given: list[str]) -> DrivePatrol:
-    _check_count("patrol", given, 1, MOST_PLACES + 2)
+    check_count("patrol", _ALL_USAGE["patrol"][0], given, 1, MOST_PLACES + 2)
     if given in (["pause"], ["resume"], ["end"]):
         return DrivePatrol(cast("PatrolAction", given[0]))
     loop, wait, names = False, 1.0, list(given)
@@ -252,47 +228,8 @@ def _parse_patrol(given: list[str]) -> DrivePatrol:
         if option == "loop":
             loop = True
         else:
-            wait = _number("patrol", option.removeprefix("wait="))
+            wait = read_number(option.removeprefix("wait="), _ALL_USAGE["patrol"][0])
     if not 0.0 <= wait <= LONGEST_WAIT:
         raise bad_command_error(f"wait={wait:g}: expected seconds from 0 to {LONGEST_WAIT:g}")
-    _check_count("patrol", names, 1, MOST_PLACES)
-    return DrivePatrol("start", tuple(_check_name(name) for name in names), loop, wait)
-
-
-def error_line(problem: UserError) -> str:
-    """A UserError in one line, its help included."""
-    return "; ".join(d.message + (f" ({d.help})" if d.help else "") for d in problem.diagnostics)
-
-
-def _check_count(word: str, given: list[str], least: int, most: int) -> None:
-    if len(given) < least:
-        raise bad_command_error(f"{word!r} {_count(given)}, expected: {_ALL_USAGE[word][0]}")
-    if len(given) > most:
-        raise bad_command_error(f"unexpected {printable(given[most])!r}, expected: {_ALL_USAGE[word][0]}")
-
-
-def _count(given: list[str]) -> str:
-    return f"needs more than {printable(' '.join(given))!r}" if given else "needs arguments"
-
-
-def _number(word: str, text: str) -> float:
-    try:
-        value = float(text)
-    except ValueError:
-        value = math.nan
-    if not math.isfinite(value) or abs(value) > 1e6:
-        raise bad_command_error(f"{printable(text)!r} is not a number, expected: {_ALL_USAGE[word][0]}")
-    return value
-
-
-def _check_name(name: str) -> str:
-    if not WAYPOINT_NAME.match(name):
-        raise bad_command_error(
-            f"{printable(name)!r} is not a valid name, expected at most 40 letters, digits, blanks, '_', '-' and '.'"
-        )
-    return name
-
-
-def bad_command_error(message: str, help: str | None = None) -> UserError:
-    """A UserError about what was typed."""
-    return UserError(error(message, rule="bad-command", help=help))
+    check_count("patrol", _ALL_USAGE["patrol"][0], names, 1, MOST_PLACES)
+    return DrivePatrol("start", tuple(check_name(name) for name in names), loop, wait)

@@ -23,7 +23,7 @@ from ur_nodes.client.waypoints import WaypointStore
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.teleop.map_view.palette import MapPalette, choose_palette
 from ur_nodes.teleop.map_view.widget import MapView
-from ur_nodes.teleop.navigate import commands as c
+from ur_nodes.teleop.navigate.arguments import error_line
 from ur_nodes.teleop.navigate.command_line import CommandLine
 from ur_nodes.teleop.navigate.message_text import announce_goal, visible_state
 from ur_nodes.teleop.navigate.status_text import (
@@ -198,7 +198,7 @@ class NavigateView(FullScreenApp[None]):
             if (store := self._store_for(self._snapshot)) is not None:
                 self._places = store.places()
         except UserError as problem:
-            self._say(c.error_line(problem), "bold red")
+            self._say(error_line(problem), "bold red")
 
     def _check_size(self) -> None:
         """Notice a new size without SIGWINCH: roslaunch's nodes have no controlling terminal."""

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import Any
 
 from ur.source.printable import printable
 
-Fields = Mapping[str, Any]
+Fields = Mapping[str, object]
 Answer = Callable[[Fields], None]
 """Passes an answer on, once."""
 

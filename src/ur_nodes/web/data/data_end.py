@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 from ur.web.wire.data_frames import ALL, pack_json
 from ur.web.wire.data_requests import Show, read_data_request
 from ur.web.wire.reading import BadRequestError
@@ -36,9 +34,9 @@ class DataSession:
         send(pack_json(ALL, "hello", {"t": "hello"}))
         node.every(_TICK, self._step, steady=True)
 
-    def take(self, message: dict[str, Any]) -> None:
+    def take(self, message: dict[str, object]) -> None:
         """Take what a page sent: its number, and a request as text; "" after it has left."""
-        page, text = int(message["page"]), str(message["m"])
+        page, text = int(str(message["page"])), str(message["m"])
         if not text:
             self._shows.pop(page, None)
             return

@@ -5,7 +5,6 @@ from __future__ import annotations
 import io
 from collections.abc import Iterable, Sequence
 from functools import partial
-from typing import Any
 
 from ur.web.wire.frames import LONGEST, camera_frame
 from ur.web.wire.layers import is_camera_topic
@@ -54,7 +53,7 @@ class CameraView:
         """Take the names and types of all topics."""
         self._topics, self._stale = topics, True
 
-    def describe(self) -> dict[str, Any]:
+    def describe(self) -> dict[str, object]:
         """The topic that is shown, and those that can be chosen: none while no page shows the camera."""
         return {"topic": self._topic, "topics": list(self._cameras)}
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import TypeVar
 
 import numpy as np
 
@@ -19,14 +19,16 @@ from ur_nodes.ports.values import Markers, Odometry, PoseEstimate, Range
 _MOST_MARKS = 500
 _MOST_FRONTIERS, _MOST_CELLS = 200, 60  # of a frontier, evenly
 
+Value = TypeVar("Value")
+
 Place = Callable[[str], "Pose2 | None"]
 """Gives the pose of a frame in the map frame; None: it is not known."""
 
 
-def _describe_sonars(found: Mapping[str, Range], place: Place) -> dict[str, Any]:
+def _describe_sonars(found: Mapping[str, object], place: Place) -> dict[str, object]:
     """Cones in the map frame: x, y (m), yaw, range (m), field of view (rad), 1 for an echo."""
     cones = []
-    for sonar in found.values():
+    for sonar in _only(found, Range).values():
         mount = place(sonar.frame)
         if mount is None or not math.isfinite(sonar.range_max):
             continue
@@ -36,9 +38,9 @@ def _describe_sonars(found: Mapping[str, Range], place: Place) -> dict[str, Any]
     return {"cones": cones}
 
 
-def _describe_covariance(found: Mapping[str, PoseEstimate], place: Place) -> dict[str, Any]:
+def _describe_covariance(found: Mapping[str, object], place: Place) -> dict[str, object]:
     """The newest pose of the localiser with its spread: x, y (m), xx, xy, yy (m^2)."""
-    for estimate in found.values():
+    for estimate in _only(found, PoseEstimate).values():
         frame = place(estimate.frame)
         if frame is not None:
             own = frame.compose(estimate.pose)
@@ -51,21 +53,22 @@ def _describe_covariance(found: Mapping[str, PoseEstimate], place: Place) -> dic
     return {}
 
 
-def _describe_fiducials(found: Mapping[str, MappedFiducials], _place: Place) -> dict[str, Any]:
+def _describe_fiducials(found: Mapping[str, object], _place: Place) -> dict[str, object]:
     """Fiducials of the map: id, x, y (m)."""
     marks = [
         [each.number, *_round(*each.place[:2])]
-        for fiducials in found.values()
+        for fiducials in _only(found, MappedFiducials).values()
         for each in fiducials.fiducials[:_MOST_MARKS]
         if all(map(math.isfinite, each.place[:2]))
     ]
     return {"marks": marks}
 
 
-def _describe_robots(found: Mapping[str, PoseEstimate | Odometry], place: Place) -> dict[str, Any]:
+def _describe_robots(found: Mapping[str, object], place: Place) -> dict[str, object]:
     """Other robots by name: x, y (m), yaw. A localiser's pose counts before the one that a simulator knows."""
+    shown = _only(found, PoseEstimate) | _only(found, Odometry)
     robots: dict[str, list[float]] = {}
-    for name, value in sorted(found.items(), key=lambda item: item[0], reverse=True):  # amcl_pose comes last
+    for name, value in sorted(shown.items(), key=lambda item: item[0], reverse=True):  # amcl_pose comes last
         frame = place(value.frame)
         if frame is None:
             continue
@@ -75,10 +78,10 @@ def _describe_robots(found: Mapping[str, PoseEstimate | Odometry], place: Place)
     return {"robots": robots}
 
 
-def _describe_frontiers(found: Mapping[str, Markers], place: Place) -> dict[str, Any]:
+def _describe_frontiers(found: Mapping[str, object], place: Place) -> dict[str, object]:
     """Frontiers of an exploration: 1 for one that was given up, then x, y, x, y, ... (m)."""
     frontiers = []
-    for shown in found.values():
+    for shown in _only(found, Markers).values():
         frame = place(shown.frame)
         if frame is None:
             continue
@@ -88,6 +91,10 @@ def _describe_frontiers(found: Mapping[str, Markers], place: Place) -> dict[str,
                 blocked = marker.colour[0] > marker.colour[2]
                 frontiers.append([int(blocked), *(round(each, 2) for each in points.ravel().tolist())])
     return {"frontiers": frontiers}
+
+
+def _only(found: Mapping[str, object], kind: type[Value]) -> dict[str, Value]:
+    return {name: value for name, value in found.items() if isinstance(value, kind)}
 
 
 def _round(*numbers: float) -> list[float]:
@@ -106,7 +113,7 @@ class Overlay:
     """
 
     kinds: Kinds
-    describe: Callable[[Mapping[str, Any], Place], dict[str, Any]]
+    describe: Callable[[Mapping[str, object], Place], dict[str, object]]
     topic: str = ""
     belongs: Callable[[list[str], str], bool] = lambda _parts, _type: True
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Any
 
 from ur.web.wire.map_requests import ForgetPlace, NamePlace
 from ur_nodes.client.waypoints import PlaceSettings, choose_file, read_settings
@@ -38,7 +37,7 @@ class PlaceFile:
         self._grid = grid
         self._find_file()
 
-    def describe(self) -> dict[str, Any]:
+    def describe(self) -> dict[str, object]:
         """Describe the places for a page."""
         return self._places.describe()
 
@@ -46,15 +45,15 @@ class PlaceFile:
         """Return a place; None: there is none of that name."""
         return self._places.places.get(name)
 
-    def change(self, request: NamePlace | ForgetPlace, done: Callable[[Mapping[str, Any]], None]) -> None:
+    def change(self, request: NamePlace | ForgetPlace, done: Callable[[Mapping[str, object]], None]) -> None:
         """Change the file as a page asks; `done` is called with the answer for it, once the change is shown."""
         path, before = self._path, self._places
 
-        def carry_out() -> tuple[Mapping[str, Any], Places]:
+        def carry_out() -> tuple[Mapping[str, object], Places]:
             answer = change_places(path, request)
             return answer, read_places(path, before)
 
-        def finish(found: tuple[Mapping[str, Any], Places]) -> None:
+        def finish(found: tuple[Mapping[str, object], Places]) -> None:
             self._take(path, found[1])
             done(found[0])
 

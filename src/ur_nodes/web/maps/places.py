@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
 
 from ur.source.diagnostic import UserError
 from ur.source.printable import printable
@@ -29,7 +28,7 @@ class Places:
     places: Mapping[str, Pose2] = field(default_factory=dict)
     problem: str = ""
 
-    def describe(self) -> dict[str, Any]:
+    def describe(self) -> dict[str, object]:
         """Describe them for a page: x, y, yaw by name, in m, m and rad; whether they can be named; what is wrong."""
         return {
             "named": self.path is not None,
@@ -53,7 +52,7 @@ def read_places(path: Path | None, before: Places) -> Places:
     return Places(path, signature, dict(list(shown.items())[:MOST_PLACES]))
 
 
-def change_places(path: Path | None, request: NamePlace | ForgetPlace) -> Mapping[str, Any]:
+def change_places(path: Path | None, request: NamePlace | ForgetPlace) -> Mapping[str, object]:
     """Change the file of places as a page asks; the answer for the page."""
     what = "name_place" if isinstance(request, NamePlace) else "forget_place"
     try:

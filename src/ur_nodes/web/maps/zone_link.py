@@ -22,7 +22,7 @@ class ZoneLink:
         first: _Zones = (), ""
         self._topic = RequestTopic(node, "zone", _read, first)
 
-    def describe(self) -> dict[str, Any]:
+    def describe(self) -> dict[str, object]:
         """Describe them for a page: name, percent (0: keep out) and corners; whether they can be changed."""
         found, problem = self._topic.state
         zones = [
@@ -33,7 +33,7 @@ class ZoneLink:
 
     def change(self, request: PutZone | DeleteZone, done: Done) -> bool:
         """Ask for a change; `done` is called with what is wrong, or ''. Return False: no map server has zones."""
-        value: Mapping[str, Any]
+        value: Mapping[str, object]
         if isinstance(request, PutZone):
             zone = Zone(request.zone, "speed" if request.percent else "keep-out", request.corners, request.percent)
             value = {"do": "put", "zone": asdict(zone)}

@@ -6,7 +6,6 @@ import math
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
 
 _COOLEST, _HOTTEST = -40.0, 200.0  # degrees Celsius of a sensor that works
 
@@ -53,9 +52,9 @@ def share_used(before: CpuTimes, after: CpuTimes) -> float | None:
     return min(1.0, max(0.0, 1.0 - (after.rest - before.rest) / total)) if total > 0 and before.total else None
 
 
-def describe_computer(texts: ComputerTexts) -> dict[str, Any]:
+def describe_computer(texts: ComputerTexts) -> dict[str, object]:
     """The figures but those of processor time and disk: bytes, s, degrees Celsius, dBm; without what is not known."""
-    found: dict[str, Any] = {}
+    found: dict[str, object] = {}
     memory = {name: int(size) * 1024 for name, size in re.findall(r"^(\w+): +(\d{1,15}) kB$", texts.meminfo, re.M)}
     if {"MemTotal", "MemAvailable"} <= memory.keys():
         found["memory"] = [memory["MemTotal"] - memory["MemAvailable"], memory["MemTotal"]]

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
 
 from ur.source.printable import printable
 from ur_nodes.web.messages.decode import Bounds, Cut
@@ -23,9 +22,9 @@ class Diagnostics:
     """Components by name. Times are seconds of any steady clock."""
 
     def __init__(self) -> None:
-        self._known: dict[str, tuple[float, dict[str, Any]]] = {}
+        self._known: dict[str, tuple[float, dict[str, object]]] = {}
 
-    def take(self, message: Mapping[str, Any], now: float) -> None:
+    def take(self, message: Mapping[str, object], now: float) -> None:
         """Take a decoded message; parts that are none of a diagnosis are left out."""
         statuses = message.get("status")
         for each in _items(statuses):
@@ -49,7 +48,7 @@ class Diagnostics:
                         },
                     )
 
-    def describe(self, now: float) -> list[dict[str, Any]]:
+    def describe(self, now: float) -> list[dict[str, object]]:
         """The components, the worst first. One that has not been heard of for long is stale, then forgotten."""
         self._known = {name: each for name, each in self._known.items() if now - each[0] < _FORGOTTEN}
         found = [{**each, **({"level": "stale"} if now - at > STALE else {})} for at, each in self._known.values()]
@@ -57,7 +56,7 @@ class Diagnostics:
         return sorted(found, key=lambda each: (order.index(each["level"]), each["name"]))
 
 
-def _items(value: object) -> list[Any]:
+def _items(value: object) -> list[object]:
     found = value.items if isinstance(value, Cut) else value
     return found if isinstance(found, list) else []
 

@@ -16,9 +16,9 @@ import secrets
 import socket
 import sys
 from functools import partial
-from typing import Any
 
 import foxglove
+from foxglove.websocket import ChannelView, Client, ServerListener
 
 from ur_nodes.ports.node import Node
 from ur_nodes.web.server_link import Outlet, read_lines, run_for_server
@@ -27,16 +27,16 @@ from ur_nodes.web.viewers.offers import TopicOffers
 _BACKLOG = 64  # messages that wait for a slow viewer; older ones are dropped
 
 
-class _Listener:
+class _Listener(ServerListener):
     """Passes on, from a thread of the server, that viewers subscribe and unsubscribe."""
 
     def __init__(self, node: Node, offers: TopicOffers) -> None:
         self._node, self._offers = node, offers
 
-    def on_subscribe(self, client: Any, channel: Any) -> None:  # noqa: ARG002 - the server's interface
+    def on_subscribe(self, client: Client, channel: ChannelView) -> None:  # noqa: ARG002 - the server's interface
         self._node.post(partial(self._offers.change, channel.topic, 1))
 
-    def on_unsubscribe(self, client: Any, channel: Any) -> None:  # noqa: ARG002 - likewise
+    def on_unsubscribe(self, client: Client, channel: ChannelView) -> None:  # noqa: ARG002 - likewise
         self._node.post(partial(self._offers.change, channel.topic, -1))
 
 
@@ -55,9 +55,13 @@ def start(node: Node, link: socket.socket) -> None:
 
     offers = TopicOffers(node, open_channel, lambda line: sys.stderr.write(f"{line}\n"))
     host = "127." + ".".join(str(1 + secrets.randbelow(254)) for _ in range(3))
-    listener: Any = _Listener(node, offers)
     server = foxglove.start_server(
-        name="ur", host=host, port=0, server_listener=listener, context=context, message_backlog_size=_BACKLOG
+        name="ur",
+        host=host,
+        port=0,
+        server_listener=_Listener(node, offers),
+        context=context,
+        message_backlog_size=_BACKLOG,
     )
     node.on_end(server.stop)
     read_lines(node, {link: lambda _: None})

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import io
+from typing import Any
 
 import pytest
 from genpy.dynamic import generate_dynamic
@@ -11,7 +12,8 @@ from ur_nodes.codecs.genpy.fiducials import message_classes
 
 @pytest.mark.parametrize("name", ["FiducialArray", "FiducialTransformArray"])
 def test_messages_that_debian_does_not_package_go_over_the_wire(name: str) -> None:
-    array, element = message_classes(name)
+    classes: Any = message_classes(name)
+    array, element = classes
     assert array._type == f"fiducial_msgs/{name}"
     sent = array(Header(frame_id="raspicam"), 7, [element(fiducial_id=3)])
     sent.header.stamp.secs, sent.header.stamp.nsecs = 5, 6

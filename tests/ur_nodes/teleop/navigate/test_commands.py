@@ -8,6 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ur.source.diagnostic import UserError
+from ur_nodes.teleop.navigate.arguments import error_line
 from ur_nodes.teleop.navigate.commands import (
     CancelGoal,
     Command,
@@ -21,7 +22,6 @@ from ur_nodes.teleop.navigate.commands import (
     Relocalise,
     Remember,
     SetPose,
-    error_line,
     parse_command,
 )
 

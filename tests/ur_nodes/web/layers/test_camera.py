@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import io
+from typing import Any
 
 import numpy as np
 import pytest
@@ -66,9 +67,10 @@ class CameraRobot:
             self.view.take_topics(self.topics)
         self.view.step()
         self.bus.run(5.0)
-        shown = self.view.describe()["topic"]
+        state: Any = self.view.describe()
+        shown = state["topic"]
         assert [name for name, each in self.publishers.items() if each.listeners()] == ([shown] if shown else [])
-        return shown, self.view.describe()["topics"]
+        return shown, state["topics"]
 
     def end_cameras(self) -> None:
         self.cameras.end("unplugged")

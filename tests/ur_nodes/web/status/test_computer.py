@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -48,7 +49,8 @@ def test_files_that_say_nothing_give_no_figures(text: str) -> None:
 
 
 def test_files_of_this_computer_are_read_and_missing_ones_are_empty(tmp_path: Path) -> None:
-    assert describe_computer(read_computer())["memory"][1] > 0
+    found: Any = describe_computer(read_computer())
+    assert found["memory"][1] > 0
     assert read_computer(tmp_path) == ComputerTexts()
     disk = read_disk(tmp_path)
     assert disk is not None

@@ -30,7 +30,8 @@ def test_what_is_no_component_is_left_out_and_texts_are_bounded() -> None:
     pairs = [{"key": "k" * 1000, "value": "\x1b[2J"}, {"key": 4}, "x"]
     good = component("<img>", values=Cut([*pairs, *pairs * 50], 500))
     found.take({"status": Cut([None, {}, component(4), component(level=9), component(level=[]), good], 900)}, 0.0)
-    (only,) = found.describe(0.0)
+    shown: Any = found.describe(0.0)
+    (only,) = shown
     assert only["values"][0] == ["k" * 300, "\\x1b[2J"]
     assert len(only["values"]) <= 30
     found.take({}, 0.0)

@@ -35,14 +35,16 @@ async def open_server(
     loop = asyncio.get_running_loop()
     before = loop.get_exception_handler()
     loop.set_exception_handler(rarely.report)
-    # Bodies are not unpacked, and what follows a refusal is not read: both would delay all other requests.
-    limits: Mapping[str, Any] = {
-        "auto_decompress": False,
-        "lingering_time": 0.0,
-        "keepalive_timeout": _KEEP_ALIVE,
-        "shutdown_timeout": _END_LIMIT,
-    }
-    runner = web.AppRunner(application, access_log=None, handle_signals=False, **limits)
+    runner = web.AppRunner(
+        application,
+        access_log=None,
+        handle_signals=False,
+        # Bodies are not unpacked, and what follows a refusal is not read: both would delay all other requests.
+        auto_decompress=False,
+        lingering_time=0.0,
+        keepalive_timeout=_KEEP_ALIVE,
+        shutdown_timeout=_END_LIMIT,
+    )
     await runner.setup()
     assert runner.server is not None, "set up"
     listener = ConnectionListener(runner.server, gate.recognise, _answer, rarely, **bounds)
@@ -72,7 +74,7 @@ class Rarely:
         self._next, self._left_out = now + _LOGGED_EVERY, 0
         self._log(line + more)
 
-    def report(self, _loop: asyncio.AbstractEventLoop, context: Mapping[str, Any]) -> None:
+    def report(self, _loop: asyncio.AbstractEventLoop, context: Mapping[str, object]) -> None:
         """Take an error of the event loop."""
         self(f"{context.get('message')}: {context.get('exception')!r}")
 

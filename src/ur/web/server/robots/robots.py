@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import asdict, dataclass
-from typing import Any, Protocol
+from typing import Protocol
 
 from ur.web.access.roles import Role
 from ur.web.server.robots.peer import PeerError
@@ -63,6 +63,6 @@ class OneRobot:
         """End nothing."""
 
 
-def write_rows(rows: list[RobotEntry]) -> list[dict[str, Any]]:
+def write_rows(rows: list[RobotEntry]) -> list[dict[str, object]]:
     """Rows as JSON."""
     return [asdict(each) for each in rows]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import click
 
-from ur.cli.robots.mount import read_mounts
+from ur.cli.workspace.mount import read_mounts
 from ur.request.remote.connection import robot_address
 from ur.robot.mount import mounts_of, unmount_command
 from ur.robot.ssh.shell import run_process

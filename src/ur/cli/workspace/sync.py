@@ -11,7 +11,7 @@ from pathlib import Path
 import click
 
 from ur.cli.robots.fleet import ALL, choose_robots, is_fleet, run_for_each
-from ur.cli.robots.mount import read_mounts
+from ur.cli.workspace.mount import read_mounts
 from ur.fleet.processes import answer_confirmed
 from ur.request.remote.connection import connect_robot, robot_address
 from ur.robot.sync.compare import compare

@@ -1,0 +1,1 @@
+"""Commands on workspaces of robots: synchronised, built, and mounted here."""

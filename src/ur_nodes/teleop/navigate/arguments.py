@@ -1,0 +1,60 @@
+"""The arguments of a command: words, numbers and names, with their limits, and the errors about them."""
+
+from __future__ import annotations
+
+import math
+import shlex
+
+from ur.source.diagnostic import UserError, error
+from ur.source.printable import printable
+from ur_nodes.client.waypoints import WAYPOINT_NAME
+
+
+def split_line(line: str) -> list[str]:
+    """Return the arguments of a line without its comment; quotes hold a name with blanks together. Raises UserError."""
+    try:
+        return shlex.split(line, comments=True)
+    except ValueError:
+        raise bad_command_error(f"{printable(line)!r} has an opening quote without a closing one") from None
+
+
+def check_count(word: str, usage: str, given: list[str], least: int, most: int) -> None:
+    """Raise UserError: there are fewer or more arguments than the usage has."""
+    if len(given) < least:
+        raise bad_command_error(f"{word!r} {_count(given)}, expected: {usage}")
+    if len(given) > most:
+        raise bad_command_error(f"unexpected {printable(given[most])!r}, expected: {usage}")
+
+
+def _count(given: list[str]) -> str:
+    return f"needs more than {printable(' '.join(given))!r}" if given else "needs arguments"
+
+
+def read_number(text: str, usage: str) -> float:
+    """A finite number. Raises UserError."""
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not math.isfinite(value) or abs(value) > 1e6:
+        raise bad_command_error(f"{printable(text)!r} is not a number, expected: {usage}")
+    return value
+
+
+def check_name(name: str) -> str:
+    """A name of a waypoint. Raises UserError."""
+    if not WAYPOINT_NAME.match(name):
+        raise bad_command_error(
+            f"{printable(name)!r} is not a valid name, expected at most 40 letters, digits, blanks, '_', '-' and '.'"
+        )
+    return name
+
+
+def bad_command_error(message: str, help: str | None = None) -> UserError:
+    """A UserError about what was typed."""
+    return UserError(error(message, rule="bad-command", help=help))
+
+
+def error_line(problem: UserError) -> str:
+    """A UserError in one line, its help included."""
+    return "; ".join(d.message + (f" ({d.help})" if d.help else "") for d in problem.diagnostics)
