@@ -51,7 +51,7 @@ def ask(path: str, kind: str, baud: int) -> str:
             mode[4] = mode[5] = getattr(termios, f"B{baud}", termios.B115200)
             termios.tcsetattr(line, termios.TCSANOW, mode)
             termios.tcflush(line, termios.TCIOFLUSH)
-            return {"rplidar": _ask_rplidar, "neato": _ask_neato, "xv11": _hear_xv11}[kind](line)
+            return {"rplidar": _ask_rplidar, "neato": _ask_neato, "xv11": _read_xv11}[kind](line)
         finally:
             with suppress(OSError, termios.error):  # unplugged
                 termios.tcsetattr(line, termios.TCSANOW, before)
@@ -82,7 +82,7 @@ def _ask_neato(line: int) -> str:
     return f"Neato {model}, software {'.'.join(rows['Software'][:3])}" if "Software" in rows else f"Neato {model}"
 
 
-def _hear_xv11(line: int) -> str:
+def _read_xv11(line: int) -> str:
     data = _read(line, lambda data: _count_packets(data) >= 3)
     return "XV-11 lidar, packets arrive" if _count_packets(data) >= 3 else ""
 

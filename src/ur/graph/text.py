@@ -46,7 +46,7 @@ def _note(branch: Branch) -> Line:
 
 
 def draw_graph(graph: DrawnGraph, *, unicode: bool = True) -> Iterator[Line]:
-    """The nodes of a graph, each with what it sends and to whom, and what it receives and from whom."""
+    """The nodes of a graph, each with what it sends to which nodes, and what it receives from which."""
     signs = _LINES if unicode else _PLAIN
     boxes = {box.id: box for box in graph.boxes}
     around = neighbours(graph)

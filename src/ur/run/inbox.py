@@ -16,7 +16,7 @@ SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)  # those that ask a run
 class Inbox:
     """Readable (`fileno`) when there is something to `take`. Takes SIGNALS over until it is closed."""
 
-    def __init__(self, hear_signal: Callable[[int], None]) -> None:
+    def __init__(self, take_signal: Callable[[int], None]) -> None:
         """Take what is done, later and in the loop's thread, with a signal."""
         self._tasks: deque[Task] = deque()
         self._open = threading.Lock()  # held while the pipe is written to or closed
@@ -24,7 +24,7 @@ class Inbox:
         self._reader, self._writer = os.pipe2(os.O_CLOEXEC | os.O_NONBLOCK)
         self._old_writer = signal.set_wakeup_fd(self._writer, warn_on_full_buffer=False)
         self._handlers = {
-            signum: signal.signal(signum, lambda number, _: self._tasks.append(lambda: hear_signal(number)))
+            signum: signal.signal(signum, lambda number, _: self._tasks.append(lambda: take_signal(number)))
             for signum in SIGNALS
         }
 

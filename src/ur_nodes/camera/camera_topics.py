@@ -27,7 +27,7 @@ class Shot:
 
 
 class CameraTopics:
-    """Publishes what a camera gives, to whom wants it. A `Consumer` of a `CameraLoop`."""
+    """Publishes pictures of a camera while topics have subscribers. A `Consumer` of a `CameraLoop`."""
 
     def __init__(self, node: Node, frame: str, quality: int, store: CalibrationStore, finder: CameraFinder) -> None:
         self._node = node

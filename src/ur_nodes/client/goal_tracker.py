@@ -45,13 +45,13 @@ class Hold:
 class GoalTracker:
     """The goal that is followed. `goal_id` is '' while it belongs to another client and its id is not known yet.
 
-    `known`: move_base has listed it as active, or sent its result. `heard_at` is when it was sent or mentioned last,
+    `known`: move_base has listed it as active, or sent its result. `received_at` is when it was sent or mentioned last,
     `listed_at` when the last status list arrived, `absent_since` since when lists arrive without the goal.
     """
 
     report: GoalReport = field(default_factory=GoalReport)
     goal_id: str = ""
-    heard_at: float = 0.0
+    received_at: float = 0.0
     known: bool = False
     listed_at: float = 0.0
     absent_since: float | None = None
@@ -73,7 +73,7 @@ def track_current(tracker: GoalTracker, place: Pose2, now: float) -> GoalTracker
     ours = tracker.report.place
     same = ours is not None and abs(ours.x - place.x) + abs(ours.y - place.y) < 1e-3
     # Results come by another connection and may overtake the message about the goal that they end.
-    if same and (not tracker.report.over or now - tracker.heard_at < LATE):
+    if same and (not tracker.report.over or now - tracker.received_at < LATE):
         return tracker
     report = GoalReport(tracker.report.number + 1, place, LastGoalState.DRIVING)
     return GoalTracker(report, "", now, listed_at=now, hold=tracker.hold)
@@ -87,7 +87,7 @@ def track_status(tracker: GoalTracker, statuses: tuple[actions.GoalState, ...], 
         if tracker.goal_id == status.id or (not tracker.goal_id and status.open):
             found = replace(tracker, goal_id=status.id, listed_at=now, absent_since=None)
             return _apply(found, status, now)
-    if not tracker.goal_id and now - tracker.heard_at > LATE:
+    if not tracker.goal_id and now - tracker.received_at > LATE:
         # It ended before this client started.
         return replace(tracker, listed_at=now, report=GoalReport(tracker.report.number))
     silent = now - tracker.listed_at > SILENCE
@@ -150,4 +150,4 @@ def _apply(tracker: GoalTracker, status: actions.GoalState, now: float) -> GoalT
         text = "move_base gave no reason"
     any_heading = has_any_heading(tracker.goal_id)
     report = replace(tracker.report, state=state, text=text, any_heading=any_heading, recoveries=status.recoveries)
-    return replace(tracker, heard_at=now, known=True, report=report)
+    return replace(tracker, received_at=now, known=True, report=report)

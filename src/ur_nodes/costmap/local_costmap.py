@@ -34,10 +34,10 @@ class LocalCostmap:
         beams = beams_of_scan(scan, inf_is_valid=self._settings.inf_is_valid)
         self._waiting.append((scan.frame, seconds_of(scan.stamp), beams))
 
-    def take_range(self, heard: Range) -> None:
+    def take_range(self, sonar: Range) -> None:
         """Keep a range for the next update."""
-        beams = beams_of_range(heard.range, heard.field_of_view, heard.range_min, heard.range_max)
-        self._waiting.append((heard.frame, seconds_of(heard.stamp), beams))
+        beams = beams_of_range(sonar.range, sonar.field_of_view, sonar.range_min, sonar.range_max)
+        self._waiting.append((sonar.frame, seconds_of(sonar.stamp), beams))
 
     def update(self, now: float) -> list[str]:
         """Work in what has come, at a time in s. Return what could not be worked in, for the log."""

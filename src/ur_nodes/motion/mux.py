@@ -12,7 +12,7 @@ that arrived, at any speed and with any timeout. Before obstacles the
 guard slows and stops it as well (`ur_nodes.motion.obstacle_stop.guard`).
 
 While something is active or the robot moves there is an output every
-`period`, while it brakes every `brake_period`; then `zeros` zeros, then silence. A base that has heard nothing for
+`period`, while it brakes every `brake_period`; then `zeros` zeros, then silence. A base that has received nothing for
 `forgets` s has stopped by itself: a mux that was suspended goes on from zero, and not from its last output.
 """
 

@@ -181,18 +181,18 @@ class WorldView:
         if self.global_costmap is not None and robot is not None and place is not None:
             self.local_costmap.lay(robot, self.global_costmap.static, place)
 
-    def _use_range(self, heard: Range) -> None:
+    def _use_range(self, sonar: Range) -> None:
         """Mark an echo as an obstacle, unless the map has a wall there."""
-        beams = beams_of_range(heard.range, heard.field_of_view, heard.range_min, heard.range_max)
+        beams = beams_of_range(sonar.range, sonar.field_of_view, sonar.range_min, sonar.range_max)
         if self.global_costmap is None or not len(beams.angles):
             return
-        stamp = seconds_of(heard.stamp)
+        stamp = seconds_of(sonar.stamp)
         try:
-            mount = self.frames.pose(self._settings.base_frame, heard.frame)
+            mount = self.frames.pose(self._settings.base_frame, sonar.frame)
             robot = self._place(stamp)
         except ExtrapolationError as problem:
             if problem.ahead and seconds_of(self._node.now()) - stamp < _PATIENCE:
-                self._ranges.append(heard)  # the odometry of that moment has not arrived yet
+                self._ranges.append(sonar)  # the odometry of that moment has not arrived yet
             return
         except TransformError:
             return

@@ -114,7 +114,7 @@ class Node(Protocol):
         """Take goals of an action that drives to a pose. Their states are sent for `kept` s after their end."""
 
     def follow_goals(self, action: str, follower: GoalFollower) -> GoalClient:
-        """Send goals of an action, and hear of all of them."""
+        """Send goals of an action, and follow all of them."""
 
     def every(self, seconds: float, call: Callable[[], None], *, steady: bool = False) -> Timer:
         """Call again and again, in the time of `now`, or of `steady`. A beat late by more than one is left out."""

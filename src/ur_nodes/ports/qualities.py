@@ -1,7 +1,7 @@
 """The ways in which the values of a topic travel.
 
 A topic is LATCHED on both of its ends, or it keeps nothing: on ROS 2 a subscriber of another quality does not get the
-value that was sent before it listened, and a LATCHED subscriber hears nothing of a publisher that is not LATCHED. A
+value that was sent before it listened, and a LATCHED subscriber receives nothing of a publisher that is not LATCHED. A
 topic that nodes of others may publish either way has two subscribers, one of each quality. Raw subscriptions follow
 the publisher.
 """

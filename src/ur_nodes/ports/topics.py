@@ -47,4 +47,4 @@ class Subscription(Protocol):
         """The number of publishers."""
 
     def close(self) -> None:
-        """Hear no more; what waits is dropped."""
+        """Receive no more; what waits is dropped."""

@@ -87,5 +87,5 @@ class Receiver:
         return int(self._node.count_publishers(self._subscription.topic_name))
 
     def close(self) -> None:
-        """Hear no more."""
+        """Receive no more."""
         self._node.destroy_subscription(self._subscription)

@@ -11,7 +11,7 @@
 | LOSSLESS | reliable, all | reliable, all |
 
 Velocities have the lifespan of 0.3 s in each quality but LATCHED; maps and costmaps are always sent as LATCHED. A
-reliable publisher is heard by all; a best effort subscriber hears all. `docs/how-to/ros2.md` has this table, and a test
+reliable publisher reaches all; a best effort subscriber receives all. `docs/how-to/ros2.md` has this table, and a test
 compares the two.
 """
 

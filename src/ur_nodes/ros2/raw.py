@@ -1,6 +1,6 @@
 """Messages of any type on ROS 2: CDR bytes, and rclpy's classes by name.
 
-A type that is not installed is heard all the same: its publisher tells its name and hash, see `bare_type`.
+A type that is not installed is received all the same: its publisher gives its name and hash, see `bare_type`.
 """
 
 from __future__ import annotations

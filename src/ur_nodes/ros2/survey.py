@@ -225,11 +225,11 @@ class Listener:
         self._node = node
         for name, kind in kinds.items():
             if kind == _SCAN and node.count_publishers(name):
-                self._hear_scans(name)
+                self._receive_scans(name)
             elif kind == _BATTERY:
-                self._hear_battery(name)
+                self._receive_battery(name)
             elif kind == _TF and name == "/tf":
-                self._hear_transforms(name)
+                self._receive_transforms(name)
 
     @property
     def frames(self) -> dict[str, dict[str, list[str]]]:
@@ -239,7 +239,7 @@ class Listener:
             for child, (senders, parents) in self._frames.items()
         }
 
-    def _hear_scans(self, topic: str) -> None:
+    def _receive_scans(self, topic: str) -> None:
         from sensor_msgs.msg import LaserScan
 
         found = self.scans[topic] = {"messages": 0}
@@ -252,7 +252,7 @@ class Listener:
 
         self._node.create_subscription(LaserScan, topic, take, _LOOSE)
 
-    def _hear_battery(self, topic: str) -> None:
+    def _receive_battery(self, topic: str) -> None:
         from sensor_msgs.msg import BatteryState
 
         def take(message: BatteryState) -> None:
@@ -261,7 +261,7 @@ class Listener:
 
         self._node.create_subscription(BatteryState, topic, take, _LOOSE)
 
-    def _hear_transforms(self, topic: str) -> None:
+    def _receive_transforms(self, topic: str) -> None:
         try:
             from tf2_msgs.msg import TFMessage
         except ImportError:  # ROS 2 from wheels has none

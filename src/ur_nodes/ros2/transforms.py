@@ -16,7 +16,7 @@ _Take = Callable[[tuple[Transform, ...]], None]
 
 _MOVING = QoSProfile(depth=100, reliability=ReliabilityPolicy.RELIABLE)
 _FIXED = QoSProfile(depth=1, reliability=ReliabilityPolicy.RELIABLE, durability=DurabilityPolicy.TRANSIENT_LOCAL)
-_FIXED_HEARD = QoSProfile(
+_FIXED_TAKEN = QoSProfile(
     depth=100, reliability=ReliabilityPolicy.RELIABLE, durability=DurabilityPolicy.TRANSIENT_LOCAL
 )
 
@@ -33,7 +33,7 @@ class TransformTopics:
 
     def listen(self, take: _Take, take_fixed: _Take) -> None:
         """Have all transforms given to a function, on any thread; fixed ones come once, and must not be lost."""
-        Receiver(self._node, Transforms, "/tf_static", _FIXED_HEARD, lambda m: take_fixed(transforms_of(m, fixed=True)))
+        Receiver(self._node, Transforms, "/tf_static", _FIXED_TAKEN, lambda m: take_fixed(transforms_of(m, fixed=True)))
         Receiver(self._node, Transforms, "/tf", _MOVING, lambda message: take(transforms_of(message)))
 
     def send(self, transforms: tuple[Transform, ...]) -> None:
@@ -50,7 +50,7 @@ class TransformTopics:
             self._moving.send(_message(moving))
 
     def _greet(self) -> None:
-        """Send the newest moving transforms again: to all, of whom those who have them ignore them."""
+        """Send the newest moving transforms again: nodes that have them ignore them."""
         if self._moving is not None and (transforms := self._newest.get()):
             self._moving.send(_message(transforms))
 

@@ -60,7 +60,7 @@ class Announcement:
 def parse_sighting(host: str, addresses: Sequence[str], texts: Mapping[str, str]) -> Announcement | None:
     """A sighting from an announcement's host name, addresses and text records; None where one has another shape.
 
-    Anybody in the network may announce anything, and what is announced gets into command lines, files and texts.
+    Any computer in the network may announce anything, and what is announced gets into command lines, files and texts.
     """
     host = host.rstrip(".").removesuffix(".local")
     base = re.sub(r"-\d+$", "", host)  # what avahi adds when a name is taken

@@ -93,13 +93,13 @@ def list_robots(
     answers: Mapping[str, RobotAnswer] | None = None,
     memory: Mapping[str, SeenRobot] | None = None,
 ) -> list[RobotRow]:
-    """Everybody who is there, then those known from earlier who are not; each group by name.
+    """The robots that are visible, then those known from earlier that are not; each group by name.
 
     `answers` are by the host name of a sighting, `memory` by the name of a robot.
     """
     reported = answers or {}
-    heard = sorted(sightings, key=lambda one: (one.name, one.host))
-    there = [one for one in heard if reported.get(one.host, RobotAnswer()).answers is not False]
+    announced = sorted(sightings, key=lambda one: (one.name, one.host))
+    there = [one for one in announced if reported.get(one.host, RobotAnswer()).answers is not False]
     names = [one.name for one in there]
     recorded = {record.name for record in records}
     rows = [
@@ -107,7 +107,7 @@ def list_robots(
         for one in there
     ]
     known = {
-        **{one.name: RobotRecord(one.name, one.user, one.base, one.variant, ros=one.ros) for one in heard},
+        **{one.name: RobotRecord(one.name, one.user, one.base, one.variant, ros=one.ros) for one in announced},
         **{record.name: record for record in records},
     }
     taken = {address for one in there for address in one.addresses}

@@ -15,7 +15,7 @@ from ur.robot.doctor.findings import AdvertisedNode, ComputerPair, Owner, Where
 from ur.robot.doctor.observe import SHELL_FILES, STRICT, observe_script, parse_side
 from ur.robot.doctor.rules import OBSERVE
 from ur.robot.doctor.side import Side
-from ur.robot.ros2.observe import hear_other, inspect_ros2
+from ur.robot.ros2.observe import inspect_ros2, receive_from
 from ur.robot.ssh.openssh import SshShell
 from ur.robot.ssh.shell import Shell, quote
 from ur.source.diagnostic import UserError, error_about
@@ -82,8 +82,8 @@ def inspect_pair(
         ros2 = newer[0].result(), newer[1].result()
         if ros2[0].present and ros2[1].present:
             ends = ((here, mine, other), (there, other, mine))
-            heard = [pool.submit(hear_other, *end) for end in ends]
-            ros2 = replace(ros2[0], heard=heard[0].result()), replace(ros2[1], heard=heard[1].result())
+            received = [pool.submit(receive_from, *end) for end in ends]
+            ros2 = replace(ros2[0], receives=received[0].result()), replace(ros2[1], receives=received[1].result())
         sides = replace(sides[0], ros2=ros2[0]), replace(sides[1], ros2=ros2[1])
     back = there.run(f"{STRICT} {quote(f'{sides[0].user}@{mine}.local')} true")
     return ComputerPair(

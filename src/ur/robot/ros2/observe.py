@@ -16,10 +16,10 @@ VARIABLES = (
     *("FASTRTPS_DEFAULT_PROFILES_FILE", "FASTDDS_DEFAULT_PROFILES_FILE"),
 )
 FIND_SECONDS = 75.0
-HEAR_SECONDS = 5
+RECEIVE_SECONDS = 5
 _LONGEST = 4 << 20  # characters of an answer
 # The group and port of `ros2 multicast`. Each computer sends its name and listens for the other's.
-_HEAR = r"""
+_RECEIVE = r"""
 import socket, struct, sys, time
 group, port, own, other = "225.0.0.1", 49150, sys.argv[1].encode(), sys.argv[2].encode()
 server = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
@@ -60,9 +60,9 @@ def inspect_ros2(
     return parse_ros2(done.out)
 
 
-def hear_other(shell: Shell, own: str, other: str) -> bool | None:
+def receive_from(shell: Shell, own: str, other: str) -> bool | None:
     """Send multicast packets as `own`, and return whether those of `other` arrive; None: it could not be tried."""
-    done = shell.run(f"python3 -I -c {quote(_HEAR)} {quote(own, other, str(HEAR_SECONDS))}", timeout=30.0)
+    done = shell.run(f"python3 -I -c {quote(_RECEIVE)} {quote(own, other, str(RECEIVE_SECONDS))}", timeout=30.0)
     return {"heard": True, "silent": False}.get(done.out.strip())
 
 

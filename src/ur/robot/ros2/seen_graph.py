@@ -117,8 +117,8 @@ class Ros2:
     `settings` are pairs (file, variable) of lines that set one. `files` are settings files that variables name, and
     whether they exist. `ports` are the numbers at which a program listens, UDP and TCP. `no_multicast` are network
     interfaces that are up and do not take part in multicast. `forgotten` are users whose units lose their shared memory
-    when their last login ends. `graph` is None where it could not be read; `problem` is the reason. `heard`: multicast
-    packets of the other computer arrived; None where that was not tried.
+    when their last login ends. `graph` is None where it could not be read; `problem` is the reason. `receives`:
+    multicast packets of the other computer arrived; None where that was not tried.
     """
 
     installations: tuple[Installation, ...] = ()
@@ -132,7 +132,7 @@ class Ros2:
     forgotten: tuple[Name, ...] = ()
     graph: SeenGraph | None = None
     problem: Name = ""
-    heard: bool | None = None
+    receives: bool | None = None
 
     @property
     def present(self) -> bool:

@@ -1,4 +1,4 @@
-"""One set-up of a robot at a time, also from two viewers: the robot keeps the lock while it hears from its holder."""
+"""One set-up of a robot at a time, also from two viewers: the robot keeps the lock while its holder is alive."""
 
 from __future__ import annotations
 

@@ -162,8 +162,8 @@ def set_clock(shell: Shell, now: Callable[[], float], report: Report) -> None:
 def wait_for_boot(task: Task, before: str, at: str, report: Report) -> None:
     """Wait until the robot has booted again and answers to its new name and our key. Raises UserError.
 
-    `before` names the boot that shall end, `at` is the robot's address in it. A robot that is still in that boot did
-    not hear that it shall reboot: it is asked again.
+    `before` names the boot that shall end, `at` is the robot's address in it. A robot that is still in that boot has
+    not received the request: it is asked again.
     """
     # Its new name is that of its host key, which is known, whatever it still calls itself.
     old = ["-o", f"HostKeyAlias={task.later.host}", "-o", f"ConnectTimeout={QUICK_SECONDS}"]

@@ -13,7 +13,7 @@ _HOST = re.compile(r"[A-Za-z0-9]([A-Za-z0-9.:-]*[A-Za-z0-9])?")
 
 @dataclass(frozen=True, slots=True)
 class Address:
-    """Whom to log in as, and where."""
+    """The user to log in as, and the computer."""
 
     user: str
     host: str

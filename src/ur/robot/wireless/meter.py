@@ -112,7 +112,7 @@ class Meter:
     def __enter__(self) -> Meter:
         self._last = self._resolve()
         self._lines = [
-            ProcessLines(self._ping, self._hear),
+            ProcessLines(self._ping, self._take_ping),
             ProcessLines(lambda: ["sh", "-c", LOOP], self.here.read),
             ProcessLines(self._ssh, self.there.read),
         ]
@@ -133,7 +133,7 @@ class Meter:
             self._lines[0].renew()  # it may have another address by now
         return Sample(self._clock(), sent, lost, latency, self.here.link(), self.there.link())
 
-    def _hear(self, line: str) -> None:
+    def _take_ping(self, line: str) -> None:
         with self._lock:
             self._echoes.read(line)
 

@@ -19,7 +19,7 @@ _MISSING = re.compile(r"no answer yet for icmp_seq=(\d+)|icmp_seq=(\d+) .*[Uu]nr
 class Sample:
     """A second: `time` (s since 1970), echoes `sent` and `lost`, and the median `latency` (s) of the others.
 
-    `here` and `there` are the wireless links of the two computers; None where there is none, or it was not heard.
+    `here` and `there` are the wireless links of the two computers; None where there is none, or it did not answer.
     """
 
     time: float

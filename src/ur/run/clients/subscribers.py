@@ -36,7 +36,7 @@ class Subscribers:
         self.on_removed: Callable[[int], None] | None = None  # before a descriptor is closed
 
     def add_socket(self, link: socket.socket) -> int:
-        """Someone who may also give commands. Returns the descriptor that identifies them."""
+        """A client that may also give commands. Returns the descriptor that identifies them."""
         link.setblocking(False)
         return self._add(_Subscriber(link.fileno(), link, Watch()))
 
@@ -111,7 +111,7 @@ class Subscribers:
             subscriber.sink.flush()
 
     def close(self, limit: float) -> None:
-        """Write what is left, or as much as is taken within a time limit (s) each, and let everyone go."""
+        """Write what is left, or as much as is taken within a time limit (s) each, and disconnect all."""
         for descriptor, subscriber in list(self._subscribers.items()):
             subscriber.sink.finish(limit)
             self._drop(descriptor)

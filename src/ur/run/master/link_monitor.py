@@ -82,10 +82,10 @@ def watch_link(master: Master, report: Callable[[Event], None], over: Flag) -> N
     """Poll a robot and its master until `over`, and report changes."""
     addresses = AddressCache()
     state = LinkState(time.monotonic())
-    heard = True
-    while not over.wait(PERIOD if heard else 0.0):
+    answered = True
+    while not over.wait(PERIOD if answered else 0.0):
         answer, now = _ask(master, addresses, choose_limit(state, time.monotonic()), over)
-        heard = answer is not None
+        answered = answer is not None
         state, events = step_link(state, answer, now)
         for event in events:
             report(event)

@@ -55,7 +55,7 @@ class StartProgress:
         if self._probe is None and wanted and self._middleware is not None:
             from ur.run.startup.readiness import ReadinessProbe  # only for those who wait
 
-            self._probe = ReadinessProbe(self._middleware.view, self._conditions, self._hear)
+            self._probe = ReadinessProbe(self._middleware.view, self._conditions, self._take_readiness)
         if self._probe is not None and not wanted:
             self.close()
         if self._probe is not None:
@@ -96,7 +96,7 @@ class StartProgress:
             self._probe.close()
             self._probe = None
 
-    def _hear(self, name: str, pid: int, missing: tuple[str, ...]) -> None:
+    def _take_readiness(self, name: str, pid: int, missing: tuple[str, ...]) -> None:
         self._inbox.post(lambda: self._note_readiness(name, pid, missing))  # it speaks in a thread of its own
 
     def _note_readiness(self, name: str, pid: int, missing: tuple[str, ...]) -> None:

@@ -74,7 +74,7 @@ class OwnerEnded:
 
 @dataclass(frozen=True, slots=True)
 class StopRequested:
-    """Someone wants the run to end; asking again makes it faster. `exit_code` is that of the run."""
+    """A client or signal asks the run to end; asking again makes it faster. `exit_code` is that of the run."""
 
     cause: str
     exit_code: int = 0

@@ -1,4 +1,4 @@
-"""Files of other people, opened within limits: regular files of a limited size, which never keep anyone waiting.
+"""Files of other people, opened within limits: regular files of a limited size, which never block.
 
 This module imports little, since Tab needs it for hundreds of files.
 """

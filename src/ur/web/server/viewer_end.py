@@ -30,7 +30,7 @@ class ViewerProcessError(Exception):
 
 
 class ViewerProcess:
-    """Keeps the process running while anybody holds it. `log` takes what it prints."""
+    """Keeps the process running while a client holds it. `log` takes what it prints."""
 
     def __init__(self, environment: Mapping[str, str], log: Callable[[str], None]) -> None:
         self._environment, self._log = environment, log

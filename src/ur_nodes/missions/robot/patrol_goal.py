@@ -20,7 +20,7 @@ class PatrolGoal:
     """One goal at a time. Goals that an earlier node of this name has left are cancelled."""
 
     def __init__(self, node: Node, navigation: str, frames: tuple[str, str], client: LeaseClient) -> None:
-        """`frames` are those of the map and of the base; `client` is whom the goals name as their sender."""
+        """`frames` are those of the map and of the base; `client` is the sender that the goals name."""
         self._node, self._client = node, client
         self._map_frame, self._base_frame = frames
         self._transforms = node.transforms

@@ -39,7 +39,7 @@ class ClientCommand:
 
 @dataclass(frozen=True, slots=True)
 class LeaseRecord:
-    """The state of the lease, and when clients were last heard from.
+    """The state of the lease, and when clients last sent something.
 
     `received_at`: the time of the last message of the holder; `asked`: those of the clients that ask;
     `forget_at`: when a holder that has been lost since the record began is forgotten.

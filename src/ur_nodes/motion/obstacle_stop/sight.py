@@ -20,7 +20,7 @@ from ur_nodes.motion.obstacle_stop.track import Odometer, Track, follow
 
 MEMORY = 3.0  # s
 _OWN = 0.03  # m: what lies deeper within the outline is a part of the robot
-_HEARD = 0.1  # of the beams: with fewer measurements a scan has seen nothing
+_LEAST_MEASURED = 0.1  # of the beams: with fewer measurements a scan has seen nothing
 _ARC = 7  # points of a sonar's arc
 _SLACK = 0.05  # m: a point at most so far beyond an echo has made it
 _MOST = 500  # points that are remembered
@@ -113,7 +113,7 @@ def look(sight: Sight, sensor: RangeSensor, reading: SensorRanges) -> Sight:
     ranges = np.asarray(reading.ranges, dtype=np.float64)
     returns = classify_ranges(ranges, reading.limits)
     hits = returns.near | returns.hits
-    if not len(ranges) or np.count_nonzero(hits | returns.clear) < _HEARD * len(ranges):
+    if not len(ranges) or np.count_nonzero(hits | returns.clear) < _LEAST_MEASURED * len(ranges):
         return sight
     ends = _ends(sight, sensor, reading, np.where(returns.near, reading.limits[0], ranges), hits)
     seen = dict(sight.seen)

@@ -115,7 +115,7 @@ def bound_connections() -> bool:
 
 
 def _bound_xml_rpc(addresses: AddressCache) -> None:
-    """Bound all callers that rospy makes from now on, and those whom this node's own server answers."""
+    """Bound all callers that rospy makes from now on, and those that this node's own server answers."""
     handler = rosgraph.xmlrpc.SilenceableXMLRPCRequestHandler
     set_up = handler.setup
 

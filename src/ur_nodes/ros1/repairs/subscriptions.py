@@ -44,7 +44,7 @@ class Subscriptions:
         self._handler: ROSHandler | None = None
 
     def note_publishers(self, topic: str, uris: Iterable[str]) -> None:
-        """Remember whom the master names as the publishers of a topic."""
+        """Keep the publishers of a topic that the master names."""
         self._publishers[topic] = frozenset(map(str, uris))
 
     def connect_topic(self, handler: ROSHandler, topic: str, uri: str) -> tuple[int, str, int]:

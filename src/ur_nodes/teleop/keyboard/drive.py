@@ -91,7 +91,7 @@ class DriveState:
     held: tuple[str, ...] = ()
     reports_release: bool = False
     hold_until: float = 0.0
-    heard_at: float = 0.0
+    received_at: float = 0.0
     last_key: str = ""
     last_key_at: float = -10.0
     pause_seen: float = 0.0
@@ -146,7 +146,7 @@ def motion_of(state: DriveState) -> KeyVelocity:
 def _take(state: DriveState, event: KeyEvent | None, now: float) -> DriveState:
     if event is None:
         return state
-    state = replace(state, heard_at=now)
+    state = replace(state, received_at=now)
     if isinstance(event, KittyFlags):
         complete = event.flags & KITTY_RELEASE_FLAGS == KITTY_RELEASE_FLAGS
         return replace(state, reports_release=complete and not state.settings.key_timeout)
@@ -183,7 +183,7 @@ def _hold_for_a_while(state: DriveState, name: str, now: float) -> DriveState:
 
 
 def _ran_out(state: DriveState, now: float) -> bool:
-    return now - state.heard_at > LOST_AFTER if state.reports_release else now > state.hold_until
+    return now - state.received_at > LOST_AFTER if state.reports_release else now > state.hold_until
 
 
 def _change_speeds(state: DriveState, speed_factor: float, turn_factor: float) -> DriveState:

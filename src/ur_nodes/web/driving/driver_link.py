@@ -22,23 +22,23 @@ _PROGRAM = "web"
 
 
 @dataclass(frozen=True, slots=True)
-class Heard:
+class ChallengeTimes:
     """Challenges with the time of their arrival, oldest first; `newest` is None before the first."""
 
     at: OrderedDict[Stamp, float] = field(default_factory=OrderedDict)
     newest: Stamp | None = None
 
 
-def hear(heard: Heard, challenge: Stamp, now: float) -> Heard:
+def keep_challenge(received: ChallengeTimes, challenge: Stamp, now: float) -> ChallengeTimes:
     """A challenge has arrived."""
-    kept = OrderedDict((each, at) for each, at in heard.at.items() if now - at <= REQUEST_FRESHNESS)
+    kept = OrderedDict((each, at) for each, at in received.at.items() if now - at <= REQUEST_FRESHNESS)
     kept[challenge] = now
-    return Heard(kept, challenge)
+    return ChallengeTimes(kept, challenge)
 
 
-def age_of_answer(heard: Heard, answer: Stamp, now: float) -> float | None:
+def age_of_answer(received: ChallengeTimes, answer: Stamp, now: float) -> float | None:
     """Seconds since the challenge arrived here; None for one that did not arrive within the last second."""
-    at = heard.at.get(answer)
+    at = received.at.get(answer)
     return max(0.0, now - at) if at is not None and now - at <= REQUEST_FRESHNESS else None
 
 
@@ -52,8 +52,8 @@ class DriverLink:
         self.lease: Lease | None = None
         """The lease; None before the mux has sent one."""
         self._node, self._limits, self._on_challenge = node, limits, on_challenge
-        self._heard = Heard()
-        self._heard_at = float("-inf")
+        self._received = ChallengeTimes()
+        self._received_at = float("-inf")
         self._velocities = node.publish(VELOCITIES, StampedTwist, Quality.FRESH)
         self._speed_limit = node.publish(f"{mux}/speed_limit", float)
         self._requests = node.publish(f"{mux}/lease_request", str, Quality.EVERY)
@@ -63,7 +63,7 @@ class DriverLink:
     @property
     def newest(self) -> Stamp | None:
         """The newest challenge; None before the first."""
-        return self._heard.newest
+        return self._received.newest
 
     @property
     def connected(self) -> bool:
@@ -72,11 +72,11 @@ class DriverLink:
 
     def link_age(self) -> float:
         """Return the seconds since the mux's last challenge; infinite before the first."""
-        return self._node.steady() - self._heard_at
+        return self._node.steady() - self._received_at
 
     def age_of(self, answer: Stamp) -> float | None:
         """Return the age of an answer in s; None for a challenge that did not arrive within the last second."""
-        return age_of_answer(self._heard, answer, self._node.steady())
+        return age_of_answer(self._received, answer, self._node.steady())
 
     def is_late(self, answer: Stamp) -> bool:
         """Return whether a request that sets something in motion is too old, where there is a mux that tells."""
@@ -111,8 +111,8 @@ class DriverLink:
 
     def _take_challenge(self, challenge: Time) -> None:
         stamp = divmod(challenge.stamp, SECOND)
-        self._heard_at = self._node.steady()
-        self._heard = hear(self._heard, stamp, self._heard_at)
+        self._received_at = self._node.steady()
+        self._received = keep_challenge(self._received, stamp, self._received_at)
         self._on_challenge(stamp)
 
 

@@ -49,7 +49,7 @@ class Diagnostics:
                     )
 
     def describe(self, now: float) -> list[dict[str, object]]:
-        """The components, the worst first. One that has not been heard of for long is stale, then forgotten."""
+        """The components, the worst first. One that has not reported for long is stale, then forgotten."""
         self._known = {name: each for name, each in self._known.items() if now - each[0] < _FORGOTTEN}
         found = [{**each, **({"level": "stale"} if now - at > STALE else {})} for at, each in self._known.values()]
         order = ("error", "stale", "warn", "ok")

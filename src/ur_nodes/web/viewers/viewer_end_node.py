@@ -5,7 +5,7 @@
 LINK is the descriptor of a socket. A line of JSON leaves by it: `host` and `port` of the server. The node ends when it
 is closed, or when another master has started. It subscribes to a topic while a viewer does.
 
-The server takes everybody who reaches it, web pages of all sites included. So it takes no messages of viewers, and
+The server takes every client that reaches it, web pages of all sites included. So it takes no messages of viewers, and
 listens at an address of the loopback interface that is drawn by chance: another site would have to try 2^39 pairs of
 address and port. Users of this computer can find it, as they can reach the master.
 """

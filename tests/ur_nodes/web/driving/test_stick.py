@@ -1,6 +1,6 @@
 from __future__ import annotations
 
-from ur_nodes.web.driving.driver_link import Heard, age_of_answer, hear
+from ur_nodes.web.driving.driver_link import ChallengeTimes, age_of_answer, keep_challenge
 from ur_nodes.web.driving.stick import GAP, StickState, end_stick, expire_stick, let_go, step_stick
 
 
@@ -68,8 +68,8 @@ def test_page_that_goes_ends_its_press() -> None:
 
 
 def test_answers_are_as_old_as_their_challenge_and_forgotten_ones_have_no_age() -> None:
-    heard = hear(hear(Heard(), (1, 0), 5.0), (1, 20), 5.5)
-    assert age_of_answer(heard, (1, 0), 5.6) == 5.6 - 5.0
-    assert age_of_answer(heard, (9, 9), 5.6) is None
-    assert age_of_answer(heard, (1, 0), 6.1) is None
-    assert (1, 0) not in hear(heard, (2, 0), 6.2).at
+    received = keep_challenge(keep_challenge(ChallengeTimes(), (1, 0), 5.0), (1, 20), 5.5)
+    assert age_of_answer(received, (1, 0), 5.6) == 5.6 - 5.0
+    assert age_of_answer(received, (9, 9), 5.6) is None
+    assert age_of_answer(received, (1, 0), 6.1) is None
+    assert (1, 0) not in keep_challenge(received, (2, 0), 6.2).at

@@ -37,8 +37,8 @@ GRAPH = SeenGraph(
     charge={"/battery_state": 0.8},
     frames={"base_link": SeenFrame(("/base",), ("odom",)), "odom": SeenFrame(("/slam",), ("map",))},
 )
-RUNNING = Ros2((JAZZY,), (process(), process(unit="lidar.service")), DOMAIN, graph=GRAPH, heard=True)
-TOOLS = Ros2((JAZZY,), shell=DOMAIN, called=DOMAIN, heard=True)
+RUNNING = Ros2((JAZZY,), (process(), process(unit="lidar.service")), DOMAIN, graph=GRAPH, receives=True)
+TOOLS = Ros2((JAZZY,), shell=DOMAIN, called=DOMAIN, receives=True)
 NO_ROS1 = {"openssh-server": "1"}
 HERE = replace(LAPTOP, ros={}, packages=NO_ROS1, messages={}, ros2=TOOLS)
 THERE = replace(ROBOT, ros={}, packages=NO_ROS1, messages={}, ros_setup=None, ros2=RUNNING)
@@ -113,7 +113,7 @@ CASES: list[tuple[str, ComputerPair]] = [
     ("ros2-middleware", here({"RMW_IMPLEMENTATION": "rmw_cyclonedds_cpp"})),
     ("ros2-local-only", here({"ROS_LOCALHOST_ONLY": "1"})),
     ("ros2-local-only", both({"ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"}, mine={})),
-    ("ros2-no-multicast", here(heard=False)),
+    ("ros2-no-multicast", here(receives=False)),
     ("ros2-discovery-server", both(SERVER, (11811,), mine={})),
     ("ros2-discovery-server", here(SERVER, ports=frozenset({11811}))),
     ("ros2-no-discovery-server", both(SERVER, (), mine={"ROS_DISCOVERY_SERVER": "bob.local:11811"})),

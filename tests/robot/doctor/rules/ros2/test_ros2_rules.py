@@ -54,7 +54,7 @@ def test_at_least_twenty_kinds_of_faults_are_seeded() -> None:
         replace(ROS2_PAIR, here=replace(HERE, ros2=Ros2())),  # a laptop without any ROS
         replace(ROS2_PAIR, selected=False, here=replace(HERE, ros2=replace(TOOLS, called={}, shell={}))),
         there(graph=None),  # nothing runs yet
-        here({"ROS_STATIC_PEERS": "bob.local"}, heard=False),
+        here({"ROS_STATIC_PEERS": "bob.local"}, receives=False),
         both({"ROS_DISCOVERY_SERVER": "127.0.0.1:11811"}, (11811,), mine={"ROS_DISCOVERY_SERVER": "bob.local:11811"}),
         scans(LOOSE, LOOSE),
         scans(Qos(latched=True), LOOSE),
@@ -110,7 +110,7 @@ def test_settings_of_this_shell_follow_the_robot() -> None:
     for pair, line in (
         (here({"ROS_DOMAIN_ID": "0"}), "export ROS_DOMAIN_ID=7"),
         (here({"RMW_IMPLEMENTATION": "rmw_cyclonedds_cpp"}), "export RMW_IMPLEMENTATION=rmw_fastrtps_cpp"),
-        (here(heard=False), "export ROS_STATIC_PEERS=bob.local"),
+        (here(receives=False), "export ROS_STATIC_PEERS=bob.local"),
         (both({"ROS_DISCOVERY_SERVER": "127.0.0.1:11811"}, (11811,), mine={}), "ROS_DISCOVERY_SERVER=bob.local:11811"),
     ):
         assert line in the_finding(pair).commands[0].line

@@ -89,7 +89,7 @@ def _check_range(pair: ComputerPair, mine: Mapping[str, str], theirs: Mapping[st
                 commands,
             )
             return
-    silent = [side for _, side, _ in pair.sides() if side.ros2.heard is False]
+    silent = [side for _, side, _ in pair.sides() if side.ros2.receives is False]
     known = {f"{there.name}.local", there.name, *there.addresses}
     if silent and not known & {*peers_of(mine)}:
         names = " and ".join(side.name for side in silent)
