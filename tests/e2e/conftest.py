@@ -12,6 +12,8 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from tests.ros2_session import PYTHON as ROS2_PYTHON
+from tests.ros2_session import free_domain
 from tests.ros_session import Client, free_port
 
 ROOT = Path(__file__).parents[2]
@@ -32,6 +34,19 @@ def make_environment(folder: Path) -> dict[str, str]:
         "XDG_CONFIG_HOME": str(home / ".config"),
         "XDG_DATA_HOME": str(home / ".local"),
     }
+
+
+@pytest.fixture(params=["1", "2"])
+def either_ros(request: pytest.FixtureRequest, tmp_path: Path) -> dict[str, str]:
+    """Select ROS 1 or ROS 2 for the environment that `make_environment` makes; what is to be set besides."""
+    if request.param == "1":
+        return {}
+    if not ROS2_PYTHON.exists():
+        pytest.skip("no wheels of ROS 2 for this processor")
+    more = {"ROS_DOMAIN_ID": free_domain(), "XDG_RUNTIME_DIR": str(tmp_path)}
+    command = [str(ROOT / "ur"), "use", "sim", "--ros", "2"]
+    subprocess.run(command, env=make_environment(tmp_path) | more, capture_output=True, check=True)
+    return more
 
 
 def list_family(pid: int) -> list[int]:

@@ -15,9 +15,11 @@ from tests.ur_nodes.simulator.renderer import needs_renderer
 pytestmark = [pytest.mark.ros, pytest.mark.timeout(200)]
 
 
-def run_program(folder: Path, program: str, *arguments: str, keys: str) -> subprocess.CompletedProcess[str]:
-    """`ur run` to the end with piped input; fails when a process of it is left."""
-    return run_command(folder, str(ROOT / "ur"), "run", program, *arguments, keys=keys)
+def run_program(
+    folder: Path, program: str, *arguments: str, keys: str, more: dict[str, str] | None = None
+) -> subprocess.CompletedProcess[str]:
+    """`ur run` to the end with piped input and `more` variables; fails when a process of it is left."""
+    return run_command(folder, str(ROOT / "ur"), "run", program, *arguments, keys=keys, more=more)
 
 
 def run_command(
@@ -39,8 +41,11 @@ def mentions(process: psutil.Process, address: str) -> bool:
     return (process.info["environ"] or {}).get("ROS_MASTER_URI") == address
 
 
-def test_piped_goals_are_driven_one_after_the_other_and_one_that_fails_makes_the_exit_code_one(tmp_path: Path) -> None:
-    done = run_program(tmp_path, "keyboard_navigate", keys="g 0.8 0 0\ng 2 x\ng 0 100\ng 1.5 0 180\n")
+def test_piped_goals_are_driven_one_after_the_other_and_one_that_fails_makes_the_exit_code_one(
+    tmp_path: Path, either_ros: dict[str, str]
+) -> None:
+    keys = "g 0.8 0 0\ng 2 x\ng 0 100\ng 1.5 0 180\n"
+    done = run_program(tmp_path, "keyboard_navigate", keys=keys, more=either_ros)
     first, outside, second = done.stdout.splitlines()
     assert first.startswith("g 0.8 0 0: reached, ")
     assert "outside the map" in outside
