@@ -7,7 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 from PIL import Image
-from tests.e2e.test_programs import run_program
+from tests.e2e.conftest import ROOT
+from tests.e2e.test_programs import run_command, run_program
 
 from ur_nodes.geometry.grid import load_map
 
@@ -29,7 +30,9 @@ def write_two_rooms(folder: Path) -> Path:
     return world
 
 
-def test_robot_explores_two_rooms_and_the_program_ends_with_their_map(tmp_path: Path) -> None:
+def test_robot_explores_two_rooms_then_drives_and_patrols_on_their_map_and_keeps_out_of_a_zone(
+    tmp_path: Path, either_ros: dict[str, str]
+) -> None:
     world, name = write_two_rooms(tmp_path), tmp_path / "map"
     done = run_program(
         tmp_path,
@@ -40,6 +43,7 @@ def test_robot_explores_two_rooms_and_the_program_ends_with_their_map(tmp_path: 
         f"map_name:={name}",
         "use_rviz:=false",
         keys="",
+        more=either_ros,
     )
     assert done.returncode == 0, done.stdout + done.stderr
     assert "the map is complete: 0 frontiers reachable" in done.stdout
@@ -47,6 +51,18 @@ def test_robot_explores_two_rooms_and_the_program_ends_with_their_map(tmp_path: 
     grid = load_map(f"{name}.yaml")
     known = float((grid.values == 0).sum()) * grid.resolution**2
     assert 7.0 < known < 8.5
+
+    zone = ("zone", "stairs", "keep-out", "2.2", "-0.9", "3.0", "0.9")
+    edited = run_command(tmp_path, str(ROOT / "ur"), "maps", "edit", "rooms", *zone, keys="", more=either_ros)
+    assert edited.returncode == 0, edited.stderr
+    keys = "g 0.6 0.3 0\nw door\ng 0 0\nw home\ng 2.6 0\npatrol wait=0 door home\n"
+    arguments = (f"world:={world}", "map:=rooms", "use_rviz:=false")
+    done = run_program(tmp_path, "keyboard_navigate", *arguments, keys=keys, more=either_ros)
+    first, _, second, _, kept_out, patrol = done.stdout.splitlines()
+    assert first.startswith("g 0.6 0.3 0: reached, ")
+    assert second.startswith("g 0 0: reached, ")
+    assert "zone" in kept_out
+    assert patrol == "patrol wait=0 door home: started"
 
 
 def test_robot_drives_to_places_on_the_map_that_grows_and_waypoints_belong_to_its_name(tmp_path: Path) -> None:
