@@ -9,7 +9,8 @@ from dataclasses import dataclass, field
 from ur.check.rule import LaunchView
 from ur.check.survey import walk_elements
 from ur.launchfile.syntax import Element
-from ur.source.file import Span
+from ur.source.file import SourceFile, Span
+from ur.source.foreign.json_values import Count, ForeignValue
 
 _PIECE = re.compile(r"\$\([^)]*\)")
 _IN_PACKAGE = re.compile(r"\$\(find\s+(\S+)\s*\)/")
@@ -21,6 +22,15 @@ class Inclusions:
 
     tags: Mapping[str, tuple[Span, ...]] = field(default_factory=dict)
     passed: Mapping[str, frozenset[str]] = field(default_factory=dict)
+
+
+class IncludeTag(ForeignValue, frozen=True, array_like=True):
+    """An `<include>` tag: its `file` as it is written, the place of that, and the arguments that it passes."""
+
+    file: str
+    start: Count
+    end: Count
+    passes: tuple[str, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,19 +55,21 @@ class IncludeFinder:
             if view.package is not None:
                 self._folders.setdefault(view.package.name, {})[view.package.folder] = None
 
-    def find(self, view: LaunchView) -> tuple[PossibleInclude, ...]:
+    def find(self, source: SourceFile, tags: Iterable[IncludeTag]) -> tuple[PossibleInclude, ...]:
         """The tags of a file that may mean others, each with those."""
         found = []
-        for element in list_includes(view):
-            files = self.files_of(element, view)
+        for tag in tags:
+            files = self._meant_in(source.path, tag.file)
             if files:
-                passes = frozenset(_passed_by(element, view))
-                found.append(PossibleInclude(element.value_span("file"), files, passes))
+                found.append(PossibleInclude(Span(source, tag.start, tag.end), files, frozenset(tag.passes)))
         return tuple(found)
 
     def files_of(self, include: Element, view: LaunchView) -> tuple[str, ...]:
         """The files that a tag of a file may mean, without that file."""
-        return tuple(path for path in self._meant_by(include.attributes.get("file", "")) if path != view.path)
+        return self._meant_in(view.path, include.attributes.get("file", ""))
+
+    def _meant_in(self, path: str, file: str) -> tuple[str, ...]:
+        return tuple(meant for meant in self._meant_by(file) if meant != path)
 
     def _meant_by(self, file: str) -> Iterable[str]:
         parts = _PIECE.split(file)
@@ -76,6 +88,14 @@ class IncludeFinder:
 def list_includes(view: LaunchView) -> Iterator[Element]:
     """The `<include>` tags of a launch file."""
     return (element for element, _ in walk_elements(view.tree.launch) if element.name == "include")
+
+
+def list_include_tags(view: LaunchView) -> Iterator[IncludeTag]:
+    """The `<include>` tags of a launch file, without its tree."""
+    for element in list_includes(view):
+        span = element.value_span("file")
+        passes = tuple(sorted({*_passed_by(element, view)}))
+        yield IncludeTag(element.attributes.get("file", ""), span.start, span.end, passes)
 
 
 def passes_all(include: Element) -> bool:

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from enum import Enum
 from typing import TYPE_CHECKING
 
+from ur.check.survey import Survey
 from ur.source.diagnostic import Diagnostic, Note, Severity
 
 if TYPE_CHECKING:
@@ -86,11 +87,29 @@ class LaunchView:
     """A launch file and what its rules need to know about it."""
 
     path: str
-    tree: LaunchFile
     package: Package | None
-    declared: Mapping[str, tuple[Element, ...]]  # by name: its <arg> tags outside of <include>
-    used: Mapping[str, tuple[Span, ...]]  # by argument: where $(arg) or $(eval) speak of it
     world: World
+    survey: Survey
+
+    @property
+    def tree(self) -> LaunchFile:
+        """The syntax tree."""
+        return self.survey.tree
+
+    @property
+    def declared(self) -> Mapping[str, tuple[Element, ...]]:
+        """The `<arg>` tags outside of `<include>`, by name."""
+        return self.survey.declared
+
+    @property
+    def used(self) -> Mapping[str, tuple[Span, ...]]:
+        """The places where `$(arg)` or `$(eval)` speak of an argument, by its name."""
+        return self.survey.used
+
+
+def survey_launch_file(path: str, package: Package | None, world: World) -> LaunchView:
+    """A launch file as rules see it. Raises OSError."""
+    return LaunchView(path, package, world, Survey(path, world.read_bytes(path)))
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from ur.check.cache.answers import CHECKED, digest_of
+from ur.check.cache.outline import Outline
 from ur.check.cache.recall import Asked, Recall, describe_package
 from ur.check.catalogue import load_rules
 from ur.check.collect import may_be_checked
@@ -18,9 +19,9 @@ from ur.check.findings.suppress import read_line_suppressions
 from ur.check.plans import Given, PlanChecks
 from ur.check.rule import LaunchView, Package, PackageView, ProgramView, YamlView
 from ur.check.sources import CheckSources
+from ur.check.survey import Survey
 from ur.check.visitor import Visitor
 from ur.check.worlds import CachedWorld, Question
-from ur.launchfile.syntax import LaunchFile
 from ur.launchfile.world import World
 from ur.source.diagnostic import Diagnostic, error
 from ur.source.file import SourceFile, Span
@@ -115,8 +116,9 @@ class CheckSession:
         """Take in any change: files, packages and variables are those of `world` now. Raises UserError as at first."""
         before, unfinished = self.sources, frozenset(self._todo)
         self._begin(CheckSources(self._paths, world))
-        trees = {path: tree for path, tree in before.trees.items() if self._is_same(("read_bytes", path), before)}
-        self._read(trees)
+        views = {**before.views, **before.neighbours}
+        known = {path: view.survey for path, view in views.items() if self._is_same(("read_bytes", path), before)}
+        self._read(known)
         same: dict[Question, bool] = {}
 
         def stays(question: Question) -> bool:
@@ -128,7 +130,7 @@ class CheckSession:
             view = self.sources.views.get(unit[1]) if unit[0] == _LAUNCH else None
             if unit not in self._todo and not (unit[0] == _LAUNCH and unit[1] in self.sources.unreadable):
                 self._index.store(unit, None)
-            elif view is None or unit in unfinished or view.path not in trees:
+            elif view is None or unit in unfinished or view.path not in known:
                 continue
             elif found.inputs == self._inputs_of(view) and all(map(stays, found.asked)):
                 del self._todo[unit]
@@ -163,10 +165,16 @@ class CheckSession:
         """Return whether nothing is to be done."""
         return self._was_read and not self._todo
 
-    def _read(self, known: Mapping[str, LaunchFile]) -> None:
+    def _recall_outline(self, path: str) -> Outline | None:
+        return self._recall.find_outline(path, self._asked) if self._recall is not None else None
+
+    def _read(self, known: Mapping[str, Survey]) -> None:
         self._was_read = True
         sources, targets = self.sources, self.sources.targets
-        sources.read(known, self._progress)
+        sources.read(known, self._recall_outline, self._progress)
+        if self._recall is not None:
+            for path, outline in sources.outlines.items():
+                self._recall.keep_outline(path, outline, self._asked)
         self._index.comments = dict(sources.comments)
         for path, found in sources.unreadable.items():
             self._store((_LAUNCH, path), FoundByUnit((Hit(found),)))
@@ -244,7 +252,8 @@ class CheckSession:
 
     def _check_arguments(self) -> Iterator[Diagnostic]:
         line = SourceFile(_COMMAND_LINE, " ".join(f"{name}:={value}" for name, value in self._arguments.items()))
-        declared = {name for view in self.sources.views.values() for name in view.declared}
+        views = self.sources.views.values() if self._arguments else ()  # which are not parsed without need
+        declared = {name for view in views for name in view.declared}
         for name in self._arguments:
             if name in declared:
                 continue

@@ -2,37 +2,46 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
+from types import MappingProxyType
 
+from ur.check.cache.outline import Outline, outline_of
 from ur.check.cache.recall import NotedTrees
 from ur.check.collect import collect_targets, is_script, list_launch_files, may_be_checked
-from ur.check.findings.suppress import Suppression, read_xml_suppressions
+from ur.check.findings.suppress import Suppression
 from ur.check.inclusion import IncludeFinder, Inclusions, PossibleInclude, merge_includes
-from ur.check.rule import LaunchView, Package
-from ur.check.survey import survey_launch_file
+from ur.check.rule import LaunchView, Package, survey_launch_file
+from ur.check.survey import Survey
 from ur.check.worlds import CachedWorld
-from ur.launchfile.syntax import LaunchFile
 from ur.launchfile.world import World
 from ur.source.diagnostic import Diagnostic, error
 from ur.source.file import SourceFile, Span
 from ur.source.progress import Progress, counted
 
 _STRUCTURE = ("package.xml", "base.yaml", "CATKIN_IGNORE")  # files that tell how others are checked
+RecallOutline = Callable[[str], Outline | None]  # of the file at a path, as it is now
+_NOTHING: Mapping[str, Survey] = MappingProxyType({})
+
+
+def _recall_nothing(_path: str) -> None:
+    return None
 
 
 class CheckSources:
     """The files that a check of `paths` reads. Raises UserError for a bad path.
 
     `views` are the launch files that are checked, `neighbours` other ones of the same packages, which may include them;
-    `trees` all launch files that have been read. `unreadable` and `comments` are findings and suppressions by path.
+    `trees` all launch files that have been parsed. `unreadable` and `comments` are findings and suppressions by path,
+    `outlines` what is known of the views and neighbours.
     """
 
     def __init__(self, paths: Sequence[str], world: World) -> None:
         self.world = CachedWorld(world)
         self.targets = collect_targets(paths, self.world)
-        self.trees = NotedTrees(self.world)
         self.views: dict[str, LaunchView] = {}
+        self.trees = NotedTrees(self.world, self.views)
+        self.outlines: dict[str, Outline] = {}
         self.neighbours: dict[str, LaunchView] = {}
         self.inclusions = Inclusions()
         self.unreadable: dict[str, Diagnostic] = {}
@@ -40,32 +49,30 @@ class CheckSources:
         self._includes: dict[str, tuple[PossibleInclude, ...]] = {}
         self._yaml = frozenset(self.targets.yaml_files)
 
-    def read(self, known: Mapping[str, LaunchFile], progress: Progress) -> None:
-        """Read all launch files, except for those whose trees are `known`."""
+    def read(self, known: Mapping[str, Survey], recall: RecallOutline, progress: Progress) -> None:
+        """Read all launch files, except for those that are `known`; those that `recall` has are not parsed."""
         for path in counted(self.targets.launch_files, "reading", "launch files", progress):
-            self._read_view(path, known.get(path))
+            self._read_view(path, known, recall)
         folders = {view.package.folder: view.package for view in self.views.values() if view.package is not None}
         for folder, package in folders.items():
             progress(f"finding files that include them in {package.name}")
             for path in list_launch_files(folder, self.world):
                 if path not in self.views:
                     with suppress(OSError):
-                        self.neighbours[path] = survey_launch_file(path, package, self.world, known.get(path))
+                        self._read_neighbour(path, package, known, recall)
         self._finder = IncludeFinder(self._all_views())
         for view in self._all_views():
-            self._includes[view.path] = self._finder.find(view)
+            self._note_includes(view.path)
         self._merge_includes()
 
     def read_again(self, path: str) -> Iterator[str]:
         """Read a launch file that says something else now; yields those whose including files differ by that."""
         before = self.inclusions
         if path in self.neighbours:
-            view = survey_launch_file(path, self.neighbours[path].package, self.world)
-            self.neighbours[path] = view
+            self._read_neighbour(path, self.neighbours[path].package)
         else:
-            self._read_view(path, None)
-            view = self.views[path]
-        self._includes[path] = self._finder.find(view)
+            self._read_view(path)
+        self._note_includes(path)
         self._merge_includes()
         for each in self.views:
             same = before.passed.get(each) == self.inclusions.passed.get(each)
@@ -98,15 +105,38 @@ class CheckSources:
         except (OSError, UnicodeDecodeError):
             return None
 
-    def _read_view(self, path: str, tree: LaunchFile | None) -> None:
+    def _read_view(
+        self, path: str, known: Mapping[str, Survey] = _NOTHING, recall: RecallOutline = _recall_nothing
+    ) -> None:
         try:
-            view = survey_launch_file(path, self.targets.package_of(path), self.world, tree)
+            self.views[path] = self._survey(path, self.targets.package_of(path), known, recall)
         except OSError as problem:
             self.unreadable[path] = _explain_unreadable(path, problem)
             return
-        self.views[path] = view
-        self.trees[path] = view.tree
-        self.comments[path] = read_xml_suppressions(view.tree)
+        self.comments[path] = self.outlines[path].comments
+
+    def _read_neighbour(
+        self,
+        path: str,
+        package: Package | None,
+        known: Mapping[str, Survey] = _NOTHING,
+        recall: RecallOutline = _recall_nothing,
+    ) -> None:
+        self.neighbours[path] = self._survey(path, package, known, recall)
+
+    def _survey(
+        self, path: str, package: Package | None, known: Mapping[str, Survey], recall: RecallOutline
+    ) -> LaunchView:
+        survey = known.get(path)
+        view = (
+            LaunchView(path, package, self.world, survey) if survey else survey_launch_file(path, package, self.world)
+        )
+        self.outlines[path] = recall(path) or outline_of(view)
+        return view
+
+    def _note_includes(self, path: str) -> None:
+        outline = self.outlines[path]
+        self._includes[path] = self._finder.find(outline.source, outline.includes)
 
     def _all_views(self) -> Iterable[LaunchView]:
         return (*self.views.values(), *self.neighbours.values())

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping
+from functools import cached_property
 
-from ur.check.rule import LaunchView, Package
 from ur.launchfile.syntax import (
     Element,
     LaunchFile,
@@ -14,58 +14,45 @@ from ur.launchfile.syntax import (
     parse_launch_file,
     parse_substitutions,
 )
-from ur.launchfile.world import World
 from ur.source.file import Span
 
 _WORD = re.compile(r"[A-Za-z_]\w*")
 _OTHER_COMMANDS = frozenset({"find", "env", "optenv", "dirname", "anon"})
 
 
-def survey_launch_file(path: str, package: Package | None, world: World, tree: LaunchFile | None = None) -> LaunchView:
-    """A launch file and the arguments it declares and uses; `tree` where it is parsed already. Raises OSError."""
-    tree = parse_launch_file(path, world.read_bytes(path)) if tree is None else tree
-    declared: dict[str, list[Element]] = {}
-    for element, parent in walk_elements(tree.launch):
-        name = element.attributes.get("name")
-        if element.name == "arg" and name and (parent is None or parent.name != "include"):
-            declared.setdefault(name, []).append(element)
-    return LaunchView(
-        path,
-        tree,
-        package,
-        {name: tuple(elements) for name, elements in declared.items()},
-        ArgumentUses(tree),
-        world,
-    )
-
-
-class ArgumentUses(Mapping[str, tuple[Span, ...]]):
-    """The places that speak of arguments, by name; looked for when the first is asked for.
+class Survey:
+    """The tree of a launch file and what it holds, each found when it is first asked for.
 
     A check that recalls the findings of a file never asks.
     """
 
-    def __init__(self, tree: LaunchFile) -> None:
-        self._tree = tree
-        self._found: dict[str, tuple[Span, ...]] | None = None
+    def __init__(self, path: str, data: bytes) -> None:
+        self._path = path
+        self._data = data
 
-    def _find(self) -> dict[str, tuple[Span, ...]]:
-        if self._found is None:
-            used: dict[str, list[Span]] = {}
-            for element, _ in walk_elements(self._tree.launch):
-                for argument, span in find_uses(element):
-                    used.setdefault(argument, []).append(span)
-            self._found = {name: tuple(spans) for name, spans in used.items()}
-        return self._found
+    @cached_property
+    def tree(self) -> LaunchFile:
+        """The syntax tree."""
+        return parse_launch_file(self._path, self._data)
 
-    def __getitem__(self, name: str) -> tuple[Span, ...]:
-        return self._find()[name]
+    @cached_property
+    def declared(self) -> Mapping[str, tuple[Element, ...]]:
+        """See LaunchView."""
+        declared: dict[str, list[Element]] = {}
+        for element, parent in walk_elements(self.tree.launch):
+            name = element.attributes.get("name")
+            if element.name == "arg" and name and (parent is None or parent.name != "include"):
+                declared.setdefault(name, []).append(element)
+        return {name: tuple(elements) for name, elements in declared.items()}
 
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._find())
-
-    def __len__(self) -> int:
-        return len(self._find())
+    @cached_property
+    def used(self) -> Mapping[str, tuple[Span, ...]]:
+        """See LaunchView."""
+        used: dict[str, list[Span]] = {}
+        for element, _ in walk_elements(self.tree.launch):
+            for argument, span in find_uses(element):
+                used.setdefault(argument, []).append(span)
+        return {name: tuple(spans) for name, spans in used.items()}
 
 
 def walk_elements(top: Element | None) -> Iterator[tuple[Element, Element | None]]:

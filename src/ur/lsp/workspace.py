@@ -9,9 +9,8 @@ from contextlib import suppress
 
 from ur.check.cases import resolve_cases
 from ur.check.collect import collect_targets
-from ur.check.rule import LaunchView
+from ur.check.rule import LaunchView, survey_launch_file
 from ur.check.session import CheckSession
-from ur.check.survey import survey_launch_file
 from ur.check.worlds import CachedWorld
 from ur.launchfile.plan.specs import Plan, TraceStep
 from ur.launchfile.syntax.decode import decode_text

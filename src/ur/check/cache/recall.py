@@ -12,8 +12,9 @@ from dataclasses import dataclass, field
 
 from ur.check.cache.answers import CHECKED, Answers, digest_of
 from ur.check.cache.findings import KeptHits, TooLargeError, decode_hits, encode_hits
+from ur.check.cache.outline import KeptOutline, Outline, decode_outline, encode_outline
 from ur.check.findings.merge import Hit
-from ur.check.rule import Package
+from ur.check.rule import LaunchView, Package
 from ur.check.worlds import CachedWorld, Question
 from ur.launchfile.syntax import LaunchFile
 from ur.launchfile.syntax.decode import decode_text
@@ -34,10 +35,11 @@ class RecalledFile(ForeignValue, frozen=True, array_like=True):
 
 @dataclass(frozen=True, slots=True)
 class KnownFindings:
-    """Findings of a check by the path of the file, and each question with the digest of its answer."""
+    """Findings and outlines by the path of the file, and each question with the digest of its answer."""
 
     questions: Sequence[tuple[Question, str]] = ()
     units: Mapping[str, RecalledFile] = field(default_factory=dict)
+    outlines: Mapping[str, KeptOutline] = field(default_factory=dict)
 
 
 class Recall:
@@ -49,18 +51,37 @@ class Recall:
         self._numbers: dict[Question, int] = {}
         self._questions: list[tuple[Question, str]] = []
         self._units: dict[str, RecalledFile] = {}
+        self._outlines: dict[str, KeptOutline] = {}
         self.changed = False  # this check found something that the earlier one did not know
         self.recalled = 0  # files whose findings were taken from the earlier check
 
     @property
     def forgets(self) -> bool:
         """Return whether something that the earlier check knew is of no use any more."""
-        return len(self._units) < len(self._known.units)
+        return len(self._units) < len(self._known.units) or len(self._outlines) < len(self._known.outlines)
 
     @property
     def now(self) -> KnownFindings:
         """The findings of this check, for the next one."""
-        return KnownFindings(tuple(self._questions), dict(self._units))
+        return KnownFindings(tuple(self._questions), dict(self._units), dict(self._outlines))
+
+    def find_outline(self, path: str, world: Asked) -> Outline | None:
+        """The outline of a launch file, where that is known and its text is the same."""
+        kept = self._known.outlines.get(path)
+        if kept is None or kept.digest != world.answers.digest_of(("read_bytes", path)):
+            return None
+        try:
+            outline = decode_outline(kept, world.read_text(path))
+        except (ValueError, OSError):
+            return None  # damaged: found again
+        self._outlines[path] = kept
+        return outline
+
+    def keep_outline(self, path: str, outline: Outline, world: Asked) -> None:
+        """Keep the outline of a launch file for the next check."""
+        if path not in self._outlines:
+            self.changed = True
+            self._outlines[path] = encode_outline(outline, world.answers.digest_of(("read_bytes", path)))
 
     def find(self, path: str, inputs: object, world: Asked) -> tuple[list[Hit], set[Question]] | None:
         """The hits of a file that are known and still hold, with the questions that they depend on.
@@ -129,16 +150,18 @@ class Asked:
 
 
 class NotedTrees(dict[str, LaunchFile]):
-    """Launch files by absolute path. That one is asked for is noted as a question for its content."""
+    """Launch files by absolute path, with those of `views`. That one is asked for is noted as a question."""
 
-    def __init__(self, world: CachedWorld) -> None:
+    def __init__(self, world: CachedWorld, views: Mapping[str, LaunchView]) -> None:
         super().__init__()
         self._world = world
+        self._views = views
 
     def get(self, path: str, default: LaunchFile | None = None) -> LaunchFile | None:  # type: ignore[override]
         """See dict."""
         self._world.note("read_bytes", path)
-        return super().get(path, default)
+        view = self._views.get(path)
+        return view.tree if view is not None else super().get(path, default)
 
 
 def describe_package(package: Package | None) -> object:

@@ -20,12 +20,13 @@ from typing import Annotated
 from msgspec import Meta
 
 from ur.check.cache.answers import is_question
+from ur.check.cache.outline import KeptOutline
 from ur.check.cache.recall import KnownFindings, Recall, RecalledFile
 from ur.source.foreign.json_values import read_json_names, write_json_names
 from ur.source.replace import PRIVATE, make_folder, replace_file
 from ur.source.user_folders import user_folder
 
-FORMAT = 2
+FORMAT = 3
 _SUFFIX = ".json"
 _HEADER = 1000  # bytes at most
 
@@ -56,6 +57,7 @@ class _Body:
 
     questions: tuple[Annotated[tuple[str, ...], Meta(min_length=2)], ...]
     units: Mapping[str, RecalledFile]
+    outlines: Mapping[str, KeptOutline]
 
 
 def cache_folder(environment: Mapping[str, str]) -> str:
@@ -86,8 +88,9 @@ def store_recall(recall: Recall, path: str, program: str, bounds: CacheBounds = 
         if not recall.changed and not recall.forgets:
             os.utime(path)
             return
-    questions = tuple((digest, *question) for question, digest in recall.now.questions)
-    text = write_json_names(_Body(questions, recall.now.units))
+    now = recall.now
+    questions = tuple((digest, *question) for question, digest in now.questions)
+    text = write_json_names(_Body(questions, now.units, now.outlines))
     header = write_json_names(_Header(bounds.format, program, _digest(text.encode())))
     if len(text) > bounds.bytes - _HEADER:
         return
@@ -118,7 +121,7 @@ def _read_known(data: bytes, program: str, bounds: CacheBounds) -> KnownFindings
     count = len(body.questions)
     if any(number >= count for unit in body.units.values() for number in unit.questions):
         raise ValueError("not the questions of a file")
-    return KnownFindings([(each[1:], each[0]) for each in body.questions], body.units)
+    return KnownFindings([(each[1:], each[0]) for each in body.questions], body.units, body.outlines)
 
 
 def _remove_oldest(folder: str, bounds: CacheBounds) -> None:

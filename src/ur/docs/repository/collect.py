@@ -11,8 +11,7 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 
 from ur.check.collect import Targets, collect_targets, is_script
-from ur.check.rule import BaseNames, LaunchView, Package
-from ur.check.survey import survey_launch_file
+from ur.check.rule import BaseNames, LaunchView, Package, survey_launch_file
 from ur.check.worlds import CachedWorld
 from ur.docs.repository.bases import infer_bases
 from ur.docs.repository.world import RepositoryWorld

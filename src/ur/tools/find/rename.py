@@ -7,8 +7,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 
 from ur.check.cases import resolve_cases
-from ur.check.rule import LaunchView
-from ur.check.survey import survey_launch_file
+from ur.check.rule import LaunchView, survey_launch_file
 from ur.check.worlds import CachedWorld
 from ur.launchfile.plan.specs import Plan
 from ur.launchfile.world import World

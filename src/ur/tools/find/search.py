@@ -8,8 +8,8 @@ from contextlib import suppress
 
 from ur.check.cases import resolve_cases
 from ur.check.collect import Targets, collect_targets
-from ur.check.rule import LaunchView
-from ur.check.survey import find_uses, survey_launch_file, walk_elements
+from ur.check.rule import LaunchView, survey_launch_file
+from ur.check.survey import find_uses, walk_elements
 from ur.check.worlds import CachedWorld, has_marker
 from ur.launchfile.plan.specs import ParamSpec, Plan, RemapStep, TraceStep
 from ur.launchfile.world import World

@@ -7,8 +7,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, fields, is_dataclass
 
 from ur.check.cases import resolve_cases
-from ur.check.rule import Package
-from ur.check.survey import survey_launch_file
+from ur.check.rule import Package, survey_launch_file
 from ur.check.worlds import CachedWorld
 from ur.launchfile.plan.specs import Origin, Plan
 from ur.launchfile.syntax import Comment, Element, LaunchFile, parse_launch_file

@@ -7,8 +7,8 @@ from collections.abc import Iterator
 
 from ur.check.cases import resolve_cases
 from ur.check.collect import collect_targets
-from ur.check.rule import LaunchView, Package
-from ur.check.survey import survey_launch_file, walk_possible
+from ur.check.rule import LaunchView, Package, survey_launch_file
+from ur.check.survey import walk_possible
 from ur.check.worlds import CachedWorld, has_marker
 from ur.launchfile.world import World
 from ur.source.file import SourceFile, Span

@@ -97,8 +97,11 @@ def _find_other_name(view: LaunchView) -> Iterable[RuleFinding]:
 
 def _find_wrong_suffix(view: PackageView) -> Iterable[RuleFinding]:
     for launch_view in view.launch_files:
-        launch, name = launch_view.tree.launch, file_name(launch_view)
-        if launch is None or launch_directory(launch_view) is None or name.endswith(".launch.xml"):
+        name = file_name(launch_view)
+        if launch_directory(launch_view) is None or name.endswith(".launch.xml"):
+            continue
+        launch = launch_view.tree.launch
+        if launch is None:
             continue
         if not name.endswith(".launch"):
             yield RuleFinding(
@@ -128,11 +131,12 @@ def _suffix_example(suffix: str, part: str) -> Example:
 
 def _find_unused_file(view: PackageView) -> Iterable[RuleFinding]:
     for launch_view in view.launch_files:
-        launch, name = launch_view.tree.launch, file_name(launch_view)
-        if launch is None or launch_directory(launch_view) is None or not name.endswith(".launch.xml"):
+        name = file_name(launch_view)
+        if launch_directory(launch_view) is None or not name.endswith(".launch.xml"):
             continue
         started = any(name in program.source.text for program in view.programs)
-        if launch_view.path not in view.included and not started:
+        launch = launch_view.tree.launch if launch_view.path not in view.included and not started else None
+        if launch is not None:
             yield RuleFinding(
                 launch.span,
                 f"nothing uses {name}, expected a launch file that includes it or a program that starts it",

@@ -1,0 +1,65 @@
+"""Outlines of launch files: what a check needs to know of one whose findings it recalls, so that it is not parsed."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ur.check.findings.suppress import Suppression, read_xml_suppressions
+from ur.check.inclusion import IncludeTag, list_include_tags
+from ur.check.rule import LaunchView
+from ur.source.file import SourceFile, Span
+from ur.source.foreign.json_values import Count, ForeignValue
+
+
+@dataclass(frozen=True, slots=True)
+class Outline:
+    """The `<include>` tags of a launch file, and the comments that hide findings."""
+
+    source: SourceFile
+    includes: tuple[IncludeTag, ...]
+    comments: tuple[Suppression, ...]
+
+
+class KeptComment(ForeignValue, frozen=True, array_like=True):
+    """A suppression; `place` is its span."""
+
+    place: tuple[Count, Count]
+    rules: tuple[str, ...]
+    start: Count | None
+    end: Count
+    reason: str
+    problem: str | None
+
+
+class KeptOutline(ForeignValue, frozen=True, array_like=True):
+    """An outline; `digest` is that of the answer to the question for the content of the file."""
+
+    digest: str
+    includes: tuple[IncludeTag, ...]
+    comments: tuple[KeptComment, ...]
+
+
+def outline_of(view: LaunchView) -> Outline:
+    """The outline of a launch file, which is parsed for it."""
+    return Outline(view.tree.source, tuple(list_include_tags(view)), read_xml_suppressions(view.tree))
+
+
+def encode_outline(outline: Outline, digest: str) -> KeptOutline:
+    """Return an outline to keep."""
+    comments = (
+        KeptComment((each.span.start, each.span.end), each.rules, each.start, each.end, each.reason, each.problem)
+        for each in outline.comments
+    )
+    return KeptOutline(digest, outline.includes, tuple(comments))
+
+
+def decode_outline(kept: KeptOutline, source: SourceFile) -> Outline:
+    """Return the outline that encode_outline was given. Raises ValueError for places outside of the text."""
+    places = [*((tag.start, tag.end) for tag in kept.includes), *(each.place for each in kept.comments)]
+    if not all(start <= end <= len(source.text) for start, end in places):
+        raise ValueError("a place outside of its text")
+    comments = (
+        Suppression(Span(source, *each.place), each.rules, each.start, each.end, each.reason, each.problem)
+        for each in kept.comments
+    )
+    return Outline(source, kept.includes, tuple(comments))
