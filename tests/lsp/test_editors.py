@@ -100,6 +100,17 @@ def test_neovim_shows_findings_while_a_file_is_edited(launch_file: Path) -> None
     assert lines == ["findings [undeclared-argument:2]", "findings []", "definition line 1"], printed
 
 
+def test_vs_code_shows_findings_while_a_file_is_edited(launch_file: Path) -> None:
+    # The extension and vscode-languageclient themselves; what they use of VS Code is in test/vscode.js.
+    folder = ROOT / "editors/vscode"
+    if shutil.which("node") is None or not (folder / "out/extension.js").is_file():
+        pytest.skip("the extension is not built: cd editors/vscode && npm ci && npm run build, which needs Node.js")
+    printed = run(["node", f"{folder}/test/session.js", str(folder), str(launch_file)], launch_file)
+    lines = [line for line in printed.splitlines() if line.startswith(("findings", "definition", "commands"))]
+    expected = ["findings [undeclared-argument:2]", "findings []", "definition line 1", "commands ur.graph ur.launch"]
+    assert lines == expected, printed
+
+
 def test_emacs_shows_findings_while_a_file_is_edited(launch_file: Path) -> None:
     if shutil.which("emacs") is None:
         pytest.skip("Emacs is not installed: sudo apt-get install emacs-nox elpa-eglot")

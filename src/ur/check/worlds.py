@@ -113,6 +113,7 @@ class CachedWorld:
         self._folder = folder
         self.environment: Mapping[str, str] = world.environment if environment is None else environment
         self._answers: dict[Question, object] = {}
+        self._absolutes: dict[str, str] = {}
         self._notes = _Notes()
 
     @property
@@ -159,6 +160,7 @@ class CachedWorld:
         """The same world, answers and notes included, with other variables and another folder."""
         other = CachedWorld(self._world, environment, folder)
         other._answers = self._answers
+        other._absolutes = self._absolutes
         other._notes = self._notes
         return other
 
@@ -221,9 +223,13 @@ class CachedWorld:
         return self._ask("list_folder", path)  # type: ignore[no-any-return]  # likewise
 
     def _absolute(self, path: str) -> str:
-        if not path.startswith("/"):  # the others do not depend on the working folder
+        if not path.startswith("/"):
             self.note("absolute", path)
-        return self._world.absolute(path)
+            return self._world.absolute(path)
+        known = self._absolutes.get(path)  # which does not depend on the working folder
+        if known is None:
+            known = self._absolutes[path] = self._world.absolute(path)
+        return known
 
     def _ask(self, *question: str) -> Any:
         if self._notes.questions is not None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import gc
 import time
 
 from lsprotocol import types
@@ -15,6 +16,7 @@ from ur.source.file import SourceFile
 
 _TURN = 0.005  # seconds of work before the next message is looked at
 _QUIET = 0.03  # seconds without a message after which other files are looked at
+_IDLE = 2.0  # seconds without work after which memory is collected, which would keep a key waiting
 
 
 class LaunchServer(LanguageServer):
@@ -28,9 +30,11 @@ class LaunchServer(LanguageServer):
         self._published: dict[str, object] = {}
         self._first: list[str] = []
         self._working: asyncio.Task[None] | None = None
+        self._collecting: asyncio.TimerHandle | None = None
 
     def begin(self, folders: list[str]) -> None:
         """Open folders, in place of those that were open."""
+        gc.disable()
         self.files = Workspace(folders, self.make_world)
         self.units = Units(self.workspace.position_encoding or types.PositionEncodingKind.Utf16)
 
@@ -48,6 +52,8 @@ class LaunchServer(LanguageServer):
     def find(self, path: str) -> None:
         """Find what is wrong, in `path` first."""
         self._first = [path, *(each for each in self._first if each != path)][:8]
+        if self._collecting is not None:
+            self._collecting.cancel()
         if self._working is None or self._working.done():
             self._working = asyncio.get_running_loop().create_task(self._work())
 
@@ -68,6 +74,7 @@ class LaunchServer(LanguageServer):
                 if self.files.version != version:
                     break
             else:
+                self._collecting = asyncio.get_running_loop().call_later(_IDLE, gc.collect)
                 return
 
     def _publish(self, paths: frozenset[str]) -> None:
