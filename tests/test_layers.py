@@ -83,7 +83,21 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
         "ur_nodes.ports",
         "ur_nodes.run",
     ),
-    "ur_nodes.drivers": ("ur.source", "ur.robot.base", "ur_nodes.geometry", "ur_nodes.ports", "ur_nodes.run"),
+    "ur_nodes.drivers": (
+        "ur.source",
+        "ur.robot.base",
+        "ur_nodes.geometry",
+        "ur_nodes.motion.wheel_drive",
+        "ur_nodes.ports",
+        "ur_nodes.run",
+    ),
+    "ur_nodes.drivers.boards": ("ur.source", "ur.robot.base", "ur_nodes.drivers.frames", "ur_nodes.drivers.readings"),
+    "ur_nodes.drivers.lidars": (
+        "ur.robot.base",
+        "ur_nodes.ports.values",
+        "ur_nodes.drivers.frames",
+        "ur_nodes.drivers.readings",
+    ),
     "ur_nodes.simulator": (
         "ur.source",
         "ur.robot.base",
@@ -91,7 +105,13 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
         "ur_nodes.geometry",
         "ur_nodes.ports",
         "ur_nodes.run",
-        "ur_nodes.motion.ramp",
+        "ur_nodes.motion.wheel_drive",
+    ),
+    "ur_nodes.simulator.devices": (
+        "ur.source",
+        "ur.robot.base",
+        "ur_nodes.simulator.sensors",
+        "ur_nodes.simulator.simulation",
     ),
     "ur_nodes.simulator.sensors": (
         "ur.source",

@@ -141,6 +141,10 @@ def find_base_uses(node: NodeSpec, params: Mapping[str, ParamValue]) -> tuple[Na
 
 
 def _simulated(own: Mapping[str, ParamValue]) -> _Found:
+    if own.get("devices"):
+        yield "base_pose_ground_truth", "publishes", ""
+        yield "~collisions", "publishes", ""
+        return
     robots = own.get("robots")
     count = min(robots, _MAX_ROBOTS) if isinstance(robots, int) else 1
     if own.get("publish_clock") is True:
@@ -179,6 +183,20 @@ def _adapted(own: Mapping[str, ParamValue]) -> _Found:
             yield from ((topic, "publishes", "") for topic in base.bumpers.topics())
 
 
+def _base_driven(own: Mapping[str, ParamValue]) -> _Found:
+    base = _load(own)
+    for name in ("odom", "joint_states", "/tf"):
+        yield name, "publishes", ""
+    yield "cmd_vel", "subscribes", ""
+    for part in (base.battery, base.bumpers, base.cliffs) if base else ():
+        yield from ((topic, "publishes", "") for topic in (part.topics() if part else ()))
+
+
+def _lidar_driven(own: Mapping[str, ParamValue]) -> _Found:
+    base = _load(own)
+    yield base.lidar.topic if base and base.lidar else "scan", "publishes", ""
+
+
 def _load(own: Mapping[str, ParamValue]) -> Base | None:
     try:
         return load_base(str(own.get("package", "")), str(own.get("base", "")), str(own.get("variant", "")))
@@ -186,4 +204,9 @@ def _load(own: Mapping[str, ParamValue]) -> Base | None:
         return None
 
 
-_NODES = {"simulator": _simulated, "driver_adapter": _adapted}
+_NODES = {
+    "simulator": _simulated,
+    "driver_adapter": _adapted,
+    "base_driver": _base_driven,
+    "lidar_driver": _lidar_driven,
+}

@@ -80,6 +80,10 @@ class Section:
         self._asked[key] = None
         return key in self._items and self._plain(self._items[key][1]) is not None
 
+    def is_text(self, key: str) -> bool:
+        """Return whether the key has a plain text, where a mapping may stand, too."""
+        return self.has(key) and isinstance(self._plain(self._items[key][1]), str)
+
     def number(
         self, key: str, default: object = _REQUIRED, *, minimum: float | None = None, maximum: float | None = None
     ) -> float:

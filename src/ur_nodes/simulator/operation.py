@@ -7,6 +7,7 @@ from ur_nodes.ports.node import SECOND, Node, Timer
 from ur_nodes.ports.services import Place, Silent, Switch, Trigger
 from ur_nodes.ports.values import ClockTime, Result
 from ur_nodes.simulator.camera.camera_topics import SimulatedCameraTopics
+from ur_nodes.simulator.devices.bench import DeviceBench
 from ur_nodes.simulator.pacing import Pacer
 from ur_nodes.simulator.robot_topics import RobotTopics
 from ur_nodes.simulator.sensor_topics import SensorTopics
@@ -25,11 +26,13 @@ class Operation:
         simulation: Simulation,
         settings: SimulatorSettings,
         camera: SimulatedCameraTopics | None = None,
+        bench: DeviceBench | None = None,
     ) -> None:
+        """With a `bench` the robot is moved and read through its devices, and has no topics that they cover."""
         self._node = node
         self._simulation = simulation
         self._settings = settings
-        self._camera = camera
+        self._camera, self._bench = camera, bench
         self._taking_pictures = self._paused = False
         self._next: Timer | None = None
         self._pacer = Pacer(settings.speed, simulation.time, node.steady())
@@ -37,8 +40,16 @@ class Operation:
         self._next_clock = self._next_joints = 0.0
         self._transforms = node.publish("/tf", tuple, settings.quality)
         prefixes = list_prefixes(simulation)
-        self._robots = [RobotTopics(node, simulation, n, prefix, settings) for n, prefix in enumerate(prefixes)]
-        self._sensors = [SensorTopics(node, simulation, n, prefix, settings) for n, prefix in enumerate(prefixes)]
+        covered = bench.covers if bench else frozenset[str]()
+        self._robots = [
+            RobotTopics(node, simulation, n, prefix, settings, real=bench is not None)
+            for n, prefix in enumerate(prefixes)
+        ]
+        self._sensors = [
+            SensorTopics(node, simulation, n, prefix, settings, without=covered) for n, prefix in enumerate(prefixes)
+        ]
+        if bench:
+            node.on_end(bench.close)
         node.serve("~pause", Switch, self._pause)
         node.serve("~step", Trigger, self._step)
         node.serve("~reset", Silent, self._reset)
@@ -59,6 +70,8 @@ class Operation:
         if self._camera:
             self._watch(self._camera)
         tick = self._simulation.advance()
+        if self._bench:
+            self._bench.step()
         stamp = self._stamp(tick.time)
         joints = tick.time >= self._next_joints
         placed = tick.placed
@@ -68,7 +81,7 @@ class Operation:
             self._clock.send(ClockTime(stamp))
         if joints:
             self._next_joints = tick.time + 1.0 / self._settings.joint_rate - 1e-6
-        if placed and self._transforms.listeners():
+        if placed and not self._bench and self._transforms.listeners():
             self._transforms.send(tuple(robot.transform(stamp) for robot in self._robots))
         for robot, collisions in zip(self._robots, self._simulation.collisions, strict=True):
             if tick.odometry:

@@ -20,23 +20,34 @@ class RobotTopics:
     """Publishers and the subscription of one robot. Topics without listeners cost nothing, latched ones aside."""
 
     def __init__(
-        self, node: Node, simulation: Simulation, robot: int, prefix: str, settings: SimulatorSettings
+        self,
+        node: Node,
+        simulation: Simulation,
+        robot: int,
+        prefix: str,
+        settings: SimulatorSettings,
+        *,
+        real: bool = False,
     ) -> None:
-        """`prefix` is put before topics and frames: '' for a single robot, else 'robot_<n>/'."""
+        """`prefix` is put before topics and frames: '' for a single robot, else 'robot_<n>/'.
+
+        `real`: drivers take its commands and publish its odometry, joints and scans; the truth alone is published here.
+        """
         frames, quality = settings.frames, settings.quality
         self._simulation = simulation
         self._robot = robot
         self._map, self._odom_frame, self._base = frames.map, prefix + frames.odom, prefix + frames.base
         self._wheels = (f"{prefix}left_wheel_joint", f"{prefix}right_wheel_joint")
         lidar = simulation.base.lidar
-        self._odom = node.publish(f"{prefix}odom", Odometry, quality)
+        self._odom = None if real else node.publish(f"{prefix}odom", Odometry, quality)
         self._truth = node.publish(f"{prefix}base_pose_ground_truth", Odometry, quality)
-        self._joints = node.publish(f"{prefix}joint_states", Joints, quality)
+        self._joints = None if real else node.publish(f"{prefix}joint_states", Joints, quality)
         self._lidar, self._lidar_frame = lidar, prefix + lidar.frame if lidar else ""
-        self._scan = node.publish(prefix + lidar.topic, Scan, quality) if lidar else None
+        self._scan = node.publish(prefix + lidar.topic, Scan, quality) if lidar and not real else None
         self._collisions = node.publish(f"~{prefix}collisions", int, Quality.LATCHED)
         self._sent_collisions = -1
-        node.subscribe(f"{prefix}cmd_vel", Twist, self._take_command)
+        if not real:
+            node.subscribe(f"{prefix}cmd_vel", Twist, self._take_command)
 
     def _take_command(self, command: Twist) -> None:
         self._simulation.command(self._robot, command.forward, command.turn)
@@ -48,7 +59,7 @@ class RobotTopics:
 
     def send_odometry(self, stamp: int) -> None:
         """Send the odometry of the encoders, and the ground truth."""
-        if self._odom.listeners():
+        if self._odom and self._odom.listeners():
             odometry = self._simulation.odometry(self._robot)
             xx, xy, xw, yy, yw, ww = odometry.covariance
             covariance = np.array(((xx, xy, xw), (xy, yy, yw), (xw, yw, ww)))
@@ -82,7 +93,7 @@ class RobotTopics:
 
     def send_joints(self, stamp: int) -> None:
         """Send the angles of the wheels, and how fast they turn."""
-        if self._joints.listeners():
+        if self._joints and self._joints.listeners():
             angles, speeds = self._simulation.wheel_angles(self._robot), self._simulation.wheel_speeds(self._robot)
             self._joints.send(Joints(stamp, self._wheels, angles, speeds))
 

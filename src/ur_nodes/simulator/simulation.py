@@ -13,7 +13,7 @@ from ur.source.diagnostic import UserError, error
 from ur.source.suggest import did_you_mean
 from ur.worlds.world_file import WorldModel
 from ur_nodes.geometry.pose import Pose2
-from ur_nodes.simulator.drive import WheelDrive
+from ur_nodes.motion.wheel_drive import WheelDrive
 from ur_nodes.simulator.mujoco_model import TIME_STEP, build_model
 from ur_nodes.simulator.physics import Physics
 from ur_nodes.simulator.senses import Senses
@@ -93,6 +93,7 @@ class Simulation:
         self._lidars = make_lidars(self._physics.model, base.lidar, robots) if base.lidar else []
         self._steps_before = 0
         self._step: int = 0
+        self._taken: set[int] = set()  # robots whose wheels have another controller
         self._noise: list[npt.NDArray[np.float64]] = []
         self._schedules: dict[str, Schedule] = {}
         self._picture_rate = 0.0
@@ -121,6 +122,14 @@ class Simulation:
     def command(self, robot: int, linear: float, angular: float) -> None:
         """A velocity command that arrives now: m/s, rad/s. It takes effect with the next control period."""
         self._drives[robot].command(linear, angular, self.time)
+
+    def take_wheels(self, robot: int) -> None:
+        """From now on `turn_wheels` moves a robot, and `command` does not."""
+        self._taken.add(robot)
+
+    def turn_wheels(self, robot: int, left: float, right: float) -> None:
+        """Set the speeds (rad/s) of the wheels of a robot whose wheels were taken."""
+        self._physics.set_wheel_speeds(robot, left, right)
 
     def advance(self) -> SimulationTick:
         """Go on to the next moment at which something is due: a control period, or what the base publishes."""
@@ -245,6 +254,8 @@ class Simulation:
 
     def _update_drives(self) -> None:
         for robot, drive in enumerate(self._drives):
+            if robot in self._taken:
+                continue
             self._physics.set_wheel_speeds(robot, *drive.update(self.time))
 
     def _notice_touch(self) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from pathlib import Path
 
 from ur.robot.base import Base, load_base
 from ur.source.project import launch_library
@@ -11,6 +12,7 @@ from ur_nodes.ports.node import Node
 from ur_nodes.ports.parameters import Parameters
 from ur_nodes.run import run
 from ur_nodes.simulator.camera.camera_topics import SimulatedCameraTopics
+from ur_nodes.simulator.devices.bench import DeviceBench
 from ur_nodes.simulator.operation import Operation
 from ur_nodes.simulator.settings import list_prefixes, read_camera, read_settings
 from ur_nodes.simulator.simulation import Simulation
@@ -32,7 +34,15 @@ def start(node: Node) -> None:
         camera = SimulatedCameraTopics(
             node, world, base, wanted, prefixes, wait=settings.speed == 0.0, quality=jpeg_quality
         )
-    Operation(node, simulation, settings, camera).begin()
+    Operation(node, simulation, settings, camera, open_devices(own, simulation)).begin()
+
+
+def open_devices(own: Parameters, simulation: Simulation) -> DeviceBench | None:
+    """The stand-ins of the robot's devices in the folder `~devices`; '': none. Raises UserError."""
+    folder = own.text("devices", "")
+    if folder and (simulation.robots > 1 or not folder.startswith("/")):
+        own.fail("devices", folder, "the path of a folder, and one robot")
+    return DeviceBench(simulation, Path(folder), own.integer("seed", 0, minimum=0)) if folder else None
 
 
 def make_simulation(own: Parameters, world: WorldModel, base: Base) -> Simulation:

@@ -65,7 +65,8 @@ class UpstreamDriver:
 
     `node` is the launch directory that starts it ('' when there is none), `device` where the hardware is ('' when it is
     no device file), `baud` its speed (0 when that means nothing), `install` one line on how to get the package,
-    `hardware` its id in the table of known devices (`ur.devices.known`; '' when it has none).
+    `hardware` its id in the table of known devices (`ur.devices.known`; '' when it has none). `protocol` is the name of
+    a driver of this project (`ur.robot.base.own_drivers`), '' for upstream's.
     """
 
     part: str
@@ -76,6 +77,7 @@ class UpstreamDriver:
     baud: int
     install: str
     hardware: str = ""
+    protocol: str = ""
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,6 +8,7 @@ from dataclasses import replace
 
 from ur.devices.known import find_rows, load_known
 from ur.robot.base.outline import Point, find_crossing, is_inside, measure_area
+from ur.robot.base.own_drivers import OWN_DRIVERS
 from ur.robot.base.properties import Base, Caster, MotionLimits, OdometryErrors, UpstreamDriver, Wheels
 from ur.robot.base.sensors import Sensor, read_sensors
 from ur.source.section import Section
@@ -32,7 +33,7 @@ def read_whole(top: Section, name: str, variant: str) -> Base:
         casters=tuple(_caster(item) for item in top.sections("casters")),
         limits=_limits(top.section("limits")),
         odometry=_odometry(top.section("odometry")),
-        driver=_driver("base", part) if (part := top.optional_section("driver")) else None,
+        driver=_driver("base", top, "driver") if top.has("driver") else None,
         drivers=tuple(_drivers(part, sensors)) if (part := top.optional_section("drivers")) else (),
         body=_body(top, footprint) if top.has("body") else (),
     )
@@ -120,10 +121,44 @@ def _drivers(part: Section, sensors: Mapping[str, Sensor]) -> Iterator[UpstreamD
                 f"{name} in {part.name} is no sensor of this base, expected one of {choice}",
                 "the driver of the base itself stands in `driver`",
             )
-        yield _driver(name, part.section(name))
+        yield _driver(name, part, name)
 
 
-def _driver(name: str, part: Section) -> UpstreamDriver:
+def _driver(name: str, parent: Section, key: str) -> UpstreamDriver:
+    """A driver of ours by its name or with a device of its own, or upstream's."""
+    if parent.is_text(key):
+        return _own_driver(name, parent.text(key, choices=_names_of(name)), "", 0)
+    part = parent.section(key)
+    if part.has("protocol"):
+        protocol = part.text("protocol", choices=_names_of(name))
+        device = _word(part, "device", r"/dev/[\w./:-]+", "a device file, as /dev/ttyAMA0", "")
+        baud = part.integer("baud", 0, minimum=0)
+        part.finish()
+        return _own_driver(name, protocol, device, baud)
+    return _upstream_driver(name, part)
+
+
+def _names_of(part: str) -> list[str]:
+    sensor = "" if part == "base" else part
+    return [name for name, driver in OWN_DRIVERS.items() if driver.sensor == sensor] or ["(there is none)"]
+
+
+def _own_driver(name: str, protocol: str, device: str, baud: int) -> UpstreamDriver:
+    own = OWN_DRIVERS[protocol]
+    return UpstreamDriver(
+        part=name,
+        node=own.node,
+        package="ubiquity_launches",
+        executable=own.executable,
+        device=device or own.device,
+        baud=baud or own.baud,
+        install="it is part of this package",
+        hardware="" if device else own.hardware,
+        protocol=protocol,
+    )
+
+
+def _upstream_driver(name: str, part: Section) -> UpstreamDriver:
     driver = UpstreamDriver(
         part=name,
         node=_word(part, "node", r"n_[a-z0-9_]+", "the name of a launch directory, as n_motor_node", ""),

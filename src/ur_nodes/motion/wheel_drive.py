@@ -33,6 +33,10 @@ class WheelDrive:
         self._target = (linear, angular)
         self._received = time
 
+    def halt(self) -> None:
+        """The wheels stand, or are made to: the next command speeds up from rest."""
+        self._target = self._velocity = (0.0, 0.0)
+
     def update(self, time: float) -> tuple[float, float]:
         """Speeds of the left and right wheel (rad/s) for the control period that starts at `time` (s)."""
         fresh = time - self._received <= self._age

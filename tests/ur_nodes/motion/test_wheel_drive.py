@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ur.robot.base import Base
-from ur_nodes.simulator.drive import WheelDrive
+from ur_nodes.motion.wheel_drive import WheelDrive
 
 PERIOD = 0.02
 

@@ -1,0 +1,42 @@
+"""Drivers that are part of this project, by the names that base files use: `driver: create2`."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True)
+class OwnDriver:
+    """A driver: `what` it drives or reads, and where: the device file, its speed, and its known device.
+
+    `sensor` is '' for the driver of a base; `baud` 0 is that of the protocol.
+    """
+
+    what: str
+    sensor: str
+    device: str
+    baud: int = 0
+    hardware: str = ""
+
+    @property
+    def node(self) -> str:
+        """The launch directory that starts it."""
+        return f"n_{self.executable}"
+
+    @property
+    def executable(self) -> str:
+        """The program of this package."""
+        return "lidar_driver" if self.sensor else "base_driver"
+
+
+OWN_DRIVERS: Mapping[str, OwnDriver] = {
+    "arduino": OwnDriver("an Arduino with the sketch ur_base", "", "/dev/ttyACM0", 115200),
+    "create2": OwnDriver("an iRobot Create 2 or Roomba", "", "/dev/create", 115200, "create"),
+    "magni": OwnDriver("the motor board of a Magni", "", "/dev/ttyAMA0", 38400, "pi-uart"),
+    "rplidar": OwnDriver("an RPLIDAR, standard scans", "lidar", "/dev/rplidar", 115200, "rplidar"),
+    "rplidar_express": OwnDriver("an RPLIDAR, express scans", "lidar", "/dev/rplidar", 115200, "rplidar"),
+    "ld06": OwnDriver("an LDROBOT LD06 or LD19", "lidar", "/dev/ttyUSB0", 230400),
+    "xv11": OwnDriver("the lidar of a Neato XV-11, alone", "lidar", "/dev/xv11_lidar", 115200, "xv11-lidar"),
+    "ydlidar": OwnDriver("a YDLIDAR X2 or X4", "lidar", "/dev/ydlidar", 128000, "ydlidar"),
+}

@@ -1,0 +1,151 @@
+"""A driver of a base: commands to its board, and what the board reports to topics."""
+
+from __future__ import annotations
+
+import math
+
+from ur.robot.base import Base
+from ur_nodes.drivers.base_topics import BaseTopics
+from ur_nodes.drivers.boards.board import Board
+from ur_nodes.drivers.line import Connect, LineSettings, LineUser
+from ur_nodes.drivers.odometer import Odometer
+from ur_nodes.drivers.readings import Beams, Contacts, Counts, Identity, Motors, Power, Reading
+from ur_nodes.motion.wheel_drive import WheelDrive
+from ur_nodes.ports.node import SECOND, Node
+from ur_nodes.ports.values import Twist
+
+COMMAND_AGE = 0.15  # s after the last command, at which the motors stand, whatever the ramps say
+BLIND = 0.4  # s without counts, after which the base does not drive
+_ASK_AGAIN = 1.0  # s without an answer, after which the board is greeted again
+_REPORT = 10.0  # s between two lines on one problem
+_BAD, _TOO_BAD, _WORST = 3, 6, 15  # an implausible reading adds to what a plausible one takes 1 from; the motors stop
+
+
+class BaseDriver:
+    """Moves the base within its limits while commands are fresh, its board answers and its counts make sense."""
+
+    def __init__(self, node: Node, base: Base, board: Board, connect: Connect) -> None:
+        self._node, self._board = node, board
+        self._drive = WheelDrive(base, board.period)
+        self._radius = base.wheels.radius
+        self._odometer = Odometer(base, board.counts_per_turn)
+        self._topics = BaseTopics(node, base, self._odometer)
+        self._commanded = self._counted = self._answered = self._greeted = -math.inf
+        self._open = self._known = False
+        self._bad_counts = 0
+        self._problem = ""  # why it does not drive
+        node.subscribe("cmd_vel", Twist, self._command)
+        node.every(board.period, self._beat, steady=True)
+        node.on_end(self._end)
+        user = LineUser(self._opened, self._received, self._lost)
+        stop = b"" if board.own_watchdog else board.stop()
+        self._line = connect(user, LineSettings(board.baud, stop))
+
+    def _command(self, command: Twist) -> None:
+        self._commanded = self._node.steady()
+        self._drive.command(command.forward, command.turn, self._commanded)
+
+    def _beat(self) -> None:
+        """Send the speeds of this period; nothing while the line is closed."""
+        now = self._node.steady()
+        if not self._open:
+            return
+        if now - max(self._answered, self._greeted) > _ASK_AGAIN:
+            self._report_silence()
+            self._greet(now)
+        speeds = self._drive.update(now)
+        reason = self._obstacle(now)
+        if now - self._commanded > COMMAND_AGE or reason:
+            self._drive.halt()
+            speeds = (0.0, 0.0)
+        if reason and now - self._commanded <= COMMAND_AGE:
+            self._node.log.warn(f"{self._line.name}: the base does not drive: {reason}", every=_REPORT)
+        left, right = (speed * self._radius for speed in speeds)
+        self._line.write(self._board.drive(left, right), moving=speeds != (0.0, 0.0))
+
+    def _obstacle(self, now: float) -> str:
+        """Return why the base may not drive now; '' where it may."""
+        if self._bad_counts >= _TOO_BAD:
+            return "its wheel counters jump; check the encoders and their cables"
+        if now - self._counted > BLIND:
+            return f"no wheel counts for {BLIND:g} s"
+        return self._problem
+
+    def _opened(self) -> None:
+        self._open, self._known, self._problem = True, False, ""
+        self._answered = -math.inf
+        self._drive.halt()
+        self._odometer.forget()
+        self._node.log.info(f"{self._line.name} is open, expecting {self._board.name}")
+        self._line.write(self._board.stop())
+        self._greet(self._node.steady())
+
+    def _greet(self, now: float) -> None:
+        self._greeted = now
+        self._line.write(self._board.greet())
+
+    def _lost(self, reason: str) -> None:
+        self._open = False
+        self._drive.halt()
+        self._topics.forget()
+        help_ = "plug it in (ur devices lists what is there); it is opened again by itself"
+        self._node.log.error(f"{self._line.name}: {reason}; expected {self._board.name}; {help_}")
+
+    def _report_silence(self) -> None:
+        expected = f"no answer of {self._board.name}; is it switched on, and is this its device (ur devices --probe)?"
+        self._node.log.warn(f"{self._line.name}: {expected}", every=_REPORT)
+
+    def _received(self, data: bytes, stamp: int) -> None:
+        late = (self._node.now() - stamp) / SECOND
+        for reading in self._board.take(data):
+            self._take(reading, stamp, self._node.steady() - late)
+
+    def _take(self, reading: Reading, stamp: int, time: float) -> None:
+        if isinstance(reading, Counts):
+            self._take_counts(reading, stamp, time)
+        elif isinstance(reading, Power):
+            self._topics.battery = reading
+        elif isinstance(reading, Contacts):
+            self._topics.send_contacts(reading)
+        elif isinstance(reading, Motors):
+            self._take_motors(reading)
+        elif isinstance(reading, Identity):
+            self._take_identity(reading)
+        elif isinstance(reading, Beams):
+            self._topics.send_beams(reading, stamp)
+        self._answered = time
+
+    def _take_counts(self, counts: Counts, stamp: int, time: float) -> None:
+        first = not self._odometer.begun
+        motion = self._odometer.update(counts, time)
+        if motion is not None:
+            self._bad_counts = max(0, self._bad_counts - 1)
+            self._topics.send_motion(motion, stamp)
+        elif not first:
+            self._bad_counts = min(_WORST, self._bad_counts + _BAD)
+            text = "wheel counts jumped, and are left out; a reset of the board, or noise on its line?"
+            self._node.log.warn(f"{self._line.name}: {text}", every=_REPORT)
+        self._counted = time
+
+    def _take_motors(self, motors: Motors) -> None:
+        reason = "" if motors.ready else motors.reason
+        if reason and reason != self._problem:
+            self._drive.halt()
+            self._node.log.warn(f"{self._line.name}: {self._board.name} does not drive: {reason}")
+        elif self._problem and not reason:
+            self._node.log.info(f"{self._line.name}: {self._board.name} drives again")
+        self._problem = reason
+
+    def _take_identity(self, identity: Identity) -> None:
+        if identity.problem:
+            self._problem = identity.problem
+            self._node.log.error(f"{self._line.name}: {self._board.name}: {identity.problem}", every=_REPORT)
+        elif not self._known:
+            self._node.log.info(f"{self._line.name}: {self._board.name}: {identity.text}")
+        self._known = True
+
+    def _end(self) -> None:
+        self._open = False
+        self._line.write(self._board.stop())
+        self._line.write(self._board.leave())
+        self._line.close()

@@ -1,0 +1,25 @@
+"""The driver of a real base, as a node: the board that the base file names, on its serial line."""
+
+from __future__ import annotations
+
+import sys
+
+from ur_nodes.drivers.base_driver import BaseDriver
+from ur_nodes.drivers.boards import BOARDS
+from ur_nodes.drivers.settings import connect_serial, read_base
+from ur_nodes.ports.node import Node
+from ur_nodes.run import run
+
+
+def start(node: Node) -> None:
+    """Read the parameters and open the line. Raises UserError."""
+    base = read_base(node.parameters)
+    own = base.driver.protocol if base.driver else ""
+    board = node.parameters.text("board", "") or own
+    if board not in BOARDS:
+        node.parameters.fail("board", board, f"one of {', '.join(BOARDS)}", BOARDS)
+    BaseDriver(node, base, BOARDS[board](base), connect_serial(node, base.driver))
+
+
+if __name__ == "__main__":
+    sys.exit(run("base_driver", start))

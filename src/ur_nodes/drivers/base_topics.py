@@ -1,0 +1,95 @@
+"""The topics of a real base, under the names that its file gives: what the simulated one publishes."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ur.robot.base import Base, Bumpers, Cliffs
+from ur_nodes.drivers.lidars.sweep import Sweep
+from ur_nodes.drivers.odometer import Motion, Odometer
+from ur_nodes.drivers.readings import Beams, Contacts, Power
+from ur_nodes.geometry.pose import Pose3, quaternion_of_yaw
+from ur_nodes.ports.node import SECOND, Node, Publisher
+from ur_nodes.ports.qualities import Quality
+from ur_nodes.ports.values import Battery, Joints, Odometry, Scan, Transform, Twist
+
+_WHEELS = ("left_wheel_joint", "right_wheel_joint")
+_BATTERY_PERIOD = 1.0  # s
+_WARN_EVERY = 60.0  # s
+# Counters: the speed to about 1 %, no motion sideways.
+_SPEED_COVARIANCE = np.diag((1e-4, 1e-6, 1e-3))
+
+
+class BaseTopics:
+    """Publishers of a base. Set `battery` to what was measured last; it is sent once a second."""
+
+    def __init__(self, node: Node, base: Base, odometer: Odometer) -> None:
+        self._node, self._odometer = node, odometer
+        self._period = SECOND / base.odometry.rate
+        self._next = 0
+        self._odom = node.publish("odom", Odometry)
+        self._joints = node.publish("joint_states", Joints)
+        self._frames = node.publish("/tf", tuple, Quality.EVERY)
+        self.battery: Power | None = None
+        self._properties = base.battery
+        self._battery = node.publish(base.battery.topic, Battery) if base.battery else None
+        self._contacts: dict[tuple[str, str], Publisher[bool]] = {}
+        parts: list[tuple[str, Bumpers | Cliffs | None]] = [("bumper", base.bumpers), ("cliff", base.cliffs)]
+        for kind, part in parts:
+            for name, topic in zip((each.name for each in part.at), part.topics(), strict=True) if part else ():
+                self._contacts[kind, name] = node.publish(topic, bool, Quality.LATCHED)
+        self._reported: dict[tuple[str, str], bool] = {}
+        self._sweep = Sweep(base.lidar) if base.lidar else None
+        apart = any(driver.part == "lidar" for driver in base.drivers)
+        self._scans = node.publish(base.lidar.topic, Scan) if base.lidar and not apart else None
+        node.every(_BATTERY_PERIOD, self._beat)
+
+    def forget(self) -> None:
+        """The device is away: what it measured is no longer known."""
+        self.battery = None
+        self._reported.clear()
+
+    def send_motion(self, motion: Motion, stamp: int) -> None:
+        """Send odometry, joints and the transform, at most as often as the base file says."""
+        if stamp < self._next and stamp > self._next - 10 * self._period:
+            return
+        self._next = max(self._next + round(self._period), stamp - round(self._period / 2.0))
+        reckoning = self._odometer.reckoning
+        xx, xy, xw, yy, yw, ww = reckoning.covariance
+        covariance = np.array(((xx, xy, xw), (xy, yy, yw), (xw, yw, ww)))
+        x, y, yaw = reckoning.pose
+        self._frames.send((Transform(stamp, "odom", "base_footprint", Pose3(x, y, 0.0, *quaternion_of_yaw(yaw))),))
+        twist = Twist(motion.forward, motion.turn)
+        self._odom.send(Odometry(stamp, "odom", "base_footprint", reckoning.pose, twist, covariance, _SPEED_COVARIANCE))
+        self._joints.send(Joints(stamp, _WHEELS, self._odometer.angles, motion.wheel_speeds))
+
+    def send_contacts(self, contacts: Contacts) -> None:
+        """Send the bumpers or cliff sensors that have changed, of those that the base file names."""
+        for name, state in contacts.states:
+            key = (contacts.kind, name)
+            if key in self._contacts and self._reported.get(key) is not state:
+                self._reported[key] = state
+                self._contacts[key].send(state)
+
+    def send_beams(self, beams: Beams, stamp: int) -> None:
+        """Send the turns of a lidar that is read by the board of the base."""
+        if self._sweep and self._scans:
+            for scan in self._sweep.take(beams, stamp):
+                self._scans.send(scan)
+
+    def _beat(self) -> None:
+        battery, now = self._properties, self.battery
+        if self._battery is None or battery is None or now is None:
+            return
+        capacity = battery.design_capacity if math.isnan(now.capacity) or now.capacity <= 0.0 else now.capacity
+        if math.isnan(now.charge):
+            span = battery.voltage_full - battery.voltage_empty
+            fraction = min(1.0, max(0.0, (now.voltage - battery.voltage_empty) / span))
+        else:
+            fraction = min(1.0, max(0.0, now.charge / capacity))
+        stamp, amounts = self._node.now(), (now.voltage, now.current, now.charge, capacity)
+        self._battery.send(Battery(stamp, *amounts, fraction, now.charging, battery.technology))
+        if now.voltage < battery.voltage_empty:
+            self._node.log.warn(f"the battery is empty ({now.voltage:.1f} V); charge it", every=_WARN_EVERY)

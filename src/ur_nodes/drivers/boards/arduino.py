@@ -1,0 +1,90 @@
+"""A plain robot with two wheels and an Arduino: the line protocol of n_base_driver/arduino/ur_base/ur_base.ino.
+
+Lines of ASCII that end with a newline. `*` and two hexadecimal digits, the exclusive or of all bytes before the `*`,
+end each of them, as in NMEA 0183.
+
+    v LEFT RIGHT*XX                     to the board: counts a second; the motors stop 150 ms after the last one
+    ?*XX                                to the board: who are you
+    h ur-base 1 TEXT*XX                 from the board: version of the protocol, and a text about itself
+    e LEFT RIGHT MILLIVOLT FLAGS*XX     from the board, 50 times a second: counters of 32 bits, the battery (0: none)
+
+FLAGS is a sum: 1 the motors have no power (emergency stop), 2 bumper `left`, 4 bumper `right`, 8 bumper `front`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import reduce
+from operator import xor
+
+from ur.robot.base import Base
+from ur.source.foreign.numbers import parse_integer
+from ur_nodes.drivers.boards.board import clip, scale_of
+from ur_nodes.drivers.readings import Contacts, Counts, Identity, Motors, Power, Reading
+
+LONGEST = 120  # bytes of a line
+_FASTEST = 1_000_000  # counts a second
+_NO_POWER, _BUMPERS = 1, ((2, "left"), (4, "right"), (8, "front"))
+
+
+class Arduino:
+    """See Board."""
+
+    name = "Arduino with the sketch ur_base"
+    baud = 115200
+    period = 0.04
+    own_watchdog = 0.15
+
+    def __init__(self, base: Base) -> None:
+        self._scale = scale_of(base)
+        self.counts_per_turn = self._scale.counts_per_turn
+        self._buffer = b""
+
+    def greet(self) -> bytes:
+        """Ask for its name."""
+        return make_line("?")
+
+    def drive(self, left: float, right: float) -> bytes:
+        """See Board."""
+        speeds = (clip(each * self._scale.counts_per_metre, _FASTEST) for each in (left, right))
+        return make_line("v {} {}".format(*speeds))
+
+    def stop(self) -> bytes:
+        """See Board. The empty line ends one that was cut off."""
+        return b"\n" + make_line("v 0 0")
+
+    def leave(self) -> bytes:
+        """Nothing: it is left as it was found."""
+        return b""
+
+    def take(self, data: bytes) -> Iterator[Reading]:
+        """See Board."""
+        *lines, self._buffer = (self._buffer + data).split(b"\n")
+        self._buffer = self._buffer[-LONGEST:]
+        for line in lines:
+            yield from _read(line.strip())
+
+
+def make_line(text: str) -> bytes:
+    """A line with its checksum."""
+    return f"{text}*{reduce(xor, text.encode(), 0):02X}\n".encode()
+
+
+def _read(line: bytes) -> Iterator[Reading]:
+    body, star, checksum = line.rpartition(b"*")
+    if not star or len(line) > LONGEST or checksum.upper() != b"%02X" % reduce(xor, body, 0):
+        return
+    kind, *words = body.decode("ascii", "replace").split() or [""]
+    if kind == "h" and words[:1] == ["ur-base"]:
+        version = words[1] if len(words) > 1 else "?"
+        problem = "" if version == "1" else f"protocol {version}, expected 1: flash the sketch of this release"
+        yield Identity(" ".join(words[2:]) or "ur_base", problem)
+    elif kind == "e" and len(words) == 4:
+        left, right, millivolt, flags = (parse_integer(word) for word in words)
+        if left is None or right is None or millivolt is None or flags is None:
+            return
+        yield Counts(left, right)
+        yield Motors(not flags & _NO_POWER, "its motors have no power (emergency stop?)" if flags & _NO_POWER else "")
+        yield Contacts("bumper", tuple((name, bool(flags & bit)) for bit, name in _BUMPERS))
+        if millivolt > 0:
+            yield Power(millivolt / 1000.0)

@@ -1,0 +1,63 @@
+"""The shape of a driver of a base: a class that turns speeds into bytes, and bytes into readings."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Protocol
+
+from ur.robot.base import Base
+from ur_nodes.drivers.readings import Reading
+
+
+class Board(Protocol):
+    """The protocol of one kind of board. Nothing here waits, reads a clock, or opens a device."""
+
+    name: str
+    """For messages, as "iRobot Create 2"."""
+    baud: int
+    period: float
+    """s between two calls of `drive`."""
+    counts_per_turn: float
+    """of a wheel"""
+    own_watchdog: float
+    """s without a command after which the board itself stops its motors; 0.0: it does not."""
+
+    def greet(self) -> bytes:
+        """Return what is sent once the line is open, and again while the device does not answer."""
+
+    def drive(self, left: float, right: float) -> bytes:
+        """Return what is sent each period: rim speeds of the wheels, m/s, and the questions that are due."""
+
+    def stop(self) -> bytes:
+        """Return what stops the motors at once, whatever was sent before."""
+
+    def leave(self) -> bytes:
+        """Return what is sent at the end, after `stop`: the device is left as it was found."""
+
+    def take(self, data: bytes) -> Iterable[Reading]:
+        """Take bytes as they arrive, and return the readings that they complete. No bytes make it raise."""
+
+
+@dataclass(frozen=True, slots=True)
+class WheelScale:
+    """The part of a base that a board needs: the radius of its wheels (m), and counts in a turn."""
+
+    radius: float
+    counts_per_turn: float
+
+    @property
+    def counts_per_metre(self) -> float:
+        """Counts for each m that a wheel rolls."""
+        return self.counts_per_turn / (2.0 * math.pi * self.radius)
+
+
+def scale_of(base: Base, counts_per_turn: float = 0.0) -> WheelScale:
+    """The scale of a base; `counts_per_turn` where the board knows better than the base file, which has whole ones."""
+    return WheelScale(base.wheels.radius, counts_per_turn or base.odometry.ticks_per_turn)
+
+
+def clip(value: float, most: int) -> int:
+    """The whole number nearest to a value, within -most and most; 0 for no number."""
+    return max(-most, min(most, round(value))) if math.isfinite(value) else 0

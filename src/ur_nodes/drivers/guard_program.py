@@ -1,0 +1,39 @@
+"""Stop motors when the driver can no longer; runs alone, with the standard library only.
+
+Arguments: a pipe, the device (both open), and the bytes that stop the motors, in hexadecimal. The driver writes `m`
+with each command that turns motors and `r` with each that does not. After an `m` that no other byte follows within
+LIMIT, and at the end of the pipe, the bytes go to the device.
+"""
+
+import contextlib
+import os
+import select
+import sys
+
+LIMIT = 0.15  # s
+
+
+def main() -> None:
+    """Watch until the driver has closed the pipe."""
+    pipe, device, stop = int(sys.argv[1]), int(sys.argv[2]), bytes.fromhex(sys.argv[3])
+    moving = False
+    while True:
+        if not select.select([pipe], [], [], LIMIT if moving else None)[0]:
+            write(device, stop)
+            moving = False
+            continue
+        data = os.read(pipe, 4096)
+        if not data:
+            write(device, stop)
+            return
+        moving = data.endswith(b"m")
+
+
+def write(device: int, data: bytes) -> None:
+    """Send bytes, to a device that may be unplugged."""
+    with contextlib.suppress(OSError):
+        os.write(device, data)
+
+
+if __name__ == "__main__":
+    main()

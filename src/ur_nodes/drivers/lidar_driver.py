@@ -1,0 +1,77 @@
+"""A driver of a lidar: what it measures to scans."""
+
+from __future__ import annotations
+
+import math
+
+from ur.robot.base import Lidar
+from ur_nodes.drivers.lidars.lidar import LidarProtocol
+from ur_nodes.drivers.lidars.sweep import Sweep
+from ur_nodes.drivers.line import Connect, LineSettings, LineUser
+from ur_nodes.drivers.readings import Beams, Identity
+from ur_nodes.ports.node import Node
+from ur_nodes.ports.values import Scan
+
+_LOOK = 0.5  # s
+_ASK_AGAIN = 3.0  # s without beams, after which the lidar is greeted again: its motor needs a while
+_REPORT = 10.0  # s between two lines on one problem
+
+
+class LidarDriver:
+    """Publishes a scan for each turn; greets the lidar again when it measures nothing."""
+
+    def __init__(self, node: Node, lidar: Lidar, protocol: LidarProtocol, connect: Connect, offset: float) -> None:
+        self._node, self._protocol = node, protocol
+        self._sweep = Sweep(lidar, offset)
+        self._scans = node.publish(lidar.topic, Scan)
+        self._open = False
+        self._known = ""
+        self._measured = self._greeted = -math.inf
+        node.every(_LOOK, self._look, steady=True)
+        node.on_end(self._end)
+        settings = LineSettings(protocol.baud, dtr=protocol.dtr)
+        self._line = connect(LineUser(self._opened, self._received, self._lost), settings)
+
+    def _look(self) -> None:
+        now = self._node.steady()
+        if self._open and now - max(self._measured, self._greeted) > _ASK_AGAIN:
+            text = f"no beams of {self._protocol.name}; does it turn, and is this its device (ur devices --probe)?"
+            self._node.log.warn(f"{self._line.name}: {text}", every=_REPORT)
+            self._greet()
+
+    def _opened(self) -> None:
+        self._open, self._known = True, ""
+        self._measured = -math.inf
+        self._sweep.forget()
+        self._node.log.info(f"{self._line.name} is open, expecting {self._protocol.name}")
+        self._greet()
+
+    def _greet(self) -> None:
+        self._greeted = self._node.steady()
+        self._line.write(self._protocol.greet())
+
+    def _lost(self, reason: str) -> None:
+        self._open = False
+        help_ = "plug it in (ur devices lists what is there); it is opened again by itself"
+        self._node.log.error(f"{self._line.name}: {reason}; expected {self._protocol.name}; {help_}")
+
+    def _received(self, data: bytes, stamp: int) -> None:
+        for reading in self._protocol.take(data):
+            if isinstance(reading, Beams):
+                self._measured = self._node.steady()
+                for scan in self._sweep.take(reading, stamp):
+                    self._scans.send(scan)
+            elif isinstance(reading, Identity):
+                self._take_identity(reading)
+
+    def _take_identity(self, identity: Identity) -> None:
+        if identity.problem:
+            self._node.log.error(f"{self._line.name}: {self._protocol.name}: {identity.problem}", every=_REPORT)
+        elif identity.text != self._known:
+            self._known = identity.text
+            self._node.log.info(f"{self._line.name}: {self._protocol.name}: {identity.text}")
+
+    def _end(self) -> None:
+        self._open = False
+        self._line.write(self._protocol.leave())
+        self._line.close()

@@ -1,0 +1,27 @@
+"""The shape of a driver of a lidar: a class that turns bytes into beams."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Protocol
+
+from ur_nodes.drivers.readings import Reading
+
+
+class LidarProtocol(Protocol):
+    """The protocol of one kind of lidar. Nothing here waits, reads a clock, or opens a device."""
+
+    name: str
+    """For messages, as "RPLIDAR"."""
+    baud: int
+    dtr: bool
+    """The level of the modem line DTR, which switches the motors of some adapters."""
+
+    def greet(self) -> bytes:
+        """Return what is sent once the line is open, and again while the device does not answer."""
+
+    def leave(self) -> bytes:
+        """Return what is sent at the end: the lidar stops turning where it can be told to."""
+
+    def take(self, data: bytes) -> Iterable[Reading]:
+        """Take bytes as they arrive, and return the readings that they complete. No bytes make it raise."""

@@ -1,0 +1,106 @@
+"""Turns of a lidar from its beams: scans in the frame and with the angles that the base file gives. Pure."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ur.robot.base import Lidar
+from ur_nodes.drivers.readings import Beams
+from ur_nodes.ports.values import Scan
+
+_SECOND = 1e9  # ns
+_FULL = 2.0 * math.pi
+_LEAST = 0.5  # of the beams of the base file that have to be there
+_GAP = 300_000_000  # ns without beams, after which the turn that was begun is left out
+
+
+class Sweep:
+    """Collects beams; each turn that is complete is a scan. What was seen of the first, partial one is left out.
+
+    A scan begins where the base file's `angle_min` is, so that `stamp` is the time of its first beam (REP 117: of the
+    array's first) and `time_increment` that between two of them: negative for a lidar that turns clockwise, which
+    measures the first of the array last.
+    """
+
+    def __init__(self, lidar: Lidar, offset: float = 0.0) -> None:
+        """`offset` (rad, counter-clockwise) is where the device's own zero is in the frame of the lidar."""
+        self._lidar, self._offset = lidar, offset
+        self._increment = (lidar.angle_max - lidar.angle_min) / (lidar.samples - 1)
+        self._ranges, self._intensities = self._empty()
+        self._bright = False
+        self._last: float | None = None  # the angle from the cut, in the direction in which it turns
+        self._begun: float | None = None  # ns
+        self._stamp = 0  # of the last beams
+        self._turn_time = 1.0 / lidar.rate  # s; of the last turn
+
+    def forget(self) -> None:
+        """The device was away: the turn that was begun is left out."""
+        self._last = self._begun = None
+
+    def take(self, beams: Beams, stamp: int) -> list[Scan]:
+        """Take beams of which the last one was measured at a time (ns); return the scans that they complete."""
+        if not len(beams.phases):
+            return []
+        if not 0 <= stamp - self._stamp <= _GAP:
+            self.forget()
+        self._stamp = stamp
+        turn_time = beams.turn_time or self._turn_time
+        sign = -1.0 if beams.clockwise else 1.0
+        angles = sign * beams.phases + self._offset
+        edge = (self._lidar.angle_max if beams.clockwise else self._lidar.angle_min) - sign * self._increment / 2.0
+        passed = (sign * (angles - edge)) % _FULL
+        times = stamp - ((passed[-1] - passed) % _FULL + beams.behind) / _FULL * turn_time * _SECOND
+        before = passed[0] if self._last is None else self._last
+        cuts = np.flatnonzero(np.diff(passed, prepend=before) < -math.pi)
+        scans, at = [], 0
+        for cut in (*cuts.tolist(), len(passed)):
+            self._put(angles[at:cut], beams.ranges[at:cut], beams.intensities[at:cut])
+            if cut == len(passed):
+                break
+            scans += self._finish(float(times[cut]), clockwise=beams.clockwise)
+            self._begun, at = float(times[cut]), cut
+        self._last = float(passed[-1])
+        return scans
+
+    def _put(self, angles: NDArray[np.float64], ranges: NDArray[np.float64], intensities: NDArray[np.float64]) -> None:
+        steps = ((angles - self._lidar.angle_min) % _FULL) / self._increment
+        index = np.rint(steps).astype(np.int64) % round(_FULL / self._increment)
+        inside = index < self._lidar.samples
+        lidar, index, ranges = self._lidar, index[inside], ranges[inside]
+        far, near = ranges > lidar.range_max, ranges < lidar.range_min
+        self._ranges[index] = np.where(far, np.inf, np.where(near, -np.inf, ranges))
+        if len(intensities):
+            self._bright = True
+            self._intensities[index] = intensities[inside]
+
+    def _finish(self, end: float, *, clockwise: bool) -> list[Scan]:
+        ranges, intensities, begun = self._ranges, self._intensities, self._begun
+        self._ranges, self._intensities = self._empty()
+        there = np.count_nonzero(~np.isnan(ranges))
+        if begun is None or end <= begun or there < _LEAST * len(ranges):
+            return []
+        self._turn_time = (end - begun) / _SECOND
+        lidar, step = self._lidar, (end - begun) / _SECOND / (_FULL / self._increment)
+        first = begun + (lidar.samples - 1) * step * _SECOND if clockwise else begun
+        return [
+            Scan(
+                round(first),
+                lidar.frame,
+                lidar.angle_min,
+                self._increment,
+                lidar.range_min,
+                lidar.range_max,
+                ranges,
+                intensities if self._bright else np.zeros(0, np.float32),
+                scan_time=self._turn_time,
+                angle_max=lidar.angle_max,
+                time_increment=-step if clockwise else step,
+            )
+        ]
+
+    def _empty(self) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+        size = self._lidar.samples
+        return np.full(size, np.nan, np.float32), np.zeros(size, np.float32)

@@ -1,0 +1,62 @@
+"""The lidar of a Neato XV-11, alone on a serial line: the packets of firmware 2.4 and later.
+
+Source: the page "LIDAR Sensor" of the Neato XV-11 hacking wiki. It sends packets of 22 bytes by itself: FA, A0 and the
+number of the packet (0 to 89), 64ths of a turn a minute, four times a distance and a strength, and a checksum. Numbers
+are little-endian; the beams turn counter-clockwise, a degree apart.
+"""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Iterator
+
+import numpy as np
+
+from ur_nodes.drivers.frames import FrameReader, fixed
+from ur_nodes.drivers.readings import Beams, Reading
+
+_SIZE = 22
+_INVALID, _MILLIMETRES = 0x8000, 0x3FFF
+_WORDS = struct.Struct("<10H")
+
+
+class Xv11:
+    """See LidarProtocol."""
+
+    name = "lidar of a Neato XV-11"
+    baud = 115200
+    dtr = True
+
+    def __init__(self) -> None:
+        self._frames = FrameReader(b"\xfa", fixed(_SIZE), _is_valid, _SIZE)
+
+    def greet(self) -> bytes:
+        """Nothing: it listens to nothing."""
+        return b""
+
+    def leave(self) -> bytes:
+        """Likewise."""
+        return b""
+
+    def take(self, data: bytes) -> Iterator[Reading]:
+        """See LidarProtocol."""
+        for frame in self._frames.take(data):
+            words = np.array(_WORDS.unpack_from(frame))
+            distances, strengths = words[2::2], words[3::2]
+            phases = np.radians(4 * (frame[1] - 0xA0) + np.arange(4))
+            bad = (distances & _INVALID) | ((distances & _MILLIMETRES) == 0)
+            ranges = np.where(bad, np.inf, (distances & _MILLIMETRES) / 1000.0)
+            turn_time = 60.0 * 64.0 / int(words[1]) if words[1] else 0.0
+            yield Beams(phases, ranges, strengths.astype(np.float64), turn_time=turn_time)
+
+
+def check(words: tuple[int, ...]) -> int:
+    """The checksum of ten words: doubled sums, folded to 15 bits."""
+    total = 0
+    for word in words:
+        total = (total << 1) + word
+    return ((total & 0x7FFF) + (total >> 15)) & 0x7FFF
+
+
+def _is_valid(frame: bytes) -> bool:
+    return 0xA0 <= frame[1] < 0xFA and check(_WORDS.unpack_from(frame)) == int.from_bytes(frame[20:], "little")

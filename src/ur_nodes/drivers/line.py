@@ -1,0 +1,46 @@
+"""The line to a device, as drivers know it: bytes both ways, opened again and again while the device is not there."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Protocol
+
+
+@dataclass(frozen=True, slots=True)
+class LineUser:
+    """The calls of a line, on the node's thread: it is open, bytes arrived (stamp, ns), it was lost (the reason)."""
+
+    opened: Callable[[], None]
+    received: Callable[[bytes, int], None]
+    lost: Callable[[str], None]
+
+
+@dataclass(frozen=True, slots=True)
+class LineSettings:
+    """The speed of a line, and the level of its modem line DTR.
+
+    `stop` are bytes that stop the motors when this process no longer can; b'' where there are none, or where the device
+    has a watchdog of its own.
+    """
+
+    baud: int
+    stop: bytes = b""
+    dtr: bool = True
+
+
+class Line(Protocol):
+    """A line that may be open."""
+
+    name: str
+    """The device file, for messages."""
+
+    def write(self, data: bytes, *, moving: bool = False) -> None:
+        """Send bytes; dropped while it is not open. `moving`: motors turn after them, until others are sent."""
+
+    def close(self) -> None:
+        """Close it for good, after what was written before has left."""
+
+
+Connect = Callable[[LineUser, LineSettings], Line]
+"""Makes a line for a user."""

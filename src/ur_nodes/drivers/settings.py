@@ -1,0 +1,35 @@
+"""Parameters of the driver nodes."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from ur.robot.base import Base, UpstreamDriver, load_base
+from ur.source.project import launch_library
+from ur_nodes.drivers.line import Connect, Line, LineSettings, LineUser
+from ur_nodes.drivers.serial_line import SerialLine
+from ur_nodes.ports.node import Node
+from ur_nodes.ports.parameters import Parameters
+
+
+def read_base(own: Parameters) -> Base:
+    """The base that parameters name. Raises UserError."""
+    return load_base(own.text("package", str(launch_library())), own.text("base"), own.text("variant", ""))
+
+
+def connect_serial(node: Node, driver: UpstreamDriver | None) -> Connect:
+    """Make lines to the device of `~device`, or of the base file, at the speed of `~baud`. Raises UserError."""
+    own = node.parameters
+    path = own.text("device", "") or (driver.device if driver else "")
+    if not path.startswith("/"):
+        own.fail("device", path, "a device file, as /dev/create")
+    folder = own.text("device_folder", "/dev")
+    if folder != "/dev":
+        path = str(Path(folder, Path(path).name))
+    baud = own.integer("baud", 0, minimum=0) or (driver.baud if driver else 0)
+
+    def connect(user: LineUser, settings: LineSettings) -> Line:
+        known = LineSettings(baud or settings.baud, settings.stop, settings.dtr)
+        return SerialLine(node, path, user, known)
+
+    return connect

@@ -1,0 +1,54 @@
+"""The pose of a base with two driven wheels, from what they rolled, with its covariance."""
+
+from __future__ import annotations
+
+import math
+
+from ur_nodes.geometry.pose import Pose2
+
+
+class DeadReckoning:
+    """Sums up what the wheels rolled. `separation` (m) is between them.
+
+    `variance` is that of a rolled distance, m^2 for each m. Sets `pose` (x, y, yaw: m, rad, from where it began) and
+    `covariance` of the pose, the upper triangle xx, xy, xw, yy, yw, ww.
+    """
+
+    def __init__(self, separation: float, variance: float) -> None:
+        self._separation, self._variance = separation, variance
+        self.pose = Pose2(0.0, 0.0, 0.0)
+        self.covariance = (1e-6, 0.0, 0.0, 1e-6, 0.0, 1e-6)
+
+    def move(self, dl: float, dr: float) -> tuple[float, float]:
+        """The left and the right wheel rolled so far, m. Returns the distance of the middle (m) and the turn (rad)."""
+        distance, turn = (dl + dr) / 2.0, (dr - dl) / self._separation
+        self._spread(dl, dr, distance, turn)
+        x, y, yaw = self.pose
+        middle = yaw + turn / 2.0
+        chord = distance * (math.sin(turn / 2.0) / (turn / 2.0) if abs(turn) > 1e-9 else 1.0)
+        yaw = math.remainder(yaw + turn, 2.0 * math.pi)
+        self.pose = Pose2(x + chord * math.cos(middle), y + chord * math.sin(middle), yaw)
+        return distance, turn
+
+    def _spread(self, dl: float, dr: float, distance: float, turn: float) -> None:
+        """Propagate the covariance to first order (Siegwart, Autonomous Mobile Robots, 5.2.4)."""
+        if dl == dr == 0.0:
+            return
+        angle = self.pose[2] + turn / 2.0
+        c, s, b = math.cos(angle), math.sin(angle), self._separation
+        fx, fy = -distance * s, distance * c
+        xx, xy, xw, yy, yw, ww = self.covariance
+        xx, xy, xw, yy, yw = (
+            xx + 2.0 * fx * xw + fx * fx * ww,
+            xy + fy * xw + fx * yw + fx * fy * ww,
+            xw + fx * ww,
+            yy + 2.0 * fy * yw + fy * fy * ww,
+            yw + fy * ww,
+        )
+        for rolled, sign in ((dl, -1.0), (dr, 1.0)):
+            q = self._variance * abs(rolled)
+            h = sign * distance / (2.0 * b)
+            gx, gy, gw = c / 2.0 - h * s, s / 2.0 + h * c, sign / b
+            xx, xy, xw = xx + q * gx * gx, xy + q * gx * gy, xw + q * gx * gw
+            yy, yw, ww = yy + q * gy * gy, yw + q * gy * gw, ww + q * gw * gw
+        self.covariance = (xx, xy, xw, yy, yw, ww)

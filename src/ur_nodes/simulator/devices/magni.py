@@ -1,0 +1,72 @@
+"""Magni's motor board, from the register map of Serial_Protocol.md (V3) and its worked examples of checksums."""
+
+from __future__ import annotations
+
+from ur_nodes.simulator.devices.plant import Plant
+
+WATCHDOG = 0.5  # s; a guess: what the register of its dead-man timer means is not documented
+ODOMETRY_PERIOD = 0.05  # s
+COUNTS_PER_TURN = 257.64  # 41.004 a radian
+
+
+class MagniFirmware:
+    """See Firmware. `power`: the emergency stop is not pressed. `reports`: it sends its odometry by itself."""
+
+    covers = frozenset(("battery",))
+
+    def __init__(self, plant: Plant, *, version: int = 43, reports: bool = True) -> None:
+        self._plant, self._version, self._reports = plant, version, reports
+        self._scale = COUNTS_PER_TURN / (2.0 * 3.141592653589793 * plant.base.wheels.radius)
+        self._read = [0, 0]  # counts that were reported
+        self._bytes = b""
+        self._commanded, self._reported = -1.0, plant.time
+        self.power = True
+
+    def take(self, data: bytes) -> bytes:
+        """See Firmware."""
+        self._bytes += data
+        answer = b""
+        while len(self._bytes) >= 8:
+            packet = self._bytes[:8]
+            if packet[0] != 0x7E or sum(packet[1:]) % 256 != 255 or packet[1] // 16 != 3:
+                self._bytes = self._bytes[1:]
+                continue
+            self._bytes = self._bytes[8:]
+            answer += self._obey(packet[1] % 16, packet[2], packet[3:7])
+        return answer
+
+    def tick(self) -> bytes:
+        """See Firmware."""
+        now = self._plant.time
+        if self._commanded >= 0.0 and (now - self._commanded > WATCHDOG or not self.power):
+            self._plant.turn_wheels(0.0, 0.0)
+            self._commanded = -1.0
+        if not self._reports or now - self._reported < ODOMETRY_PERIOD - 1e-6:
+            return b""
+        self._reported = now
+        return self._respond(0x30, self._take_counts())
+
+    def _obey(self, kind: int, register: int, data: bytes) -> bytes:
+        if kind == 0xB and register == 0x2A and self.power:
+            left, right = (int.from_bytes(each, "big", signed=True) for each in (data[:2], data[2:]))
+            self._commanded = self._plant.time
+            self._plant.turn_wheels(left * 10.0 / 4.0 / self._scale, right * 10.0 / 4.0 / self._scale)
+        if kind != 0xA:
+            return b""
+        values = {
+            0x22: self._version.to_bytes(4, "big"),
+            0x23: round(self._plant.battery()[0] / 0.05127).to_bytes(4, "big"),
+            0x32: bytes((0, 0, 0, self.power)),
+        }
+        return self._respond(register, self._take_counts() if register == 0x30 else values.get(register, bytes(4)))
+
+    def _take_counts(self) -> bytes:
+        total = [int(each * self._scale) for each in self._plant.rolled()]
+        steps = [max(-32768, min(32767, now - before)) for now, before in zip(total, self._read, strict=True)]
+        self._read = total
+        return b"".join(each.to_bytes(2, "big", signed=True) for each in steps)
+
+    @staticmethod
+    def _respond(register: int, data: bytes) -> bytes:
+        body = bytes((0x3C, register)) + data
+        return b"\x7e" + body + bytes((255 - sum(body) % 256,))

@@ -1,0 +1,70 @@
+"""A simulated robot as its devices know it: wheels with encoders, battery, switches, and the beams of its lidar."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+
+from ur.robot.base import Base
+from ur_nodes.simulator.sensors.battery import BatterySense
+from ur_nodes.simulator.sensors.bumpers import BumperSense
+from ur_nodes.simulator.sensors.cliffs import CliffSense
+from ur_nodes.simulator.simulation import Simulation
+
+
+class Plant:
+    """One robot of a simulation, whose wheels devices turn. `update` is called at each tick, before it is asked.
+
+    Each wheel's radius is off by a fixed error drawn once, and what it rolls by a random one, as `Base.odometry` says.
+    """
+
+    def __init__(self, simulation: Simulation, robot: int, seed: int) -> None:
+        self.base: Base = simulation.base
+        self._simulation, self._robot = simulation, robot
+        self._random = np.random.Generator(np.random.PCG64(np.random.SeedSequence([seed, robot, 0xD])))
+        errors = self._random.standard_normal(2) * self.base.odometry.radius_error
+        self._radii = (1.0 + errors) * self.base.wheels.radius
+        self._angles = np.array(simulation.wheel_angles(robot))
+        self._rolled = np.zeros(2)
+        self.time = simulation.time
+        simulation.take_wheels(robot)
+
+    def update(self) -> None:
+        """The simulation went on."""
+        now = np.array(self._simulation.wheel_angles(self._robot))
+        rolled = (now - self._angles) * self._radii
+        noise = self._random.standard_normal(2) * self.base.odometry.wheel_noise * np.sqrt(np.abs(rolled))
+        self._rolled += rolled + noise
+        self._angles, self.time = now, self._simulation.time
+
+    def turn_wheels(self, left: float, right: float) -> None:
+        """Have the rims of the wheels move, m/s; 0.0 for no number."""
+        speeds = [each / self.base.wheels.radius if math.isfinite(each) else 0.0 for each in (left, right)]
+        self._simulation.turn_wheels(self._robot, *speeds)
+
+    def rolled(self) -> tuple[float, float]:
+        """Return what the encoders of the left and right wheel have measured since the start, m."""
+        return float(self._rolled[0]), float(self._rolled[1])
+
+    def battery(self) -> tuple[float, float, float, float]:
+        """Return voltage (V), current (A, negative: discharging), charge and capacity (Ah); zeros without a battery."""
+        if self.base.battery is None:
+            return 0.0, 0.0, 0.0, 0.0
+        charge = self._simulation.senses[self._robot].find(BatterySense).charge
+        return charge.voltage, charge.current, charge.charge, self.base.battery.design_capacity
+
+    def bumpers(self) -> dict[str, bool]:
+        """Return by name which bumpers are pressed."""
+        if self.base.bumpers is None:
+            return {}
+        return self._simulation.senses[self._robot].find(BumperSense).pressed(self.time)
+
+    def cliffs(self) -> dict[str, bool]:
+        """Return by name which cliff sensors see no floor."""
+        return self._simulation.senses[self._robot].find(CliffSense).seen() if self.base.cliffs else {}
+
+    def ranges(self) -> npt.NDArray[np.float64]:
+        """Return the ranges of the lidar now (m), from its `angle_min` on; see LidarBeams.cast."""
+        return self._simulation.scan(self._robot)

@@ -1,0 +1,58 @@
+"""A pseudo-terminal under the name that a device has, at the end of which a driver opens it."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import tty
+from pathlib import Path
+
+from ur.source.diagnostic import UserError, error
+
+_MOST = 65536
+
+
+class Terminal:
+    """The device's end of a serial line. Bytes that no driver reads are lost when the line is full, as on a wire."""
+
+    def __init__(self, path: Path) -> None:
+        """Raises UserError: the folder of `path` is another user's, or a device of that name is in use."""
+        self.path = path
+        _make_folder(path.parent)
+        if path.is_symlink():
+            path.unlink()  # of a simulator that was killed
+        self._ours, self._theirs = os.openpty()
+        tty.setraw(self._theirs)
+        os.set_blocking(self._ours, False)
+        path.symlink_to(os.ttyname(self._theirs))
+
+    def read(self) -> bytes:
+        """Return what the driver has sent."""
+        with contextlib.suppress(BlockingIOError):
+            return os.read(self._ours, _MOST)
+        return b""
+
+    def write(self, data: bytes) -> None:
+        """Send bytes to the driver."""
+        if data:
+            with contextlib.suppress(BlockingIOError):
+                os.write(self._ours, data)
+
+    def close(self) -> None:
+        """Unplug it."""
+        with contextlib.suppress(FileNotFoundError):
+            self.path.unlink()
+        os.close(self._ours)
+        os.close(self._theirs)
+
+
+def _make_folder(folder: Path) -> None:
+    try:
+        folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+        owner = folder.lstat()
+    except OSError as problem:
+        text = f"{folder} cannot be made for the devices of the simulated robot: {problem.strerror}"
+        raise UserError(error(text, rule="no-device-folder")) from None
+    if owner.st_uid != os.geteuid() or folder.is_symlink():
+        text = f"{folder} is another user's, expected a folder of your own for the devices of the simulated robot"
+        raise UserError(error(text, rule="no-device-folder", help="give another one: device_folder:=FOLDER"))

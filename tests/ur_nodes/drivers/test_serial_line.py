@@ -1,0 +1,121 @@
+"""The serial line on pseudo-terminals: opened again after it was unplugged, and guarded when its process dies."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import threading
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from ur_nodes.drivers.line import LineSettings, LineUser
+from ur_nodes.drivers.serial_line import SerialLine
+from ur_nodes.simulator.devices.terminal import Terminal
+
+WAIT = 20.0  # s
+PROGRAM = """
+import time, sys
+from ur_nodes.drivers.line import LineSettings, LineUser
+from ur_nodes.drivers.serial_line import SerialLine
+class Node:
+    def post(self, call): call()
+    def now(self): return 0
+user = LineUser(lambda: None, lambda data, stamp: None, lambda reason: None)
+line = SerialLine(Node(), sys.argv[1], user, LineSettings(115200, b"STOP"))
+while True:
+    line.write(b"go", moving=True)
+    time.sleep(0.02)
+"""
+
+
+class FakeNode:
+    """A node's thread for one line: calls are made where they are posted."""
+
+    def __init__(self) -> None:
+        self.lock = threading.Lock()
+
+    def post(self, call: Callable[[], None]) -> None:
+        with self.lock:
+            call()
+
+    def now(self) -> int:
+        return 7
+
+
+class Record:
+    """What a line has reported."""
+
+    def __init__(self) -> None:
+        self.events: list[Any] = []
+        self.changed = threading.Condition()
+
+    def user(self) -> LineUser:
+        return LineUser(lambda: self.add("open"), lambda data, stamp: self.add((data, stamp)), self.add)
+
+    def add(self, event: Any) -> None:
+        with self.changed:
+            self.events.append(event)
+            self.changed.notify_all()
+
+    def wait(self, condition: Callable[[list[Any]], bool]) -> None:
+        with self.changed:
+            assert self.changed.wait_for(lambda: condition(self.events), WAIT), self.events
+
+
+def read_until(terminal: Terminal, end: bytes) -> bytes:
+    data = b""
+    wait = threading.Event()
+    for _ in range(int(WAIT / 0.01)):
+        data += terminal.read()
+        if data.endswith(end):
+            return data
+        wait.wait(0.01)
+    raise AssertionError(data)
+
+
+def test_line_is_opened_when_the_device_is_there_and_again_when_it_is_back(tmp_path: Path) -> None:
+    path, record = tmp_path / "device", Record()
+    line = SerialLine(FakeNode(), str(path), record.user(), LineSettings(115200))  # type: ignore[arg-type]
+    record.wait(lambda events: events == ["no such file or directory"])
+    for _ in range(2):
+        terminal = Terminal(path)
+        record.wait(lambda events: events[-1] == "open")
+        terminal.write(b"counts")
+        record.wait(lambda events: events[-1] == (b"counts", 7))
+        line.write(b"speeds")
+        assert read_until(terminal, b"speeds") == b"speeds"
+        seen = len(record.events)
+        terminal.close()
+        record.wait(lambda events, seen=seen: bool({*events[seen:]} & {"it was unplugged", "input/output error"}))  # type: ignore[misc]
+    line.close()
+
+
+def test_device_that_is_in_use_is_reported_and_used_once_it_is_free(tmp_path: Path) -> None:
+    terminal, first, second = Terminal(tmp_path / "device"), Record(), Record()
+    one = SerialLine(FakeNode(), str(terminal.path), first.user(), LineSettings(115200))  # type: ignore[arg-type]
+    first.wait(lambda events: events == ["open"])
+    other = SerialLine(FakeNode(), str(terminal.path), second.user(), LineSettings(115200))  # type: ignore[arg-type]
+    second.wait(lambda events: len(events) == 1 and events[0] != "open")
+    one.close()
+    second.wait(lambda events: events[-1] == "open")
+    other.close()
+    terminal.close()
+
+
+@pytest.mark.parametrize("sent", [signal.SIGKILL, signal.SIGSTOP], ids=["killed", "stalled"])
+def test_motors_are_stopped_when_the_process_of_the_driver_is(tmp_path: Path, sent: signal.Signals) -> None:
+    terminal = Terminal(tmp_path / "device")
+    driver = subprocess.Popen([sys.executable, "-c", PROGRAM, str(terminal.path)], start_new_session=True)
+    try:
+        read_until(terminal, b"gogogo")
+        os.kill(driver.pid, sent)
+        assert read_until(terminal, b"STOP").count(b"STOP") == 1
+    finally:
+        driver.kill()
+        driver.wait()
+        terminal.close()
