@@ -5,11 +5,17 @@ import math
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from tests.base_contract import load
 
 from ur.robot.base import Base
 from ur_nodes.motion.wheel_drive import WheelDrive
 
 PERIOD = 0.02
+
+
+@pytest.fixture(scope="module")
+def stage() -> Base:
+    return load("stage", "")
 
 
 def run(drive: WheelDrive, linear: float, angular: float, seconds: float) -> list[tuple[float, float]]:
