@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from tests.ur_nodes.first_drive.stage import Stage
+from tests.ur_nodes.first_drive.stage import DrivenStage
 
 from ur.robot.base import Base
 from ur.worlds.world_file import read_world
@@ -108,7 +108,7 @@ class MemoryLine:
             self._user.received(data, now)
 
 
-class Rig(Stage):
+class Rig(DrivenStage):
     """A stage whose robot is driven through the devices of a base; `firmware` is that of the board."""
 
     def __init__(

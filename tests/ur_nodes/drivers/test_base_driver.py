@@ -91,7 +91,7 @@ def test_robot_rests_after_its_driver_was_killed_at_any_moment(name: str, seed: 
     rig.bus.run(random.Random(seed).random() * 0.05)
     for line in rig.lines:
         line.dead = True
-    assert rest_after(rig, 0.4) < REST
+    assert rest_after(rig) < REST
 
 
 @pytest.mark.parametrize("name", BOARD_NAMES)
@@ -122,7 +122,7 @@ def test_noise_and_lost_halves_of_frames_move_nothing_that_was_not_asked_for(nam
     rig.drive(0.2, 0.0, 2.0)
     assert max(abs(each.twist.forward) for each in rig.truths) < 0.3 * 1.3
     rig.cable.noise = rig.cable.cut = 0.0
-    assert rest_after(rig, 0.4) < REST
+    assert rest_after(rig) < REST
     assert all(abs(each.twist.forward) < 2.0 for each in odometry)
 
 
