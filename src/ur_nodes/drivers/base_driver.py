@@ -33,13 +33,13 @@ class BaseDriver:
         self._commanded = self._counted = self._answered = self._greeted = -math.inf
         self._open = self._known = False
         self._bad_counts = 0
-        self._problem = ""  # why it does not drive
+        self._problem = ""  # why it does not drive now
+        self._unfit = ""  # why it never does, by its own account
         node.subscribe("cmd_vel", Twist, self._command)
         node.every(board.period, self._beat, steady=True)
         node.on_end(self._end)
         user = LineUser(self._opened, self._received, self._lost)
-        stop = b"" if board.own_watchdog else board.stop()
-        self._line = connect(user, LineSettings(board.baud, stop))
+        self._line = connect(user, LineSettings(board.baud, board.stop()))
 
     def _command(self, command: Twist) -> None:
         self._commanded = self._node.steady()
@@ -69,10 +69,10 @@ class BaseDriver:
             return "its wheel counters jump; check the encoders and their cables"
         if now - self._counted > BLIND:
             return f"no wheel counts for {BLIND:g} s"
-        return self._problem
+        return self._unfit or self._problem
 
     def _opened(self) -> None:
-        self._open, self._known, self._problem = True, False, ""
+        self._open, self._known, self._problem, self._unfit = True, False, "", ""
         self._answered = -math.inf
         self._drive.halt()
         self._odometer.forget()
@@ -138,7 +138,7 @@ class BaseDriver:
 
     def _take_identity(self, identity: Identity) -> None:
         if identity.problem:
-            self._problem = identity.problem
+            self._unfit = identity.problem
             self._node.log.error(f"{self._line.name}: {self._board.name}: {identity.problem}", every=_REPORT)
         elif not self._known:
             self._node.log.info(f"{self._line.name}: {self._board.name}: {identity.text}")

@@ -20,8 +20,7 @@ class LineUser:
 class LineSettings:
     """The speed of a line, and the level of its modem line DTR.
 
-    `stop` are bytes that stop the motors when this process no longer can; b'' where there are none, or where the device
-    has a watchdog of its own.
+    `stop` are bytes that stop the motors when this process no longer can; b'' for a device without motors that drive.
     """
 
     baud: int

@@ -40,9 +40,8 @@ class SerialLine:
         """See Line."""
         with self._lock, contextlib.suppress(OSError, termios.error):  # unplugged: the thread that reads reports it
             if self._port is not None and data:
+                self._tell_guard(self._port.fileno(), moving=moving)
                 os.write(self._port.fileno(), data)
-                if self._guard is not None:
-                    os.write(self._guard, b"m" if moving else b"r")
 
     def close(self) -> None:
         """See Line."""
@@ -51,6 +50,20 @@ class SerialLine:
                 termios.tcdrain(self._port.fileno())
         self._closing.set()
         self._thread.join(2.0)
+
+    def _tell_guard(self, device: int, *, moving: bool) -> None:
+        """Before what moves the motors is sent, so that they never turn without a guard. Raises OSError."""
+        if self._guard is None:
+            return
+        try:
+            os.write(self._guard, b"m" if moving else b"r")
+        except BlockingIOError:
+            return  # it has more to read than it needs
+        except BrokenPipeError:  # it was killed
+            os.close(self._guard)
+            self._guard = None
+            self._guard = start_guard(device, self._settings.stop)
+            os.write(self._guard, b"m" if moving else b"r")
 
     def _run(self) -> None:
         while not self._closing.is_set():

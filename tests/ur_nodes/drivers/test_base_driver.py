@@ -233,7 +233,7 @@ def test_old_firmware_of_a_magni_is_refused_with_what_to_do() -> None:
     rig.bus.run(0.1)
     rig.cable.plugged = True
     rig.drive(0.3, 0.0, 1.0)
-    assert any("firmware 20, expected 28 or later" in line for line in lines(rig))
+    assert any("firmware 20, expected 35 or later" in line for line in lines(rig))
     assert rig.truth.pose.x == pytest.approx(0.0, abs=0.01)
 
 

@@ -1,11 +1,8 @@
-"""The serial line on pseudo-terminals: opened again after it was unplugged, and guarded when its process dies."""
+"""The serial line on pseudo-terminals: opened again after it was unplugged, with a guard."""
 
 from __future__ import annotations
 
 import os
-import signal
-import subprocess
-import sys
 import threading
 from collections.abc import Callable
 from pathlib import Path
@@ -13,24 +10,12 @@ from typing import Any
 
 import pytest
 
+from ur_nodes.drivers import serial_line
 from ur_nodes.drivers.line import LineSettings, LineUser
 from ur_nodes.drivers.serial_line import SerialLine
 from ur_nodes.simulator.devices.terminal import Terminal
 
 WAIT = 20.0  # s
-PROGRAM = """
-import time, sys
-from ur_nodes.drivers.line import LineSettings, LineUser
-from ur_nodes.drivers.serial_line import SerialLine
-class Node:
-    def post(self, call): call()
-    def now(self): return 0
-user = LineUser(lambda: None, lambda data, stamp: None, lambda reason: None)
-line = SerialLine(Node(), sys.argv[1], user, LineSettings(115200, b"STOP"))
-while True:
-    line.write(b"go", moving=True)
-    time.sleep(0.02)
-"""
 
 
 class FakeNode:
@@ -107,15 +92,20 @@ def test_device_that_is_in_use_is_reported_and_used_once_it_is_free(tmp_path: Pa
     terminal.close()
 
 
-@pytest.mark.parametrize("sent", [signal.SIGKILL, signal.SIGSTOP], ids=["killed", "stalled"])
-def test_motors_are_stopped_when_the_process_of_the_driver_is(tmp_path: Path, sent: signal.Signals) -> None:
-    terminal = Terminal(tmp_path / "device")
-    driver = subprocess.Popen([sys.executable, "-c", PROGRAM, str(terminal.path)], start_new_session=True)
-    try:
-        read_until(terminal, b"gogogo")
-        os.kill(driver.pid, sent)
-        assert read_until(terminal, b"STOP").count(b"STOP") == 1
-    finally:
-        driver.kill()
-        driver.wait()
-        terminal.close()
+def test_guard_that_was_killed_is_started_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    started: list[int] = []
+    monkeypatch.setattr(serial_line, "start_guard", lambda device, stop: started.append(device) or broken_pipe())
+    terminal, record = Terminal(tmp_path / "device"), Record()
+    line = SerialLine(FakeNode(), str(terminal.path), record.user(), LineSettings(115200, b"STOP"))  # type: ignore[arg-type]
+    record.wait(lambda events: events == ["open"])
+    line.write(b"go", moving=True)
+    assert len(started) == 2
+    line.close()
+    terminal.close()
+
+
+def broken_pipe() -> int:
+    """The end of a pipe that none reads."""
+    theirs, ours = os.pipe()
+    os.close(theirs)
+    return ours

@@ -33,7 +33,6 @@ class Arduino:
     name = "Arduino with the sketch ur_base"
     baud = 115200
     period = 0.04
-    own_watchdog = 0.15
 
     def __init__(self, base: Base) -> None:
         self._scale = scale_of(base)

@@ -21,8 +21,6 @@ class Board(Protocol):
     """s between two calls of `drive`."""
     counts_per_turn: float
     """of a wheel"""
-    own_watchdog: float
-    """s without a command after which the board itself stops its motors; 0.0: it does not."""
 
     def greet(self) -> bytes:
         """Return what is sent once the line is open, and again while the device does not answer."""

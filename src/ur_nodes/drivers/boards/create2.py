@@ -1,7 +1,7 @@
 """iRobot Create 2 and Roomba 500 to 800: "iRobot Create 2 Open Interface (OI) Specification based on the Roomba 600".
 
 The robot sends a frame of sensors every 15 ms: 19, the number of bytes, pairs of a packet's id and its value, and a
-checksum that makes the sum of all bytes 0. Its counters have 16 bits, 508.8 counts in a turn of wheels of 72 mm.
+checksum that makes the sum of all bytes, the 19 too, 0 (the first Create left the 19 out). Its counters have 16 bits, 508.8 counts in a turn of wheels of 72 mm.
 It has no watchdog of its own: in the modes Safe and Full it drives on with its last command.
 """
 
@@ -36,7 +36,6 @@ class Create2:
     baud = 115200
     period = 0.04
     counts_per_turn = 508.8
-    own_watchdog = 0.0
 
     def __init__(self, base: Base) -> None:  # noqa: ARG002 - its wheels are those of the specification
         self._frames = FrameReader(bytes((_HEADER, _LAYOUT.size)), _measure, _is_valid, _SIZE)
@@ -93,5 +92,10 @@ def _measure(frame: bytes) -> int:
     return _SIZE if len(frame) >= 2 else MORE
 
 
+def check(frame: bytes) -> bool:
+    """The sum of a whole frame of the stream is 0."""
+    return sum(frame) & 0xFF == 0
+
+
 def _is_valid(frame: bytes) -> bool:
-    return sum(frame) & 0xFF == 0 and tuple(_LAYOUT.unpack_from(frame, 2)[::2]) == tuple(_PACKETS)
+    return check(frame) and tuple(_LAYOUT.unpack_from(frame, 2)[::2]) == tuple(_PACKETS)

@@ -6,7 +6,8 @@ A5 5A, 30 bits of length, 2 of mode, and its kind. Angles are clockwise.
 Standard scan: samples of 5 bytes: quality and the flag of a new turn with its inverse, the angle in 64ths of a degree
 with a bit that is 1, the distance in quarters of mm. Express scan (legacy): packets of 84 bytes, A and 5 in the upper
 halves of the first two bytes, the checksum in their lower halves, the angle of the first of 32 samples, and 16 cabins
-of two distances in mm with corrections of their angles in eighths of a degree.
+of two distances in mm with corrections of their angles, 6 bits, in eighths of a degree. The document calls the first of
+these bits a sign; Slamtec's own SDK, with which its lidars are used, subtracts all six (handler_capsules.cpp), as here.
 """
 
 from __future__ import annotations
@@ -125,8 +126,7 @@ def read_cabins(cabins: NDArray[np.void], start: float, span: float) -> Beams:
     """The 32 beams of a packet's cabins: from `start` on, `span` degrees to that of the next packet."""
     words = np.stack((cabins["first"], cabins["second"]), 1)
     low = np.stack((cabins["corrections"] & 15, cabins["corrections"] >> 4), 1)
-    magnitude = (low | (words & 1).astype(np.uint8) << 4) / 8.0
-    corrections = np.where(words & 2, -magnitude, magnitude).ravel()
+    corrections = (low | (words & 3).astype(np.uint8) << 4).ravel() / 8.0
     distances = (words >> 2).ravel()
     degrees = (start + span * np.arange(distances.size) / distances.size - corrections) % 360.0
     ranges = np.where(distances > 0, distances / 1000.0, np.inf)

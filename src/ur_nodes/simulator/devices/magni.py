@@ -1,4 +1,8 @@
-"""Magni's motor board, from the register map of Serial_Protocol.md (V3) and its worked examples of checksums."""
+"""Magni's motor board, from the register map of Serial_Protocol.md (V3) and its worked examples of checksums.
+
+The units of speeds are those of the first versions of ubiquity_motor (TICS_PER_RADIAN 41.0058 / 2, four of them in a
+quarter tic, in 0.1 s), which its change e3b6120 says no encoder changes; the firmware caps them at 80, about 1 m/s.
+"""
 
 from __future__ import annotations
 
@@ -7,6 +11,8 @@ from ur_nodes.simulator.devices.plant import Plant
 WATCHDOG = 0.5  # s; a guess: what the register of its dead-man timer means is not documented
 ODOMETRY_PERIOD = 0.05  # s
 COUNTS_PER_TURN = 257.64  # 41.004 a radian
+SPEED_PER_TURN = 51.528  # for 1 turn a second
+FASTEST = 80
 
 
 class MagniFirmware:
@@ -50,13 +56,15 @@ class MagniFirmware:
         if kind == 0xB and register == 0x2A and self.power:
             left, right = (int.from_bytes(each, "big", signed=True) for each in (data[:2], data[2:]))
             self._commanded = self._plant.time
-            self._plant.turn_wheels(left * 10.0 / 4.0 / self._scale, right * 10.0 / 4.0 / self._scale)
+            rim = 2.0 * 3.141592653589793 * self._plant.base.wheels.radius / SPEED_PER_TURN
+            self._plant.turn_wheels(*(max(-FASTEST, min(FASTEST, each)) * rim for each in (left, right)))
         if kind != 0xA:
             return b""
         values = {
             0x22: self._version.to_bytes(4, "big"),
             0x23: round(self._plant.battery()[0] / 0.05127).to_bytes(4, "big"),
             0x32: bytes((0, 0, 0, self.power)),
+            0x38: bytes((0, 0, 0, 1)),
         }
         return self._respond(register, self._take_counts() if register == 0x30 else values.get(register, bytes(4)))
 

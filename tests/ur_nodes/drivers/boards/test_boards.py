@@ -9,6 +9,7 @@ from tests.base_contract import load
 
 from ur_nodes.drivers.boards import BOARDS
 from ur_nodes.drivers.boards.arduino import make_line
+from ur_nodes.drivers.boards.create2 import check
 from ur_nodes.drivers.boards.magni import make_packet
 from ur_nodes.drivers.readings import Counts, Identity, Motors, Power
 
@@ -29,6 +30,20 @@ def test_packets_of_magni_are_those_of_its_protocols_examples(packet: bytes, tex
     assert packet == bytes.fromhex(text)
 
 
+def test_magni_gets_the_speeds_that_ubiquity_motor_sends() -> None:
+    # motor_hardware.cc, calculateSpeedFromRadians: 0.5 * radians * 41.004 * 4 / 10 with encoders of 6 states, the left
+    # one in the upper half: 5 and -5 rad/s are 41 and -41.
+    board = make("magni")
+    radius = load("create2", "").wheels.radius
+    assert board.drive(5.0 * radius, -5.0 * radius) == bytes.fromhex("7e 3b 2a 00 29 ff d7 9b")
+
+
+@pytest.mark.parametrize(("options", "fits"), [(1, True), (0, False), (3, False), (9, True)])
+def test_magni_with_other_encoders_or_wheels_is_refused(options: int, fits: bool) -> None:
+    (identity,) = make("magni").take(make_packet(0x3C, 0x38, options))
+    assert bool(identity.problem) is not fits
+
+
 def test_magni_adds_up_the_counts_of_its_reports() -> None:
     board = make("magni")
     frames = make_packet(0x3C, 0x30, 3 << 16 | 4) + make_packet(0x3C, 0x30, (-1 & 0xFFFF) << 16 | 2 - (1 << 32))
@@ -43,6 +58,13 @@ def test_create_drives_in_mm_a_second_the_right_wheel_first() -> None:
     # The specification's example of Drive Direct's units: high byte first, right, then left, at most 500 mm/s.
     assert make("create2").drive(-0.2, 0.3) == bytes((145, 0x01, 0x2C, 0xFF, 0x38))
     assert make("create2").drive(9.0, float("nan")) == bytes((145, 0, 0, 0x01, 0xF4))
+
+
+def test_checksum_of_the_stream_is_that_of_the_example_of_the_specification() -> None:
+    # "iRobot Create 2 Open Interface", Stream: 19 + 5 + 29 + 2 + 25 + 13 + 0 + 163 = 256. The example of the first
+    # Create's document has 182 in place of 163: its checksum leaves the 19 out.
+    assert check(bytes((19, 5, 29, 2, 25, 13, 0, 163)))
+    assert not check(bytes((19, 5, 29, 2, 25, 13, 0, 182)))
 
 
 def test_create_reads_a_frame_whose_sum_is_zero_and_no_other() -> None:

@@ -10,7 +10,6 @@ import pytest
 
 from ur_nodes.drivers.lidars import LIDARS
 from ur_nodes.drivers.lidars.ldrobot import check
-from ur_nodes.drivers.lidars.rplidar import read_cabins
 from ur_nodes.drivers.lidars.ydlidar import correction
 from ur_nodes.drivers.readings import Beams
 
@@ -42,12 +41,41 @@ def test_standard_sample_of_an_rplidar_has_64ths_of_a_degree_and_quarters_of_mm(
     assert beams.intensities[0] == 47.0
 
 
-def test_cabins_of_an_rplidar_have_corrections_with_a_sign() -> None:
-    cabins = np.zeros(16, [("first", "<u2"), ("second", "<u2"), ("corrections", "u1")])
-    cabins[0] = (1000 << 2 | 0b01, 2000 << 2 | 0b10, 0x83)  # + 19/8 degrees, - 8/8 degrees
-    beams = read_cabins(cabins, 350.0, 32.0)
-    assert np.degrees(beams.phases[:3]).tolist() == pytest.approx([350.0 - 19 / 8, 351.0 + 1.0, 352.0])
-    assert beams.ranges[:3].tolist() == [1.0, 2.0, math.inf]
+def express_packet(start: int, cabin: str) -> bytes:
+    """A packet of the express scan, of 16 equal cabins; `start` in 64ths of a degree."""
+    body = struct.pack("<H", start) + bytes.fromhex(cabin) * 16
+    total = 0
+    for byte in body:
+        total ^= byte
+    return bytes((0xA0 | total & 15, 0x50 | total >> 4)) + body
+
+
+def test_beams_of_an_express_scan_have_the_angles_of_slamtecs_sdk() -> None:
+    # rplidar_sdk, handler_capsules.cpp: the offset is the low nibble (the high one for the second beam) and the two low
+    # bits of the distance above it, without a sign; (step << 16) * k - (offset << 13) in 65536ths of a degree, and then
+    # 64ths of one. Cabin: 1000 mm with offset 0x13, 2000 mm with offset 0x28.
+    data = express_packet(350 * 64, "a10f 421f 83") + express_packet(22 * 64, "a10f 421f 83")
+    beams = read("rplidar_express", data)
+    expected = [(350 << 16) - (0x13 << 13) >> 10, (351 << 16) - (0x28 << 13) >> 10, (352 << 16) - (0x13 << 13) >> 10]
+    assert np.degrees(beams.phases[:3]).tolist() == pytest.approx([each / 64.0 for each in expected])
+    assert beams.ranges[:3].tolist() == [1.0, 2.0, 1.0]
+    assert beams.clockwise
+
+
+def test_packet_of_a_ydlidar_has_the_checksum_and_angles_of_the_example_of_its_protocol() -> None:
+    # YDLidar-SDK-Communication-Protocol.md: the example without intensity, a packet of its zero; and the angles of the
+    # first-level analysis: 28 E5 6F BD 79 are 40 samples from 223.78 to 243.47 degrees.
+    beams = read("ydlidar", bytes.fromhex("aa55 0101 53ae 53ae ab54 0000"))
+    assert np.degrees(beams.phases).tolist() == pytest.approx([0xAE53 // 2 / 64.0])
+    assert beams.ranges.tolist() == [math.inf]
+    words = [0x55AA, 0x2800, 0x6FE5, 0x79BD, *([0x6FE5] * 40)]
+    total = 0
+    for word in words:
+        total ^= word
+    beams = read("ydlidar", struct.pack("<45H", *words[:4], total, *words[4:]))
+    assert beams.ranges[0] == pytest.approx(7.16125)
+    degrees = np.degrees(beams.phases) - correction(beams.ranges * 1000.0)
+    assert (degrees[0], degrees[-1]) == pytest.approx((223.78, 243.47), abs=0.02)
 
 
 def test_correction_of_a_ydlidar_is_that_of_its_manual() -> None:

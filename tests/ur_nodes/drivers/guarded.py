@@ -1,0 +1,71 @@
+"""A board's stand-in without a watchdog, at the end of the real line of a driver in a process of its own."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+from tests.ur_nodes.drivers.mutations import StillPlant
+
+from ur_nodes.simulator.devices import arduino, magni
+from ur_nodes.simulator.devices.bench import FIRMWARES
+from ur_nodes.simulator.devices.terminal import Terminal
+
+LONGEST = 30.0  # s
+# Greets the board and sends it speeds, as BaseDriver does.
+PROGRAM = """
+import sys, time
+from tests.base_contract import load
+from ur_nodes.drivers.boards import BOARDS
+from ur_nodes.drivers.line import LineSettings, LineUser
+from ur_nodes.drivers.serial_line import SerialLine
+class Node:
+    def post(self, call): call()
+    def now(self): return 0
+board = BOARDS[sys.argv[1]](load("create2", ""))
+user = LineUser(lambda: None, lambda data, stamp: None, lambda reason: None)
+line = SerialLine(Node(), sys.argv[2], user, LineSettings(board.baud, board.stop()))
+for _ in range(50):
+    line.write(board.greet())
+    time.sleep(0.01)
+while True:
+    line.write(board.drive(0.2, 0.2), moving=True)
+    time.sleep(board.period)
+"""
+
+
+class GuardedBoard(StillPlant):
+    """A context: the driver runs in it. `turned` are the speeds that the motors got, m/s."""
+
+    def __init__(self, name: str, path: Path) -> None:
+        super().__init__()
+        self.turned: list[tuple[float, float]] = [(0.0, 0.0)]
+        self._firmware = FIRMWARES[name](self)  # type: ignore[arg-type]
+        self._terminal = Terminal(path)
+        self._watchdogs = arduino.WATCHDOG, magni.WATCHDOG
+        self._command = [sys.executable, "-c", PROGRAM, name, str(path)]
+
+    def __enter__(self) -> GuardedBoard:
+        arduino.WATCHDOG = magni.WATCHDOG = 1e9
+        self.driver = subprocess.Popen(self._command, start_new_session=True)
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        arduino.WATCHDOG, magni.WATCHDOG = self._watchdogs
+        self.driver.kill()
+        self.driver.wait()
+        self._terminal.close()
+
+    def turn_wheels(self, left: float, right: float) -> None:
+        self.turned.append((left, right))
+
+    def run_until(self, condition: Callable[[], bool]) -> None:
+        """Have the stand-in obey and report until a condition holds."""
+        end = time.monotonic() + LONGEST
+        while not condition():
+            assert time.monotonic() < end, self.turned[-5:]
+            self._terminal.write(self._firmware.take(self._terminal.read()))
+            time.sleep(0.002)
