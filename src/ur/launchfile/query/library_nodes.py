@@ -11,6 +11,10 @@ LIBRARY_NODES: dict[str, Interface] = {
         services="global_localization request_nomotion_update set_map",
         calls="static_map",
     ),
+    "base_driver": make_interface(
+        publishes="odom joint_states tf",
+        subscribes="cmd_vel",
+    ),
     "calibrate_camera": make_interface(
         subscribes="raspicam_node/image/compressed",
         calls="raspicam_node/set_camera_info",
@@ -56,6 +60,9 @@ LIBRARY_NODES: dict[str, Interface] = {
         subscribes="map scan tf amcl_pose amcl/lost move_base/hold patrol/status cmd_vel_mux/stopped "
         "cmd_vel_mux/active cmd_vel_mux/lease cmd_vel_mux/challenge",
         uses="move_base",
+    ),
+    "lidar_driver": make_interface(
+        publishes="scan",
     ),
     "costmap_2d_node": make_interface(
         publishes="~costmap/costmap ~costmap/footprint",
