@@ -94,7 +94,7 @@ def test_device_that_is_in_use_is_reported_and_used_once_it_is_free(tmp_path: Pa
 
 def test_guard_that_was_killed_is_started_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     started: list[int] = []
-    monkeypatch.setattr(serial_line, "start_guard", lambda device, stop: started.append(device) or broken_pipe())
+    monkeypatch.setattr(serial_line, "start_guard", lambda device, _: started.append(device) or broken_pipe())
     terminal, record = Terminal(tmp_path / "device"), Record()
     line = SerialLine(FakeNode(), str(terminal.path), record.user(), LineSettings(115200, b"STOP"))  # type: ignore[arg-type]
     record.wait(lambda events: events == ["open"])

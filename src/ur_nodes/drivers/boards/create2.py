@@ -1,8 +1,9 @@
 """iRobot Create 2 and Roomba 500 to 800: "iRobot Create 2 Open Interface (OI) Specification based on the Roomba 600".
 
 The robot sends a frame of sensors every 15 ms: 19, the number of bytes, pairs of a packet's id and its value, and a
-checksum that makes the sum of all bytes, the 19 too, 0 (the first Create left the 19 out). Its counters have 16 bits, 508.8 counts in a turn of wheels of 72 mm.
-It has no watchdog of its own: in the modes Safe and Full it drives on with its last command.
+checksum that makes the sum of all bytes 0 (the 19 too, which the first Create left out). Its counters have 16 bits,
+508.8 counts in a turn of wheels of 72 mm. It has no watchdog of its own: in the modes Safe and Full it drives on with
+its last command.
 """
 
 from __future__ import annotations

@@ -1,9 +1,9 @@
 """The motor board of Ubiquity Robotics' Magni: "Ubiquity Robotics Motor Controller Serial Protocol V3".
 
 Packets of 8 bytes: 7E, protocol 3 and the kind, a register, 32 bits of data (big-endian), and a checksum that makes the
-low byte of the sum without the 7E FF. The units are those of ubiquity_motor's motor_hardware.cc: speeds are quarters of a
-count in 100 ms, of counts half as fine as those of the odometry, whatever the encoders are; the left one is the upper
-half. A report of the odometry has the counts since the last one; boards send it by themselves.
+low byte of the sum without the 7E FF. The units are those of ubiquity_motor's motor_hardware.cc. Speeds are quarters of
+a count in 100 ms, of counts half as fine as those of the odometry; the left one is in the upper half. A report of the
+odometry has the counts since the last one; boards send it by themselves.
 """
 
 from __future__ import annotations

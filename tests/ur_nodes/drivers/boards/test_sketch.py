@@ -77,8 +77,9 @@ def test_motors_stop_150_ms_after_the_last_command_and_at_once_when_told_to(sket
 
 def test_damaged_and_unknown_lines_move_nothing(sketch: Path) -> None:
     good = make_line("v 500 500")
-    bad = [good[:-2] + b"?\n", b"v 500 500\n", b"v 500 500*\n", make_line("v 500"), make_line("v 5x 500"), make_line("w 5 5"),
-           make_line("v 500 500 5"), b"v" * 300 + good, bytes(range(256))]  # fmt: skip
+    texts = ("v 500", "v 5x 500", "w 5 5", "v 500 500 5")
+    bad = [good[:-2] + b"?\n", b"v 500 500\n", b"v 500 500*\n", b"v" * 300 + good, bytes(range(256))]
+    bad += [make_line(text) for text in texts]
     for line in bad:
         _, powers = run(sketch, [(10, line), (60, b"")])
         assert powers[-1][1:] == (0, 0), line
