@@ -27,24 +27,38 @@ STARTS: dict[str, Callable[[Node], object]] = {
 """The nodes of the launch files that run; the stage itself stands for the others."""
 
 
-def read_launch_files(world: str) -> Plan:
-    """The nodes and parameters of `m_robot_base` and `m_move_base` for the base `stage`."""
+def read_launch_files(world: str, base: str, variant: str) -> Plan:
+    """The nodes and parameters of `m_robot_base` and `m_move_base` for a base."""
     library = launch_library()
     system = SystemWorld({**os.environ, "ROS_PACKAGE_PATH": str(library)})
     files = [str(library / f"{name}/launch/{name}.launch.xml") for name in ("m_robot_base", "m_move_base")]
-    return load_plan(files, ["robot_base:=stage", f"map_file:={library}/n_map_server/maps/{world}.yaml"], system)
+    arguments = [
+        f"robot_base:={base}",
+        f"robot_variant:={variant}",
+        f"map_file:={library}/n_map_server/maps/{world}.yaml",
+    ]
+    return load_plan(files, arguments, system)
 
 
 class FirstDrive(DrivenStage):
     """A stage with mux, amcl and move_base, and a client that sends goals. Begins localised, where the robot is."""
 
-    def __init__(self, world: str = "maze", *, seed: int = 0, delay: Callable[[str], int | None] | None = None) -> None:
-        super().__init__(world, delay=delay, seed=seed)
+    def __init__(
+        self,
+        world: str = "maze",
+        *,
+        base: str = "stage",
+        variant: str = "",
+        seed: int = 0,
+        delay: Callable[[str], int | None] | None = None,
+        **parameters: Any,
+    ) -> None:
+        super().__init__(world=world, base=base, variant=variant, delay=delay, seed=seed, **parameters)
         self.serve_map()
-        plan = read_launch_files(world)
-        parameters: dict[str, Any] = {each.name: each.value for each in plan.params}
+        plan = read_launch_files(world, base, variant)
+        values: dict[str, Any] = {each.name: each.value for each in plan.params}
         self.bus.parameters |= {
-            name: value for name, value in parameters.items() if name.startswith(tuple(f"{node}/" for node in STARTS))
+            name: value for name, value in values.items() if name.startswith(tuple(f"{node}/" for node in STARTS))
         }
         self.states: dict[str, GoalState] = {}
         self._sent = 0

@@ -1,0 +1,79 @@
+"""Ten goals in the maze through a driver and its stand-ins, and without: python -m tests.ur_nodes.drivers.goals [BOARD]
+
+The whole first drive on a bus in memory, where load changes nothing: goals reached, the sum of the times, and the
+distance of the true pose from the goal. `plain` is the same base whose simulator publishes the topics itself.
+"""
+
+from __future__ import annotations
+
+import math
+import statistics
+import sys
+from collections.abc import Callable
+from dataclasses import replace
+
+from tests.base_contract import PACKAGE, load
+from tests.ur_nodes.drivers.rig import Rig
+from tests.ur_nodes.first_drive.drive import FirstDrive
+
+from ur.robot.base import Base
+from ur.robot.base.own_drivers import OWN_DRIVERS
+from ur_nodes.ports.node import SECOND
+
+BASES = {"arduino": "create2", "create2": "create2", "magni": "magni"}
+LONGEST = 300.0  # s for a goal
+
+
+class DeviceDrive(FirstDrive, Rig):
+    """The first drive, through drivers."""
+
+
+def with_drivers(board: str) -> Callable[[Base], Base]:
+    """Change a base: a board and an RPLIDAR, by drivers of ours."""
+    own = load("create2", "lidar")
+    driver, (lidar,) = own.driver, own.drivers
+    assert driver
+
+    def change(base: Base) -> Base:
+        return replace(base, driver=replace(driver, protocol=board, device=OWN_DRIVERS[board].device), drivers=(lidar,))
+
+    return change
+
+
+def drive(stage: FirstDrive) -> tuple[int, float, list[float]]:
+    """Drive to the goals; return how many were reached, the sum of the times (s), and the final errors (m)."""
+    sys.path.insert(0, str(PACKAGE.parent / "bench"))
+    from navigation_parts.worlds import GOALS
+
+    reached, seconds, errors = 0, 0.0, []
+    for x, y, degrees in GOALS["maze"]:
+        begun = stage.bus.now
+        end = stage.go(x, y, math.radians(degrees), LONGEST)
+        reached += end.state == "succeeded"
+        seconds += (stage.bus.now - begun) / SECOND
+        errors.append(math.dist(stage.truth.pose[:2], (x, y)))
+    return reached, seconds, errors
+
+
+def main() -> None:
+    """Drive with and without drivers, and print what came of it."""
+    for board in sys.argv[1:] or list(BASES):
+        base, figures = BASES[board], []
+        for name in ("plain", "devices"):
+            change = with_drivers(board)
+            stage = (
+                DeviceDrive(base=base, variant="lidar", change=change)
+                if name == "devices"
+                else FirstDrive(base=base, variant="lidar")
+            )
+            reached, seconds, errors = drive(stage)
+            figures.append((seconds, statistics.mean(errors)))
+            text = f"{reached} of {len(errors)} goals, {seconds:.1f} s, error {figures[-1][1]:.4f}, {max(errors):.4f} m"
+            sys.stdout.write(f"{board} {name}: {text}\n")
+            sys.stdout.flush()
+        (plain, error), (seconds, own) = figures
+        sys.stdout.write(f"{board}: time {seconds / plain:.3f}, error {own / error:.3f} of the plain simulator\n")
+
+
+if __name__ == "__main__":
+    main()
