@@ -6,15 +6,15 @@ import math
 
 from ur.robot.base import Base
 from ur_nodes.drivers.base_topics import BaseTopics
-from ur_nodes.drivers.boards.board import Board
+from ur_nodes.drivers.boards.board import MotorBoard
 from ur_nodes.drivers.line import Connect, LineSettings, LineUser
-from ur_nodes.drivers.odometer import Odometer
-from ur_nodes.drivers.readings import Beams, Contacts, Counts, Identity, Motors, Power, Reading
+from ur_nodes.drivers.odometer import CounterOdometry
+from ur_nodes.drivers.readings import Contacts, Counts, DeviceIdentity, MeasuredBeams, Motors, Power, Reading
 from ur_nodes.motion.wheel_drive import WheelDrive
 from ur_nodes.ports.node import SECOND, Node
 from ur_nodes.ports.values import Twist
 
-COMMAND_AGE = 0.15  # s after the last command, at which the motors stand, whatever the ramps say
+COMMAND_AGE = 0.15  # s after the last command, at which the motors stop, without a ramp
 BLIND = 0.4  # s without counts, after which the base does not drive
 _ASK_AGAIN = 1.0  # s without an answer, after which the board is greeted again
 _REPORT = 10.0  # s between two lines on one problem
@@ -24,11 +24,11 @@ _BAD, _TOO_BAD, _WORST = 3, 6, 15  # an implausible reading adds to what a plaus
 class BaseDriver:
     """Moves the base within its limits while commands are fresh, its board answers and its counts make sense."""
 
-    def __init__(self, node: Node, base: Base, board: Board, connect: Connect) -> None:
+    def __init__(self, node: Node, base: Base, board: MotorBoard, connect: Connect) -> None:
         self._node, self._board = node, board
         self._drive = WheelDrive(base, board.period)
         self._radius = base.wheels.radius
-        self._odometer = Odometer(base, board.counts_per_turn)
+        self._odometer = CounterOdometry(base, board.counts_per_turn)
         self._topics = BaseTopics(node, base, self._odometer)
         self._commanded = self._counted = self._answered = self._greeted = -math.inf
         self._open = self._known = False
@@ -109,9 +109,9 @@ class BaseDriver:
             self._topics.send_contacts(reading)
         elif isinstance(reading, Motors):
             self._take_motors(reading)
-        elif isinstance(reading, Identity):
+        elif isinstance(reading, DeviceIdentity):
             self._take_identity(reading)
-        elif isinstance(reading, Beams):
+        elif isinstance(reading, MeasuredBeams):
             self._topics.send_beams(reading, stamp)
         self._answered = time
 
@@ -136,7 +136,7 @@ class BaseDriver:
             self._node.log.info(f"{self._line.name}: {self._board.name} drives again")
         self._problem = reason
 
-    def _take_identity(self, identity: Identity) -> None:
+    def _take_identity(self, identity: DeviceIdentity) -> None:
         if identity.problem:
             self._unfit = identity.problem
             self._node.log.error(f"{self._line.name}: {self._board.name}: {identity.problem}", every=_REPORT)

@@ -7,9 +7,9 @@ import math
 import numpy as np
 
 from ur.robot.base import Base, Bumpers, Cliffs
-from ur_nodes.drivers.lidars.sweep import Sweep
-from ur_nodes.drivers.odometer import Motion, Odometer
-from ur_nodes.drivers.readings import Beams, Contacts, Power
+from ur_nodes.drivers.lidars.turns import TurnCollector
+from ur_nodes.drivers.odometer import CounterOdometry, Motion
+from ur_nodes.drivers.readings import Contacts, MeasuredBeams, Power
 from ur_nodes.geometry.pose import Pose3, quaternion_of_yaw
 from ur_nodes.ports.node import SECOND, Node, Publisher
 from ur_nodes.ports.qualities import Quality
@@ -25,7 +25,7 @@ _SPEED_COVARIANCE = np.diag((1e-4, 1e-6, 1e-3))
 class BaseTopics:
     """Publishers of a base. Set `battery` to what was measured last; it is sent once a second."""
 
-    def __init__(self, node: Node, base: Base, odometer: Odometer) -> None:
+    def __init__(self, node: Node, base: Base, odometer: CounterOdometry) -> None:
         self._node, self._odometer = node, odometer
         self._period = SECOND / base.odometry.rate
         self._next = 0
@@ -41,7 +41,7 @@ class BaseTopics:
             for name, topic in zip((each.name for each in part.at), part.topics(), strict=True) if part else ():
                 self._contacts[kind, name] = node.publish(topic, bool, Quality.LATCHED)
         self._reported: dict[tuple[str, str], bool] = {}
-        self._sweep = Sweep(base.lidar) if base.lidar else None
+        self._sweep = TurnCollector(base.lidar) if base.lidar else None
         apart = any(driver.part == "lidar" for driver in base.drivers)
         self._scans = node.publish(base.lidar.topic, Scan) if base.lidar and not apart else None
         node.every(_BATTERY_PERIOD, self._beat)
@@ -73,7 +73,7 @@ class BaseTopics:
                 self._reported[key] = state
                 self._contacts[key].send(state)
 
-    def send_beams(self, beams: Beams, stamp: int) -> None:
+    def send_beams(self, beams: MeasuredBeams, stamp: int) -> None:
         """Send the turns of a lidar that is read by the board of the base."""
         if self._sweep and self._scans:
             for scan in self._sweep.take(beams, stamp):

@@ -6,9 +6,9 @@ import math
 
 from ur.robot.base import Lidar
 from ur_nodes.drivers.lidars.lidar import LidarProtocol
-from ur_nodes.drivers.lidars.sweep import Sweep
+from ur_nodes.drivers.lidars.turns import TurnCollector
 from ur_nodes.drivers.line import Connect, LineSettings, LineUser
-from ur_nodes.drivers.readings import Beams, Identity
+from ur_nodes.drivers.readings import DeviceIdentity, MeasuredBeams
 from ur_nodes.ports.node import Node
 from ur_nodes.ports.values import Scan
 
@@ -22,7 +22,7 @@ class LidarDriver:
 
     def __init__(self, node: Node, lidar: Lidar, protocol: LidarProtocol, connect: Connect, offset: float) -> None:
         self._node, self._protocol = node, protocol
-        self._sweep = Sweep(lidar, offset)
+        self._sweep = TurnCollector(lidar, offset)
         self._scans = node.publish(lidar.topic, Scan)
         self._open = False
         self._known = ""
@@ -57,14 +57,14 @@ class LidarDriver:
 
     def _received(self, data: bytes, stamp: int) -> None:
         for reading in self._protocol.take(data):
-            if isinstance(reading, Beams):
+            if isinstance(reading, MeasuredBeams):
                 self._measured = self._node.steady()
                 for scan in self._sweep.take(reading, stamp):
                     self._scans.send(scan)
-            elif isinstance(reading, Identity):
+            elif isinstance(reading, DeviceIdentity):
                 self._take_identity(reading)
 
-    def _take_identity(self, identity: Identity) -> None:
+    def _take_identity(self, identity: DeviceIdentity) -> None:
         if identity.problem:
             self._node.log.error(f"{self._line.name}: {self._protocol.name}: {identity.problem}", every=_REPORT)
         elif identity.text != self._known:

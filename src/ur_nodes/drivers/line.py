@@ -28,7 +28,7 @@ class LineSettings:
     dtr: bool = True
 
 
-class Line(Protocol):
+class DeviceLine(Protocol):
     """A line that may be open."""
 
     name: str
@@ -41,5 +41,5 @@ class Line(Protocol):
         """Close it for good, after what was written before has left."""
 
 
-Connect = Callable[[LineUser, LineSettings], Line]
+Connect = Callable[[LineUser, LineSettings], DeviceLine]
 """Makes a line for a user."""

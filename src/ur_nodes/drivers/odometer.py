@@ -22,7 +22,7 @@ class Motion:
     wheel_speeds: tuple[float, float]
 
 
-class Odometer:
+class CounterOdometry:
     """Sums up readings of the counters; `angles` are those of the wheels since the first one, rad."""
 
     def __init__(self, base: Base, counts_per_turn: float) -> None:

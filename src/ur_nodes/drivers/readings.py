@@ -48,7 +48,7 @@ class Motors:
 
 
 @dataclass(frozen=True, slots=True)
-class Identity:
+class DeviceIdentity:
     """A device by its own account: model, firmware, number. `problem`: why it cannot be used; '' where it can."""
 
     text: str
@@ -56,7 +56,7 @@ class Identity:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Beams:
+class MeasuredBeams:
     """Measurements of a lidar in the order in which they were made, arrays (n,).
 
     `phases` (rad, 0 to 2 pi) grow from beam to beam: how far the head has turned from the device's own zero,
@@ -73,4 +73,4 @@ class Beams:
     behind: float = 0.0
 
 
-Reading = Counts | Power | Contacts | Motors | Identity | Beams
+Reading = Counts | Power | Contacts | Motors | DeviceIdentity | MeasuredBeams

@@ -10,6 +10,7 @@ import sys
 import termios
 import threading
 import time
+from collections.abc import Callable
 from importlib.resources import files
 
 import serial
@@ -22,12 +23,39 @@ _BATCH = 0.002  # s in which more bytes of the same message may come
 _MOST = 65536
 
 
-class SerialLine:
-    """See Line. A guard process with the same device sends what stops the motors when this process dies or stalls."""
+def start_guard(device: int, stop: bytes) -> int:
+    """Start the process that watches over the motors; returns the end of the pipe to write its `m` and `r` to."""
+    theirs, ours = os.pipe()
+    program = (files(__package__) / "guard_program.py").read_text(encoding="utf-8")
+    try:
+        subprocess.Popen(
+            [sys.executable, "-I", "-S", "-c", program, str(theirs), str(device), stop.hex()],
+            pass_fds=(theirs, device),
+            start_new_session=True,  # it outlives what ends this process and its group
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+        )
+    finally:
+        os.close(theirs)
+    os.set_blocking(ours, False)
+    return ours
 
-    def __init__(self, node: Node, path: str, user: LineUser, settings: LineSettings) -> None:
+
+class SerialLine:
+    """See DeviceLine. A guard process with the same device stops the motors when this process dies or stalls."""
+
+    def __init__(
+        self,
+        node: Node,
+        path: str,
+        user: LineUser,
+        settings: LineSettings,
+        guard: Callable[[int, bytes], int] = start_guard,
+    ) -> None:
+        """Begin to open it; `guard` starts its guard: see `start_guard`."""
         self.name = path
-        self._node, self._user, self._settings = node, user, settings
+        self._node, self._user, self._settings, self._start_guard = node, user, settings, guard
         self._port: serial.Serial | None = None
         self._guard: int | None = None  # the end of a pipe
         self._reported = ""  # why it is not open
@@ -37,14 +65,14 @@ class SerialLine:
         self._thread.start()
 
     def write(self, data: bytes, *, moving: bool = False) -> None:
-        """See Line."""
+        """See DeviceLine."""
         with self._lock, contextlib.suppress(OSError, termios.error):  # unplugged: the thread that reads reports it
             if self._port is not None and data:
                 self._tell_guard(self._port.fileno(), moving=moving)
                 os.write(self._port.fileno(), data)
 
     def close(self) -> None:
-        """See Line."""
+        """See DeviceLine."""
         with self._lock, contextlib.suppress(OSError, termios.error):
             if self._port is not None:
                 termios.tcdrain(self._port.fileno())
@@ -62,7 +90,7 @@ class SerialLine:
         except BrokenPipeError:  # it was killed
             os.close(self._guard)
             self._guard = None
-            self._guard = start_guard(device, self._settings.stop)
+            self._guard = self._start_guard(device, self._settings.stop)
             os.write(self._guard, b"m" if moving else b"r")
 
     def _run(self) -> None:
@@ -84,7 +112,7 @@ class SerialLine:
             number = port.fileno()
             stop = self._settings.stop
             with self._lock:
-                self._guard = start_guard(number, stop) if stop else None
+                self._guard = self._start_guard(number, stop) if stop else None
                 self._port = port
             self._reported = ""
             self._node.post(self._user.opened)
@@ -111,25 +139,6 @@ class SerialLine:
 
     def _post_lost(self, reason: str) -> None:
         self._node.post(lambda: self._user.lost(reason))
-
-
-def start_guard(device: int, stop: bytes) -> int:
-    """Start the process that watches over the motors; returns the end of the pipe to write its `m` and `r` to."""
-    theirs, ours = os.pipe()
-    program = (files(__package__) / "guard_program.py").read_text(encoding="utf-8")
-    try:
-        subprocess.Popen(
-            [sys.executable, "-I", "-S", "-c", program, str(theirs), str(device), stop.hex()],
-            pass_fds=(theirs, device),
-            start_new_session=True,  # it outlives what ends this process and its group
-            stdin=subprocess.DEVNULL,
-            stdout=subprocess.DEVNULL,
-            stderr=subprocess.DEVNULL,
-        )
-    finally:
-        os.close(theirs)
-    os.set_blocking(ours, False)
-    return ours
 
 
 def _explain(problem: Exception) -> str:

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from ur.robot.base import Base, UpstreamDriver, load_base
 from ur.source.project import launch_library
-from ur_nodes.drivers.line import Connect, Line, LineSettings, LineUser
+from ur_nodes.drivers.line import Connect, DeviceLine, LineSettings, LineUser
 from ur_nodes.drivers.serial_line import SerialLine
 from ur_nodes.ports.node import Node
 from ur_nodes.ports.parameters import Parameters
@@ -28,7 +28,7 @@ def connect_serial(node: Node, driver: UpstreamDriver | None) -> Connect:
         path = str(Path(folder, Path(path).name))
     baud = own.integer("baud", 0, minimum=0) or (driver.baud if driver else 0)
 
-    def connect(user: LineUser, settings: LineSettings) -> Line:
+    def connect(user: LineUser, settings: LineSettings) -> DeviceLine:
         known = LineSettings(baud or settings.baud, settings.stop, settings.dtr)
         return SerialLine(node, path, user, known)
 

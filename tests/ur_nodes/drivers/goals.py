@@ -6,6 +6,7 @@ distance of the true pose from the goal. `plain` is the same base whose simulato
 
 from __future__ import annotations
 
+import importlib
 import math
 import statistics
 import sys
@@ -13,7 +14,7 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from tests.base_contract import PACKAGE, load
-from tests.ur_nodes.drivers.rig import Rig
+from tests.ur_nodes.drivers.rig import DriverRig
 from tests.ur_nodes.first_drive.drive import FirstDrive
 
 from ur.robot.base import Base
@@ -24,7 +25,7 @@ BASES = {"arduino": "create2", "create2": "create2", "magni": "magni"}
 LONGEST = 300.0  # s for a goal
 
 
-class DeviceDrive(FirstDrive, Rig):
+class DeviceDrive(FirstDrive, DriverRig):
     """The first drive, through drivers."""
 
 
@@ -43,10 +44,10 @@ def with_drivers(board: str) -> Callable[[Base], Base]:
 def drive(stage: FirstDrive) -> tuple[int, float, list[float]]:
     """Drive to the goals; return how many were reached, the sum of the times (s), and the final errors (m)."""
     sys.path.insert(0, str(PACKAGE.parent / "bench"))
-    from navigation_parts.worlds import GOALS
+    goals = importlib.import_module("navigation_parts.worlds").GOALS["maze"]
 
     reached, seconds, errors = 0, 0.0, []
-    for x, y, degrees in GOALS["maze"]:
+    for x, y, degrees in goals:
         begun = stage.bus.now
         end = stage.go(x, y, math.radians(degrees), LONGEST)
         reached += end.state == "succeeded"

@@ -20,7 +20,7 @@ from tests.ur_nodes.drivers.mutations import StillPlant
 from ur_nodes.drivers.boards import BOARDS
 from ur_nodes.simulator.devices import arduino, magni
 from ur_nodes.simulator.devices.bench import FIRMWARES
-from ur_nodes.simulator.devices.terminal import Terminal
+from ur_nodes.simulator.devices.terminal import DeviceTerminal
 
 LONGEST = 30.0  # s
 # Greets the board and sends it speeds, as BaseDriver does.
@@ -52,7 +52,7 @@ class GuardedBoard(StillPlant):
         super().__init__()
         self.turned: list[tuple[float, float]] = [(0.0, 0.0)]
         self._firmware = FIRMWARES[name](self)  # type: ignore[arg-type]
-        self._terminal = Terminal(path)
+        self._terminal = DeviceTerminal(path)
         self._watchdogs = arduino.WATCHDOG, magni.WATCHDOG
         self._command = [sys.executable, "-c", PROGRAM, name, str(path)]
 

@@ -18,7 +18,7 @@ from tests.base_contract import load
 from ur_nodes.drivers.boards import BOARDS
 from ur_nodes.drivers.frames import FrameReader
 from ur_nodes.drivers.lidars import LIDARS
-from ur_nodes.drivers.readings import Beams, Counts
+from ur_nodes.drivers.readings import Counts, MeasuredBeams
 from ur_nodes.simulator.devices.bench import FIRMWARES
 
 GROWTH = 10_000  # bytes that a parser may keep
@@ -95,7 +95,7 @@ def attack(name: str, count: int, seed: int) -> None:
     """Give a parser so many mutated pieces; AssertionError where it misbehaves, and what it raises."""
     source = random.Random(f"{name} {seed}")
     pieces, parser = stream(name), parsers()[name]()
-    counts, most = Counts if name in BOARDS else Beams, 0
+    counts, most = Counts if name in BOARDS else MeasuredBeams, 0
     damaged = mutate(pieces, source)
     for number in range(count):
         list(parser.take(next(damaged)))

@@ -19,7 +19,7 @@ from ur_nodes.drivers.base_driver import BaseDriver
 from ur_nodes.drivers.boards import BOARDS
 from ur_nodes.drivers.lidar_driver import LidarDriver
 from ur_nodes.drivers.lidars import LIDARS
-from ur_nodes.drivers.line import Line, LineSettings, LineUser
+from ur_nodes.drivers.line import DeviceLine, LineSettings, LineUser
 from ur_nodes.memory.node import MemoryNode
 from ur_nodes.ports.node import SECOND, Node
 from ur_nodes.simulator import simulator_node
@@ -69,7 +69,7 @@ class Cable:
 
 
 class MemoryLine:
-    """The driver's end: see Line. With `stop` it is guarded as a serial line is."""
+    """The driver's end: see DeviceLine. With `stop` it is guarded as a serial line is."""
 
     def __init__(self, node: Node, cable: Cable, user: LineUser, settings: LineSettings) -> None:
         self.name = "/dev/test"
@@ -108,7 +108,7 @@ class MemoryLine:
             self._user.received(data, now)
 
 
-class Rig(DrivenStage):
+class DriverRig(DrivenStage):
     """A stage whose robot is driven through the devices of a base; `firmware` is that of the board."""
 
     def __init__(
@@ -153,8 +153,8 @@ class Rig(DrivenStage):
         driver = next(each for each in self.base.drivers if each.part == "lidar")
         LidarDriver(node, self.base.lidar, LIDARS[driver.protocol](), self._connect(node, driver.device), 0.0)
 
-    def _connect(self, node: Node, device: str) -> Callable[[LineUser, LineSettings], Line]:
-        def connect(user: LineUser, settings: LineSettings) -> Line:
+    def _connect(self, node: Node, device: str) -> Callable[[LineUser, LineSettings], DeviceLine]:
+        def connect(user: LineUser, settings: LineSettings) -> DeviceLine:
             line = MemoryLine(node, self.cables[device], user, settings)
             self.lines.append(line)
             return line

@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 from tests.base_contract import load
-from tests.ur_nodes.drivers.rig import Rig
+from tests.ur_nodes.drivers.rig import DriverRig
 
 from ur.robot.base import Base
 from ur.robot.base.own_drivers import OWN_DRIVERS
@@ -35,21 +35,21 @@ def with_board(name: str) -> Any:
     return change
 
 
-def make_rig(name: str) -> Rig:
-    return Rig("create2", change=with_board(name))
+def make_rig(name: str) -> DriverRig:
+    return DriverRig("create2", change=with_board(name))
 
 
-def drive_off(rig: Rig) -> None:
+def drive_off(rig: DriverRig) -> None:
     assert rig.drive_until(lambda: rig.truth.twist.forward > 0.25, 0.3, 0.0, 3.0)
 
 
-def rest_after(rig: Rig, seconds: float = 0.3) -> float:
+def rest_after(rig: DriverRig, seconds: float = 0.3) -> float:
     """The speed of the robot a time after now, without a command."""
     rig.bus.run(seconds)
     return max(abs(rig.truth.twist.forward), abs(rig.truth.twist.turn))
 
 
-def lines(rig: Rig) -> list[str]:
+def lines(rig: DriverRig) -> list[str]:
     return [text for _, text in rig.bus.nodes["/base_driver"].lines]
 
 

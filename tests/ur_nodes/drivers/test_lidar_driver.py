@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 from tests.base_contract import load
-from tests.ur_nodes.drivers.rig import Cable, Rig
+from tests.ur_nodes.drivers.rig import Cable, DriverRig
 
 from ur.robot.base import Base
 from ur.robot.base.own_drivers import OWN_DRIVERS
@@ -34,15 +34,15 @@ def with_lidar(name: str) -> Any:
     return change
 
 
-def make_rig(name: str) -> Rig:
-    return Rig("create2", variant="lidar", change=with_lidar(name))
+def make_rig(name: str) -> DriverRig:
+    return DriverRig("create2", variant="lidar", change=with_lidar(name))
 
 
-def lidar_cable(rig: Rig) -> Cable:
+def lidar_cable(rig: DriverRig) -> Cable:
     return next(cable for path, cable in rig.cables.items() if path != "/dev/create")
 
 
-def lines(rig: Rig) -> list[str]:
+def lines(rig: DriverRig) -> list[str]:
     return [text for _, text in rig.bus.nodes["/lidar_driver"].lines]
 
 

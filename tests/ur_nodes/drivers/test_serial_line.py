@@ -8,12 +8,9 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-import pytest
-
-from ur_nodes.drivers import serial_line
 from ur_nodes.drivers.line import LineSettings, LineUser
 from ur_nodes.drivers.serial_line import SerialLine
-from ur_nodes.simulator.devices.terminal import Terminal
+from ur_nodes.simulator.devices.terminal import DeviceTerminal
 
 WAIT = 20.0  # s
 
@@ -52,7 +49,7 @@ class Record:
             assert self.changed.wait_for(lambda: condition(self.events), WAIT), self.events
 
 
-def read_until(terminal: Terminal, end: bytes) -> bytes:
+def read_until(terminal: DeviceTerminal, end: bytes) -> bytes:
     data = b""
     wait = threading.Event()
     for _ in range(int(WAIT / 0.01)):
@@ -68,7 +65,7 @@ def test_line_is_opened_when_the_device_is_there_and_again_when_it_is_back(tmp_p
     line = SerialLine(FakeNode(), str(path), record.user(), LineSettings(115200))  # type: ignore[arg-type]
     record.wait(lambda events: events == ["no such file or directory"])
     for _ in range(2):
-        terminal = Terminal(path)
+        terminal = DeviceTerminal(path)
         record.wait(lambda events: events[-1] == "open")
         terminal.write(b"counts")
         record.wait(lambda events: events[-1] == (b"counts", 7))
@@ -81,7 +78,7 @@ def test_line_is_opened_when_the_device_is_there_and_again_when_it_is_back(tmp_p
 
 
 def test_device_that_is_in_use_is_reported_and_used_once_it_is_free(tmp_path: Path) -> None:
-    terminal, first, second = Terminal(tmp_path / "device"), Record(), Record()
+    terminal, first, second = DeviceTerminal(tmp_path / "device"), Record(), Record()
     one = SerialLine(FakeNode(), str(terminal.path), first.user(), LineSettings(115200))  # type: ignore[arg-type]
     first.wait(lambda events: events == ["open"])
     other = SerialLine(FakeNode(), str(terminal.path), second.user(), LineSettings(115200))  # type: ignore[arg-type]
@@ -92,20 +89,20 @@ def test_device_that_is_in_use_is_reported_and_used_once_it_is_free(tmp_path: Pa
     terminal.close()
 
 
-def test_guard_that_was_killed_is_started_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_guard_that_was_killed_is_started_again(tmp_path: Path) -> None:
     started: list[int] = []
-    monkeypatch.setattr(serial_line, "start_guard", lambda device, _: started.append(device) or broken_pipe())
-    terminal, record = Terminal(tmp_path / "device"), Record()
-    line = SerialLine(FakeNode(), str(terminal.path), record.user(), LineSettings(115200, b"STOP"))  # type: ignore[arg-type]
+
+    def start_guard(device: int, _stop: bytes) -> int:
+        """One that was killed at once: the end of a pipe that none reads."""
+        started.append(device)
+        theirs, ours = os.pipe()
+        os.close(theirs)
+        return ours
+
+    terminal, record = DeviceTerminal(tmp_path / "device"), Record()
+    line = SerialLine(FakeNode(), str(terminal.path), record.user(), LineSettings(115200, b"STOP"), start_guard)  # type: ignore[arg-type]
     record.wait(lambda events: events == ["open"])
     line.write(b"go", moving=True)
     assert len(started) == 2
     line.close()
     terminal.close()
-
-
-def broken_pipe() -> int:
-    """The end of a pipe that none reads."""
-    theirs, ours = os.pipe()
-    os.close(theirs)
-    return ours

@@ -27,7 +27,7 @@ STARTS: dict[str, Callable[[Node], object]] = {
 """The nodes of the launch files that run; the stage itself stands for the others."""
 
 
-def read_launch_files(world: str, base: str, variant: str) -> Plan:
+def read_launch_files(world: str, base: str = "stage", variant: str = "") -> Plan:
     """The nodes and parameters of `m_robot_base` and `m_move_base` for a base."""
     library = launch_library()
     system = SystemWorld({**os.environ, "ROS_PACKAGE_PATH": str(library)})

@@ -6,8 +6,8 @@ from collections.abc import Callable, Mapping
 
 from ur.robot.base import Base
 from ur_nodes.drivers.boards.arduino import Arduino
-from ur_nodes.drivers.boards.board import Board
+from ur_nodes.drivers.boards.board import MotorBoard
 from ur_nodes.drivers.boards.create2 import Create2
 from ur_nodes.drivers.boards.magni import Magni
 
-BOARDS: Mapping[str, Callable[[Base], Board]] = {"arduino": Arduino, "create2": Create2, "magni": Magni}
+BOARDS: Mapping[str, Callable[[Base], MotorBoard]] = {"arduino": Arduino, "create2": Create2, "magni": Magni}

@@ -20,7 +20,7 @@ from operator import xor
 from ur.robot.base import Base
 from ur.source.foreign.numbers import parse_integer
 from ur_nodes.drivers.boards.board import clip, scale_of
-from ur_nodes.drivers.readings import Contacts, Counts, Identity, Motors, Power, Reading
+from ur_nodes.drivers.readings import Contacts, Counts, DeviceIdentity, Motors, Power, Reading
 
 LONGEST = 120  # bytes of a line
 _FASTEST = 1_000_000  # counts a second
@@ -28,7 +28,7 @@ _NO_POWER, _BUMPERS = 1, ((2, "left"), (4, "right"), (8, "front"))
 
 
 class Arduino:
-    """See Board."""
+    """See MotorBoard."""
 
     name = "Arduino with the sketch ur_base"
     baud = 115200
@@ -44,12 +44,12 @@ class Arduino:
         return make_line("?")
 
     def drive(self, left: float, right: float) -> bytes:
-        """See Board."""
+        """See MotorBoard."""
         speeds = (clip(each * self._scale.counts_per_metre, _FASTEST) for each in (left, right))
         return make_line("v {} {}".format(*speeds))
 
     def stop(self) -> bytes:
-        """See Board. The empty line ends one that was cut off."""
+        """See MotorBoard. The empty line ends one that was cut off."""
         return b"\n" + make_line("v 0 0")
 
     def leave(self) -> bytes:
@@ -57,7 +57,7 @@ class Arduino:
         return b""
 
     def take(self, data: bytes) -> Iterator[Reading]:
-        """See Board."""
+        """See MotorBoard."""
         *lines, self._buffer = (self._buffer + data).split(b"\n")
         self._buffer = self._buffer[-LONGEST:]
         for line in lines:
@@ -77,7 +77,7 @@ def _read(line: bytes) -> Iterator[Reading]:
     if kind == "h" and words[:1] == ["ur-base"]:
         version = words[1] if len(words) > 1 else "?"
         problem = "" if version == "1" else f"protocol {version}, expected 1: flash the sketch of this release"
-        yield Identity(" ".join(words[2:]) or "ur_base", problem)
+        yield DeviceIdentity(" ".join(words[2:]) or "ur_base", problem)
     elif kind == "e" and len(words) == 4:
         left, right, millivolt, flags = (parse_integer(word) for word in words)
         if left is None or right is None or millivolt is None or flags is None:

@@ -11,7 +11,7 @@ from ur.robot.base import Base
 from ur_nodes.drivers.readings import Reading
 
 
-class Board(Protocol):
+class MotorBoard(Protocol):
     """The protocol of one kind of board. Nothing here waits, reads a clock, or opens a device."""
 
     name: str
@@ -29,7 +29,7 @@ class Board(Protocol):
         """Return what is sent each period: rim speeds of the wheels, m/s, and the questions that are due."""
 
     def stop(self) -> bytes:
-        """Return what stops the motors at once, whatever was sent before."""
+        """Return what stops the motors at once, also after half a command."""
 
     def leave(self) -> bytes:
         """Return what is sent at the end, after `stop`: the device is left as it was found."""

@@ -14,7 +14,7 @@ from collections.abc import Iterator
 from ur.robot.base import Base
 from ur_nodes.drivers.boards.board import clip
 from ur_nodes.drivers.frames import MORE, FrameReader
-from ur_nodes.drivers.readings import Contacts, Counts, Identity, Motors, Power, Reading
+from ur_nodes.drivers.readings import Contacts, Counts, DeviceIdentity, Motors, Power, Reading
 
 START, SAFE, STOP, DRIVE_DIRECT, STREAM, PAUSE_STREAM = 128, 131, 173, 145, 148, 150
 FASTEST = 500  # mm/s
@@ -31,7 +31,7 @@ _AGAIN = 25  # beats, after which the mode is asked for again where the robot ha
 
 
 class Create2:
-    """See Board."""
+    """See MotorBoard."""
 
     name = "iRobot Create 2 or Roomba"
     baud = 115200
@@ -50,14 +50,14 @@ class Create2:
         return bytes((START, SAFE, STREAM, len(_PACKETS), *_PACKETS))
 
     def drive(self, left: float, right: float) -> bytes:
-        """See Board. The mode Safe ends by itself at a cliff and on the charger: it is asked for again."""
+        """See MotorBoard. The mode Safe ends by itself at a cliff and on the charger: it is asked for again."""
         self._asleep += self._driving is False
         wake = bytes((SAFE,)) if self._driving is False and self._asleep % _AGAIN == 0 else b""
         speeds = (clip(each * 1000.0, FASTEST) for each in (right, left))
         return wake + struct.pack(">Bhh", DRIVE_DIRECT, *speeds)
 
     def stop(self) -> bytes:
-        """See Board. Zeros first: they end a command that was cut off."""
+        """See MotorBoard. Zeros first: they end a command that was cut off."""
         return bytes(4) + struct.pack(">Bhh", DRIVE_DIRECT, 0, 0)
 
     def leave(self) -> bytes:
@@ -65,7 +65,7 @@ class Create2:
         return bytes((PAUSE_STREAM, 0, STOP))
 
     def take(self, data: bytes) -> Iterator[Reading]:
-        """See Board."""
+        """See MotorBoard."""
         for frame in self._frames.take(data):
             yield from self._read(frame)
 
@@ -78,7 +78,7 @@ class Create2:
             return
         self._state = state
         if self._driving is None:
-            yield Identity("streams its sensors")
+            yield DeviceIdentity("streams its sensors")
         lifted = bool(value[_BUMPS] & 0b1100)
         self._driving = value[_MODE] in (_SAFE, _FULL)
         why = "a wheel hangs in the air" if lifted else "it is on its charger, at a cliff, or its button was pressed"

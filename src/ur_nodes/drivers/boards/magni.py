@@ -15,7 +15,7 @@ from collections.abc import Iterator
 from ur.robot.base import Base
 from ur_nodes.drivers.boards.board import clip
 from ur_nodes.drivers.frames import FrameReader, fixed
-from ur_nodes.drivers.readings import Counts, Identity, Motors, Power, Reading
+from ur_nodes.drivers.readings import Counts, DeviceIdentity, Motors, Power, Reading
 
 COUNTS_PER_RADIAN = 41.004  # of the odometry, for the wheels with a gear of 4.294 and encoders with 6 states
 SPEED_PER_RADIAN = COUNTS_PER_RADIAN / 2.0 * 4.0 / 10.0  # 8.2 for 1 rad/s
@@ -31,7 +31,7 @@ _SECOND = 25  # beats
 
 
 class Magni:
-    """See Board."""
+    """See MotorBoard."""
 
     name = "Magni's motor board"
     baud = 38400
@@ -49,7 +49,7 @@ class Magni:
         return make_packet(_READ, _FIRMWARE) + make_packet(_READ, _OPTIONS)
 
     def drive(self, left: float, right: float) -> bytes:
-        """See Board."""
+        """See MotorBoard."""
         self._beats += 1
         self._silent += 1
         speeds = (clip(each / self._radius * SPEED_PER_RADIAN, 0x7FFF) for each in (left, right))
@@ -63,7 +63,7 @@ class Magni:
         return data
 
     def stop(self) -> bytes:
-        """See Board. Twice: the first one may complete a packet that was cut off."""
+        """See MotorBoard. Twice: the first one may complete a packet that was cut off."""
         return make_packet(_WRITE, _SPEEDS) * 2
 
     def leave(self) -> bytes:
@@ -71,7 +71,7 @@ class Magni:
         return b""
 
     def take(self, data: bytes) -> Iterator[Reading]:
-        """See Board."""
+        """See MotorBoard."""
         for frame in self._frames.take(data):
             _, kind, register, value = _PACKET.unpack_from(frame)
             if kind == _RESPONSE:
@@ -85,11 +85,11 @@ class Magni:
             yield Counts(*self._counts, bits=64)
         elif register == _FIRMWARE:
             expected = f"firmware {value}, expected {OLDEST_FIRMWARE} or later: upgrade it as Ubiquity Robotics says"
-            yield Identity(f"firmware {value}", expected if value < OLDEST_FIRMWARE else "")
+            yield DeviceIdentity(f"firmware {value}", expected if value < OLDEST_FIRMWARE else "")
         elif register == _OPTIONS:
             known = value & (_SIX_STATES | _THIN_WHEELS) == _SIX_STATES
             expected = f"options {value:#x}, expected encoders with 6 states and wheels of the standard type"
-            yield Identity(f"options {value:#x}", "" if known else expected)
+            yield DeviceIdentity(f"options {value:#x}", "" if known else expected)
         elif register == _BATTERY and value > 0:
             yield Power(value * VOLTS)
         elif register == _MOTOR_POWER:

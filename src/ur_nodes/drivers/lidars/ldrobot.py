@@ -13,7 +13,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from ur_nodes.drivers.frames import FrameReader, fixed
-from ur_nodes.drivers.readings import Beams, Reading
+from ur_nodes.drivers.readings import MeasuredBeams, Reading
 
 POINTS = 12
 _SIZE = 47
@@ -62,7 +62,9 @@ class LdRobot:
             phases = np.radians((first + span * np.arange(POINTS) / (POINTS - 1)) % 36000 / 100.0)
             ranges = np.where(points["distance"] > 0, points["distance"] / 1000.0, np.inf)
             turn_time = 360.0 / speed if speed else 0.0
-            yield Beams(phases, ranges, points["confidence"].astype(np.float64), clockwise=True, turn_time=turn_time)
+            yield MeasuredBeams(
+                phases, ranges, points["confidence"].astype(np.float64), clockwise=True, turn_time=turn_time
+            )
 
 
 def check(data: bytes) -> int:

@@ -21,7 +21,7 @@ class LidarProtocol(Protocol):
         """Return what is sent once the line is open, and again while the device does not answer."""
 
     def leave(self) -> bytes:
-        """Return what is sent at the end: the lidar stops turning where it can be told to."""
+        """Return what is sent at the end: the lidar stops turning, where there is a command for it."""
 
     def take(self, data: bytes) -> Iterable[Reading]:
         """Take bytes as they arrive, and return the readings that they complete. No bytes make it raise."""

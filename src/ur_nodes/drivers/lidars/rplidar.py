@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ur_nodes.drivers.frames import FrameReader, fixed
-from ur_nodes.drivers.readings import Beams, Identity, Reading
+from ur_nodes.drivers.readings import DeviceIdentity, MeasuredBeams, Reading
 
 _STOP, _SCAN, _INFO, _HEALTH = b"\xa5\x25", b"\xa5\x20", b"\xa5\x50", b"\xa5\x52"
 _EXPRESS = b"\xa5\x82\x05\x00\x00\x00\x00\x00\x22"
@@ -56,10 +56,12 @@ class _Rplidar:
         for frame in self._answers.take(data):
             body = frame[_HEAD:]
             if frame[6] == 0x04:
-                yield Identity(f"model {body[0] >> 4}.{body[0] & 15}, firmware {body[2]}.{body[1]:02d}")
+                yield DeviceIdentity(f"model {body[0] >> 4}.{body[0] & 15}, firmware {body[2]}.{body[1]:02d}")
             elif body[0] == 2:
                 code = int.from_bytes(body[1:3], "little")
-                yield Identity("", f"it reports that it is broken (error {code:#06x}); unplug it and plug it in again")
+                yield DeviceIdentity(
+                    "", f"it reports that it is broken (error {code:#06x}); unplug it and plug it in again"
+                )
 
 
 class RplidarStandard(_Rplidar):
@@ -90,7 +92,7 @@ class RplidarStandard(_Rplidar):
             self._buffer = self._buffer[5 * right :]
             phases = np.radians((samples["angle"] >> 1) / 64.0 % 360.0)
             ranges = np.where(samples["distance"] > 0, samples["distance"] / 4000.0, np.inf)
-            yield Beams(phases, ranges, (samples["quality"] >> 2).astype(np.float64), clockwise=True)
+            yield MeasuredBeams(phases, ranges, (samples["quality"] >> 2).astype(np.float64), clockwise=True)
 
 
 class RplidarExpress(_Rplidar):
@@ -122,7 +124,7 @@ class RplidarExpress(_Rplidar):
                 yield read_cabins(last[1], last[0], (start - last[0]) % 360.0)
 
 
-def read_cabins(cabins: NDArray[np.void], start: float, span: float) -> Beams:
+def read_cabins(cabins: NDArray[np.void], start: float, span: float) -> MeasuredBeams:
     """The 32 beams of a packet's cabins: from `start` on, `span` degrees to that of the next packet."""
     words = np.stack((cabins["first"], cabins["second"]), 1)
     low = np.stack((cabins["corrections"] & 15, cabins["corrections"] >> 4), 1)
@@ -130,7 +132,7 @@ def read_cabins(cabins: NDArray[np.void], start: float, span: float) -> Beams:
     distances = (words >> 2).ravel()
     degrees = (start + span * np.arange(distances.size) / distances.size - corrections) % 360.0
     ranges = np.where(distances > 0, distances / 1000.0, np.inf)
-    return Beams(np.radians(degrees), ranges, np.zeros(0), clockwise=True, behind=math.radians(span))
+    return MeasuredBeams(np.radians(degrees), ranges, np.zeros(0), clockwise=True, behind=math.radians(span))
 
 
 def _count_right(buffer: bytes) -> int:

@@ -13,7 +13,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from ur_nodes.drivers.frames import FrameReader, fixed
-from ur_nodes.drivers.readings import Beams, Reading
+from ur_nodes.drivers.readings import MeasuredBeams, Reading
 
 _SIZE = 22
 _INVALID, _MILLIMETRES = 0x8000, 0x3FFF
@@ -47,7 +47,7 @@ class Xv11:
             bad = (distances & _INVALID) | ((distances & _MILLIMETRES) == 0)
             ranges = np.where(bad, np.inf, (distances & _MILLIMETRES) / 1000.0)
             turn_time = 60.0 * 64.0 / int(words[1]) if words[1] else 0.0
-            yield Beams(phases, ranges, strengths.astype(np.float64), turn_time=turn_time)
+            yield MeasuredBeams(phases, ranges, strengths.astype(np.float64), turn_time=turn_time)
 
 
 def check(words: tuple[int, ...]) -> int:

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ur_nodes.drivers.frames import MORE, NONE, FrameReader
-from ur_nodes.drivers.readings import Beams, Reading
+from ur_nodes.drivers.readings import MeasuredBeams, Reading
 
 _HEAD = struct.Struct("<HBBHHH")
 _MOST = 255  # samples of a packet
@@ -47,7 +47,7 @@ class Ydlidar:
             begin, span = (first >> 1) / 64.0, ((last >> 1) - (first >> 1)) / 64.0 % 360.0
             degrees = begin + span * np.arange(count) / max(1, count - 1) + correction(millimetres)
             ranges = np.where(millimetres > 0.0, millimetres / 1000.0, np.inf)
-            yield Beams(np.radians(degrees % 360.0), ranges, np.zeros(0), clockwise=True)
+            yield MeasuredBeams(np.radians(degrees % 360.0), ranges, np.zeros(0), clockwise=True)
 
 
 def correction(millimetres: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -14,7 +14,7 @@ from ur_nodes.simulator.devices.firmware import Firmware
 from ur_nodes.simulator.devices.lidars import LdRobotFirmware, RplidarFirmware, Xv11Firmware, YdlidarFirmware
 from ur_nodes.simulator.devices.magni import MagniFirmware
 from ur_nodes.simulator.devices.plant import Plant
-from ur_nodes.simulator.devices.terminal import Terminal
+from ur_nodes.simulator.devices.terminal import DeviceTerminal
 from ur_nodes.simulator.simulation import Simulation
 
 FIRMWARES: Mapping[str, Callable[[Plant], Firmware]] = {
@@ -46,7 +46,7 @@ class DeviceBench:
     """The stand-ins of one robot. `covers` are the keys of sensors that they report, in place of simulated topics."""
 
     def __init__(
-        self, simulation: Simulation, folder: Path, seed: int = 0, connect: Callable[[Path], Wire] = Terminal
+        self, simulation: Simulation, folder: Path, seed: int = 0, connect: Callable[[Path], Wire] = DeviceTerminal
     ) -> None:
         """`connect` makes the end of a line below `folder`. Raises UserError: the base has no driver of ours."""
         self.plant = Plant(simulation, 0, seed)

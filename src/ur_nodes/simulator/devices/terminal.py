@@ -12,7 +12,7 @@ from ur.source.diagnostic import UserError, error
 _MOST = 65536
 
 
-class Terminal:
+class DeviceTerminal:
     """The device's end of a serial line. Bytes that no driver reads are lost when the line is full, as on a wire."""
 
     def __init__(self, path: Path) -> None:

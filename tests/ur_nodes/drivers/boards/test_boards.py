@@ -11,7 +11,7 @@ from ur_nodes.drivers.boards import BOARDS
 from ur_nodes.drivers.boards.arduino import make_line
 from ur_nodes.drivers.boards.create2 import check
 from ur_nodes.drivers.boards.magni import make_packet
-from ur_nodes.drivers.readings import Counts, Identity, Motors, Power
+from ur_nodes.drivers.readings import Counts, DeviceIdentity, Motors, Power
 
 
 def make(name: str) -> Any:
@@ -49,7 +49,7 @@ def test_magni_adds_up_the_counts_of_its_reports() -> None:
     frames = make_packet(0x3C, 0x30, 3 << 16 | 4) + make_packet(0x3C, 0x30, (-1 & 0xFFFF) << 16 | 2 - (1 << 32))
     assert list(board.take(frames)) == [Counts(3, 4, 64), Counts(2, 6, 64)]
     assert list(board.take(make_packet(0x3C, 0x22, 43) + make_packet(0x3C, 0x32, 0))) == [
-        Identity("firmware 43"),
+        DeviceIdentity("firmware 43"),
         Motors(False, "its motors have no power (emergency stop?)"),
     ]
 

@@ -12,7 +12,7 @@ import pytest
 from tests.base_contract import PACKAGE, load
 
 from ur_nodes.drivers.boards.arduino import Arduino, make_line
-from ur_nodes.drivers.readings import Contacts, Counts, Identity, Motors, Reading
+from ur_nodes.drivers.readings import Contacts, Counts, DeviceIdentity, Motors, Reading
 
 pytestmark = pytest.mark.skipif(shutil.which("g++") is None, reason="needs g++")
 SKETCH = PACKAGE / "n_base_driver" / "arduino" / "ur_base"
@@ -50,7 +50,9 @@ def drive(left: float, right: float, until: int, begin: int = 0) -> list[tuple[i
 
 def test_sketch_names_itself_as_the_driver_expects(sketch: Path) -> None:
     readings, _ = run(sketch, [(10, make_board().greet()), (30, b"")])
-    assert [each for each in readings if isinstance(each, Identity)] == [Identity("sketch of ubiquity_launches")]
+    assert [each for each in readings if isinstance(each, DeviceIdentity)] == [
+        DeviceIdentity("sketch of ubiquity_launches")
+    ]
     assert Motors(True) in readings
     assert any(isinstance(each, Contacts) for each in readings)
 

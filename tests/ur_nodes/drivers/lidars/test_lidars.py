@@ -11,14 +11,14 @@ import pytest
 from ur_nodes.drivers.lidars import LIDARS
 from ur_nodes.drivers.lidars.ldrobot import check
 from ur_nodes.drivers.lidars.ydlidar import correction
-from ur_nodes.drivers.readings import Beams
+from ur_nodes.drivers.readings import MeasuredBeams
 
 # The worked example of the LD06's manual.
 LD06 = bytes.fromhex("542c6808ab7ee000e4dc00e2d900e5d500e3d300e4d000e9cd00e4ca00e2c700e9c500e5c200e5c000e5be823a1a50")
 
 
-def read(name: str, data: bytes) -> Beams:
-    (beams,) = (each for each in LIDARS[name]().take(data) if isinstance(each, Beams))
+def read(name: str, data: bytes) -> MeasuredBeams:
+    (beams,) = (each for each in LIDARS[name]().take(data) if isinstance(each, MeasuredBeams))
     return beams
 
 

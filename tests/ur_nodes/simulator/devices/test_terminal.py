@@ -9,11 +9,11 @@ from ur.robot.base import load_base
 from ur.source.diagnostic import UserError
 from ur.source.project import launch_library
 from ur_nodes.simulator.devices.bench import list_own_drivers
-from ur_nodes.simulator.devices.terminal import Terminal
+from ur_nodes.simulator.devices.terminal import DeviceTerminal
 
 
 def test_terminal_has_the_name_of_the_device_and_carries_every_byte(tmp_path: Path) -> None:
-    terminal = Terminal(tmp_path / "devices" / "create")
+    terminal = DeviceTerminal(tmp_path / "devices" / "create")
     driver = os.open(terminal.path, os.O_RDWR | os.O_NOCTTY)
     every = bytes(range(256))
     os.write(driver, every)
@@ -26,16 +26,16 @@ def test_terminal_has_the_name_of_the_device_and_carries_every_byte(tmp_path: Pa
 
 def test_name_that_a_killed_simulator_has_left_is_taken(tmp_path: Path) -> None:
     (tmp_path / "create").symlink_to("/dev/pts/nowhere")
-    Terminal(tmp_path / "create").close()
+    DeviceTerminal(tmp_path / "create").close()
 
 
 def test_folder_that_is_no_folder_of_this_user_is_refused(tmp_path: Path) -> None:
     (tmp_path / "link").symlink_to(tmp_path)
     with pytest.raises(UserError, match=r"link is another user's"):
-        Terminal(tmp_path / "link" / "create")
+        DeviceTerminal(tmp_path / "link" / "create")
     (tmp_path / "file").write_text("")
     with pytest.raises(UserError, match="cannot be made"):
-        Terminal(tmp_path / "file" / "create")
+        DeviceTerminal(tmp_path / "file" / "create")
 
 
 def test_base_without_a_driver_of_ours_has_no_devices() -> None:

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ur.robot.base import Lidar
-from ur_nodes.drivers.readings import Beams
+from ur_nodes.drivers.readings import MeasuredBeams
 from ur_nodes.ports.values import Scan
 
 _SECOND = 1e9  # ns
@@ -17,7 +17,7 @@ _LEAST = 0.5  # of the beams of the base file that have to be there
 _GAP = 300_000_000  # ns without beams, after which the turn that was begun is left out
 
 
-class Sweep:
+class TurnCollector:
     """Collects beams; each turn that is complete is a scan. What was seen of the first, partial one is left out.
 
     A scan begins where the base file's `angle_min` is, so that `stamp` is the time of its first beam (REP 117: of the
@@ -40,7 +40,7 @@ class Sweep:
         """The device was away: the turn that was begun is left out."""
         self._last = self._begun = None
 
-    def take(self, beams: Beams, stamp: int) -> list[Scan]:
+    def take(self, beams: MeasuredBeams, stamp: int) -> list[Scan]:
         """Take beams of which the last one was measured at a time (ns); return the scans that they complete."""
         if not len(beams.phases):
             return []
