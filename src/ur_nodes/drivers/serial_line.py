@@ -1,4 +1,4 @@
-"""A serial device as a line: a thread that opens it, reads it, and opens it again when it was unplugged."""
+"""A serial device as a line: it is opened, read, and opened again when it was unplugged."""
 
 from __future__ import annotations
 
@@ -8,9 +8,10 @@ import select
 import subprocess
 import sys
 import termios
-import threading
 import time
 from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
 from importlib.resources import files
 
 import serial
@@ -20,7 +21,17 @@ from ur_nodes.ports.node import Node
 
 _PAUSE = 0.3  # s between two attempts to open it
 _BATCH = 0.002  # s in which more bytes of the same message may come
+_LOOK = 0.1  # s in which a reading that waits notices the end
 _MOST = 65536
+
+
+@dataclass(frozen=True, slots=True)
+class _Read:
+    """The bytes that arrived, when they did (ns), and why the line is lost; '': it is not."""
+
+    data: bytes = b""
+    stamp: int = 0
+    lost: str = ""
 
 
 def start_guard(device: int, stop: bytes) -> int:
@@ -59,25 +70,24 @@ class SerialLine:
         self._port: serial.Serial | None = None
         self._guard: int | None = None  # the end of a pipe
         self._reported = ""  # why it is not open
-        self._lock = threading.Lock()
-        self._closing = threading.Event()
-        self._thread = threading.Thread(target=self._run, name=f"line {path}", daemon=True)
-        self._thread.start()
+        self._closed = False
+        self._open()
 
     def write(self, data: bytes, *, moving: bool = False) -> None:
         """See DeviceLine."""
-        with self._lock, contextlib.suppress(OSError, termios.error):  # unplugged: the thread that reads reports it
-            if self._port is not None and data:
-                self._tell_guard(self._port.fileno(), moving=moving)
-                os.write(self._port.fileno(), data)
+        if self._port is None or not data:
+            return
+        with contextlib.suppress(OSError, termios.error):  # unplugged: what reads it reports that
+            self._tell_guard(self._port.fileno(), moving=moving)
+            os.write(self._port.fileno(), data)
 
     def close(self) -> None:
         """See DeviceLine."""
-        with self._lock, contextlib.suppress(OSError, termios.error):
-            if self._port is not None:
+        self._closed = True
+        if self._port is not None:
+            with contextlib.suppress(OSError, termios.error):
                 termios.tcdrain(self._port.fileno())
-        self._closing.set()
-        self._thread.join(2.0)
+            self._drop()
 
     def _tell_guard(self, device: int, *, moving: bool) -> None:
         """Before what moves the motors is sent, so that they never turn without a guard. Raises OSError."""
@@ -93,52 +103,78 @@ class SerialLine:
             self._guard = self._start_guard(device, self._settings.stop)
             os.write(self._guard, b"m" if moving else b"r")
 
-    def _run(self) -> None:
-        while not self._closing.is_set():
-            try:
-                reason = self._serve()
-            except (OSError, termios.error, ValueError) as problem:  # SerialException is an OSError
-                reason = _explain(problem)
-            if reason != self._reported and not self._closing.is_set():
-                self._reported = reason
-                self._post_lost(reason)
-            self._closing.wait(_PAUSE)
+    def _open(self) -> None:
+        if not self._closed:
+            self._node.work(partial(_open, self.name, self._settings), self._take_port, self.name)
 
-    def _serve(self) -> str:
-        """Open the device and read it until it is lost. Raises OSError, termios.error."""
-        port = serial.Serial(baudrate=self._settings.baud, timeout=0, exclusive=True)
-        port.port, port.dtr = self.name, self._settings.dtr
-        with port:
-            number = port.fileno()
-            stop = self._settings.stop
-            with self._lock:
-                self._guard = self._start_guard(number, stop) if stop else None
-                self._port = port
-            self._reported = ""
-            self._node.post(self._user.opened)
-            try:
-                return self._read(number)
-            finally:
-                with self._lock:
-                    self._port = None
-                    if self._guard is not None:
-                        os.close(self._guard)
-                        self._guard = None
+    def _take_port(self, opened: serial.Serial | str) -> None:
+        if isinstance(opened, str):
+            self._lose(opened)
+            return
+        self._port, self._reported = opened, ""
+        if self._closed:
+            self._drop()
+            return
+        stop = self._settings.stop
+        self._guard = self._start_guard(opened.fileno(), stop) if stop else None
+        self._user.opened()
+        self._read(opened.fileno())
 
-    def _read(self, number: int) -> str:
-        while not self._closing.is_set():
-            if not select.select([number], [], [], 0.1)[0]:
-                continue
-            time.sleep(_BATCH)
-            data = os.read(number, _MOST)
-            stamp = self._node.now()
-            if not data:
-                return "it was unplugged"
-            self._node.post(lambda data=data, stamp=stamp: self._user.received(data, stamp))  # type: ignore[misc]
-        return ""
+    def _read(self, number: int) -> None:
+        self._node.work(partial(_read, number, self._node.now), self._take, self.name)
 
-    def _post_lost(self, reason: str) -> None:
-        self._node.post(lambda: self._user.lost(reason))
+    def _take(self, read: _Read) -> None:
+        if self._port is None:
+            return
+        if read.lost:
+            self._drop()
+            self._lose(read.lost)
+            return
+        number = self._port.fileno()
+        if read.data:
+            self._user.received(read.data, read.stamp)
+        if self._port is not None:
+            self._read(number)
+
+    def _lose(self, reason: str) -> None:
+        if self._closed:
+            return
+        if reason != self._reported:
+            self._reported = reason
+            self._user.lost(reason)
+        self._node.after(_PAUSE, self._open, steady=True)
+
+    def _drop(self) -> None:
+        """Close the device, and let the guard end."""
+        port, guard, self._port, self._guard = self._port, self._guard, None, None
+        with contextlib.suppress(OSError, termios.error):
+            if port is not None:
+                port.close()
+        if guard is not None:
+            os.close(guard)
+
+
+def _open(path: str, settings: LineSettings) -> serial.Serial | str:
+    """Open a device; or why it cannot be."""
+    try:
+        port = serial.Serial(baudrate=settings.baud, timeout=0, exclusive=True)
+        port.port, port.dtr = path, settings.dtr
+        port.open()
+    except (OSError, termios.error, ValueError) as problem:  # SerialException is an OSError
+        return _explain(problem)
+    return port
+
+
+def _read(number: int, now: Callable[[], int]) -> _Read:
+    """Wait a moment for bytes of a device."""
+    try:
+        if not select.select([number], [], [], _LOOK)[0]:
+            return _Read()
+        time.sleep(_BATCH)
+        data = os.read(number, _MOST)
+        return _Read(data, now(), "" if data else "it was unplugged")
+    except (OSError, ValueError) as problem:
+        return _Read(lost=_explain(problem))
 
 
 def _explain(problem: Exception) -> str:

@@ -27,15 +27,13 @@ LONGEST = 30.0  # s
 PROGRAM = """
 import sys, time
 from tests.base_contract import load
+from tests.ur_nodes.drivers.threads import ThreadedNode
 from ur_nodes.drivers.boards import BOARDS
 from ur_nodes.drivers.line import LineSettings, LineUser
 from ur_nodes.drivers.serial_line import SerialLine
-class Node:
-    def post(self, call): call()
-    def now(self): return 0
 board = BOARDS[sys.argv[1]](load("create2", ""))
 user = LineUser(lambda: None, lambda data, stamp: None, lambda reason: None)
-line = SerialLine(Node(), sys.argv[2], user, LineSettings(board.baud, board.stop()))
+line = SerialLine(ThreadedNode(), sys.argv[2], user, LineSettings(board.baud, board.stop()))
 for _ in range(50):
     line.write(board.greet())
     time.sleep(0.01)

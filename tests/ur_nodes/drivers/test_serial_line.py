@@ -8,25 +8,13 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+from tests.ur_nodes.drivers.threads import ThreadedNode
+
 from ur_nodes.drivers.line import LineSettings, LineUser
 from ur_nodes.drivers.serial_line import SerialLine
 from ur_nodes.simulator.devices.terminal import DeviceTerminal
 
 WAIT = 20.0  # s
-
-
-class FakeNode:
-    """A node's thread for one line: calls are made where they are posted."""
-
-    def __init__(self) -> None:
-        self.lock = threading.Lock()
-
-    def post(self, call: Callable[[], None]) -> None:
-        with self.lock:
-            call()
-
-    def now(self) -> int:
-        return 7
 
 
 class Record:
@@ -62,7 +50,7 @@ def read_until(terminal: DeviceTerminal, end: bytes) -> bytes:
 
 def test_line_is_opened_when_the_device_is_there_and_again_when_it_is_back(tmp_path: Path) -> None:
     path, record = tmp_path / "device", Record()
-    line = SerialLine(FakeNode(), str(path), record.user(), LineSettings(115200))  # type: ignore[arg-type]
+    line = SerialLine(ThreadedNode(), str(path), record.user(), LineSettings(115200))  # type: ignore[arg-type]
     record.wait(lambda events: events == ["no such file or directory"])
     for _ in range(2):
         terminal = DeviceTerminal(path)
@@ -79,9 +67,9 @@ def test_line_is_opened_when_the_device_is_there_and_again_when_it_is_back(tmp_p
 
 def test_device_that_is_in_use_is_reported_and_used_once_it_is_free(tmp_path: Path) -> None:
     terminal, first, second = DeviceTerminal(tmp_path / "device"), Record(), Record()
-    one = SerialLine(FakeNode(), str(terminal.path), first.user(), LineSettings(115200))  # type: ignore[arg-type]
+    one = SerialLine(ThreadedNode(), str(terminal.path), first.user(), LineSettings(115200))  # type: ignore[arg-type]
     first.wait(lambda events: events == ["open"])
-    other = SerialLine(FakeNode(), str(terminal.path), second.user(), LineSettings(115200))  # type: ignore[arg-type]
+    other = SerialLine(ThreadedNode(), str(terminal.path), second.user(), LineSettings(115200))  # type: ignore[arg-type]
     second.wait(lambda events: len(events) == 1 and events[0] != "open")
     one.close()
     second.wait(lambda events: events[-1] == "open")
@@ -100,7 +88,7 @@ def test_guard_that_was_killed_is_started_again(tmp_path: Path) -> None:
         return ours
 
     terminal, record = DeviceTerminal(tmp_path / "device"), Record()
-    line = SerialLine(FakeNode(), str(terminal.path), record.user(), LineSettings(115200, b"STOP"), start_guard)  # type: ignore[arg-type]
+    line = SerialLine(ThreadedNode(), str(terminal.path), record.user(), LineSettings(115200, b"STOP"), start_guard)  # type: ignore[arg-type]
     record.wait(lambda events: events == ["open"])
     line.write(b"go", moving=True)
     assert len(started) == 2

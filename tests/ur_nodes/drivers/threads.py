@@ -1,0 +1,23 @@
+"""The part of a node that a serial line needs, in real time, without a loop."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+from typing import Any
+
+
+class ThreadedNode:
+    """Each job, and what takes its result, has a thread. A line has one job at a time."""
+
+    def work(self, job: Callable[[], Any], take: Callable[[Any], None], lane: str = "") -> None:
+        threading.Thread(target=lambda: take(job()), name=lane, daemon=True).start()
+
+    def after(self, seconds: float, call: Callable[[], None], *, steady: bool = False) -> None:
+        assert steady
+        timer = threading.Timer(seconds, call)
+        timer.daemon = True
+        timer.start()
+
+    def now(self) -> int:
+        return 7
