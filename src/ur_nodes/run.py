@@ -103,19 +103,21 @@ def log_folder() -> Path:
 
 def find_package(name: str) -> Path | None:
     """The folder with the files of an installed package; None where it is not installed."""
-    if backend_name() == "ros1":
+    backend = backend_name()
+    if backend == "ros1":
         found: Path | None = import_module("ur_nodes.ros1.packages").find_package(name)
         return found
-    for prefix in os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep):
-        folder = Path(prefix, "share", name)
+    variable, place = ("AMENT_PREFIX_PATH", "share") if backend == "ros2" else ("ROS_PACKAGE_PATH", "")
+    for prefix in os.environ.get(variable, "").split(os.pathsep):
+        folder = Path(prefix, place, name)
         if prefix and name and "/" not in name and folder.is_dir():
             return folder
     return None
 
 
 def backend_name() -> str:
-    """The middleware whose environment was set up last: its set-up file says so in ROS_VERSION."""
-    return "ros2" if os.environ.get("ROS_VERSION") == "2" else "ros1"
+    """The middleware by ROS_VERSION, of the set-up file that was used last; `ur` sets 0 where there is none."""
+    return {"0": "one_process", "2": "ros2"}.get(os.environ.get("ROS_VERSION", ""), "ros1")
 
 
 def own_arguments(arguments: Sequence[str]) -> list[str]:

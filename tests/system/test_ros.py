@@ -40,6 +40,7 @@ JAZZY, KILTED, HUMBLE = (f"opt/ros/{name}/share/rclpy/package.xml" for name in (
         ((WHEELS, JAZZY), "", "ROS 2 Jazzy, in {root}/opt/ros/jazzy"),
         ((ROS1, JAZZY, KILTED), "2", "ROS 2 Kilted, in {root}/opt/ros/kilted"),
         ((KILTED, HUMBLE), "", "ROS 2 Kilted, in {root}/opt/ros/kilted"),
+        ((ROS1, WHEELS), "none", "no ROS: all nodes of a run are in one process"),
     ],
 )
 def test_ros_is_the_packaged_one_else_the_users_else_the_wheels(
@@ -49,10 +50,19 @@ def test_ros_is_the_packaged_one_else_the_users_else_the_wheels(
     assert str(find_ros(wanted, {}, state, root=str(tmp_path))) == found.format(root=tmp_path)
 
 
+def test_processor_without_wheels_has_no_ros_unless_it_is_installed_or_asked_for(tmp_path: Path) -> None:
+    state = make_computer(tmp_path)
+    assert find_ros("", {}, state, root=str(tmp_path), machine="aarch64").version == 0
+    with pytest.raises(UserError, match="ROS 2 is not installed"):
+        find_ros("2", {}, state, root=str(tmp_path), machine="aarch64")
+    make_computer(tmp_path, JAZZY)
+    assert find_ros("", {}, state, root=str(tmp_path), machine="aarch64").version == 2
+
+
 @pytest.mark.parametrize(
     ("files", "wanted", "message"),
     [
-        ((), "", "ROS 2 is not installed"),
+        ((), "2", "ROS 2 is not installed"),
         ((WHEELS,), "1", "ROS 1 is not installed"),
         ((HUMBLE, WHEELS), "2", "ROS 2 Humble in .* is not supported, expected Jazzy"),
     ],
@@ -101,5 +111,6 @@ def test_address_of_a_graph_tells_its_domain() -> None:
 
 
 def test_nodes_of_ros2_start_by_the_launch_library_which_finds_their_python() -> None:
+    assert node_command({"ROS_VERSION": "0"})[-1] == "ur_nodes.one_process.viewer_program"
     assert node_command({"ROS_VERSION": "2"})[0].endswith("ubiquity_launches/lib/node")
     assert node_command({})[1:] == ("-I", "-m", "ur_nodes")

@@ -12,7 +12,7 @@ from ur.source.diagnostic import UserError
 from ur.source.project import launch_library, project_folder, state_folder
 from ur.source.user_folders import user_folder
 from ur.system.debian_root import DebianRoot, find_root
-from ur.system.ros import Ros, choose_domain, facts_file, find_ros
+from ur.system.ros import NONE, Ros, choose_domain, facts_file, find_ros
 
 REPOSITORY = project_folder()
 PACKAGE = launch_library()
@@ -50,9 +50,9 @@ def environment_changes(
         MARK: str(selection),
     }
     ros = choose_ros(selection, environment)
-    if ros is not None and ros.version == 2:
-        return wanted | _ros2(ros, environment, str(package))
-    if environment.get("ROS_VERSION") == "2" and _marked(environment) is not None:
+    if ros is not None and ros.version != 1:
+        return wanted | (_ros2(ros, environment, str(package)) if ros.version else _without_ros(environment, wanted))
+    if environment.get("ROS_VERSION") in ("0", "2") and _marked(environment) is not None:
         wanted |= hide_ros2(environment)
     before = _network(_marked(environment), host)
     for name, value in _network(selection, host).items():
@@ -89,6 +89,17 @@ def _ros2(ros: Ros, environment: Mapping[str, str], package: str) -> dict[str, s
     folders = dict.fromkeys([package, *own, *(f"{each}/share" for each in prefixes if each)])
     wanted["ROS_PACKAGE_PATH"] = os.pathsep.join(folders)
     return wanted
+
+
+def _without_ros(environment: Mapping[str, str], wanted: Mapping[str, str]) -> dict[str, str]:
+    """The variables of nodes that are in one process."""
+    folders = [each for each in wanted["ROS_PACKAGE_PATH"].split(os.pathsep) if each != "/usr/share"]
+    return {
+        "ROS_VERSION": "0",
+        "ROS_DISTRO": NONE,
+        "ROS_PACKAGE_PATH": os.pathsep.join(folders),
+        "UR_FACTS": facts_file(environment, NONE),
+    }
 
 
 def add_own_package(environment: Mapping[str, str], *, package: Path = PACKAGE) -> dict[str, str]:
@@ -133,7 +144,7 @@ def hide_ros2(environment: Mapping[str, str]) -> dict[str, str]:
         kept = [entry for entry in entries if not any(_is_below(entry, place) for place in places)]
         if kept != entries:
             changes[name] = os.pathsep.join(kept)
-    if places and environment.get("ROS_VERSION") == "2":
+    if environment.get("ROS_VERSION") == "0" or (places and environment.get("ROS_VERSION") == "2"):
         changes |= {"ROS_VERSION": "1", "ROS_DISTRO": "Debian"}
     return changes
 

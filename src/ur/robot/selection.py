@@ -1,7 +1,7 @@
 """The selected robot: stored by `ur use`, followed by every command.
 
 Written `sim[:BASE[:VARIANT]]` for a simulated robot on this computer, `ROBOT[:BASE[:VARIANT]]` for a robot whose
-computer answers to `ROBOT.local`; followed by ` --ros 1` or ` --ros 2` where that was chosen.
+computer answers to `ROBOT.local`; followed by ` --ros 1`, ` --ros 2` or ` --ros none` where that was chosen.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ _FORM = "sim[:BASE[:VARIANT]] or ROBOT[:BASE[:VARIANT]]"
 class Selection:
     """A robot. `base` is empty when the robot itself knows best; `variant` is empty for the plain base.
 
-    `ros` is the version of ROS that was chosen, "1" or "2"; empty for that of the computer (`ur.system.ros`).
+    `ros` is the version of ROS that was chosen, "1", "2" or "none"; empty for that of the computer (`ur.system.ros`).
     """
 
     robot: str = SIMULATION
@@ -51,8 +51,8 @@ class Selection:
 def parse_selection(text: str) -> Selection:
     """Read what a person typed. Raises UserError: too many parts, or a part that is no name."""
     names, chosen, ros = text.strip().partition(_ROS)
-    if chosen and ros not in ("1", "2"):
-        raise _bad(text, f"ROS {ros!r} is not known", "--ros 1 or --ros 2")
+    if chosen and ros not in ("1", "2", "none"):
+        raise _bad(text, f"ROS {ros!r} is not known", "--ros 1, --ros 2 or --ros none")
     robot, *parts = names.split(":")
     robot = robot.removesuffix(".local")
     if not _HOST.fullmatch(robot):

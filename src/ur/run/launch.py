@@ -58,7 +58,7 @@ def run_plan(plan: Plan, world: World, host: ProcessHost, console: Console, opti
         _begin(host, environment, entry, keep_terminal=keep_terminal)
         terminal = None if detached else find_terminal()
         ignore_background_write()
-        _announce(console, middleware, folder=folder, nodes=len(programs))
+        _announce(console, middleware, folder=folder, nodes=len(nodes))
         run = Run(
             programs=(*middleware.core, *programs),
             folder=folder,

@@ -1,4 +1,7 @@
-"""ROS of this computer: ROS 1 as its release packages it, the user's own ROS 2, or the wheels of ROS 2."""
+"""ROS of this computer: ROS 1 as its release packages it, the user's own ROS 2, the wheels of ROS 2, or none.
+
+Without ROS, all nodes of a run are in one process.
+"""
 
 # Paths are texts here: this runs at each Tab, and pathlib is not worth its import.
 # ruff: noqa: PTH110, PTH118, PTH208
@@ -17,6 +20,9 @@ WHEELS = ".ros2"
 """The environment of the wheels, in the state folder (`ur.source.project.state_folder`)."""
 
 WHEELS_DISTRO = "kilted"
+NONE = "none"
+"""The choice of no ROS."""
+
 READY = "ready"
 """The file that the set-up writes last into the environment of the wheels."""
 
@@ -27,16 +33,18 @@ _FIRST_PORT, _PORTS = 7400, 250  # of domain 0; of each
 _SOCKETS = ("/proc/net/udp", "/proc/net/udp6")
 _HOST = "localhost"
 _SCHEME = "ros2://"
+_NO_ROS = "process://localhost/none"
+_WHEELS_MACHINES = ("x86_64",)
 
 
 @dataclass(frozen=True, slots=True)
 class Ros:
     """ROS that nodes run with: its release, the folder that it is installed in, and the Python of nodes.
 
-    `prefix` is empty for ROS 1. `sourced`: the environment has it already.
+    `prefix` is empty for ROS 1. `sourced`: the environment has it already. Version 0 is none at all.
     """
 
-    version: Literal[1, 2]
+    version: Literal[0, 1, 2]
     distro: str
     prefix: str
     python: str
@@ -48,17 +56,20 @@ class Ros:
         return os.path.basename(self.prefix) == WHEELS  # noqa: PTH119 - as above
 
     def __str__(self) -> str:
-        if self.version == 1:
-            return "ROS 1"
+        if self.version != 2:
+            return "ROS 1" if self.version else "no ROS: all nodes of a run are in one process"
         return f"ROS 2 {self.distro.capitalize()}, {'as wheels ' if self.wheels else ''}in {self.prefix}"
 
 
-def find_ros(wanted: str, environment: Mapping[str, str], state: str, *, root: str = "/") -> Ros:
-    """Find the ROS of version `wanted` ("1", "2"; "": ROS 1 where it is installed, else ROS 2).
+def find_ros(wanted: str, environment: Mapping[str, str], state: str, *, root: str = "/", machine: str = "") -> Ros:
+    """Find the ROS of version `wanted` ("1", "2", "none"; "": ROS 1 where it is installed, else ROS 2, else none).
 
-    `state` is the state folder, `root` the root of the file system. Raises UserError: it is not installed.
+    `state` is the state folder, `root` the root of the file system, `machine` the processor. Raises UserError: it is
+    not installed, or there is none where it could be.
     """
     python = os.path.join(state, ".venv/bin/python")
+    if wanted == NONE:
+        return Ros(0, NONE, "", python)
     if wanted != "2":
         if any(os.path.exists(os.path.join(root, each)) for each in _MASTERS):
             return Ros(1, "noetic", "", python)
@@ -69,6 +80,8 @@ def find_ros(wanted: str, environment: Mapping[str, str], state: str, *, root: s
     wheels = os.path.join(state, WHEELS)
     if os.path.exists(os.path.join(wheels, READY)):
         return Ros(2, WHEELS_DISTRO, wheels, os.path.join(wheels, "bin/python"))
+    if not wanted and (machine or os.uname().machine) not in _WHEELS_MACHINES:
+        return Ros(0, NONE, "", python)
     raise UserError(error("ROS 2 is not installed on this computer", rule="no-ros", help="ur use sim --ros 2"))
 
 
@@ -113,20 +126,32 @@ def facts_file(environment: Mapping[str, str], domain: str) -> str:
     return f"{folder}/ubiquity_launches/facts-{domain}.json"
 
 
+def viewer_socket(environment: Mapping[str, str]) -> str:
+    """The socket at which the process of all nodes takes those of viewers, without ROS."""
+    facts = environment.get("UR_FACTS") or facts_file(environment, NONE)
+    return os.path.join(os.path.dirname(facts), "nodes.sock")  # noqa: PTH120 - as above
+
+
 def graph_address(environment: Mapping[str, str]) -> str:
     """The address of what connects nodes: ROS_MASTER_URI, on ROS 2 `ros2://localhost/DOMAIN`."""
+    if environment.get("ROS_VERSION") == "0":
+        return _NO_ROS
     if environment.get("ROS_VERSION") == "2":
         return f"{_SCHEME}{_HOST}/{environment.get('ROS_DOMAIN_ID') or '0'}"
     return environment.get("ROS_MASTER_URI") or "http://localhost:11311"
 
 
 def read_domain(address: str) -> str | None:
-    """The domain in an address of `graph_address`; None for a master of ROS 1."""
+    """The domain in an address of `graph_address`, "none" without ROS; None for a master of ROS 1."""
+    if address == _NO_ROS:
+        return NONE
     return address.rpartition("/")[2] if address.startswith(_SCHEME) else None
 
 
 def node_command(environment: Mapping[str, str]) -> tuple[str, ...]:
     """The command that runs a module of `ur_nodes` as a node, in its environment."""
+    if environment.get("ROS_VERSION") == "0":
+        return (sys.executable, "-I", "-m", "ur_nodes.one_process.viewer_program")
     if environment.get("ROS_VERSION") != "2":
         return (sys.executable, "-I", "-m", "ur_nodes")
     from ur.source.project import launch_library  # pathlib, which Tab does without

@@ -2,17 +2,23 @@
 
 from __future__ import annotations
 
+from typing import ClassVar
+
 from ur_nodes.memory.carrier import Carrier
 from ur_nodes.memory.node import MemoryNode
 
+REPLACED = "another node took its name"
+
 
 class Bus(Carrier):
-    """See Carrier. `nodes` has them by their full names."""
+    """See Carrier. `nodes` has them by their full names; they are of the class `node_class`."""
+
+    node_class: ClassVar[type[MemoryNode]] = MemoryNode
 
     def node(self, name: str, remaps: dict[str, str] | None = None) -> MemoryNode:
         """A new node; one of the same name ends, as with a master."""
-        node = MemoryNode(self, name, remaps or {})
+        node = self.node_class(self, name, remaps or {})
         if node.name in self.nodes:
-            self.nodes[node.name].end("another node took its name")
+            self.nodes[node.name].end(REPLACED)
         self.nodes[node.name] = node
         return node

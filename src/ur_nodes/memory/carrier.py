@@ -88,7 +88,7 @@ class Carrier:
     """
 
     def __init__(self, delay: Callable[[str], int | None] | None = None) -> None:
-        self.now = 1_000_000_000
+        self._time = 1_000_000_000
         self.facts: dict[str, Any] = {}
         self.parameters: dict[str, Any] = {}
         self.topics: dict[str, BusTopic] = {}
@@ -103,6 +103,11 @@ class Carrier:
         self._due: deque[Callable[[], None]] = deque()  # for the present, after what _events has for it
         self._numbers = itertools.count()
 
+    @property
+    def now(self) -> int:
+        """The time, ns."""
+        return self._time
+
     def load_parameters(self, namespace: str, values: dict[str, object]) -> None:
         """Set parameters below a full name, as `rosparam load` does with a file."""
         for name, value in values.items():
@@ -116,14 +121,14 @@ class Carrier:
         end = self.now + round(seconds * 1e9)
         while self._next_time() <= end:
             self._take_event()
-        self.now = end
+        self._time = end
 
     def run_until(self, condition: Callable[[], bool], seconds: float) -> bool:
         """Let time pass until a condition is true after an event, at most so long. Return whether it is."""
         end = self.now + round(seconds * 1e9)
         while not condition():
             if self._next_time() > end:
-                self.now = end
+                self._time = end
                 return condition()
             self._take_event()
         return True
@@ -222,7 +227,7 @@ class Carrier:
         if self._due and (not self._events or self._events[0][0] > self.now):
             call = self._due.popleft()
         else:
-            self.now, _, call = heapq.heappop(self._events)
+            self._time, _, call = heapq.heappop(self._events)
         call()
 
 

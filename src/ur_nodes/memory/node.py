@@ -11,7 +11,9 @@ from ur_nodes.memory.ends import MemoryPublisher, MemorySubscription, MemoryTime
 from ur_nodes.memory.raw import MemoryRaw
 from ur_nodes.memory.stores import MemoryFacts, MemoryLog, MemoryParameters
 from ur_nodes.ports.actions import GoalFollower, GoalTakers
+from ur_nodes.ports.facts import Facts
 from ur_nodes.ports.graph import Graph
+from ur_nodes.ports.log import Log
 from ur_nodes.ports.node import Location, Sender
 from ur_nodes.ports.parameters import Parameters
 from ur_nodes.ports.qualities import Quality
@@ -32,9 +34,9 @@ class MemoryNode:
         self.lines: list[tuple[str, str]] = []
         self.ended: str | None = None
         self.failed = False
-        self.facts = MemoryFacts(bus)
+        self.facts: Facts = MemoryFacts(bus)
         self.parameters = Parameters(MemoryParameters(self.resolve, bus.parameters))
-        self.log = MemoryLog(self.lines, self.now)
+        self.log: Log = MemoryLog(self.lines, self.now)
         self.raw = MemoryRaw(self, bus)
         self._bus = bus
         self._remaps = remaps
@@ -170,7 +172,10 @@ class MemoryNode:
 
         def beat(due: int) -> None:
             if self.ended is None and timer.on:
-                self._bus.at(due + period, lambda: beat(due + period))
+                following = due + period
+                if following + period < self._bus.now:  # late by more than one
+                    following = self._bus.now
+                self._bus.at(following, lambda: beat(following))
                 call()
 
         self._bus.at(self._bus.now + period, lambda first=self._bus.now + period: beat(first))  # type: ignore[misc]
@@ -232,7 +237,10 @@ class MemoryNode:
         """See Node."""
         if name in self._remaps:
             name = self._remaps[name]
-        full = f"{self.name}/{name[1:]}" if name.startswith("~") else f"/{name.lstrip('/')}"
+        if name.startswith("~"):
+            full = f"{self.name}/{name[1:]}"
+        else:
+            full = name if name.startswith("/") else f"{self.name.rpartition('/')[0]}/{name}"
         return self._remaps.get(full, full)
 
     def on_end(self, call: Callable[[], None], within: float = 2.0) -> None:  # noqa: ARG002

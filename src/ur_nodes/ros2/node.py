@@ -14,6 +14,7 @@ from rclpy.executors import SingleThreadedExecutor
 from ur.source.diagnostic import UserError
 from ur_nodes.codecs import KindCodec, find_codec, find_service
 from ur_nodes.codecs.dialect import ServiceFailureError, parts_of
+from ur_nodes.file_facts import FileFacts
 from ur_nodes.loop import Loop
 from ur_nodes.node_base import LoopNode
 from ur_nodes.ports.actions import GoalClient, GoalFollower, GoalServer, GoalTakers
@@ -25,7 +26,7 @@ from ur_nodes.ports.raw import Raw
 from ur_nodes.ports.services import READING
 from ur_nodes.ports.transforms import Transforms
 from ur_nodes.ports.values import Result
-from ur_nodes.ros2.facts import FileFacts, RosLog, follow_clock
+from ur_nodes.ros2.log import RosLog, follow_clock
 from ur_nodes.ros2.names import resolve, type_name_of
 from ur_nodes.ros2.navigation.lifecycle import answer_for_managed_nodes
 from ur_nodes.ros2.parameters import RosParameters

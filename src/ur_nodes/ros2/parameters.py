@@ -10,7 +10,7 @@ from typing import Any
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
-from ur_nodes.ros2.facts import FileFacts, file_of_run
+from ur_nodes.file_facts import FileFacts, file_of_run
 
 _SET = "parameters"
 

@@ -25,7 +25,7 @@ ALLOWED = {
     "ur/robot/ros2/finder.py": SENT,
     "ur/robot/sync/side.py": SENT,
     "ur_nodes/camera/libcamera_program.py": SYSTEM,
-    "ur_nodes/ros2/facts.py": OWN,
+    "ur_nodes/file_facts.py": OWN,
 }
 
 

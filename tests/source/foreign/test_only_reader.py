@@ -40,7 +40,8 @@ USER = "a file or descriptor that its user has named for secrets, which may be a
 
 # Module, and why it opens a file by itself.
 ALLOWED = {
-    "ur_nodes/ros2/facts.py": STATE,
+    "ur_nodes/file_facts.py": STATE,
+    "ur_nodes/one_process/plan.py": STATE,
     "ur_nodes/ros2/raw.py": OURS,
     "ur_nodes/ros2/survey.py": ROBOT,
     "ur/check/cache/program.py": OURS,

@@ -24,9 +24,9 @@ _COMMENT = re.compile(rb"<!--[^-]*(?:-[^-]+)*-->")  # as XML has them: without -
 
 
 def package_paths(environment: Mapping[str, str]) -> list[str]:
-    """The folders in which packages are searched, most important first; on ROS 2 not those of ROS 1's packages."""
+    """The folders in which packages are searched, most important first; without ROS 1 not those of its packages."""
     paths = []
-    if environment.get("ROS_VERSION") == "2":
+    if environment.get("ROS_VERSION") in ("0", "2"):
         return [path for path in environment.get("ROS_PACKAGE_PATH", "").split(os.pathsep) if path.strip()]
     root = environment.get("ROS_ROOT")
     if root:

@@ -155,7 +155,7 @@ class Workspaces:
     """The workspaces of an environment, most important first. Their source folders are read when they are needed."""
 
     def __init__(self, environment: Mapping[str, str]) -> None:
-        ros2 = environment.get("ROS_VERSION") == "2"
+        ros2 = environment.get("ROS_VERSION") in ("0", "2")  # or none
         variable = "AMENT_PREFIX_PATH" if ros2 else "CMAKE_PREFIX_PATH"
         prefixes = [path for path in environment.get(variable, "").split(os.pathsep) if path]
         self.folders = prefixes if ros2 else [path for path in prefixes if os.path.isfile(os.path.join(path, MARKER))]

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from ur.launchfile.plan.specs import Plan
+from ur.system.ros import NONE, graph_address, read_domain
 
 if TYPE_CHECKING:
     from ur.request.options import Report
@@ -38,7 +39,11 @@ def join(loaded: LoadedPlan, client: str, report: Report) -> Joined | None:
     assert plan is not None
     simulated = selection is None or selection.simulated
     owners: tuple[RunEntry, ...] = ()
-    if not options.replace and plan.nodes:
+    if read_domain(graph_address(os.environ)) == NONE:
+        from ur.run.middleware.one_process import refuse_second_run
+
+        refuse_second_run(os.environ)
+    elif not options.replace and plan.nodes:
         from ur.request.joining.running import join_running
 
         plan, owners = join_running(loaded, report)

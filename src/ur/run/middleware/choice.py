@@ -12,6 +12,10 @@ from ur.run.output.console import Console
 
 def find_middleware(environment: Mapping[str, str], world: World, options: RunOptions, console: Console) -> Middleware:
     """Find the middleware of a run. Raises UserError: no master on the selected robot, or one that cannot start."""
+    if environment.get("ROS_VERSION") == "0":
+        from ur.run.middleware.one_process import find_process
+
+        return find_process(environment, options)
     if environment.get("ROS_VERSION") == "2":
         from ur.run.middleware.ros2 import find_ros2
 

@@ -8,7 +8,7 @@ map by their `name`, other nested lists become texts, as Nav2 has them.
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 from ur.launchfile.plan.specs import NodeSpec, ParamValue, Plan
 
@@ -26,6 +26,13 @@ def format_parameters(plan: Plan, printed: Mapping[str, ParamValue]) -> dict[str
     """The content of the file of each node, by its full name. `printed` are the values that programs have printed."""
     values = {each.name: printed.get(each.name, each.value) for each in plan.params}
     return {node.full_name: _format(_collect(node, values)) for node in plan.nodes}
+
+
+def find_descriptions(nodes: Sequence[NodeSpec], values: Mapping[str, ParamValue]) -> dict[str, ParamValue]:
+    """The robot's description as parameters of the nodes that publish its frames, by full names."""
+    wanted = [node for node in nodes if node.type in _DESCRIBED]
+    found = {f"{node.full_name}/{_DESCRIPTION}": _search(_DESCRIPTION, node.namespace, values) for node in wanted}
+    return {name: value for name, value in found.items() if value is not None}
 
 
 def _collect(node: NodeSpec, values: Mapping[str, ParamValue]) -> dict[str, object]:

@@ -7,6 +7,7 @@ import threading
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import TypeVar
 
 from ur.launchfile.plan.specs import NodeSpec, Plan
 from ur.run.master.parameters import CommandParameters
@@ -17,10 +18,13 @@ from ur.run.middleware.protocol import GraphView
 from ur.run.options import RunOptions
 from ur.run.process.command import UnitProgram
 from ur.run.record.computer import read_computer
+from ur.run.record.entry import RunEntry
 from ur.run.record.registry import list_runs
 from ur.run.supervisor.events import Event, Exited, ParametersSet, SetupFailed, Unregistered
 from ur.source.diagnostic import UserError, error
 from ur.system.ros import facts_file, graph_address
+
+Domain = TypeVar("Domain", bound="DomainMiddleware")
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,7 +88,7 @@ class DomainMiddleware:
 
     def unregister(self, names: Sequence[str]) -> Event:  # noqa: ARG002 - a node that has ended is in no graph
         """See Middleware."""
-        if self.own and not _others(self.address, self.variables):
+        if self.own and not list_others(self.variables):
             clear_facts(self.facts)
         return Unregistered()
 
@@ -105,21 +109,27 @@ class DomainMiddleware:
 
 def find_ros2(environment: Mapping[str, str], options: RunOptions) -> DomainMiddleware:
     """Find the domain of a run, and whether other runs are in it. Raises UserError: an option that ROS 2 has not."""
+    return find_domain(DomainMiddleware, environment, options)
+
+
+def find_domain(kind: type[Domain], environment: Mapping[str, str], options: RunOptions) -> Domain:
+    """As `find_ros2`, for a class of middleware."""
     if options.port is not None:
         message = f"--port {options.port} chooses the port of a master, which ROS 2 has not"
         raise UserError(error(message, rule="bad-options", help="ROS_DOMAIN_ID chooses the domain"))
     address = graph_address(environment)
     facts = environment.get("UR_FACTS") or facts_file(environment, address.rpartition("/")[2])
-    own = not _others(address, environment)
+    own = not list_others(environment)
     if own:
         clear_facts(facts)
-    return DomainMiddleware(address, own, "" if own else str(read_facts(facts).get("run_id", "")), facts, environment)
+    return kind(address, own, "" if own else str(read_facts(facts).get("run_id", "")), facts, environment)
 
 
-def _others(address: str, environment: Mapping[str, str]) -> bool:
-    """Return whether other runs of this user are in the domain."""
+def list_others(environment: Mapping[str, str], own: int | None = None) -> list[RunEntry]:
+    """The runs of this user in the domain of an environment whose process is another than `own`, or than this."""
+    address = graph_address(environment)
     runs = list_runs(environment, os.getuid(), read_computer())
-    return any(each.master_uri == address and each.pid != os.getpid() for each in runs)
+    return [each for each in runs if each.master_uri == address and each.pid != (own or os.getpid())]
 
 
 def _own_words(program: UnitProgram, node: NodeSpec) -> tuple[str, ...]:

@@ -101,7 +101,7 @@ def find_executable(node: NodeSpec, world: World) -> str:
     try:
         found = world.find_executables(node.package, node.type)
     except PackageNotFound:
-        if world.environment.get("ROS_VERSION") == "2":
+        if world.environment.get("ROS_VERSION") in ("0", "2"):
             return _find_own(node, world)
         near = did_you_mean(node.package, world.package_names())
         raise UserError(
@@ -146,6 +146,16 @@ def _find_own(node: NodeSpec, world: World) -> str:
         own = ()
     if own:
         return own[0]
+    if world.environment.get("ROS_VERSION") == "0":
+        raise UserError(
+            error(
+                f"{node.full_name}: package {node.package!r} is not part of this project, which nodes without ROS are",
+                node.origin.span,
+                rule="unknown-package",
+                help=f"--except {node.full_name} leaves the node out; 'ur use sim --ros 2' has ROS where it can be",
+                subject=node.package,
+            )
+        )
     distro = world.environment.get("ROS_DISTRO", "")
     debian = f"ros-{distro}-{node.package.replace('_', '-')}"
     raise UserError(

@@ -8,6 +8,7 @@ import os
 import socket
 from collections.abc import Callable, Collection, Mapping
 from contextlib import suppress
+from pathlib import Path
 from typing import Literal
 from urllib.parse import urlsplit
 
@@ -16,7 +17,7 @@ from ur.run.record.computer import read_computer
 from ur.run.record.registry import list_runs
 from ur.source.foreign.json_values import read_json
 from ur.source.run_users import PAGE, forget_user, note_user
-from ur.system.ros import graph_address, node_command, read_domain
+from ur.system.ros import NONE, graph_address, node_command, read_domain, viewer_socket
 from ur.web.wire.frames import LENGTH, LONGEST
 
 State = Literal["no master", "starting", "up"]
@@ -95,8 +96,8 @@ class RobotProcess:
             self._on_state()
 
     async def _master_answers(self) -> bool:
-        if read_domain(self.master) is not None:
-            return True  # there is none to wait for
+        if (domain := read_domain(self.master)) is not None:
+            return domain != NONE or Path(viewer_socket(self._environment)).exists()  # there is no master to wait for
         address = urlsplit(self.master)
         try:
             opened = asyncio.open_connection(address.hostname, address.port or 11311)

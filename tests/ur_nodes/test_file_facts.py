@@ -2,7 +2,7 @@ from pathlib import Path
 
 import pytest
 
-from ur_nodes.ros2.facts import FileFacts
+from ur_nodes.file_facts import FileFacts
 
 
 def test_fact_is_known_to_nodes_that_start_later(tmp_path: Path) -> None:

@@ -1,0 +1,46 @@
+"""Facts of a run in a file, where the middleware keeps none without a node."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import tempfile
+from pathlib import Path
+from typing import Any
+
+
+class FileFacts:
+    """See `ports.facts.Facts`: a file of the run."""
+
+    def __init__(self, *, simulated_time: bool, file: Path | None = None) -> None:
+        self.simulated_time = simulated_time
+        self._file = file or file_of_run()
+
+    def get(self, name: str, default: object = None) -> Any:
+        """See Facts."""
+        return self._read().get(name, default)
+
+    def set(self, name: str, value: object) -> None:
+        """See Facts."""
+        facts = self._read() | {name: value}
+        self._file.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
+        number, new = tempfile.mkstemp(dir=self._file.parent, prefix=".facts")
+        with os.fdopen(number, "w") as file:
+            json.dump(facts, file)
+        Path(new).replace(self._file)
+
+    def _read(self) -> dict[str, object]:
+        with contextlib.suppress(OSError, ValueError):
+            found = json.loads(self._file.read_text())
+            if isinstance(found, dict):
+                return found
+        return {}
+
+
+def file_of_run() -> Path:
+    """The file of the facts of this run."""
+    if given := os.environ.get("UR_FACTS"):
+        return Path(given)
+    folder = os.environ.get("XDG_RUNTIME_DIR") or Path.home() / ".cache"
+    return Path(folder) / "ubiquity_launches" / f"facts-{os.environ.get('ROS_DOMAIN_ID', '0')}.json"

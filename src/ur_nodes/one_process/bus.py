@@ -1,0 +1,200 @@
+"""A bus in real time: its events happen on one thread, jobs of nodes beside it."""
+
+from __future__ import annotations
+
+import queue
+import sys
+import threading
+import time
+from collections.abc import Callable
+from typing import TYPE_CHECKING, ClassVar, TypeVar, cast
+
+from ur_nodes.loop import Worker
+from ur_nodes.memory.bus import REPLACED, Bus
+from ur_nodes.memory.carrier import Carrier
+from ur_nodes.memory.node import MemoryNode
+from ur_nodes.ports.graph import Graph
+from ur_nodes.ports.log import Throttle
+
+if TYPE_CHECKING:
+    from ur_nodes.ports.facts import Facts
+
+Value = TypeVar("Value")
+WriteLine = Callable[[str, str, str], None]
+"""Takes a level, the name of a node, and a line of its log."""
+
+_LONGEST_WAIT = 1.0  # s
+_JOB_LIMIT = 2.0  # s for jobs that still run: Python aborts where it ends while a thread is in a library
+
+
+class LiveNode(MemoryNode):
+    """See MemoryNode. `over` is set, and `at_over` called, when it has ended; `replaced`: another took its name."""
+
+    def __init__(self, bus: Carrier, name: str, remaps: dict[str, str]) -> None:
+        super().__init__(bus, name, remaps)
+        live = cast("LiveBus", bus)
+        self.facts = live.run_facts
+        self.log = LiveLog(self.name, live.write_line)
+        self.over = threading.Event()
+        self.at_over: Callable[[], None] = lambda: None
+        self.replaced = False
+        self._workers: dict[str, Worker] = {}
+
+    def work(self, job: Callable[[], Value], take: Callable[[Value], None], lane: str = "") -> None:
+        """See Node. What the end asks for is done at once."""
+        if self._late is not None:
+            super().work(job, take, lane)
+            return
+
+        def carry_out() -> None:
+            try:
+                result = job()
+            except Exception as problem:  # the node fails where it runs
+                self.post(lambda failed=problem: _fail(failed))  # type: ignore[misc]
+            else:
+                self.post(lambda: take(result))
+
+        self._workers.setdefault(lane, Worker(f"work {lane}".strip())).add(carry_out)
+
+    def steady(self) -> float:
+        """See Node."""
+        return time.clock_gettime(time.CLOCK_BOOTTIME)
+
+    def read_graph(self, take: Callable[[Graph | None], None]) -> None:
+        """See Node."""
+        self.post(lambda: take(self._bus.graph()))
+
+    def end(self, reason: str, *, failed: bool = False) -> None:
+        """See Node."""
+        if self._late is not None:
+            return
+        super().end(reason, failed=failed)
+        self.replaced = reason == REPLACED
+        for worker in self._workers.values():
+            worker.end()
+        self.over.set()
+        self.at_over()
+
+    def join(self) -> None:
+        """Wait for jobs that still run, for a while."""
+        until = time.monotonic() + _JOB_LIMIT
+        for worker in self._workers.values():
+            worker.join(max(0.0, until - time.monotonic()))
+
+
+class LiveBus(Bus):
+    """See Bus. `facts` are those of the run; `write_line` takes the lines of the nodes' logs.
+
+    `failed` is true when a callback has failed: then nothing happens any more, and every node is over. `fail` takes
+    the exception.
+    """
+
+    node_class: ClassVar[type[MemoryNode]] = LiveNode
+
+    def __init__(
+        self, facts: Facts, write_line: WriteLine, fail: Callable[[threading.ExceptHookArgs], None] | None = None
+    ) -> None:
+        super().__init__()
+        self._fail = fail
+        self.run_facts, self.write_line = facts, write_line
+        self.failed = False
+        self._offset = time.time_ns() - time.monotonic_ns()  # a clock that is set does not disturb the nodes
+        self._woken = threading.Event()
+        self._closed = False
+        self._thread = threading.Thread(target=self._spin, name="bus", daemon=True)
+
+    @property
+    def now(self) -> int:
+        """The time, ns since the epoch."""
+        return time.monotonic_ns() + self._offset
+
+    def begin(self) -> None:
+        """Let events happen from now on."""
+        self._thread.start()
+
+    def at(self, time: int, call: Callable[[], None]) -> None:
+        """See Carrier."""
+        super().at(time, call)
+        if threading.current_thread() is not self._thread:
+            self._woken.set()
+
+    def do(self, call: Callable[[], Value]) -> Value:
+        """Make a call on the thread of the bus, and return its result. Raises what it raises.
+
+        RuntimeError: the bus has failed or is closed.
+        """
+        if threading.current_thread() is self._thread:
+            return call()
+        results: queue.SimpleQueue[tuple[Value | None, BaseException | None]] = queue.SimpleQueue()
+
+        def make() -> None:
+            try:
+                results.put((call(), None))
+            except BaseException as problem:  # it belongs to the caller
+                results.put((None, problem))
+
+        self.at(self.now, make)
+        while True:
+            try:
+                value, problem = results.get(timeout=_LONGEST_WAIT)
+            except queue.Empty:
+                if self._thread.is_alive() or not self._thread.ident:
+                    continue
+                raise RuntimeError("the nodes have ended") from None
+            if problem is not None:
+                raise problem
+            return cast("Value", value)
+
+    def close(self) -> None:
+        """Let nothing happen any more."""
+        self._closed = True
+        self._woken.set()
+        if self._thread.ident and threading.current_thread() is not self._thread:
+            self._thread.join(_JOB_LIMIT)
+
+    def _spin(self) -> None:
+        try:
+            while not self._closed:
+                wait = (self._next_time() - self.now) * 1e-9
+                if wait > 0.0:
+                    self._woken.wait(min(wait, _LONGEST_WAIT))
+                    self._woken.clear()
+                else:
+                    self._take_event()
+        except BaseException:
+            self.failed = True
+            fail = self._fail or threading.excepthook  # of now: a user interface has one of its own
+            fail(threading.ExceptHookArgs((*sys.exc_info(), threading.current_thread())))
+            for node in cast("list[LiveNode]", list(self.nodes.values())):
+                node.failed = True
+                node.over.set()
+                node.at_over()
+
+
+class LiveLog:
+    """See `ports.log.Log`."""
+
+    def __init__(self, name: str, write: WriteLine) -> None:
+        self._name, self._write = name, write
+        self._throttle = Throttle(time.monotonic)
+
+    def debug(self, text: str) -> None:
+        """See Log. Such lines are not kept."""
+
+    def info(self, text: str) -> None:
+        """See Log."""
+        self._write("INFO", self._name, text)
+
+    def warn(self, text: str, *, every: float = 0.0) -> None:
+        """See Log."""
+        if self._throttle.lets(text, every):
+            self._write("WARN", self._name, text)
+
+    def error(self, text: str, *, every: float = 0.0) -> None:
+        """See Log."""
+        if self._throttle.lets(text, every):
+            self._write("ERROR", self._name, text)
+
+
+def _fail(problem: Exception) -> None:
+    raise problem

@@ -1,0 +1,70 @@
+"""The context of a node's module in the process of all nodes: it says under which name it starts, and on which bus."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable
+from contextvars import ContextVar
+from dataclasses import dataclass, field
+from typing import TypeVar
+
+from ur.source.diagnostic import UserError, error
+from ur_nodes.one_process.bus import LiveBus, LiveNode
+from ur_nodes.ports.node import Node
+
+Wired = TypeVar("Wired")
+
+_CONTEXT: ContextVar[NodeContext] = ContextVar("context")
+
+
+@dataclass(frozen=True, slots=True)
+class NodeContext:
+    """`name` is the full name of the node, '' for the one that its module chooses; `remaps` has full names.
+
+    `wired` gets the node, and then `started` is called.
+    """
+
+    bus: LiveBus
+    name: str = ""
+    remaps: dict[str, str] = field(default_factory=dict)
+    started: Callable[[], None] = lambda: None
+    wired: Callable[[LiveNode], None] = lambda _node: None
+
+    def enter(self) -> None:
+        """Make this the context of what this thread starts."""
+        _CONTEXT.set(self)
+
+    def wire(self, name: str, start: Callable[[Node], Wired]) -> tuple[Wired, LiveNode]:
+        """Make a node, and call `start` with it on the thread of the bus. Raises what that raises."""
+
+        def make() -> tuple[Wired, LiveNode]:
+            node = self.bus.node(self.name or self._free_name(name), self.remaps)
+            assert isinstance(node, LiveNode)
+            try:
+                return start(node), node
+            except BaseException:
+                node.end("it cannot start", failed=True)
+                raise
+
+        wired, node = self.bus.do(make)
+        self.wired(node)
+        self.started()
+        return wired, node
+
+    def _free_name(self, name: str) -> str:
+        numbered = (f"/{name}_{number}" for number in itertools.count(2))
+        return next(each for each in itertools.chain([f"/{name}"], numbered) if each not in self.bus.nodes)
+
+
+def current_context(name: str) -> NodeContext:
+    """The context of what this thread starts. Raises UserError: it is a process of its own."""
+    try:
+        return _CONTEXT.get()
+    except LookupError:
+        raise UserError(
+            error(
+                f"{name}: without ROS, all nodes run in the process of 'ur run', and other programs cannot reach them",
+                rule="no-ros",
+                help="ur use sim --ros 2",
+            )
+        ) from None

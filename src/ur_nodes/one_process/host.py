@@ -1,0 +1,169 @@
+"""The process of all nodes of a run: host FILE, where FILE has what `plan` reads.
+
+Each node's module runs as it does in a process of its own, on a thread; `ur_nodes.run` finds its `context`. The node
+that has the terminal has the main thread, and the process ends with it.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import runpy
+import signal
+import sys
+import threading
+import time
+import traceback
+from collections.abc import Callable, Sequence
+from contextlib import suppress
+
+from ur_nodes.file_facts import FileFacts
+from ur_nodes.one_process.bus import LiveBus, LiveNode
+from ur_nodes.one_process.context import NodeContext
+from ur_nodes.one_process.output import NodeOutput
+from ur_nodes.one_process.plan import NodeStart, ProcessPlan, read_parameters, read_plan
+from ur_nodes.one_process.viewers import ViewerSocket
+
+_NODE_LIMIT = 5.0  # s for the end of a node
+
+
+class Host:
+    """Starts the nodes of a plan, and ends them."""
+
+    def __init__(self, plan: ProcessPlan) -> None:
+        self._plan = plan
+        self._output = NodeOutput(plan.log)
+        self._bus = LiveBus(FileFacts(simulated_time=False), self._output.write_line)
+        for name, value in read_parameters(plan.parameters).items():
+            self._bus.load_parameters("", {name.lstrip("/"): value})
+        self._arguments = threading.Lock()  # held while sys.argv is that of the module that starts
+        self._nodes: list[LiveNode] = []
+        self._over = threading.Event()
+        self._code = 0
+
+    def run(self) -> int:
+        """Run until a signal, or the end of the node with the terminal or of a required one. Returns the exit code."""
+        terminal = next((each for each in self._plan.nodes if each.terminal), None)
+        if terminal is None:
+            own = self._bus.node(self._plan.name)
+            assert isinstance(own, LiveNode)
+            own.at_over = self._over.set
+        self._bus.begin()
+        viewers = self._listen_for_viewers()
+        others = [each for each in self._plan.nodes if not each.terminal]
+        try:
+            if terminal is None:
+                for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+                    signal.signal(number, lambda _number, _frame: self._over.set())
+                self._start_all(others)
+                self._over.wait()
+                return self._code or int(self._bus.failed)
+            self._output.divert_threads()
+            first = threading.Event()
+            threading.Thread(target=self._start_all, args=(others, first), name="starts", daemon=True).start()
+            return self._run_module(terminal, first.set)
+        finally:
+            if viewers is not None:
+                viewers.close()
+            self._end_nodes()
+            self._bus.close()
+
+    def _listen_for_viewers(self) -> ViewerSocket | None:
+        try:
+            return ViewerSocket(self._plan.viewers, self._run_for_viewer)
+        except OSError as problem:
+            reason = problem.strerror or str(problem)
+            self._output.write_line(
+                "WARN", self._plan.name, f"the page cannot show this run: {self._plan.viewers}: {reason}"
+            )
+            return None
+
+    def _start_all(self, nodes: Sequence[NodeStart], first: threading.Event | None = None) -> None:
+        if first is not None:
+            first.wait()
+        for node in nodes:
+            started = threading.Event()
+            threading.Thread(target=self._keep, args=(node, started.set), name=node.name, daemon=True).start()
+            started.wait()
+
+    def _keep(self, start: NodeStart, started: Callable[[], None]) -> None:
+        """Run a node, again and again where it is to be."""
+        while not self._over.is_set():
+            code = self._run_module(start, started)
+            started()
+            self._output.write_line("INFO", start.name, f"ended, exit code {code}")
+            if start.required and not self._over.is_set():
+                self._code = code
+                self._over.set()
+                self._interrupt()
+            if not start.respawn or self._over.wait(start.respawn_delay):
+                return
+
+    def _interrupt(self) -> None:
+        """End the node that has the terminal."""
+        for each in self._plan.nodes:
+            if each.terminal and (node := self._bus.nodes.get(each.name)):
+                node.end("a required node has ended")
+
+    def _run_module(self, start: NodeStart, started: Callable[[], None]) -> int:
+        """Run the module of a node on this thread. Returns its exit code."""
+        release = _Release(self._arguments, started)
+        context = NodeContext(self._bus, start.name, start.remaps, release, self._nodes.append)
+        return self._run_words(start.words, context, release)
+
+    def _run_for_viewer(self, words: Sequence[str]) -> None:
+        """Run a module whose node chooses its name."""
+        release = _Release(self._arguments, lambda: None)
+        self._run_words(words, NodeContext(self._bus, started=release), release)
+
+    def _run_words(self, words: Sequence[str], context: NodeContext, release: _Release) -> int:
+        context.enter()
+        self._arguments.acquire()
+        try:
+            sys.argv = list(words)
+            if words[0].endswith(".py"):
+                runpy.run_path(words[0], run_name="__main__")
+            else:
+                runpy.run_module(words[0], run_name="__main__")
+        except SystemExit as end:
+            return end.code if isinstance(end.code, int) else int(end.code is not None)
+        except BaseException:
+            for line in traceback.format_exc().splitlines():
+                self._output.write_line("ERROR", context.name, line)
+            return 1
+        finally:
+            release()
+        return 0
+
+    def _end_nodes(self) -> None:
+        """End all nodes, the last first: what drives before what moves."""
+        self._over.set()
+        for node in reversed(self._nodes):
+            with suppress(RuntimeError):  # the bus has failed
+                self._bus.do(lambda each=node: each.end("the run ends"))  # type: ignore[misc]
+        until = time.monotonic() + _NODE_LIMIT
+        for node in self._nodes:
+            node.over.wait(max(0.0, until - time.monotonic()))
+            node.join()
+
+
+class _Release:
+    """Releases a lock once, and makes a call; for two threads."""
+
+    def __init__(self, lock: threading.Lock, then: Callable[[], None]) -> None:
+        self._lock, self._then = lock, then
+        self._once = threading.Lock()
+
+    def __call__(self) -> None:
+        if self._once.acquire(blocking=False):
+            with contextlib.suppress(RuntimeError):
+                self._lock.release()
+            self._then()
+
+
+def main() -> int:
+    """Run the plan that the command line names."""
+    return Host(read_plan(sys.argv[1])).run()
+
+
+if __name__ == "__main__":
+    sys.exit(main())
