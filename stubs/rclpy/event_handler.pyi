@@ -7,3 +7,6 @@ class MatchedInfo(Protocol):
 
 class PublisherEventCallbacks:
     def __init__(self, *, matched: Callable[[MatchedInfo], None] | None = ...) -> None: ...
+
+class SubscriptionEventCallbacks:
+    def __init__(self, *, use_default_callbacks: bool = ...) -> None: ...

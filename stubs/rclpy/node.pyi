@@ -1,15 +1,18 @@
+import enum
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import genpy
 from rclpy.callback_groups import CallbackGroup
 from rclpy.clock import JumpHandle, JumpThreshold, TimeJump
-from rclpy.event_handler import PublisherEventCallbacks
+from rclpy.event_handler import PublisherEventCallbacks, SubscriptionEventCallbacks
+from rclpy.impl.implementation_singleton import Handle, SubscriptionHandle
 from rclpy.parameter import Parameter
 from rclpy.qos import QoSProfile
 from rclpy.task import Future
 
 class Context:
+    handle: Handle
     def get_domain_id(self) -> int: ...
 
 class Logger:
@@ -33,7 +36,16 @@ class Publisher:
     def get_subscription_count(self) -> int: ...
 
 class Subscription:
+    class CallbackType(enum.Enum):
+        MessageOnly = ...
+        WithMessageInfo = ...
+
     topic_name: str
+    handle: SubscriptionHandle
+    msg_type: object
+    raw: bool
+    callback: Callable[..., object]
+    _callback_type: CallbackType
 
 class Client:
     def wait_for_service(self, timeout_sec: float | None = ...) -> bool: ...
@@ -90,6 +102,8 @@ class Node:
         callback: Callable[..., object],
         qos_profile: QoSProfile | int,
         *,
+        callback_group: CallbackGroup | None = ...,
+        event_callbacks: SubscriptionEventCallbacks | None = ...,
         raw: bool = ...,
     ) -> Subscription: ...
     def destroy_subscription(self, subscription: Subscription) -> bool: ...

@@ -30,6 +30,7 @@ from ur_nodes.ros2.log import RosLog, follow_clock
 from ur_nodes.ros2.names import resolve, type_name_of
 from ur_nodes.ros2.navigation.lifecycle import answer_for_managed_nodes
 from ur_nodes.ros2.parameters import RosParameters
+from ur_nodes.ros2.reception import ReceivingNode
 from ur_nodes.ros2.topics import RosPublisher, RosSubscription
 
 if TYPE_CHECKING:
@@ -48,9 +49,7 @@ class RosNode(LoopNode):
     """See `ports.node.Node`. Made after rclpy.init; `begin` starts its threads."""
 
     def __init__(self, name: str) -> None:
-        self._node = rclpy.node.Node(
-            name, automatically_declare_parameters_from_overrides=True, allow_undeclared_parameters=True
-        )
+        self._node = ReceivingNode(name)
         self.name = self._node.get_fully_qualified_name()
         self.parameters = Parameters(RosParameters(self._node))
         self.facts = FileFacts(simulated_time=self._node.get_parameter("use_sim_time").value is True)
@@ -63,7 +62,7 @@ class RosNode(LoopNode):
         super().__init__(loop, RosLog(self._node.get_logger(), self._seconds))
         self._executor = SingleThreadedExecutor(context=self._node.context)
         self._executor.add_node(self._node)
-        self._receiver = threading.Thread(target=self._executor.spin, name="executor", daemon=True)
+        self._spinner = threading.Thread(target=self._executor.spin, name="executor", daemon=True)
         self._services = ReentrantCallbackGroup()  # a request that is answered later holds up no other
         self._clients: dict[tuple[str, type], rclpy.node.Client] = {}
         self._actions: NavigationActions | None = None
@@ -73,14 +72,16 @@ class RosNode(LoopNode):
     def begin(self, on_failure: Callable[[], None] = lambda: None) -> None:
         """Let callbacks come. `on_failure` is called when one of them has failed, after which there are no more."""
         self._loop.start(on_failure)
-        self._receiver.start()
+        self._spinner.start()
+        self._node.reception.start()
 
     def close(self) -> None:
         """Make the calls of the end, and leave the graph."""
         self.finish(lambda: time.sleep(_LEAVE))
         self._executor.shutdown(_END_LIMIT)
-        if self._receiver.is_alive():
-            self._receiver.join(_END_LIMIT)
+        if self._spinner.is_alive():
+            self._spinner.join(_END_LIMIT)
+        self._node.reception.close(_END_LIMIT)
         if self._actions is not None:
             self._actions.close()
         self._node.destroy_node()

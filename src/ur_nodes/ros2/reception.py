@@ -1,0 +1,159 @@
+"""Reception of messages, apart from rclpy's executor: that makes a new wait set twice for each message.
+
+The wait set here is kept until subscriptions are added or closed. It needs rclpy's own module `_rclpy_pybind11`, by the
+calls with which rclpy's executor uses it. Services, clients, events of publishers and timers stay with the executor.
+Subscriptions have no events: an executor that waits for these is woken by each message. `ur doctor` names publishers
+that a subscription cannot hear.
+"""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+from contextlib import ExitStack
+from typing import TYPE_CHECKING, cast
+
+import rclpy.node
+import rclpy.utilities
+from rclpy.callback_groups import CallbackGroup
+from rclpy.event_handler import SubscriptionEventCallbacks
+from rclpy.guard_condition import GuardCondition
+from rclpy.impl.implementation_singleton import rclpy_implementation
+
+if TYPE_CHECKING:
+    from rclpy.node import Context, Subscription
+    from rclpy.qos import QoSProfile
+
+_MOST_AT_ONCE = 20  # messages of a topic, while others wait
+
+
+class Reception(CallbackGroup):
+    """Calls the callbacks of its subscriptions on a thread of its own; as a group it leaves executors no work."""
+
+    def __init__(self, context: Context) -> None:
+        super().__init__()
+        self._context = context
+        self._guard = GuardCondition(None, None, context=context)
+        self._lock = threading.Lock()
+        self._subscriptions: list[Subscription] = []
+        self._changed = self._closed = False
+        self._thread = threading.Thread(target=self._receive, name="reception", daemon=True)
+
+    def start(self) -> None:
+        """Begin."""
+        self._thread.start()
+
+    def close(self, within: float) -> None:
+        """Call no more callbacks; wait at most `within` s for the one that runs."""
+        self._closed = True
+        self._guard.trigger()
+        if self._thread.is_alive():
+            self._thread.join(within)
+
+    def add_entity(self, entity: object) -> None:
+        """See CallbackGroup: a subscription has been made."""
+        super().add_entity(entity)
+        self._change(lambda: self._subscriptions.append(cast("Subscription", entity)))
+
+    def drop(self, subscription: Subscription) -> None:
+        """Receive nothing more for a subscription."""
+        self._change(lambda: self._subscriptions.remove(subscription) if subscription in self._subscriptions else None)
+
+    def can_execute(self, entity: object) -> bool:  # noqa: ARG002
+        """See CallbackGroup: no executor may."""
+        return False
+
+    def beginning_execution(self, entity: object) -> bool:  # noqa: ARG002
+        """See CallbackGroup."""
+        return False
+
+    def ending_execution(self, entity: object) -> None:
+        """See CallbackGroup."""
+
+    def _change(self, change: Callable[[], None]) -> None:
+        with self._lock:
+            change()
+            self._changed = True
+        self._guard.trigger()
+
+    def _receive(self) -> None:
+        while not self._closed:
+            with ExitStack() as held:
+                self._receive_from(self._hold(held), held)
+
+    def _hold(self, held: ExitStack) -> dict[int, Subscription]:
+        """Keep the subscriptions from being freed; returns those that are not yet by their addresses."""
+        with self._lock:
+            self._changed = False
+            kept = tuple(self._subscriptions)
+        found = {}
+        for each in kept:
+            try:
+                held.enter_context(each.handle)
+            except rclpy_implementation.InvalidHandle:
+                continue
+            found[each.handle.pointer] = each
+        return found
+
+    def _receive_from(self, subscriptions: dict[int, Subscription], held: ExitStack) -> None:
+        """Receive until the subscriptions change."""
+        context, guard = self._context.handle, self._guard.handle
+        held.enter_context(context)
+        held.enter_context(guard)
+        waiters = rclpy_implementation.WaitSet(len(subscriptions), 1, 0, 0, 0, 0, context)
+        while not (self._changed or self._closed):
+            waiters.clear_entities()
+            for each in subscriptions.values():
+                waiters.add_subscription(each.handle)
+            waiters.add_guard_condition(guard)
+            waiters.wait(-1)
+            for address in waiters.get_ready_entities("subscription"):
+                self._take(subscriptions[address])
+
+    def _take(self, subscription: Subscription) -> None:
+        for _ in range(_MOST_AT_ONCE):
+            taken = subscription.handle.take_message(subscription.msg_type, subscription.raw)
+            if taken is None or self._closed:
+                return
+            message, info = taken
+            if subscription._callback_type is subscription.CallbackType.MessageOnly:  # noqa: SLF001 - as an executor
+                subscription.callback(message)
+            else:
+                subscription.callback(message, info)
+
+
+class ReceivingNode(rclpy.node.Node):
+    """A node of rclpy whose subscriptions, where they are in no other callback group, are in its reception."""
+
+    def __init__(self, name: str) -> None:
+        self.reception = Reception(
+            rclpy.utilities.get_default_context()
+        )  # a node subscribes to the clock when it is made
+        super().__init__(name, automatically_declare_parameters_from_overrides=True, allow_undeclared_parameters=True)
+
+    def create_subscription(
+        self,
+        msg_type: object,
+        topic: str,
+        callback: Callable[..., object],
+        qos_profile: QoSProfile | int,
+        *,
+        callback_group: CallbackGroup | None = None,
+        event_callbacks: SubscriptionEventCallbacks | None = None,
+        raw: bool = False,
+    ) -> Subscription:
+        """See rclpy's Node."""
+        return super().create_subscription(
+            msg_type,
+            topic,
+            callback,
+            qos_profile,
+            callback_group=callback_group or self.reception,
+            event_callbacks=event_callbacks or SubscriptionEventCallbacks(use_default_callbacks=False),
+            raw=raw,
+        )
+
+    def destroy_subscription(self, subscription: Subscription) -> bool:
+        """See rclpy's Node."""
+        self.reception.drop(subscription)
+        return super().destroy_subscription(subscription)

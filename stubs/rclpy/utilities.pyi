@@ -1,0 +1,3 @@
+from rclpy.node import Context
+
+def get_default_context() -> Context: ...
