@@ -11,5 +11,5 @@ from ur.robot.base import Base
 
 def find_breaches(base: Base, published: Iterable[tuple[str, str]]) -> list[str]:
     """The topics of the contract, with types, that are not among the `published` pairs of topic and type."""
-    known = dict(published)
+    known = {topic: kind.replace("/msg/", "/") for topic, kind in published}
     return [f"{topic} ({kind})" for topic, kind in list_topics(base).items() if known.get(topic) != kind]

@@ -7,30 +7,27 @@ import threading
 import time
 from collections import deque
 from dataclasses import dataclass
-from typing import Any
 
-import actionlib
 import numpy as np
-import rospy
-from actionlib_msgs.msg import GoalStatus
 from bench.navigation_parts.geodesic import free_cells, length_of, shortest_path
 from bench.navigation_parts.worlds import Goal, passage_radius
-from move_base_msgs.msg import MoveBaseAction, MoveBaseGoal
-from nav_msgs.msg import Odometry
-from nav_msgs.srv import SetMap, SetMapRequest
 from numpy.typing import NDArray
-from std_msgs.msg import Int32
-from tf2_msgs.msg import TFMessage
 
 from ur.robot.base import Base
-from ur_nodes.codecs.geometry import pose3_of_transform, pose_message, pose_of_message
 from ur_nodes.costmap.footprint import footprint_of_outline
 from ur_nodes.geometry.grid import OCCUPIED, Grid
 from ur_nodes.geometry.pose import Pose2, wrap_angle
-from ur_nodes.geometry.transform_tree import TransformError, TransformTree
+from ur_nodes.geometry.transform_tree import TransformError
+from ur_nodes.ports import actions
+from ur_nodes.ports.graph import Graph
+from ur_nodes.ports.node import SECOND, Node
+from ur_nodes.ports.qualities import Quality
+from ur_nodes.ports.services import Place
+from ur_nodes.ports.transforms import seconds_of
+from ur_nodes.ports.values import Odometry, PlacedPose
 
 _SAME = Pose2(0.0, 0.0, 0.0)
-FRAMES = ("odom", "base_footprint")
+_ANSWER = 5.0  # s for an answer of a graph or of a service
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,7 +45,7 @@ class Drive:
 
 
 class Driver:
-    """A client of move_base that knows the truth.
+    """A client of navigation that knows the truth. `start` wires it up; callbacks come on the node's thread.
 
     `grid` is the world's; `map_pose` is the pose of the frame `map` in the world, and all else is in that of the world.
     """
@@ -65,23 +62,54 @@ class Driver:
         self._free = free_cells(grid, passage_radius(footprint_of_outline(base.footprint, grid.resolution)))
         self._base = base_frame
         self._lock = threading.Lock()
-        self._frames = TransformTree()
         self._waiting: deque[tuple[float, Pose2]] = deque(maxlen=200)
         self._errors: list[float] = []
         self._last: Pose2 | None = None
         self._length = 0.0
+        self._sent = 0
+        self._state: actions.GoalState | None = None
+        self._ended = threading.Event()
         self.truth: Pose2 | None = None
         self.collisions: int | None = None
-        self._client = actionlib.SimpleActionClient("move_base", MoveBaseAction)
-        rospy.Subscriber("/tf", TFMessage, self._take_tf, queue_size=200)
-        rospy.Subscriber("base_pose_ground_truth", Odometry, self._take_truth, queue_size=50)
-        rospy.Subscriber("simulator/collisions", Int32, self._take_collisions, queue_size=1)
+
+    def start(self, node: Node) -> Driver:
+        """Wire it up."""
+        self._node = node
+        self._frames = node.transforms
+        self._frames.watch(self._compare)
+        self._client = node.follow_goals("move_base", self)
+        node.subscribe("base_pose_ground_truth", Odometry, self._take_truth, Quality.EVERY)
+        node.subscribe("simulator/collisions", int, self._take_collisions, Quality.LATCHED)
+        return self
+
+    def take_states(self, states: tuple[actions.GoalState, ...]) -> None:
+        """See GoalFollower."""
+
+    def take_goal_end(self, state: actions.GoalState) -> None:
+        """See GoalFollower."""
+        if state.id == self._goal_id():
+            self._state = state
+            self._ended.set()
 
     def ready(self) -> bool:
-        """Whether move_base is there and the robot is localised."""
-        with self._lock:
-            localised = bool(self._frames.chain("map", self._base))
-        return localised and self.truth is not None and self._client.wait_for_server(rospy.Duration(0.1))
+        """Return whether navigation takes goals and the robot is localised."""
+        localised = self._frames.find("map", self._base) is not None
+        return localised and self.truth is not None and bool(self._client.servers())
+
+    def read_graph(self) -> Graph:
+        """Return the nodes and topics of now. Raises SystemExit: no answer."""
+        found: list[Graph | None] = []
+        answered = threading.Event()
+
+        def take(graph: Graph | None) -> None:
+            found.append(graph)
+            answered.set()
+
+        self._node.post(lambda: self._node.read_graph(take))
+        answered.wait(_ANSWER)
+        if not found or found[0] is None:
+            raise SystemExit(f"error: no list of topics within {_ANSWER:g} s, expected one")
+        return found[0]
 
     def drive(self, goal: Goal, obstacle: str = "", limit: float = 180.0) -> Drive:
         """Send one goal and wait for its end, at most `limit` s of ROS time. `obstacle` comes in the way."""
@@ -92,27 +120,23 @@ class Driver:
         way = shortest_path(self._grid, self._free, (start.x, start.y), goal[:2])
         if way is None:
             raise SystemExit(f"error: goal {goal}: there is no way to it, expected goals that can be reached")
-        began = rospy.get_time()
-        message = MoveBaseGoal()
-        message.target_pose.header.frame_id = "map"
-        message.target_pose.header.stamp = rospy.Time.now()
         target = Pose2(goal[0], goal[1], math.radians(goal[2]))
-        message.target_pose.pose = pose_message(self._map.inverse().compose(target))
-        done = threading.Event()
-        self._client.send_goal(message, done_cb=lambda *_: done.set())
+        began = self._node.now()
+        self._send(self._map.inverse().compose(target))
         if obstacle:
             self._place_obstacle(obstacle, way)
-        ended = _wait(done, began + limit)
-        seconds = rospy.get_time() - began
+        ended = self._wait(began + round(limit * SECOND))
+        seconds = (self._node.now() - began) / SECOND
         if not ended:
-            self._client.cancel_goal()
-            done.wait(5.0)
+            self._node.post(self._client.cancel)
+            self._ended.wait(5.0)
         time.sleep(0.4)  # let the truth catch up with a robot that has stopped
         with self._lock:
             errors, length, here = tuple(self._errors), self._length, self.truth
+        state = self._state
         return Drive(
-            reached=ended and self._client.get_state() == GoalStatus.SUCCEEDED,
-            text=self._client.get_goal_status_text() if ended else f"not there after {limit:.0f} s",
+            reached=ended and state is not None and state.state == "succeeded",
+            text=state.text if ended and state is not None else f"not there after {limit:.0f} s",
             shortest=length_of(way),
             length=length,
             seconds=seconds,
@@ -121,13 +145,26 @@ class Driver:
             errors=errors,
         )
 
+    def _goal_id(self) -> str:
+        return f"bench-{self._sent}"
+
+    def _send(self, target: Pose2) -> None:
+        self._sent += 1
+        self._state = None
+        self._ended.clear()
+        goal = actions.Goal(self._goal_id(), PlacedPose(self._node.now(), "map", target))
+        self._node.post(lambda: self._client.send(goal))
+
+    def _wait(self, deadline: int) -> bool:
+        while not self._ended.wait(0.5):
+            if self._node.now() > deadline:
+                return False
+        return True
+
     def _place_obstacle(self, name: str, way: NDArray[np.float64]) -> None:
         place = self._obstacle_place(way)
-        request = SetMapRequest()
-        request.map.header.frame_id = name
-        request.initial_pose.header.frame_id = "map"
-        request.initial_pose.pose.pose = pose_message(Pose2(*place, 0.0))
-        rospy.ServiceProxy("simulator/place", SetMap)(request)
+        request = Place(name, "map", Pose2(*place, 0.0))
+        self._node.post(lambda: self._node.call("simulator/place", request, lambda _result: None, _ANSWER))
         print(f"    {name} appears at ({place[0]:.2f}, {place[1]:.2f})")
 
     def _obstacle_place(self, way: NDArray[np.float64], size: float = 0.3) -> tuple[float, float]:
@@ -145,44 +182,31 @@ class Driver:
                 return x, y
         raise SystemExit("error: no place for an obstacle that leaves a way round")
 
-    def _take_tf(self, message: TFMessage) -> None:
-        with self._lock:
-            for item in message.transforms:
-                frames = item.header.frame_id, item.child_frame_id
-                self._frames.add(*frames, item.header.stamp.to_sec(), pose3_of_transform(item.transform))
-            self._compare()
-
     def _compare(self) -> None:
-        """Where the newest map -> odom says the robot was, for each truth whose odometry has come."""
-        while self._waiting:
-            stamp, truth = self._waiting[0]
-            newest = self._frames.newest(self._base)
-            if newest is None or newest < stamp:
-                return
-            self._waiting.popleft()
-            try:
-                correction = self._map.compose(self._frames.pose("map", "odom"))
-                told = correction.compose(self._frames.pose("odom", self._base, stamp))
-            except TransformError:
-                continue
-            self._errors.append(math.hypot(told.x - truth.x, told.y - truth.y))
+        """Compare the newest map -> odom with each truth whose odometry has arrived."""
+        with self._lock:
+            while self._waiting:
+                stamp, truth = self._waiting[0]
+                newest = self._frames.newest(self._base)
+                if newest is None or newest < stamp:
+                    return
+                self._waiting.popleft()
+                try:
+                    correction = self._map.compose(self._frames.pose("map", "odom"))
+                    told = correction.compose(self._frames.pose("odom", self._base, stamp))
+                except TransformError:
+                    continue
+                self._errors.append(math.hypot(told.x - truth.x, told.y - truth.y))
 
-    def _take_truth(self, message: Any) -> None:
-        pose = pose_of_message(message.pose.pose)
+    def _take_truth(self, odometry: Odometry) -> None:
+        pose = odometry.pose
         with self._lock:
             self.truth = pose
-            self._waiting.append((message.header.stamp.to_sec(), pose))
+            self._waiting.append((seconds_of(odometry.stamp), pose))
             step = math.hypot(pose.x - self._last.x, pose.y - self._last.y) if self._last else 0.0
             if step > 0.02 or self._last is None:
                 self._length += step
                 self._last = pose
 
-    def _take_collisions(self, message: Int32) -> None:
-        self.collisions = message.data
-
-
-def _wait(done: threading.Event, deadline: float) -> bool:
-    while not done.wait(0.5):
-        if rospy.get_time() > deadline:
-            return False
-    return True
+    def _take_collisions(self, count: int) -> None:
+        self.collisions = count

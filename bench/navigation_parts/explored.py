@@ -34,11 +34,11 @@ class ExploredMap:
     error: float
 
 
-def explore(simulated: Simulated, folder: Path) -> Path:
+def explore(simulated: Simulated, folder: Path, ros: str) -> Path:
     """Explore a world with real nodes; return the file of the stored map. Raises SystemExit: there is none."""
     name = simulated.world.name
     extra = {"XDG_DATA_HOME": str(folder / "explored")}
-    with Stack(f"explore_{name}", exploration_launch(simulated, name), folder, extra) as stack:
+    with Stack(f"explore_{name}", exploration_launch(simulated, name), folder, extra, ros=ros) as stack:
         ended = stack.wait_for_end(_LONGEST)
         output = stack.output()
     file = own_store(extra).picture(name)
@@ -51,15 +51,15 @@ def explore(simulated: Simulated, folder: Path) -> Path:
     return file
 
 
-def explore_once(simulated: Simulated, folder: Path, kept: Path | None) -> Path:
+def explore_once(simulated: Simulated, folder: Path, kept: Path | None, ros: str) -> Path:
     """Likewise, but a map of this base, world and seed in `kept` is taken instead, and a new one is left there."""
     if kept is None:
-        return explore(simulated, folder)
+        return explore(simulated, folder, ros)
     base = "_".join(filter(None, (simulated.base.name, simulated.base.variant)))
     place = kept / f"{base}_{simulated.world.name}_{simulated.seed}"
     if not (place / PICTURE).is_file():
         kept.mkdir(parents=True, exist_ok=True)
-        shutil.copytree(explore(simulated, folder).parent, place, dirs_exist_ok=True)
+        shutil.copytree(explore(simulated, folder, ros).parent, place, dirs_exist_ok=True)
     return place / PICTURE
 
 

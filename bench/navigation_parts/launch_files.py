@@ -1,4 +1,4 @@
-"""Launch files of the nodes that are measured, for plain roslaunch."""
+"""Launch files of the nodes that are measured, for plain roslaunch and `ur launch`."""
 
 from __future__ import annotations
 

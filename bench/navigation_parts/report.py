@@ -56,12 +56,13 @@ def print_report(
     print(f"                {_mean_worst([d.turn_error for d in drives], 'deg', 1)}")
     print(f"  localisation  {_mean_worst(errors, 'm', 3)}")
     print(f"  collisions    {'not reported by this simulator' if collisions is None else collisions}")
-    total = 0.0
+    total = memory = 0.0
     for name, usage in after.items():
         share = 100.0 * (usage.cpu - before[name].cpu if name in before else usage.cpu) / seconds
         total += 0.0 if name == "(master)" else share
+        memory += 0.0 if name == "(master)" else usage.memory
         print(f"  {name:22} {share:5.1f} % of a core  {usage.memory:6.1f} MB")
-    print(f"  {'all nodes':22} {total:5.1f} % of a core", flush=True)
+    print(f"  {'all nodes':22} {total:5.1f} % of a core  {memory:6.1f} MB", flush=True)
     return reached == len(drives) and not collisions
 
 

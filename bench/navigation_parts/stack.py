@@ -1,20 +1,18 @@
-"""The nodes that are measured: started by plain roslaunch with a master of their own, ended by process id."""
+"""The nodes that are measured: in a master or domain of their own, ended by process id."""
 
 from __future__ import annotations
 
 import os
 import signal
-import socket
 import subprocess
 import time
-import xmlrpc.client
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import psutil
+from bench.either_ros import master_answers, node_name, select_ros
 
 from ur.robot.base import Base, load_base
 from ur.robot.base.search import find_base_package
@@ -60,29 +58,26 @@ def load_robot(name: str) -> Base:
 
 
 class Stack:
-    """A master and the nodes of a launch file. A context manager: everything is gone at its end.
+    """The nodes of a launch file, started by plain roslaunch with a master, on ROS 2 by `ur launch`.
 
-    `name` is that of its files in `directory`; `extra` goes into the environment of the nodes.
+    A context manager: everything has ended at its end. `name` is that of its files in `directory`; `extra` goes into
+    the environment of the nodes.
     """
 
-    def __init__(self, name: str, launch: str, directory: Path, extra: Mapping[str, str] | None = None) -> None:
-        self.port = _free_port()
+    def __init__(
+        self, name: str, launch: str, directory: Path, extra: Mapping[str, str] | None = None, *, ros: str = "1"
+    ) -> None:
         file = directory / f"{name}.launch"
         file.write_text(launch, encoding="utf-8")
-        environment = {
-            "ROS_MASTER_URI": f"http://localhost:{self.port}",
-            "ROS_HOSTNAME": "localhost",
-            "ROS_LOG_DIR": str(directory / "log"),
-            "ROS_HOME": str(directory / "home"),
-            "ROS_PACKAGE_PATH": os.pathsep.join(
-                filter(None, (str(ROOT / "ubiquity_launches"), os.environ.get("ROS_PACKAGE_PATH", "")))
-            ),
-        }
-        os.environ.update(environment)
+        self._environment = select_ros(ros, directory) | dict(extra or {})
+        command = [str(ROOT / "ur"), "launch", str(file)]
+        if ros == "1":
+            command = ["/usr/bin/roslaunch", "-p", self._environment["ROS_MASTER_URI"].rpartition(":")[2], str(file)]
         self._log = (directory / f"{name}.log").open("wb")
         self._process = subprocess.Popen(
-            ["/usr/bin/roslaunch", "-p", str(self.port), str(file)],
-            env={**os.environ, **(extra or {})},
+            command,
+            env=self._environment,
+            stdin=subprocess.DEVNULL,
             stdout=self._log,
             stderr=subprocess.STDOUT,
             start_new_session=True,
@@ -103,7 +98,7 @@ class Stack:
             self._process.wait(5)
         self._log.close()
 
-    def wait_for(self, what: str, condition: Any, seconds: float = 60.0) -> None:
+    def wait_for(self, what: str, condition: Callable[[], bool], seconds: float = 60.0) -> None:
         """Wait until a condition holds. Raises SystemExit, with the end of the log, when it never does."""
         deadline = time.monotonic() + seconds
         while not condition():
@@ -125,33 +120,16 @@ class Stack:
         return Path(self._log.name).read_text(errors="replace").splitlines()
 
     def master_answers(self) -> bool:
-        """Whether the master is up."""
-        try:
-            answer: Any = xmlrpc.client.ServerProxy(f"http://localhost:{self.port}").getPid("/bench")
-            return bool(answer[0] == 1)
-        except OSError:
-            return False
+        """Return whether the master, where one is needed, listens."""
+        return master_answers(self._environment)
 
     def usage(self) -> dict[str, Usage]:
-        """Of each node that roslaunch started, and of the master."""
+        """Return that of each node that was started, and of the master."""
         found: dict[str, Usage] = {}
         for child in psutil.Process(self._process.pid).children(recursive=True):
             with suppress(psutil.NoSuchProcess):
-                name = _node_name(child.cmdline())
+                name = node_name(child.cmdline())
                 times = child.cpu_times()
                 if name:
                     found[name] = Usage(times.user + times.system, child.memory_info().rss / 1e6)
         return found
-
-
-def _node_name(command: list[str]) -> str:
-    names = [word.split(":=", 1)[1] for word in command if word.startswith("__name:=")]
-    if names:
-        return names[0]
-    return "(master)" if any(word.endswith("rosmaster") for word in command) else ""
-
-
-def _free_port() -> int:
-    with socket.socket() as probe:
-        probe.bind(("localhost", 0))
-        return int(probe.getsockname()[1])
