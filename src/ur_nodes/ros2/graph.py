@@ -1,16 +1,25 @@
-"""The graph of a domain."""
+"""The graph of a domain, and by it the senders of messages, from what the middleware writes beside each message."""
 
 from __future__ import annotations
 
+import time
 from collections import defaultdict
-
-from rclpy.node import Node
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
 
 from ur_nodes.ports.graph import Graph, make_graph
+from ur_nodes.ports.topics import Sender
 from ur_nodes.ros2.names import full_name
+
+if TYPE_CHECKING:
+    from rclpy.node import Node
 
 _OWN = ("/describe_parameters", "/get_parameter_types", "/get_parameters", "/get_type_description")
 _OWN_SERVICES = (*_OWN, "/list_parameters", "/set_parameters", "/set_parameters_atomically")
+
+_SEVERAL = "several"
+_MOST = 1000  # publishers that are remembered
+_UNKNOWN = "_"  # the first character of the names that the middleware gives to programs that are no nodes
 
 
 def read_graph(node: Node) -> Graph:
@@ -38,3 +47,51 @@ def read_graph(node: Node) -> Graph:
 
 def _tuples(ends: dict[str, list[str]]) -> dict[str, tuple[str, ...]]:
     return {name: tuple(nodes) for name, nodes in ends.items()}
+
+
+class Senders:
+    """Finds the senders of the messages of a topic.
+
+    rclpy gives the id of the publisher from Kilted on. Before, a topic with one publisher has that one's id, and all
+    publishers of a topic with several count as one. The graph is asked when the publisher may have changed only.
+    """
+
+    def __init__(self, node: Node, topic: str) -> None:
+        self._node, self._topic = node, topic
+        self._names: dict[str, str] = {}
+        self._id = ""
+        self._last = (-1, -1)  # number and stamp of the last message, where they say whether another publisher began
+
+    def find(self, info: Mapping[str, Any]) -> Sender:
+        """The sender of a message that has just been taken."""
+        arrived = time.clock_gettime(time.CLOCK_BOOTTIME)
+        sent = int(info["source_timestamp"])
+        id = _read_id(info.get("publisher_gid")) or self._infer(info.get("publication_sequence_number"), sent)
+        if id not in self._names:
+            self._ask()
+            self._names.setdefault(id, "")
+        return Sender(self._names[id], id=id, sent=sent or None, arrived=arrived)
+
+    def _infer(self, number: int | None, sent: int) -> str:
+        last, last_sent = self._last
+        self._last = (-1 if number is None else number, sent)
+        if number is None or number != last + 1 or sent < last_sent:
+            known = self._ask()
+            self._id = known[0] if len(known) == 1 else _SEVERAL
+        return self._id
+
+    def _ask(self) -> list[str]:
+        """Note the names of the publishers of now, and return their ids."""
+        found = {}
+        for each in self._node.get_publishers_info_by_topic(self._topic):
+            named = not each.node_name.startswith(_UNKNOWN)
+            name = full_name(each.node_namespace, each.node_name) if named else "a program that is no node"
+            found[bytes(each.endpoint_gid).hex()] = name[:256]
+        self._names |= found
+        while len(self._names) > _MOST:
+            del self._names[next(iter(self._names))]
+        return list(found)
+
+
+def _read_id(gid: Mapping[str, bytes] | None) -> str:
+    return bytes(gid["data"]).hex() if gid else ""

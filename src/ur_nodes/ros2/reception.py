@@ -3,12 +3,11 @@
 The wait set here is kept until subscriptions are added or closed. It needs rclpy's own module `_rclpy_pybind11`, by the
 calls with which rclpy's executor uses it. Services, clients, events of publishers and timers stay with the executor.
 Subscriptions have no events: an executor that waits for these is woken by each message. `ur doctor` names publishers
-that a subscription cannot hear.
+whose messages a subscription does not get.
 """
 
 from __future__ import annotations
 
-import threading
 from collections.abc import Callable
 from contextlib import ExitStack
 from typing import TYPE_CHECKING, cast
@@ -19,6 +18,8 @@ from rclpy.callback_groups import CallbackGroup
 from rclpy.event_handler import SubscriptionEventCallbacks
 from rclpy.guard_condition import GuardCondition
 from rclpy.impl.implementation_singleton import rclpy_implementation
+
+from ur_nodes.loop import Worker
 
 if TYPE_CHECKING:
     from rclpy.node import Context, Subscription
@@ -34,30 +35,29 @@ class Reception(CallbackGroup):
         super().__init__()
         self._context = context
         self._guard = GuardCondition(None, None, context=context)
-        self._lock = threading.Lock()
-        self._subscriptions: list[Subscription] = []
+        self._subscriptions: tuple[Subscription, ...] = ()  # replaced by one thread, the node's
         self._changed = self._closed = False
-        self._thread = threading.Thread(target=self._receive, name="reception", daemon=True)
+        self._worker = Worker("reception")
 
     def start(self) -> None:
         """Begin."""
-        self._thread.start()
+        self._worker.add(self._receive)
 
     def close(self, within: float) -> None:
         """Call no more callbacks; wait at most `within` s for the one that runs."""
         self._closed = True
         self._guard.trigger()
-        if self._thread.is_alive():
-            self._thread.join(within)
+        self._worker.end()
+        self._worker.join(within)
 
     def add_entity(self, entity: object) -> None:
         """See CallbackGroup: a subscription has been made."""
         super().add_entity(entity)
-        self._change(lambda: self._subscriptions.append(cast("Subscription", entity)))
+        self._change((*self._subscriptions, cast("Subscription", entity)))
 
     def drop(self, subscription: Subscription) -> None:
         """Receive nothing more for a subscription."""
-        self._change(lambda: self._subscriptions.remove(subscription) if subscription in self._subscriptions else None)
+        self._change(tuple(each for each in self._subscriptions if each is not subscription))
 
     def can_execute(self, entity: object) -> bool:  # noqa: ARG002
         """See CallbackGroup: no executor may."""
@@ -70,10 +70,8 @@ class Reception(CallbackGroup):
     def ending_execution(self, entity: object) -> None:
         """See CallbackGroup."""
 
-    def _change(self, change: Callable[[], None]) -> None:
-        with self._lock:
-            change()
-            self._changed = True
+    def _change(self, subscriptions: tuple[Subscription, ...]) -> None:
+        self._subscriptions, self._changed = subscriptions, True
         self._guard.trigger()
 
     def _receive(self) -> None:
@@ -83,11 +81,9 @@ class Reception(CallbackGroup):
 
     def _hold(self, held: ExitStack) -> dict[int, Subscription]:
         """Keep the subscriptions from being freed; returns those that are not yet by their addresses."""
-        with self._lock:
-            self._changed = False
-            kept = tuple(self._subscriptions)
+        self._changed = False
         found = {}
-        for each in kept:
+        for each in self._subscriptions:
             try:
                 held.enter_context(each.handle)
             except rclpy_implementation.InvalidHandle:

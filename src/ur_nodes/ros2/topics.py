@@ -11,9 +11,9 @@ from ur_nodes.loop import Loop
 from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.topics import Sender
 from ur_nodes.ros2 import ends
+from ur_nodes.ros2.graph import Senders
 from ur_nodes.ros2.names import resolve
 from ur_nodes.ros2.qualities import offered, requested
-from ur_nodes.ros2.senders import Senders
 
 if TYPE_CHECKING:
     import genpy
