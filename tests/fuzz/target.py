@@ -73,4 +73,5 @@ _KINDS = {
     "archive": "folders",
     "urdf": "descriptions",
     "xacro": "descriptions",
+    "device_bytes": "devices",
 }

@@ -100,17 +100,17 @@ def attack(name: str, count: int, seed: int) -> None:
     for number in range(count):
         list(parser.take(next(damaged)))
         if number % BATCH == 0:
-            most = max(most, _kept(parser))
+            most = max(most, count_kept(parser))
             at = source.randrange(len(pieces) - 20)
             again = [reading for piece in pieces[at : at + 20] for reading in parser.take(piece)]
             assert any(isinstance(each, counts) for each in again), f"{name}: nothing is read after damage {number}"
     assert most < GROWTH, f"{name} keeps {most} bytes"
 
 
-def _kept(parser: object) -> int:
+def count_kept(parser: object) -> int:
     """The bytes that a parser and its readers of frames keep."""
     values = vars(parser).values()
-    inner = sum(_kept(each) for each in values if isinstance(each, FrameReader))
+    inner = sum(count_kept(each) for each in values if isinstance(each, FrameReader))
     return inner + sum(len(each) for each in values if isinstance(each, bytes | list | tuple))
 
 
