@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable
+from dataclasses import replace
 
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.geometry.scan import SensorMount, mount_of_pose
@@ -11,6 +12,7 @@ from ur_nodes.ports.node import SECOND, Node
 from ur_nodes.ports.values import Scan
 
 LONGEST_QUEUE = 30  # scans
+LONGEST_TURN = 1.0  # s between the first and the last beam; what takes longer is no turn of a lidar
 SILENCE = 15.0  # s without a scan before the log reports it, and again after as long
 _ARRIVAL = 3.0  # s: the first scan may come before the first transforms
 
@@ -18,7 +20,8 @@ _ARRIVAL = 3.0  # s: the first scan may come before the first transforms
 class ScanFeed:
     """Listens to `scan`, and gives `use` the newest scan that can be used; older ones are dropped with it.
 
-    Odometry is the transform from `odom_frame` to `base_frame` at the scan's time. Without an `odom_frame` ('') no scan
+    Odometry is the transform from `odom_frame` to `base_frame` at the scan's time; a head that turns measures a scan
+    for a while, of which the middle is given as its time. Without an `odom_frame` ('') no scan
     waits, and its odometry is None. Of scans, every `throttle`th counts.
     """
 
@@ -78,7 +81,7 @@ class ScanFeed:
         """Take a scan in; of more than LONGEST_QUEUE the oldest goes."""
         self._count += 1
         if self._count % self._throttle == 0:
-            self._scans.append(scan)
+            self._scans.append(at_its_middle(scan))
             self._try()
 
     def _try(self) -> None:
@@ -106,3 +109,9 @@ class ScanFeed:
             log.warn(f"no transform from {self._base_frame} to {self._odom_frame}, expected one")
         else:
             log.warn(f"{topic} and tf timestamps do not overlap; do all nodes use the same clock?")
+
+
+def at_its_middle(scan: Scan) -> Scan:
+    """A scan whose stamp is the middle between its first and its last beam: motion shifts its halves alike."""
+    turn = (len(scan.ranges) - 1) * scan.time_increment
+    return replace(scan, stamp=scan.stamp + round(turn / 2.0 * SECOND)) if 0.0 < abs(turn) <= LONGEST_TURN else scan

@@ -43,6 +43,7 @@ class Magni:
         self._frames = FrameReader(b"\x7e", fixed(_SIZE), _is_valid, _SIZE)
         self._counts = (0, 0)
         self._silent = self._beats = 0
+        self._left = [0.0, 0.0]  # of the last speeds
 
     def greet(self) -> bytes:
         """Ask for the firmware's version and the options of the board."""
@@ -52,7 +53,7 @@ class Magni:
         """See MotorBoard."""
         self._beats += 1
         self._silent += 1
-        speeds = (clip(each / self._radius * SPEED_PER_RADIAN, 0x7FFF) for each in (left, right))
+        speeds = self._round(left / self._radius * SPEED_PER_RADIAN, right / self._radius * SPEED_PER_RADIAN)
         data = make_packet(_WRITE, _SPEEDS, *struct.unpack(">i", struct.pack(">hh", *speeds)))
         if self._silent > _PATIENCE:
             data += make_packet(_READ, _ODOMETRY)
@@ -61,6 +62,13 @@ class Magni:
         if self._beats % _SECOND == _SECOND // 2:
             data += make_packet(_READ, _MOTOR_POWER)
         return data
+
+    def _round(self, *speeds: float) -> list[int]:
+        """Whole units, about 12 mm/s, whose mean is what was asked for: what is left over goes to the next beat."""
+        wanted = [speed + left if speed else 0.0 for speed, left in zip(speeds, self._left, strict=True)]
+        units = [clip(each, 0x7FFF) for each in wanted]
+        self._left = [max(-0.5, min(0.5, each - unit)) for each, unit in zip(wanted, units, strict=True)]
+        return units
 
     def stop(self) -> bytes:
         """See MotorBoard. Twice: the first one may complete a packet that was cut off."""
