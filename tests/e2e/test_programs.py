@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
 from pathlib import Path
 
@@ -64,6 +65,17 @@ def test_shell_that_has_sourced_ros_2_drives_the_robot(tmp_path: Path) -> None:
     command = (str(ROOT / "ur"), "run", "keyboard_navigate")
     done = run_command(tmp_path, *command, keys="g 1 0.5\n", more=more)
     assert done.stdout.startswith("g 1 0.5: reached, "), done.stderr
+
+
+@pytest.mark.long
+def test_create_2_is_driven_through_its_drivers_and_stand_ins_on_either_ros(
+    tmp_path: Path, either_ros: dict[str, str]
+) -> None:
+    arguments = ("robot_base:=create2", "robot_variant:=lidar", "simulate:=devices")
+    more = {**either_ros, "USER": f"e2e{os.getpid()}"}  # names the folder of the devices
+    done = run_program(tmp_path, "keyboard_navigate", *arguments, keys="g 0.8 0 0\n", more=more)
+    assert done.stdout.startswith("g 0.8 0 0: reached, "), done.stderr
+    assert done.returncode == 0
 
 
 def test_magni_with_a_lidar_navigates_in_the_office(tmp_path: Path) -> None:

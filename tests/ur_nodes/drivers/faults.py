@@ -25,7 +25,7 @@ FAST = 0.25  # m/s
 
 
 @dataclass(frozen=True, slots=True)
-class Fault:
+class DeviceFault:
     """A fault: `begin` and `end` it; `stops` the robot by itself, `back`: it drives again, `line` is reported."""
 
     begin: Callable[[DriverRig, random.Random], None]
@@ -85,15 +85,15 @@ def _empty(rig: DriverRig, _: random.Random) -> None:
 def _nothing(_: DriverRig) -> None: ...
 
 
-FAULTS: dict[str, Fault] = {
-    "late answers": Fault(_set(late=5.0), _clear, line="no wheel counts for"),
-    "noise": Fault(_set(noise=0.001), _clear, stops=False, line=""),
-    "half frames": Fault(_set(cut=0.05), _clear, stops=False, line=""),
-    "emergency stop": Fault(_press, _release, line="does not drive: "),
-    "low battery": Fault(_empty, _nothing, stops=False, line="the battery is empty"),
-    "killed": Fault(_kill, _nothing, back=False, line=""),
-    "wrong device": Fault(_replace, _restore),
-    "unplugged for 5 s": Fault(_set(plugged=False), _clear),
+FAULTS: dict[str, DeviceFault] = {
+    "late answers": DeviceFault(_set(late=5.0), _clear, line="no wheel counts for"),
+    "noise": DeviceFault(_set(noise=0.001), _clear, stops=False, line=""),
+    "half frames": DeviceFault(_set(cut=0.05), _clear, stops=False, line=""),
+    "emergency stop": DeviceFault(_press, _release, line="does not drive: "),
+    "low battery": DeviceFault(_empty, _nothing, stops=False, line="the battery is empty"),
+    "killed": DeviceFault(_kill, _nothing, back=False, line=""),
+    "wrong device": DeviceFault(_replace, _restore),
+    "unplugged for 5 s": DeviceFault(_set(plugged=False), _clear),
 }
 
 
@@ -135,7 +135,8 @@ def main() -> int:
             wrong = sorted({text for _, texts in results for text in texts})
             late = [] if longest <= limit else [f"moved longer than {limit} s"]
             failed = failed or bool(wrong or late)
-            text = "; ".join([*wrong, *late]) or "right"
+            right = "right" if limit == LIMIT else f"its own watchdog stops it, or none (up to {limit} s here)"
+            text = "; ".join([*wrong, *late]) or right
             sys.stdout.write(f"{board} {name}: {count} runs, at rest within {longest:.3f} s: {text}\n")
             sys.stdout.flush()
     return int(failed)
