@@ -13,9 +13,8 @@ import sys
 LIMIT = 0.15  # s
 
 
-def main() -> None:
+def main(pipe: int, device: int, stop: bytes) -> None:
     """Watch until the driver has closed the pipe."""
-    pipe, device, stop = int(sys.argv[1]), int(sys.argv[2]), bytes.fromhex(sys.argv[3])
     moving = False
     while True:
         if not select.select([pipe], [], [], LIMIT if moving else None)[0]:
@@ -36,4 +35,4 @@ def write(device: int, data: bytes) -> None:
 
 
 if __name__ == "__main__":
-    main()
+    main(int(sys.argv[1]), int(sys.argv[2]), bytes.fromhex(sys.argv[3]))
