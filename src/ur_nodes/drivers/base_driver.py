@@ -9,7 +9,7 @@ from ur_nodes.drivers.base_topics import BaseTopics
 from ur_nodes.drivers.boards.board import MotorBoard
 from ur_nodes.drivers.line import Connect, LineSettings, LineUser
 from ur_nodes.drivers.odometer import CounterOdometry
-from ur_nodes.drivers.readings import Contacts, Counts, DeviceIdentity, MeasuredBeams, Motors, Power, Reading
+from ur_nodes.drivers.readings import Contacts, Counts, DeviceIdentity, Motors, Power, Reading
 from ur_nodes.motion.wheel_drive import WheelDrive
 from ur_nodes.ports.node import SECOND, Node
 from ur_nodes.ports.values import Twist
@@ -111,8 +111,6 @@ class BaseDriver:
             self._take_motors(reading)
         elif isinstance(reading, DeviceIdentity):
             self._take_identity(reading)
-        elif isinstance(reading, MeasuredBeams):
-            self._topics.send_beams(reading, stamp)
         self._answered = time
 
     def _take_counts(self, counts: Counts, stamp: int, time: float) -> None:

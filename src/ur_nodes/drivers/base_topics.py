@@ -7,13 +7,12 @@ import math
 import numpy as np
 
 from ur.robot.base import Base, Bumpers, Cliffs
-from ur_nodes.drivers.lidars.turns import TurnCollector
 from ur_nodes.drivers.odometer import CounterOdometry, Motion
-from ur_nodes.drivers.readings import Contacts, MeasuredBeams, Power
+from ur_nodes.drivers.readings import Contacts, Power
 from ur_nodes.geometry.pose import Pose3, quaternion_of_yaw
 from ur_nodes.ports.node import SECOND, Node, Publisher
 from ur_nodes.ports.qualities import Quality
-from ur_nodes.ports.values import Battery, Joints, Odometry, Scan, Transform, Twist
+from ur_nodes.ports.values import Battery, Joints, Odometry, Transform, Twist
 
 _WHEELS = ("left_wheel_joint", "right_wheel_joint")
 _BATTERY_PERIOD = 1.0  # s
@@ -41,9 +40,6 @@ class BaseTopics:
             for name, topic in zip((each.name for each in part.at), part.topics(), strict=True) if part else ():
                 self._contacts[kind, name] = node.publish(topic, bool, Quality.LATCHED)
         self._reported: dict[tuple[str, str], bool] = {}
-        self._sweep = TurnCollector(base.lidar) if base.lidar else None
-        apart = any(driver.part == "lidar" for driver in base.drivers)
-        self._scans = node.publish(base.lidar.topic, Scan) if base.lidar and not apart else None
         node.every(_BATTERY_PERIOD, self._beat)
 
     def forget(self) -> None:
@@ -72,12 +68,6 @@ class BaseTopics:
             if key in self._contacts and self._reported.get(key) is not state:
                 self._reported[key] = state
                 self._contacts[key].send(state)
-
-    def send_beams(self, beams: MeasuredBeams, stamp: int) -> None:
-        """Send the turns of a lidar that is read by the board of the base."""
-        if self._sweep and self._scans:
-            for scan in self._sweep.take(beams, stamp):
-                self._scans.send(scan)
 
     def _beat(self) -> None:
         battery, now = self._properties, self.battery
