@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from enum import Enum
 from typing import TYPE_CHECKING
 
-from ur.check.survey import Survey
+from ur.check.survey import LaunchSurvey
 from ur.source.diagnostic import Diagnostic, Note, Severity
 
 if TYPE_CHECKING:
@@ -89,7 +89,7 @@ class LaunchView:
     path: str
     package: Package | None
     world: World
-    survey: Survey
+    survey: LaunchSurvey
 
     @property
     def tree(self) -> LaunchFile:
@@ -109,7 +109,7 @@ class LaunchView:
 
 def survey_launch_file(path: str, package: Package | None, world: World) -> LaunchView:
     """A launch file as rules see it. Raises OSError."""
-    return LaunchView(path, package, world, Survey(path, world.read_bytes(path)))
+    return LaunchView(path, package, world, LaunchSurvey(path, world.read_bytes(path)))
 
 
 @dataclass(frozen=True, slots=True)

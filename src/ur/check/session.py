@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from ur.check.cache.answers import CHECKED, digest_of
-from ur.check.cache.outline import Outline
+from ur.check.cache.outline import IncludeOutline
 from ur.check.cache.recall import Asked, Recall, describe_package
 from ur.check.catalogue import load_rules
 from ur.check.collect import may_be_checked
@@ -19,7 +19,7 @@ from ur.check.findings.suppress import read_line_suppressions
 from ur.check.plans import Given, PlanChecks
 from ur.check.rule import LaunchView, Package, PackageView, ProgramView, YamlView
 from ur.check.sources import CheckSources
-from ur.check.survey import Survey
+from ur.check.survey import LaunchSurvey
 from ur.check.visitor import Visitor
 from ur.check.worlds import CachedWorld, Question
 from ur.launchfile.world import World
@@ -165,10 +165,10 @@ class CheckSession:
         """Return whether nothing is to be done."""
         return self._was_read and not self._todo
 
-    def _recall_outline(self, path: str) -> Outline | None:
+    def _recall_outline(self, path: str) -> IncludeOutline | None:
         return self._recall.find_outline(path, self._asked) if self._recall is not None else None
 
-    def _read(self, known: Mapping[str, Survey]) -> None:
+    def _read(self, known: Mapping[str, LaunchSurvey]) -> None:
         self._was_read = True
         sources, targets = self.sources, self.sources.targets
         sources.read(known, self._recall_outline, self._progress)

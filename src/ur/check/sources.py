@@ -6,13 +6,13 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from types import MappingProxyType
 
-from ur.check.cache.outline import Outline, outline_of
+from ur.check.cache.outline import IncludeOutline, outline_of
 from ur.check.cache.recall import NotedTrees
 from ur.check.collect import collect_targets, is_script, list_launch_files, may_be_checked
 from ur.check.findings.suppress import Suppression
 from ur.check.inclusion import IncludeFinder, Inclusions, PossibleInclude, merge_includes
 from ur.check.rule import LaunchView, Package, survey_launch_file
-from ur.check.survey import Survey
+from ur.check.survey import LaunchSurvey
 from ur.check.worlds import CachedWorld
 from ur.launchfile.world import World
 from ur.source.diagnostic import Diagnostic, error
@@ -20,8 +20,8 @@ from ur.source.file import SourceFile, Span
 from ur.source.progress import Progress, counted
 
 _STRUCTURE = ("package.xml", "base.yaml", "CATKIN_IGNORE")  # files that tell how others are checked
-RecallOutline = Callable[[str], Outline | None]  # of the file at a path, as it is now
-_NOTHING: Mapping[str, Survey] = MappingProxyType({})
+RecallOutline = Callable[[str], IncludeOutline | None]  # of the file at a path, as it is now
+_NOTHING: Mapping[str, LaunchSurvey] = MappingProxyType({})
 
 
 def _recall_nothing(_path: str) -> None:
@@ -41,7 +41,7 @@ class CheckSources:
         self.targets = collect_targets(paths, self.world)
         self.views: dict[str, LaunchView] = {}
         self.trees = NotedTrees(self.world, self.views)
-        self.outlines: dict[str, Outline] = {}
+        self.outlines: dict[str, IncludeOutline] = {}
         self.neighbours: dict[str, LaunchView] = {}
         self.inclusions = Inclusions()
         self.unreadable: dict[str, Diagnostic] = {}
@@ -49,7 +49,7 @@ class CheckSources:
         self._includes: dict[str, tuple[PossibleInclude, ...]] = {}
         self._yaml = frozenset(self.targets.yaml_files)
 
-    def read(self, known: Mapping[str, Survey], recall: RecallOutline, progress: Progress) -> None:
+    def read(self, known: Mapping[str, LaunchSurvey], recall: RecallOutline, progress: Progress) -> None:
         """Read all launch files, except for those that are `known`; those that `recall` has are not parsed."""
         for path in counted(self.targets.launch_files, "reading", "launch files", progress):
             self._read_view(path, known, recall)
@@ -106,7 +106,7 @@ class CheckSources:
             return None
 
     def _read_view(
-        self, path: str, known: Mapping[str, Survey] = _NOTHING, recall: RecallOutline = _recall_nothing
+        self, path: str, known: Mapping[str, LaunchSurvey] = _NOTHING, recall: RecallOutline = _recall_nothing
     ) -> None:
         try:
             self.views[path] = self._survey(path, self.targets.package_of(path), known, recall)
@@ -119,13 +119,13 @@ class CheckSources:
         self,
         path: str,
         package: Package | None,
-        known: Mapping[str, Survey] = _NOTHING,
+        known: Mapping[str, LaunchSurvey] = _NOTHING,
         recall: RecallOutline = _recall_nothing,
     ) -> None:
         self.neighbours[path] = self._survey(path, package, known, recall)
 
     def _survey(
-        self, path: str, package: Package | None, known: Mapping[str, Survey], recall: RecallOutline
+        self, path: str, package: Package | None, known: Mapping[str, LaunchSurvey], recall: RecallOutline
     ) -> LaunchView:
         survey = known.get(path)
         view = (

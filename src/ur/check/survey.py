@@ -20,7 +20,7 @@ _WORD = re.compile(r"[A-Za-z_]\w*")
 _OTHER_COMMANDS = frozenset({"find", "env", "optenv", "dirname", "anon"})
 
 
-class Survey:
+class LaunchSurvey:
     """The tree of a launch file and what it holds, each found when it is first asked for.
 
     A check that recalls the findings of a file never asks.

@@ -12,7 +12,7 @@ from ur.source.foreign.json_values import Count, ForeignValue
 
 
 @dataclass(frozen=True, slots=True)
-class Outline:
+class IncludeOutline:
     """The `<include>` tags of a launch file, and the comments that hide findings."""
 
     source: SourceFile
@@ -39,12 +39,12 @@ class KeptOutline(ForeignValue, frozen=True, array_like=True):
     comments: tuple[KeptComment, ...]
 
 
-def outline_of(view: LaunchView) -> Outline:
+def outline_of(view: LaunchView) -> IncludeOutline:
     """The outline of a launch file, which is parsed for it."""
-    return Outline(view.tree.source, tuple(list_include_tags(view)), read_xml_suppressions(view.tree))
+    return IncludeOutline(view.tree.source, tuple(list_include_tags(view)), read_xml_suppressions(view.tree))
 
 
-def encode_outline(outline: Outline, digest: str) -> KeptOutline:
+def encode_outline(outline: IncludeOutline, digest: str) -> KeptOutline:
     """Return an outline to keep."""
     comments = (
         KeptComment((each.span.start, each.span.end), each.rules, each.start, each.end, each.reason, each.problem)
@@ -53,7 +53,7 @@ def encode_outline(outline: Outline, digest: str) -> KeptOutline:
     return KeptOutline(digest, outline.includes, tuple(comments))
 
 
-def decode_outline(kept: KeptOutline, source: SourceFile) -> Outline:
+def decode_outline(kept: KeptOutline, source: SourceFile) -> IncludeOutline:
     """Return the outline that encode_outline was given. Raises ValueError for places outside of the text."""
     places = [*((tag.start, tag.end) for tag in kept.includes), *(each.place for each in kept.comments)]
     if not all(start <= end <= len(source.text) for start, end in places):
@@ -62,4 +62,4 @@ def decode_outline(kept: KeptOutline, source: SourceFile) -> Outline:
         Suppression(Span(source, *each.place), each.rules, each.start, each.end, each.reason, each.problem)
         for each in kept.comments
     )
-    return Outline(source, kept.includes, tuple(comments))
+    return IncludeOutline(source, kept.includes, tuple(comments))

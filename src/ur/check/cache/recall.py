@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 
 from ur.check.cache.answers import CHECKED, Answers, digest_of
 from ur.check.cache.findings import KeptHits, TooLargeError, decode_hits, encode_hits
-from ur.check.cache.outline import KeptOutline, Outline, decode_outline, encode_outline
+from ur.check.cache.outline import KeptOutline, IncludeOutline, decode_outline, encode_outline
 from ur.check.findings.merge import Hit
 from ur.check.rule import LaunchView, Package
 from ur.check.worlds import CachedWorld, Question
@@ -65,7 +65,7 @@ class Recall:
         """The findings of this check, for the next one."""
         return KnownFindings(tuple(self._questions), dict(self._units), dict(self._outlines))
 
-    def find_outline(self, path: str, world: Asked) -> Outline | None:
+    def find_outline(self, path: str, world: Asked) -> IncludeOutline | None:
         """The outline of a launch file, where that is known and its text is the same."""
         kept = self._known.outlines.get(path)
         if kept is None or kept.digest != world.answers.digest_of(("read_bytes", path)):
@@ -77,7 +77,7 @@ class Recall:
         self._outlines[path] = kept
         return outline
 
-    def keep_outline(self, path: str, outline: Outline, world: Asked) -> None:
+    def keep_outline(self, path: str, outline: IncludeOutline, world: Asked) -> None:
         """Keep the outline of a launch file for the next check."""
         if path not in self._outlines:
             self.changed = True
