@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 
 from ur.check.cache.answers import CHECKED, Answers, digest_of
 from ur.check.cache.findings import KeptHits, TooLargeError, decode_hits, encode_hits
-from ur.check.cache.outline import KeptOutline, IncludeOutline, decode_outline, encode_outline
+from ur.check.cache.outline import IncludeOutline, KeptOutline, decode_outline, encode_outline
 from ur.check.findings.merge import Hit
 from ur.check.rule import LaunchView, Package
 from ur.check.worlds import CachedWorld, Question
