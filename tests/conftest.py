@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import gc
 import os
 import signal
-from collections.abc import Iterator
+from collections.abc import Generator, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +15,7 @@ from hypothesis import settings
 settings.register_profile("project", deadline=None, derandomize=True, database=None)
 settings.load_profile("project")
 
-NODES = Path(__file__).parent / "ur_nodes"
+NODES = "tests/ur_nodes/"
 MEASUREMENT = pytest.StashKey[Any]()
 
 # A shell without job control starts background jobs with these ignored, and programs under test would inherit that.
@@ -64,9 +65,20 @@ def _leave_unmeasured(request: pytest.FixtureRequest) -> Iterator[None]:
     measurement.start()
 
 
+@pytest.hookimpl(wrapper=True)
+def pytest_collection() -> Generator[None, object, object]:
+    """Collect without looking for garbage: what is made stays until the end, and is not looked at later either."""
+    gc.disable()
+    try:
+        return (yield)
+    finally:
+        gc.freeze()
+        gc.enable()
+
+
 def pytest_report_collectionfinish(items: list[pytest.Item]) -> str | None:
     """Print the share of the tests of nodes that need no master, for those that are to run."""
-    nodes = [item for item in items if item.path.is_relative_to(NODES)]
+    nodes = [item for item in items if item.nodeid.startswith(NODES)]
     alone = sum(item.get_closest_marker("ros") is None for item in nodes)
     return f"tests/ur_nodes: {alone} of {len(nodes)} ({alone / len(nodes):.1%}) need no master" if nodes else None
 

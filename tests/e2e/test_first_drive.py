@@ -6,11 +6,13 @@ import math
 import os
 import signal
 import time
+from pathlib import Path
 from typing import Any
 
 import psutil
 import pytest
-from tests.e2e.conftest import LaunchedRobot, list_family
+from tests.e2e.conftest import ROOT, LaunchedRobot, list_family
+from tests.e2e.terminal import ProgramTerminal
 
 pytestmark = [pytest.mark.ros, pytest.mark.timeout(300)]
 
@@ -122,3 +124,17 @@ def test_killed_node_is_restarted_and_the_robot_goes_on(robot: LaunchedRobot, na
 
 
 GOALS = {"far": {"x": 7.23, "y": 10.63, "degrees": 160.0}}
+
+
+def test_robot_stands_when_the_viewer_is_killed_and_the_robot_side_lives_on(robot: LaunchedRobot) -> None:
+    put_at_start(robot)
+    launch = Path(__file__).with_name("viewer.launch")
+    with ProgramTerminal([str(ROOT / "ur"), "launch", str(launch), "robot_base:=stage"], robot.env) as viewer:
+        viewer.wait_for("■ stopped")
+        viewer.hold("i")
+        robot.ask("moving", seconds=60)
+        viewer.process.kill()  # `ur` alone: what it started must not live on
+        robot.ask("still", seconds=60)
+        robot.ask("active", name="idle", seconds=60)
+    result = robot.ask("goal", x=1.0, y=0.0, degrees=0.0, seconds=60)
+    assert result["state"] == "SUCCEEDED", result["text"]

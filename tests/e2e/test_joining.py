@@ -42,7 +42,7 @@ def shell(tmp_path: Path) -> Iterator[UrShell]:
     assert made.ur("stop", "--all").returncode == 0
 
 
-@pytest.fixture(params=["1", "2"])
+@pytest.fixture(params=["1", pytest.param("2", marks=pytest.mark.long)])
 def shell_of_either(request: pytest.FixtureRequest, shell: UrShell) -> UrShell:
     if request.param == "2":
         if not PYTHON.exists():

@@ -1,4 +1,7 @@
-"""Patrols that live on the robot: real programs, real nodes, one robot for all tests of this file."""
+"""Patrols that live on the robot: real programs, real nodes, one robot for all tests of this file.
+
+The default suite has the same on a bus: tests/ur_nodes/missions/robot/test_patrol_node.py.
+"""
 
 from __future__ import annotations
 
@@ -12,7 +15,7 @@ from tests.e2e.test_attended_goals import environment, navigate
 from tests.e2e.test_first_drive import find_node, put_at_start
 from tests.e2e.test_safe_motion import NAVIGATE, stand
 
-pytestmark = [pytest.mark.ros, pytest.mark.timeout(300)]
+pytestmark = [pytest.mark.ros, pytest.mark.long, pytest.mark.timeout(300)]
 
 NEAR = [{"name": "sofa", "x": 0.5, "y": 0.0}, {"name": "hall", "x": 0.9, "y": 0.0}]
 FAR = [{"name": "attic", "x": 7.23, "y": 10.63}, *NEAR]

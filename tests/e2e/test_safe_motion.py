@@ -1,4 +1,8 @@
-"""Who may drive, and that the robot stands whatever dies: real programs, real nodes. How fast it stands: bench/stop."""
+"""Who may drive, and that the robot stands whatever dies: real programs, real nodes. How fast it stands: bench/stop.
+
+The default suite has the same on a bus: test_cmd_vel_mux_node.py in tests/ur_nodes/motion/, test_move_base.py in
+tests/ur_nodes/navigation/, tests/ur_nodes/teleop/, and with nodes that start again tests/ur_nodes/first_drive/.
+"""
 
 from __future__ import annotations
 
@@ -6,7 +10,6 @@ import os
 import signal
 import subprocess
 import xmlrpc.client
-from pathlib import Path
 from typing import Any
 
 import pytest
@@ -15,7 +18,7 @@ from tests.e2e.terminal import ProgramTerminal
 from tests.e2e.test_first_drive import GOALS, find_node, put_at_start
 from tests.json_client import wait_until
 
-pytestmark = [pytest.mark.ros, pytest.mark.timeout(300)]
+pytestmark = [pytest.mark.ros, pytest.mark.long, pytest.mark.timeout(300)]
 
 KEYBOARD = str(ROOT / "ubiquity_launches" / "n_teleop_twist_keyboard" / "bin" / "teleop_twist_keyboard.py")
 NAVIGATE = str(ROOT / "ubiquity_launches" / "n_keyboard_navigate" / "bin" / "keyboard_navigate_node")
@@ -159,19 +162,6 @@ def test_robot_stands_when_the_network_to_the_keyboard_is_gone(robot: LaunchedRo
         robot.ask("moving", seconds=60)
         terminal.process.send_signal(signal.SIGSTOP)  # connections stay open, nothing comes any more
         stand(robot)
-
-
-def test_robot_stands_when_the_viewer_is_killed_and_the_robot_side_lives_on(robot: LaunchedRobot) -> None:
-    put_at_start(robot)
-    launch = Path(__file__).with_name("viewer.launch")
-    with ProgramTerminal([str(ROOT / "ur"), "launch", str(launch), "robot_base:=stage"], robot.env) as viewer:
-        viewer.wait_for("■ stopped")
-        viewer.hold("i")
-        robot.ask("moving", seconds=60)
-        viewer.process.kill()  # `ur` alone: what it started must not live on
-        stand(robot)
-    result = robot.ask("goal", x=1.0, y=0.0, degrees=0.0, seconds=60)
-    assert result["state"] == "SUCCEEDED", result["text"]
 
 
 @pytest.mark.parametrize("name", ["move_base", "cmd_vel_mux"])

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from pathlib import Path
 
 import pytest
-from tests.hosts.bench import Bench, boot, find_obstacle
+from tests.hosts.bench import Bench, Machine, boot, find_obstacle
+
+SUDO = "pat ALL=(ALL) NOPASSWD: ALL\n"
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    here = [item for item in items if item.path.is_relative_to(Path(__file__).parent)]
+    here = [item for item in items if item.nodeid.startswith("tests/hosts/")]
     obstacle = find_obstacle()
     for item in here:
         item.add_marker(pytest.mark.hosts)
@@ -29,3 +30,11 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
 def bench() -> Iterator[Bench]:
     with boot(("laptop", "robot")) as running:
         yield running
+
+
+@pytest.fixture(scope="module")
+def laptop() -> Iterator[Machine]:
+    """A laptop that is just installed, whose user may use sudo, fresh for each module."""
+    with boot(("laptop",)) as bench:
+        bench["laptop"].write("/etc/sudoers.d/pat", SUDO, mode=0o440)
+        yield bench["laptop"]

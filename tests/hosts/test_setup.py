@@ -2,28 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
-import pytest
-from tests.hosts.bench import REPOSITORY, UR, Machine, boot
-from tests.hosts.test_robot_setup_interrupted import run_until
+from tests.hosts.bench import REPOSITORY, UR, Machine
+from tests.hosts.conftest import SUDO
 
 from ur.robot.setup.viewer_states import GROUPS, PACKAGES
-
-SUDO = "pat ALL=(ALL) NOPASSWD: ALL\n"
-# Home folders as people have them, made by pat: each computer is used for all of them.
-MINE = """\
-mkdir -p .config catkin_ws/src dot && printf 'export A=1' >dot/zshrc && ln -s dot/zshrc .zshrc
-: >.zshenv; printf 'mine\\n\\n' >>.bashrc
-printf 'export ROS_MASTER_URI=http://mine:11311\\n' >.ros_setup; chmod 600 .ros_setup
-"""
-
-
-@pytest.fixture(scope="module")
-def laptop() -> Iterator[Machine]:
-    with boot(("laptop",)) as bench:
-        bench["laptop"].write("/etc/sudoers.d/pat", SUDO, mode=0o440)
-        yield bench["laptop"]
 
 
 def snapshot(laptop: Machine) -> list[str]:
@@ -62,38 +44,6 @@ def test_setup_prepares_shells_keys_and_packages_once_and_takes_them_back(laptop
     keys = set(laptop.run("cd /home/pat/.ssh; ls").out.split())
     assert {"id_ed25519", "id_ed25519.pub"} <= keys  # ssh itself may have learnt further host keys
     assert "authorized_keys" not in keys
-
-
-def test_setup_of_a_home_with_own_files_is_taken_back_byte_for_byte(laptop: Machine) -> None:
-    laptop.run(MINE, user="pat").check()
-    before = snapshot(laptop)
-    for _ in range(2):
-        laptop.run(f"{UR} setup --yes", user="pat", timeout=300).check()
-        laptop.run("sed -i s/ubiquity_launches/edited/ ~/.bashrc", user="pat").check()  # ours, which comes back
-    laptop.run(f"{UR} setup --yes", user="pat", timeout=300).check()
-    assert "http://localhost:11311" in laptop.run("bash -ic 'echo $ROS_MASTER_URI'", user="pat").out
-    laptop.run("sed -i /edited/d ~/.bashrc", user="pat").check()
-    laptop.run(f"{UR} setup --undo --yes", user="pat").check()
-    assert snapshot(laptop) == before
-
-
-def test_setup_killed_at_every_change_is_finished_by_the_next_and_taken_back(laptop: Machine) -> None:
-    before = snapshot(laptop)
-
-    def kill(number: int) -> None:
-        laptop.run(f"kill -KILL {number}")
-
-    shown = laptop.run(f"{UR} setup --dry-run", user="pat").check().out
-    titles = [line.removesuffix(":") for line in shown.splitlines() if line and not line.startswith(" ")]
-    assert len(titles) >= 8
-    for title in titles:
-        said, _ = run_until(laptop, f"{UR} setup --yes", "", {f"{title} ...": kill})
-        assert "Traceback" not in "".join(said)
-    laptop.run(f"{UR} setup --yes", user="pat", timeout=300).check()
-    for _ in titles:
-        said, _code = run_until(laptop, f"{UR} setup --undo --yes", "", {f"{titles[-1]} ...": kill})
-    laptop.run(f"{UR} setup --undo --yes", user="pat").check()
-    assert snapshot(laptop) == before
 
 
 def test_setup_without_the_right_to_use_sudo_says_so(laptop: Machine) -> None:

@@ -52,6 +52,13 @@ MANIFEST = (
 )
 
 
+def parent_of(pid: int) -> int:
+    """The parent of a process; 0: it has ended."""
+    with suppress(OSError):
+        return int(Path("/proc", str(pid), "stat").read_bytes().rpartition(b")")[2].split()[1])
+    return 0
+
+
 @dataclass
 class Launched:
     """A running `ur`, its output so far, and every process that was ever seen below it."""
@@ -61,6 +68,7 @@ class Launched:
     keeper: int = -1  # the other end of its terminal
     text: str = ""
     seen: dict[int, psutil.Process] = field(default_factory=dict)
+    others: set[int] = field(default_factory=set)  # processes that are not below it
 
     def read(self, patience: float = 0.05) -> bool:
         self.look()
@@ -77,11 +85,15 @@ class Launched:
         return bool(data)
 
     def look(self) -> None:
-        try:
-            for child in psutil.Process(self.process.pid).children(recursive=True):
-                self.seen[child.pid] = child
-        except psutil.NoSuchProcess:
-            return
+        """Note the processes below it that are new; those of others are not looked at twice."""
+        running = {int(name) for name in os.listdir("/proc") if name.isdigit()}  # noqa: PTH208 - names, not paths
+        parents = {pid: parent_of(pid) for pid in running - self.others - self.seen.keys() - {self.process.pid}}
+        while found := [pid for pid, parent in parents.items() if parent == self.process.pid or parent in self.seen]:
+            for pid in found:
+                del parents[pid]
+                with suppress(psutil.NoSuchProcess):
+                    self.seen[pid] = psutil.Process(pid)
+        self.others = (self.others & running) | {pid for pid, parent in parents.items() if parent}
 
     def until(self, *texts: str, limit: float = 60.0) -> None:
         """Wait until every text was printed."""

@@ -16,8 +16,9 @@ def find_processes(folder: Path, *, without: frozenset[int] = frozenset()) -> di
         if not entry.isdigit() or int(entry) in without:
             continue
         with suppress(OSError):
-            if marker not in Path("/proc", entry, "environ").read_bytes():
-                continue
+            with open(f"/proc/{entry}/environ", "rb") as file:  # noqa: PTH123 - of all processes, many times
+                if marker not in file.read():
+                    continue
             if Path("/proc", entry, "stat").read_text().rpartition(")")[2].split()[0] not in "ZX":
                 found[int(entry)] = Path("/proc", entry, "cmdline").read_bytes().replace(b"\0", b" ").decode()
     return found

@@ -34,10 +34,15 @@ def cast_rays(
     """Ranges (n) in m from a laser at `pose` in the map's frame; inf where nothing is within RANGE_MAX."""
     distances = np.arange(step, RANGE_MAX, step)
     directions = np.stack((np.cos(angles + pose.yaw), np.sin(angles + pose.yaw)), axis=-1)
-    points = np.array(pose[:2]) + distances[None, :, None] * directions[:, None, :]
-    hit = grid.values_at(points, outside=0) >= 65
-    first = hit.argmax(axis=1)
-    return np.where(hit.any(axis=1), distances[first], math.inf)
+    ranges = np.full(len(angles), math.inf)
+    going = np.arange(len(angles))  # the rays that have met nothing yet
+    for part in np.array_split(distances, 12):
+        points = np.array(pose[:2]) + part[None, :, None] * directions[going, None, :]
+        hit = grid.values_at(points, outside=0) >= 65
+        met = hit.any(axis=1)
+        ranges[going[met]] = part[hit[met].argmax(axis=1)]
+        going = going[~met]
+    return ranges
 
 
 def scan_points(grid: Grid, robot: Pose2, rng: np.random.Generator, noise: float = 0.01) -> NDArray[np.float64]:
