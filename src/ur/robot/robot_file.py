@@ -5,8 +5,12 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from ur.source.diagnostic import UserError, error_about
+
+if TYPE_CHECKING:
+    from ur.source.section import Section
 
 ROBOT_FILE = Path("/etc/ubiquity/robot.yaml")
 _TEXTS = {  # by key, the shape of its value; each gets into command lines
@@ -69,9 +73,20 @@ def load_robot_file(path: Path = ROBOT_FILE) -> RobotFile | None:
         return None
     from ur.source.section import read_section  # YAML is only needed on a robot
 
-    top = read_section(path, "a robot file")
+    return _read(read_section(path, "a robot file"), str(path))
+
+
+def parse_robot_file(text: str, place: str = str(ROBOT_FILE)) -> RobotFile | None:
+    """Parse the text of another computer's; None for an empty one. Raises UserError, which names `place`."""
+    from ur.source.file import SourceFile
+    from ur.source.section import parse_section
+
+    return _read(parse_section(SourceFile(place, text), "a robot file"), place) if text else None
+
+
+def _read(top: Section, place: str) -> RobotFile:
     values = [top.text(key, default) for key, default in zip(_TEXTS, ("", "0", "", "", COMMANDS), strict=True)]
-    robot = RobotFile(top.text("name"), top.text("base"), top.text("variant", ""), make_ros2(str(path), values))
+    robot = RobotFile(top.text("name"), top.text("base"), top.text("variant", ""), make_ros2(place, values))
     top.has("devices")  # read by the drivers' set-up
     top.finish()
     return robot

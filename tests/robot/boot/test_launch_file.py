@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import base64
+import subprocess
+import sys
+from pathlib import Path
 
 import pytest
 
@@ -53,6 +56,40 @@ def test_robot_knows_its_own_arguments(
     declared: dict[str, bool], given: dict[str, str], arguments: dict[str, str]
 ) -> None:
     assert choose_arguments(declared, given, FACTS, "f.launch") == arguments
+
+
+def test_robot_with_ros2_knows_more_of_itself_than_its_base() -> None:
+    declared = {"robot_base": True, "cmd_vel": False, "start_drivers": False}
+    more = {"cmd_vel": "/robot1/cmd_vel", "start_drivers": "false", "other": "1"}
+    values = choose_arguments(declared, {"start_drivers": "true"}, FACTS, "f.launch", more)
+    assert values == {"robot_base": "magni", "cmd_vel": "/robot1/cmd_vel", "start_drivers": "true"}
+
+
+def test_launch_file_of_a_robot_with_ros2_is_looked_up_among_its_packages(tmp_path: Path) -> None:
+    package = tmp_path / "other/p"
+    (package / "launch").mkdir(parents=True)
+    (package / "package.xml").write_text("<package><name>p</name></package>")
+    (package / "launch/f.launch").write_text("<launch/>")
+    python = tmp_path / "ubiquity_launches/.venv/bin/python"
+    python.parent.mkdir(parents=True)
+    python.write_text(f'#!/bin/sh\nexec {sys.executable} "$@"\n')
+    python.chmod(0o755)
+    environment = {"HOME": str(tmp_path), "PATH": "/usr/bin:/bin"}
+    (tmp_path / "ubiquity_launches/.venv/ready-run").touch()
+
+    class LoginShell:
+        place = "bob"
+
+        def run(self, script: str, **_: object) -> ShellResult:
+            done = subprocess.run(["bash", "-c", script], env=environment, capture_output=True, text=True, check=False)
+            return ShellResult(done.returncode, done.stdout, done.stderr)
+
+    setting = f"export ROS_PACKAGE_PATH={tmp_path / 'other'}"
+    assert find_launch(LoginShell(), "p", "f.launch", "bob", setting).data == b"<launch/>"
+    with pytest.raises(UserError, match="package 'q' is not there"):
+        find_launch(LoginShell(), "q", "f.launch", "bob", setting)
+    with pytest.raises(UserError, match="no file 'g\\.launch'"):
+        find_launch(LoginShell(), "p", "g.launch", "bob", setting)
 
 
 @pytest.mark.parametrize(

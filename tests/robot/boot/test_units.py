@@ -21,6 +21,7 @@ from ur.robot.boot.units import (
     tell_base_script,
 )
 
+MASTER_UNIT = "ubiquity-master"
 WORDS = ("rostopic", "pub", "/x", "std_msgs/String", "data: 'it''s 100%'", "$HOME", 'a "b" \\c')
 
 
@@ -29,6 +30,12 @@ def test_program_is_started_after_the_master_and_restarted_with_it() -> None:
     assert "After=network-online.target avahi-daemon.service ubiquity-master.service" in text
     assert "PartOf=ubiquity-master.service" in text
     assert "Restart=always" in text
+
+
+def test_program_of_a_robot_with_ros2_waits_for_no_master() -> None:
+    text = program_unit("drive", "exec true", "ros", "/home/ros", master=False).text
+    assert "After=network-online.target avahi-daemon.service\n" in text
+    assert MASTER_UNIT not in text
 
 
 @pytest.mark.skipif(shutil.which("systemd-analyze") is None, reason="systemd-analyze is not installed")
@@ -202,6 +209,11 @@ def test_launch_file_is_started_by_ur_where_it_is_set_up_else_by_roslaunch(tmp_p
     done = subprocess.run(["/bin/bash", "-c", line], env=environment, capture_output=True, text=True, check=True)
     starter = "ur: -I -m ur launch --plain" if ready else "roslaunch:"
     assert done.stdout == f"{starter} --wait p f.launch words:=it's $HOME\n"
+
+
+def test_launch_file_of_a_robot_with_ros2_is_never_started_by_roslaunch(tmp_path: Path) -> None:
+    done = run_line(launch_line("p", "f.launch", [], roslaunch=False), tmp_path)
+    assert (done.returncode, "ur robot setup" in done.stderr) == (1, True)
 
 
 def test_page_is_served_by_the_copy_that_is_set_up_and_says_so_where_there_is_none(tmp_path: Path) -> None:

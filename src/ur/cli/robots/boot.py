@@ -53,14 +53,16 @@ def install(
 
     Both wait for the robot's address; what ends is started again, after pauses that grow while it keeps ending. The
     launch file has to be on the robot: `ur sync` brings it. It gets what the robot knows of itself: base, variant,
-    that nothing is simulated. All run as the robot's user, with the environment of that user's login shell. Several
-    robots are changed side by side, with a line for each.
+    that nothing is simulated. All run as the robot's user, with the environment of that user's login shell; on a robot
+    with ROS 2, without a master, in the domain and namespace of its nodes. Several robots are changed side by side,
+    with a line for each.
     """
     chosen = choose_robots(robots, every=every)
     if is_fleet(chosen, every=every):
         options = ["--name", name] if name else []
         return _change_each("boot install", chosen, password_from, options, argv)
     from ur.request.remote.boot_command import bring_library, make_line, parse_request
+    from ur.request.remote.over_ssh import find_robot_file
 
     address = robot_address(chosen[0] if chosen else None)
     known_as = address.host.removesuffix(".local")
@@ -71,10 +73,16 @@ def install(
     if request:
         check_name(called, "give --name")
     with connect_robot(address) as shell:
+        found = find_robot_file(shell)
+        ros2 = found.ros2 if found else None
+        if ros2 and not request:
+            raise _no_master(known_as)
         copied = bring_library(request, shell, address.user, lambda change: show_changes([change])) if request else 0
-        line = make_line(request, shell, known_as) if request else ""
+        line = make_line(request, shell, known_as, ros2) if request else ""
         become_root(shell, read_lines(password_from, "--password-from", 1)[0])
-        count = install_services(shell, address.user, called, line, lambda change: show_changes([change]))
+        count = install_services(
+            shell, address.user, called, line, lambda change: show_changes([change]), master=ros2 is None
+        )
         if request and request.page and sys.stdout.isatty():
             _show_link(shell, address.host)
     if not count + copied:
@@ -204,3 +212,8 @@ def _show_link(shell: SshShell, host: str, *, look: bool = False) -> None:
     click.echo(f"open {address}")
     click.echo("the link is good for one login within an hour; the login outlives reboots")
     click.echo(LISTENERS)
+
+
+def _no_master(robot: str) -> UserError:
+    message = f"{robot} has ROS 2, which needs no master; expected a launch file, program or command"
+    return UserError(error(message, rule="no-boot-service", help="ur boot install robot_base"))

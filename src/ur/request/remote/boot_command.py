@@ -9,9 +9,9 @@ from dataclasses import dataclass
 from ur.request.arguments import Argument, split_argv, values_of
 from ur.request.environment import PACKAGE, add_own_package
 from ur.robot.boot.launch_file import RobotLaunch, choose_arguments, find_launch, is_launch_name
-from ur.robot.boot.units import LIBRARIES, command_line, launch_line, page_line
+from ur.robot.boot.units import LIBRARIES, command_line, launch_line, page_line, source_line
 from ur.robot.deploy.repository import read_repository
-from ur.robot.robot_file import ROBOT_FILE
+from ur.robot.robot_file import ROBOT_FILE, Ros2Robot
 from ur.robot.setup.change import Change
 from ur.robot.setup.engine import bring_about
 from ur.robot.setup.facts import FactsRequest
@@ -58,27 +58,34 @@ def parse_request(argv: Sequence[str]) -> BootRequest:
     return BootRequest(first.rpartition("/")[2].lower(), "", "", tuple(argv))
 
 
-def make_line(request: BootRequest, shell: Shell, robot: str) -> str:
+def make_line(request: BootRequest, shell: Shell, robot: str, ros2: Ros2Robot | None = None) -> str:
     """The command line of the service. Raises UserError: not on the robot, a wrong argument, a terminal is needed."""
+    setting = source_line(ros2, robot) if ros2 else ""
+    line = _make_line(request, shell, robot, ros2, setting)
+    return f"{setting}; {line}" if setting else line
+
+
+def _make_line(request: BootRequest, shell: Shell, robot: str, ros2: Ros2Robot | None, setting: str) -> str:
     if request.page:
         return page_line("--service")
     if not request.package:
-        found = shell.run(quote("bash", "-lc", f"command -v {quote(request.argv[0])}"))
+        found = shell.run(quote("bash", "-lc", f"{setting or ':'}; command -v {quote(request.argv[0])}"))
         if found.code:
             raise _problem(
                 f"{robot}: {request.argv[0]!r} is no command there, expected PACKAGE FILE.launch, PROGRAM or a command",
                 "'ur list' names the programs",
             )
         return command_line(request.argv)
-    launch = find_launch(shell, request.package, request.file, robot)
+    launch = find_launch(shell, request.package, request.file, robot, setting)
     stray, given = split_argv(request.argv)
     if stray:
         message = f"{stray[0]!r} is not an argument of {request.file}, expected NAME:=VALUE"
         raise _problem(message, "ur boot install --help")
-    values = choose_arguments(_declared(launch), values_of(given), _facts(launch), request.file)
+    more = ros2.arguments() if ros2 else {}
+    values = choose_arguments(_declared(launch), values_of(given), _facts(launch), request.file, more)
     arguments = [str(Argument(name, value)) for name, value in values.items()]
     _refuse_terminal(request, arguments)
-    return launch_line(request.package, request.file, arguments)
+    return launch_line(request.package, request.file, arguments, roslaunch=ros2 is None)
 
 
 def bring_library(request: BootRequest, shell: SshShell, user: str, report: Callable[[Change], None]) -> int:

@@ -26,16 +26,19 @@ def has_service(shell: Shell, name: str) -> bool:
     return not shell.run(quote("[", "-e", f"{FOLDER}/{PREFIX}{name}.service", "]")).code
 
 
-def install_services(shell: Shell, user: str, name: str, line: str, report: Callable[[Change], None]) -> int:
+def install_services(
+    shell: Shell, user: str, name: str, line: str, report: Callable[[Change], None], *, master: bool = True
+) -> int:
     """Install the master's service, and that of a command line unless it is ""; return how many changes that took.
 
-    `report` gets each change. The shell has to be root's, or to know how to become root. Raises UserError.
+    On ROS 2 there is no master. `report` gets each change. The shell has to be root's, or to know how to become root.
+    Raises UserError.
     """
 
     def make(facts: ComputerFacts) -> list[Wanted]:
-        units = [master_unit(user, facts.home)]
+        units = [master_unit(user, facts.home)] if master else []
         if line:
-            units.append(program_unit(name, line, user, facts.home))
+            units.append(program_unit(name, line, user, facts.home, master=master))
         return [item for unit in units for item in _want(unit)]
 
     _, count = bring_about(shell, make, user, FactsRequest(user), root=True, report=report)

@@ -10,13 +10,11 @@ import subprocess
 from collections.abc import Collection, Iterator, Sequence
 from contextlib import contextmanager
 from importlib.resources import files
-from pathlib import Path
 
 from ur.robot.boot.units import LIBRARIES, source_line
-from ur.robot.robot_file import ROBOT_FILE, RobotFile, Ros2Robot, load_robot_file
-from ur.robot.ssh.guard import private_folder
+from ur.robot.robot_file import ROBOT_FILE, RobotFile, Ros2Robot, parse_robot_file
 from ur.robot.ssh.openssh import SshShell
-from ur.robot.ssh.shell import quote
+from ur.robot.ssh.shell import Shell, quote
 from ur.source.diagnostic import UserError, error_about
 
 _FIND = f"""\
@@ -28,13 +26,14 @@ echo "  help: ur robot setup completes it" >&2
 exit 2"""
 
 
+def find_robot_file(shell: Shell) -> RobotFile | None:
+    """The robot file of a robot; None where it has none. Raises UserError: it cannot be used."""
+    return parse_robot_file(shell.run(f"cat {ROBOT_FILE} 2>/dev/null").out)
+
+
 def read_robot(shell: SshShell) -> tuple[RobotFile, Ros2Robot]:
     """The robot file of a robot that has ROS 2. Raises UserError: it has none, or is not set up."""
-    text = shell.run(f"cat {ROBOT_FILE}").out
-    with private_folder() as folder:
-        path = Path(folder, "robot.yaml")
-        path.write_text(text, encoding="utf-8")
-        found = load_robot_file(path) if text else None
+    found = find_robot_file(shell)
     if found is None or found.ros2 is None:
         name = shell.address.host.removesuffix(".local")
         message = f"{ROBOT_FILE} names no release of ROS 2, expected one"

@@ -6,6 +6,7 @@ import base64
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from ur.robot.boot.units import own_line
 from ur.robot.robot_file import ROBOT_FILE
 from ur.robot.ssh.shell import Shell, quote
 from ur.source.diagnostic import UserError, error
@@ -27,6 +28,25 @@ for folder, folders, files in os.walk(top, followlinks=True):
         sys.exit()
 sys.exit(4)
 """
+# The same by this project, for robots without roslaunch.
+_FIND_BY_OURS = """\
+import base64, os, sys
+from ur.launchfile.address import find_launch_file
+from ur.launchfile.world.protocol import PackageNotFound
+from ur.launchfile.world.system import SystemWorld
+from ur.request.environment import add_own_package
+from ur.source.diagnostic import UserError
+world = SystemWorld(add_own_package(os.environ))
+try:
+    world.find_package(sys.argv[1])
+    path = find_launch_file(sys.argv[1], sys.argv[2], world)
+except PackageNotFound:
+    sys.exit(3)
+except UserError:
+    sys.exit(4)
+print(path)
+print(base64.b64encode(world.read_bytes(path)).decode())
+"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,10 +63,14 @@ def is_launch_name(word: str) -> bool:
     return word.endswith((".launch", ".launch.xml")) and "/" not in word
 
 
-def find_launch(shell: Shell, package: str, file: str, robot: str) -> RobotLaunch:
-    """Look a launch file up as a login shell there does. Raises UserError: no such package or file on the robot."""
+def find_launch(shell: Shell, package: str, file: str, robot: str, setting: str = "") -> RobotLaunch:
+    """Look a launch file up as a login shell there does. Raises UserError: no such package or file on the robot.
+
+    `setting` is what the shell of a robot with ROS 2 runs first; there, this project looks the file up.
+    """
     look = quote("/usr/bin/python3", "-I", "-c", _FIND, package, file)
-    done = shell.run(quote("bash", "-lc", f"exec {look}"))
+    ours = f"{setting}; {own_line(quote('-c', _FIND_BY_OURS, package, file))}"
+    done = shell.run(quote("bash", "-lc", ours if setting else f"exec {look}"))
     if done.code == 3:
         help_ = f"it lies in this computer's workspace? then: ur sync {robot}"
         raise _problem(f"{robot}: package {package!r} is not there, expected it in ~/catkin_ws/src or installed", help_)
@@ -66,12 +90,16 @@ def find_launch(shell: Shell, package: str, file: str, robot: str) -> RobotLaunc
 
 
 def choose_arguments(
-    declared: Mapping[str, bool], given: Mapping[str, str], facts: Mapping[str, str], name: str
+    declared: Mapping[str, bool],
+    given: Mapping[str, str],
+    facts: Mapping[str, str],
+    name: str,
+    more: Mapping[str, str] | None = None,
 ) -> dict[str, str]:
     """The arguments of a launch file that starts when a robot boots: those given, and what the robot knows of itself.
 
-    `declared` says of each argument whether it has to be given; `facts` are `base` and `variant` of the robot. Raises
-    UserError: an argument is missing, or not known.
+    `declared` says of each argument whether it has to be given; `facts` are `base` and `variant` of the robot, `more`
+    are other arguments that it knows. Raises UserError: an argument is missing, or not known.
     """
     values = dict(given)
     unknown = [each for each in values if each not in declared]
@@ -84,6 +112,7 @@ def choose_arguments(
         "robot_variant": "" if "robot_base" in values else facts.get("variant", ""),
         "simulate": "false",
         "use_rviz": "false",
+        **(more or {}),
     }
     values |= {key: value for key, value in own.items() if value and key in declared and key not in values}
     missing = [each for each, required in declared.items() if required and each not in values]

@@ -32,6 +32,7 @@ if [ "${{again:-0}}" -gt 0 ] && [ $(($(now) - ${{began:-0}})) -lt {calm} ]; then
   echo "it ended within {calm} s of its start: the next start is in $pause s"
 else pause=0; fi
 echo $pause >pause; sleep $pause; now >began"""
+_MISSING = "echo 'this project is not set up on the robot: ur robot setup' >&2; exit 1"
 CALM_SECONDS = 60
 FIRST_PAUSE, LAST_PAUSE = 2, 60
 # What a program of a robot never needs. It keeps devices, /sys (GPIO), real-time scheduling, its user's processes and
@@ -139,9 +140,12 @@ def tell_base_script(path: Path = ROBOT_FILE, *, seconds: float = 60.0) -> str:
     return _TELL.format(path=str(path), seconds=seconds)
 
 
-def program_unit(name: str, line: str, user: str, home: str) -> UnitFile:
-    """The unit of a command line of bash: started after the master, again when it ends, and with a new master."""
-    return _unit(name, line, user, home, master=f"{PREFIX}{MASTER}.service")
+def program_unit(name: str, line: str, user: str, home: str, *, master: bool = True) -> UnitFile:
+    """The unit of a command line of bash: started after the master, again when it ends, and with a new master.
+
+    On ROS 2 there is no master.
+    """
+    return _unit(name, line, user, home, master=f"{PREFIX}{MASTER}.service" if master else "")
 
 
 def command_line(argv: Sequence[str]) -> str:
@@ -156,24 +160,27 @@ def source_line(ros2: Ros2Robot, robot: str) -> str:
     return f". /opt/ros/{ros2.distro}/setup.bash >/dev/null; export {packages} {settings}"
 
 
-def launch_line(package: str, file: str, arguments: Sequence[str]) -> str:
-    """The line that starts a launch file by `ur launch` where this project is set up on the robot, else by roslaunch.
-
-    Either waits for the master instead of starting one of its own.
-    """
-    target = quote(package, file, *arguments)
+def own_line(words: str, last: str = _MISSING) -> str:
+    """The line that runs Python with `words` where this project is set up on the robot, else `last`."""
     places = " ".join(f'"$HOME"/{place}' for place in LIBRARIES)
     # Not by its script `ur`, which may want to install something first: nobody is there to see that.
-    ready = f'"$d/.venv/bin/python" -I -m ur launch --plain --wait {target}'
-    return f'for d in {places}; do [ ! -r "$d/.venv/ready-run" ] || exec {ready}; done; exec roslaunch --wait {target}'
+    ready = f'"$d/.venv/bin/python" -I {words}'
+    return f'for d in {places}; do [ ! -r "$d/.venv/ready-run" ] || exec {ready}; done; {last}'
+
+
+def launch_line(package: str, file: str, arguments: Sequence[str], *, roslaunch: bool = True) -> str:
+    """The line that starts a launch file by `ur launch` where this project is set up on the robot, else by roslaunch.
+
+    Either waits for the master instead of starting one of its own. On ROS 2 there is no `roslaunch`.
+    """
+    target = quote(package, file, *arguments)
+    last = f"exec roslaunch --wait {target}" if roslaunch else _MISSING
+    return own_line(f"-m ur launch --plain --wait {target}", last)
 
 
 def page_line(*options: str) -> str:
     """The line that starts the page of `ur web` where this project is set up on the robot; `options` of that verb."""
-    places = " ".join(f'"$HOME"/{place}' for place in LIBRARIES)
-    page = f'"$d/.venv/bin/python" -I -m ur web {quote(*options)}'
-    missing = "echo 'this project is not set up on the robot: ur robot setup' >&2; exit 1"
-    return f'for d in {places}; do [ ! -r "$d/.venv/ready-run" ] || exec {page}; done; {missing}'
+    return own_line(f"-m ur web {quote(*options)}")
 
 
 def is_unit_name(text: str) -> bool:
