@@ -65,6 +65,15 @@ def test_users_whose_units_lose_their_shared_memory_are_found(tmp_path: Path) ->
     assert finder.find_forgotten(units, str(tmp_path), 0) == []
 
 
+def test_process_whose_own_shared_memory_was_removed_is_found() -> None:
+    path = Path(f"/dev/shm/fastrtps_test{os.getpid()}_el")
+    with path.open("w"):
+        assert not finder.lost_memory(str(os.getpid()))
+        path.unlink()
+        assert finder.lost_memory(str(os.getpid()))
+    assert not finder.lost_memory(str(os.getpid()))
+
+
 def test_graph_is_read_without_modules_of_the_current_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "json.py").write_text("raise SystemExit('imported from the current folder')")
     argv = f"{os.path.realpath('/usr/bin/python3')} node"

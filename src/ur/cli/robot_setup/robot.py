@@ -9,6 +9,7 @@ import sys
 import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import click
@@ -19,7 +20,7 @@ from ur.cli.robot_setup.contact import confirm_host_key, decide_robot_login, rea
 from ur.cli.robot_setup.network import network
 from ur.cli.robot_setup.questions import ask_task, check_names, list_known_tasks, read_passwords, read_tasks
 from ur.cli.robot_setup.rename import rename
-from ur.cli.robot_setup.ros2 import find_ros2, take_back_ros2
+from ur.cli.robot_setup.ros2 import find_ros2, put_mux_between, take_back_ros2
 from ur.cli.robot_setup.several import make_argv, set_up_each
 from ur.cli.robot_setup.wifi import wifi
 from ur.cli.robots.fleet import ALL
@@ -78,6 +79,12 @@ def command(context: click.Context) -> None:
 @click.option("--host-key", metavar="SHA256:...", help="The fingerprint of its host key, with one HOST: no question.")
 @click.option("--yes", is_flag=True, help="Accept an unknown host key without a question, in a network that you trust.")
 @click.option("--new-host-key", is_flag=True, help="It was flashed again: ask about its new host key.")
+@click.option(
+    "--take-over",
+    "between",
+    is_flag=True,
+    help="On a robot with ROS 2: have the mux take over the base's velocity topic from its boot on.",
+)
 @click.option("--undo", is_flag=True, help="Take back what was written on a robot with ROS 2; packages stay.")
 @click.option("--one-of-several", is_flag=True, hidden=True, help="Started by the set-up of several robots.")
 @click.option(
@@ -99,6 +106,7 @@ def setup(
     host_key: str | None,
     yes: bool,
     new_host_key: bool,
+    between: bool,
     undo: bool,
     one_of_several: bool,
     robot_login: bool | None,
@@ -113,12 +121,13 @@ def setup(
     then programs run there. One robot is selected (`ur use`), unless another one is. Several robots are set up side by
     side, with a line for each; what is asked, is asked before.
 
+    --take-over changes the unit of a driver that is not this project's. --undo takes that back, too.
+
     FILE is YAML: `robots:`, a list of mappings with `host`, `name`, `base` and, if wanted, `user`, `variant`,
     `host_key: SHA256:...`, `master: false` and `programs: false`.
     """
     signal.signal(signal.SIGTERM, signal.default_int_handler)
-    described = bool(name or base or variant)
-    _check_robots(hosts, file, every=every, described=described, name=name, host_key=host_key)
+    _check_robots(hosts, file, every=every, described=bool(name or base or variant), name=name, host_key=host_key)
     fingerprints: Mapping[str, str] = {}
     if file:
         tasks, fingerprints = read_tasks(Path(file))
@@ -135,16 +144,14 @@ def setup(
     current, new = read_passwords(tasks, passwords_from, dry_run=dry_run)
     if len(tasks) > 1 and not dry_run and not undo:
         given = Secret("\n".join(each.reveal() if each else "" for each in (current, new)))
-
-        def make(task: Task) -> list[str]:
-            return make_argv(task, master=master, programs=programs, new_host_key=new_host_key)
-
+        make = partial(make_argv, master=master, programs=programs, new_host_key=new_host_key, between=between)
         return max(refused, set_up_each(tasks, make, given))
     tasks = [replace(task, current=current, new=new) for task in _equip(tasks, master=master, programs=programs)]
     if undo or dry_run:
-        work = take_back_ros2 if undo else _preview
-        return max(refused, *(_guard(task, lambda task: work(task, viewer)) for task in tasks))
-    return max(refused, _guard(tasks[0], lambda task: _set_up(task, here, viewer, alone=not one_of_several)))
+        look = partial(take_back_ros2 if undo else _preview, viewer=viewer)
+        return max(refused, *(_guard(task, look) for task in tasks))
+    work = partial(_set_up, here=here, viewer=viewer, alone=not one_of_several, between=between)
+    return max(refused, _guard(tasks[0], work))
 
 
 def _meet(
@@ -194,10 +201,13 @@ def _check_robots(
         raise click.UsageError("--host-key is for one HOST, expected host_key in --from FILE for several")
 
 
-def _set_up(task: Task, here: LocalShell, viewer: ViewerFacts, *, alone: bool) -> int:
+def _set_up(task: Task, here: LocalShell, viewer: ViewerFacts, *, alone: bool, between: bool) -> int:
     say = ChangeReporter(task.robot.name if alone else "", live=alone and sys.stdout.isatty())
     task = find_ros2(task, say)
     count = set_up(task, here, viewer, say, say.show_progress)
+    if between:
+        task, more = put_mux_between(task, say)
+        count += more
     # Looked at through the new name, by key, with strict host keys: as it will be used.
     with open_robot(replace(task, address=task.later, host_key=None, first_contact=False), say) as there:
         checks = verify(task, here, there, viewer, wait_for_master)

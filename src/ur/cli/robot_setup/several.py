@@ -30,7 +30,7 @@ def set_up_each(tasks: Sequence[Task], make: Callable[[Task], list[str]], passwo
         raise
 
 
-def make_argv(task: Task, *, master: bool, programs: bool, new_host_key: bool) -> list[str]:
+def make_argv(task: Task, *, master: bool, programs: bool, new_host_key: bool, between: bool = False) -> list[str]:
     """Make the arguments of `ur` that set up this robot alone, with all that was answered for it.
 
     A host key that the user has confirmed is given by its fingerprint: the process accepts no other one.
@@ -44,5 +44,6 @@ def make_argv(task: Task, *, master: bool, programs: bool, new_host_key: bool) -
         ("--no-master", not (master and robot.master)),
         ("--no-programs", not (programs and robot.programs)),
         ("--new-host-key", new_host_key),
+        ("--take-over", between),
     )
     return argv + [option for option, given in unwanted if given]

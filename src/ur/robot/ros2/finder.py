@@ -6,7 +6,7 @@ to robots that have nothing of this project.
 """
 
 # A program for small computers, which run it before anything of ours is there.
-# ruff: noqa: PTH110, PTH111, PTH112, PTH113, PTH116, PTH119, PTH120, PTH123, PTH207, PTH208
+# ruff: noqa: PTH110, PTH111, PTH112, PTH113, PTH115, PTH116, PTH119, PTH120, PTH123, PTH207, PTH208
 
 from __future__ import annotations
 
@@ -25,6 +25,7 @@ FIRST_PERSON = 1000  # the number of the first user who is none of the system
 _IFF_UP, _IFF_LOOPBACK, _IFF_MULTICAST = 0x1, 0x8, 0x1000
 _LISTENING = {"tcp": "0A", "udp": "07"}
 _KEPT = ("AMENT_PREFIX_PATH", "PYTHONPATH", "LD_LIBRARY_PATH", "_ROS_WHEELS_BOOTSTRAP_COMPLETE")
+_LOST = re.compile(r"/dev/shm/fastrtps_\w+_el \(deleted\)")  # noqa: S108 - the lock of its owner
 _RELEASE = re.compile(r"/opt/ros/([a-z]{1,20})/")
 # Nothing of the current folder is imported: of PYTHONPATH, which ROS 2 needs, only whole paths are taken.
 _READ_PROGRAM = (
@@ -80,6 +81,7 @@ def find_processes(variables: list[str]) -> list[dict[str, Any]]:
                 "unit": unit,
                 "variables": {name: (shown or {})[name][:400] for name in variables if (shown or {}).get(name)},
                 "readable": shown is not None,
+                "lost": lost_memory(entry),
                 "environment": shown or {},
             }
         )
@@ -200,6 +202,19 @@ def find_forgotten(processes: list[dict[str, Any]], root: str = "", first: int =
         return []
     found = {each["user"] for each in processes if each["unit"] and number_of(each["user"]) >= first}
     return sorted(each for each in found if not os.path.exists(f"{root}/var/lib/systemd/linger/{each}"))
+
+
+def lost_memory(entry: str) -> bool:
+    """Return whether the shared memory of Fast DDS that a process owns was removed; no new node reaches it then."""
+    return any(_LOST.fullmatch(read_link(file)) for file in glob.glob(f"/proc/{entry}/fd/*"))
+
+
+def read_link(path: str) -> str:
+    """The target of a symbolic link, '' where there is none."""
+    try:
+        return os.readlink(path)
+    except OSError:
+        return ""
 
 
 def number_of(user: str) -> int:

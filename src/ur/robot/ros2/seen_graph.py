@@ -20,6 +20,7 @@ Variables = Mapping[Annotated[str, Meta(pattern="^[A-Z][A-Z0-9_]{0,40}\\Z")], Na
 DEFAULT_MIDDLEWARE = "rmw_fastrtps_cpp"  # of every release from Humble to Lyrical
 # Their graphs have no type hashes; nodes of newer releases raise exceptions when they discover one of these.
 OLD_RELEASES = ("foxy", "galactic", "humble")
+TWISTS = ("geometry_msgs/msg/Twist", "geometry_msgs/msg/TwistStamped")
 NAMES = {"humble": "Humble", "iron": "Iron", "jazzy": "Jazzy", "kilted": "Kilted", "lyrical": "Lyrical"}
 
 
@@ -36,7 +37,8 @@ class Installation:
 class Process:
     """A process of ROS 2: number, user, command line, release, systemd unit ('': none), and its variables of ROS 2.
 
-    `readable` is False where its variables could not be read, since it belongs to another user.
+    `readable` is False where its variables could not be read, since it belongs to another user. `lost`: its shared
+    memory was removed while it ran.
     """
 
     pid: Count
@@ -46,6 +48,7 @@ class Process:
     unit: Unit = ""
     variables: Variables = field(default_factory=dict)
     readable: bool = True
+    lost: bool = False
 
 
 @dataclass(frozen=True, slots=True)

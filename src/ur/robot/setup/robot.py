@@ -21,6 +21,7 @@ from ur.robot.setup.keys import HOST_KEY, KEY, allowed_key, known_host, own_keys
 from ur.robot.setup.lock import hold_robot
 from ur.robot.setup.login import Report, Task, find_passwords, is_password, open_robot
 from ur.robot.setup.robot_states import ViewerFacts, WantedPassword, WantedRobot, base_request, wanted_there
+from ur.robot.setup.ros2.find import restart_silent_units
 from ur.robot.setup.ros2.states import wanted_on_ros2
 from ur.robot.setup.wanted import Wanted, WantedFile
 from ur.robot.ssh.address import Address
@@ -120,7 +121,8 @@ def set_up(task: Task, here: Shell, viewer: ViewerFacts, report: Report, progres
         if task.host_key:
             forget_contact(task.host_key)
         if facts.hostname == task.robot.name:
-            return count + (0 if task.robot.ros2 else update_master(task.robot, shell, report))
+            last = restart_silent_units(shell, report) if task.robot.ros2 else update_master(task.robot, shell, report)
+            return count + last
         at = shell.run('set -- $SSH_CONNECTION; echo "$3"').out.strip()
         at = shell.address.host if "%" in at else at  # an address that means something over there only
         report(f"reboot as {task.later.host}")

@@ -8,6 +8,7 @@ from ur.robot.robot_file import COMMANDS, ROBOT_FILE, Ros2Robot
 from ur.robot.ros2.seen_graph import (
     DEFAULT_MIDDLEWARE,
     OLD_RELEASES,
+    TWISTS,
     End,
     Ros2,
     SeenGraph,
@@ -19,6 +20,7 @@ from ur.robot.setup.facts import ComputerFacts
 from ur.robot.setup.keys import allowed_key
 from ur.robot.setup.packages import WantedPackages, WantedService
 from ur.robot.setup.robot_states import ViewerFacts, WantedPassword, WantedRobot, announcement, robot_file
+from ur.robot.setup.ros2.take_over import MUX_NODE, list_topics
 from ur.robot.setup.wanted import Wanted, WantedFile, WantedFolder, WantedLine
 from ur.source.diagnostic import UserError, error_about
 
@@ -26,15 +28,14 @@ from ur.source.diagnostic import UserError, error_about
 PACKAGES = (
     *("openssh-server", "avahi-daemon", "libnss-mdns", "xauth", "x11-apps", "rsync", "python3", "python3-venv"),
 )
-TWISTS = ("geometry_msgs/msg/Twist", "geometry_msgs/msg/TwistStamped")
 LINGER = "/var/lib/systemd/linger"
-_MUX = "cmd_vel_mux"
 
 
-def find_ros2(place: str, found: Ros2) -> Ros2Robot | None:
+def find_ros2(place: str, found: Ros2, present: Ros2Robot | None = None) -> Ros2Robot | None:
     """Find where the nodes of a robot are, from what was seen there; None: it has no ROS 2.
 
-    Raises UserError: its release is too old.
+    Where a base takes the commands that the `present` robot file names, they stay. Raises UserError: its release is too
+    old.
     """
     if not found.present:
         return None
@@ -50,11 +51,14 @@ def find_ros2(place: str, found: Ros2) -> Ros2Robot | None:
         )
     middleware = middleware_of(found.variables)
     commands = find_commands(found.graph) if found.graph else ""
+    namespace = commands.removesuffix(COMMANDS) if commands.endswith(COMMANDS) else ""
+    if present and (found.graph is None or list_topics(found.graph, present.commands)):
+        commands, namespace = present.commands, present.namespace
     return Ros2Robot(
         distro,
         domain_of(found.variables),
         "" if middleware == DEFAULT_MIDDLEWARE else middleware,
-        commands.removesuffix(COMMANDS) if commands.endswith(COMMANDS) else "",
+        namespace,
         commands or COMMANDS,
     )
 
@@ -68,7 +72,7 @@ def find_commands(graph: SeenGraph) -> str:
     def rank(topic: SeenTopic) -> tuple[bool, bool, int, str]:
         nodes = [end.node.rpartition("/")[2] for end in _takers(topic)]
         last = topic.name.rpartition("/")[2]
-        return all(each == _MUX for each in nodes), last != COMMANDS[1:], topic.name.count("/"), topic.name
+        return all(each == MUX_NODE for each in nodes), last != COMMANDS[1:], topic.name.count("/"), topic.name
 
     topics = [each for each in graph.topics if _takers(each)]
     return min(topics, key=rank).name if topics else ""

@@ -107,6 +107,7 @@ CASES: list[tuple[str, ComputerPair]] = [
     ("ros2-no-profile", there(files={PROFILE: False})),
     ("ros2-multicast-off", there(no_multicast=("wlan0",))),
     ("ros2-removed-memory", there(forgotten=("ros",))),
+    ("ros2-lost-memory", there(processes=(replace(process(), lost=True),))),
     # Between the two computers.
     ("ros2-release-mix", here(installations=(HUMBLE,))),
     ("ros2-domain", here({"ROS_DOMAIN_ID": "0"})),

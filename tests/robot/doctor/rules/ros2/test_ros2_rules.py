@@ -64,7 +64,7 @@ def test_at_least_twenty_kinds_of_faults_are_seeded() -> None:
         topics(
             SeenTopic("/cmd_vel", (End("/cmd_vel_mux", TWIST),), (End("/base", TWIST),)), SeenTopic("/teleop/cmd_vel")
         ),
-        there(processes=(process("jazzy"), process("kilted"))),
+        there(processes=(process("jazzy"), process("kilted"), process("iron"))),  # as the firmware of a Create 3
         there(forgotten=("eve",)),  # whose units are none of ROS 2
         both({"RMW_IMPLEMENTATION": "rmw_cyclonedds_cpp"}, forgotten=("ros",)),  # which uses no shared memory
     ],

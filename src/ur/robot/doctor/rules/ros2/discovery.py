@@ -178,6 +178,20 @@ def check_memory(where: Where, side: Side) -> Iterator[Finding]:
             )
 
 
+def check_lost_memory(where: Where, side: Side) -> Iterator[Finding]:
+    """Nodes whose shared memory was removed while they ran: nodes of their computer that start later reach none."""
+    lost = [each for each in side.ros2.processes if each.lost]
+    if lost:
+        units = sorted({each.unit for each in lost if each.unit})
+        yield Finding(
+            "ros2-lost-memory",
+            f"{side.name}: the shared memory of {_processes(lost)} was removed while it ran; what nodes send that "
+            "start there later does not arrive",
+            "start it again:" if units else "start it again",
+            tuple(FixCommand(where, f"systemctl restart {quote(unit)}", root=True) for unit in units),
+        )
+
+
 def _servers(variables: Mapping[str, str]) -> Iterator[tuple[str, int]]:
     for text in variables.get("ROS_DISCOVERY_SERVER", "").split(";"):
         if text.strip():
@@ -240,5 +254,8 @@ RULES: tuple[Rule, ...] = (
         {"ros2-removed-memory": "systemd removes the shared memory of units when a login ends"},
         check_memory,
         simulation=True,
+    ),
+    SideRule(
+        {"ros2-lost-memory": "the shared memory of a running node was removed"}, check_lost_memory, simulation=True
     ),
 )
