@@ -108,7 +108,7 @@ def test_every_program_describes_its_arguments_without_starting(
     page = capsys.readouterr().out
     assert f"Usage: ur run {program} " in page
     assert "\n  robot_base:=stage\n" in page
-    assert re.search(r"Values:\s+botvac,\s+loki,\s+magni,\s+stage\.", page)
+    assert re.search(r"Values:\s+botvac,\s+create2,\s+loki,\s+magni,\s+stage\.", page)
     assert re.search(r"\n  world:=(maze|office)\n", page)
     assert f"Examples:\n  ur run {program}\n  ur run {program} " in page
     assert all(len(line) <= 80 for line in page.splitlines() if ":=" not in line)
