@@ -77,7 +77,7 @@ def test_launch_file_of_a_robot_with_ros2_is_looked_up_among_its_packages(tmp_pa
     environment = {"HOME": str(tmp_path), "PATH": "/usr/bin:/bin"}
     (tmp_path / "ubiquity_launches/.venv/ready-run").touch()
 
-    class LoginShell:
+    class ComputerShell:
         place = "bob"
 
         def run(self, script: str, **_: object) -> ShellResult:
@@ -85,11 +85,11 @@ def test_launch_file_of_a_robot_with_ros2_is_looked_up_among_its_packages(tmp_pa
             return ShellResult(done.returncode, done.stdout, done.stderr)
 
     setting = f"export ROS_PACKAGE_PATH={tmp_path / 'other'}"
-    assert find_launch(LoginShell(), "p", "f.launch", "bob", setting).data == b"<launch/>"
+    assert find_launch(ComputerShell(), "p", "f.launch", "bob", setting).data == b"<launch/>"
     with pytest.raises(UserError, match="package 'q' is not there"):
-        find_launch(LoginShell(), "q", "f.launch", "bob", setting)
+        find_launch(ComputerShell(), "q", "f.launch", "bob", setting)
     with pytest.raises(UserError, match="no file 'g\\.launch'"):
-        find_launch(LoginShell(), "p", "g.launch", "bob", setting)
+        find_launch(ComputerShell(), "p", "g.launch", "bob", setting)
 
 
 @pytest.mark.parametrize(
