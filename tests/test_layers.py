@@ -25,7 +25,7 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
     "ur.worlds": ("ur.source",),
     "ur.fleet": ("ur.source",),
     "ur.maps": ("ur.source", "ur.worlds"),
-    "ur.check": ("ur.source", "ur.launchfile", "ur.robot"),
+    "ur.check": ("ur.source", "ur.launchfile", "ur.robot", "ur.worlds"),
     "ur.tools.new": ("ur.source", "ur.launchfile", "ur.robot", "ur.request"),
     "ur.tools.package": ("ur.source", "ur.launchfile", "ur.check"),
     "ur.graph": ("ur.source", "ur.launchfile", "ur.robot"),

@@ -7,11 +7,17 @@ world, and a world file of that kind is a map.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from ur.source.section import Section, read_section
-from ur.worlds.map_file import MapImage, read_map, read_map_section
+from ur.worlds.map_keys import parse_map_file
+
+if TYPE_CHECKING:
+    from ur.worlds.map_file import MapImage
 
 # Name: cells along an edge without the black border, number of markers.
 DICTIONARIES = {f"{n}X{n}_{count}": (n, count) for n in (4, 5, 6, 7) for count in (50, 100, 250, 1000)}
@@ -76,10 +82,23 @@ def read_world(path: str | Path) -> WorldModel:
     """Read a world file and its floor plan. Raises UserError with file, line and column."""
     top = read_section(path, "a world file")
     floor_plan = _floor_plan(top, Path(path))
+    return _read_parts(top)(floor_plan)
+
+
+def check_world(top: Section, path: Path) -> None:
+    """Raise UserError as read_world does for keys and values of a world file; other files are not read."""
+    if top.has("image"):
+        parse_map_file(top, path.parent)
+    elif not top.text("floor_plan"):
+        top.fail("floor_plan", "floor_plan: '' in a world file, expected the path of a map file")
+    _read_parts(top)
+
+
+def _read_parts(top: Section) -> Callable[[MapImage], WorldModel]:
     start = top.numbers("start", 3, (0.0, 0.0, 0.0))
     seen: set[str] = set()
-    world = WorldModel(
-        floor_plan=floor_plan,
+    world = partial(
+        WorldModel,
         wall_height=top.number("wall_height", 1.0, minimum=0.05, maximum=100.0),
         floor_friction=top.number("floor_friction", 0.9, minimum=0.05, maximum=5.0),
         boxes=tuple(_box(part, movable=False, seen=seen) for part in top.sections("boxes")),
@@ -93,6 +112,8 @@ def read_world(path: str | Path) -> WorldModel:
 
 
 def _floor_plan(top: Section, path: Path) -> MapImage:
+    from ur.worlds.map_file import read_map, read_map_section  # which needs NumPy; a check of a world does not
+
     if top.has("image") and top.has("floor_plan"):
         top.fail("floor_plan", f"floor_plan: {path.name} has an image of its own, expected one of them")
     if top.has("image"):

@@ -8,7 +8,7 @@ from ur.robot.base.properties import Base
 from ur.robot.base.reader import read_whole
 from ur.robot.base.search import is_base_name
 from ur.source.diagnostic import UserError, error
-from ur.source.section import read_section
+from ur.source.section import Section, read_section
 from ur.source.suggest import did_you_mean
 
 
@@ -41,7 +41,11 @@ def _how_to_make(name: str) -> str:
 
 def read_base(path: str | Path, name: str, variant: str = "") -> Base:
     """Read one base file in one variant; the variant's values are laid over the others."""
-    whole = read_section(path, "a base file")
+    return read_base_section(read_section(path, "a base file"), name, variant)
+
+
+def read_base_section(whole: Section, name: str, variant: str = "") -> Base:
+    """As read_base, of a file whose top-level mapping is `whole`."""
     plain = whole.without("variants")
     variants = dict(whole.section("variants").subsections()) if whole.has("variants") else {}
     for overlay in variants.values():
