@@ -32,6 +32,8 @@ if [ "${{again:-0}}" -gt 0 ] && [ $(($(now) - ${{began:-0}})) -lt {calm} ]; then
   echo "it ended within {calm} s of its start: the next start is in $pause s"
 else pause=0; fi
 echo $pause >pause; sleep $pause; now >began"""
+# A unit of the system lacks what every login has, where runs of a user find one another's facts.
+_RUNTIME = 'd=/run/user/$(id -u); [ ! -d "$d" ] || export XDG_RUNTIME_DIR="$d"'
 _MISSING = "echo 'this project is not set up on the robot: ur robot setup' >&2; exit 1"
 CALM_SECONDS = 60
 FIRST_PAUSE, LAST_PAUSE = 2, 60
@@ -157,7 +159,7 @@ def source_line(ros2: Ros2Robot, robot: str) -> str:
     """The line that gives a shell of a robot of this name its ROS 2, packages, and the settings of its nodes."""
     settings = " ".join(f"{name}={quote(value)}" for name, value in ros2.variables(robot).items())
     packages = 'ROS_PACKAGE_PATH="$HOME/catkin_ws/src${ROS_PACKAGE_PATH:+:$ROS_PACKAGE_PATH}"'
-    return f". /opt/ros/{ros2.distro}/setup.bash >/dev/null; export {packages} {settings}"
+    return f". /opt/ros/{ros2.distro}/setup.bash >/dev/null; {_RUNTIME}; export {packages} {settings}"
 
 
 def own_line(words: str, last: str = _MISSING) -> str:
