@@ -11,8 +11,9 @@ def test_all_rules_are_chosen_without_words() -> None:
 
 
 def test_group_and_id_are_added_and_taken_away() -> None:
-    assert choose_rules(["yaml"], []) == {"bad-yaml", "duplicate-key", "bad-base", "bad-map", "bad-world"}
-    assert choose_rules(["yaml", "bad-xml"], ["duplicate-key"]) == {"bad-yaml", "bad-xml"}
+    yaml = {"bad-yaml", "duplicate-key", "bad-base", "bad-map", "bad-world"}
+    assert choose_rules(["yaml"], []) == yaml
+    assert choose_rules(["yaml", "bad-xml"], ["duplicate-key"]) == yaml - {"duplicate-key"} | {"bad-xml"}
 
 
 @pytest.mark.parametrize("option", ["select", "ignore"])

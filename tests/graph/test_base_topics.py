@@ -55,3 +55,21 @@ def test_driver_adapter_publishes_what_its_parameters_ask_for() -> None:
     rename = '<param name="rename_scan" value="true"/>'
     assert topics(load("driver_adapter", variant="lidar", more=rename)) == {"/joint_states", "/scan"}
     assert topics(load("driver_adapter", more=rename)) == {"/joint_states"}
+
+
+def test_simulator_as_devices_publishes_the_truth_only() -> None:
+    plan = load(more='<param name="devices" value="true"/>')
+    assert topics(plan) == {"/base_pose_ground_truth", "/node/collisions"}
+    assert topics(plan, "subscribes") == set()
+
+
+def test_base_driver_publishes_what_the_base_has() -> None:
+    assert topics(load("base_driver")) == {"/odom", "/joint_states", "/tf", "/battery_state"}
+    assert {"/bumper/left_front", "/cliff/left"} <= topics(load("base_driver", base="botvac"))
+    assert topics(load("base_driver", base="nonesuch")) == {"/odom", "/joint_states", "/tf"}
+    assert topics(load("base_driver"), "subscribes") == {"/cmd_vel"}
+
+
+def test_lidar_driver_publishes_the_scan_of_the_base() -> None:
+    assert topics(load("lidar_driver", variant="lidar")) == {"/scan"}
+    assert topics(load("lidar_driver", base="nonesuch")) == {"/scan"}
