@@ -12,11 +12,14 @@ import threading
 import time
 from collections import deque
 from collections.abc import Callable
+from functools import partial
 from typing import TypeVar
 
 Item = TypeVar("Item")
+Value = TypeVar("Value")
 
 _LONGEST_WAIT = 1.0  # s
+_JOB_LIMIT = 2.0  # s
 _ROUNDING = 1e-3  # s: a sum may be greater than its parts
 
 
@@ -237,6 +240,57 @@ class Worker:
     def _run(self) -> None:
         while (job := self._jobs.get()) is not None:
             job()
+
+
+class Lanes:
+    """Jobs beside the loop, those of one lane one after the other."""
+
+    def __init__(self) -> None:
+        self._workers: dict[str, Worker] = {}
+
+    def add(
+        self,
+        job: Callable[[], Value],
+        take: Callable[[Value], None],
+        lane: str,
+        post: Callable[[Callable[[], None]], object],
+    ) -> None:
+        """Have a job done, then have its result taken by `post`, which calls where the node runs."""
+
+        def carry_out() -> None:
+            try:
+                result = job()
+            except Exception as problem:  # the node fails where it runs: the jobs of its end can still be done
+                post(partial(_fail, problem))
+            else:
+                post(lambda: take(result))
+
+        self._workers.setdefault(lane, Worker(f"work {lane}".strip())).add(carry_out)
+
+    def drop(self) -> None:
+        """Forget the jobs that wait."""
+        for worker in self._workers.values():
+            worker.drop()
+
+    def end(self) -> None:
+        """Forget the jobs that wait, and end each lane after the one that runs."""
+        for worker in self._workers.values():
+            worker.end()
+
+    def join(self) -> None:
+        """Wait for jobs that still run, for a while: Python aborts where it ends while a thread is in a library."""
+        until = time.monotonic() + _JOB_LIMIT
+        for worker in self._workers.values():
+            worker.join(max(0.0, until - time.monotonic()))
+
+
+def steady_time() -> float:
+    """The time (s) of `Node.steady`: it passes while the computer sleeps, too, and is never set."""
+    return time.clock_gettime(time.CLOCK_BOOTTIME)
+
+
+def _fail(problem: Exception) -> None:
+    raise problem
 
 
 def run_aside(call: Callable[[], None]) -> None:

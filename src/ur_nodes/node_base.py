@@ -5,16 +5,14 @@ from __future__ import annotations
 import queue
 import time
 from collections.abc import Callable
-from functools import partial
 from typing import TypeVar
 
-from ur_nodes.loop import Beat, Loop, Worker
+from ur_nodes.loop import Beat, Lanes, Loop, steady_time
 from ur_nodes.ports.log import Log
 
 Value = TypeVar("Value")
 
 _END_LIMIT = 3.0  # s, besides the time that the jobs of the end have
-_JOB_LIMIT = 2.0  # s for jobs that still run: Python aborts where it ends while a thread is in a library
 
 
 class LoopNode:
@@ -24,7 +22,7 @@ class LoopNode:
         self.log = log
         self.failed = False
         self._loop = loop
-        self._workers: dict[str, Worker] = {}
+        self._lanes = Lanes()
         self._at_end: list[Callable[[], None]] = []
         self._ending = False
         self._end_limit = 0.0  # s for the jobs of the end
@@ -47,20 +45,11 @@ class LoopNode:
         """See Node."""
         self._unfinished += self._ending
         post = self._results.put if self._ending else self._loop.post
-
-        def carry_out() -> None:
-            try:
-                result = job()
-            except Exception as problem:  # the node fails where it runs: the jobs of its end can still be done
-                post(partial(_fail, problem))
-            else:
-                post(lambda: take(result))
-
-        self._workers.setdefault(lane, Worker(f"work {lane}".strip())).add(carry_out)
+        self._lanes.add(job, take, lane, post)
 
     def steady(self) -> float:
         """See Node."""
-        return time.clock_gettime(time.CLOCK_BOOTTIME)
+        return steady_time()
 
     def on_end(self, call: Callable[[], None], within: float = 2.0) -> None:
         """See Node."""
@@ -70,15 +59,11 @@ class LoopNode:
     def finish(self, leave: Callable[[], None]) -> None:
         """Make the calls of the end on the node's thread; after them `leave`, which lets what was sent last leave."""
         self._loop.end(lambda: self._finish(leave), _END_LIMIT + self._end_limit)
-        workers, end = list(self._workers.values()), time.monotonic() + _JOB_LIMIT
-        for worker in workers:
-            worker.end()
-        for worker in workers:
-            worker.join(max(0.0, end - time.monotonic()))
+        self._lanes.end()
+        self._lanes.join()
 
     def _finish(self, leave: Callable[[], None]) -> None:
-        for worker in self._workers.values():
-            worker.drop()
+        self._lanes.drop()
         self._ending = True
         for call in self._at_end:
             self._attempt(call)
@@ -100,7 +85,3 @@ class LoopNode:
         except Exception as problem:
             self.failed = True
             self.log.error(repr(problem))
-
-
-def _fail(problem: Exception) -> None:
-    raise problem

@@ -70,7 +70,7 @@ def run_foreground(name: str, start: Callable[[Node], Wired], body: Callable[[Wi
         drop_output()
         return BROKEN_PIPE_EXIT_CODE
     except Exception as problem:
-        report = write_crash_report(problem, name, [backend.log_folder()])
+        report = write_crash_report(problem, name, [log_folder()])
         sys.stderr.write(describe_crash(problem, name, report) + "\n")
         return EXIT_CODE
 
@@ -97,8 +97,7 @@ def drop_output() -> None:
 
 def log_folder() -> Path:
     """The folder of the log files of nodes."""
-    folder: Path = import_module(f"ur_nodes.{backend_name()}.attached").log_folder()
-    return folder
+    return Path(os.environ.get("ROS_LOG_DIR") or Path(os.environ.get("ROS_HOME") or Path.home() / ".ros", "log"))
 
 
 def find_package(name: str) -> Path | None:

@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import contextlib
-import os
 from collections.abc import Callable, Iterator
-from pathlib import Path
 from typing import TypeVar
 
 from ur_nodes.one_process.bus import LiveNode
@@ -28,8 +26,3 @@ def attach(name: str, start: Callable[[Node], Wired], end: Callable[[], None]) -
     finally:
         with contextlib.suppress(RuntimeError):  # the bus has ended before
             context.bus.do(lambda: node.end("the program ended"))
-
-
-def log_folder() -> Path:
-    """The folder of the log files of nodes."""
-    return Path(os.environ.get("ROS_LOG_DIR") or Path(os.environ.get("ROS_HOME") or Path.home() / ".ros", "log"))

@@ -7,14 +7,15 @@ import sys
 import threading
 import time
 from collections.abc import Callable
+from functools import partial
 from typing import TYPE_CHECKING, ClassVar, TypeVar, cast
 
-from ur_nodes.loop import Worker
+from ur_nodes.loop import Lanes, steady_time
 from ur_nodes.memory.bus import REPLACED, Bus
 from ur_nodes.memory.carrier import Carrier
 from ur_nodes.memory.node import MemoryNode
 from ur_nodes.ports.graph import Graph
-from ur_nodes.ports.log import Throttle
+from ur_nodes.ports.log import ThrottledLog
 
 if TYPE_CHECKING:
     from ur_nodes.ports.facts import Facts
@@ -24,7 +25,7 @@ WriteLine = Callable[[str, str, str], None]
 """Takes a level, the name of a node, and a line of its log."""
 
 _LONGEST_WAIT = 1.0  # s
-_JOB_LIMIT = 2.0  # s for jobs that still run: Python aborts where it ends while a thread is in a library
+_END_LIMIT = 2.0  # s for the callback that runs
 
 
 class LiveNode(MemoryNode):
@@ -34,31 +35,22 @@ class LiveNode(MemoryNode):
         super().__init__(bus, name, remaps)
         live = cast("LiveBus", bus)
         self.facts = live.run_facts
-        self.log = LiveLog(self.name, live.write_line)
+        self.log = live.make_log(self.name)
         self.over = threading.Event()
         self.at_over: Callable[[], None] = lambda: None
         self.replaced = False
-        self._workers: dict[str, Worker] = {}
+        self._lanes = Lanes()
 
     def work(self, job: Callable[[], Value], take: Callable[[Value], None], lane: str = "") -> None:
         """See Node. What the end asks for is done at once."""
         if self._late is not None:
             super().work(job, take, lane)
-            return
-
-        def carry_out() -> None:
-            try:
-                result = job()
-            except Exception as problem:  # the node fails where it runs
-                self.post(lambda failed=problem: _fail(failed))  # type: ignore[misc]
-            else:
-                self.post(lambda: take(result))
-
-        self._workers.setdefault(lane, Worker(f"work {lane}".strip())).add(carry_out)
+        else:
+            self._lanes.add(job, take, lane, self.post)
 
     def steady(self) -> float:
         """See Node."""
-        return time.clock_gettime(time.CLOCK_BOOTTIME)
+        return steady_time()
 
     def read_graph(self, take: Callable[[Graph | None], None]) -> None:
         """See Node."""
@@ -70,16 +62,13 @@ class LiveNode(MemoryNode):
             return
         super().end(reason, failed=failed)
         self.replaced = reason == REPLACED
-        for worker in self._workers.values():
-            worker.end()
+        self._lanes.end()
         self.over.set()
         self.at_over()
 
     def join(self) -> None:
         """Wait for jobs that still run, for a while."""
-        until = time.monotonic() + _JOB_LIMIT
-        for worker in self._workers.values():
-            worker.join(max(0.0, until - time.monotonic()))
+        self._lanes.join()
 
 
 class LiveBus(Bus):
@@ -102,6 +91,11 @@ class LiveBus(Bus):
         self._woken = threading.Event()
         self._closed = False
         self._thread = threading.Thread(target=self._spin, name="bus", daemon=True)
+
+    def make_log(self, node: str) -> ThrottledLog:
+        """The log of a node; lines for its authors are not kept."""
+        info, warn, error = (partial(self.write_line, level, node) for level in ("INFO", "WARN", "ERROR"))
+        return ThrottledLog(lambda _text: None, info, warn, error, time.monotonic)
 
     @property
     def now(self) -> int:
@@ -150,7 +144,7 @@ class LiveBus(Bus):
         self._closed = True
         self._woken.set()
         if self._thread.ident and threading.current_thread() is not self._thread:
-            self._thread.join(_JOB_LIMIT)
+            self._thread.join(_END_LIMIT)
 
     def _spin(self) -> None:
         try:
@@ -169,32 +163,3 @@ class LiveBus(Bus):
                 node.failed = True
                 node.over.set()
                 node.at_over()
-
-
-class LiveLog:
-    """See `ports.log.Log`."""
-
-    def __init__(self, name: str, write: WriteLine) -> None:
-        self._name, self._write = name, write
-        self._throttle = Throttle(time.monotonic)
-
-    def debug(self, text: str) -> None:
-        """See Log. Such lines are not kept."""
-
-    def info(self, text: str) -> None:
-        """See Log."""
-        self._write("INFO", self._name, text)
-
-    def warn(self, text: str, *, every: float = 0.0) -> None:
-        """See Log."""
-        if self._throttle.lets(text, every):
-            self._write("WARN", self._name, text)
-
-    def error(self, text: str, *, every: float = 0.0) -> None:
-        """See Log."""
-        if self._throttle.lets(text, every):
-            self._write("ERROR", self._name, text)
-
-
-def _fail(problem: Exception) -> None:
-    raise problem

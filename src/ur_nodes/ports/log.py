@@ -5,6 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Protocol
 
+Write = Callable[[str], object]
+"""Writes a line."""
+
 
 class Log(Protocol):
     """Writes lines for people. With `every`, the lines of one place at most once in so many seconds."""
@@ -20,6 +23,32 @@ class Log(Protocol):
 
     def error(self, text: str, *, every: float = 0.0) -> None:
         """Log a line on something that is wrong."""
+
+
+class ThrottledLog:
+    """See Log: writes each line by the function of its level, and reads the time (s) for `every`."""
+
+    def __init__(self, debug: Write, info: Write, warn: Write, error: Write, read: Callable[[], float]) -> None:
+        self._debug, self._info, self._warn, self._error = debug, info, warn, error
+        self._throttle = Throttle(read)
+
+    def debug(self, text: str) -> None:
+        """See Log."""
+        self._debug(text)
+
+    def info(self, text: str) -> None:
+        """See Log."""
+        self._info(text)
+
+    def warn(self, text: str, *, every: float = 0.0) -> None:
+        """See Log."""
+        if self._throttle.lets(text, every):
+            self._warn(text)
+
+    def error(self, text: str, *, every: float = 0.0) -> None:
+        """See Log."""
+        if self._throttle.lets(text, every):
+            self._error(text)
 
 
 class Throttle:

@@ -5,11 +5,9 @@ from __future__ import annotations
 import contextlib
 import os
 from collections.abc import Callable, Iterator
-from pathlib import Path
 from typing import TypeVar
 
 import rosgraph
-import rospkg
 import rospy
 
 from ur.source.diagnostic import UserError, error
@@ -64,8 +62,3 @@ class AttachedNode(RosNode):
     """`replaced`: another node has registered under its name."""
 
     replaced = False
-
-
-def log_folder() -> Path:
-    """The folder of the log files of nodes."""
-    return Path(rospkg.get_log_dir())

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import rospy
 
-from ur_nodes.ports.log import Throttle
+from ur_nodes.ports.log import ThrottledLog
 
 _FACTS = {"run_id": "/run_id"}  # the others are below /ur
 
@@ -48,26 +50,9 @@ class RosParameters:
         return sorted(map(str, rospy.get_param_names()))
 
 
-class RosLog:
-    """See `ports.log.Log`."""
-
-    def __init__(self) -> None:
-        self._throttle = Throttle(rospy.get_time)
-
-    def debug(self, text: str) -> None:
-        """See Log."""
-        rospy.logdebug("%s", text)
-
-    def info(self, text: str) -> None:
-        """See Log."""
-        rospy.loginfo("%s", text)
-
-    def warn(self, text: str, *, every: float = 0.0) -> None:
-        """See Log."""
-        if self._throttle.lets(text, every):
-            rospy.logwarn("%s", text)
-
-    def error(self, text: str, *, every: float = 0.0) -> None:
-        """See Log."""
-        if self._throttle.lets(text, every):
-            rospy.logerr("%s", text)
+def make_log() -> ThrottledLog:
+    """The log of a node."""
+    debug, info, warn, error = (
+        partial(write, "%s") for write in (rospy.logdebug, rospy.loginfo, rospy.logwarn, rospy.logerr)
+    )
+    return ThrottledLog(debug, info, warn, error, rospy.get_time)

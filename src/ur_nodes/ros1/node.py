@@ -25,7 +25,7 @@ from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.raw import Raw
 from ur_nodes.ports.transforms import Transforms
 from ur_nodes.ports.values import ClockTime, Result
-from ur_nodes.ros1.facts import RosFacts, RosLog, RosParameters
+from ur_nodes.ros1.facts import RosFacts, RosParameters, make_log
 from ur_nodes.ros1.repairs.own_clock import follow_clock
 from ur_nodes.ros1.repairs.sent import DELAY, wait_until_sent
 from ur_nodes.ros1.services import call_service, serve_service
@@ -46,7 +46,7 @@ class RosNode(LoopNode):
         self.facts = RosFacts()
         self.parameters = Parameters(RosParameters())
         simulated = self.facts.simulated_time
-        super().__init__(Loop(rospy.get_time if simulated else time.monotonic, steady=not simulated), RosLog())
+        super().__init__(Loop(rospy.get_time if simulated else time.monotonic, steady=not simulated), make_log())
         self._transforms: Transforms | None = None
         if simulated:
             follow_clock(self._loop.passed)

@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import contextlib
-import os
 import sys
 from collections.abc import Callable, Iterator
-from pathlib import Path
 from typing import TypeVar
 
 import rclpy
@@ -41,8 +39,3 @@ def attach(
     finally:
         node.close()
         rclpy.try_shutdown()
-
-
-def log_folder() -> Path:
-    """The folder of the log files of nodes."""
-    return Path(os.environ.get("ROS_LOG_DIR") or Path(os.environ.get("ROS_HOME") or Path.home() / ".ros", "log"))

@@ -5,37 +5,16 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
-from ur_nodes.ports.log import Throttle
+from ur_nodes.ports.log import ThrottledLog
 
 if TYPE_CHECKING:
     from rclpy.clock import JumpHandle
     from rclpy.node import Clock, Logger
 
 
-class RosLog:
-    """See `ports.log.Log`."""
-
-    def __init__(self, logger: Logger, read: Callable[[], float]) -> None:
-        self._logger = logger
-        self._throttle = Throttle(read)
-
-    def debug(self, text: str) -> None:
-        """See Log."""
-        self._logger.debug(text)
-
-    def info(self, text: str) -> None:
-        """See Log."""
-        self._logger.info(text)
-
-    def warn(self, text: str, *, every: float = 0.0) -> None:
-        """See Log."""
-        if self._throttle.lets(text, every):
-            self._logger.warning(text)
-
-    def error(self, text: str, *, every: float = 0.0) -> None:
-        """See Log."""
-        if self._throttle.lets(text, every):
-            self._logger.error(text)
+def make_log(logger: Logger, read: Callable[[], float]) -> ThrottledLog:
+    """The log of a node."""
+    return ThrottledLog(logger.debug, logger.info, logger.warning, logger.error, read)
 
 
 def follow_clock(clock: Clock, call: Callable[[], None]) -> JumpHandle:

@@ -26,7 +26,7 @@ from ur_nodes.ports.raw import Raw
 from ur_nodes.ports.services import READING
 from ur_nodes.ports.transforms import Transforms
 from ur_nodes.ports.values import Result
-from ur_nodes.ros2.log import RosLog, follow_clock
+from ur_nodes.ros2.log import follow_clock, make_log
 from ur_nodes.ros2.names import resolve, type_name_of
 from ur_nodes.ros2.navigation.lifecycle import answer_for_managed_nodes
 from ur_nodes.ros2.parameters import RosParameters
@@ -59,7 +59,7 @@ class RosNode(LoopNode):
         self._clock = self._node.get_clock()
         self._transforms: Transforms | None = None
         loop = Loop(self._seconds if self._simulated else time.monotonic, steady=not self._simulated)
-        super().__init__(loop, RosLog(self._node.get_logger(), self._seconds))
+        super().__init__(loop, make_log(self._node.get_logger(), self._seconds))
         self._executor = SingleThreadedExecutor(context=self._node.context)
         self._executor.add_node(self._node)
         self._spinner = threading.Thread(target=self._executor.spin, name="executor", daemon=True)
