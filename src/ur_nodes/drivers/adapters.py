@@ -6,7 +6,7 @@ import math
 from dataclasses import replace
 
 from ur.robot.base import Base, Lidar
-from ur_nodes.drivers.base_states import BumperStates, WheelStates
+from ur_nodes.drivers.base_states import WHEEL_JOINTS, BumperStates, WheelStates
 from ur_nodes.geometry.pose import Pose3
 from ur_nodes.ports.node import Node
 from ur_nodes.ports.qualities import Quality
@@ -16,7 +16,6 @@ from ur_nodes.ports.values import DriverOdometry, Joints, Scan, Transform
 _LOOK_RATE = 10.0  # Hz
 _WARN_EVERY = 10.0  # s
 _QUATERNION_ERROR = 0.01
-_WHEELS = ("left_wheel_joint", "right_wheel_joint")
 _BAD_ODOMETRY = (
     "odometry is left out, expected finite numbers, a unit quaternion and speeds that a robot can have:"
     " does the driver read its serial line at the right baud rate, without noise?"
@@ -37,7 +36,7 @@ def adapt_odometry(node: Node, base: Base, *, publish_tf: bool) -> None:
         if frames:
             pose = Pose3(odometry.x, odometry.y, 0.0, *odometry.rotation)
             frames.send((Transform(odometry.stamp, "odom", "base_footprint", pose),))
-        joints.send(Joints(odometry.stamp, _WHEELS, wheels.angles, wheels.speeds))
+        joints.send(Joints(odometry.stamp, WHEEL_JOINTS, wheels.angles, wheels.speeds))
 
     node.subscribe("odom", DriverOdometry, take, Quality.EVERY)
 

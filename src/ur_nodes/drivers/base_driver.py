@@ -7,7 +7,7 @@ import math
 from ur.robot.base import Base
 from ur_nodes.drivers.base_topics import BaseTopics
 from ur_nodes.drivers.boards.board import MotorBoard
-from ur_nodes.drivers.line import Connect, LineSettings, LineUser
+from ur_nodes.drivers.line import REPORT, Connect, LineSettings, LineUser, describe_loss
 from ur_nodes.drivers.odometer import CounterOdometry
 from ur_nodes.drivers.readings import Contacts, Counts, DeviceIdentity, Motors, Power, Reading
 from ur_nodes.motion.wheel_drive import WheelDrive
@@ -17,7 +17,6 @@ from ur_nodes.ports.values import Twist
 COMMAND_AGE = 0.15  # s after the last command, at which the motors stop, without a ramp
 BLIND = 0.4  # s without counts, after which the base does not drive
 _ASK_AGAIN = 1.0  # s without an answer, after which the board is greeted again
-_REPORT = 10.0  # s between two lines on one problem
 _BAD, _TOO_BAD, _WORST = 3, 6, 15  # an implausible reading adds to what a plausible one takes 1 from; the motors stop
 
 
@@ -59,7 +58,7 @@ class BaseDriver:
             self._drive.halt()
             speeds = (0.0, 0.0)
         if reason and now - self._commanded <= COMMAND_AGE:
-            self._node.log.warn(f"{self._line.name}: the base does not drive: {reason}", every=_REPORT)
+            self._node.log.warn(f"{self._line.name}: the base does not drive: {reason}", every=REPORT)
         left, right = (speed * self._radius for speed in speeds)
         self._line.write(self._board.drive(left, right), moving=speeds != (0.0, 0.0))
 
@@ -88,12 +87,11 @@ class BaseDriver:
         self._open = False
         self._drive.halt()
         self._topics.forget()
-        help_ = "plug it in (ur devices lists what is there); it is opened again by itself"
-        self._node.log.error(f"{self._line.name}: {reason}; expected {self._board.name}; {help_}")
+        self._node.log.error(describe_loss(self._line, reason, self._board.name))
 
     def _report_silence(self) -> None:
         expected = f"no answer of {self._board.name}; is it switched on, and is this its device (ur devices --probe)?"
-        self._node.log.warn(f"{self._line.name}: {expected}", every=_REPORT)
+        self._node.log.warn(f"{self._line.name}: {expected}", every=REPORT)
 
     def _received(self, data: bytes, stamp: int) -> None:
         late = (self._node.now() - stamp) / SECOND
@@ -122,7 +120,7 @@ class BaseDriver:
         elif not first:
             self._bad_counts = min(_WORST, self._bad_counts + _BAD)
             text = "wheel counts jumped, and are left out; a reset of the board, or noise on its line?"
-            self._node.log.warn(f"{self._line.name}: {text}", every=_REPORT)
+            self._node.log.warn(f"{self._line.name}: {text}", every=REPORT)
         self._counted = time
 
     def _take_motors(self, motors: Motors) -> None:
@@ -137,7 +135,7 @@ class BaseDriver:
     def _take_identity(self, identity: DeviceIdentity) -> None:
         if identity.problem:
             self._unfit = identity.problem
-            self._node.log.error(f"{self._line.name}: {self._board.name}: {identity.problem}", every=_REPORT)
+            self._node.log.error(f"{self._line.name}: {self._board.name}: {identity.problem}", every=REPORT)
         elif not self._known:
             self._node.log.info(f"{self._line.name}: {self._board.name}: {identity.text}")
         self._known = True

@@ -7,6 +7,7 @@ from collections.abc import Iterable
 
 from ur.robot.base import Wheels
 
+WHEEL_JOINTS = ("left_wheel_joint", "right_wheel_joint")
 HOLD = 0.5  # s; a driver that reads its bumpers five times a second may take that long to report one again
 PLAUSIBLE = 50.0  # m/s and rad/s; no base that is driven here moves like that
 LONGEST_GAP = 0.5  # s without odometry, after which it is not known how far the wheels turned

@@ -4,21 +4,18 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-
 from ur.robot.base import Base, Bumpers, Cliffs
+from ur_nodes.drivers.base_states import WHEEL_JOINTS
 from ur_nodes.drivers.odometer import CounterOdometry, Motion
 from ur_nodes.drivers.readings import Contacts, Power
+from ur_nodes.geometry.dead_reckoning import SPEED_COVARIANCE, covariance_matrix
 from ur_nodes.geometry.pose import Pose3, quaternion_of_yaw
 from ur_nodes.ports.node import SECOND, Node, Publisher
 from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.values import Battery, Joints, Odometry, Transform, Twist
 
-_WHEELS = ("left_wheel_joint", "right_wheel_joint")
 _BATTERY_PERIOD = 1.0  # s
 _WARN_EVERY = 60.0  # s
-# Counters: the speed to about 1 %, no motion sideways.
-_SPEED_COVARIANCE = np.diag((1e-4, 1e-6, 1e-3))
 
 
 class BaseTopics:
@@ -53,13 +50,12 @@ class BaseTopics:
             return
         self._next = max(self._next + round(self._period), stamp - round(self._period / 2.0))
         reckoning = self._odometer.reckoning
-        xx, xy, xw, yy, yw, ww = reckoning.covariance
-        covariance = np.array(((xx, xy, xw), (xy, yy, yw), (xw, yw, ww)))
+        covariance = covariance_matrix(reckoning.covariance)
         x, y, yaw = reckoning.pose
         self._frames.send((Transform(stamp, "odom", "base_footprint", Pose3(x, y, 0.0, *quaternion_of_yaw(yaw))),))
         twist = Twist(motion.forward, motion.turn)
-        self._odom.send(Odometry(stamp, "odom", "base_footprint", reckoning.pose, twist, covariance, _SPEED_COVARIANCE))
-        self._joints.send(Joints(stamp, _WHEELS, self._odometer.angles, motion.wheel_speeds))
+        self._odom.send(Odometry(stamp, "odom", "base_footprint", reckoning.pose, twist, covariance, SPEED_COVARIANCE))
+        self._joints.send(Joints(stamp, WHEEL_JOINTS, self._odometer.angles, motion.wheel_speeds))
 
     def send_contacts(self, contacts: Contacts) -> None:
         """Send the bumpers or cliff sensors that have changed, of those that the base file names."""

@@ -7,14 +7,13 @@ import math
 from ur.robot.base import Lidar
 from ur_nodes.drivers.lidars.lidar import LidarProtocol
 from ur_nodes.drivers.lidars.turns import TurnCollector
-from ur_nodes.drivers.line import Connect, LineSettings, LineUser
+from ur_nodes.drivers.line import REPORT, Connect, LineSettings, LineUser, describe_loss
 from ur_nodes.drivers.readings import DeviceIdentity, MeasuredBeams
 from ur_nodes.ports.node import Node
 from ur_nodes.ports.values import Scan
 
 _LOOK = 0.5  # s
 _ASK_AGAIN = 3.0  # s without beams, after which the lidar is greeted again: its motor needs a while
-_REPORT = 10.0  # s between two lines on one problem
 
 
 class LidarDriver:
@@ -36,7 +35,7 @@ class LidarDriver:
         now = self._node.steady()
         if self._open and now - max(self._measured, self._greeted) > _ASK_AGAIN:
             text = f"no beams of {self._protocol.name}; does it turn, and is this its device (ur devices --probe)?"
-            self._node.log.warn(f"{self._line.name}: {text}", every=_REPORT)
+            self._node.log.warn(f"{self._line.name}: {text}", every=REPORT)
             self._greet()
 
     def _opened(self) -> None:
@@ -52,8 +51,7 @@ class LidarDriver:
 
     def _lost(self, reason: str) -> None:
         self._open = False
-        help_ = "plug it in (ur devices lists what is there); it is opened again by itself"
-        self._node.log.error(f"{self._line.name}: {reason}; expected {self._protocol.name}; {help_}")
+        self._node.log.error(describe_loss(self._line, reason, self._protocol.name))
 
     def _received(self, data: bytes, stamp: int) -> None:
         for reading in self._protocol.take(data):
@@ -66,7 +64,7 @@ class LidarDriver:
 
     def _take_identity(self, identity: DeviceIdentity) -> None:
         if identity.problem:
-            self._node.log.error(f"{self._line.name}: {self._protocol.name}: {identity.problem}", every=_REPORT)
+            self._node.log.error(f"{self._line.name}: {self._protocol.name}: {identity.problem}", every=REPORT)
         elif identity.text != self._known:
             self._known = identity.text
             self._node.log.info(f"{self._line.name}: {self._protocol.name}: {identity.text}")

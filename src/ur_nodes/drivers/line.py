@@ -6,6 +6,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Protocol
 
+REPORT = 10.0
+"""Seconds between two lines for people on one problem of a device."""
+
 
 @dataclass(frozen=True, slots=True)
 class LineUser:
@@ -39,6 +42,12 @@ class DeviceLine(Protocol):
 
     def close(self) -> None:
         """Close it for good, after what was written before has left."""
+
+
+def describe_loss(line: DeviceLine, reason: str, expected: str) -> str:
+    """Describe a line that was lost, or could not be opened."""
+    help_ = "plug it in (ur devices lists what is there); it is opened again by itself"
+    return f"{line.name}: {reason}; expected {expected}; {help_}"
 
 
 Connect = Callable[[LineUser, LineSettings], DeviceLine]

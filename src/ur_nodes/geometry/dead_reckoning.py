@@ -4,7 +4,13 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+from numpy.typing import NDArray
+
 from ur_nodes.geometry.pose import Pose2
+
+SPEED_COVARIANCE = np.diag((1e-4, 1e-6, 1e-3))
+"""Of forward, sideways and turn: encoders measure a speed to about 1 %, and no motion sideways."""
 
 
 class DeadReckoning:
@@ -52,3 +58,9 @@ class DeadReckoning:
             xx, xy, xw = xx + q * gx * gx, xy + q * gx * gy, xw + q * gx * gw
             yy, yw, ww = yy + q * gy * gy, yw + q * gy * gw, ww + q * gw * gw
         self.covariance = (xx, xy, xw, yy, yw, ww)
+
+
+def covariance_matrix(triangle: tuple[float, float, float, float, float, float]) -> NDArray[np.float64]:
+    """The matrix (3, 3) of x, y and yaw with an upper triangle, as `DeadReckoning.covariance`."""
+    xx, xy, xw, yy, yw, ww = triangle
+    return np.array(((xx, xy, xw), (xy, yy, yw), (xw, yw, ww)))

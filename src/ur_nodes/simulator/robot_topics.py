@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ur_nodes.geometry.dead_reckoning import SPEED_COVARIANCE, covariance_matrix
 from ur_nodes.geometry.pose import Pose3, quaternion_of_yaw
 from ur_nodes.ports.node import Node
 from ur_nodes.ports.qualities import Quality
@@ -12,8 +13,6 @@ from ur_nodes.simulator.settings import SimulatorSettings
 from ur_nodes.simulator.simulation import Simulation
 
 _EXACT = np.diag((1e-9, 1e-9, 1e-9))
-# Encoders: the speed to about 1 %, no motion sideways.
-_SPEED_COVARIANCE = np.diag((1e-4, 1e-6, 1e-3))
 
 
 class RobotTopics:
@@ -61,17 +60,16 @@ class RobotTopics:
         """Send the odometry of the encoders, and the ground truth."""
         if self._odom and self._odom.listeners():
             odometry = self._simulation.odometry(self._robot)
-            xx, xy, xw, yy, yw, ww = odometry.covariance
-            covariance = np.array(((xx, xy, xw), (xy, yy, yw), (xw, yw, ww)))
+            covariance = covariance_matrix(odometry.covariance)
             twist = Twist(*odometry.velocity)
             self._odom.send(
-                Odometry(stamp, self._odom_frame, self._base, odometry.pose, twist, covariance, _SPEED_COVARIANCE)
+                Odometry(stamp, self._odom_frame, self._base, odometry.pose, twist, covariance, SPEED_COVARIANCE)
             )
         if self._truth.listeners():
             forward, left, turn = self._simulation.velocity(self._robot)
             pose = self._simulation.pose(self._robot)
             twist = Twist(forward, turn, left)
-            self._truth.send(Odometry(stamp, self._map, self._base, pose, twist, _EXACT, _SPEED_COVARIANCE))
+            self._truth.send(Odometry(stamp, self._map, self._base, pose, twist, _EXACT, SPEED_COVARIANCE))
 
     def send_scan(self, stamp: int) -> None:
         """Send a scan of the lidar, taken in an instant."""

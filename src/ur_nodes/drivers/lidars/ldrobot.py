@@ -13,6 +13,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from ur_nodes.drivers.frames import FrameReader, fixed
+from ur_nodes.drivers.lidars.lidar import SendingLidar
 from ur_nodes.drivers.readings import MeasuredBeams, Reading
 
 POINTS = 12
@@ -34,7 +35,7 @@ def _make_table() -> bytes:
 _TABLE = _make_table()
 
 
-class LdRobot:
+class LdRobot(SendingLidar):
     """See LidarProtocol."""
 
     name = "LDROBOT LD06 or LD19"
@@ -43,14 +44,6 @@ class LdRobot:
 
     def __init__(self) -> None:
         self._frames = FrameReader(b"\x54\x2c", fixed(_SIZE), lambda frame: check(frame[:-1]) == frame[-1], _SIZE)
-
-    def greet(self) -> bytes:
-        """Nothing: it listens to nothing."""
-        return b""
-
-    def leave(self) -> bytes:
-        """Likewise."""
-        return b""
 
     def take(self, data: bytes) -> Iterator[Reading]:
         """See LidarProtocol."""

@@ -13,6 +13,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from ur_nodes.drivers.frames import FrameReader, fixed
+from ur_nodes.drivers.lidars.lidar import SendingLidar
 from ur_nodes.drivers.readings import MeasuredBeams, Reading
 
 _SIZE = 22
@@ -20,7 +21,7 @@ _INVALID, _MILLIMETRES = 0x8000, 0x3FFF
 _WORDS = struct.Struct("<10H")
 
 
-class Xv11:
+class Xv11(SendingLidar):
     """See LidarProtocol."""
 
     name = "lidar of a Neato XV-11"
@@ -29,14 +30,6 @@ class Xv11:
 
     def __init__(self) -> None:
         self._frames = FrameReader(b"\xfa", fixed(_SIZE), _is_valid, _SIZE)
-
-    def greet(self) -> bytes:
-        """Nothing: it listens to nothing."""
-        return b""
-
-    def leave(self) -> bytes:
-        """Likewise."""
-        return b""
 
     def take(self, data: bytes) -> Iterator[Reading]:
         """See LidarProtocol."""

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 from ur_nodes.simulator.devices.plant import Plant
 
 WATCHDOG = 0.15  # s
@@ -17,7 +19,7 @@ class ArduinoFirmware:
     def __init__(self, plant: Plant, *, counted: int = 0) -> None:
         """`counted` is what its counters begin with."""
         self._plant = plant
-        self._scale = plant.base.odometry.ticks_per_turn / (2.0 * 3.141592653589793 * plant.base.wheels.radius)
+        self._scale = plant.base.odometry.ticks_per_turn / (2.0 * math.pi * plant.base.wheels.radius)
         self._counted = counted
         self._line = b""
         self._commanded = -1.0
@@ -49,10 +51,7 @@ class ArduinoFirmware:
 
     def _obey(self, line: bytes) -> bytes:
         text, star, given = line.rpartition(b"*")
-        total = 0
-        for byte in text:
-            total ^= byte
-        if not star or given != f"{total:02X}".encode():
+        if not star or given != _checksum(text):
             return b""
         if text == b"?":
             return self._send("h ur-base 1 stand-in")
@@ -66,12 +65,17 @@ class ArduinoFirmware:
             self._plant.turn_wheels(left / self._scale, right / self._scale)
         return b""
 
-    def _send(self, text: str) -> bytes:
-        total = 0
-        for byte in text.encode():
-            total ^= byte
-        return f"{text}*{total:02X}\r\n".encode()
+    @staticmethod
+    def _send(text: str) -> bytes:
+        return text.encode() + b"*" + _checksum(text.encode()) + b"\r\n"
 
     @staticmethod
     def _wrap(count: int) -> int:
         return (count + 0x80000000) % 0x100000000 - 0x80000000
+
+
+def _checksum(text: bytes) -> bytes:
+    total = 0
+    for byte in text:
+        total ^= byte
+    return b"%02X" % total

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import math
 import struct
 
 from ur_nodes.simulator.devices.plant import Plant
 
-COUNTS_PER_METRE = 508.8 / (3.141592653589793 * 0.072)
+COUNTS_PER_METRE = 508.8 / (math.pi * 0.072)
 STREAM_PERIOD = 0.015  # s
 # Opcodes and the number of their data bytes; those of variable length are read apart.
 _DATA_BYTES = {7: 0, 128: 0, 129: 1, 130: 0, 131: 0, 132: 0, 133: 0, 134: 0, 135: 0, 136: 1, 137: 4, 138: 1, 139: 3,

@@ -9,6 +9,8 @@ from __future__ import annotations
 import math
 import struct
 from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from typing import ClassVar
 
 import numpy as np
 import numpy.typing as npt
@@ -136,57 +138,61 @@ class RplidarFirmware(TurningHead):
         return bytes.fromhex("a55a0300000006000000") if command == 0x52 else b""
 
 
-class LdRobotFirmware(TurningHead):
-    """An LD06."""
+class PacketHead(TurningHead):
+    """A head that listens to nothing, and sends packets of `size` beams."""
+
+    size: ClassVar[int]
 
     def __init__(self, plant: Plant) -> None:
         super().__init__(plant)
         self._waiting: list[tuple[int, float]] = []
 
+    @abstractmethod
+    def packet(self, points: Sequence[tuple[int, float]]) -> bytes:
+        """The bytes of a packet of beams, each its number since the start and a distance in mm."""
+
     def take(self, data: bytes) -> bytes:
-        """It listens to nothing."""
+        """See Firmware."""
         return data[:0]
 
     def pack(self, beams: npt.NDArray[np.int64], millimetres: npt.NDArray[np.float64]) -> bytes:
         """See TurningHead."""
         self._waiting += zip(beams.tolist(), millimetres.tolist(), strict=True)
         sent = b""
-        while len(self._waiting) >= 12:
-            points, self._waiting = self._waiting[:12], self._waiting[12:]
-            head = struct.pack("<BBHH", 0x54, 0x2C, round(self._lidar.rate * 360), points[0][0] % 360 * 100)
-            body = b"".join(struct.pack("<HB", round(mm), 200) for _, mm in points)
-            frame = head + body + struct.pack("<HH", points[-1][0] % 360 * 100, round(self._plant.time * 1000) % 30000)
-            sent += frame + bytes((_crc8(frame),))
+        while len(self._waiting) >= self.size:
+            sent += self.packet(self._waiting[: self.size])
+            del self._waiting[: self.size]
         return sent
 
 
-class Xv11Firmware(TurningHead):
+class LdRobotFirmware(PacketHead):
+    """An LD06."""
+
+    size = 12
+
+    def packet(self, points: Sequence[tuple[int, float]]) -> bytes:
+        """See PacketHead."""
+        head = struct.pack("<BBHH", 0x54, 0x2C, round(self._lidar.rate * 360), points[0][0] % 360 * 100)
+        body = b"".join(struct.pack("<HB", round(mm), 200) for _, mm in points)
+        frame = head + body + struct.pack("<HH", points[-1][0] % 360 * 100, round(self._plant.time * 1000) % 30000)
+        return frame + bytes((_crc8(frame),))
+
+
+class Xv11Firmware(PacketHead):
     """The lidar of an XV-11 on a controller that turns it."""
 
     clockwise = False
+    size = 4
 
-    def __init__(self, plant: Plant) -> None:
-        super().__init__(plant)
-        self._waiting: list[tuple[int, float]] = []
-
-    def take(self, data: bytes) -> bytes:
-        """It listens to nothing."""
-        return data[:0]
-
-    def pack(self, beams: npt.NDArray[np.int64], millimetres: npt.NDArray[np.float64]) -> bytes:
-        """See TurningHead."""
-        self._waiting += zip(beams.tolist(), millimetres.tolist(), strict=True)
-        sent = b""
-        while len(self._waiting) >= 4:
-            points, self._waiting = self._waiting[:4], self._waiting[4:]
-            packet = struct.pack("<BBH", 0xFA, 0xA0 + points[0][0] % 360 // 4, round(self._lidar.rate * 60 * 64))
-            for _, mm in points:
-                packet += struct.pack("<HH", round(mm) if 0 < mm < 16384 else 0x8035, 300)
-            total = 0
-            for (word,) in struct.iter_unpack("<H", packet):
-                total = total * 2 + word
-            sent += packet + struct.pack("<H", (total % 32768 + total // 32768) % 32768)
-        return sent
+    def packet(self, points: Sequence[tuple[int, float]]) -> bytes:
+        """See PacketHead."""
+        packet = struct.pack("<BBH", 0xFA, 0xA0 + points[0][0] % 360 // 4, round(self._lidar.rate * 60 * 64))
+        for _, mm in points:
+            packet += struct.pack("<HH", round(mm) if 0 < mm < 16384 else 0x8035, 300)
+        total = 0
+        for (word,) in struct.iter_unpack("<H", packet):
+            total = total * 2 + word
+        return packet + struct.pack("<H", (total % 32768 + total // 32768) % 32768)
 
 
 class YdlidarFirmware(TurningHead):

@@ -6,6 +6,8 @@ quarter tic, in 0.1 s), which its change e3b6120 says no encoder changes; the fi
 
 from __future__ import annotations
 
+import math
+
 from ur_nodes.simulator.devices.plant import Plant
 
 WATCHDOG = 0.5  # s; a guess: what the register of its dead-man timer means is not documented
@@ -22,7 +24,7 @@ class MagniFirmware:
 
     def __init__(self, plant: Plant, *, version: int = 43, reports: bool = True) -> None:
         self._plant, self._version, self._reports = plant, version, reports
-        self._scale = COUNTS_PER_TURN / (2.0 * 3.141592653589793 * plant.base.wheels.radius)
+        self._scale = COUNTS_PER_TURN / (2.0 * math.pi * plant.base.wheels.radius)
         self._read = [0, 0]  # counts that were reported
         self._bytes = b""
         self._commanded, self._reported = -1.0, plant.time
@@ -56,7 +58,7 @@ class MagniFirmware:
         if kind == 0xB and register == 0x2A and self.power:
             left, right = (int.from_bytes(each, "big", signed=True) for each in (data[:2], data[2:]))
             self._commanded = self._plant.time
-            rim = 2.0 * 3.141592653589793 * self._plant.base.wheels.radius / SPEED_PER_TURN
+            rim = 2.0 * math.pi * self._plant.base.wheels.radius / SPEED_PER_TURN
             self._plant.turn_wheels(*(max(-FASTEST, min(FASTEST, each)) * rim for each in (left, right)))
         if kind != 0xA:
             return b""
