@@ -37,6 +37,7 @@ class Host:
             self._bus.load_parameters("", {name.lstrip("/"): value})
         self._arguments = threading.Lock()  # held while sys.argv is that of the module that starts
         self._nodes: list[LiveNode] = []
+        self._threads: list[threading.Thread] = []  # of the nodes
         self._over = threading.Event()
         self._code = 0
 
@@ -82,7 +83,9 @@ class Host:
             first.wait()
         for node in nodes:
             started = threading.Event()
-            threading.Thread(target=self._keep, args=(node, started.set), name=node.name, daemon=True).start()
+            thread = threading.Thread(target=self._keep, args=(node, started.set), name=node.name, daemon=True)
+            self._threads.append(thread)
+            thread.start()
             started.wait()
 
     def _keep(self, start: NodeStart, started: Callable[[], None]) -> None:
@@ -144,6 +147,8 @@ class Host:
         for node in self._nodes:
             node.over.wait(max(0.0, until - time.monotonic()))
             node.join()
+        for thread in self._threads:  # each logs its exit code
+            thread.join(max(0.0, until - time.monotonic()))
 
 
 class _Release:
