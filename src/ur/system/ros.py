@@ -126,10 +126,14 @@ def facts_file(environment: Mapping[str, str], domain: str) -> str:
     return f"{folder}/ubiquity_launches/facts-{domain}.json"
 
 
+def find_facts(environment: Mapping[str, str], domain: str) -> str:
+    """The file of the facts of a run: the one that an environment names, or that of its user's runs in a domain."""
+    return environment.get("UR_FACTS") or facts_file(environment, domain)
+
+
 def viewer_socket(environment: Mapping[str, str]) -> str:
     """The socket at which the process of all nodes takes those of viewers, without ROS."""
-    facts = environment.get("UR_FACTS") or facts_file(environment, NONE)
-    return os.path.join(os.path.dirname(facts), "nodes.sock")  # noqa: PTH120 - as above
+    return os.path.join(os.path.dirname(find_facts(environment, NONE)), "nodes.sock")  # noqa: PTH120 - as above
 
 
 def graph_address(environment: Mapping[str, str]) -> str:

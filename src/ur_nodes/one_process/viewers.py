@@ -68,7 +68,7 @@ class ViewerSocket:
                     for each in given:
                         os.close(each)
             finally:
-                for each in kept:  # the other end sees the end, whoever else has this socket
+                for each in kept:  # closed for the other end, also where a viewer has copied this socket
                     with socket.socket(fileno=each) as end, suppress(OSError):
                         end.shutdown(socket.SHUT_RDWR)
 

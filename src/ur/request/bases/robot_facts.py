@@ -12,7 +12,7 @@ from ur.request.environment import environment_changes
 from ur.request.options import Report
 from ur.robot.robot_file import RobotFile, load_robot_file
 from ur.robot.selection import Selection
-from ur.system.ros import facts_file, graph_address, read_domain
+from ur.system.ros import find_facts, graph_address, read_domain
 
 BASE_NAME = "/ur/base_name"
 VARIANT = "/ur/variant"
@@ -76,7 +76,7 @@ def _read_run_facts(address: str, domain: str) -> Facts | None:
 
     if not any(each.master_uri == address for each in list_runs(os.environ, os.getuid(), read_computer())):
         return None
-    found = read_file(os.environ.get("UR_FACTS") or facts_file(os.environ, domain))
+    found = read_file(find_facts(os.environ, domain))
     base, variant = found.get("base_name"), found.get("variant")
     return (base, variant) if isinstance(base, str) and base and isinstance(variant, str) else None
 

@@ -165,7 +165,7 @@ def source_line(ros2: Ros2Robot, robot: str) -> str:
 def own_line(words: str, last: str = _MISSING) -> str:
     """The line that runs Python with `words` where this project is set up on the robot, else `last`."""
     places = " ".join(f'"$HOME"/{place}' for place in LIBRARIES)
-    # Not by its script `ur`, which may want to install something first: nobody is there to see that.
+    # Not by its script `ur`, which may want to install something first: a unit has no terminal that shows it.
     ready = f'"$d/.venv/bin/python" -I {words}'
     return f'for d in {places}; do [ ! -r "$d/.venv/ready-run" ] || exec {ready}; done; {last}'
 

@@ -19,7 +19,7 @@ from ur.run.record.entry import RunEntry
 from ur.run.record.registry import list_runs
 from ur.run.supervisor.events import Event, OwnerEnded
 from ur.source.run_users import read_birth
-from ur.system.ros import facts_file, read_domain
+from ur.system.ros import find_facts, read_domain
 
 START_SECONDS = 60.0
 _PATIENCE = 2.0  # s of silence, after which the wait is reported
@@ -45,7 +45,7 @@ def _ask_master(address: str) -> Callable[[], bool]:
     """Make a test of the runs at this address: whether they have set their parameters."""
     domain = read_domain(address)
     if domain is not None:
-        path = os.environ.get("UR_FACTS") or facts_file(os.environ, domain)
+        path = find_facts(os.environ, domain)
         return lambda: bool(read_facts(path).get("run_id"))
     known = parse_master_uri(address)
     master = Master(known.uri, known.host, known.port, 1.0)

@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from ur.launchfile.plan.specs import NodeSpec, Plan
+from ur.launchfile.query.topics import resolve_name
 from ur.run.master.parameters import CommandParameters
 from ur.run.middleware.facts import write_facts
 from ur.run.middleware.parameter_files import find_descriptions
@@ -136,7 +137,7 @@ def _describe(program: UnitProgram, node: NodeSpec) -> dict[str, object]:
     return {
         "name": node.full_name,
         "words": (*words, *own),
-        "remaps": {_full_name(source, node): _full_name(target, node) for source, target in node.remaps},
+        "remaps": {resolve_name(source, node): resolve_name(target, node) for source, target in node.remaps},
         "required": node.required,
         "respawn": node.respawn,
         "respawn_delay": node.respawn_delay,
@@ -151,9 +152,3 @@ def _read_start(executable: str) -> tuple[str, ...] | None:
     except (OSError, ValueError, UserError):
         return None
     return tuple(found[1].split()) if found else None
-
-
-def _full_name(name: str, node: NodeSpec) -> str:
-    if name.startswith("~"):
-        return f"{node.full_name}/{name[1:].lstrip('/')}"
-    return name if name.startswith("/") else f"{node.namespace.rstrip('/')}/{name}"

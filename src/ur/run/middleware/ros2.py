@@ -22,7 +22,7 @@ from ur.run.record.entry import RunEntry
 from ur.run.record.registry import list_runs
 from ur.run.supervisor.events import Event, Exited, ParametersSet, SetupFailed, Unregistered
 from ur.source.diagnostic import UserError, error
-from ur.system.ros import facts_file, graph_address
+from ur.system.ros import find_facts, graph_address
 
 Domain = TypeVar("Domain", bound="DomainMiddleware")
 
@@ -118,7 +118,7 @@ def find_domain(kind: type[Domain], environment: Mapping[str, str], options: Run
         message = f"--port {options.port} chooses the port of a master, which ROS 2 has not"
         raise UserError(error(message, rule="bad-options", help="ROS_DOMAIN_ID chooses the domain"))
     address = graph_address(environment)
-    facts = environment.get("UR_FACTS") or facts_file(environment, address.rpartition("/")[2])
+    facts = find_facts(environment, address.rpartition("/")[2])
     own = not list_others(environment)
     if own:
         clear_facts(facts)

@@ -14,7 +14,7 @@ from ur.run.middleware.facts import read_facts
 from ur.run.remote.protocol import check_printable
 from ur.source.diagnostic import UserError
 from ur.source.foreign.json_values import Timestamp, convert_json, read_json
-from ur.system.ros import facts_file, read_domain
+from ur.system.ros import find_facts, read_domain
 
 PARAMETER = "/ur/lease"
 LeaseState = Literal["free", "held", "lost"]
@@ -45,7 +45,7 @@ def read_lease(master_uri: str) -> RobotLease:
     """Read the lease from a master. Free without an answer, or where no robot of ours runs."""
     try:
         if (domain := read_domain(master_uri)) is not None:
-            path = os.environ.get("UR_FACTS") or facts_file(os.environ, domain)
+            path = find_facts(os.environ, domain)
             return parse_lease(read_facts(path).get("lease"))
         asked = parse_master_uri(master_uri)
         text = Master(asked.uri, asked.host, asked.port, _PATIENCE).call("getParam", PARAMETER)
