@@ -31,12 +31,12 @@ class TopicGoalHandle:
     """See `ports.actions.GoalHandle`."""
 
     def __init__(
-        self, goal: Goal, arrived: int, tell: Callable[[GoalState], None], report: Callable[[PlacedPose], None]
+        self, goal: Goal, arrived: int, report_state: Callable[[GoalState], None], report: Callable[[PlacedPose], None]
     ) -> None:
         self.goal = goal
         self.arrived = arrived  # ns
         self.state = GoalState(goal.id, "pending", "")
-        self._tell = tell
+        self._report_state = report_state
         self._report = report
 
     @property
@@ -76,7 +76,7 @@ class TopicGoalHandle:
         if not self.open:
             raise ValueError(f"goal {self.goal.id} has ended already: {self.state.state}, not {state}")
         self.state = GoalState(self.goal.id, state, text)
-        self._tell(self.state)
+        self._report_state(self.state)
 
 
 class TopicGoalServer:
@@ -110,7 +110,7 @@ class TopicGoalServer:
     def take_goal(self, goal: Goal, reporter: GoalReporter) -> None:
         """Take a goal that arrived by other means than a topic; clients on topics are informed of it, too."""
 
-        def tell(state: GoalState) -> None:
+        def report_state(state: GoalState) -> None:
             self._states.send(state)
             reporter.take_state(state)
 
@@ -118,7 +118,7 @@ class TopicGoalServer:
             self._feedback.send(place)
             reporter.take_place(place)
 
-        self._take(TopicGoalHandle(goal, self._node.now(), tell, report))
+        self._take(TopicGoalHandle(goal, self._node.now(), report_state, report))
 
     def cancel_goal(self, id: str) -> None:
         """Have the goal with this id end; where there is none, nothing happens."""

@@ -12,7 +12,7 @@ import yaml
 from tests.ros_session import ROOT, RosSession
 
 from ur.request.bases.robot_facts import read_facts
-from ur.robot.boot.units import tell_base_script
+from ur.robot.boot.units import set_base_script
 
 pytestmark = [pytest.mark.ros, pytest.mark.timeout(200)]
 
@@ -40,7 +40,7 @@ def boot_robot(session: RosSession, folder: Path, text: str) -> None:
     """What the unit of a robot's master runs once the master is up."""
     path = folder / "robot.yaml"
     path.write_text(text, encoding="utf-8")
-    command = ["/usr/bin/python3", "-c", tell_base_script(path)]
+    command = ["/usr/bin/python3", "-c", set_base_script(path)]
     subprocess.run(command, env=session.env, check=True, timeout=90)
 
 

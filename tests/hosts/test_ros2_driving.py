@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+import shlex
 import threading
 import time
 from collections.abc import Iterator
@@ -9,6 +11,8 @@ from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
+from tests.docs.chromium import Chromium
+from tests.e2e.web_page import PHONE, PROGRAM, BrowserPage
 from tests.hosts.bench import REPOSITORY, UR, Bench, Machine, boot, wait_until
 from tests.hosts.bench.ros2_robot import install_jazzy, remove_ros1
 from tests.hosts.test_ros2_robot import SUDO, set_up
@@ -97,9 +101,39 @@ def test_keys_of_the_laptop_drive_and_a_cut_of_the_network_stops_the_base(pair: 
             wait_until(lambda: last_motion(robot) > restored, "the base moves again", 20.0)
 
 
+@contextmanager
+def browser_of(laptop: Machine, folder: Path) -> Iterator[BrowserPage]:
+    """A browser on a phone, in the network of the laptop."""
+    starter = folder / "browser"
+    words = ["nsenter", "--target", str(laptop.leader), "--net", "--", str(PROGRAM)]
+    starter.write_text(f'#!/bin/sh\nexec {shlex.join(words)} "$@"\n')
+    starter.chmod(0o755)
+    with Chromium(str(starter), folder) as browser:
+        browser.resize(*PHONE, phone=True)
+        browser.ask("Emulation.setTouchEmulationEnabled", enabled=True)
+        yield BrowserPage(browser)
+
+
+@pytest.mark.skipif(PROGRAM is None, reason="Chromium is not installed")
 @pytest.mark.timeout(900)
-def test_page_of_the_robot_opens_on_the_laptop(pair: Bench, tmp_path: Path) -> None:
-    with program(pair["laptop"], "web", tmp_path) as terminal:
-        terminal.until("http://localhost:8090/login", 120.0)
-        fetch = "import urllib.request as u; print(u.urlopen('http://localhost:8090/login').status)"
-        assert pair["laptop"].run(f'python3 -c "{fetch}"', user="pat").check().out == "200\n"
+def test_page_shows_the_robot_drives_it_and_a_cut_of_the_network_stops_the_base(pair: Bench, tmp_path: Path) -> None:
+    laptop, robot = pair["laptop"], pair["robot"]
+    with program(laptop, "web --no-browser", tmp_path) as terminal, browser_of(laptop, tmp_path) as page:
+        link = re.search(r"http://localhost:8090/login#\S+", terminal.until("http://localhost:8090/login#", 120.0))
+        assert link
+        page.browser.open(link[0])
+        page.wait("globalThis.page?.map.pose && page.state && page.drive.newest", 120.0)
+        page.wait("page.map.scan.length > 50 && !page.state.missing.length")
+        before = time.monotonic()
+        page.push_stick()
+        wait_until(lambda: last_motion(robot) > before, "the base moves", 20.0)
+        laptop.cut()
+        cut = time.monotonic()
+        try:
+            wait_until(lambda: time.monotonic() > cut + 2.0, "the cut lasts", 5.0)
+            assert last_motion(robot) - cut <= AT_REST
+        finally:
+            laptop.restore()
+        page.touch("End")
+        (tmp_path / "page.png").write_bytes(page.browser.screenshot())
+        assert not page.browser.faults

@@ -65,7 +65,7 @@ def begin(shell: SshShell, change: GuardedChange, facts: ComputerFacts, wait: in
     from ur.robot.commit_confirm.begin import begin_change
 
     requester = f"{getpass.getuser()}@{socket.gethostname()}"
-    return begin_change(shell, change, facts, requester, wait, say)
+    return begin_change(shell, change, facts, requester, wait, print_line)
 
 
 def finish(
@@ -77,13 +77,13 @@ def finish(
 
     try:
         with show_progress(f"waiting for {known_as.removesuffix('.local')} to come back"):
-            return come_back(identity, change.title, addresses, wait, sudo, open_as(known_as), report=say)
+            return come_back(identity, change.title, addresses, wait, sudo, open_as(known_as), report=print_line)
     except KeyboardInterrupt:
-        say(f"{change.title}: not confirmed; the robot takes it back by itself within {wait} s")
+        print_line(f"{change.title}: not confirmed; the robot takes it back by itself within {wait} s")
         raise
 
 
-def say(text: str) -> None:
+def print_line(text: str) -> None:
     """A line that is seen at once, also in a file."""
     sys.stdout.write(f"{text}\n")
     sys.stdout.flush()

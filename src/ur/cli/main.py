@@ -47,10 +47,10 @@ def _run(argv: list[str], load: Callable[[str], click.Command]) -> int:
         sys.stdout.flush()
         return code
     except click.UsageError as problem:
-        _say(describe_usage_error(problem, argv))
+        _print_error(describe_usage_error(problem, argv))
         return 2
     except click.ClickException as problem:
-        _say(f"error: {printable_lines(problem.format_message())}")
+        _print_error(f"error: {printable_lines(problem.format_message())}")
         return 2
     except UserError as problem:
         sys.stderr.write(render_human(problem.diagnostics, colour=shows_colour(sys.stderr)))
@@ -121,17 +121,17 @@ def explain_exception(problem: Exception, argv: list[str]) -> int:
         if isinstance(problem.reason, BrokenPipeError):
             return 141
         reason = (problem.reason.strerror or str(problem.reason)).lower()
-        _say(f"error: standard output cannot be written: {reason}")
-        _say("  help: is the disk full, or standard output closed? then run this again")
+        _print_error(f"error: standard output cannot be written: {reason}")
+        _print_error("  help: is the disk full, or standard output closed? then run this again")
         return 2
     if isinstance(problem, OSError) and not _has_folder():
-        _say("error: the current folder does not exist any more, expected one to work in")
-        _say("  help: cd to another folder, then run this again")
+        _print_error("error: the current folder does not exist any more, expected one to work in")
+        _print_error("  help: cd to another folder, then run this again")
         return 2
     if isinstance(problem, OSError) and problem.errno in _REFUSALS and isinstance(problem.filename, (str, bytes)):
         name = printable(os.fsdecode(problem.filename))
-        _say(f"error: '{name}' cannot be used: {(problem.strerror or str(problem)).lower()}")
-        _say(f"  help: {_REFUSALS[problem.errno].format(shlex.quote(name))}")
+        _print_error(f"error: '{name}' cannot be used: {(problem.strerror or str(problem)).lower()}")
+        _print_error(f"  help: {_REFUSALS[problem.errno].format(shlex.quote(name))}")
         return 2
     return report_defect(problem, argv)
 
@@ -153,15 +153,15 @@ def report_defect(problem: Exception, argv: list[str]) -> int:
 
     folder = Path(user_folder("XDG_STATE_HOME", os.environ), "ubiquity_launches")
     path = write_crash_report(problem, "ur", [folder], argv)
-    _say(
+    _print_error(
         f"error: internal error in 'ur {printable(' '.join(argv))}': "
         f"{type(problem).__name__}: {printable(str(problem))}"
     )
-    _say(f"  help: please report it with the file {path}" if path else "  help: please report it")
+    _print_error(f"  help: please report it with the file {path}" if path else "  help: please report it")
     return 2
 
 
-def _say(text: str) -> None:
+def _print_error(text: str) -> None:
     try:
         sys.stderr.write(text + "\n")
     except OSError:

@@ -14,7 +14,7 @@ from ur.source.diagnostic import UserError, error
 from ur_nodes.ports.node import Node
 from ur_nodes.ros1.node import RosNode
 from ur_nodes.ros1.repairs.connections import bound_connections
-from ur_nodes.ros1.repairs.log_errors import report_log_errors, say_nothing
+from ur_nodes.ros1.repairs.log_errors import discard_line, report_log_errors
 from ur_nodes.ros1.run import silence_terminal
 
 Wired = TypeVar("Wired")
@@ -42,7 +42,7 @@ def attach(name: str, start: Callable[[Node], Wired], end: Callable[[], None]) -
         )
     try:
         rospy.init_node(name, disable_signals=True)
-        report_log_errors(say_nothing)
+        report_log_errors(discard_line)
         silence_terminal()
         node = AttachedNode()
 

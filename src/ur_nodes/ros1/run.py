@@ -17,7 +17,7 @@ from ur.source.render import render_human
 from ur_nodes.ports.node import Node
 from ur_nodes.ros1.node import RosNode
 from ur_nodes.ros1.repairs.connections import bound_connections
-from ur_nodes.ros1.repairs.log_errors import report_log_errors, say_nothing
+from ur_nodes.ros1.repairs.log_errors import discard_line, report_log_errors
 from ur_nodes.ros1.repairs.thread_failure import end_on_failure
 
 
@@ -49,7 +49,7 @@ def run_node(name: str, start: Callable[[], None], *, own_terminal: bool = False
     try:
         with shut_down_aside():
             rospy.init_node(name, disable_signals=True)
-            report_log_errors(say_nothing if own_terminal else None)
+            report_log_errors(discard_line if own_terminal else None)
             if own_terminal:
                 silence_terminal()
             failed = end_on_failure()

@@ -11,7 +11,7 @@ from tests.fuzz.target import Target
 
 from ur.request.remote import boot_command
 from ur.robot.boot.launch_file import RobotLaunch
-from ur.robot.boot.units import tell_base_script
+from ur.robot.boot.units import set_base_script
 from ur.robot.commit_confirm.rename import name_robot_file
 from ur.robot.discovery.record import load_records
 from ur.robot.discovery.seen import load_seen
@@ -91,7 +91,7 @@ def _read_robot_file(data: bytes, folder: Path) -> None:
     name_robot_file(text, "ann")
     made = robot_file(WantedRobot("ann", "magni", "lidar"), text)
     assert made.endswith("\n") or text, "a file without an end"
-    script = tell_base_script(file).partition("master =")[0]  # what follows speaks to a master
+    script = set_base_script(file).partition("master =")[0]  # what follows speaks to a master
     with suppress(SystemExit):
         exec(script, {"__name__": "fuzz"})
 

@@ -53,7 +53,7 @@ def main() -> None:
 
     def scan() -> None:
         message = LaserScan(angle_min=-3.14, angle_max=3.14, angle_increment=0.0174, range_min=0.1, range_max=8.0)
-        message.header.frame_id = "laser"
+        message.header.frame_id = "base_link"  # Jazzy's wheels have no messages of transforms
         message.header.stamp = node.get_clock().now().to_msg()
         message.ranges = [3.0] * 360
         scans.publish(message)

@@ -19,8 +19,8 @@ from ur.robot.boot.units import (
     master_unit,
     page_line,
     program_unit,
+    set_base_script,
     source_line,
-    tell_base_script,
 )
 from ur.robot.robot_file import Ros2Robot
 
@@ -69,7 +69,7 @@ def test_unit_has_the_rights_that_programs_of_a_robot_need_and_few_others(tmp_pa
 
 
 def run_script(path: Path) -> subprocess.CompletedProcess[str]:
-    script = tell_base_script(path)
+    script = set_base_script(path)
     return subprocess.run(["/usr/bin/python3", "-c", script], capture_output=True, text=True, check=False, timeout=90)
 
 
@@ -129,7 +129,7 @@ def test_running_master_gets_what_changed_in_the_robot_file(
         thread = threading.Thread(target=server.serve_forever)
         thread.start()
         environment = {"PATH": "/usr/bin:/bin", "ROS_MASTER_URI": f"http://127.0.0.1:{server.server_address[1]}"}
-        words = ["/usr/bin/python3", "-c", tell_base_script(path, seconds=0.0)]
+        words = ["/usr/bin/python3", "-c", set_base_script(path, seconds=0.0)]
         done = subprocess.run(words, env=environment, capture_output=True, text=True, check=True, timeout=90)
         server.shutdown()
         thread.join()

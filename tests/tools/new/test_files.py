@@ -10,7 +10,7 @@ import yaml
 from ur.robot.base import read_base
 from ur.source.diagnostic import UserError
 from ur.tools.new.group import plan_multi, plan_program, plan_rviz
-from ur.tools.new.launch_text import say
+from ur.tools.new.launch_text import as_comment
 from ur.tools.new.node import plan_node
 from ur.tools.new.package import write_base
 from ur.tools.new.parts import BaseRequest, IncludedPart, NewArgument, NewFile, NodeRequest, NodeTopic, Observed
@@ -102,7 +102,7 @@ def test_base_of_any_size_is_a_valid_base(tmp_path: Path, size: float) -> None:
 
 @pytest.mark.parametrize(("text", "said"), [("a -- b ---> c-", "a - b -> c"), ("two\n lines", "two lines")])
 def test_texts_cannot_end_a_comment(text: str, said: str) -> None:
-    assert say(text) == said
+    assert as_comment(text) == said
 
 
 def test_arguments_with_odd_characters_are_escaped() -> None:

@@ -55,11 +55,11 @@ def command(dry_run: bool, undo: bool, only_mine: bool, yes: bool) -> int:
             apply_change(shell, change)
         click.echo("reverted; open a new terminal")
     else:
-        say = ChangeReporter("", live=sys.stdout.isatty())
+        reporter = ChangeReporter("", live=sys.stdout.isatty())
 
         def report(change: Change) -> None:
-            say(f"  {change.title} ...")
+            reporter(f"  {change.title} ...")
 
-        bring_about(shell, want, user, base, root=False, report=report, progress=say.show_progress)
-        say("this computer is set up; open a new terminal to use it")
+        bring_about(shell, want, user, base, root=False, report=report, progress=reporter.show_progress)
+        reporter("this computer is set up; open a new terminal to use it")
     return 0

@@ -79,7 +79,7 @@ def _format_files(
             click.echo(f"error: {printable(path)}: {(problem.strerror or str(problem)).lower()}", err=True)
             continue
         changed += done.changed
-        _tell(done, check, diff)
+        _print_result(done, check, diff)
     return changed, broken
 
 
@@ -95,7 +95,7 @@ def _format_input() -> int:
     return 0
 
 
-def _tell(done: Formatted, check: bool, diff: bool) -> None:
+def _print_result(done: Formatted, check: bool, diff: bool) -> None:
     name = printable(os.path.relpath(done.path))
     if done.kept:
         click.echo(f"note: {name}: {done.kept}", err=True)

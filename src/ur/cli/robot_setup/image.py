@@ -100,7 +100,7 @@ def prepare(
         options, passwords = _write_seed(source, target, each, passwords, passwords_from, dry_run=dry_run, yes=yes)
         if not dry_run:
             _remember(options)
-            _tell(options)
+            _print_next_step(options)
     return 0
 
 
@@ -119,7 +119,7 @@ def _write_seed(
         layout = find_layout(path)
         if layout.os:
             check_robot_system(str(source), layout.os)
-        _say(f"{source}: {layout.system}")
+        click.echo(f"{source}: {layout.system}")
         present = read_seed(layout)
         options = make_options(given)
         passwords = passwords or read_passwords(options, passwords_from)
@@ -132,13 +132,13 @@ def _write_seed(
         if dry_run:
             _show(writes)
         elif not writes and target is None:
-            _say(f"nothing to do: it is prepared for {options.robot.name}")
+            click.echo(f"nothing to do: it is prepared for {options.robot.name}")
             _protect(source, device)
         else:
             _confirm(device, writes, yes=yes)
             with show_progress(f"writing {target or source}"):
                 commit(writes)
-            _say(f"{target or source}: prepared for {options.robot.name}")
+            click.echo(f"{target or source}: prepared for {options.robot.name}")
             _protect(target or source, device)
     return options, passwords
 
@@ -146,7 +146,7 @@ def _write_seed(
 def _protect(image: Path, device: DiskDevice | None) -> None:
     if device is None:
         image.chmod(0o600)  # also one that an earlier version has prepared, with the mode of the download
-        _say("only you can read this file: it holds the robot's host key and hashes of its passwords")
+        click.echo("only you can read this file: it holds the robot's host key and hashes of its passwords")
 
 
 def _take_back(source: Path, *, dry_run: bool, yes: bool) -> int:
@@ -154,14 +154,14 @@ def _take_back(source: Path, *, dry_run: bool, yes: bool) -> int:
         layout = find_layout(path)
         writes = plan_undo(layout, read_seed(layout))
         if not writes:
-            _say("nothing to take back: there is no seed of ours")
+            click.echo("nothing to take back: there is no seed of ours")
         elif dry_run:
             _show(writes)
         else:
             _confirm(device, writes, yes=yes)
             with show_progress(f"writing {source}"):
                 commit(writes)
-            _say("reverted")
+            click.echo("reverted")
     return 0
 
 
@@ -247,7 +247,7 @@ def _show(writes: Sequence[Write]) -> None:
     ]
     show_changes(changes)
     if not changes:
-        _say("nothing to do")
+        click.echo("nothing to do")
 
 
 def _text(content: bytes | None) -> str | None:
@@ -280,19 +280,15 @@ def _remember(options: SeedOptions) -> None:
         know_host_key(options.robot.name, options.host_key)
 
 
-def _tell(options: SeedOptions) -> None:
+def _print_next_step(options: SeedOptions) -> None:
     name = options.robot.name
     choices = f"--name {name} --base {options.robot.base}"
     choices += f" --variant {options.robot.variant}" if options.robot.variant else ""
     if options.host_key:
-        _say(f"its host key is {HostKey(options.host_key.public).fingerprint}, and known to this computer")
-        _say(f"boot {name} from it, then: ur robot setup {options.user}@{name}.local {choices}")
+        click.echo(f"its host key is {HostKey(options.host_key.public).fingerprint}, and known to this computer")
+        click.echo(f"boot {name} from it, then: ur robot setup {options.user}@{name}.local {choices}")
         return
     with suppress(UserError):  # no ssh here
         if run_tool(["ssh-keygen", "-F", f"{name}.local"]).returncode == 0:  # of what had this name before
             choices += " --new-host-key"
-    _say(f"boot {name} from it, then: ur robot setup {options.user}@{name}.local {choices}")
-
-
-def _say(text: str) -> None:
-    click.echo(text)
+    click.echo(f"boot {name} from it, then: ur robot setup {options.user}@{name}.local {choices}")

@@ -15,7 +15,7 @@ from ur.cli.guarded import (
     become_root,
     begin,
     finish,
-    say,
+    print_line,
     show_plan,
 )
 from ur.cli.output import plain_text
@@ -122,7 +122,9 @@ def change_network(
         identity = begin(shell, change, facts, wait)
     after: tuple[Address, ...] = (*([Address(address.user, literal)] if literal else []), address)
     finish(identity, change, ChangeAddresses(after, address), wait, sudo, address.host)
-    say(f"{change.title}: done" + (f"; {address.host} may need a moment until it leads there" if literal else ""))
+    print_line(
+        f"{change.title}: done" + (f"; {address.host} may need a moment until it leads there" if literal else "")
+    )
     return 0
 
 
@@ -159,7 +161,9 @@ def _show_devices(networks: Networks) -> None:
             rows.append((each.name, each.kind, each.state, profile.name if profile else "", ", ".join(each.addresses)))
     print_table(("device", "kind", "state", "network", "addresses"), rows)
     if not networks.running:
-        say(f"NetworkManager does not run there, but: {', '.join(networks.others) or 'no network service known'}")
+        print_line(
+            f"NetworkManager does not run there, but: {', '.join(networks.others) or 'no network service known'}"
+        )
 
 
 def print_table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> None:

@@ -17,7 +17,7 @@ from ur.cli.guarded import (
     become_root,
     begin,
     finish,
-    say,
+    print_line,
     show_plan,
 )
 from ur.source.diagnostic import UserError, error, error_about
@@ -61,7 +61,7 @@ def rename(robot: str, name: str, wait: int, password_from: int | None, dry_run:
     except UserError as problem:
         if problem.diagnostics[0].rule in AWAY and _is_there(later, address):
             remember(address.host.removesuffix(".local"), name)
-            say(f"no computer answers to {address.host}, and {name} is there: nothing more to do")
+            print_line(f"no computer answers to {address.host}, and {name} is there: nothing more to do")
             return 0
         raise
     if made is None:
@@ -71,8 +71,8 @@ def rename(robot: str, name: str, wait: int, password_from: int | None, dry_run:
     identity, change, facts, sudo = made
     finish(identity, change, ChangeAddresses((later,), address), wait, sudo, address.host)
     remember(facts.hostname, name)
-    say(f"{facts.hostname} is called {name} now: ur shell {name}")
-    say("what ran there already, and was not started at boot, keeps the old name until it is started anew")
+    print_line(f"{facts.hostname} is called {name} now: ur shell {name}")
+    print_line("what ran there already, and was not started at boot, keeps the old name until it is started anew")
     return 0
 
 
@@ -91,7 +91,7 @@ def _begin(
     change = plan_rename(facts, name)
     facts = gather(shell, base | change_request(change, user), root=True)
     if facts.hostname == name and not list_changes(change, facts):
-        say(f"it is called {name} already, everywhere")
+        print_line(f"it is called {name} already, everywhere")
         return None
     _check_free(shell, LocalShell(), name, facts)
     if dry_run:
@@ -106,7 +106,7 @@ def _check_free(there: Shell, here: Shell, name: str, facts: ComputerFacts) -> N
 
     from ur.source.progress_line import show_progress
 
-    say(f"looking whether {name}.local is free")
+    print_line(f"looking whether {name}.local is free")
     with (
         show_progress(f"looking up {name}.local"),
         ThreadPoolExecutor(2) as pool,  # each waits for seconds for an answer
@@ -184,14 +184,19 @@ def remember(old: str, new: str) -> None:
 
     user = getpass.getuser()
     bring_about(
-        LocalShell(), make, user, FactsRequest(user), root=False, report=lambda change: say(f"here: {change.title}")
+        LocalShell(),
+        make,
+        user,
+        FactsRequest(user),
+        root=False,
+        report=lambda change: print_line(f"here: {change.title}"),
     )
     if record:
         (folder / f"{old}.yaml").unlink(missing_ok=True)
     selected = current_selection(os.environ)
     if selected.robot == old:
         store_selection(selection_path(os.environ), replace(selected, robot=new))
-        say(f"here: {new} is selected, as {old} was")
+        print_line(f"here: {new} is selected, as {old} was")
 
 
 def _host_key(names: Sequence[str]) -> str | None:

@@ -202,27 +202,27 @@ def _check_robots(
 
 
 def _set_up(task: Task, here: LocalShell, viewer: ViewerFacts, *, alone: bool, between: bool) -> int:
-    say = ChangeReporter(task.robot.name if alone else "", live=alone and sys.stdout.isatty())
-    task = find_ros2(task, say)
-    count = set_up(task, here, viewer, say, say.show_progress)
+    report = ChangeReporter(task.robot.name if alone else "", live=alone and sys.stdout.isatty())
+    task = find_ros2(task, report)
+    count = set_up(task, here, viewer, report, report.show_progress)
     if between:
-        task, more = put_mux_between(task, say)
+        task, more = put_mux_between(task, report)
         count += more
     # Looked at through the new name, by key, with strict host keys: as it will be used.
-    with open_robot(replace(task, address=task.later, host_key=None, first_contact=False), say) as there:
+    with open_robot(replace(task, address=task.later, host_key=None, first_contact=False), report) as there:
         checks = verify(task, here, there, viewer, wait_for_master)
         needs = [need for need in examine(inspect_devices(there), task.devices) if need.state != "ready"]
     _print_checks(task, checks)
     for need in needs:
-        say(f"note: {need.message}\n  help: {need.help}")
+        report(f"note: {need.message}\n  help: {need.help}")
     bad = sum(not check.good for check in checks)
     if bad:
-        say(f"{bad} of {len(checks)} points are not as they should be; 'ur doctor {task.robot.name}' says more")
+        report(f"{bad} of {len(checks)} points are not as they should be; 'ur doctor {task.robot.name}' says more")
         return 1
     changes = "1 change" if count == 1 else f"{count} changes"
     chosen = alone and select_robot(task)
     use = "it is selected" if chosen else f"select it: ur use {task.robot.name}"
-    say(f"ready after {changes}; {use}" if count else "nothing to do: it is ready")
+    report(f"ready after {changes}; {use}" if count else "nothing to do: it is ready")
     return 0
 
 

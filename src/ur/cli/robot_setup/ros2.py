@@ -14,12 +14,12 @@ from ur.robot.setup.ros2.mux_between import give_back, take_over
 from ur.source.diagnostic import UserError, error
 
 
-def find_ros2(task: Task, say: ChangeReporter) -> Task:
+def find_ros2(task: Task, report: ChangeReporter) -> Task:
     """The task with the ROS 2 that the robot has, which then stays as it is.
 
     Where this first login had to change the password, the robot has the new one, and later logins may use it.
     """
-    with open_robot(task, say) as shell:
+    with open_robot(task, report) as shell:
         found = find_robot_ros2(shell)
         if task.new in shell.accepted:
             task = replace(task, first_contact=False)
@@ -29,14 +29,14 @@ def find_ros2(task: Task, say: ChangeReporter) -> Task:
     where = f"domain {ros2.domain}" + (f", {ros2.middleware}" if ros2.middleware else "")
     kind = topics.get(ros2.commands, "").rpartition("/")[2]
     commands = f"{ros2.commands}, {kind}" if kind else ros2.commands
-    say(f"ROS 2 {ros2.distro.capitalize()} ({where}; commands: {commands}), which stays as it is")
+    report(f"ROS 2 {ros2.distro.capitalize()} ({where}; commands: {commands}), which stays as it is")
     others = [f"{name} ({kind.rpartition('/')[2]})" for name, kind in topics.items() if name != ros2.commands]
     if others:
-        say(f"the base takes {', '.join(others)}, too; ros_commands in {ROBOT_FILE} names the one that is used")
+        report(f"the base takes {', '.join(others)}, too; ros_commands in {ROBOT_FILE} names the one that is used")
     return replace(task, robot=replace(task.robot, ros2=ros2, master=False), devices=())
 
 
-def put_mux_between(task: Task, say: ChangeReporter) -> tuple[Task, int]:
+def put_mux_between(task: Task, report: ChangeReporter) -> tuple[Task, int]:
     """Have the mux take over the commands of a robot with ROS 2; the task with the base's topic, and how many changes.
 
     Raises UserError: it has no ROS 2, or its driver did not take the other topic.
@@ -44,20 +44,20 @@ def put_mux_between(task: Task, say: ChangeReporter) -> tuple[Task, int]:
     if task.robot.ros2 is None:
         message = f"{task.robot.name} has no ROS 2, expected a robot with ROS 2 and --take-over"
         raise UserError(error(message, rule="usage", help="leave --take-over out"))
-    with open_robot(replace(task, address=task.later, host_key=None, first_contact=False), say) as shell:
-        robot, count = take_over(shell, task.robot, say)
+    with open_robot(replace(task, address=task.later, host_key=None, first_contact=False), report) as shell:
+        robot, count = take_over(shell, task.robot, report)
     return replace(task, robot=robot), count
 
 
 def take_back_ros2(task: Task, viewer: ViewerFacts) -> int:
     """Take back what the set-up wrote; the exit code. Raises UserError: the robot has no ROS 2."""
-    say = ChangeReporter(task.robot.name)
-    task = find_ros2(task, say)
+    report = ChangeReporter(task.robot.name)
+    task = find_ros2(task, report)
     if task.robot.ros2 is None:
         message = f"{task.robot.name} has no ROS 2, or ROS 1 as well, expected a robot with ROS 2 alone"
         raise UserError(error(message, rule="usage", help="docs/how-to/uninstall.md has the steps"))
-    with open_robot(task, say) as shell:
-        count = give_back(shell, say)
-    count += take_back(task, viewer, say)
-    say(f"{count} changes taken back; packages stay" if count else "nothing to take back")
+    with open_robot(task, report) as shell:
+        count = give_back(shell, report)
+    count += take_back(task, viewer, report)
+    report(f"{count} changes taken back; packages stay" if count else "nothing to take back")
     return 0

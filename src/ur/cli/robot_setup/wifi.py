@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import click
 
 from ur.cli.answers import read_lines
-from ur.cli.guarded import DRY_RUN, WAIT, say
+from ur.cli.guarded import DRY_RUN, WAIT, print_line
 from ur.cli.robot_setup.network import change_network, print_table
 
 if TYPE_CHECKING:
@@ -68,7 +68,7 @@ def wifi(
             wanted = choose_network(
                 networks, ssid, network_password, partial(_ask_password, ssid), hidden=hidden, band=band or ""
             )
-            say(f"while the robot waits, this computer has to be in {ssid}, or in a network that leads there")
+            print_line(f"while the robot waits, this computer has to be in {ssid}, or in a network that leads there")
             return plan_join(networks, wanted, device)
         if forget is not None:
             return plan_forget(networks, find_known(networks, forget))
@@ -88,7 +88,7 @@ def _show(networks: Networks, device: NetworkDevice) -> None:
     """Print the network that the robot uses, and those that it sees."""
     profile = networks.profile(device.profile)
     using = f"uses {profile.ssid or profile.name}" if profile else f"uses no network ({device.state})"
-    say(f"{device.name} {using}{''.join(f', {address}' for address in device.addresses if ':' not in address)}")
+    print_line(f"{device.name} {using}{''.join(f', {address}' for address in device.addresses if ':' not in address)}")
     known = {each.ssid for each in networks.profiles if each.ssid}
     print_table(
         ("network", "signal", "band", "security", ""),
@@ -105,4 +105,4 @@ def _show(networks: Networks, device: NetworkDevice) -> None:
     )
     away = sorted(known - {each.ssid for each in networks.seen})
     if away:
-        say(f"known, and not in reach: {', '.join(away)}")
+        print_line(f"known, and not in reach: {', '.join(away)}")

@@ -83,7 +83,7 @@ def command(names: tuple[str, ...], watch: bool, seconds: float, as_json: bool) 
             note_seen(seen_path(os.environ), [SeenRobot(one.name, one.address, time.time()) for one in here])
         if not watch:
             _show(rows, as_json)
-            _tell_left_out(*browser.left_out)
+            _print_left_out(*browser.left_out)
     if watch:
         return 0
     found = all(row.address for row in rows) if wanted else any(row.address for row in rows)
@@ -104,7 +104,7 @@ def _show(rows: Sequence[RobotRow], as_json: bool) -> None:
     sys.stdout.flush()
 
 
-def _tell_left_out(misshapen: int, too_many: int) -> None:
+def _print_left_out(misshapen: int, too_many: int) -> None:
     if misshapen:
         click.echo(f"note: {misshapen} announcements that no robot of ours makes were ignored", err=True)
     if too_many:

@@ -106,23 +106,23 @@ def make_printer(*, colour: bool) -> Callable[[RunEvent], None]:
         nonlocal live
         match event:
             case RunStarted():
-                _say(f"{event.run}, ROS_MASTER_URI={event.master_uri}, log files in {event.log_folder}")
+                _print(f"{event.run}, ROS_MASTER_URI={event.master_uri}, log files in {event.log_folder}")
             case NodeChanged() if not live:
                 nodes.append(event)
             case Synchronised():
                 live = True
                 for node in nodes:
-                    _say(f"[{node.name}] {describe_node(node)}")
+                    _print(f"[{node.name}] {describe_node(node)}")
             case OutputLine():
                 head = f"\x1b[1m[{event.name}]\x1b[0m" if colour else f"[{event.name}]"
                 tail = "\x1b[0m" if "\x1b" in event.text else ""
                 sys.stdout.write(f"{head} {event.text}{tail}\n")
                 sys.stdout.flush()
             case Notice():
-                _say(f"error: {event.text}" if event.severity == "error" else event.text)
+                _print(f"error: {event.text}" if event.severity == "error" else event.text)
 
     return show
 
 
-def _say(text: str) -> None:
+def _print(text: str) -> None:
     sys.stderr.write(text + "\n")

@@ -57,14 +57,14 @@ def wait_ready(entry: RunEntry, timeout: float) -> int:
             if view.nodes and not late:
                 return 0
             progress(f"waiting for {len(late)} of {len(view.nodes)} nodes: {', '.join(late)}")
-    _say_missing(view.list_missing(), timeout)
+    _print_missing(view.list_missing(), timeout)
     return 1
 
 
 def start_detached(run: Callable[[Detach], int], wait: float | None) -> int:
     """Start a run that is detached, print how to reach it, and with `wait` (s) wait until every node is up."""
 
-    def tell(name: str) -> int:
+    def print_name(name: str) -> int:
         sys.stdout.write(f"{name}\n")
         sys.stdout.flush()
         if sys.stderr.isatty():
@@ -73,10 +73,10 @@ def start_detached(run: Callable[[Detach], int], wait: float | None) -> int:
             return 0
         return wait_ready(choose_run(name), wait)
 
-    return run_detached(run, tell)
+    return run_detached(run, print_name)
 
 
-def _say_missing(missing: dict[str, tuple[str, ...]], timeout: float) -> None:
+def _print_missing(missing: dict[str, tuple[str, ...]], timeout: float) -> None:
     sys.stderr.write(f"error: not up after {timeout:g} s{':' if missing else ''}\n")
     for name, reasons in missing.items():
         sys.stderr.write(f"  {name}: {'; '.join(reasons)}\n")

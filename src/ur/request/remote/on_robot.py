@@ -63,7 +63,7 @@ class SharedProgram:
         """
         if self.detached or not self.run:
             return 0
-        with _interrupted_by_signals(), LinkReporter(self.robot, self.address.host, _say) as link:
+        with _interrupted_by_signals(), LinkReporter(self.robot, self.address.host, _print) as link:
             try:
                 return self._follow(link)
             except KeyboardInterrupt:
@@ -75,15 +75,15 @@ class SharedProgram:
             code = self._show(run)
             if code == 255:
                 if not lost:
-                    _say(f"{self.robot}: connection lost; {run} keeps running on the robot; retrying")
+                    _print(f"{self.robot}: connection lost; {run} keeps running on the robot; retrying")
                 lost = True
                 link.wait_reachable(AGAIN_SECONDS)
                 continue
             if not (lost and code and self.again.has_restarted()):
                 return code
-            _say(f"{self.robot} has restarted: its nodes are started again")
+            _print(f"{self.robot} has restarted: its nodes are started again")
             if problem := self.again.start():
-                _say(f"error: {problem}")
+                _print(f"error: {problem}")
                 return 1
             if not self.again.run:
                 return 0  # they start with the robot, and are not of this run
@@ -248,9 +248,9 @@ def _end(address: Address, request: ShareRequest, robot: str) -> None:
     except KeyboardInterrupt:
         answer, problem = ShareAnswer(), "interrupted"
     for line in describe_end(robot, answer):
-        _say(line)
+        _print(line)
     if problem:
-        _say(f"warning: {robot}: its nodes go on there: {problem}\n  help: ur shell {robot} ur stop --all")
+        _print(f"warning: {robot}: its nodes go on there: {problem}\n  help: ur shell {robot} ur stop --all")
 
 
 def _is_anonymous(name: str) -> bool:
@@ -272,6 +272,6 @@ def _interrupted_by_signals() -> Iterator[None]:
             signal.signal(number, handler)
 
 
-def _say(text: str) -> None:
+def _print(text: str) -> None:
     sys.stderr.write(f"{text}\n")
     sys.stderr.flush()

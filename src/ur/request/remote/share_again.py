@@ -126,8 +126,8 @@ def parse_health(text: str) -> Health:
 class LinkReporter:
     """Print changes of the link to a robot while a run is followed that has no nodes on this computer."""
 
-    def __init__(self, robot: str, host: str, say: Callable[[str], None]) -> None:
-        self._robot, self._say = robot, say
+    def __init__(self, robot: str, host: str, report: Callable[[str], None]) -> None:
+        self._robot, self._report = robot, report
         self._lines = LossLines()
         self._reachable = threading.Event()
         self._reachable.set()
@@ -157,4 +157,4 @@ class LinkReporter:
         else:
             self._reachable.set()
         if self._lines.is_due(event.seconds, lost=lost):
-            self._say(describe_link(self._robot, event.seconds, lost=lost))
+            self._report(describe_link(self._robot, event.seconds, lost=lost))

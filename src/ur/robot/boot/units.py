@@ -85,7 +85,7 @@ WantedBy=multi-user.target
 """
 
 # Python as ROS has it: PyYAML comes with rospkg. A master that was just started needs a moment until it answers.
-_TELL = """\
+_SET_BASE = """\
 import os, socket, sys, time, xmlrpc.client, yaml
 socket.setdefaulttimeout(5.0)
 try:
@@ -130,16 +130,16 @@ class UnitFile:
 
 def master_unit(user: str, home: str) -> UnitFile:
     """The unit that keeps a ROS master up as a user, and tells it what base the robot is."""
-    then = ["/usr/bin/python3", "-I", "-c", tell_base_script()]
+    then = ["/usr/bin/python3", "-I", "-c", set_base_script()]
     return _unit(MASTER, command_line(["roscore", "-w", str(MASTER_WORKERS)]), user, home, then=then)
 
 
-def tell_base_script(path: Path = ROBOT_FILE, *, seconds: float = 60.0) -> str:
+def set_base_script(path: Path = ROBOT_FILE, *, seconds: float = 60.0) -> str:
     """Python that sets `/ur/base_name` and `/ur/variant` of the master from a robot file, where there is one.
 
     It waits so long (s) for the master, and prints `changed NAME` for each parameter that had another value.
     """
-    return _TELL.format(path=str(path), seconds=seconds)
+    return _SET_BASE.format(path=str(path), seconds=seconds)
 
 
 def program_unit(name: str, line: str, user: str, home: str, *, master: bool = True) -> UnitFile:

@@ -28,7 +28,7 @@ VARIABLES = ("ROS_MASTER_URI", "ROS_HOSTNAME", "ROS_IP")
 STRICT = "ssh -T -o BatchMode=yes -o StrictHostKeyChecking=yes -o ConnectTimeout=5 -o LogLevel=ERROR --"
 HEADERS = 28  # bytes of IP and ICMP
 # What a group of shells prints about itself; each way of starting one is asked.
-_TELL = 'for v in ROS_MASTER_URI ROS_HOSTNAME ROS_IP; do eval "w=\\${$v-}"; echo "$v=$w"; done'
+_PRINT_VARIABLES = 'for v in ROS_MASTER_URI ROS_HOSTNAME ROS_IP; do eval "w=\\${$v-}"; echo "$v=$w"; done'
 _SETTING = rf"^[[:space:]]*(export[[:space:]]+)?({'|'.join(VARIABLES)})="
 _FIREWALL = """\
 if grep -qs '^ENABLED=yes' /etc/ufw/ufw.conf; then echo ufw
@@ -55,8 +55,8 @@ def observe_script(other: str, more: Mapping[str, str] | None = None) -> str:
         "mark() { printf '\\036%s\\n' \"$1\"; }; export LC_ALL=C; PATH=$PATH:/usr/sbin:/sbin; cd",
         "mark name; cat /proc/sys/kernel/hostname; id -un",
         "mark addresses; ip -brief -4 address show scope global 2>/dev/null",
-        f"mark ros; {_TELL}",
-        f'mark shell; timeout 10 "${{SHELL:-sh}}" -ic {quote(_TELL)} 2>/dev/null </dev/null',
+        f"mark ros; {_PRINT_VARIABLES}",
+        f'mark shell; timeout 10 "${{SHELL:-sh}}" -ic {quote(_PRINT_VARIABLES)} 2>/dev/null </dev/null',
         f'mark settings; for f in {" ".join(SHELL_FILES)}; do [ ! -r "$f" ] || grep -HoE {quote(_SETTING)} "$f"; done',
         "mark ros_setup; [ ! -r ~/.ros_setup ] || { cat ~/.ros_setup; echo end; }",
         f'mark modes; for p in {quote(*SSH_PATHS)}; do [ ! -e "$p" ] || stat -L -c "%a $p" "$p"; done',

@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-from ur.robot.boot.units import LIBRARIES, tell_base_script
+from ur.robot.boot.units import LIBRARIES, set_base_script
 from ur.robot.discovery.record import RobotRecord, records_folder, render_record
 from ur.robot.setup.change import Change
 from ur.robot.setup.contact import forget_contact, note_contact
@@ -138,7 +138,7 @@ def update_master(robot: WantedRobot, shell: Shell, report: Report) -> int:
     It is looked at each time, so that an interrupted set-up is completed. A master that does not run gets them at its
     start.
     """
-    done = shell.run(quote("python3", "-I", "-c", tell_base_script(seconds=0.0)), timeout=30.0)
+    done = shell.run(quote("python3", "-I", "-c", set_base_script(seconds=0.0)), timeout=30.0)
     if done.code or "changed" not in done.out:
         return 0
     base = f"{robot.base}, variant {robot.variant}" if robot.variant else robot.base

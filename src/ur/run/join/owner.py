@@ -65,10 +65,10 @@ def list_joined(run: str, environment: Mapping[str, str], uid: int) -> list[str]
     return [each.run for each in runs if run in read_claims(each.folder).joined]
 
 
-def follow_owners(owners: Iterable[RunEntry], tell: Callable[[Event], None], over: threading.Event) -> None:
+def follow_owners(owners: Iterable[RunEntry], report: Callable[[Event], None], over: threading.Event) -> None:
     """Report the end of each of these runs, each from a thread of its own, until `over`."""
     for entry in owners:
-        threading.Thread(target=_follow, args=(entry, tell, over), daemon=True).start()
+        threading.Thread(target=_follow, args=(entry, report, over), daemon=True).start()
 
 
 def describe_joined(runs: Iterable[str]) -> str:
@@ -79,10 +79,10 @@ def describe_joined(runs: Iterable[str]) -> str:
     return f"{', '.join(names)} had joined it and {'ends' if len(names) == 1 else 'end'}, too"
 
 
-def _follow(entry: RunEntry, tell: Callable[[Event], None], over: threading.Event) -> None:
+def _follow(entry: RunEntry, report: Callable[[Event], None], over: threading.Event) -> None:
     cause = _wait_end(entry, over)
     if not over.is_set():
-        tell(OwnerEnded(f"{entry.run}, which this run had joined, {cause}"))
+        report(OwnerEnded(f"{entry.run}, which this run had joined, {cause}"))
 
 
 def _wait_end(entry: RunEntry, over: threading.Event) -> str:

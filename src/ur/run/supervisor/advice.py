@@ -25,10 +25,10 @@ def advise(crash: Crash) -> str:
     if crash.reason:
         return _advise_unstarted(crash)
     text = "\n".join(re.sub("\x1b\\[[0-9;]*m", "", line) for line in crash.lines)
-    for pattern, tell in _BY_TEXT:
+    for pattern, advice in _BY_TEXT:
         found = re.search(pattern, text, re.MULTILINE)
         if found:
-            return tell.format(*found.groups(), name=crash.name)
+            return advice.format(*found.groups(), name=crash.name)
     if crash.status.signal is not None:
         return _BY_SIGNAL.get(crash.status.signal, "").format(name=crash.name)
     if "Traceback (most recent call last)" in text:

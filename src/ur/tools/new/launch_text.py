@@ -18,8 +18,8 @@ MACHINE = NewArgument("machine", "Where the node runs.", default="localhost")
 
 def write_launch(summary: str, overview: str, arguments: Sequence[NewArgument], body: Iterable[str]) -> str:
     """Summary, Overview, arguments by kind with their documentation, and the lines of the rest."""
-    lines = ["<launch>", f"  <!--Summary: {say(summary)}-->"]
-    paragraph = fill(say(overview), _WIDTH - 4, break_long_words=False, break_on_hyphens=False)
+    lines = ["<launch>", f"  <!--Summary: {as_comment(summary)}-->"]
+    paragraph = fill(as_comment(overview), _WIDTH - 4, break_long_words=False, break_on_hyphens=False)
     lines += ["  <!--Overview:", *(f"    {line}" for line in paragraph.splitlines()), "  -->"]
     for title, kind in (("Required", "required"), ("Convenience", "value"), ("Optional", "default")):
         chosen = [each for each in arguments if _kind(each) == kind]
@@ -38,7 +38,7 @@ def attribute(name: str, value: str) -> str:
     return f"{name}={quoteattr(value)}"
 
 
-def say(text: str) -> str:
+def as_comment(text: str) -> str:
     """A text as it may stand in a comment: in one line, without two dashes in a row."""
     words = " ".join(text.split())
     while "--" in words:
@@ -64,4 +64,4 @@ def _argument(argument: NewArgument) -> Iterator[str]:
     elif argument.default is not None:
         given = " " + attribute("default", argument.default)
     yield f'<arg name="{escape(argument.name)}"{given}/>'
-    yield f"<!--{argument.name}: {say(argument.doc)}-->"
+    yield f"<!--{argument.name}: {as_comment(argument.doc)}-->"

@@ -56,7 +56,7 @@ def observe_node(
                     f"the node ended with {node.returncode} while it was looked at, so this may not be all; "
                     "a parameter that it must have is given after --, as _NAME:=VALUE"
                 )
-            return listener.tell()
+            return listener.observed()
         finally:
             _end(node)
 
@@ -100,7 +100,7 @@ class _Listener:
         if before != (len(self._topics), len(self._services), len(self._asked)):
             self.latest = time.monotonic()
 
-    def tell(self) -> Observed:
+    def observed(self) -> Observed:
         """The output of the node."""
         with self._lock:
             values = self._master.getParam(NAME, NAME)

@@ -32,7 +32,7 @@ from ur.web.server.link_files import LinkFiles
 from ur.web.server.links import FIRST_PORT, LISTENERS, draw_code, find_address, make_link
 from ur.web.server.logins.gate import VIEWER_PATH, LoginGate
 from ur.web.server.logins.session_file import state_folder
-from ur.web.server.logins.sessions import say_nothing
+from ur.web.server.logins.sessions import discard_line
 from ur.web.server.robot_end import robot_environment
 from ur.web.server.robots.parent_server import ParentServer, take_connection
 from ur.web.server.robots.robot_servers import RobotServers
@@ -95,7 +95,7 @@ async def serve(
     quiet = options.service or parent is not None
     if parent is not None:  # a login is for this robot, and the port may have been another one's
         path.unlink(missing_ok=True)
-    gate = LoginGate(origins, path, log, links, options.origins, say_nothing if quiet else report, life)
+    gate = LoginGate(origins, path, log, links, options.origins, discard_line if quiet else report, life)
     above = ParentServer(options.own, parent, gate.invite) if parent is not None else None
     robots = above or _make_robots(options, gate, log)
     application = Application(gate, load_files(), robot_environment(), options.robot, log, robots)

@@ -19,7 +19,7 @@ def report_log_errors(report: Callable[[str], None] | None = None) -> None:
             setattr(handler, "handleError", _report_once(handler.baseFilename, report or _write))  # noqa: B010
 
 
-def say_nothing(_line: str) -> None:
+def discard_line(_line: str) -> None:
     """For programs that draw on their terminal, where another line would be in the way."""
 
 

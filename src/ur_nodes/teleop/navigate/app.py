@@ -63,7 +63,7 @@ class NavigateApp(NavigateView):
             self.exit()
         elif self._asks_to_end:
             self._asks_to_end = False
-            self._say("")
+            self._show_message("")
         elif not self.query_one(Panel).take_key(key):
             return False
         if key == "space":
@@ -96,7 +96,7 @@ class NavigateApp(NavigateView):
             elif command is not None:
                 self._do(command)
         except UserError as problem:
-            self._say(error_line(problem), "bold red")
+            self._show_message(error_line(problem), "bold red")
 
     async def action_quit(self) -> None:
         """End the program by Ctrl-C, as `q` does."""
@@ -109,7 +109,7 @@ class NavigateApp(NavigateView):
             self.exit()
             return
         self._asks_to_end = True
-        self._say(
+        self._show_message(
             f"{users}; it ends with this program. Press q again to end it, or any other key to stay", "bold yellow"
         )
 
@@ -119,11 +119,11 @@ class NavigateApp(NavigateView):
             self._waiting_timer.stop()
         self._waiting_line = line
         self._waiting_timer = self.set_timer(MOST_WAITING, self._give_up)
-        self._say(f"'{line}' is sent when the robot is ready; s cancels it")
+        self._show_message(f"'{line}' is sent when the robot is ready; s cancels it")
 
     def _give_up(self) -> None:
         if self._waiting_line:
-            self._say(
+            self._show_message(
                 f"'{self._waiting_line}' was not sent: the robot was not ready within {MOST_WAITING:g} s", "yellow"
             )
         self._waiting_line = ""
@@ -146,12 +146,12 @@ class NavigateApp(NavigateView):
         elif isinstance(command, c.CancelGoal):
             self._waiting_line = ""
             self._navigator.stop()
-            self._say(describe_stop(self._snapshot), "yellow")
+            self._show_message(describe_stop(self._snapshot), "yellow")
         elif isinstance(command, c.ContinueGoal):
             self._resume()
         elif isinstance(command, c.AskLease):
             self._navigator.request_lease(command.request)
-            self._say(REQUESTED[command.request])
+            self._show_message(REQUESTED[command.request])
         elif isinstance(command, c.AskMux):
             self._ask_mux(command.request)
         elif isinstance(command, (c.Go, c.GoToWaypoint, c.DrivePatrol)):
@@ -160,7 +160,7 @@ class NavigateApp(NavigateView):
             self._require_to_drive()
             place = Pose2(command.x, command.y, command.yaw)
             self._navigator.set_pose(place)
-            self._say(f"pose set to {format_place(place)}")
+            self._show_message(f"pose set to {format_place(place)}")
         elif isinstance(command, c.StoreMap):
             if self._saving is None:
                 raise bad_command_error(c.NO_MAPPING)
@@ -168,7 +168,7 @@ class NavigateApp(NavigateView):
         elif isinstance(command, c.Relocalise):
             self._require_to_drive()
             self._navigator.relocalise()
-            self._say("searching for the robot on the whole map; drive a little to help")
+            self._show_message("searching for the robot on the whole map; drive a little to help")
         else:
             self._change_places(command)
 
@@ -176,7 +176,7 @@ class NavigateApp(NavigateView):
         if isinstance(command, c.DrivePatrol):
             route = route_of(command, self._store()) if command.names else PatrolRoute()
             self._asked = self._navigator.ask_patrol(command.action, route)
-            self._say("asked the robot")
+            self._show_message("asked the robot")
             return
         place, any_heading = target_of(command, self._snapshot, self._store())
         self._send(place, any_heading=any_heading)
@@ -193,10 +193,10 @@ class NavigateApp(NavigateView):
 
     def _resume(self) -> None:
         if self._snapshot.goal.state is not LastGoalState.ASKING:
-            self._say("no goal to continue", "yellow")
+            self._show_message("no goal to continue", "yellow")
             return
         self._navigator.resume()
-        self._say("goal continued")
+        self._show_message("goal continued")
 
     def _require_to_drive(self) -> None:
         """Raise UserError where another client drives."""
@@ -209,20 +209,20 @@ class NavigateApp(NavigateView):
             if not self._snapshot.goal.over:
                 self._navigator.stop()
         self._navigator.ask_mux(request)
-        self._say("")
+        self._show_message("")
         self._look()
 
     def _change_places(self, command: c.Remember | c.Forget) -> None:
         store = self._store()
         if isinstance(command, c.Forget):
             store.forget(command.name)
-            self._say(f"waypoint '{command.name}' deleted")
+            self._show_message(f"waypoint '{command.name}' deleted")
         else:
             pose = self._navigator.snapshot().pose
             if pose is None:
                 raise bad_command_error("the robot's pose is not known yet, expected a localised robot")
             fresh = store.remember(command.name, pose)
-            self._say(f"waypoint '{command.name}' {'saved at' if fresh else 'moved to'} {format_place(pose)}")
+            self._show_message(f"waypoint '{command.name}' {'saved at' if fresh else 'moved to'} {format_place(pose)}")
         self._reload_places()
         self._look()
 
@@ -236,12 +236,12 @@ class NavigateApp(NavigateView):
 
     def _send(self, place: Pose2, *, any_heading: bool) -> None:
         if reason := reason_not_to_send(self._navigator.snapshot()):
-            self._say(f"not sent: {reason}", "yellow")
+            self._show_message(f"not sent: {reason}", "yellow")
             return
         try:
             self._sent = self._navigator.go(place, any_heading=any_heading)
         except UserError as problem:
-            self._say(f"not sent: {error_line(problem)}", "bold red")
+            self._show_message(f"not sent: {error_line(problem)}", "bold red")
         self._look()
 
     def _switch_theme(self) -> None:

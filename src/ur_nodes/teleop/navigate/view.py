@@ -92,7 +92,7 @@ class NavigateView(FullScreenApp[None]):
         """Set colours and focus, and refresh the screen at a steady rate."""
         self.use_theme(light=self._light)
         self.query_one(CommandLine).focus()
-        self._say("")
+        self._show_message("")
         self._look()
         self.query_one(CommandLine).take_typed(self._typed)
         self.set_interval(REFRESH, self._look)
@@ -122,7 +122,7 @@ class NavigateView(FullScreenApp[None]):
             self._reload_places()
         self._announce(snapshot)
         if self._saving and (news := self._saving.take_news()):
-            self._say(news)
+            self._show_message(news)
         self._announce_patrol(snapshot.patrol)
         key = (*visible_state(snapshot, self._places, self.size), self._result_shown)
         if key == self._shown_key:
@@ -178,16 +178,18 @@ class NavigateView(FullScreenApp[None]):
             return
         self._announced = (report.number, report.state)
         if report.place is not None:
-            self._say(*announce_goal(snapshot))
+            self._show_message(*announce_goal(snapshot))
             self._result_shown = True
 
     def _announce_patrol(self, patrol: PatrolStatus | None) -> None:
         """Show the answer to a request for a patrol."""
         if self._asked and patrol and patrol.answer and patrol.answer.id == self._asked:
             problem, self._asked = patrol.answer.problem, ""
-            self._say(f"refused: {problem}" if problem else describe_patrol(patrol), "bold red" if problem else "")
+            self._show_message(
+                f"refused: {problem}" if problem else describe_patrol(patrol), "bold red" if problem else ""
+            )
 
-    def _say(self, text: str, style: str = "") -> None:
+    def _show_message(self, text: str, style: str = "") -> None:
         self._result_shown = self._result_shown and not text  # a result leaves with its message
         self.query_one("#message", Static).update(Text(text, style))
 
@@ -198,7 +200,7 @@ class NavigateView(FullScreenApp[None]):
             if (store := self._store_for(self._snapshot)) is not None:
                 self._places = store.places()
         except UserError as problem:
-            self._say(error_line(problem), "bold red")
+            self._show_message(error_line(problem), "bold red")
 
     def _check_size(self) -> None:
         """Notice a new size without SIGWINCH: roslaunch's nodes have no controlling terminal."""

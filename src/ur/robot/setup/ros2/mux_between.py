@@ -57,11 +57,11 @@ def take_over(shell: SshShell, robot: WantedRobot, report: Callable[[str], None]
     user = shell.address.user
     request = base_request(user)
 
-    def tell(change: Change) -> None:
+    def report_change(change: Change) -> None:
         report(change.title)
 
     files = _want_files(plan.unit, plan.files)
-    _, count = bring_about(shell, lambda _: files, user, request, root=True, report=tell)
+    _, count = bring_about(shell, lambda _: files, user, request, root=True, report=report_change)
     if count and not _wait_remapped(shell, plan):
         give_back(shell, report)
         raise UserError(
@@ -85,7 +85,7 @@ def take_over(shell: SshShell, robot: WantedRobot, report: Callable[[str], None]
             WantedService("mux", _MUX),
         ]
 
-    _, more = bring_about(shell, make, user, request, root=True, report=tell)
+    _, more = bring_about(shell, make, user, request, root=True, report=report_change)
     taken = ", ".join(f"{name} ({kind.rpartition('/')[2]})" for name, kind in driver.topics.items())
     report(f"the mux alone reaches the base; it takes over {taken}")
     return later, count + more

@@ -18,7 +18,7 @@ from ur.web.access.origin import LOOPBACK, Origins, allows_host, allows_origin, 
 from ur.web.access.rate import Buckets
 from ur.web.access.roles import SESSION_LIFE, Grant, Role
 from ur.web.server.link_files import LinkFiles
-from ur.web.server.logins.sessions import Sessions, say_nothing
+from ur.web.server.logins.sessions import Sessions, discard_line
 
 Body = TypeVar("Body")
 
@@ -65,7 +65,7 @@ class LoginGate:
         log: Callable[[str], None],
         links: LinkFiles | None = None,
         viewer_origins: Collection[str] = (),
-        report: Callable[[str], None] = say_nothing,
+        report: Callable[[str], None] = discard_line,
         life: float = SESSION_LIFE,
         *,
         pace: tuple[float, float] = (_REQUEST_RATE, _REQUEST_BURST),

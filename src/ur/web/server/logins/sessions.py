@@ -31,7 +31,7 @@ from ur.web.server.logins.session_file import SessionFile
 _SAVED_EVERY = 3600.0  # s: how exactly the last use is known after the server was killed
 
 
-def say_nothing(_line: str) -> None:
+def discard_line(_line: str) -> None:
     """For servers whose logins only the log has."""
 
 
@@ -43,7 +43,7 @@ class Sessions:
         path: Path,
         log: Callable[[str], None],
         links: LinkFiles | None = None,
-        report: Callable[[str], None] = say_nothing,
+        report: Callable[[str], None] = discard_line,
         life: float = SESSION_LIFE,
         clock: Callable[[], float] = time.time,
     ) -> None:
