@@ -98,7 +98,7 @@ def list_launch_files(folder: str, world: World) -> list[str]:
 
 
 def may_be_checked(path: str) -> bool:
-    """Return whether a file at this path may be checked, or may tell how others are, by its name."""
+    """Return whether a file at this path may be checked, or may decide how others are, by its name."""
     folder, _, name = path.rpartition("/")
     return path.endswith((*_LAUNCH_SUFFIXES, ".xml", *_YAML_SUFFIXES)) or folder.endswith("/bin") or "IGNORE" in name
 

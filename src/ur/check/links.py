@@ -12,7 +12,7 @@ _NAMED = 3  # links that a note names
 
 
 class EscapingLinks:
-    """Finds links that lead out of the package they stand in, and out of the file or folder that was asked for.
+    """Finds links that lead out of the package that holds them, and out of the file or folder that was asked for.
 
     A workspace may hold links to packages: those are packages of their own.
     """

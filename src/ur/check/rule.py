@@ -52,10 +52,10 @@ class TextEdit:
 
 @dataclass(frozen=True, slots=True)
 class Example:
-    """A package in memory. In a bad one, `«` and `»` stand around the place that the rule points at.
+    """A package in memory. In a bad one, `«` and `»` mark the place that the rule points at.
 
     `files` maps paths in the package to texts; names with a leading `/` are used as they are. The package is called
-    `my_robot` unless `files` holds a `package.xml` that says otherwise. Paths in `executables` may be executed.
+    `my_robot` unless `files` holds a `package.xml` with another name. Paths in `executables` may be executed.
     """
 
     files: Mapping[str, str]

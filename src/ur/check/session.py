@@ -77,7 +77,7 @@ class CheckSession:
     # Changes
 
     def change(self, path: str) -> bool:
-        """Take in that the file at an absolute path says something else now.
+        """Note that the file at an absolute path has changed.
 
         Returns False where that cannot be taken in, because it is new, removed, or of another kind: see `renew`.
         """

@@ -66,7 +66,7 @@ class CheckSources:
         self._merge_includes()
 
     def read_again(self, path: str) -> Iterator[str]:
-        """Read a launch file that says something else now; yields those whose including files differ by that."""
+        """Read a launch file that has changed; yields those whose including files differ by that."""
         before = self.inclusions
         if path in self.neighbours:
             self._read_neighbour(path, self.neighbours[path].package)
@@ -80,7 +80,7 @@ class CheckSources:
                 yield each
 
     def stays_as_it_is(self, path: str) -> bool:
-        """Return whether a file that says something else now is still checked as the same."""
+        """Return whether a file that has changed is still checked as the same."""
         if path.rpartition("/")[2] in _STRUCTURE or not self.world.is_file(path):
             return False
         if path in self.targets.programs:

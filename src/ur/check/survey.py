@@ -56,7 +56,7 @@ class LaunchSurvey:
 
 
 def walk_elements(top: Element | None) -> Iterator[tuple[Element, Element | None]]:
-    """Every element below `top` in document order, with the one it stands in."""
+    """Every element below `top` in document order, with its parent."""
     stack: list[tuple[Element, Element | None]] = [(top, None)] if top is not None else []
     while stack:
         element, parent = stack.pop()

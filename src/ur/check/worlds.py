@@ -1,4 +1,4 @@
-"""The world as a checker sees it: what is not known stands for itself instead of being an error."""
+"""The world as a checker sees it: an unknown value is a marker, not an error."""
 
 from __future__ import annotations
 
@@ -216,7 +216,7 @@ class CachedWorld:
         return self.locate(path) if path else self._absolute(path)
 
     def make_anonymous(self, prefix: str) -> str:
-        """See World. The same name each time: a check says the same each time."""
+        """See World. The same name each time, so that a check gives the same findings."""
         return f"{prefix}{ANONYMOUS}"
 
     def _list(self, path: str) -> tuple[str, ...]:

@@ -113,7 +113,7 @@ _REFUSALS = {  # of the system, which are no defect of this program
 
 
 def explain_exception(problem: Exception, argv: list[str]) -> int:
-    """Say in one line that output, the current folder or a file cannot be used; anything else is a defect.
+    """Report in one line that output, the current folder or a file cannot be used; anything else is a defect.
 
     Returns the exit code.
     """
@@ -145,7 +145,7 @@ def _has_folder() -> bool:
 
 
 def report_defect(problem: Exception, argv: list[str]) -> int:
-    """Write down what only a developer can use, and tell where it is; returns the exit code."""
+    """Write the traceback into a file, and print its path; returns the exit code."""
     from pathlib import Path
 
     from ur.source.crash import write_crash_report

@@ -72,7 +72,7 @@ _MAPS = (
 
 
 def describe_usage_error(problem: click.UsageError, argv: Sequence[str]) -> str:
-    """One line that says what is wrong with a command line, and one that helps. `argv` follows `ur`.
+    """One line with the mistake of a command line, and one that helps. `argv` follows `ur`.
 
     Words of a command line are foreign text: the shell makes them of the names of files.
     """

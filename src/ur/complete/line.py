@@ -17,7 +17,7 @@ class TypedWord(NamedTuple):
 
 
 def split_line(text: str) -> Line:
-    """Split what stands before the cursor; the first word, the program itself, is left out."""
+    """Split the text before the cursor; the first word, the program itself, is left out."""
     *words, last = _scan(text)
     return Line(tuple(word.text for word in words[1:]), last.text if words else "", last.raw if words else "")
 

@@ -71,7 +71,7 @@ class DeviceSnapshot:
 class Expected:
     """A device that a base needs: for which part, where, and which row of the table of known devices it is.
 
-    `hardware` is '' where the base does not say; `path` is '' for any device of that kind, as a camera.
+    `hardware` is '' where the base declares none; `path` is '' for any device of that kind, as a camera.
     """
 
     part: str

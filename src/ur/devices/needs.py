@@ -45,7 +45,7 @@ def list_problems(snapshot: DeviceSnapshot) -> Iterator[tuple[State, Device, str
 
 
 def explain_access(snapshot: DeviceSnapshot, device: Device) -> str:
-    """Say what lets this user open a device."""
+    """Return what lets this user open a device."""
     if device.group in snapshot.member and device.group not in snapshot.groups:
         return f"{snapshot.user} is in the group {device.group} since this session began: log in again"
     if device.group and device.group != "root" and (device.mode or 0) & 0o060 == 0o060:
@@ -54,7 +54,7 @@ def explain_access(snapshot: DeviceSnapshot, device: Device) -> str:
 
 
 def explain_holder(device: Device) -> str:
-    """Say how to free a device from the program that has it open."""
+    """Return how to free a device from the program that has it open."""
     holder, unit = device.holders[0], find_unit(device)
     if unit:
         return f"sudo systemctl disable --now {unit}"

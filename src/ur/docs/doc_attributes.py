@@ -15,7 +15,7 @@ _ATTRIBUTE = re.compile(r"""(\s+)([^\s=>/"']+)(\s*=\s*)("[^"]*"|'[^']*')""")
 def add_doc_attributes(tree: LaunchFile) -> str:
     """The text of a launch file whose documented arguments carry `doc=`; everything else stays as it is.
 
-    A comment wins over a `doc=` that says something else. A file that is not well-formed stays as it is.
+    A comment wins over a `doc=` with another text. A file that is not well-formed stays as it is.
     """
     text = tree.source.text
     if tree.launch is None or tree.diagnostics:

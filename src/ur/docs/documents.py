@@ -22,7 +22,7 @@ class BaseCase:
 
     @property
     def label(self) -> str:
-        """As people say it: `magni (lidar)`."""
+        """For people: `magni (lidar)`."""
         return f"{self.base} ({self.variant})" if self.variant else self.base
 
     @property
@@ -54,7 +54,7 @@ class ArgumentDoc:
 
 @dataclass(frozen=True, slots=True)
 class ParamDoc:
-    """A parameter. `name` starts with `~` when it belongs to the node it stands in."""
+    """A parameter. `name` starts with `~` when it belongs to the node that holds it."""
 
     name: str
     values: tuple[Value, ...]

@@ -13,7 +13,7 @@ _SCHEME = re.compile(r"[a-zA-Z][a-zA-Z0-9+.-]*:")
 def settle_links(text: str, folder: str, exists: Callable[[str], bool]) -> str:
     """Markdown whose relative links start at the root of the repository; what leads nowhere becomes plain text.
 
-    `folder` is where the text was written, relative to the root; `exists` tells of a path from there, too.
+    `folder` is where the text was written, relative to the root; `exists` takes a path from there, too.
     """
 
     def settle(match: re.Match[str]) -> str:
@@ -31,7 +31,7 @@ def settle_links(text: str, folder: str, exists: Callable[[str], bool]) -> str:
 
 
 def map_links(text: str, place: Callable[[str], str | None]) -> str:
-    """Markdown in which each relative link leads where `place` says; to nowhere: plain text."""
+    """Markdown in which each relative link leads where `place` puts it; one without a target is plain text."""
 
     def replace(match: re.Match[str]) -> str:
         mark, label, target = match.groups()

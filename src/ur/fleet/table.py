@@ -50,7 +50,7 @@ def summarise(fleet: Fleet) -> str:
 
 
 def choose_line(lines: Sequence[str], code: int | None) -> str:
-    """The line that stands for an output: the last one; of a short output that ended with an error, the first one."""
+    """The line that represents an output: the last one; of a short output that ended with an error, the first one."""
     full = [line.strip() for line in lines if line.strip()]
     if not full:
         return ""

@@ -35,7 +35,7 @@ _SKIPPED = frozenset({".git", ".hg", ".svn", "build", "devel", "node_modules"})
 
 @dataclass(slots=True)
 class _Found:
-    """All that the files of folders say. `names`: the first file that names a package.
+    """The contents of the files of folders. `names`: the first file that names a package.
 
     `files`: paths below a package, each with the files that name it. `owners` are those of repositories and packages
     at folders; `packages`, the folders of package.xml; `own`, the folders of repositories by their plain addresses.
@@ -215,7 +215,7 @@ def find_renamed(
     """Find the one package that is `package` under another name; "" where none or several may be.
 
     Its name differs only in capitals and dashes, or it has the files that launch files expect in `package`: `paths`
-    below the package's folder. `has_file` says whether a package has a path.
+    below the package's folder. `has_file` is whether a package has a path.
     """
     names = tuple(here)
     if like := [name for name in names if _plain(name) == _plain(package)]:

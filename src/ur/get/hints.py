@@ -82,7 +82,7 @@ def join_hints(
 
 
 def plain_address(url: str) -> str:
-    """An address of git without what does not tell repositories apart: ".git", capitals, a slash, a user, ssh."""
+    """An address of git without what does not distinguish repositories: ".git", capitals, a slash, a user, ssh."""
     address = re.sub(r"^https?://([^@/]+@)?(www\.)?", "", _secure(url).lower())
     return address.rstrip("/").removesuffix(".git")
 

@@ -93,7 +93,7 @@ def undo(record: Path, packages: Path, actions: InstallActions | None = None) ->
 
 
 def simulate_apt(words: Sequence[str]) -> str:
-    """Return what `apt-get --simulate` prints; "" where it cannot tell."""
+    """Return what `apt-get --simulate` prints; "" where it fails."""
     try:
         done = subprocess.run(
             ["apt-get", "-q", "--simulate", *words],

@@ -73,7 +73,7 @@ def confirm_guesses(
 ) -> dict[str, SourceRepository | None]:
     """Ask which guesses exist; return those by package, and None for a package of which no guess exists.
 
-    `list_branches` is `ask_server` or stands in for it: where the server cannot be asked, nothing more is asked. The
+    `list_branches` is `ask_server` or replaces it: where the server cannot be asked, nothing more is asked. The
     version is the branch for ROS 1 of a repository that has one beside its default branch.
     """
     found: dict[str, SourceRepository | None] = {}

@@ -52,7 +52,7 @@ class Tables:
 def make_plan(
     missing: Iterable[Missing], tables: Tables, is_there: Callable[[str], bool], notes: Iterable[str] = ()
 ) -> GetPlan:
-    """Find the way to get each missing package. `is_there` says whether a ROS package is installed."""
+    """Find the way to get each missing package. `is_there` is whether a ROS package is installed."""
     wanted: dict[str, Missing] = {}
     for each in missing:
         wanted.setdefault(each.package, each)

@@ -85,7 +85,7 @@ class InstallStep:
 
 @dataclass(frozen=True, slots=True)
 class GetPlan:
-    """All missing packages with their ways, sorted by package. `notes` say which table or index is not here."""
+    """All missing packages with their ways, sorted by package. `notes` name the tables and indices that are missing."""
 
     steps: tuple[InstallStep, ...]
     notes: tuple[str, ...] = ()

@@ -17,7 +17,7 @@ _MOST = 8  # cases, topics
 
 
 def describe_place(workspace: Workspace, path: str, offset: int) -> tuple[str, Span] | None:
-    """Markdown about the thing at a place, and the text that it is about; None where there is nothing to say."""
+    """Markdown about the thing at a place, and the text that it is about; None where there is nothing to show."""
     here = find_thing(workspace, path, offset)
     if here is None:
         return None

@@ -136,7 +136,7 @@ def _file_item(server: LaunchServer, path: str) -> types.CallHierarchyItem:
 def _add_commands(server: LaunchServer) -> None:
     @server.command("ur.check")
     def _check(uri: str) -> str:
-        """Find all that is to be found, and say how much it is in one file."""
+        """Find all findings, with their number in one file."""
         path = path_of(uri) or ""
         for _ in server.files.steps([path]):
             pass

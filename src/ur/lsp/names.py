@@ -1,4 +1,4 @@
-"""The thing that stands at a place of a launch file: an argument, file, package, program, node, parameter or topic."""
+"""The thing at a place of a launch file: an argument, file, package, program, node, parameter or topic."""
 
 from __future__ import annotations
 

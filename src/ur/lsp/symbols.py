@@ -31,7 +31,7 @@ _MOST = 500
 
 @dataclass(frozen=True, slots=True)
 class Symbol:
-    """Something that a file defines: all of it, the part that names it, and what stands inside."""
+    """Something that a file defines: all of it, the part that names it, and its contents."""
 
     name: str
     kind: SymbolKind

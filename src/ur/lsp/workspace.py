@@ -58,7 +58,7 @@ class Workspace:
         self.note_change(path)
 
     def note_change(self, path: str) -> None:
-        """Take in that a file may say something else, on the disk or in the editor."""
+        """Note that a file may have changed, on the disk or in the editor."""
         self.version += 1
         if self._session is None or not self._covers(path) or not self._session.change(path):
             self._stale = True

@@ -90,7 +90,7 @@ def import_picture(store: MapStore, source: Path, name: str) -> MapImage:
 
 
 def export_picture(store: MapStore, name: str, target: Path) -> list[Path]:
-    """Write the picture of a map as `target`.yaml and `target`.png (or .pgm, as the ending of `target` says).
+    """Write the picture of a map as `target`.yaml and `target`.png (or .pgm, by the ending of `target`).
 
     Returns the files. Raises UserError: no such map, or it is damaged; OSError.
     """

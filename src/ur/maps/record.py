@@ -127,7 +127,7 @@ def parse_record(data: bytes, path: Path) -> MapRecord:
 def read_zone(found: object) -> Zone:
     """The zone that a value of JSON describes, as `dataclasses.asdict` writes it; it may come from anywhere.
 
-    Raises ValueError, with a clause that says what was expected.
+    Raises ValueError, with a clause that names what was expected.
     """
     return _check_zone(convert_json(found, Zone))
 
@@ -135,7 +135,7 @@ def read_zone(found: object) -> Zone:
 def read_edit(found: object) -> MapEdit:
     """The edit that a value of JSON describes, as `dataclasses.asdict` writes it; it may come from anywhere.
 
-    Raises ValueError, with a clause that says what was expected.
+    Raises ValueError, with a clause that names what was expected.
     """
     return _check_edit(convert_json(found, MapEdit))
 

@@ -51,7 +51,7 @@ class MapStore:
         return self.path(name) / PICTURE
 
     def resolve(self, name: str) -> str:
-        """Return the name of an existing map; `latest` stands for another one. Raises UserError: there is none."""
+        """Return the name of an existing map; `latest` is the name of another one. Raises UserError: there is none."""
         if name == LATEST:
             found = self.latest()
             if found is None:
@@ -90,7 +90,7 @@ class MapStore:
         return name if is_map_name(name) and (self.folder / name / PICTURE).is_file() else None
 
     def set_latest(self, name: str) -> None:
-        """Have `latest` stand for a map. Raises OSError."""
+        """Make `latest` the name of a map. Raises OSError."""
         beside = self.folder / f"{_NEW}{os.urandom(4).hex()}"
         beside.symlink_to(check_map_name(name))
         beside.replace(self.folder / LATEST)

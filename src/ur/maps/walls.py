@@ -71,7 +71,7 @@ def restore_walls(store: MapStore, name: str) -> MapImage:
 
 
 def is_restorable(store: MapStore, name: str) -> bool:
-    """Tell whether `restore_walls` would restore a map."""
+    """Return whether `restore_walls` would restore a map."""
     try:
         return _read_note(store, name) is not None
     except (UserError, OSError):

@@ -1,6 +1,6 @@
 """Masks of zones, as the costmap filters of Nav2 read them: grids over the zones, and files in map_server's format.
 
-A keep-out mask is 100 in the zones. A speed mask is there the percentage of the highest speed. 0 says nothing
+A keep-out mask is 100 in the zones. A speed mask is there the percentage of the highest speed. 0 is no limit
 (docs.nav2.org, "Keepout Filter" and "Speed Filter", types 0 and 1 with base 0 and multiplier 1).
 """
 

@@ -1,6 +1,6 @@
 """The stages of `ur launch`: load, join, place, debug, run. Each but the last returns the plan as it is after it.
 
-The imports of a stage stand in it: most launches need few of them, and a start is to be fast.
+The imports of a stage are in it: most launches need few of them, and a start is to be fast.
 """
 
 from __future__ import annotations

@@ -23,7 +23,7 @@ from ur.worlds.choice import (
 def resolve_worlds(
     arguments: Sequence[Argument], files: Sequence[str], declared: Sequence[str], robot: str = ""
 ) -> tuple[Argument, ...]:
-    """Complete the arguments that choose worlds and maps: absolute paths, and where the world says that robots start.
+    """Complete the arguments that choose worlds and maps: absolute paths, and the start poses of the world.
 
     Launch files of the launch library take every relative path from the working folder; those of others only paths of
     files that exist. `robot` is the other computer that reads the map, '' where that is this one. Raises UserError for

@@ -1,4 +1,4 @@
-"""Text with positions, and what tools have to say about it. The bottom layer: imports nothing of ours.
+"""Text with positions, and diagnostics of it. The bottom layer: imports nothing of ours.
 
 The names are imported when they are asked for: all of them would take longer than Tab does otherwise.
 """

@@ -53,7 +53,7 @@ def allows_colour(environment: Mapping[str, str]) -> bool:
 
 
 def has_true_colour(environment: Mapping[str, str]) -> bool:
-    """Return True for a terminal that says it shows 24-bit colours."""
+    """Return True for a terminal that declares 24-bit colours."""
     return environment.get("COLORTERM", "") in ("truecolor", "24bit")
 
 

@@ -32,7 +32,7 @@ class Diagnostic:
     `rule` is a kebab-case id that never changes its meaning. `span` is None when the finding is not in a text,
     for instance when it is about the command line. The fields after `help` are for programs, so that messages can be
     reworded freely: `subject` is the name that the finding is about: a package, an argument, a file; unless given, the
-    text at its place, a tag without its angle bracket. `kind` tells apart findings of one rule; `expected` are values
+    text at its place, a tag without its angle bracket. `kind` distinguishes findings of one rule; `expected` are values
     that would be accepted; `reason` is the message without its subject.
     """
 

@@ -22,7 +22,7 @@ _ERASE = "\r\x1b[K"
 
 @contextmanager
 def show_progress(text: str, *, quiet: float = QUIET) -> Iterator[Progress]:
-    """Say on standard error what is being done, once nothing was printed for `quiet` seconds; use it as a context.
+    """Print on standard error what is being done, once nothing was printed for `quiet` seconds; use it as a context.
 
     Yields a function that takes what is done now. The line is erased before anything else is written to standard output
     or standard error, and at the end. A terminal that cannot erase (TERM=dumb) gets a line now and then. Where standard

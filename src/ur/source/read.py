@@ -1,4 +1,4 @@
-"""Text files of people, read with an error that says what was expected."""
+"""Text files of people, read with an error that names what was expected."""
 
 from __future__ import annotations
 

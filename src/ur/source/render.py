@@ -28,7 +28,7 @@ def shows_colour(stream: TextIO) -> bool:
 def render_human(diagnostics: Iterable[Diagnostic], *, colour: bool = False) -> str:
     """`path:line:column: severity: message [rule]`, the source line with a caret, notes, one help line.
 
-    Ends with a newline unless there is nothing to say.
+    Ends with a newline unless it is empty.
     """
     return "".join(line + "\n" for diagnostic in diagnostics for line in _lines(diagnostic, colour))
 

@@ -11,7 +11,7 @@ _MAX_ANSWERS = 10_000
 
 
 def did_you_mean(word: str, candidates: Iterable[str]) -> str | None:
-    """The candidate nearest to a misspelt word, or None when none is near enough to be worth saying.
+    """The candidate nearest to a misspelt word, or None when none is near enough.
 
     Of names that differ in case only, the last counts. A list that is asked about again, best as one frozenset, costs
     next to nothing then.

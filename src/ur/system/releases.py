@@ -168,7 +168,7 @@ def _rank(row: Release, system: System) -> int:
 
 
 def _is_base(row: Release, system: System) -> bool:
-    """Return whether a derivative says that it is made from the release of this row."""
+    """Return whether a derivative declares that it is made from the release of this row."""
     if system.ubuntu:
         return row.id == "ubuntu" and row.codename == system.ubuntu
     if system.debian:

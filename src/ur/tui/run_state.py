@@ -92,7 +92,7 @@ class NodeRow:
 
 @dataclass(frozen=True, slots=True)
 class RunState:
-    """The whole run. `cause` says why it ends, None while it goes on; `exit_code` is set once it has ended.
+    """The whole run. `cause` is why it ends, None while it goes on; `exit_code` is set once it has ended.
 
     `link` describes a problem of the connection to the robot, '' while there is none.
     """

@@ -27,7 +27,7 @@ DICTIONARIES = {f"{n}X{n}_{count}": (n, count) for n in (4, 5, 6, 7) for count i
 class Box:
     """A box. `pose` is x, y, z (m) of its centre and yaw (rad); `size` are its full edge lengths.
 
-    With a `mass` (kg) it is an obstacle that can be pushed and placed; without, it stands fast.
+    With a `mass` (kg) it is an obstacle that can be pushed and placed; without, it is fixed.
     """
 
     name: str
@@ -153,7 +153,7 @@ def _drop(part: Section) -> Drop:
 
 
 def _fiducials(part: Section | None) -> tuple[Fiducial, ...]:
-    """One dictionary for all, a size for those that do not say another, and the list `places`."""
+    """One dictionary for all, a size for those without one, and the list `places`."""
     if part is None:
         return ()
     dictionary = part.text("dictionary", "5X5_1000", choices=sorted(DICTIONARIES))

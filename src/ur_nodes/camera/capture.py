@@ -202,7 +202,7 @@ def _set_format(device: DeviceFile, path: str, name: str, settings: CameraSettin
 
 
 def _set_rate(device: DeviceFile, rate: float) -> float:
-    """The rate that the camera gives; 0.0 where it does not tell."""
+    """The rate that the camera gives; 0.0 where it is unknown."""
     asked = abi.StreamParameters(type=abi.CAPTURE)
     capture = asked.parm.capture
     capture.numerator, capture.denominator = 1000, max(1, round(rate * 1000.0))

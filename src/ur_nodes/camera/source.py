@@ -49,7 +49,7 @@ class CameraSettings:
 
 @dataclass(frozen=True, slots=True)
 class Mode:
-    """The pictures that a camera gives. `format` is its pixel format; `rate` is 0.0 where it does not tell.
+    """The pictures that a camera gives. `format` is its pixel format; `rate` is 0.0 where it is unknown.
 
     `passed_on`: its JPEG pictures are published as they come; others are encoded here. `missing` are the requested
     settings that it has no control for.

@@ -6,7 +6,7 @@ import math
 
 
 class RobotError(Exception):
-    """A request that was not carried out; the text says why, for people."""
+    """A request that was not carried out; the text is the reason, for people."""
 
 
 class Refused(RobotError):  # noqa: N818 - named as users say it

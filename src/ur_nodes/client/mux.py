@@ -124,7 +124,7 @@ class MuxLink:
 
 
 def describe_obstacles(view: MuxView, turn_on: str = "") -> str:
-    """Describe what the obstacle stop does, empty while nothing is in the way. `turn_on` tells how to turn it on."""
+    """Describe what the obstacle stop does, empty while nothing is in the way. `turn_on` is how to turn it on."""
     report = view.obstacles
     if report.state == "off":
         return f"{report.text}{turn_on}"

@@ -28,7 +28,7 @@ def fill_transforms(message: Transforms, value: tuple[Transform, ...]) -> None:
 
 
 def transforms_of(message: Transforms, *, fixed: bool = False) -> tuple[Transform, ...]:
-    """Read a tf2_msgs/TFMessage; `fixed` says whether it arrived on /tf_static."""
+    """Read a tf2_msgs/TFMessage; `fixed` is whether it arrived on /tf_static."""
     return tuple(
         Transform(
             stamp_of(each.header.stamp),

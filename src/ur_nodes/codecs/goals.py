@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class _GoalText:
-    """A goal; null stands for a number that is not finite."""
+    """A goal; null means a number that is not finite."""
 
     id: str
     stamp: int

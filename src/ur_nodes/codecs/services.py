@@ -30,7 +30,7 @@ _SilentRequest, _SilentResponse = parts_of(Empty)
 
 
 def _done(result: Result) -> Result:
-    """Raise the failure of a service whose answer cannot tell it."""
+    """Raise the failure of a service whose answer has no field for it."""
     if not result.success:
         raise ServiceFailureError(result.text)
     return result

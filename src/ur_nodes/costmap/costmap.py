@@ -83,7 +83,7 @@ def inflation_costs(distances: NDArray[np.floating], inflation: Inflation) -> ND
 def inflate(costs: NDArray[np.uint8], resolution: float, inflation: Inflation) -> NDArray[np.uint8]:
     """The inflation layer: costs (height, width) with a slope round every obstacle.
 
-    Unknown stays unknown unless the robot standing there would touch an obstacle; no cost is lowered.
+    Unknown stays unknown unless the robot there would touch an obstacle; no cost is lowered.
     """
     reach = reach_of(inflation, resolution)
     squares = np.arange((reach + 1) ** 2 + reach**2 + 1)

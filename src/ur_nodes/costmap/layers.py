@@ -46,7 +46,7 @@ def level_beams(mount: Pose3, beams: Beams) -> tuple[Pose2, Beams]:
 def beams_of_scan(scan: RangeScan, *, inf_is_valid: bool) -> Beams:
     """Rays of a scan; +inf is free up to the greatest range if `inf_is_valid`.
 
-    As in costmap_2d, a finite range at the upper limit or beyond says nothing.
+    As in costmap_2d, a finite range at the upper limit or beyond is no reading.
     """
     ranges = np.asarray(scan.ranges, dtype=np.float64)
     hits = classify_ranges(ranges, (scan.range_min, scan.range_max)).hits

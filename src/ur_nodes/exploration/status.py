@@ -18,9 +18,9 @@ _SHOWN = 4  # unreachable frontiers, and corners, in a line
 class ExploreStatus:
     """The state of an exploration. Areas in m2, `way` in m, `seconds` since the begin.
 
-    `reachable` frontiers are left, and about `unknown` of floor; each of `unreachable` is a clause that says why.
+    `reachable` frontiers are left, and about `unknown` of floor; each of `unreachable` is a clause with the reason.
     `corners` are places that hide so little that no client drives there.
-    `reason` says why it is paused or has ended; `saved` is the name of the map once it is stored.
+    `reason` is why it is paused or has ended; `saved` is the name of the map once it is stored.
     `left` is a rough estimate of the time until the end, s; None while there is none.
     """
 

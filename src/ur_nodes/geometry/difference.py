@@ -1,4 +1,4 @@
-"""The nearest thing of a map that tells two places apart, in words. Pure."""
+"""The nearest thing of a map that distinguishes two places, in words. Pure."""
 
 from __future__ import annotations
 

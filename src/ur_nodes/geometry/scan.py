@@ -54,7 +54,7 @@ def mount_of_pose(pose: Pose3) -> SensorMount:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Returns:
-    """Masks (n) of the beams by the meaning of their ranges; a beam in none of them says nothing.
+    """Masks (n) of the beams by the meaning of their ranges; a beam in none of them is no reading.
 
     `hits` have met something at their range, `clear` nothing within the upper limit, and `near` something nearer than
     the sensor can measure.
@@ -66,10 +66,10 @@ class Returns:
 
 
 def classify_ranges(ranges: NDArray[np.floating], limits: tuple[float, float]) -> Returns:
-    """Tell apart ranges (n) in m by REP 117 and the `limits` (m) within which they count.
+    """Classify ranges (n) in m by REP 117 and the `limits` (m) within which they count.
 
     The lower limit counts as within, the upper does not: many drivers report "no obstacle" so. +inf and what is at the
-    upper limit or beyond is clear, -inf is near; NaN and other ranges below the lower limit say nothing. Limits are
+    upper limit or beyond is clear, -inf is near; NaN and other ranges below the lower limit are no readings. Limits are
     compared in the precision of the ranges.
     """
     low, high = limits

@@ -1,4 +1,4 @@
-"""The work of the node `amcl`: its map, its localiser, and what they have to say."""
+"""The work of the node `amcl`: its map, its localiser, and its log lines."""
 
 from __future__ import annotations
 
@@ -70,7 +70,7 @@ class Amcl:
         self._log.info(f"map of {grid.width} x {grid.height} cells of {grid.resolution:g} m")
 
     def place(self, given: PoseEstimate, moved: Pose2) -> None:
-        """A person says where the robot was; `moved` is its motion since."""
+        """Take a given pose of the robot; `moved` is its motion since."""
         if given.frame and given.frame != self._settings.map_frame:
             self._log.warn(f"initialpose in frame {given.frame!r} ignored, expected {self._settings.map_frame!r}")
             return
@@ -121,7 +121,7 @@ class Amcl:
         self._lost = self._localiser.lost
 
     def _report_places(self, places: list[Pose2], grid: Grid) -> None:
-        """Log when more than one place fits, with what would tell the best two apart, and when one is left."""
+        """Log when more than one place fits, with what would distinguish the best two, and when one is left."""
         if len(places) == self._places:
             return
         if places:

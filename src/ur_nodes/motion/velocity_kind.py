@@ -26,7 +26,7 @@ def choose_kind(current: type | None, found: frozenset[type]) -> type | None:
 class KindWatch:
     """Asks for the kinds at the other end of a topic again and again, and calls `use` when the one to use changes.
 
-    Where the middleware does not tell them, it is Twist.
+    Where the middleware does not report them, it is Twist.
     """
 
     def __init__(

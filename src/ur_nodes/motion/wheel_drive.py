@@ -34,7 +34,7 @@ class WheelDrive:
         self._received = time
 
     def halt(self) -> None:
-        """The wheels stand, or are made to: the next command speeds up from rest."""
+        """The wheels are at rest, or are stopped: the next command speeds up from rest."""
         self._target = self._velocity = (0.0, 0.0)
 
     def update(self, time: float) -> tuple[float, float]:

@@ -1,4 +1,4 @@
-"""The context of a node's module in the process of all nodes: it says under which name it starts, and on which bus."""
+"""The context of a node's module in the process of all nodes: the name under which it starts, and its bus."""
 
 from __future__ import annotations
 

@@ -12,7 +12,7 @@ _MOST = 1 << 26  # bytes
 
 @dataclass(frozen=True, slots=True)
 class NodeStart:
-    """A node: its full name, the module and its arguments, and full names that stand for others."""
+    """A node: its full name, the module and its arguments, and full names that replace others."""
 
     name: str
     words: tuple[str, ...]

@@ -61,16 +61,16 @@ class GoalHandle(Protocol):
     goal: Goal
 
     def accept(self) -> None:
-        """Say that it is pursued."""
+        """Report that it is pursued."""
 
     def refuse(self, text: str) -> None:
         """End a goal that was never pursued."""
 
     def note(self, text: str) -> None:
-        """Say how it stands, with the next status: some are sent each second."""
+        """Report its progress, with the next status: some are sent each second."""
 
     def report(self, pose: PlacedPose) -> None:
-        """Say where the robot is."""
+        """Report the robot's pose."""
 
     def succeed(self, text: str) -> None:
         """End it: reached."""
@@ -116,7 +116,7 @@ class GoalClient(Protocol):
         """Send a goal; it replaces the one that is pursued."""
 
     def cancel(self, id: str = "") -> None:
-        """Have a goal end; '' stands for all."""
+        """Cancel a goal; '' means all."""
 
     def servers(self) -> int:
         """The number of nodes that take goals: one, or none."""

@@ -145,7 +145,7 @@ class Node(Protocol):
         """Ask for the nodes, topics and services of now; `take` gets None where there is no answer."""
 
     def kinds_taken(self, topic: str, kinds: tuple[type, ...]) -> frozenset[type] | None:
-        """Those of the kinds that other nodes listen to on a topic now; None where the middleware does not tell."""
+        """Those of the kinds that other nodes subscribe to on a topic now; None where that is unknown."""
 
     def kinds_sent(self, topic: str, kinds: tuple[type, ...]) -> frozenset[type] | None:
         """Likewise, those that other nodes publish on a topic."""
@@ -154,7 +154,7 @@ class Node(Protocol):
         """Find out where a node runs; None: it is not known. It may wait: for `work`."""
 
     def resolve(self, name: str) -> str:
-        """The full name that a name of this node stands for."""
+        """The full name of a name of this node."""
 
     def on_end(self, call: Callable[[], None], within: float = 2.0) -> None:
         """Call when the node ends, before its topics close; what it sends then still leaves.

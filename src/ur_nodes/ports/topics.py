@@ -12,7 +12,7 @@ Sent = TypeVar("Sent", contravariant=True)
 class Sender:
     """The sender of a value: the name of a node, and whether the value is one that the topic had kept (LATCHED).
 
-    `id` tells publishers apart, also those of one name. `sent` is the moment (ns) at which the value was sent, by the
+    `id` distinguishes publishers, also those of one name. `sent` is the moment (ns) at which the value was sent, by the
     clock of the sender's computer, and `arrived` when it arrived (s), by `Node.steady`; None: it is not known.
     """
 

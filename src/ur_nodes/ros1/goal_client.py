@@ -1,4 +1,4 @@
-"""The client's end of the action move_base_msgs/MoveBaseAction: its topics, which also tell of the goals of others."""
+"""The client's end of the action move_base_msgs/MoveBaseAction: its topics, which also carry the goals of others."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Names of `ports` as ROS 2 has them, and what a launch file says about names and parameters."""
+"""Names of `ports` as ROS 2 has them, and a launch file's remaps and parameters."""
 
 from __future__ import annotations
 

@@ -264,7 +264,7 @@ class RosNode(LoopNode):
         return self._known_kinds(self._node.get_publishers_info_by_topic(self.resolve(topic)), kinds)
 
     def locate(self, name: str) -> Location | None:
-        """See Node. The graph does not tell computers: nodes of the domain are those of this one."""
+        """See Node. The graph does not name computers: nodes of the domain are those of this one."""
         namespace, _, own = name.rpartition("/")
         known = (own, namespace or "/") in self._node.get_node_names_and_namespaces()
         return Location("localhost", here=True) if known else None

@@ -125,7 +125,7 @@ class RawPublisher:
 
 
 class RawSubscription:
-    """See `ports.node.Subscription`. It begins with the first publisher, which tells the type."""
+    """See `ports.node.Subscription`. It begins with the first publisher, which gives the type."""
 
     def __init__(
         self, node: Node, loop: Loop, topic: str, take: Callable[[RawMessage], None], quality: Quality

@@ -95,12 +95,12 @@ class Headings:
 
     @property
     def trusted(self) -> bool:
-        """Tell whether the gyroscope turns better than the wheels."""
+        """Return whether the gyroscope turns better than the wheels."""
         return self._errors[0] + _LEAD < self._errors[1]
 
     @property
     def contradicted(self) -> bool:
-        """Tell whether the gyroscope turns much worse than the wheels: its frame may be wrong, or its sign."""
+        """Return whether the gyroscope turns much worse than the wheels: its frame may be wrong, or its sign."""
         times, least = _CONTRADICTION
         return self._errors[0] > max(times * self._errors[1], least)
 

@@ -121,7 +121,7 @@ class Hypotheses:
 
 
 def _agrees(known: Hypothesis, pose: Pose2, fit: Fit) -> bool:
-    """Tell whether a keyframe at `pose` in the frame of the others fits the map where a hypothesis puts it."""
+    """Return whether a keyframe at `pose` in the frame of the others fits the map where a hypothesis puts it."""
     expected = known.place.compose(pose)
     if known.expected and not known.fits:
         moved = expected.inverse().compose(fit.pose)

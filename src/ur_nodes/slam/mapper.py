@@ -220,7 +220,7 @@ class ScanMapper:
     # -- the pose on the map round the robot -----------------------------------------------------------------------
 
     def _is_contradicted(self, scan: MapScan, match: ScanMatch) -> bool:
-        """Tell whether a scan was taken elsewhere; once one was, the next must clearly lie on the map."""
+        """Return whether a scan was taken elsewhere; once one was, the next must clearly lie on the map."""
         last = self._estimate
         if match.agreement >= (POOR if last and last.contradicted else _CONTRADICTED[0]):
             return False

@@ -72,7 +72,7 @@ def with_turn(motion: Pose2, yaw: float) -> Pose2:
 
 
 def is_still(reported: Pose2) -> bool:
-    """Tell whether a reported motion means that the robot is at rest."""
+    """Return whether a reported motion means that the robot is at rest."""
     return math.hypot(reported.x, reported.y) < _STILL[0] and abs(reported.yaw) < _STILL[1]
 
 

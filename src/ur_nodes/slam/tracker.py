@@ -59,7 +59,7 @@ class MapTracker:
 
     @property
     def lost(self) -> bool:
-        """Tell whether the robot's place on the map is unknown."""
+        """Return whether the robot's place on the map is unknown."""
         return self._whole is not None
 
     def drives(self) -> list[int]:

@@ -1,4 +1,4 @@
-"""The node that tells `ur` of the graph where there is no master to ask: graph_report_node SOCKET.
+"""The node that reports the graph to `ur` where there is no master to ask: graph_report_node SOCKET.
 
 Each line of JSON that arrives is answered by one. {"topics": [NAME, ...]} wants these topics received; the answer has
 `publishers`, `subscribers` and `services`, the nodes by name, `nodes`, and `received`: the times (monotonic, s) of the

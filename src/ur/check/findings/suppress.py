@@ -1,4 +1,4 @@
-"""Comments that say: this finding is meant to be so, because."""
+"""Comments that suppress a finding, with a reason."""
 
 from __future__ import annotations
 

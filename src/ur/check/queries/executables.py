@@ -24,7 +24,7 @@ _SHORT = 5
 class ExecutableLookup(NamedTuple):
     """Result of a lookup. `path` is the file that is not executable; `near` are programs with a similar name.
 
-    `no-programs`: the package exists, but has neither programs nor files that say how they are built.
+    `no-programs`: the package exists, but has neither programs nor files that declare how they are built.
     """
 
     kind: Literal["found", "unknown", "missing", "not-executable", "no-package", "no-programs"]

@@ -90,7 +90,7 @@ def check_example(example: Example) -> CheckReport:
 
 
 def marked_place(example: Example) -> tuple[str, int, int] | None:
-    """Path, start and end of what stands between the marks of a bad example."""
+    """Path, start and end of the text between the marks of a bad example."""
     for path, text in example.files.items():
         if OPEN in text:
             start = text.index(OPEN)

@@ -114,7 +114,7 @@ def compose_documents(source: SourceFile) -> list[yaml.Node]:
 
 
 def is_plain_yaml(source: SourceFile) -> bool:
-    """Return whether a text is meant to be YAML as it stands: not a template, not OpenCV's own format."""
+    """Return whether a text is meant to be plain YAML: not a template, not OpenCV's own format."""
     return not source.text.startswith("%YAML:") and "{{" not in source.text and "{%" not in source.text
 
 

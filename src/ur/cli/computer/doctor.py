@@ -56,7 +56,7 @@ def command(
 ) -> int:
     """Find what is wrong between this computer and a robot.
 
-    Looks from both ends; each finding says what to do, as a command where there is one. ROBOT is a name, HOST or
+    Inspects both ends; each finding has a fix, as a command where there is one. ROBOT is a name, HOST or
     USER@HOST; without it, the selected robot, or, when that is a simulated one, this computer alone; what only a real
     robot needs is no problem then, until one is set up from here. Several robots are examined side by side, with a
     line for each. The exit code is 0 when all is well, 1 when something is wrong, 2 when

@@ -22,7 +22,7 @@ def describe_base(
 ) -> str:  # fmt: skip
     """The text of the base.yaml that follows from a description. Raises UserError.
 
-    Prints what was read; asks once for everything that was not. `lidar` says whether it has one; None if the file does.
+    Prints what was read; asks once for everything else. `lidar` is whether it has one; None if the file defines it.
     `arguments` are those of a xacro file.
     """
     from ur.robot.description.base_text import write_base_file

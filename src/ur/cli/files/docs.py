@@ -37,7 +37,7 @@ def command(path: str, check: bool, output: str | None, site: str | None, doc_at
     --ros-args` shows; nothing else in them changes.
 
     Exit code: 0, or 1 when --check finds a difference, or 2 when there is nothing to document. Files that cannot be
-    read are reported and documented as broken; `ur check` says more about them.
+    read are reported and documented as broken; `ur check` explains them.
     """
     import gc
 

@@ -72,7 +72,7 @@ def _source(program: str) -> str:
 
 
 def describe_observed(observed: Observed) -> str:
-    """Say how much was seen of a node: 'seen: 2 topics, 1 service, 1 parameter'."""
+    """Describe how much was seen of a node: 'seen: 2 topics, 1 service, 1 parameter'."""
     return (
         f"seen: {_count(observed.topics, 'topic')}, {_count(observed.services, 'service')}, "
         f"{_count(observed.parameters, 'parameter')}"

@@ -59,13 +59,13 @@ def list_own_ended() -> list[EndedRun]:
 
 
 def describe_end(run: EndedRun, now: float) -> str:
-    """Say how a run ended: 'm_wander.7952 ended 3 min 2 s ago with exit code 1: /wander is required and has ended'."""
+    """Describe a run's end: 'm_wander.7952 ended 3 min 2 s ago with exit code 1: /wander is required and has ended'."""
     ago = describe_age(now - run.ended)
     return f"{run.entry.run} ended {ago} ago, {describe_reason(run)}"
 
 
 def describe_reason(run: EndedRun) -> str:
-    """Say how and why a run ended: 'by Ctrl-C', or 'exit code 1: /wander is required and has ended'."""
+    """Describe the end of a run and its cause: 'by Ctrl-C', or 'exit code 1: /wander is required and has ended'."""
     if run.exit_code is None:
         return printable(run.cause)
     if run.cause == CTRL_C:

@@ -72,7 +72,7 @@ def _read_state(client: RunClient) -> list[NodeChanged]:
 
 
 def _describe_silence(node: str | None, entry: RunEntry, path: str) -> str:
-    """Say that a node, or a run itself, has printed nothing, and for how long it could have."""
+    """Report that a node, or a run itself, has printed nothing, and for how long it could have."""
     try:
         began = Path(path).stat().st_ctime if node is not None else entry.started
     except OSError:

@@ -84,7 +84,7 @@ def _print_table(rows: Sequence[Sequence[str]]) -> None:
 
 
 def describe_place(run: RunEntry) -> str:
-    """Say whether a run is detached."""
+    """Describe whether a run is detached."""
     return "detached" if run.detached else "in a terminal"
 
 

@@ -33,7 +33,7 @@ def command(robots: tuple[str, ...], every: bool, packages: tuple[str, ...], job
     """Build the catkin workspace here or on robots.
 
     ~/catkin_ws of this computer, or with ROBOT of that one, with catkin_make, or with catkin build where the workspace
-    was made with it. Prints what it says as it comes; Ctrl-C ends it, over there too. Several robots build side by
+    was made with it. Prints its output as it arrives; Ctrl-C ends it, on the robot, too. Several robots build side by
     side, with a line for each; what a build that failed has printed follows. The exit code is that of the build, the
     highest of several.
     """

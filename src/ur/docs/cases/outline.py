@@ -1,4 +1,4 @@
-"""The tags of a launch file that documents speak of, with the conditions that they stand under."""
+"""The tags of a launch file that documents show, with their conditions."""
 
 from __future__ import annotations
 

@@ -23,7 +23,7 @@ _Resolutions = Sequence[
 
 
 class TreeMaker:
-    """Makes trees. `views`: the launch files by path; `outlines` tells their tags, `show_path` how a path is shown."""
+    """Makes trees. `views`: the launch files by path; `outlines` gives their tags, `show_path` formats a path."""
 
     def __init__(
         self, views: Mapping[str, LaunchView], outlines: Callable[[str], FileOutline], show_path: Callable[[str], str]

@@ -1,4 +1,4 @@
-"""Programs that nodes name and that are not there. roslaunch finds out when it starts them; we can say so before."""
+"""Missing programs of nodes. roslaunch notices when it starts them; `ur` reports them before."""
 
 from __future__ import annotations
 

@@ -32,7 +32,7 @@ def load_plan(
 ) -> Plan:
     """Resolve launch files, all of them together, with `NAME:=VALUE` arguments.
 
-    Means exactly what roslaunch means by them. Never raises because of what a file or an argument says: the plan's
+    Means exactly what roslaunch means by them. Never raises for the contents of a file or an argument: the plan's
     diagnostics hold an error for everything that roslaunch would refuse, and warnings for what it silently accepts.
     Nothing is executed; see `run_commands` for the parameters that programs print. A `trace` is filled with how values
     resulted, in order. `trees`, by absolute path, spare files from being parsed again, and gain those that are.

@@ -23,7 +23,7 @@ HERE = "/ǁ/"
 def load_one_file(
     path: str, arguments: Mapping[str, str], world: World, trees: dict[str, LaunchFile], *, passes_all: bool = False
 ) -> Plan:
-    """The nodes, parameters and includes of one file that is handed these arguments. Never raises for what it says.
+    """The nodes, parameters and includes of one file that is handed these arguments. Never raises for its contents.
 
     Names are relative to `HERE` where they depend on the namespace in which the file is included. What depends on more
     than the arguments is not looked at: `<machine>` tags, remaps and `~` parameters of the including files. Every

@@ -128,7 +128,7 @@ class IncludeSpec:
 
 @dataclass(frozen=True, slots=True)
 class ArgumentStep:
-    """The effect of one `<arg>`. `passed_to` is the `<include>` it stands in; without one it declares the argument.
+    """The effect of one `<arg>`. `passed_to` is the `<include>` that holds it; without one it declares the argument.
 
     `written` is the text of `value=` or `default=`; `value` what the argument is after this tag, None while it has
     none. `handed_over`: an including file passed it.

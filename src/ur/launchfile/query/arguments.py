@@ -1,4 +1,4 @@
-"""`--ros-args`: the arguments that a launch file takes, with what its author says about them."""
+"""`--ros-args`: the arguments that a launch file takes, with their documentation."""
 
 from __future__ import annotations
 

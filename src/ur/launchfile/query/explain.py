@@ -29,7 +29,7 @@ _LONG = 70
 
 @dataclass(frozen=True, slots=True)
 class ExplanationStep:
-    """One step on the way to a value, where it stands, and the steps that it rests on."""
+    """One step on the way to a value, its position, and the steps that it rests on."""
 
     text: str
     span: Span | None = None

@@ -1,4 +1,4 @@
-"""Tags and attributes of launch files: which there are, where they may stand, and what they mean."""
+"""Tags and attributes of launch files: all names, their allowed places, and their meaning."""
 
 from __future__ import annotations
 

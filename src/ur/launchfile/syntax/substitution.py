@@ -10,7 +10,7 @@ _EVAL = "$(eval "
 
 
 class SubstitutionProblem(Exception):  # noqa: N818 - carries a finding to where its place is known
-    """Something is wrong with a piece of `$(...)`. `start` and `end` are offsets in the value it stands in.
+    """A mistake in a piece of `$(...)`. `start` and `end` are offsets in its value.
 
     `subject` and `kind` are as in a Diagnostic.
     """
@@ -37,7 +37,7 @@ class SubstitutionProblem(Exception):  # noqa: N818 - carries a finding to where
 
 @dataclass(frozen=True, slots=True)
 class SubstitutionWord:
-    """A word inside `$(...)` and where it stands in the value."""
+    """A word inside `$(...)` and its position in the value."""
 
     text: str
     start: int

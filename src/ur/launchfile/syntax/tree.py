@@ -22,14 +22,14 @@ _TEXT_PART = re.compile(r"<!--.*?-->|<!\[CDATA\[(.*?)\]\]>|<\?.*?\?>|<[^>]*>|[^<
 
 @dataclass(frozen=True, slots=True)
 class Comment:
-    """A comment. `text` is what stands between the dashes, as it is written."""
+    """A comment. `text` is what is written between the dashes."""
 
     span: Span
     text: str
 
 
 class Element:
-    """A tag with its attributes and what stands inside. Not to be changed once the file is parsed.
+    """A tag with its attributes and contents. Not to be changed once the file is parsed.
 
     `attributes` holds the values as XML means them (references replaced, line breaks turned into spaces), in the order
     in which they are written. `text` is the character data directly inside, collected for `<rosparam>` only.

@@ -13,7 +13,7 @@ def _same(path: str) -> str:
 
 
 class OverlayWorld:
-    """Another world in which some files say something else. `texts` are by absolute path, and may change.
+    """Another world in which some files have other texts. `texts` are by absolute path, and may change.
 
     `follow` gives the file that a path with links leads to, so that a text is found by each of its names.
     """

@@ -1,7 +1,7 @@
 """Needs of launch files and programs from a base: the comment `<!--Needs: ...-->`, compared with what a base has.
 
 A need is the key of a sensor (`ur.robot.base.SENSORS`).
-Several stand one after the other, alternatives have a bar between them: `<!--Needs: raspicam lidar|sonars-->`.
+Several follow one another, alternatives have a bar between them: `<!--Needs: raspicam lidar|sonars-->`.
 """
 
 from __future__ import annotations

@@ -110,7 +110,7 @@ def join_running(loaded: LoadedPlan, report: Report) -> tuple[Plan, tuple[RunEnt
 
 
 def describe_join(decision: Decision) -> list[str]:
-    """Say what is joined: 'joining the robot that m_wander.7952 started'."""
+    """Describe what is joined: 'joining the robot that m_wander.7952 started'."""
     lines = [
         f"joining the robot that {run} started" if run else "joining the robot that runs already"
         for run in dict.fromkeys(each.run for each in decision.base)

@@ -37,7 +37,7 @@ def install_debian(
 ) -> None:
     """Install the first set of Debian packages unless one of the sets is installed already.
 
-    `title` says what that is, for people. With `ask` sudo may ask for a password on the terminal. A system without dpkg
+    `title` describes that, for people. With `ask` sudo may ask for a password on the terminal. A system without dpkg
     is left alone. Raises UserError: the packages could not be installed, or no user may.
     """
     if _find_program("dpkg-query") is None or any(not list_missing(names) for names in alternatives):

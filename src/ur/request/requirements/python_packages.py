@@ -38,7 +38,7 @@ def need_all(
 ) -> None:
     """Ensure that modules are installed: install the lock file that holds them. Raises UserError when that fails.
 
-    `title` says what that is, for people. Two that want the same at once wait for one another. A terminal shows what
+    `title` describes that, for people. Two that want the same at once wait for one another. A terminal shows what
     goes on. `pip` is the command to install with, pip of the running Python unless given; `folder`, a clone of this
     project other than the one that runs.
     """

@@ -2,7 +2,7 @@
 
 The same file feeds the real robot, its URDF and the simulated one. Lengths are in m, masses in kg, angles in rad,
 times in s, voltages in V, currents in A; poses are in `base_footprint` (REP 103 axes: x forward, y left, z up) unless
-a field says otherwise.
+a field gives another unit.
 """
 
 from __future__ import annotations

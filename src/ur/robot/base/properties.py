@@ -85,7 +85,7 @@ class Base(Sensors):
     """A base in one variant ('' is the plain one). `footprint` is the outline, counter-clockwise, at least 3 points.
 
     `driver` is None for a base that is only ever simulated; `drivers` are those of sensors with a driver of their own.
-    `body` is the outline of the body alone, where wheels stand out of it (empty: the footprint); for the eye only.
+    `body` is the outline of the body alone, where wheels protrude from it (empty: the footprint); for the eye only.
     """
 
     name: str

@@ -98,7 +98,7 @@ def choose_arguments(
 ) -> dict[str, str]:
     """The arguments of a launch file that starts when a robot boots: those given, and what the robot knows of itself.
 
-    `declared` says of each argument whether it has to be given; `facts` are `base` and `variant` of the robot, `more`
+    `declared` is, for each argument, whether it is required; `facts` are `base` and `variant` of the robot, `more`
     are other arguments that it knows. Raises UserError: an argument is missing, or not known.
     """
     values = dict(given)

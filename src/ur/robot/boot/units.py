@@ -129,7 +129,7 @@ class UnitFile:
 
 
 def master_unit(user: str, home: str) -> UnitFile:
-    """The unit that keeps a ROS master up as a user, and tells it what base the robot is."""
+    """The unit that keeps a ROS master up as a user, and sets the robot's base there."""
     then = ["/usr/bin/python3", "-I", "-c", set_base_script()]
     return _unit(MASTER, command_line(["roscore", "-w", str(MASTER_WORKERS)]), user, home, then=then)
 

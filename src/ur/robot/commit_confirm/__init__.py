@@ -13,5 +13,5 @@ Why not what is there already:
 - `netplan try` waits for a key on a terminal, which ends with the link; its manual asks to verify whether a rollback
   took place, and what the disk holds before a reboot.
 - `systemd-run --on-active` is a timer in /run: a power cut forgets it. It serves here for what need not outlive a boot.
-- `hostnamectl` sets one of the places where a name stands, and nothing takes it back.
+- `hostnamectl` sets one of the places that hold a name, and nothing takes it back.
 """

@@ -3,7 +3,7 @@
 On the robot's disk, for root alone, below `FOLDER`:
 
 - `pending/`: the change that is being made. `id title who wait boot keeps`, `old/N` the files and folders of `keeps` as
-  they were, `apply back early` scripts, and one file that says who decides: `open`, which either the viewer renames
+  they were, `apply back early` scripts, and one file with who decides: `open`, which either the viewer renames
   to `confirmed` or the guard to `closed`. Renaming can be won by one of them only. `begun`, `applied`: how far it is.
 - `last`: how the latest change ended, in three lines: its id, `confirmed` or `taken-back`, and why.
 - `guard`: the script below. It runs under systemd, restarted when it is killed; and once more, while a change is

@@ -23,7 +23,7 @@ class GuardedChange:
     `wanted`: files that will be different. `also_kept`: files and folders that `live` touches, absolute; what lies in
     /run is not restored after a boot. `live` makes the running robot follow the new files; when it fails, everything is
     reverted. `back` makes it follow the restored ones; `early` the same while it boots, before its network. Scripts
-    run as root and hold no secrets. `words` tell people what `live` does.
+    run as root and hold no secrets. `words` describe what `live` does.
     """
 
     title: str

@@ -47,7 +47,7 @@ class NetworkDevice:
 
 @dataclass(frozen=True, slots=True)
 class Profile:
-    """A network profile of NetworkManager; `ssid` is '' for a wired one, `device` says where it is used."""
+    """A network profile of NetworkManager; `ssid` is '' for a wired one, `device` is where it is used."""
 
     uuid: str
     kind: str

@@ -54,9 +54,9 @@ def parse_builder(text: str) -> Builder:
 
 
 def choose_jobs(builder: Builder, wanted: int | None) -> tuple[int, str]:
-    """Choose the number of parallel compilers, and a line that says why when it is fewer than there are processors.
+    """Choose the number of parallel compilers, and a line with the reason when it is fewer than there are processors.
 
-    What a user wants is done; when it is more than memory allows, the line says so.
+    What a user wants is done; the line reports when it is more than memory allows.
     """
     bound = max(1, builder.memory // MB_PER_JOB)
     have = f"{builder.memory} MB of memory are free, and a compiler takes up to {MB_PER_JOB} MB"

@@ -89,7 +89,7 @@ class DescriptionReading:
 def read_base_figures(
     description: Description, given: Mapping[str, float], *, lidar: bool | None = None
 ) -> DescriptionReading:
-    """Read what a description says of a base; `given` figures (names of QUESTIONS) are taken instead.
+    """Read the properties of a base from its description; `given` figures (names of QUESTIONS) are taken instead.
 
     With `lidar` True a robot of which the description names no lidar gets a usual one on top; with False it has none.
     """

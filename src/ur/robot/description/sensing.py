@@ -31,7 +31,7 @@ _BODY_FRAMES = ("base_footprint", "base_link", "left_wheel", "right_wheel")
 class FoundSensor:
     """A sensor: its frame, its pose in the root link (it looks along x), and the figures of Gazebo where it has some.
 
-    `source` says where it is from.
+    `source` is its origin.
     """
 
     kind: Kind

@@ -23,7 +23,7 @@ class Shape:
 
 @dataclass(frozen=True, slots=True)
 class Mesh:
-    """A geometry whose size is in a file; `collides` tells those to touch from those to see."""
+    """A geometry whose size is in a file; `collides` distinguishes those to touch from those to see."""
 
     file: str
     scale: Vector

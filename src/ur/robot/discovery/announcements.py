@@ -38,7 +38,7 @@ _SCOPE = re.compile(r"[0-9A-Fa-f:.]+(?:%[A-Za-z0-9_.-]{1,15})?")
 class Announcement:
     """A computer that announces itself. `host` is the name that its zeroconf daemon gave it, without .local.
 
-    `name` is what its robot file says: the two differ when another computer had the name first. `version` is that of
+    `name` is that of its robot file: the two differ when another computer had the name first. `version` is that of
     the `ur` that set it up; `ros` is its release of ROS 2, '' where it has ROS 1.
     """
 
@@ -238,7 +238,7 @@ class Crowd:
             return False
 
     def add(self, name: str, sighting: Announcement | None) -> None:
-        """Keep what a service says, None for nonsense, unless there are too many of its kind already."""
+        """Keep what a service announces, None for nonsense, unless there are too many of its kind already."""
         with self._lock:
             is_known = sighting is not None and sighting.name in self._known
             same = [

@@ -1,1 +1,1 @@
-"""Looks at two computers from both ends and says what keeps ROS from working between them."""
+"""Inspect two computers from both ends, and report what keeps ROS from working between them."""

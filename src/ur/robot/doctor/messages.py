@@ -1,6 +1,6 @@
 """Message definitions of a computer, to compare two: one script, and the parser of its output. Both are pure.
 
-Nodes connect when the MD5 sums of their messages agree. These stand in the Python modules that genpy makes. Definitions
+Nodes connect when the MD5 sums of their messages agree. These are in the Python modules that genpy makes. Definitions
 that were not built yet are compared by their text without comments and blanks, which is what those sums are made of
 (gentools); a message within a message is compared by itself.
 """

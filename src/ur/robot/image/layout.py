@@ -67,7 +67,7 @@ def open_reader(path: Path) -> Iterator[tuple[Read, int]]:
 
 
 def find_layout(path: Path) -> Layout:
-    """Look into an image or device. Raises UserError, which says what it is when it is nothing we know."""
+    """Read an image or device. Raises UserError for one of an unknown kind, and names that."""
     try:
         return _find_layout(path)
     except UserError as problem:

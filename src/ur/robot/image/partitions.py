@@ -33,7 +33,7 @@ class Partition:
 def read_partitions(read: Read, size: int) -> tuple[Partition, ...]:
     """The partitions of a disk of `size` bytes, by number; none when there is no table.
 
-    Raises UserError for a table that is damaged, or that tells of more than there is.
+    Raises UserError for a table that is damaged, or that lists more than there is.
     """
     first = read(0, SECTOR)
     if len(first) < SECTOR or first[510:512] != b"\x55\xaa":

@@ -254,7 +254,7 @@ def _check_netplan(version: str, country: str) -> None:
 
 
 class _Dumper(yaml.SafeDumper):
-    """Texts of several lines stand as they are, for people."""
+    """Texts of several lines are kept as they are, for people."""
 
     def represent_str(self, text: str) -> yaml.ScalarNode:
         return self.represent_scalar("tag:yaml.org,2002:str", text, style="|" if "\n" in text else None)

@@ -135,7 +135,7 @@ def bring_about(
 ) -> tuple[ComputerFacts, int]:
     """Make a computer as wanted; the facts afterwards and how many changes it took.
 
-    `make` says what is wanted given the facts of `base`; `report` is called before each change. The changes are made in
+    `make` returns what is wanted for the facts of `base`; `report` is called before each change. They are made in
     order. The computer is looked at again before a change that an earlier one may have made another one, and at the
     end; `ask` gathers facts. Raises UserError when a change fails or does not last.
     """

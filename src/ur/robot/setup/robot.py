@@ -45,7 +45,7 @@ rm -rf {LIBRARIES[1]} && echo removed"""
 
 
 def prepare_viewer(shell: Shell, user: str) -> ViewerFacts:
-    """Make sure that this user has keys, and tell what a robot has to know."""
+    """Make sure that this user has keys, and return what a robot has to know."""
     base = FactsRequest(user, files=frozenset({HOST_KEY, KEY + ".pub"}))
 
     def make(facts: ComputerFacts) -> list[Wanted]:
@@ -202,7 +202,7 @@ def wait_for_boot(task: Task, before: str, at: str, report: Report) -> None:
 
 
 def _reboot(shell: SshShell) -> str:
-    """Tell it to reboot; why it refuses, if it does."""
+    """Reboot it; returns the reason if it refuses."""
     with suppress(UserError):  # the connection does not outlive it
         done = shell.run("systemctl reboot --no-block", root=True, timeout=20)
         return done.err.strip().splitlines()[0] if done.code and done.err.strip() else ""

@@ -181,7 +181,7 @@ def boot_master(user: str, home: str) -> list[Wanted]:
 def robot_file(robot: WantedRobot, present: str | None = None) -> str:
     """The text of robot.yaml. What else the present one holds, such as devices, stays.
 
-    Names and bases are plain words, which YAML may still take for numbers or truths: they stand in quotes.
+    Names and bases are plain words, which YAML may still take for numbers or truths: they are quoted.
     """
     head = "# What this robot is; read by ur. Written by ur robot setup.\n"
     rows = {"name": robot.name, "base": robot.base, "variant": robot.variant}

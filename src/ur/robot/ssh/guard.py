@@ -78,7 +78,7 @@ class PipeLines:
 
 @dataclass(frozen=True, slots=True)
 class Guarded:
-    """A program that runs. What it says on its standard error goes to `log`."""
+    """A program that runs. Its standard error goes to `log`."""
 
     log: Path
     lines: PipeLines

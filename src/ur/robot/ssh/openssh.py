@@ -176,7 +176,7 @@ def connect(
     Host keys must be known: in the user's own files, or, where it is given, in the file `known_hosts` alone.
     `options` are words for ssh that count before our own. `waiting` is opened around each wait for an answer.
     A computer that is about to start is waited for.
-    Raises UserError, which says which of these failed: name, network, host key, login.
+    Raises UserError, which names which of these failed: name, network, host key, login.
     """
     with private_folder() as folder:
         common = [*options, *_common(folder / "c"), *host_key_options(known_hosts)]

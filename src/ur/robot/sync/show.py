@@ -13,7 +13,7 @@ MANY = 60  # steps: more are shown by folder
 
 
 def describe_plan(plan: SyncPlan, robot: str, *, zone: tzinfo | None = None) -> Iterator[str]:
-    """Lines that say what would be done, what is in conflict and why, and what is left out."""
+    """Lines that describe what would be done, what is in conflict and why, and what is left out."""
     yield from (f"note: {note}" for note in plan.notes)
     yield from _describe_steps(plan.steps, robot)
     if plan.waiting:

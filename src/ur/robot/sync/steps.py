@@ -43,7 +43,7 @@ class Manifest:
 
 
 class Agreed(ForeignValue, frozen=True, array_like=True):
-    """A path that both had alike at the last sync. Size and time tell either side whether it was changed since."""
+    """A path that both had alike at the last sync. Size and time show either side whether it was changed since."""
 
     here: File
     there: File
@@ -79,7 +79,7 @@ class Conflict:
 class SyncPlan:
     """The plan of a sync: `steps`, `conflicts`, and `waiting` steps in the direction that was not asked for.
 
-    With the paths in `same`, which both have alike, the next sync begins. `skipped` says what is left out, and why.
+    With the paths in `same`, which both have alike, the next sync begins. `skipped` lists what is left out, and why.
     """
 
     steps: tuple[SyncStep, ...] = ()

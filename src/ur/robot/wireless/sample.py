@@ -42,7 +42,7 @@ class Sample:
 
 @dataclass(slots=True)
 class Echoes:
-    """Reads the lines of `ping -O`. A line that says nothing of an echo is left out."""
+    """Reads the lines of `ping -O`. A line without an echo is left out."""
 
     _found: dict[int, float | None] = field(default_factory=dict)
     _taken: int = 0

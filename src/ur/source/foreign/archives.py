@@ -24,7 +24,7 @@ def unpack_archive(data: bytes, folder: Path, names: str, *, files: int, size: i
     """Unpack a gzipped tar archive into a folder that exists and is empty.
 
     Its members are at most `files` plain files with names that match the regular expression `names`, and have at most
-    `size` bytes together. Raises ValueError, whose text says what is wrong; then some files may be in the folder.
+    `size` bytes together. Raises ValueError, whose text names the mistake; then some files may be in the folder.
     """
     command = [sys.executable, "-I", "-m", __name__, str(folder), names, str(files), str(size)]
     try:

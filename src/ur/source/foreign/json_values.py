@@ -39,7 +39,7 @@ _NOUNS = {
 
 
 class BadJsonError(ValueError):
-    """A text that is not JSON, or not a value of the expected type. The message says why, in a line."""
+    """A text that is not JSON, or not a value of the expected type. The message is the reason, in a line."""
 
 
 class ForeignValue(msgspec.Struct, frozen=True, forbid_unknown_fields=True):

@@ -12,7 +12,7 @@ MAX_LENGTH = 20_000_000  # bytes or characters
 def parse_xml(text: str | bytes, *, length: int = MAX_LENGTH, elements: int = MAX_ELEMENTS) -> Element:
     """Return the root element of a document.
 
-    Raises ValueError, whose text says why: not well-formed, a document type (which entities need), more characters
+    Raises ValueError, whose text is the reason: not well-formed, a document type (which entities need), more characters
     than `length`, more elements than `elements`, or elements nested deeper than MAX_DEPTH.
     """
     if len(text) > length:

@@ -19,7 +19,7 @@ _Loader: type[yaml.SafeLoader] = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 def load_yaml(text: str, values: int = MAX_VALUES) -> Any:
     """Return the value of a text of at most `values` values, counted with its aliases. None for an empty one.
 
-    Raises ValueError, whose text says why in one line: not YAML, nested too deep, or too large.
+    Raises ValueError, whose text is the reason in one line: not YAML, nested too deep, or too large.
     """
     try:
         node = compose_yaml(text)

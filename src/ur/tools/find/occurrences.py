@@ -17,7 +17,7 @@ KINDS: tuple[Kind, ...] = get_args(Kind)
 class Occurrence:
     """A place that defines something or uses it.
 
-    `name` is in full; `note` says how it is used, where that is not clear.
+    `name` is in full; `note` is how it is used, where that is not clear.
     """
 
     kind: Kind

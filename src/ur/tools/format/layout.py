@@ -24,7 +24,7 @@ _LAST = ("if", "unless")
 
 
 def lay_out(tag: Tag, depth: int = 0) -> Iterator[str]:
-    """The lines of a tag and what stands inside it. Laying out its own result changes nothing."""
+    """The lines of a tag and its contents. Laying out its own result changes nothing."""
     indent = _STEP * depth
     opening = [*_opening(tag, indent)]
     closing = f"</{tag.name}>"

@@ -1,4 +1,4 @@
-"""A launch file as pieces to lay out: tags with their attributes as written, comments, and what else stands between."""
+"""A launch file as pieces to lay out: tags with their attributes as written, comments, and what else is between."""
 
 from __future__ import annotations
 
@@ -65,7 +65,7 @@ def read_pieces(root: Element) -> Tag:
 
 
 def make_note(text: str, before: str) -> CommentPiece:
-    """A comment; `before` is what stands before it."""
+    """A comment; `before` is the text before it."""
     line = before.rpartition("\n")[2]
     return CommentPiece(text, None if line.strip() else len(line.expandtabs(4)))
 

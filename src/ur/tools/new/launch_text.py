@@ -39,7 +39,7 @@ def attribute(name: str, value: str) -> str:
 
 
 def as_comment(text: str) -> str:
-    """A text as it may stand in a comment: in one line, without two dashes in a row."""
+    """A text as comments allow it: in one line, without two dashes in a row."""
     words = " ".join(text.split())
     while "--" in words:
         words = words.replace("--", "-")

@@ -1,4 +1,4 @@
-"""Looking at a running node: it is started with a master of its own, and what it says to that master is listened to."""
+"""Observe a running node: it is started with a master of its own, and what it registers there is recorded."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ _SETTLED = 1.5  # s without anything new
 def observe_node(
     command: Sequence[str], environment: Mapping[str, str], seconds: float, report: Callable[[str], None]
 ) -> Observed:
-    """Start a node and say what it registers with its master. The node and the master end with this call.
+    """Start a node and return what it registers with its master. The node and the master end with this call.
 
     `command` gets `__name` and `__log` in addition. Waits until nothing new was called for a while, at most `seconds`.
     Raises UserError: the node ends before it registers, or never does.

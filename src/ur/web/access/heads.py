@@ -1,4 +1,4 @@
-"""Heads of HTTP requests, read as far as is needed to tell logged-in clients from others. No I/O.
+"""Heads of HTTP requests, read as far as is needed to distinguish logged-in clients from others. No I/O.
 
 The HTTP server reads them again. What is decided here is only how much of the server's time a connection gets.
 """

@@ -54,7 +54,7 @@ class ListedProgram:
 
 
 class ProgramsError(Exception):
-    """A command did not do what it was to do; the text says why, for people."""
+    """A command failed; the text is the reason, for people."""
 
 
 class Programs:

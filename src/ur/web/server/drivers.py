@@ -135,7 +135,7 @@ class DrivingPages:
             self._send({"do": "leave", "page": driver.client})
 
     def come_again(self) -> None:
-        """Tell a new robot's end who is there."""
+        """Send the present drivers to a new robot's end."""
         for arrival in self._arrivals.values():
             self._send(arrival)
 

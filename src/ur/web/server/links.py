@@ -14,7 +14,7 @@ LISTENERS = "everybody in this network can read what the page and the robot say:
 
 
 def make_link(host: str, port: int, token: str) -> str:
-    """The address that logs in with a token. It stands behind the `#`, so browsers do not send it."""
+    """The address that logs in with a token. It follows the `#`, so browsers do not send it."""
     return link_to(f"{host}:{port}", token)
 
 

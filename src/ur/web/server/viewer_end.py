@@ -26,7 +26,7 @@ class _Address:
 
 
 class ViewerProcessError(Exception):
-    """The process does not start; the text says why, in a line."""
+    """The process does not start; the text is the reason, in a line."""
 
 
 class ViewerProcess:

@@ -121,7 +121,7 @@ class _Viewer:
 
 
 class ViewerGate:
-    """All viewers. `send` passes a request on to the robot's end, `is_up` tells whether there is one."""
+    """All viewers. `send` passes a request on to the robot's end, `is_up` is whether there is one."""
 
     def __init__(
         self,

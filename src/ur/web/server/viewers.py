@@ -58,7 +58,7 @@ class Viewers:
             viewer.put(frame)
 
     def announce(self, status: Mapping[str, object]) -> None:
-        """Tell all pages the state of the server; its frames also show that the connection lives."""
+        """Send all pages the state of the server; its frames also show that the connection lives."""
         frame = json_frame(Kind.SERVER, status)
         for viewer in self._viewers:
             viewer.put(frame)

@@ -204,5 +204,5 @@ def _name(sender: Sender | None) -> str:
 
 
 def _publisher(sender: Sender | None) -> str:
-    """The name of a publisher and its id, which tells it from another of that name."""
+    """The name of a publisher and its id, which distinguishes it from another of that name."""
     return f"{sender.name}{_ID}{sender.id}" if sender else ""

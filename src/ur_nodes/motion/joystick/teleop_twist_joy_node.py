@@ -1,4 +1,4 @@
-"""Drive with a joystick: the stand-in for teleop_twist_joy. Beside the dead-man button it knows one for emergencies.
+"""Drive with a joystick: the stand-in for teleop_twist_joy. Beside the dead-man button it has one for emergencies.
 
 Turns each `joy` into at most one command: it never repeats a command without a new input. A command is as new as the
 `joy` that it is made of, so reader and teleop have to run on the same computer.

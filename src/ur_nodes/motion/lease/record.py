@@ -31,7 +31,7 @@ _MOST_KNOWN = 64  # clients whose names are remembered
 
 @dataclass(frozen=True, slots=True)
 class ClientCommand:
-    """A fresh velocity command of a client has arrived; `motion` says whether it asks for any."""
+    """A fresh velocity command of a client has arrived; `motion` is whether it asks for any."""
 
     client: str
     motion: bool

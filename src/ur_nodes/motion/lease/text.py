@@ -39,7 +39,7 @@ class Lease:
     """The lease: no client drives (`free`), a client (`held`), or one whose renewals have stopped arriving (`lost`).
 
     `since`, `taken_at` and `until` are seconds since 1970 by the robot's clock, for people to read; `until` is the time
-    of the last message of a client that is lost, if known. `attended` says that a person watches; `asking` who would
+    of the last message of a client that is lost, if known. `attended` is whether a person watches; `asking` who would
     like to drive; `taken_from` who drove before the client took over. `computer` identifies a user of a computer, where
     names may be alike; it is empty for a client that sends none.
     """

@@ -26,7 +26,7 @@ class RangeSensor:
     """A lidar or a sonar on the base.
 
     It sees `start` to `end` (rad in its frame, counter-clockwise) and up to `reach` (m), each `period` s. `label` is
-    its name in messages. `ahead` and `behind` tell which of the positions over the width of the base it sees.
+    its name in messages. `ahead` and `behind` are which of the positions over the width of the base it sees.
     """
 
     name: str

@@ -122,7 +122,7 @@ def look(sight: Sight, sensor: RangeSensor, reading: SensorRanges) -> Sight:
 
 
 def _remember(sight: Sight, sensor: RangeSensor, reading: SensorRanges, before: SeenPoints | None) -> RememberedPoints:
-    """The points about which a reading says nothing: of the memory, and of the reading before of the same sensor."""
+    """The points that a reading does not measure: of the memory, and of the reading before of the same sensor."""
     memory = sight.memory
     points, times = memory.points, memory.times
     if before is not None and len(before.points):
@@ -137,7 +137,7 @@ def _remember(sight: Sight, sensor: RangeSensor, reading: SensorRanges, before: 
 
 
 def _hidden(sensor: RangeSensor, reading: SensorRanges, points: Floats) -> NDArray[np.bool_]:
-    """Return which earlier points (n, 2) of the base's frame a reading says nothing about."""
+    """Return which earlier points (n, 2) of the base's frame a reading does not measure."""
     hidden = ~sensor.sees(points)
     if reading.cone:
         hidden |= np.hypot(*(points - sensor.mount.offset[:2]).T) > reading.ranges[0] + _SLACK

@@ -1,1 +1,1 @@
-"""Goals and the client that they belong to: accepted, driven to, held or cancelled as the lease says."""
+"""Goals and the client that they belong to: accepted, driven to, held or cancelled by the lease."""

@@ -1,6 +1,6 @@
 """Sender and age of a goal without synchronised clocks, from the text that our clients write into goal ids.
 
-A goal for which any heading counts says so there, too: upstream's `move_base` ignores ids, and arrives with the heading
+A goal for which any heading counts is marked there: upstream's `move_base` ignores ids, and arrives with the heading
 of the goal's pose.
 
 The mux publishes a new value (a challenge, in ns of its steady clock) about 30 times a second. A client writes the
@@ -87,7 +87,7 @@ def write_goal_id(start: str, client: str, answer: int) -> str:
 
 
 def write_any_heading(start: str) -> str:
-    """Return the start of a goal's id that says that any heading counts."""
+    """Return the start of the id of a goal for which any heading counts."""
     return f"{start}{_ANY_HEADING}"
 
 

@@ -18,7 +18,7 @@ NO_MATRIX: NDArray[np.float64] = np.zeros((0, 0))
 
 @dataclass(frozen=True, slots=True)
 class Signal:
-    """Says that something is to happen; carries nothing."""
+    """Triggers an event; carries nothing."""
 
 
 @dataclass(frozen=True, slots=True)

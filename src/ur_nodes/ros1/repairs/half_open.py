@@ -1,4 +1,4 @@
-"""Telling a peer that its connection has ended on this side while the network was cut.
+"""Notify a peer whose connection has ended on this side while the network was cut.
 
 A subscriber that only receives does not notice that: nothing comes, and its own kernel asks after a minute or later.
 RFC 793 (3.4, "Half-Open Connections and Other Anomalies") describes a way to notify it: a new request for the same

@@ -53,7 +53,7 @@ class UprightShapes:
     def sides(self, data: mujoco.MjData, own_body: int) -> Floats | None:
         """The sides now, but those of a body, shape (4, n): x, y of a corner, and dx, dy on, counter-clockwise.
 
-        None: a shape has tipped over, or stands higher or lower than at first.
+        None: a shape has tipped over, or is higher or lower than at first.
         """
         others = self._bodies != own_body
         bodies = self._bodies[others]

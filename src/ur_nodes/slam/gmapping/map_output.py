@@ -43,7 +43,7 @@ class GridMapOutput:
             self._picture(self._publish)
 
     def describe(self, places: Sequence[Pose2]) -> None:
-        """Log what would tell places on the map apart."""
+        """Log what would distinguish places on the map."""
 
         def compare(grid: Grid) -> None:
             text = "drive to another room"

@@ -144,7 +144,7 @@ class _Poses:
         return Pose2(x, y, wrap_angle(float(self._angles[place[2]])))
 
     def apart(self, poses: NDArray[np.intp], place: NDArray[np.intp]) -> NDArray[np.bool_]:
-        """Tell for each pose (n, 3) whether it is a place other than that of a pose (3)."""
+        """Return for each pose (n, 3) whether it is a place other than that of a pose (3)."""
         shift = np.hypot(*(poses[:, :2] - place[:2]).T) * self._cell
         swing = np.remainder(np.abs(poses[:, 2] - place[2]) * self._step, 2.0 * math.pi)
         found: NDArray[np.bool_] = (shift > _APART[0]) | (np.minimum(swing, 2.0 * math.pi - swing) > _APART[1])
@@ -187,7 +187,7 @@ class _Poses:
         return np.concatenate(parts)
 
     def _reaches_beyond(self, blocks: NDArray[np.intp], level: int, place: NDArray[np.intp]) -> NDArray[np.bool_]:
-        """Tell for each block (n, 3) whether some of its poses are a place other than that of a pose (3)."""
+        """Return for each block (n, 3) whether some of its poses are a place other than that of a pose (3)."""
         ends = np.array((2**level, 2**level, self._turns[level])) - 1
         farthest = np.maximum(np.abs(blocks - place), np.abs(blocks + ends - place))
         return self.apart(farthest, np.zeros(3, np.intp))

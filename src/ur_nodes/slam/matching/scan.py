@@ -25,7 +25,7 @@ class MapScan:
 
     All are in the robot's frame, as is the lidar's place, `origin` (2). `numbers` (n) are those of the beams that hit.
     The surface is made of every so many hits; of these, `facing` (k) are the directions of the normals in rad, and
-    `flat` (k) tells whether they can be trusted: 16 bytes a point, as a map holds thousands of scans.
+    `flat` (k) is whether they can be trusted: 16 bytes a point, as a map holds thousands of scans.
     """
 
     hits: NDArray[np.float32]
@@ -70,7 +70,7 @@ def make_scan(
 ) -> MapScan:
     """Make a scan from ranges (n) in m along `directions` (n, 2) in the lidar's plane.
 
-    Readings within `limits` have hit something. Clear ones leave the floor free up to `free` m (0: they say nothing,
+    Readings within `limits` have hit something. Clear ones leave the floor free up to `free` m (0: no readings,
     as many lidars see no glass).
     """
     values = np.asarray(ranges, dtype=np.float64)

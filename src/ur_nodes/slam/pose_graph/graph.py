@@ -54,7 +54,7 @@ class PoseGraph:
         return number
 
     def add_edge(self, before: int, after: int, relative: Pose2, covariance: Floats, *, robust: bool) -> None:
-        """Say where one keyframe is in another's frame, with a covariance (3, 3); robust: unless others contradict."""
+        """Add a keyframe's pose in another's frame, with a covariance (3, 3); robust: unless others contradict."""
         model: gtsam.noiseModel.Base = gtsam.noiseModel.Gaussian.Covariance(covariance)
         if robust:
             model = gtsam.noiseModel.Robust.Create(gtsam.noiseModel.mEstimator.Cauchy.Create(_KERNEL), model)
@@ -80,7 +80,7 @@ class PoseGraph:
 
     @property
     def unsettled(self) -> bool:
-        """Tell whether `step` would still move poses."""
+        """Return whether `step` would still move poses."""
         return self._steps > 0
 
     def begin(self, steps: int = _STEPS) -> None:

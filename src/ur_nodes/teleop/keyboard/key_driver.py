@@ -60,7 +60,7 @@ class KeyDriver:
     ) -> None:
         """`rate` is the number of commands per second, besides answers to challenges.
 
-        `linked` tells whether the terminal is connected: keys drive only while it is.
+        `linked` is whether the terminal is connected: keys drive only while it is.
         """
         self._node, self._commander, self._mux, self._saving = node, commander, mux, saving
         self._state, self._linked = start_drive(settings), linked

@@ -21,7 +21,7 @@ _PROOF = struct.Struct("d")  # s, of the steady clock of this computer
 
 
 def make_watch(environment: Mapping[str, str], now: Callable[[], float] = time.monotonic) -> Callable[[], bool]:
-    """Return a function that tells whether the newest proof is fresh; always, where there is no guard."""
+    """Return a function that returns whether the newest proof is fresh; always, where there is no guard."""
     path = environment.get(VARIABLE, "")
     if not path:
         return lambda: True

@@ -22,7 +22,7 @@ _POLL = 0.05  # s
 
 
 class PipeDriver:
-    """Drives by one key after another. `press`, `close` and what it tells may be used by any thread."""
+    """Drives by one key after another. `press`, `close` and its properties may be used by any thread."""
 
     def __init__(self, node: Node, settings: DriveSettings, rate: float, commander: Commander) -> None:
         """`rate` is the number of commands per second, besides answers to challenges."""

@@ -38,7 +38,7 @@ class MapView(Widget, can_focus=False):
     double_click = 0.5  # s between the presses of a double click, at the most
 
     class GoalPicked(Message):
-        """The mouse chose a goal; `any_heading`: by a click, which says nothing about the heading."""
+        """The mouse chose a goal; `any_heading`: by a click, which has no heading."""
 
         def __init__(self, place: Pose2, *, any_heading: bool) -> None:
             super().__init__()

@@ -43,7 +43,7 @@ Request = Question | Publish | Call | SetParameter
 
 
 class DataActions:
-    """Carries requests out. `guard` says what is refused."""
+    """Carries requests out. `guard` decides what is refused."""
 
     def __init__(self, node: Node) -> None:
         self._node = node

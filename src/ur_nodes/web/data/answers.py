@@ -12,7 +12,7 @@ Answer = Callable[[Fields], None]
 
 
 class RefusedError(Exception):
-    """A request that is not carried out; the text says why, in a line."""
+    """A request that is not carried out; the text is the reason, in a line."""
 
 
 def refuse(text: str) -> Fields:

@@ -9,7 +9,7 @@ _DEEPEST = 8
 
 
 class BadValueError(ValueError):
-    """A value that does not fit a type; the text says why, in a line."""
+    """A value that does not fit a type; the text is the reason, in a line."""
 
 
 def make_template(definition: Definition, deepest: int = _DEEPEST) -> dict[str, object]:

@@ -79,7 +79,7 @@ class DriverLink:
         return age_of_answer(self._received, answer, self._node.steady())
 
     def is_late(self, answer: Stamp) -> bool:
-        """Return whether a request that sets something in motion is too old, where there is a mux that tells."""
+        """Return whether a request that sets something in motion is too old, where a mux sends challenges."""
         age = self.age_of(answer)
         reported = self.lease is not None or self.newest is not None
         return reported and (age is None or age > REQUEST_FRESHNESS)

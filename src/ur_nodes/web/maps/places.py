@@ -20,7 +20,7 @@ _LONGEST_NAME = 64
 class Places:
     """The places of a file, as they were when it was read; without a `path` none can be named.
 
-    `signature` changes with the file; `problem` says why it cannot be read.
+    `signature` changes with the file; `problem` is why it cannot be read.
     """
 
     path: Path | None = None

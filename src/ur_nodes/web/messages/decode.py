@@ -20,7 +20,7 @@ _MOST_STEPS = 50_000  # values that are read to be left out
 
 
 class BadMessageError(ValueError):
-    """Bytes that are no message of a type; the text says why, in a line."""
+    """Bytes that are no message of a type; the text is the reason, in a line."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -30,12 +30,12 @@ _FIELD = re.compile(rf"((?:{_NAME}/)?{_NAME})(?:\[([0-9]{{0,9}})\])?[ \t]+({_NAM
 
 
 class BadDefinitionError(ValueError):
-    """A text that is no definition; its message says why, in a line."""
+    """A text that is no definition; its message is the reason, in a line."""
 
 
 @dataclass(frozen=True, slots=True)
 class Field:
-    """A field: its type, and None, the number of its elements, or -1 for an array that tells its length."""
+    """A field: its type, and None, the number of its elements, or -1 for an array with its own length."""
 
     name: str
     kind: str

@@ -26,7 +26,7 @@ _MESHES = (".stl", ".dae", ".obj")
 
 
 class BadModelError(ValueError):
-    """A text that is no description; the text says why, in a line."""
+    """A text that is no description; the message is the reason, in a line."""
 
 
 def read_model(text: str) -> list[dict[str, object]]:

@@ -1,4 +1,4 @@
-"""The files of /proc and /sys that tell the figures of this computer, and its disk."""
+"""The files of /proc and /sys with the figures of this computer, and its disk."""
 
 from __future__ import annotations
 

@@ -66,7 +66,7 @@ def missing_attribute(element: Element, name: str) -> TagRefused:
 
 
 def resolve_value(value: str, element: Element, name: str, draft: Draft, scope: Scope, shift: int = 0) -> str:
-    """A text that stands in an attribute, `shift` characters from its start, with `$(...)` replaced. Raises Refused."""
+    """A text in an attribute, `shift` characters from its start, with `$(...)` replaced. Raises Refused."""
     try:
         return substitute(value, scope, draft.world, draft.budget)
     except SubstitutionProblem as problem:
@@ -121,7 +121,7 @@ def _explain_missing_argument(name: str, span: Span, scope: Scope) -> TagRefused
 
 
 def is_wanted(element: Element, draft: Draft, scope: Scope) -> bool:
-    """Return whether `if` and `unless` let a tag take part. Raises Refused when they say neither yes nor no."""
+    """Return whether `if` and `unless` let a tag take part. Raises Refused when they are not booleans."""
     attributes = element.attributes
     if "if" not in attributes and "unless" not in attributes:
         return True

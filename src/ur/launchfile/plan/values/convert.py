@@ -49,7 +49,7 @@ def read_boolean(text: str) -> bool:
 
 
 def convert_scalar(text: str, type_: ParamType) -> ParamValue:
-    """A text as a value of a type other than `yaml`. Raises ValueError whose text says what was expected."""
+    """A text as a value of a type other than `yaml`. Raises ValueError whose text names what was expected."""
     if type_ == "auto":
         return guess_value(text)
     if type_ == "bool":

@@ -38,7 +38,7 @@ class YamlProblem(Exception):  # noqa: N818 - carries a finding to where its pla
 
 
 class Document:
-    """A value, and where the keys of its mappings stand."""
+    """A value, and the positions of the keys of its mappings."""
 
     __slots__ = ("_keys", "_node", "value")
 

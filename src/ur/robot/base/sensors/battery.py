@@ -16,7 +16,7 @@ TECHNOLOGIES = ("lead-acid", "lifepo4", "lithium-ion", "lithium-polymer", "nicd"
 class BatteryProperties(Sensor):
     """The battery (sensor_msgs/BatteryState). `design_capacity` is in Ah; voltages are those at rest.
 
-    `current_idle` flows while the base stands, `current_moving` at full speed.
+    `current_idle` flows while the base is at rest, `current_moving` at full speed.
     """
 
     title: ClassVar[str] = "battery"

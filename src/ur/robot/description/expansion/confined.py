@@ -182,7 +182,7 @@ def _expand(xacro: Any, words: list[str]) -> dict[str, Any]:
 
 
 def main() -> NoReturn:
-    """Expand one file, as the order on standard input says."""
+    """Expand one file, by the order on standard input."""
     order = json.loads(sys.stdin.buffer.readline())
     try:
         xacro, missing = _prepare(order["library"], order["folder"])

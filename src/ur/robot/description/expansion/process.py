@@ -61,7 +61,7 @@ def expand(
     confined: bool = True,
     bounds: ExpansionBounds = BOUNDS,
 ) -> Expansion:
-    """Run xacro as `order` says (`library`, `file`, `folder`, `arguments`), and answer what it asks by its kind.
+    """Run xacro by `order` (`library`, `file`, `folder`, `arguments`), and answer its questions by their kind.
 
     An answer raises Refused. Unless it is `confined`, the process has all rights of its starter.
     """

@@ -50,7 +50,7 @@ class ExpansionComputer:
 
     `packages` finds the folders of packages by name, and is called for xacro files only. `made` is the folder of the
     packages that `ur get` makes. `consent` is asked, with what would run, where xacro cannot be confined.
-    `has_own` tells whether our own environment has xacro.
+    `has_own` is whether our own environment has xacro.
     """
 
     environment: Mapping[str, str]

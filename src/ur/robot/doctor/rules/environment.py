@@ -1,4 +1,4 @@
-"""The variables of ROS in the shells of both computers: where the master is, and the name that nodes tell."""
+"""The variables of ROS in the shells of both computers: where the master is, and the name that nodes announce."""
 
 from __future__ import annotations
 

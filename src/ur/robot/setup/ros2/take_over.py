@@ -44,7 +44,7 @@ class Driver:
     """The driver of a base: its unit, the processes of that unit, and the velocity topics of the base by their types.
 
     The topics have the names that programs know, also where the mux has taken them over. `unit` is '' where the driver
-    cannot be remapped; `reason` says why.
+    cannot be remapped; `reason` is why.
     """
 
     unit: str

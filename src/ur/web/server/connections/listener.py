@@ -60,7 +60,7 @@ class _Waiting:
 class ConnectionListener:
     """Accepts connections and has `handlers` make the protocol that serves each.
 
-    `recognise` tells whether a head holds the secret of a session; it must be quick. `answer` makes the bytes of a
+    `recognise` is whether a head holds the secret of a session; it must be quick. `answer` makes the bytes of a
     refusal from a status and a text. `log` takes a line.
     """
 

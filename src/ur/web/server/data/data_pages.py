@@ -124,7 +124,7 @@ class DataPages:
             page.put(frame)
 
     def _show_again(self) -> None:
-        """Tell a new process what pages show."""
+        """Send what pages show to a new process."""
         for page in self._pages.values():
             if page.shows:
                 self._end.send(page.number, page.shows)

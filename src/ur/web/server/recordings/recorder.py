@@ -22,7 +22,7 @@ _WITH_US = ("setpriv", "--pdeathsig", "INT", "--")  # it ends when the server is
 
 
 class RecorderError(Exception):
-    """The recording cannot start; the text says why, in a line."""
+    """The recording cannot start; the text is the reason, in a line."""
 
 
 @dataclass(frozen=True, slots=True)
