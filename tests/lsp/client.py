@@ -3,14 +3,21 @@
 from __future__ import annotations
 
 import asyncio
+import gc
 import os
+import socket
 import sys
+import threading
 from collections.abc import AsyncIterator, Sequence
-from contextlib import asynccontextmanager
+from contextlib import AsyncExitStack, asynccontextmanager
 from pathlib import Path
 
 from lsprotocol import types
+from pygls.io_ import run_async
 from pygls.lsp.client import LanguageClient
+
+from ur.check.computer import make_world
+from ur.lsp.serve import make_server
 
 PATIENCE = 60  # seconds
 
@@ -78,8 +85,10 @@ def position_of(text: str, offset: int) -> types.Position:
 
 
 @asynccontextmanager
-async def open_editor(folder: Path, environment: dict[str, str] | None = None) -> AsyncIterator[Editor]:
-    """A server on a folder, initialised; it ends with the context."""
+async def open_editor(
+    folder: Path, environment: dict[str, str] | None = None, *, inside: bool = False
+) -> AsyncIterator[Editor]:
+    """A server on a folder, initialised, as a process or `inside` this one; it ends with the context."""
     client = LanguageClient("tests", "1")
     editor = Editor(client, folder)
 
@@ -88,8 +97,11 @@ async def open_editor(folder: Path, environment: dict[str, str] | None = None) -
         editor.take(params)
 
     variables = {**os.environ, "ROS_PACKAGE_PATH": "", **(environment or {})}
-    await client.start_io(sys.executable, "-I", "-m", "ur", "lsp", env=variables)
-    try:
+    async with AsyncExitStack() as stack:
+        if inside:
+            await stack.enter_async_context(_serve_inside(client, variables))
+        else:
+            await client.start_io(sys.executable, "-I", "-m", "ur", "lsp", env=variables)
         await client.initialize_async(
             types.InitializeParams(
                 capabilities=types.ClientCapabilities(),
@@ -97,8 +109,34 @@ async def open_editor(folder: Path, environment: dict[str, str] | None = None) -
             )
         )
         client.initialized(types.InitializedParams())
-        yield editor
+        try:
+            yield editor
+        finally:
+            await client.shutdown_async(None)
+            if not inside:
+                client.exit(None)
+                await client.stop()  # type: ignore[no-untyped-call]
+
+
+@asynccontextmanager
+async def _serve_inside(client: LanguageClient, environment: dict[str, str]) -> AsyncIterator[None]:
+    """A server in this process, which the client reaches through a socket."""
+    server = make_server("1", lambda paths: make_world(paths, environment))
+    stop = threading.Event()
+
+    tasks, writers = [], []
+    for protocol, end in zip((server.protocol, client.protocol), socket.socketpair(), strict=True):
+        reader, writer = await asyncio.open_connection(sock=end)
+        protocol.set_writer(writer)
+        writers.append(writer)
+        tasks.append(asyncio.create_task(run_async(stop, reader, protocol)))
+    try:
+        yield
     finally:
-        await client.shutdown_async(None)
-        client.exit(None)
-        await client.stop()  # type: ignore[no-untyped-call]
+        stop.set()
+        for task in tasks:
+            task.cancel()
+        await asyncio.gather(*tasks, return_exceptions=True)
+        for writer in writers:
+            writer.close()
+        gc.enable()  # the server collects memory itself

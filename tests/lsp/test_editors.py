@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import fcntl
+import json
 import os
 import shutil
 import subprocess
@@ -100,11 +102,49 @@ def test_neovim_shows_findings_while_a_file_is_edited(launch_file: Path) -> None
     assert lines == ["findings [undeclared-argument:2]", "findings []", "definition line 1"], printed
 
 
+def build_extension() -> Path:
+    """The folder of the built extension: made by npm in the versions of its package.json, and kept in `.cache`."""
+    source = ROOT / "editors/vscode"
+    described = json.loads((source / "package.json").read_text())
+    names = ("vscode-languageclient", "typescript", "@types/node", "@types/vscode")
+    versions = {**described["dependencies"], **described["devDependencies"]}
+    wanted = [f"{name}@{versions[name]}" for name in names]
+    npm = shutil.which("npm")
+    if npm is None:
+        pytest.skip("npm is not installed: sudo apt-get install npm")
+    folder = ROOT / ".cache/npm" / "-".join(["vscode", *(each.rpartition("@")[2] for each in wanted)])
+    folder.mkdir(parents=True, exist_ok=True)
+    with (folder / "lock").open("w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        if not (folder / "node_modules/.package-lock.json").exists():
+            command = [
+                npm,
+                "install",
+                "--no-save",
+                "--no-audit",
+                "--no-fund",
+                "--ignore-scripts",
+                "--prefix",
+                str(folder),
+            ]
+            done = subprocess.run(
+                [*command, *wanted], capture_output=True, text=True, timeout=100, cwd=folder, check=False
+            )
+            if done.returncode:
+                pytest.skip(f"npm cannot install {' and '.join(wanted)}: {done.stderr.strip()[-200:]}")
+        for name in ("src", "test"):
+            shutil.copytree(source / name, folder / name, dirs_exist_ok=True)
+        for name in ("tsconfig.json", "package.json"):
+            shutil.copy(source / name, folder)
+        tsc = [str(folder / "node_modules/.bin/tsc"), "-p", str(folder)]
+        done = subprocess.run(tsc, capture_output=True, text=True, timeout=100, check=False)
+        assert done.returncode == 0, done.stdout
+    return folder
+
+
 def test_vs_code_shows_findings_while_a_file_is_edited(launch_file: Path) -> None:
     # The extension and vscode-languageclient themselves; what they use of VS Code is in test/vscode.js.
-    folder = ROOT / "editors/vscode"
-    if shutil.which("node") is None or not (folder / "out/extension.js").is_file():
-        pytest.skip("the extension is not built: cd editors/vscode && npm ci && npm run build, which needs Node.js")
+    folder = build_extension()
     printed = run(["node", f"{folder}/test/session.js", str(folder), str(launch_file)], launch_file)
     lines = [line for line in printed.splitlines() if line.startswith(("findings", "definition", "commands"))]
     expected = ["findings [undeclared-argument:2]", "findings []", "definition line 1", "commands ur.graph ur.launch"]

@@ -43,9 +43,10 @@ def package(tmp_path: Path) -> Path:
     return folder
 
 
-async def test_server_answers_an_editor_from_start_to_end(package: Path) -> None:
+@pytest.mark.parametrize("inside", [True, False], ids=["inside", "process"])
+async def test_server_answers_an_editor_from_start_to_end(package: Path, *, inside: bool) -> None:
     name = "launch/bringup.launch"
-    async with open_editor(package) as editor:
+    async with open_editor(package, inside=inside) as editor:
         editor.open(name)
         editor.replace(name, "$(arg robot)", "$(arg robt)")
         (found,) = await editor.wait_for(name, ["undeclared-argument"])
@@ -108,7 +109,7 @@ async def test_server_answers_an_editor_from_start_to_end(package: Path) -> None
 
 async def test_server_renames_marks_and_follows_includes(package: Path) -> None:
     name = "launch/bringup.launch"
-    async with open_editor(package) as editor:
+    async with open_editor(package, inside=True) as editor:
         editor.open(name)
         editor.open("launch/part.launch.xml")
         client, document = editor.client, editor.document(name)
@@ -155,3 +156,32 @@ async def test_server_renames_marks_and_follows_includes(package: Path) -> None:
             ("speed", "part.launch.xml"),
             ("speed", "bringup.launch"),
         }
+
+
+async def test_server_checks_and_completes_programs_and_yaml_files(package: Path) -> None:
+    (package / "bin").mkdir()
+    program = package / "bin/ur_talk"
+    program.write_text(
+        '#!/bin/bash\n##Summary: Say it.\n##Overview: It talks.\nexec ur launch my_robot bringup.launch "$@"\n'
+    )
+    program.chmod(0o755)
+    (package / "params").mkdir()
+    (package / "params/one.yaml").write_text("speed: 1.0 # in m/s\n")
+    (package / "params/two.yaml").write_text("sp\n")
+    async with open_editor(package, inside=True) as editor:
+        editor.open("bin/ur_talk")
+        editor.replace("bin/ur_talk", "bringup.launch", "bringp.launch")
+        await editor.wait_for("bin/ur_talk", ["program-launch-file"])
+        editor.replace("bin/ur_talk", "bringp.launch", "bringup.launch")
+        await editor.wait_for("bin/ur_talk", [])
+        editor.replace("bin/ur_talk", "bringup.launch", "bringup.launch sped:=2")
+        (found,) = await editor.wait_for("bin/ur_talk", ["program-launch-file"])
+        assert found.range.start == editor.at("bin/ur_talk", "sped:=2")
+        name = "params/two.yaml"
+        editor.open(name)
+        params = types.CompletionParams(editor.document(name), types.Position(0, 2))
+        offered = await editor.client.text_document_completion_async(params)
+        assert isinstance(offered, list)
+        assert [each.label for each in offered] == ["speed"]
+        editor.replace(name, "sp\n", "speed: [1.0\n")
+        await editor.wait_for(name, ["bad-yaml"])

@@ -7,7 +7,11 @@ let client: LanguageClient | undefined;
 export async function activate(context: vscode.ExtensionContext): Promise<void> {
   const command = vscode.workspace.getConfiguration("ur").get<string>("command", "ur");
   client = new LanguageClient("ur", "ROS launch files", { command, args: ["lsp"] }, {
-    documentSelector: [{ scheme: "file", language: "roslaunch" }, { scheme: "file", language: "yaml" }],
+    documentSelector: [
+      { scheme: "file", language: "roslaunch" },
+      { scheme: "file", language: "yaml" },
+      { scheme: "file", pattern: "**/bin/*" }, // programs, whose heads and launch files are checked
+    ],
     synchronize: { fileEvents: vscode.workspace.createFileSystemWatcher("**/*.{launch,xml,test,yaml,yml}") },
   });
   context.subscriptions.push(

@@ -9,7 +9,8 @@ from lsprotocol import types
 
 from ur.check.rule import TextEdit
 from ur.lsp.actions import format_text, list_actions
-from ur.lsp.completion import Candidate, CandidateKind, complete
+from ur.lsp.completion.candidate import Candidate, CandidateKind
+from ur.lsp.completion.launch_files import complete
 from ur.lsp.convert import path_of, uri_of
 from ur.lsp.definitions import find_definitions, find_references
 from ur.lsp.hover import describe_place
@@ -69,7 +70,7 @@ def _add_places(server: LaunchServer) -> None:
         text = types.MarkupContent(types.MarkupKind.Markdown, found[0])
         return types.Hover(text, server.units.range(found[1]))
 
-    options = types.CompletionOptions(trigger_characters=["<", " ", '"', "'", "/", "(", "="])
+    options = types.CompletionOptions(trigger_characters=["<", " ", '"', "'", "/", "(", "=", "#"])
 
     @server.feature(types.TEXT_DOCUMENT_COMPLETION, options)
     def _complete(params: types.CompletionParams) -> list[types.CompletionItem]:

@@ -5,8 +5,6 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 from contextlib import suppress
-from dataclasses import dataclass
-from typing import Literal
 
 from ur.check.rule import LaunchView
 from ur.complete.completions import Completion
@@ -14,32 +12,25 @@ from ur.complete.launch import complete_packages, complete_paths
 from ur.launchfile.query.vocabulary import ATTRIBUTES, CONDITIONS, DOCUMENTS, INSIDE, REQUIRED, find_choices
 from ur.launchfile.syntax.substitution import COMMANDS
 from ur.launchfile.world.protocol import PackageNotFound
+from ur.lsp.completion.candidate import Candidate
+from ur.lsp.completion.other_files import complete_heading, complete_yaml, is_yaml
 from ur.lsp.documents import document_of
 from ur.lsp.names import expand_everywhere, find_files
 from ur.lsp.place import CursorPlace, OpenTag, find_place
 from ur.lsp.workspace import Workspace
 
-CandidateKind = Literal["tag", "attribute", "package", "program", "file", "folder", "argument", "value", "rule"]
 _OPEN = re.compile(r"\$\((\w*)(?:\s+([^)\s]*))?\Z")
 _FOUND = re.compile(r"(\$\(find\s+([\w.-]+)\s*\)|\$\(dirname\))((?:/[^/$]*)*)\Z")
 
 
-@dataclass(frozen=True, slots=True)
-class Candidate:
-    """Something to insert between two offsets. `more`: another candidate may follow at once."""
-
-    label: str
-    kind: CandidateKind
-    insert: str
-    start: int
-    end: int
-    help: str = ""
-    document: str = ""
-    more: bool = False
-
-
 def complete(workspace: Workspace, path: str, offset: int) -> list[Candidate]:
-    """The candidates at a place of a launch file, best first."""
+    """The candidates at a place of a file, best first."""
+    if not path.endswith((".launch", ".xml", ".test")):
+        try:
+            text = workspace.source(path).text
+        except OSError:
+            return []
+        return complete_yaml(workspace, path, text, offset) if is_yaml(path) else complete_heading(text, offset)
     view = workspace.view(path)
     if view is None:
         return []

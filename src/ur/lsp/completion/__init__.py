@@ -1,0 +1,1 @@
+"""Completion: in launch files, YAML files and programs."""
