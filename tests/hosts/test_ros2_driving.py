@@ -1,9 +1,7 @@
-"""Two commands from a laptop without any ROS to a robot with ROS 2: its keys drive, its page shows, a cut stops it."""
+"""Two commands from a laptop without any ROS to a robot with ROS 2: its keys drive, a cut stops it."""
 
 from __future__ import annotations
 
-import re
-import shlex
 import threading
 import time
 from collections.abc import Iterator
@@ -11,10 +9,8 @@ from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
-from tests.docs.chromium import Chromium
-from tests.e2e.web_page import PHONE, PROGRAM, BrowserPage
 from tests.hosts.bench import REPOSITORY, UR, Bench, Machine, boot, wait_until
-from tests.hosts.bench.ros2_robot import install_jazzy, remove_ros1
+from tests.hosts.bench.ros2_robot import install_ros2, remove_ros1
 from tests.hosts.test_ros2_robot import SUDO, set_up
 from tests.terminal import TmuxTerminal
 
@@ -23,18 +19,24 @@ AT_REST = 0.3  # s
 KEY_PAUSE = 0.03  # s, as a keyboard repeats
 
 
-@pytest.fixture(scope="module")
-def pair() -> Iterator[Bench]:
-    """Both have this project as a clone of the user's own."""
+@contextmanager
+def set_up_pair(distro: str, *arguments: str) -> Iterator[Bench]:
+    """A robot with a release of ROS 2, set up from a laptop. Both have this project as a clone of the user's."""
     with boot(("laptop", "robot"), with_repository=("laptop", "robot")) as bench:
         laptop, robot = bench["laptop"], bench["robot"]
         remove_ros1(laptop)
-        install_jazzy(robot)
+        install_ros2(robot, distro, *arguments)
         for name, user in (("laptop", "pat"), ("robot", "ros")):
             bench[name].write(f"/etc/sudoers.d/{user}", SUDO.format(user=user), mode=0o440)
         robot.run(f"ln -s {REPOSITORY} ubiquity_launches", user="ros").check()
         set_up(laptop).check()
         laptop.run(f"{UR} use robot", user="pat").check()
+        yield bench
+
+
+@pytest.fixture(scope="module")
+def pair() -> Iterator[Bench]:
+    with set_up_pair("jazzy") as bench:
         yield bench
 
 
@@ -99,41 +101,3 @@ def test_keys_of_the_laptop_drive_and_a_cut_of_the_network_stops_the_base(pair: 
         assert last_motion(robot) == stopped  # what the cut has held back drives nothing
         with key_held(terminal, "i"):
             wait_until(lambda: last_motion(robot) > restored, "the base moves again", 20.0)
-
-
-@contextmanager
-def browser_of(laptop: Machine, folder: Path) -> Iterator[BrowserPage]:
-    """A browser on a phone, in the network of the laptop."""
-    starter = folder / "browser"
-    words = ["nsenter", "--target", str(laptop.leader), "--net", "--", str(PROGRAM)]
-    starter.write_text(f'#!/bin/sh\nexec {shlex.join(words)} "$@"\n')
-    starter.chmod(0o755)
-    with Chromium(str(starter), folder) as browser:
-        browser.resize(*PHONE, phone=True)
-        browser.ask("Emulation.setTouchEmulationEnabled", enabled=True)
-        yield BrowserPage(browser)
-
-
-@pytest.mark.skipif(PROGRAM is None, reason="Chromium is not installed")
-@pytest.mark.timeout(900)
-def test_page_shows_the_robot_drives_it_and_a_cut_of_the_network_stops_the_base(pair: Bench, tmp_path: Path) -> None:
-    laptop, robot = pair["laptop"], pair["robot"]
-    with program(laptop, "web --no-browser", tmp_path) as terminal, browser_of(laptop, tmp_path) as page:
-        link = re.search(r"http://localhost:8090/login#\S+", terminal.until("http://localhost:8090/login#", 120.0))
-        assert link
-        page.browser.open(link[0])
-        page.wait("globalThis.page?.map.pose && page.state && page.drive.newest", 120.0)
-        page.wait("page.map.scan.length > 50 && !page.state.missing.length")
-        before = time.monotonic()
-        page.push_stick()
-        wait_until(lambda: last_motion(robot) > before, "the base moves", 20.0)
-        laptop.cut()
-        cut = time.monotonic()
-        try:
-            wait_until(lambda: time.monotonic() > cut + 2.0, "the cut lasts", 5.0)
-            assert last_motion(robot) - cut <= AT_REST
-        finally:
-            laptop.restore()
-        page.touch("End")
-        (tmp_path / "page.png").write_bytes(page.browser.screenshot())
-        assert not page.browser.faults

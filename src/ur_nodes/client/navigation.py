@@ -31,6 +31,7 @@ from ur_nodes.ports.values import Map, Path, PlacedPose, PoseEstimate, Scan
 SILENT = 3.0
 """Seconds without a transform of the robot after which its pose is out of date."""
 
+BASE_LINK = "base_link"  # REP 105
 _SPEED_WINDOW = 0.2  # s
 _STATUS_SILENT = 3.0  # s
 # The spread of a pose that a person points at, for the localiser: RViz's "2D Pose Estimate" sends the same.
@@ -70,15 +71,20 @@ class RobotState:
 
     def pose(self) -> Pose2 | None:
         """Return the newest pose in the map frame."""
-        return self.place(self._base_frame)
+        return self.place(self._base())
 
     def place(self, frame: str) -> Pose2 | None:
         """Return the newest pose of a frame in the map frame."""
         return self._tree.find_planar(self._map_frame, frame)
 
+    def odometry_pose(self) -> Pose2 | None:
+        """Return the newest pose in the topmost frame of the robot: that of its odometry, where there is no map."""
+        base = self._base()
+        return self._tree.find_planar(self._tree.root(base), base) if self._tree.parent(base) else None
+
     def velocity(self) -> tuple[float, float]:
         """Return the mean velocity over the last moments, ahead in m/s and turning in rad/s; 0 when silent."""
-        return (0.0, 0.0) if self.silent else self._tree.velocity(self._base_frame, _SPEED_WINDOW)
+        return (0.0, 0.0) if self.silent else self._tree.velocity(self._base(), _SPEED_WINDOW)
 
     def scan(self) -> NDArray[np.float64] | None:
         """Return the hits (n, 2) of the newest scan in the map frame, in m."""
@@ -88,14 +94,28 @@ class RobotState:
         place = self.place(parent)
         return place.transform_points(points) if place else None
 
+    def odometry_scan(self) -> NDArray[np.float64] | None:
+        """Return the hits (n, 2) of the newest scan in the frame of `odometry_pose`, in m."""
+        if self._scan is None:
+            return None
+        parent, points = self._scan
+        place = self._tree.find_planar(self._tree.root(parent), parent)
+        return place.transform_points(points) if place else None
+
+    def _base(self) -> str:
+        """The base frame; `base_link` where the robot publishes no other one."""
+        known = self._tree.parent(self._base_frame) or not self._tree.parent(BASE_LINK)
+        return self._base_frame if known else BASE_LINK
+
     def _note_transform(self) -> None:
-        stamp = self._tree.newest(self._base_frame)
+        stamp = self._tree.newest(self._base())
         if stamp is not None and stamp != self._stamp:
             self._stamp, self._moved_at = stamp, self._node.steady()
 
     def _take_scan(self, scan: Scan) -> None:
         # Held in the base's parent, so that a robot that turns does not drag the scan along until the next one.
-        parent = self._tree.parent(self._base_frame) or self._base_frame
+        base = self._base()
+        parent = self._tree.parent(base) or base
         pose = self._tree.find(parent, scan.frame)
         if pose is not None:
             self._scan = (parent, points_of_scan(scan, mount_of_pose(pose)))

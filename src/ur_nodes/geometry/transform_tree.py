@@ -76,6 +76,10 @@ class TransformTree:
         """Return the name of the frame that a frame's poses are in, None when there is none."""
         return self._parents.get(child.lstrip("/"))
 
+    def root(self, child: str) -> str:
+        """Return the name of the frame above all others of a frame; itself when it has no parent."""
+        return self._climb(child, None)[-1]
+
     def newest(self, child: str) -> float | None:
         """Return the newest stamp (s) of a frame in its parent, None when there is none."""
         stamps = self._stamps.get(child.lstrip("/"))

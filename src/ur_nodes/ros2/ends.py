@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+import os
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 from rclpy.event_handler import PublisherEventCallbacks
 from rclpy.node import Node
 from rclpy.qos import QoSProfile
 
+from ur.source.diagnostic import UserError, error
 from ur_nodes.ros2.bare_type import bare_class, reset_error
 
 if TYPE_CHECKING:
@@ -32,11 +35,9 @@ class MessageSender:
 
         callbacks = PublisherEventCallbacks(matched=matched) if on_listener is not None else None
         self._bare = hasattr(message_class, "BARE")
-        kind = bare_class(*message_class.BARE) if self._bare else message_class
         self._node = node
-        self._publisher = node.create_publisher(kind, topic, profile, event_callbacks=callbacks)
-        if self._bare:
-            reset_error()
+        with _type_of(message_class) as kind:
+            self._publisher = node.create_publisher(kind, topic, profile, event_callbacks=callbacks)
 
     def send(self, message: Any) -> None:
         """Send a message."""
@@ -75,12 +76,10 @@ class Receiver:
                 take(message)
 
         bare = hasattr(message_class, "BARE")
-        kind = bare_class(*message_class.BARE) if bare else message_class
         self._node = node
         call = read if bare else take_from or take
-        self._subscription = node.create_subscription(kind, topic, call, profile, raw=bare)
-        if bare:
-            reset_error()
+        with _type_of(message_class) as kind:
+            self._subscription = node.create_subscription(kind, topic, call, profile, raw=bare)
 
     def publishers(self) -> int:
         """The number of publishers."""
@@ -89,3 +88,25 @@ class Receiver:
     def close(self) -> None:
         """Receive no more."""
         self._node.destroy_subscription(self._subscription)
+
+
+@contextmanager
+def _type_of(message_class: Any) -> Iterator[Any]:
+    """The type that rclpy takes for a message, to make an end with. Raises UserError: it is missing and needed."""
+    if not hasattr(message_class, "BARE"):
+        yield message_class
+        return
+    package, name, _ = message_class.BARE
+    try:
+        yield bare_class(*message_class.BARE)
+    except (OSError, RuntimeError) as problem:
+        distro = os.environ.get("ROS_DISTRO", "DISTRO")
+        raise UserError(
+            error(
+                f"ROS 2 {distro.capitalize()} has no {package}, expected it for messages of the type {package}/{name}",
+                rule="missing-messages",
+                help=f"sudo apt install ros-{distro}-{package.replace('_', '-')}",
+            )
+        ) from problem
+    finally:
+        reset_error()

@@ -133,7 +133,9 @@ class ViewerSession:
         self._count += 1
         if self._count % _SCAN_EVERY == 1:
             if self._viewers:
-                self._add(points_frame(Layer.SCAN, _thin(seen.scan)))
+                robot = self._shown.topics.robot
+                scan = seen.scan if seen.pose is not None else robot.odometry_scan()
+                self._add(points_frame(Layer.SCAN, _thin(scan)))
             self._add_changed(Kind.STATE, self._describe(seen))
             self._add_changed(Kind.PLACES, self._shown.places.describe())
             self._add_changed(Kind.ZONES, self._shown.zones.describe())
@@ -150,8 +152,10 @@ class ViewerSession:
             self._add(json_frame(kind, value))
 
     def _add_pose(self, seen: RobotSnapshot) -> None:
-        x, y, yaw = seen.pose or (math.nan, math.nan, math.nan)
-        age = math.inf if seen.pose is None else self._shown.topics.robot.age()
+        robot = self._shown.topics.robot
+        pose = seen.pose or robot.odometry_pose()
+        x, y, yaw = pose or (math.nan, math.nan, math.nan)
+        age = math.inf if pose is None else robot.age()
         self._add(pose_frame(PoseSample(x, y, yaw, seen.speed, seen.turn, age, self._shown.driver.link_age())))
 
     def _describe(self, seen: RobotSnapshot) -> dict[str, object]:

@@ -45,6 +45,21 @@ def publish_pose(world: RobotWorld, x: float) -> None:
     )
 
 
+@pytest.mark.parametrize("base", ["base_footprint", "base_link"])
+def test_robot_without_a_map_is_shown_where_its_odometry_has_it(world: RobotWorld, base: str) -> None:
+    scans = world.robot.publish("scan", Scan)
+    world.end.take_view({"viewers": 1})
+    for _ in range(5):
+        here = Pose2(2.0, 1.0, 0.0).in_space()
+        world.robot.transforms.send(Transform(world.bus.now, "odom", base, here))
+        scans.send(Scan(world.bus.now, base, 0.0, 0.1, 0.1, 8.0, np.array([3.0], np.float32)))
+        world.bus.run(0.2)
+    shown = [each for each in world.view.frames if key_of(each)[0] == Kind.POSE][-1]
+    assert struct.unpack_from("<2f", shown, len(shown) - 28) == (2.0, 1.0)
+    hits = [each for each in world.view.frames if key_of(each)[:2] == (Kind.POINTS, Layer.SCAN)][-1]
+    assert struct.unpack("<2f", hits[-12:-4]) == (5.0, 1.0)
+
+
 def test_pose_is_sent_fifteen_times_a_second_while_a_page_is_open_and_twice_a_second_else(world: RobotWorld) -> None:
     world.end.take_view({"viewers": 1})
     sent = keys(world, 2.0)

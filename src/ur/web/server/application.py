@@ -149,7 +149,8 @@ class Application:
             await asyncio.sleep(_STATUS_EVERY)
 
     def _announce(self) -> None:
-        status = {"robot": self._robot, "end": self.robot_end.state, "master": self.robot_end.master}
+        end = self.robot_end
+        status = {"robot": self._robot, "end": end.state, "problem": end.problem, "master": end.master}
         self._viewers.announce(status)
 
     def show(self, frame: bytes) -> None:

@@ -6,7 +6,8 @@ import asyncio
 import json
 import os
 import socket
-from collections.abc import Callable, Collection, Mapping
+from collections import deque
+from collections.abc import Callable, Collection, Iterable, Mapping
 from contextlib import suppress
 from pathlib import Path
 from typing import Literal
@@ -16,6 +17,7 @@ from ur.run.join.claims import read_claims
 from ur.run.record.computer import read_computer
 from ur.run.record.registry import list_runs
 from ur.source.foreign.json_values import read_json
+from ur.source.printable import one_line
 from ur.source.run_users import PAGE, forget_user, note_user
 from ur.system.ros import NONE, graph_address, node_command, read_domain, viewer_socket
 from ur.web.wire.frames import LENGTH, LONGEST
@@ -26,6 +28,8 @@ _MASTER_LIMIT = 2.0  # s
 _PAUSE = 1.0  # s
 _END_LIMIT = 5.0  # s
 _DRIVE_LINE = 1 << 16  # bytes
+_PRINTED = 20  # last lines of the process that are kept
+_LONGEST_ERROR = 300  # characters
 
 
 class RobotProcess:
@@ -49,6 +53,9 @@ class RobotProcess:
         self._view: asyncio.StreamWriter | None = None
         self._drive: asyncio.StreamWriter | None = None
         self.state: State = "no master"
+        self.problem = ""
+        """The error with which the last process has ended; empty while one is connected, or ended without."""
+        self._printed: deque[str] = deque(maxlen=_PRINTED)
         self.pid = 0
 
     @property
@@ -62,7 +69,7 @@ class RobotProcess:
             self._drive.write(json.dumps(message, separators=(",", ":")).encode() + b"\n")
 
     def look(self, viewers: int, layers: Collection[int], plots: Collection[str] = (), camera: str = "") -> None:
-        """Tell the process how many pages look, at which layers and plots, and the topic of the chosen camera."""
+        """Send the process the number of pages, their layers and plots, and the topic of the chosen camera."""
         if self._view is not None:
             value = {"viewers": viewers, "layers": sorted(layers), "plots": sorted(plots), "camera": camera}
             self._view.write(json.dumps(value).encode() + b"\n")
@@ -143,6 +150,7 @@ class RobotProcess:
         """Wait for the process, which ends when its sockets are closed."""
         await wait_or_kill(process)
         await asyncio.gather(*tasks, return_exceptions=True)
+        self.problem = find_error(self._printed) if process.returncode else ""
 
     async def _read_frames(self, reader: asyncio.StreamReader) -> None:
         with suppress(asyncio.IncompleteReadError, ConnectionError):
@@ -150,6 +158,7 @@ class RobotProcess:
                 (length,) = LENGTH.unpack(await reader.readexactly(LENGTH.size))
                 if length > LONGEST:
                     raise ConnectionError(f"frame of {length} bytes")
+                self.problem = ""
                 self._enter("up")
                 self._on_frame(await reader.readexactly(length))
 
@@ -162,7 +171,20 @@ class RobotProcess:
         assert process.stderr is not None
         with suppress(ValueError):
             while line := await process.stderr.readline():
-                self._log(line.decode("utf-8", "replace").rstrip())
+                text = line.decode("utf-8", "replace").rstrip()
+                self._printed.append(text)
+                self._log(text)
+
+
+def find_error(lines: Iterable[str]) -> str:
+    """The error among the last lines of a process, with its help; else its last line. At most 300 characters."""
+    found = ""
+    for line in map(one_line, lines):
+        if line.startswith("error: ") or not found.startswith("error: "):
+            found = line or found
+        elif line.startswith("help: "):
+            found += f"; {line}"
+    return found[:_LONGEST_ERROR]
 
 
 async def wait_or_kill(process: asyncio.subprocess.Process) -> None:

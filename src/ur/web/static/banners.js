@@ -73,6 +73,7 @@ export function describeLink({ age, server, pose, poseAge }) {
   if (age > 2) return [{ text: Number.isFinite(age) ? TEXTS.lost(age) : TEXTS.connecting }];
   if (!server) return [];
   if (server.end === "no master") return [{ text: TEXTS.noMaster(server.robot) }];
+  if (server.end === "starting" && server.problem) return [{ text: TEXTS.robotEndFails(server.problem) }];
   if (server.end === "starting" || !pose || poseAge > 2) return [{ text: TEXTS.starting }];
   if (pose.linkAge > 1) return [{ text: TEXTS.silent(pose.linkAge) }];
   return [];

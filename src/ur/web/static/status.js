@@ -102,7 +102,7 @@ export class Status {
     this.banners.show(banners);
     this.obstacles.show(old ? null : state);
     element("dot").classList.toggle("up", !old);
-    element("empty").hidden = map.tiles.grid !== null || old;
+    element("empty").hidden = map.tiles.grid !== null || map.pose !== null || old;
     element("driver").textContent = old ? "" : describeDriving(state, drive?.client ?? "");
     const mine = !old && drive !== null && state?.lease?.state === "held" && state.lease.client === drive.client;
     element("holding").hidden = !mine || page.mode === "drive" || !element("goal").hidden;

@@ -263,6 +263,8 @@ export const TEXTS = {
   /** @param {string} robot */
   noMaster: (robot) => `Nothing runs on ${robot === "simulated robot" ? "the simulated robot" : robot}. Start a program.`,
   starting: "Connecting to the robot ...",
+  /** @param {string} problem */
+  robotEndFails: (problem) => `The page's node on the robot ends again and again: ${problem}`,
   /** @param {number} age */
   silent: (age) =>
     Number.isFinite(age) ? `No word from the robot for ${seconds(age)}.` : "No word from the robot's base yet.",
