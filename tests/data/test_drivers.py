@@ -33,6 +33,7 @@ PUBLISHED: dict[tuple[str, str], dict[str, str]] = {
         "joint_states": "sensor_msgs/JointState",
         "battery_state": "sensor_msgs/BatteryState",
         **{f"bumper/{name}": "std_msgs/Bool" for name in ("left", "right")},
+        **{f"bumper/{side}_{end}": "std_msgs/Bool" for side in ("left", "right") for end in ("front", "side")},
         **{f"cliff/{name}": "std_msgs/Bool" for name in ("left", "front_left", "front_right", "right")},
     },
     ("ubiquity_launches", "raspicam_node"): {
@@ -45,10 +46,12 @@ PUBLISHED: dict[tuple[str, str], dict[str, str]] = {
 LEFT_OUT = {
     "magni": set[str](),
     "loki": {"battery_state"},
-    "botvac": {"battery_state", "cliffs"},
+    "botvac": set[str](),
     "create2": set[str](),
     "stage": {"battery_state", "bumpers", "camera", "imu/data"},
 }
+LEFT_OUT_UPSTREAM = LEFT_OUT | {"botvac": {"battery_state", "cliffs"}}
+UPSTREAM = [each for each in EVERY if each[0] in ("magni", "botvac")]
 
 
 def make_plan(base: Base, **values: str) -> Plan:
@@ -88,12 +91,13 @@ def topics_of(plan: Plan, base: Base) -> dict[str, str]:
                 topics[f"/{base.lidar.topic}"] = "sensor_msgs/LaserScan"
             if own["bumper_messages"] and base.bumpers:
                 topics |= {f"/{base.bumpers.topic}/{each.name}": "std_msgs/Bool" for each in base.bumpers.at}
+        if node.type == "base_driver" and base.lidar and not any(each.part == "lidar" for each in base.drivers):
+            topics[f"/{base.lidar.topic}"] = "sensor_msgs/LaserScan"
     return topics
 
 
-def left_out(base: Base) -> set[str]:
+def left_out(base: Base, words: set[str]) -> set[str]:
     """The topics of the contract that the base's drivers do not give."""
-    words = LEFT_OUT[base.name]
     topics = {f"/{word}" for word in words}
     if base.bumpers and "bumpers" in words:
         topics |= {f"/{base.bumpers.topic}/{bumper.name}" for bumper in base.bumpers.at}
@@ -108,15 +112,30 @@ def left_out(base: Base) -> set[str]:
 def test_drivers_publish_what_the_simulated_base_publishes(name: str, variant: str) -> None:
     base = load(name, variant)
     given = topics_of(make_plan(base, simulate="false"), base)
-    expected = {topic: kind for topic, kind in list_topics(base).items() if topic not in left_out(base)}
+    missing = left_out(base, LEFT_OUT[name])
+    expected = {topic: kind for topic, kind in list_topics(base).items() if topic not in missing}
     assert {topic: given.get(topic) for topic in expected} == expected
+
+
+@pytest.mark.parametrize(("name", "variant"), UPSTREAM)
+def test_upstreams_drivers_publish_it_too_where_they_are_asked_for(name: str, variant: str) -> None:
+    base = load(name, variant)
+    plan = make_plan(base, simulate="false", upstream_drivers="true")
+    assert not any(node.type in ("base_driver", "lidar_driver") for node in plan.nodes)
+    missing = left_out(base, LEFT_OUT_UPSTREAM[name])
+    given = topics_of(plan, base)
+    expected = {topic: kind for topic, kind in list_topics(base).items() if topic not in missing}
+    assert {topic: given.get(topic) for topic in expected} == expected
+    command = "ubiquity_velocity_controller/cmd_vel" if name == "magni" else "cmd_vel"
+    node = next(node for node in plan.nodes if node.type in ("motor_node", "neato.py"))
+    assert resolve(command, node) == "/cmd_vel"
 
 
 @pytest.mark.parametrize("name", sorted(LEFT_OUT))
 def test_what_a_driver_leaves_out_is_documented(name: str) -> None:
     text = (PACKAGE / f"m_{name}_drivers" / "launch" / f"m_{name}_drivers.launch.xml").read_text(encoding="utf-8")
     overview = re.sub(r"\s+", " ", text.split("<!--Overview:")[1].split("-->")[0])
-    for word in LEFT_OUT[name]:
+    for word in LEFT_OUT_UPSTREAM[name]:
         assert word in overview
 
 
@@ -134,14 +153,13 @@ def test_real_and_simulated_base_listen_and_describe_themselves_alike(name: str,
     driver = base.driver
     assert driver is not None
     node = next(node for node in real.nodes if (node.package, node.type) == (driver.package, driver.executable))
-    command = "ubiquity_velocity_controller/cmd_vel" if driver.package == "ubiquity_motor" else "cmd_vel"
-    assert resolve(command, node) == "/cmd_vel"
+    assert resolve("cmd_vel", node) == "/cmd_vel"
 
 
 @pytest.mark.parametrize(("name", "variant"), EVERY)
 def test_drivers_speak_in_frames_of_the_base(name: str, variant: str) -> None:
     base = load(name, variant)
-    plan = make_plan(base, simulate="false")
+    plan = make_plan(base, simulate="false", upstream_drivers=str((name, variant) in UPSTREAM).lower())
     frames = [
         each.value
         for each in plan.params
@@ -173,7 +191,8 @@ def test_devices_of_drivers_are_those_of_the_base(name: str, variant: str) -> No
 
 def test_motor_board_of_magni_is_told_the_figures_of_its_base() -> None:
     base = load("magni", "")
-    own = params_of(make_plan(base, simulate="false"), "/ubiquity_velocity_controller/")
+    plan = make_plan(base, simulate="false", upstream_drivers="true")
+    own = params_of(plan, "/ubiquity_velocity_controller/")
     limits = base.limits
     assert own["wheel_separation"] == base.wheels.separation
     assert own["wheel_radius"] == base.wheels.radius
@@ -220,7 +239,8 @@ def test_sonars_of_magni_have_the_frames_that_pi_sonar_gives_them() -> None:
 def test_bumpers_of_botvac_have_all_of_upstreams_names() -> None:
     base = load("botvac", "")
     assert base.bumpers
-    own = params_of(make_plan(base, simulate="false"), "/driver_adapter/bumper_names/")
+    plan = make_plan(base, simulate="false", upstream_drivers="true")
+    own = params_of(plan, "/driver_adapter/bumper_names/")
     assert set(own) == {"Left_Side_Bumper", "Right_Side_Bumper", "Left_Bumper", "Right_Bumper"}
     assert sorted(own.values()) == sorted(bumper.name for bumper in base.bumpers.at)
 

@@ -9,7 +9,7 @@ from ur_nodes.drivers.base_topics import BaseTopics
 from ur_nodes.drivers.boards.board import MotorBoard
 from ur_nodes.drivers.line import REPORT, Connect, LineSettings, LineUser, describe_loss
 from ur_nodes.drivers.odometer import CounterOdometry
-from ur_nodes.drivers.readings import Contacts, Counts, DeviceIdentity, Motors, Power, Reading
+from ur_nodes.drivers.readings import Contacts, Counts, DeviceIdentity, MeasuredBeams, Motors, Power, Reading
 from ur_nodes.motion.wheel_drive import WheelDrive
 from ur_nodes.ports.node import SECOND, Node
 from ur_nodes.ports.values import Twist
@@ -38,7 +38,7 @@ class BaseDriver:
         node.every(board.period, self._beat, steady=True)
         node.on_end(self._end)
         user = LineUser(self._opened, self._received, self._lost)
-        self._line = connect(user, LineSettings(board.baud, board.stop()))
+        self._line = connect(user, LineSettings(board.baud, board.stop(), leave=board.leave()))
 
     def _command(self, command: Twist) -> None:
         self._commanded = self._node.steady()
@@ -105,6 +105,8 @@ class BaseDriver:
             self._topics.battery = reading
         elif isinstance(reading, Contacts):
             self._topics.send_contacts(reading)
+        elif isinstance(reading, MeasuredBeams):
+            self._topics.send_beams(reading, stamp)
         elif isinstance(reading, Motors):
             self._take_motors(reading)
         elif isinstance(reading, DeviceIdentity):

@@ -6,13 +6,14 @@ import math
 
 from ur.robot.base import Base, Bumpers, Cliffs
 from ur_nodes.drivers.base_states import WHEEL_JOINTS
+from ur_nodes.drivers.lidars.turns import TurnCollector
 from ur_nodes.drivers.odometer import CounterOdometry, Motion
-from ur_nodes.drivers.readings import Contacts, Power
+from ur_nodes.drivers.readings import Contacts, MeasuredBeams, Power
 from ur_nodes.geometry.dead_reckoning import SPEED_COVARIANCE, covariance_matrix
 from ur_nodes.geometry.pose import Pose3, quaternion_of_yaw
 from ur_nodes.ports.node import SECOND, Node, Publisher
 from ur_nodes.ports.qualities import Quality
-from ur_nodes.ports.values import Battery, Joints, Odometry, Transform, Twist
+from ur_nodes.ports.values import Battery, Joints, Odometry, Scan, Transform, Twist
 
 _BATTERY_PERIOD = 1.0  # s
 _WARN_EVERY = 60.0  # s
@@ -36,6 +37,9 @@ class BaseTopics:
         for kind, part in parts:
             for name, topic in zip((each.name for each in part.at), part.topics(), strict=True) if part else ():
                 self._contacts[kind, name] = node.publish(topic, bool, Quality.LATCHED)
+        own_lidar = base.lidar if not any(each.part == "lidar" for each in base.drivers) else None
+        self._turns = TurnCollector(own_lidar) if own_lidar else None
+        self._scans = node.publish(own_lidar.topic, Scan) if own_lidar else None
         self._reported: dict[tuple[str, str], bool] = {}
         node.every(_BATTERY_PERIOD, self._beat)
 
@@ -64,6 +68,12 @@ class BaseTopics:
             if key in self._contacts and self._reported.get(key) is not state:
                 self._reported[key] = state
                 self._contacts[key].send(state)
+
+    def send_beams(self, beams: MeasuredBeams, stamp: int) -> None:
+        """Send the scans that beams complete, where the base has a lidar without a driver of its own."""
+        if self._scans and self._turns:
+            for scan in self._turns.take(beams, stamp):
+                self._scans.send(scan)
 
     def _beat(self) -> None:
         battery, now = self._properties, self.battery

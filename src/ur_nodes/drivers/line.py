@@ -24,11 +24,13 @@ class LineSettings:
     """The speed of a line, and the level of its modem line DTR.
 
     `stop` are bytes that stop the motors when this process no longer can; b'' for a device without motors that drive.
+    `leave` are those with which the device is left when this process has died.
     """
 
     baud: int
     stop: bytes = b""
     dtr: bool = True
+    leave: bytes = b""
 
 
 class DeviceLine(Protocol):

@@ -34,13 +34,13 @@ class _Read:
     lost: str = ""
 
 
-def start_guard(device: int, stop: bytes) -> int:
+def start_guard(device: int, stop: bytes, leave: bytes) -> int:
     """Start the process that watches over the motors; returns the end of the pipe to write its `m` and `r` to."""
     theirs, ours = os.pipe()
     program = (files(__package__) / "guard_program.py").read_text(encoding="utf-8")
     try:
         subprocess.Popen(
-            [sys.executable, "-I", "-S", "-c", program, str(theirs), str(device), stop.hex()],
+            [sys.executable, "-I", "-S", "-c", program, str(theirs), str(device), stop.hex(), leave.hex()],
             pass_fds=(theirs, device),
             start_new_session=True,  # it outlives what ends this process and its group
             stdin=subprocess.DEVNULL,
@@ -62,7 +62,7 @@ class SerialLine:
         path: str,
         user: LineUser,
         settings: LineSettings,
-        guard: Callable[[int, bytes], int] = start_guard,
+        guard: Callable[[int, bytes, bytes], int] = start_guard,
     ) -> None:
         """Begin to open it; `guard` starts its guard: see `start_guard`."""
         self.name = path
@@ -100,7 +100,7 @@ class SerialLine:
         except BrokenPipeError:  # it was killed
             os.close(self._guard)
             self._guard = None
-            self._guard = self._start_guard(device, self._settings.stop)
+            self._guard = self._start_guard(device, self._settings.stop, self._settings.leave)
             os.write(self._guard, b"m" if moving else b"r")
 
     def _open(self) -> None:
@@ -116,7 +116,7 @@ class SerialLine:
             self._drop()
             return
         stop = self._settings.stop
-        self._guard = self._start_guard(opened.fileno(), stop) if stop else None
+        self._guard = self._start_guard(opened.fileno(), stop, self._settings.leave) if stop else None
         self._user.opened()
         self._read(opened.fileno())
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 from ur.robot.base import Base, UpstreamDriver, load_base
@@ -29,7 +30,7 @@ def connect_serial(node: Node, driver: UpstreamDriver | None) -> Connect:
     baud = own.integer("baud", 0, minimum=0) or (driver.baud if driver else 0)
 
     def connect(user: LineUser, settings: LineSettings) -> DeviceLine:
-        known = LineSettings(baud or settings.baud, settings.stop, settings.dtr)
+        known = replace(settings, baud=baud or settings.baud)
         return SerialLine(node, path, user, known)
 
     return connect

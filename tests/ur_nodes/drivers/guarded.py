@@ -14,6 +14,7 @@ import tempfile
 import time
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 from tests.ur_nodes.drivers.mutations import StillPlant
 
@@ -33,7 +34,7 @@ from ur_nodes.drivers.line import LineSettings, LineUser
 from ur_nodes.drivers.serial_line import SerialLine
 board = BOARDS[sys.argv[1]](load("create2", ""))
 user = LineUser(lambda: None, lambda data, stamp: None, lambda reason: None)
-line = SerialLine(ThreadedNode(), sys.argv[2], user, LineSettings(board.baud, board.stop()))
+line = SerialLine(ThreadedNode(), sys.argv[2], user, LineSettings(board.baud, board.stop(), leave=board.leave()))
 for _ in range(50):
     line.write(board.greet())
     time.sleep(0.01)
@@ -49,7 +50,7 @@ class GuardedBoard(StillPlant):
     def __init__(self, name: str, path: Path) -> None:
         super().__init__()
         self.turned: list[tuple[float, float]] = [(0.0, 0.0)]
-        self._firmware = FIRMWARES[name](self)  # type: ignore[arg-type]
+        self.firmware: Any = FIRMWARES[name](self)  # type: ignore[arg-type]
         self._terminal = DeviceTerminal(path)
         self._watchdogs = arduino.WATCHDOG, magni.WATCHDOG
         self._command = [sys.executable, "-c", PROGRAM, name, str(path)]
@@ -68,12 +69,17 @@ class GuardedBoard(StillPlant):
     def turn_wheels(self, left: float, right: float) -> None:
         self.turned.append((left, right))
 
+    @property
+    def rests(self) -> bool:
+        """The last speeds were 0; 1 mm/s for a second is a Neato's."""
+        return max(map(abs, self.turned[-1])) <= 0.001
+
     def run_until(self, condition: Callable[[], bool]) -> None:
         """Have the stand-in obey and report until a condition holds."""
         end = time.monotonic() + LONGEST
         while not condition():
             assert time.monotonic() < end, self.turned[-5:]
-            self._terminal.write(self._firmware.take(self._terminal.read()))
+            self._terminal.write(self.firmware.take(self._terminal.read()))
             time.sleep(0.002)
 
 
@@ -83,7 +89,7 @@ def measure(name: str, sent: signal.Signals, folder: Path) -> float:
         board.run_until(lambda: len(board.turned) > 10)
         begun = time.monotonic()
         os.kill(board.driver.pid, sent)
-        board.run_until(lambda: board.turned[-1] == (0.0, 0.0))
+        board.run_until(lambda: board.rests)
         return time.monotonic() - begun
 
 

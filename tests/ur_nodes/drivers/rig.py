@@ -74,6 +74,7 @@ class MemoryLine:
     def __init__(self, node: Node, cable: Cable, user: LineUser, settings: LineSettings) -> None:
         self.name = "/dev/test"
         self._node, self._cable, self._user, self._stop = node, cable, user, settings.stop
+        self._leave = settings.leave
         self._open = False
         self._moving = -1.0
         self.dead = False  # the driver's process was killed
@@ -92,7 +93,7 @@ class MemoryLine:
         cable, now = self._cable, self._node.now()
         if self.dead:
             if self._stop and self._moving >= 0.0:
-                cable.to_device += self._stop
+                cable.to_device += self._stop + self._leave
                 self._moving = -1.0
             return
         if cable.plugged is not self._open:

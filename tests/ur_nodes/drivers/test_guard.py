@@ -25,21 +25,29 @@ def test_motors_stop_when_the_driver_stalls_or_is_killed_and_not_before(name: st
         assert all(speeds != (0.0, 0.0) for speeds in board.turned[2:])
         for sent in (signal.SIGSTOP, signal.SIGKILL):
             os.kill(board.driver.pid, sent)
-            board.run_until(lambda: board.turned[-1] == (0.0, 0.0))
+            board.run_until(lambda: board.rests)
             os.kill(board.driver.pid, signal.SIGCONT)
             if sent is signal.SIGSTOP:
-                board.run_until(lambda: board.turned[-1] != (0.0, 0.0))
+                board.run_until(lambda: not board.rests)
+
+
+def test_neato_leaves_test_mode_when_its_driver_is_killed(tmp_path: Path) -> None:
+    with GuardedBoard("neato", tmp_path / "device") as board:
+        board.run_until(lambda: len(board.turned) > 10)
+        assert board.firmware.test_mode
+        board.driver.kill()
+        board.run_until(lambda: not board.firmware.test_mode)
 
 
 def test_guard_stops_the_motors_when_speeds_stay_away_and_when_the_pipe_ends() -> None:
     (theirs, ours), (out, device) = os.pipe(), os.pipe()
-    guard = threading.Thread(target=guard_program.main, args=(theirs, device, b"STOP"))
+    guard = threading.Thread(target=guard_program.main, args=(theirs, device, b"STOP", b"LEAVE"))
     guard.start()
     os.write(ours, b"mrm")
     assert os.read(out, 100) == b"STOP"
     os.write(ours, b"r")
     os.close(ours)
-    assert os.read(out, 100) == b"STOP"
+    assert os.read(out, 100) == b"STOPLEAVE"
     guard.join(20.0)
     assert not guard.is_alive()
     for each in (theirs, out, device):

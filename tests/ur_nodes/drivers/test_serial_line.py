@@ -80,7 +80,7 @@ def test_device_that_is_in_use_is_reported_and_used_once_it_is_free(tmp_path: Pa
 def test_guard_that_was_killed_is_started_again(tmp_path: Path) -> None:
     started: list[int] = []
 
-    def start_guard(device: int, _stop: bytes) -> int:
+    def start_guard(device: int, _stop: bytes, _leave: bytes) -> int:
         """One that was killed at once: the end of a pipe that none reads."""
         started.append(device)
         theirs, ours = os.pipe()

@@ -9,5 +9,11 @@ from ur_nodes.drivers.boards.arduino import Arduino
 from ur_nodes.drivers.boards.board import MotorBoard
 from ur_nodes.drivers.boards.create2 import Create2
 from ur_nodes.drivers.boards.magni import Magni
+from ur_nodes.drivers.boards.neato import Neato
 
-BOARDS: Mapping[str, Callable[[Base], MotorBoard]] = {"arduino": Arduino, "create2": Create2, "magni": Magni}
+BOARDS: Mapping[str, Callable[[Base], MotorBoard]] = {
+    "arduino": Arduino,
+    "create2": Create2,
+    "magni": Magni,
+    "neato": Neato,
+}

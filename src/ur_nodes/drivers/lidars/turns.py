@@ -44,6 +44,8 @@ class TurnCollector:
         """Take beams of which the last one was measured at a time (ns); return the scans that they complete."""
         if not len(beams.phases):
             return []
+        if beams.complete:
+            return self._take_table(beams, stamp)
         if not 0 <= stamp - self._stamp <= _GAP:
             self.forget()
         self._stamp = stamp
@@ -64,6 +66,13 @@ class TurnCollector:
             self._begun, at = float(times[cut]), cut
         self._last = float(passed[-1])
         return scans
+
+    def _take_table(self, beams: MeasuredBeams, stamp: int) -> list[Scan]:
+        """A whole turn at once, of which each beam was measured in the last one until now."""
+        angles = (-beams.phases if beams.clockwise else beams.phases) + self._offset
+        self._put(angles, beams.ranges, beams.intensities)
+        self._begun = stamp - (beams.turn_time or self._turn_time) * _SECOND
+        return self._finish(float(stamp), clockwise=beams.clockwise)
 
     def _put(self, angles: NDArray[np.float64], ranges: NDArray[np.float64], intensities: NDArray[np.float64]) -> None:
         steps = ((angles - self._lidar.angle_min) % _FULL) / self._increment

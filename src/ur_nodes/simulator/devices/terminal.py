@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import fcntl
 import os
 import tty
 from pathlib import Path
@@ -19,6 +20,7 @@ class DeviceTerminal:
         """Raises UserError: the folder of `path` is another user's, or a device of that name is in use."""
         self.path = path
         _make_folder(path.parent)
+        self._lock = _lock(path)
         if path.is_symlink():
             path.unlink()  # of a simulator that was killed
         self._ours, self._theirs = os.openpty()
@@ -42,8 +44,20 @@ class DeviceTerminal:
         """Unplug it."""
         with contextlib.suppress(FileNotFoundError):
             self.path.unlink()
-        os.close(self._ours)
-        os.close(self._theirs)
+        for number in (self._ours, self._theirs, self._lock):
+            os.close(number)
+
+
+def _lock(path: Path) -> int:
+    """Hold the name of a device as long as the returned file is open. Raises UserError: another simulator holds it."""
+    number = os.open(path.parent / f".{path.name}.lock", os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW, 0o600)
+    try:
+        fcntl.flock(number, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except OSError:
+        os.close(number)
+        text = f"{path} is a device of another simulator, expected a folder that no other one uses"
+        raise UserError(error(text, rule="no-device-folder", help="give another one: device_folder:=FOLDER")) from None
+    return number
 
 
 def _make_folder(folder: Path) -> None:

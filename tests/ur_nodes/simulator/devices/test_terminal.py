@@ -29,6 +29,15 @@ def test_name_that_a_killed_simulator_has_left_is_taken(tmp_path: Path) -> None:
     DeviceTerminal(tmp_path / "create").close()
 
 
+def test_device_of_another_simulator_is_left_to_it(tmp_path: Path) -> None:
+    terminal = DeviceTerminal(tmp_path / "create")
+    with pytest.raises(UserError, match="a device of another simulator"):
+        DeviceTerminal(tmp_path / "create")
+    assert terminal.path.is_symlink()
+    terminal.close()
+    DeviceTerminal(tmp_path / "create").close()
+
+
 def test_folder_that_is_no_folder_of_this_user_is_refused(tmp_path: Path) -> None:
     (tmp_path / "link").symlink_to(tmp_path)
     with pytest.raises(UserError, match=r"link is another user's"):

@@ -1,0 +1,176 @@
+"""Neato XV-11 and Botvac D3 to D85: "Neato Robotics Programmer's Manual", ASCII commands over USB.
+
+A command is a line; its answer begins with the line itself and ends with 1A. Test mode is needed to move wheels and to
+turn the lidar. `SetMotor` takes distances (mm) and the speed of the wheel that goes farther, which the other one arrives
+with: each command here lasts 0.2 to 0.35 s, and the robot rests after the last one. It takes no distance of 0 for both
+wheels; so a stop is 1 mm at 1 mm/s, to and fro (as package neato_robot does). The lidar's answer is a table of a turn,
+counter-clockwise from straight ahead.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterator, Mapping
+
+import numpy as np
+
+from ur.robot.base import Base
+from ur_nodes.drivers.readings import NOT_MEASURED, Contacts, Counts, DeviceIdentity, MeasuredBeams, Motors, Power, Reading
+
+FASTEST = 300  # mm/s
+SHORTEST, LONGEST = 0.2, 0.35  # s that a command lasts
+CLIFF = 80.0  # mm to the floor; on the floor sensors give 0 to 60. A guess: the manual names no limit
+_END = b"\x1a"
+_MOST = 16384  # bytes of an answer: that of the lidar has 7,000
+_SLOWEST = 0.5  # mm/s
+_STOPS = 3  # times that a stop is sent
+_PATIENCE = 10  # beats without an answer, after which the next question is sent
+_TURN = 4  # beats in which each question is asked once; the battery's less often
+_SECONDS = 5  # turns between two questions for the battery
+_BEAMS = 360
+_FEWEST = 180  # beams of a table that is used
+_REACH = 16.0  # m; what is beyond is the number of an error
+_BEAM = re.compile(r"(\d{1,3}),(\d{1,5}),(\d{1,5}),([0-9A-Fa-f]{1,4})")
+_BUMPERS = {"LSIDEBIT": "left_side", "LFRONTBIT": "left_front", "RFRONTBIT": "right_front", "RSIDEBIT": "right_side"}
+_CLIFFS = {"LeftDropInMM": "left", "RightDropInMM": "right", "DropSensorLeft": "left", "DropSensorRight": "right"}
+_MOTORS, _SCAN, _SWITCHES, _FLOOR, _CHARGER = (
+    "GetMotors LeftWheel RightWheel", "GetLDSScan", "GetDigitalSensors", "GetAnalogSensors", "GetCharger"
+)  # fmt: skip
+_AGENDA = (_SCAN, _SWITCHES, _FLOOR, _SWITCHES)
+
+
+class Neato:
+    """See MotorBoard."""
+
+    name = "Neato Botvac or XV-11"
+    baud = 115200
+    period = 0.05
+
+    def __init__(self, base: Base) -> None:
+        self.counts_per_turn = 2.0 * math.pi * base.wheels.radius * 1000.0
+        self._capacity = base.battery.design_capacity if base.battery else NOT_MEASURED
+        self._buffer = b""
+        self._beats = self._waiting = self._stops = 0
+        self._asked = False
+        self._over = (0.0, 0.0)  # mm/s that the last commands left out
+        self._back = False  # direction of the next stop
+
+    def greet(self) -> bytes:
+        """Test mode, the lidar's motor, and the question for its version."""
+        self._asked = False
+        return _line("") + _line("TestMode On") + _line("SetLDSRotation On") + _line("GetVersion")
+
+    def drive(self, left: float, right: float) -> bytes:
+        """See MotorBoard."""
+        self._beats += 1
+        return self._move(left * 1000.0, right * 1000.0) + self._ask()
+
+    def stop(self) -> bytes:
+        """See MotorBoard. The empty line ends a command that was cut off."""
+        return _line("") + _line("SetMotor LWheelDist 1 RWheelDist 1 Speed 1")
+
+    def leave(self) -> bytes:
+        """Its buttons work again, and the lidar rests."""
+        return _line("SetLDSRotation Off") + _line("TestMode Off")
+
+    def take(self, data: bytes) -> Iterator[Reading]:
+        """See MotorBoard."""
+        *answers, self._buffer = (self._buffer + data).split(_END)
+        self._buffer = self._buffer[-_MOST:]
+        for answer in answers:
+            self._asked = False
+            yield from self._read(answer.decode("ascii", "replace"))
+
+    def _move(self, left: float, right: float) -> bytes:
+        """The command for speeds of the wheels, mm/s."""
+        wanted = [
+            max(-FASTEST, min(FASTEST, speed + over)) if math.isfinite(speed) and abs(speed) >= _SLOWEST else 0.0
+            for speed, over in zip((left, right), self._over, strict=True)
+        ]
+        speed = round(max(abs(each) for each in wanted))
+        if not speed:
+            self._over = (0.0, 0.0)
+            self._stops += 1
+            self._back = not self._back
+            way = -1 if self._back else 1
+            return _line(f"SetMotor LWheelDist {way} RWheelDist {way} Speed 1") if self._stops <= _STOPS else b""
+        self._stops = 0
+        ways = _divide(wanted, speed)
+        farthest = max(abs(way) for way in ways)
+        given = [speed * way / farthest for way in ways]
+        over_left, over_right = (max(-5.0, min(5.0, w - g)) for w, g in zip(wanted, given, strict=True))
+        self._over = (over_left, over_right)
+        return _line("SetMotor LWheelDist {} RWheelDist {} Speed {}".format(*ways, speed))
+
+    def _ask(self) -> bytes:
+        """The questions of this beat; none while the answers of the last ones are on their way."""
+        self._waiting = self._waiting + 1 if self._asked else 0
+        if 0 < self._waiting <= _PATIENCE:
+            return b""
+        self._waiting, self._asked = 0, True
+        second = self._beats % (_TURN * _SECONDS) == 0
+        return _line(_AGENDA[self._beats % _TURN]) + (_line(_CHARGER) if second else b"") + _line(_MOTORS)
+
+    def _read(self, answer: str) -> Iterator[Reading]:
+        lines = [line.strip() for line in answer.splitlines()]
+        cells = {line.split(",")[0]: [cell.strip() for cell in line.split(",")[1:]] for line in lines if "," in line}
+        left, right = (_number(cells, f"{side}Wheel_PositionInMM") for side in ("Left", "Right"))
+        if not (math.isnan(left) or math.isnan(right)):
+            yield Counts(round(left), round(right))
+        if "ROTATION_SPEED" in cells:
+            yield from _read_scan(lines, _number(cells, "ROTATION_SPEED"))
+        if "LSIDEBIT" in cells:
+            yield Contacts("bumper", tuple((name, _number(cells, key) == 1.0) for key, name in _BUMPERS.items()))
+            lifted = any(_number(cells, f"SNSR_{side}_WHEEL_EXTENDED") == 1.0 for side in ("LEFT", "RIGHT"))
+            yield Motors(not lifted, "a wheel hangs in the air" if lifted else "")
+        floor = {name: _number(cells, key) for key, name in _CLIFFS.items() if key in cells}
+        if floor:
+            yield Contacts("cliff", tuple((name, depth > CLIFF) for name, depth in floor.items()))
+        if "VBattV" in cells:
+            charge = _number(cells, "FuelPercent") / 100.0 * self._capacity
+            charging = _number(cells, "ChargingActive") == 1.0
+            yield Power(_number(cells, "VBattV"), NOT_MEASURED, charge, self._capacity, charging)
+        if "ModelID" in cells:
+            model = next((cell for cell in cells["ModelID"] if re.fullmatch(r"[A-Z]\w{1,20}", cell)), "of no model")
+            software = ".".join(cell for cell in cells.get("Software", ()) if cell.isdigit())
+            yield DeviceIdentity(f"{model}, software {software or 'unknown'}")
+
+
+def _line(text: str) -> bytes:
+    return text.encode() + b"\n"
+
+
+def _divide(speeds: list[float], fastest: int) -> list[int]:
+    """Distances in whole mm that are to each other as speeds are, as well as a command of a good length can have it."""
+    shares = [each / max(abs(speed) for speed in speeds) for each in speeds]
+    least = max(1, math.ceil(SHORTEST * fastest))
+    ways = [[round(share * way) for share in shares] for way in range(least, max(least, int(LONGEST * fastest)) + 1)]
+    return min(
+        ways,
+        key=lambda way: sum(abs(each / max(map(abs, way)) - share) for each, share in zip(way, shares, strict=True)),
+    )
+
+
+def _number(cells: Mapping[str, list[str]], key: str) -> float:
+    """The last number of a line by its name; NaN where there is none."""
+    for cell in reversed(cells.get(key, [])):
+        if re.fullmatch(r"-?\d{1,9}(\.\d{1,6})?", cell):
+            return float(cell)
+    return NOT_MEASURED
+
+
+def _read_scan(lines: list[str], rate: float) -> Iterator[Reading]:
+    ranges, brightness, found = np.full(_BEAMS, np.inf), np.zeros(_BEAMS), 0
+    for line in lines:
+        if not (match := _BEAM.fullmatch(line)) or int(match[1]) >= _BEAMS:
+            continue
+        angle, metres = int(match[1]), int(match[2]) / 1000.0
+        found += 1
+        brightness[angle] = int(match[3])
+        if int(match[4], 16) == 0 and 0.0 < metres < _REACH:
+            ranges[angle] = metres
+    if found >= _FEWEST and rate > 0.0:
+        yield MeasuredBeams(
+            np.radians(np.arange(_BEAMS)), ranges, brightness, turn_time=1.0 / rate, complete=True
+        )
