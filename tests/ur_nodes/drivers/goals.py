@@ -21,7 +21,12 @@ from ur.robot.base import Base
 from ur.robot.base.own_drivers import OWN_DRIVERS
 from ur_nodes.ports.node import SECOND
 
-BASES = {"arduino": "create2", "create2": "create2", "magni": "magni"}
+BASES = {
+    "arduino": ("create2", "lidar"),
+    "create2": ("create2", "lidar"),
+    "magni": ("magni", "lidar"),
+    "neato": ("botvac", ""),
+}
 LONGEST = 300.0  # s for a goal
 
 
@@ -30,13 +35,13 @@ class DeviceDrive(FirstDrive, DriverRig):
 
 
 def with_drivers(board: str) -> Callable[[Base], Base]:
-    """Change a base: a board and an RPLIDAR, by drivers of ours."""
+    """Change a base: a board and an RPLIDAR, by drivers of ours. A Neato has a lidar of its own."""
     own = load("create2", "lidar")
-    driver, (lidar,) = own.driver, own.drivers
+    driver, lidars = own.driver, own.drivers if BASES[board][1] else ()
     assert driver
 
     def change(base: Base) -> Base:
-        return replace(base, driver=replace(driver, protocol=board, device=OWN_DRIVERS[board].device), drivers=(lidar,))
+        return replace(base, driver=replace(driver, protocol=board, device=OWN_DRIVERS[board].device), drivers=lidars)
 
     return change
 
@@ -59,13 +64,13 @@ def drive(stage: FirstDrive) -> tuple[int, float, list[float]]:
 def main() -> None:
     """Drive with and without drivers, and print what came of it."""
     for board in sys.argv[1:] or list(BASES):
-        base, figures = BASES[board], []
+        (base, variant), figures = BASES[board], []
         for name in ("plain", "devices"):
             change = with_drivers(board)
             stage = (
-                DeviceDrive(base=base, variant="lidar", change=change)
+                DeviceDrive(base=base, variant=variant, change=change)
                 if name == "devices"
-                else FirstDrive(base=base, variant="lidar")
+                else FirstDrive(base=base, variant=variant)
             )
             reached, seconds, errors = drive(stage)
             figures.append((seconds, statistics.mean(errors)))
