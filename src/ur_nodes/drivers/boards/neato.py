@@ -16,7 +16,16 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 
 from ur.robot.base import Base
-from ur_nodes.drivers.readings import NOT_MEASURED, Contacts, Counts, DeviceIdentity, MeasuredBeams, Motors, Power, Reading
+from ur_nodes.drivers.readings import (
+    NOT_MEASURED,
+    Contacts,
+    Counts,
+    DeviceIdentity,
+    MeasuredBeams,
+    Motors,
+    Power,
+    Reading,
+)
 
 FASTEST = 300  # mm/s
 SHORTEST, LONGEST = 0.2, 0.35  # s that a command lasts
@@ -171,6 +180,4 @@ def _read_scan(lines: list[str], rate: float) -> Iterator[Reading]:
         if int(match[4], 16) == 0 and 0.0 < metres < _REACH:
             ranges[angle] = metres
     if found >= _FEWEST and rate > 0.0:
-        yield MeasuredBeams(
-            np.radians(np.arange(_BEAMS)), ranges, brightness, turn_time=1.0 / rate, complete=True
-        )
+        yield MeasuredBeams(np.radians(np.arange(_BEAMS)), ranges, brightness, turn_time=1.0 / rate, complete=True)

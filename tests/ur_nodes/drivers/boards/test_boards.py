@@ -11,7 +11,7 @@ from ur_nodes.drivers.boards import BOARDS
 from ur_nodes.drivers.boards.arduino import make_line
 from ur_nodes.drivers.boards.create2 import check
 from ur_nodes.drivers.boards.magni import make_packet
-from ur_nodes.drivers.readings import Counts, DeviceIdentity, Motors, Power
+from ur_nodes.drivers.readings import Contacts, Counts, DeviceIdentity, MeasuredBeams, Motors, Power
 
 
 def make(name: str) -> Any:
@@ -96,3 +96,63 @@ def test_arduino_with_another_sketch_is_told_to_be_flashed() -> None:
     assert [each.problem for each in make("arduino").take(make_line("h ur-base 2 later"))] == [
         "protocol 2, expected 1: flash the sketch of this release"
     ]
+
+
+def test_neato_gets_distances_and_the_speed_of_the_wheel_that_goes_farther() -> None:
+    # Wiki of the XV-11: "SetMotor 100 200 100 - the robot will move forward and to the left, for 2 seconds".
+    left, right, speed = read_motor(make("neato").drive(0.1, 0.2))
+    assert (2 * left, speed) == (right, 200)
+    assert 0.2 <= right / speed <= 0.35
+    assert read_motor(make("neato").drive(float("nan"), -9.0))[1:] == (-60, 300)
+
+
+def test_neato_stops_by_a_millimetre_to_and_fro_and_then_by_nothing() -> None:
+    board = make("neato")
+    sent = [board.drive(0.0, 0.0) for _ in range(5)]
+    assert [read_motor(each) for each in sent[:3]] == [(-1, -1, 1), (1, 1, 1), (-1, -1, 1)]
+    assert not any(b"SetMotor" in each for each in sent[3:])
+
+
+@pytest.mark.parametrize("left", [0.003, 0.0137, -0.09])
+def test_slow_wheels_of_a_neato_turn_as_fast_as_was_asked_on_average(left: float) -> None:
+    board, sums = make("neato"), [0.0, 0.0]
+    for _ in range(200):
+        a, b, speed = read_motor(board.drive(left, 0.02))
+        for wheel, way in enumerate((a, b)):
+            sums[wheel] += speed * way / max(abs(a), abs(b)) / 200.0 / 1000.0
+    assert sums == [pytest.approx(left, abs=0.0005), pytest.approx(0.02, abs=0.0005)]
+
+
+def read_motor(data: bytes) -> tuple[int, int, int]:
+    (line,) = [each for each in data.decode().split("\n") if each.startswith("SetMotor")]
+    words = line.split()
+    assert words[1::2] == ["LWheelDist", "RWheelDist", "Speed"]
+    return int(words[2]), int(words[4]), int(words[6])
+
+
+def test_neato_reads_answers_as_public_logs_have_them() -> None:
+    board = make("neato")
+    motors = b"getmotors\r\nParameter,Value\r\nLeftWheel_RPM,0\r\nLeftWheel_Load%,0\r\nLeftWheel_PositionInMM,-12\r\n"
+    assert list(board.take(motors)) == []
+    assert list(board.take(b"RightWheel_PositionInMM,345\r\nRightWheel_Speed,0\r\n\x1a")) == [Counts(-12, 345)]
+    digital = b"Digital Sensor Name, Value\r\nSNSR_LEFT_WHEEL_EXTENDED,1\r\nLSIDEBIT,0\r\nLFRONTBIT,1\r\n\x1a"
+    bumpers, ready = board.take(digital)
+    assert ("left_front", True) in bumpers.states
+    assert not ready.ready
+    analog = b"SensorName,Unit,Value\r\nDropSensorLeft,mm,0,\r\nDropSensorRight,mm,120,\r\n\x1a"
+    assert list(board.take(analog)) == [Contacts("cliff", (("left", False), ("right", True)))]
+    assert list(board.take(b"ModelID,-1,XV11,,\r\nSoftware,3,1,17844\r\n\x1a")) == [
+        DeviceIdentity("XV11, software 3.1.17844")
+    ]
+
+
+def test_neato_scan_is_a_turn_whose_errors_measured_nothing() -> None:
+    rows = [f"{angle},{2378 if angle else 0},82,{0 if angle != 2 else 8021}" for angle in range(360)]
+    text = "\r\n".join(["GetLDSScan", "AngleInDegrees,DistInMM,Intensity,ErrorCodeHEX", *rows, "ROTATION_SPEED,5.10"])
+    (beams,) = make("neato").take(text.encode() + b"\r\n\x1a")
+    assert isinstance(beams, MeasuredBeams)
+    assert beams.complete
+    assert beams.turn_time == pytest.approx(1.0 / 5.1)
+    assert [beams.ranges[angle] for angle in (0, 1, 2)] == [float("inf"), 2.378, float("inf")]
+    short = "\r\n".join([*rows[:100], "ROTATION_SPEED,5.10\r\n\x1a"])
+    assert list(make("neato").take(short.encode())) == []
