@@ -1,8 +1,8 @@
 """Stop motors when the driver can no longer; runs alone, with the standard library only.
 
 Arguments: a pipe, the device (both open), the bytes that stop the motors, and those with which the device is left, in
-hexadecimal. The driver writes `m` with each command that turns motors and `r` with each that does not. After an `m` that
-no other byte follows within LIMIT the motors are stopped; at the end of the pipe they are, and the device is left.
+hexadecimal. The driver writes `m` with each command that turns motors and `r` with each that does not. After an `m`
+that no other byte follows within LIMIT the motors are stopped; at the end of the pipe they are, and the device is left.
 """
 
 import contextlib

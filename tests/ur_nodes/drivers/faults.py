@@ -20,8 +20,8 @@ from ur_nodes.drivers.boards import BOARDS
 
 LIMIT = 0.3  # s
 UNPLUGGED = {"create2": 3.0, "magni": 0.7, "neato": 0.4}
-"""s; an unplugged board is stopped by its own watchdog: a Create 2 has none, a Magni's is a guess of its stand-in, a Neato's
-commands last 0.35 s."""
+"""s; an unplugged board is stopped by its own watchdog: a Create 2 has none, a Magni's is a guess of its stand-in, the
+commands of a Neato last 0.35 s."""
 FAST = 0.25  # m/s
 
 

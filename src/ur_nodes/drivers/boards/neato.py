@@ -1,8 +1,8 @@
 """Neato XV-11 and Botvac D3 to D85: "Neato Robotics Programmer's Manual", ASCII commands over USB.
 
 A command is a line; its answer begins with the line itself and ends with 1A. Test mode is needed to move wheels and to
-turn the lidar. `SetMotor` takes distances (mm) and the speed of the wheel that goes farther, which the other one arrives
-with: each command here lasts 0.2 to 0.35 s, and the robot rests after the last one. It takes no distance of 0 for both
+turn the lidar. `SetMotor` takes distances (mm) and the speed of the wheel that goes farther; both arrive together. Each
+command here lasts 0.2 to 0.35 s, and the robot rests after the last one. It takes no distance of 0 for both
 wheels; so a stop is 1 mm at 1 mm/s, to and fro (as package neato_robot does). The lidar's answer is a table of a turn,
 counter-clockwise from straight ahead.
 """

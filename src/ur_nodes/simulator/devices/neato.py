@@ -14,7 +14,8 @@ from ur_nodes.simulator.devices.lidars import TurningHead
 from ur_nodes.simulator.devices.plant import Plant
 
 COMMANDS = ("GetAccel", "GetAnalogSensors", "GetButtons", "GetCharger", "GetDigitalSensors", "GetErr", "GetLDSScan",
-            "GetMotors", "GetVersion", "Help", "PlaySound", "SetLDSRotation", "SetLED", "SetMotor", "TestMode")  # fmt: skip
+            "GetMotors", "GetVersion", "Help", "PlaySound", "SetLDSRotation", "SetLED",
+            "SetMotor", "TestMode")  # fmt: skip
 _FASTEST = 300
 
 
@@ -105,8 +106,8 @@ class NeatoFirmware:
         if command == "GetAnalogSensors":
             deep = self._plant.cliffs()
             drops = {f"{side.title()}DropInMM": 250 if deep.get(side) else 60 for side in ("left", "right")}
-            volts = f"BatteryVoltageInmV,{int(self._plant.battery()[0] * 1000)},\r\n"
-            return "SensorName,Value\r\n" + volts + "".join(f"{name},{value},\r\n" for name, value in drops.items())
+            battery = f"BatteryVoltageInmV,{int(self._plant.battery()[0] * 1000)},\r\n"
+            return "SensorName,Value\r\n" + battery + "".join(f"{name},{value},\r\n" for name, value in drops.items())
         if command == "GetCharger":
             volts, _, charge, capacity = self._plant.battery()
             fuel = round(100.0 * charge / capacity) if capacity else 0
