@@ -23,7 +23,7 @@ from ur_nodes.navigation.steering.recovery import Behaviour
 from ur_nodes.navigation.steering.rollout import FollowSettings
 from ur_nodes.navigation.velocity_output import VelocityOutput
 from ur_nodes.navigation.world_view import WorldView
-from ur_nodes.ports.actions import GoalHandle
+from ur_nodes.ports.actions import GoalHandle, GoalServer
 from ur_nodes.ports.newest_work import NewestWork
 from ur_nodes.ports.node import Node
 from ur_nodes.ports.services import AskPath, Silent
@@ -33,6 +33,7 @@ from ur_nodes.ports.values import Path, PlacedPose, Result
 _IDLE_PERIODS = 5  # control periods between two updates of the costmaps without a goal
 _PATH_CHECK_PERIODS = 3  # likewise, between two checks of the path on the global costmap
 _REPORT_PERIODS = 2  # likewise, between two reports of the robot's pose
+_NO_MUX = 2.0  # s without a challenge, after which goals are taken without a mux
 _RESTART = 1.0  # s: a clock that goes back by more has begun anew, as that of a simulator does
 
 
@@ -56,9 +57,10 @@ class MoveBase:
         self._tick = 0  # of control periods
         self._last = 0.0  # s: the time of the last one
         self._plans = NewestWork(node, "plans", self._plan, self._take_plan)
-        self._watch = GoalWatch(node, settings.mux, watch)
+        self._server: GoalServer | None = None  # of the goals that clients send
+        self._watch = GoalWatch(node, settings.mux, watch, self._offer_goals)
         self._output = VelocityOutput(self._watch.link, settings.mux, stamped=settings.stamped)
-        self._server = node.serve_goals("move_base", self, settings.status_kept)
+        node.after(_NO_MUX, self._offer_goals, steady=True)
 
     def beat(self) -> None:
         """Step the navigator, or repeat the last command: the mux takes an old one for the end of the commander."""
@@ -146,6 +148,11 @@ class MoveBase:
             self._navigator.stop()
             self._send(0.0, 0.0)
 
+    def _offer_goals(self) -> None:
+        """Take goals from now on: those that answer a challenge have an age once the first challenge is known."""
+        if self._server is None:
+            self._server = self._node.serve_goals("move_base", self, self._settings.status_kept)
+
     def _now(self) -> float:
         return seconds_of(self._node.now())
 
@@ -198,7 +205,8 @@ class MoveBase:
         if not idle:
             self._node.log.warn(f"the goal is {verdict.text}")
             self._halt(keep_goal=True)
-            self._server.publish_status()
+            if self._server is not None:
+                self._server.publish_status()
         if self._tick % _REPORT_PERIODS == 0:
             self._report()
         return False

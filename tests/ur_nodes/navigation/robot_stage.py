@@ -36,9 +36,12 @@ BLIND = {
 
 
 class RobotStage:
-    """The robot (20 Hz odometry, 10 Hz scans); with `mux` it takes only commands that answer a challenge in time."""
+    """The robot (20 Hz odometry, 10 Hz scans); with `mux` it takes only commands that answer a challenge in time.
 
-    def __init__(self, *, mux: bool = False, parameters: dict[str, Any] | None = None) -> None:
+    `mute`: the mux issues no challenges until it is let.
+    """
+
+    def __init__(self, *, mux: bool = False, mute: bool = False, parameters: dict[str, Any] | None = None) -> None:
         self.bus = Bus()
         file = FilePath(launch_library() / "n_move_base/params/stage.yaml")
         self.bus.load_parameters("/move_base", load_yaml(file.read_text(encoding="utf-8")))
@@ -60,6 +63,8 @@ class RobotStage:
         self.maps.send(Map(self.bus.now, "map", self.grid))
         self.node.every(0.05, self._live)
         self.mux = FakeMux(self.bus, self.take_command) if mux else None
+        if self.mux:
+            self.mux.mute = mute
         self.stops = self.node.publish("cmd_vel_mux/stopped", bool, Quality.LATCHED)
         if not mux:
             self.node.subscribe("cmd_vel", Twist, self.take_command, Quality.EVERY)
@@ -71,7 +76,7 @@ class RobotStage:
         self.client.subscribe("move_base/feedback", PlacedPose, self.reports.append)
         self.move_base = self.bus.node("move_base")
         start(self.move_base)
-        self.bus.run(1.0)
+        self.bus.run(1.0 if mux else 2.5)  # without challenges goals are taken later
 
     def send(self, x: float, y: float, yaw: float = 0.0, frame: str = "map", id: str = "") -> str:
         """Send a goal; returns its id."""

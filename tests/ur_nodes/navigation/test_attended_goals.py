@@ -20,8 +20,8 @@ NUMBERS = itertools.count()
 class Attended(RobotStage):
     """A robot with a mux, and goals that are sent as our clients send them."""
 
-    def __init__(self, on_return: str = "resume") -> None:
-        super().__init__(mux=True, parameters={"on_return": on_return})
+    def __init__(self, on_return: str = "resume", *, mute: bool = False) -> None:
+        super().__init__(mux=True, mute=mute, parameters={"on_return": on_return})
         assert self.mux
         self.driver: FakeMux = self.mux
         self.holds: list[dict[str, str]] = []
@@ -34,6 +34,10 @@ class Attended(RobotStage):
         id = write_goal_id(f"{next(NUMBERS)}-{start}", client, self.driver.newest - round(age * 1e9))
         return self.send(x, y, yaw, id=id)
 
+    def takes_goals(self) -> bool:
+        """Whether `move_base` offers its action."""
+        return self._goals.listeners() > 0
+
     def drive_away(self) -> str:
         """A goal in the other room that the robot drives to, and that laptop attends."""
         self.driver.say("held")
@@ -45,6 +49,23 @@ class Attended(RobotStage):
 @pytest.fixture
 def robot() -> Attended:
     return Attended()
+
+
+def test_goals_are_taken_from_the_first_challenge_on() -> None:
+    robot = Attended(mute=True)
+    assert not robot.takes_goals()
+    robot.driver.mute = False
+    robot.bus.run(0.05)
+    assert robot.takes_goals()
+    goal = robot.claim(*ENDS[1])
+    assert robot.has_status(goal, "active", "", 0.5)
+
+
+def test_goals_are_taken_where_no_mux_issues_challenges() -> None:
+    robot = Attended(mute=True)
+    robot.bus.run(1.5)
+    assert robot.takes_goals()
+    assert robot.has_status(robot.send(*ENDS[1]), "active", "", 0.5)
 
 
 def test_goal_is_held_while_its_client_is_lost_and_resumed_when_it_is_back(robot: Attended) -> None:

@@ -56,6 +56,7 @@ def test_displays_are_published_to_who_listens(robot: RobotStage) -> None:
         "current_goal": PlacedPose,
     }.items():
         robot.client.subscribe(f"move_base/{topic}", kind, got.setdefault(topic, []).append, Quality.EVERY)
+    robot.bus.run(1.0)  # the whole costmap is published first
     robot.occupied[20:25, 10:15] = True  # something that the map does not show
     robot.end(robot.send(0.8, 0.4))
     assert all(got.values()), {topic: len(values) for topic, values in got.items()}

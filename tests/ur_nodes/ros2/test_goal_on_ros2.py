@@ -76,7 +76,7 @@ def test_robot_drives_to_a_goal_of_a_client_of_nav2(session: Ros2Session, tmp_pa
     start_robot(session, tmp_path)
     session.start("watcher", str(DRIVER_FOLDER / "life_client.py"), "watch")
     command = (str(DRIVER_FOLDER / "navigation/nav2_client.py"), "drive", "0.8", "0.4")
-    for _try in range(20):  # goals are refused until the robot is localised
+    for _try in range(20):  # until the robot is localised, and answers find the client
         program = session.run(*command, within=100.0)
         assert program.stdout, program.stderr
         found = json.loads(program.stdout.splitlines()[-1])

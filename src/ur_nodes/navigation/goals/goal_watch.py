@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
 
 from ur_nodes.motion.challenge.link import ChallengeLink
 from ur_nodes.motion.lease.text import Lease, read_lease
@@ -40,9 +41,15 @@ class GoalWatch:
     a `stamp`, the newest challenge, it is ignored when it arrives late.
     """
 
-    def __init__(self, node: Node, mux: str, settings: AttendanceSettings) -> None:
-        """`mux` is the name of the mux's node. The goal is held while the robot is lost, as well."""
+    def __init__(
+        self, node: Node, mux: str, settings: AttendanceSettings, on_mux: Callable[[], None] = lambda: None
+    ) -> None:
+        """`mux` is the name of the mux's node; `on_mux` is called after its first challenge.
+
+        The goal is held while the robot is lost, as well.
+        """
         self._node = node
+        self._on_mux = on_mux
         self._settings = settings
         self._lease: Lease | None = None
         self._lost = ""
@@ -100,7 +107,10 @@ class GoalWatch:
     def _take_challenge(self) -> None:
         value = self.link.newest(REMEMBERED)
         if value is not None:
+            first = self._challenges.newest_at is None
             self._challenges = note_challenge(self._challenges, value, self._node.steady())
+            if first:
+                self._on_mux()
 
     def _take_lease(self, text: str) -> None:
         lease = read_lease(text)

@@ -98,7 +98,10 @@ def drive(client: ActionClientStage, x: float, y: float) -> dict[str, object]:
     """Drive a whole robot to a place."""
     goal = NavigateToPose.Goal(pose=PoseStamped())
     goal.pose.header.frame_id, goal.pose.pose.position.x, goal.pose.pose.position.y = "map", x, y
-    handle = client.wait(client.to_pose.send_goal_async(goal, lambda each: client.feedback.append(each.feedback)))
+    accepted = client.to_pose.send_goal_async(goal, lambda each: client.feedback.append(each.feedback))
+    rclpy.spin_until_future_complete(client.node, accepted, timeout_sec=PATIENCE)
+    if (handle := accepted.result()) is None:  # the server had not found this client when it answered
+        return {"status": None}
     answer = handle.get_result_async()
     rclpy.spin_until_future_complete(client.node, answer, timeout_sec=60.0)
     found = {"status": answer.result().status, "text": answer.result().result.error_msg}
