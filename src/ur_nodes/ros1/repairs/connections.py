@@ -36,6 +36,7 @@ from rospy.impl.transport import INBOUND
 from ur.robot.addresses import AddressCache
 from ur_nodes.ros1.repairs.half_open import end_half_open, share_port
 from ur_nodes.ros1.repairs.sockets import (
+    is_abandoned,
     is_link_trouble,
     is_remote,
     limit_sending,
@@ -174,11 +175,17 @@ def _bound_publishers(notified: Ends) -> None:
     accept_call = tcpros_service.service_connection_handler
 
     def bounded_accept(self: tcpros_base.TCPROSServer, sock: socket.socket, address: Address) -> None:
+        def accept_open() -> None:
+            if is_abandoned(sock):  # rospy would warn of it, with a traceback
+                sock.close()
+            else:
+                accept(self, sock, address)
+
         limit_waiting(sock, HEADER_LIMIT)
         if is_remote(sock):  # rospy accepts one after the other: none may wait for another's lost header
-            threading.Thread(target=accept, args=(self, sock, address), name="accept", daemon=True).start()
+            threading.Thread(target=accept_open, name="accept", daemon=True).start()
         else:
-            accept(self, sock, address)
+            accept_open()
 
     def bounded_accept_topic(
         self: tcpros_pubsub.TCPROSHandler, sock: socket.socket, address: Address, header: Header

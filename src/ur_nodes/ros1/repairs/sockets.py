@@ -70,6 +70,16 @@ def limit_waiting(sock: socket.socket, seconds: float) -> None:
             return
 
 
+def is_abandoned(sock: socket.socket) -> bool:
+    """Wait for the first byte; return whether the peer ended the connection before it, as a program that ends does."""
+    try:
+        return not sock.recv(1, socket.MSG_PEEK)
+    except ConnectionError:
+        return True
+    except OSError:  # nothing arrived in time
+        return False
+
+
 def is_link_trouble(problem: BaseException | None) -> bool:
     """Return whether an error means that the network lost the peer, rather than that the peer refused."""
     return isinstance(problem, OSError) and (isinstance(problem, TimeoutError) or problem.errno in _LINK_TROUBLE)

@@ -2,11 +2,19 @@ from __future__ import annotations
 
 import errno
 import socket
+import struct
 import threading
 
 import pytest
 
-from ur_nodes.ros1.repairs.sockets import is_link_trouble, is_remote, limit_sending, limit_waiting, watch_peer
+from ur_nodes.ros1.repairs.sockets import (
+    is_abandoned,
+    is_link_trouble,
+    is_remote,
+    limit_sending,
+    limit_waiting,
+    watch_peer,
+)
 
 
 @pytest.mark.parametrize(
@@ -30,6 +38,28 @@ def test_peer_on_the_same_computer_is_not_remote() -> None:
         assert not is_remote(client)
     with socket.socket() as alone:
         assert not is_remote(alone)
+
+
+def test_connection_is_abandoned_when_its_peer_ends_before_the_first_byte() -> None:
+    ours, peer = socket.socketpair()
+    with ours:
+        limit_waiting(ours, 0.05)
+        assert not is_abandoned(ours)  # silent so far
+        peer.sendall(b"header")
+        assert not is_abandoned(ours)
+        assert ours.recv(6) == b"header"
+        peer.close()
+        assert is_abandoned(ours)
+
+
+def test_connection_that_its_peer_has_reset_is_abandoned() -> None:
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        client = socket.create_connection(server.getsockname())
+        ours, _ = server.accept()
+        client.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))
+        client.close()
+        with ours:
+            assert is_abandoned(ours)
 
 
 def test_limits_are_set_on_the_socket() -> None:
