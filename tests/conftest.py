@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import fcntl
 import gc
 import os
 import signal
+import sys
 from collections.abc import Generator, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -66,14 +69,36 @@ def _leave_unmeasured(request: pytest.FixtureRequest) -> Iterator[None]:
 
 
 @pytest.hookimpl(wrapper=True)
-def pytest_collection() -> Generator[None, object, object]:
+def pytest_collection(session: pytest.Session) -> Generator[None, object, object]:
     """Collect without looking for garbage: what is made stays until the end, and is not looked at later either."""
     gc.disable()
     try:
-        return (yield)
+        with _compile_once(session.config):
+            return (yield)
     finally:
         gc.freeze()
         gc.enable()
+
+
+@contextmanager
+def _compile_once(config: pytest.Config) -> Iterator[None]:
+    """Let one worker of pytest-xdist compile all tests in a new clone, before the others collect."""
+    paths = [Path(each).absolute() for each in config.args]
+    if not hasattr(config, "workerinput") or paths != [config.rootpath / "tests"]:
+        yield
+        return
+    stamp, tools = config.rootpath / ".cache/compiled_tests", f"{sys.version} pytest {pytest.__version__}"
+    stamp.parent.mkdir(exist_ok=True)
+    with stamp.open("a+", encoding="utf-8") as file:
+        fcntl.flock(file, fcntl.LOCK_EX)
+        file.seek(0)
+        if file.read() == tools:
+            fcntl.flock(file, fcntl.LOCK_UN)
+            yield
+            return
+        yield
+        file.truncate(0)
+        file.write(tools)
 
 
 def pytest_report_collectionfinish(items: list[pytest.Item]) -> str | None:
