@@ -36,11 +36,11 @@ from rospy.impl.transport import INBOUND
 from ur.robot.addresses import AddressCache
 from ur_nodes.ros1.repairs.half_open import end_half_open, share_port
 from ur_nodes.ros1.repairs.sockets import (
-    is_abandoned,
     is_link_trouble,
     is_remote,
     limit_sending,
     limit_waiting,
+    unless_abandoned,
     watch_peer,
 )
 from ur_nodes.ros1.repairs.subscriptions import Subscriptions
@@ -171,21 +171,16 @@ def _bound_transport(addresses: AddressCache) -> None:
 def _bound_publishers(notified: Ends) -> None:
     """Bound connections of subscribers and of service callers; those of roscpp go to `notified`."""
     server, handler = tcpros_base.TCPROSServer, tcpros_pubsub.TCPROSHandler
-    accept, accept_topic = getattr(server, "_tcp_server_callback"), handler.topic_connection_handler  # noqa: B009
+    accept = unless_abandoned(getattr(server, "_tcp_server_callback"))  # noqa: B009
+    accept_topic = handler.topic_connection_handler
     accept_call = tcpros_service.service_connection_handler
 
     def bounded_accept(self: tcpros_base.TCPROSServer, sock: socket.socket, address: Address) -> None:
-        def accept_open() -> None:
-            if is_abandoned(sock):  # rospy would warn of it, with a traceback
-                sock.close()
-            else:
-                accept(self, sock, address)
-
         limit_waiting(sock, HEADER_LIMIT)
         if is_remote(sock):  # rospy accepts one after the other: none may wait for another's lost header
-            threading.Thread(target=accept_open, name="accept", daemon=True).start()
+            threading.Thread(target=accept, args=(self, sock, address), name="accept", daemon=True).start()
         else:
-            accept_open()
+            accept(self, sock, address)
 
     def bounded_accept_topic(
         self: tcpros_pubsub.TCPROSHandler, sock: socket.socket, address: Address, header: Header

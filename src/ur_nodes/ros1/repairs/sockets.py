@@ -16,12 +16,15 @@ import errno
 import ipaddress
 import socket
 import struct
+from collections.abc import Callable
 
 KEEPALIVE_IDLE = 1  # s without data before the kernel asks the peer
 KEEPALIVE_INTERVAL = 1  # s between two such questions
 KEEPALIVE_PROBES = 2  # unanswered questions that end the connection
 SEND_LIMIT = 1.0  # s that sent data may stay unacknowledged
 CONNECT_LIMIT = 1.0  # s for a connection to be made
+
+Address = tuple[str | int, ...]
 
 _LINK_TROUBLE = frozenset(
     {
@@ -78,6 +81,18 @@ def is_abandoned(sock: socket.socket) -> bool:
         return True
     except OSError:  # nothing arrived in time
         return False
+
+
+def unless_abandoned(accept: Callable[[object, socket.socket, Address], None]) -> Callable[..., None]:
+    """Accept as `accept` does, but close an abandoned connection in silence: rospy warns of it, with a traceback."""
+
+    def take(server: object, sock: socket.socket, address: Address) -> None:
+        if is_abandoned(sock):
+            sock.close()
+        else:
+            accept(server, sock, address)
+
+    return take
 
 
 def is_link_trouble(problem: BaseException | None) -> bool:

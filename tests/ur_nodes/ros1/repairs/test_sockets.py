@@ -13,6 +13,7 @@ from ur_nodes.ros1.repairs.sockets import (
     is_remote,
     limit_sending,
     limit_waiting,
+    unless_abandoned,
     watch_peer,
 )
 
@@ -50,6 +51,21 @@ def test_connection_is_abandoned_when_its_peer_ends_before_the_first_byte() -> N
         assert ours.recv(6) == b"header"
         peer.close()
         assert is_abandoned(ours)
+
+
+def test_abandoned_connection_is_closed_and_any_other_accepted() -> None:
+    accepted: list[object] = []
+    accept = unless_abandoned(lambda *connection: accepted.append(connection))
+    ours, peer = socket.socketpair()
+    with ours, peer:
+        peer.sendall(b"header")
+        accept("server", ours, ("peer", 1))
+        assert accepted == [("server", ours, ("peer", 1))]
+    ours, peer = socket.socketpair()
+    peer.close()
+    accept("server", ours, ("peer", 1))
+    assert len(accepted) == 1
+    assert ours.fileno() < 0
 
 
 def test_connection_that_its_peer_has_reset_is_abandoned() -> None:
