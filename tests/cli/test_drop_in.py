@@ -9,10 +9,11 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
+from tests.forking import ForkingPython
 from tests.run.conftest import RunWorld, master, world  # noqa: F401 - fixtures
 
 from ur.cli.launch.options import PARAMETERS
@@ -60,9 +61,25 @@ DIFFERENT = {
 }
 
 
+Roslaunch = Callable[..., tuple[int, str, str]]
+
+
 def words(text: str, folder: Path, port: int) -> list[str]:
     found = text.format(port=port).split()
     return [f"{folder}/{word}.launch" if word in FILES else word for word in found]
+
+
+@pytest.fixture(scope="module")
+def roslaunch(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Roslaunch]:
+    """The installed roslaunch, imported once: its exit code, output and errors for the same words."""
+    python = ForkingPython(tmp_path_factory.mktemp("roslaunch"), "/usr/bin/python3", modules=["roslaunch"])
+
+    def answer(found: list[str], world: RunWorld, given: str = "") -> tuple[int, str, str]:  # noqa: F811 - likewise
+        done = python.run(ROSLAUNCH, *found, folder=world.folder, environment=world.environment, given=given.encode())
+        return done.returncode, done.stdout.decode(), done.stderr.decode()
+
+    yield answer
+    python.close()
 
 
 def run(command: list[str], world: RunWorld, given: str = "") -> tuple[int, str, str]:  # noqa: F811 - a fixture's value
@@ -109,12 +126,13 @@ def test_question_is_answered_as_roslaunch_does(
     text: str,
     world: RunWorld,  # noqa: F811 - likewise
     ask: Callable[..., tuple[int, str, str]],
+    roslaunch: Roslaunch,
 ) -> None:
     write_files(world)
     found = words(text, world.folder, world.port)
-    expected, told, _ = run([ROSLAUNCH, *found], world)
+    expected, told, why = roslaunch(found, world)
     code, said, errors = ask(*found)
-    assert code == expected, errors
+    assert code == expected, (errors, why)
     assert said == told
     assert code == 0 or errors.startswith(("error: ", f"{world.folder}", "bad", "wrong")), errors
     assert "Traceback" not in errors
@@ -125,19 +143,25 @@ def test_named_differences_are_as_named(
     text: str,
     world: RunWorld,  # noqa: F811 - likewise
     ask: Callable[..., tuple[int, str, str]],
+    roslaunch: Roslaunch,
 ) -> None:
     write_files(world)
     found = words(text, world.folder, world.port)
-    assert (run([ROSLAUNCH, *found], world)[0], ask(*found)[0]) == DIFFERENT[text]
+    assert (roslaunch(found, world)[0], ask(*found)[0]) == DIFFERENT[text]
 
 
 @pytest.mark.ros
 @pytest.mark.parametrize("text", RUNS)
-def test_run_ends_with_the_code_of_roslaunch(text: str, world: RunWorld, master: int) -> None:  # noqa: F811 - likewise
+def test_run_ends_with_the_code_of_roslaunch(
+    text: str,
+    world: RunWorld,  # noqa: F811 - likewise
+    master: int,  # noqa: F811 - likewise
+    roslaunch: Roslaunch,
+) -> None:
     write_files(world)
     found = words(text, world.folder, master)
     given = f"<launch>{FILES['required_well']}</launch>"
-    expected, _, said = run([ROSLAUNCH, *found], world, given)
+    expected, _, said = roslaunch(found, world, given)
     code, _, errors = run(ur(*found), world, given)
     assert code == expected, (errors, said)
     assert "Traceback" not in errors
@@ -213,15 +237,19 @@ def test_wait_goes_on_once_a_master_is_there(world: RunWorld, master: int) -> No
 
 
 @pytest.mark.ros
-def test_second_core_is_refused_as_by_roslaunch(world: RunWorld, master: int) -> None:  # noqa: F811 - a fixture
+def test_second_core_is_refused_as_by_roslaunch(
+    world: RunWorld,  # noqa: F811 - a fixture
+    master: int,  # noqa: F811 - a fixture
+    roslaunch: Roslaunch,
+) -> None:
     assert master
     code, _, errors = run(ur("--core"), world)
-    assert code == run([ROSLAUNCH, "--core", "-p", str(master)], world)[0] == 1
+    assert code == roslaunch(["--core", "-p", str(master)], world)[0] == 1
     assert "a master runs already" in errors
 
 
-def test_every_option_of_roslaunch_is_known(world: RunWorld) -> None:  # noqa: F811 - likewise
-    _, told, _ = run([ROSLAUNCH, "--help"], world)
+def test_every_option_of_roslaunch_is_known(world: RunWorld, roslaunch: Roslaunch) -> None:  # noqa: F811 - likewise
+    _, told, _ = roslaunch(["--help"], world)
     names = {
         word.strip(",").partition("=")[0]
         for line in told.splitlines()
