@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -30,21 +31,23 @@ def aliases(depth: int) -> str:
 
 
 ANGLE = "+".join(["1"] * 150)
-FILES = {
-    "angles in many texts": rosparams(400, "".join(f"a{i}: rad({ANGLE})\n" for i in range(40))),
-    "angles in many parameters": "<launch>\n<rosparam>a: 1</rosparam>\n"
-    + "".join(f"<param name='p{i}' type='yaml' value='rad({ANGLE})'/>\n" for i in range(20_000))
-    + "</launch>\n",
-    "aliases in many texts": rosparams(20, aliases(4)),
-    "keys of one mapping": rosparams(1, "".join(f"key{i}: {i}\n" for i in range(400_000))),
-    "keys of many mappings": rosparams(400, "".join(f"key{i}: deg({i})\n" for i in range(1000))),
-    "quoted texts": rosparams(1, "".join(f"key{i}: 'a: {i}'\n" for i in range(200_000))),
+FILES: dict[str, Callable[[], str]] = {
+    "angles in many texts": lambda: rosparams(400, "".join(f"a{i}: rad({ANGLE})\n" for i in range(40))),
+    "angles in many parameters": lambda: (
+        "<launch>\n<rosparam>a: 1</rosparam>\n"
+        + "".join(f"<param name='p{i}' type='yaml' value='rad({ANGLE})'/>\n" for i in range(20_000))
+        + "</launch>\n"
+    ),
+    "aliases in many texts": lambda: rosparams(20, aliases(4)),
+    "keys of one mapping": lambda: rosparams(1, "".join(f"key{i}: {i}\n" for i in range(400_000))),
+    "keys of many mappings": lambda: rosparams(400, "".join(f"key{i}: deg({i})\n" for i in range(1000))),
+    "quoted texts": lambda: rosparams(1, "".join(f"key{i}: 'a: {i}'\n" for i in range(200_000))),
 }
 
 
 @pytest.mark.parametrize("name", FILES)
 def test_check_of_a_file_stays_within_its_bounds(tmp_path: Path, name: str) -> None:
-    (tmp_path / "a.launch").write_text(FILES[name])
+    (tmp_path / "a.launch").write_text(FILES[name]())
     command = [sys.executable, "-I", "-m", "ur", "check", "a.launch"]
     used = run_limited(command, CPU_SECONDS, tmp_path, os.environ)
     assert used.code == 1, used.output[-500:]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import os
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -22,20 +23,21 @@ def _jpeg() -> bytes:
 @pytest.mark.parametrize(
     ("data", "reason"),
     [
-        (make_png(8900, 8900, 16, 6), "79210000|take 316,840,000 bytes"),
-        (make_png(8900, 8900, 8, 2), "take 237,630,000 bytes"),
-        (make_png(9000, 9000, 8, 0), "pixels are too many"),
-        (make_png(2**31 - 1, 2**31 - 1, 8, 0), "pixels|exceeds"),
-        (b"P5\n#" + b"x" * 30_000_000 + b"\n2 2\n255\n\0\0\0\0", "too many comments"),
-        (b"P5\n" + b"#\n" * 15_000_000 + b"2 2\n255\n\0\0\0\0", "too many comments"),
-        (b"P5\n2 2" + b" " * 30_000_000 + b"\n255\n\0\0\0\0", "too many comments"),
-        (b"P2\n2000 2000\n255\n" + b"#\n0 " * 4_000_000, "a PNM in digits"),
-        (b"\xff\xd8" + b"\xff\xe1\x00\x02" * 4_000_000 + _jpeg()[2:], "too many comments"),
-        (b"GIF89a\1\0\1\0\0\0\0" + b"\x21\xfe\x01x\0" * 4_000_000, "too many comments"),
+        (lambda: make_png(8900, 8900, 16, 6), "79210000|take 316,840,000 bytes"),
+        (lambda: make_png(8900, 8900, 8, 2), "take 237,630,000 bytes"),
+        (lambda: make_png(9000, 9000, 8, 0), "pixels are too many"),
+        (lambda: make_png(2**31 - 1, 2**31 - 1, 8, 0), "pixels|exceeds"),
+        (lambda: b"P5\n#" + b"x" * 30_000_000 + b"\n2 2\n255\n\0\0\0\0", "too many comments"),
+        (lambda: b"P5\n" + b"#\n" * 15_000_000 + b"2 2\n255\n\0\0\0\0", "too many comments"),
+        (lambda: b"P5\n2 2" + b" " * 30_000_000 + b"\n255\n\0\0\0\0", "too many comments"),
+        (lambda: b"P2\n2000 2000\n255\n" + b"#\n0 " * 4_000_000, "a PNM in digits"),
+        (lambda: b"\xff\xd8" + b"\xff\xe1\x00\x02" * 4_000_000 + _jpeg()[2:], "too many comments"),
+        (lambda: b"GIF89a\1\0\1\0\0\0\0" + b"\x21\xfe\x01x\0" * 4_000_000, "too many comments"),
     ],
+    ids=["large", "wide", "many", "widest", "comment", "comments", "spaces", "digits", "JPEG comments", "GIF comments"],
 )
-def test_sizes_are_refused_before_they_are_unpacked(data: bytes, reason: str) -> None:
-    with pytest.raises(ValueError, match=reason), open_picture(io.BytesIO(data), MAP_FORMATS):
+def test_sizes_are_refused_before_they_are_unpacked(data: Callable[[], bytes], reason: str) -> None:
+    with pytest.raises(ValueError, match=reason), open_picture(io.BytesIO(data()), MAP_FORMATS):
         pass
 
 
