@@ -1,8 +1,8 @@
 """A base on ROS 2 that does what it is commanded, for ever: it holds its last velocity, as many do.
 
 It publishes odometry and scans, and writes `TIME SPEED` (monotonic s, m/s) of each command and `TIME` of each step into
-/run/base/log. `--stamped` takes TwistStamped. `--transforms FOLDER` publishes transforms; the modules of that folder make
-their type where tf2_msgs are missing.
+/run/base/log. `--stamped` takes TwistStamped. `--transforms FOLDER` publishes transforms; the modules of that folder
+make their type where tf2_msgs are missing.
 """
 
 from __future__ import annotations
