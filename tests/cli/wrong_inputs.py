@@ -285,6 +285,7 @@ new node talker --package src/demo --summary Talk. --from-package demo --type tl
 new multi all --package src/demo --summary Talk. --include nothing
 new base small --package src/demo --summary Talk. --mass -1
 new package nose --summary Talk. --email nobody
+new script Look
 new world a/b --size 8x6
 new world office
 new world office --size big

@@ -10,7 +10,7 @@ import pytest
 from tests.ur_nodes.first_drive.drive import FirstDrive
 
 import ur_nodes.client
-from ur_nodes.client.robot import Robot
+from ur_nodes.client.script.robot import Robot
 
 ROOT = Path(__file__).parents[2]
 PAGE = (ROOT / "docs" / "how-to" / "write-a-script.md").read_text(encoding="utf-8")

@@ -53,8 +53,8 @@ def describe_driver(view: LeaseView, conduct: Conduct = "drive", robot: str = "t
     if view.state == "lost":
         return f"{describe_lost(view)}; d: take over"  # without the robot it fits 80 columns
     if view.state == "free" and conduct == "watch":
-        return f"no client drives {robot}; d: drive"
-    return ""
+        return f"{view.note or f'no client drives {robot}'}; d: drive"
+    return view.note if view.state == "free" else ""
 
 
 def describe_lost(view: LeaseView, robot: str = "") -> str:

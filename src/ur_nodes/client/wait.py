@@ -31,19 +31,22 @@ class WatchedWait:
     def __init__(self, node: Node, wait: Wait) -> None:
         self._node, self._wait = node, wait
         self._seen_at = node.steady()
+        self.on_look: Callable[[], None] = lambda: None
+        """Called by the thread itself whenever it looks after its condition."""
 
     def __call__(self, condition: Callable[[], bool], seconds: float) -> bool:
         """See `Wait`."""
 
         def look() -> bool:
             self._seen_at = self._node.steady()
+            self.on_look()
             return condition()
 
         return self._wait(look, seconds)
 
-    def hangs(self) -> bool:
-        """Return whether the thread has not looked after its condition for half a second. From any thread."""
-        return self._node.steady() - self._seen_at > _HUNG_AFTER
+    def hangs(self, after: float = _HUNG_AFTER) -> bool:
+        """Return whether the thread has not looked after its condition for so long (s). From any thread."""
+        return self._node.steady() - self._seen_at > after
 
 
 def call_and_wait(node: Node, wait: Wait, service: str, request: object, within: float = 5.0) -> Result:

@@ -35,6 +35,7 @@ from ur_nodes.motion.mux_events import (
     SpeedLimited,
     Velocity,
     VelocityCommand,
+    slow_to,
 )
 from ur_nodes.motion.obstacle_stop.guard import Guard, GuardVerdict
 from ur_nodes.motion.ramp import Axis, approach
@@ -193,7 +194,7 @@ def _send(state: MuxState, now: float) -> tuple[MuxState, Velocity]:
     if now - state.output_at > settings.forgets:
         state = replace(state, output=STILL)
     received = ReceivedCommand() if state.active is None else state.received[state.active]
-    wanted = _slowed(received.velocity, state.share, settings)
+    wanted = slow_to(received.velocity, state.share, settings)
     left = settings.stop_time - settings.lag - (now - received.at)  # s, until the robot has to be at rest
     seconds = max(0.0, min(settings.period, now - state.output_at))
     left_to_brake = left - settings.brake_period
@@ -224,15 +225,6 @@ def _approach(before: Velocity, target: Velocity, settings: MuxSettings, left: f
         _follow(before.forward, target.forward, settings.forward, left, seconds),
         _follow(before.turn, target.turn, settings.turn, left, seconds),
     )
-
-
-def _slowed(wanted: Velocity, share: float, settings: MuxSettings) -> Velocity:
-    """The velocity with at most this share of the base's speeds, on the same curve."""
-    if share >= 1.0 or wanted.still:
-        return wanted
-    parts = (abs(wanted.forward) / settings.forward.speed, abs(wanted.turn) / settings.turn.speed)
-    factor = min(1.0, share / max(parts))
-    return Velocity(factor * wanted.forward, factor * wanted.turn)
 
 
 def _follow(value: float, target: float, axis: Axis, left: float, seconds: float) -> float:

@@ -119,3 +119,12 @@ class GuardChanged:
 
 
 Event = VelocityCommand | LockMessage | EmergencyStopped | EmergencyReleased | SpeedLimited | GuardChanged
+
+
+def slow_to(wanted: Velocity, share: float, settings: MuxSettings) -> Velocity:
+    """The velocity with at most this share of the base's speeds, on the same curve."""
+    if share >= 1.0 or wanted.still:
+        return wanted
+    parts = (abs(wanted.forward) / settings.forward.speed, abs(wanted.turn) / settings.turn.speed)
+    factor = min(1.0, share / max(parts))
+    return Velocity(factor * wanted.forward, factor * wanted.turn)

@@ -47,6 +47,7 @@ def describe_lease(lease: Lease | None) -> dict[str, object] | None:
         "program": lease.program,
         "since": lease.since,
         "until": lease.until,
+        "note": lease.note,
         "asking": [{"client": each.client, "name": each.name} for each in lease.asking],
         "takenFrom": lease.taken_from.client if lease.taken_from else None,
     }

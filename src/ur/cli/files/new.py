@@ -7,6 +7,7 @@ from pathlib import Path
 import click
 
 from ur.cli.files.new_parts import SUMMARY, in_package, show_done
+from ur.cli.files.new_script import new_script
 from ur.cli.files.new_things import (
     ask,
     base_request,
@@ -37,7 +38,7 @@ _name = click.argument("name", required=False, callback=_check_name)
 @click.group("new", invoke_without_command=True)
 @click.pass_context
 def command(context: click.Context) -> int:
-    """Write a new node, group, view, program, base, package or world.
+    """Write a new node, group, view, program, script, base, package or world.
 
     Asks for what is not given; without a terminal everything has to be given. Nothing is ever overwritten. What is
     written passes `ur check` and appears in `ur docs`.
@@ -222,4 +223,5 @@ def new_package(
     return show_done(target, plan_package(name, summary, maintainer, email, license_name), f"cd {name} && ur new node")
 
 
+command.add_command(new_script)
 command.add_command(new_world)

@@ -9,6 +9,7 @@ from errno import ENOEXEC
 import click
 
 from ur.cli.launch.options import make_lease_options
+from ur.cli.launch.run_script import is_script, run_script
 from ur.request.arguments import split_argv
 from ur.request.environment import PACKAGE, add_own_package, apply_selection, current_selection
 from ur.request.options import LaunchOptions, check_options
@@ -36,8 +37,11 @@ def command(
 
     `ur list` says which programs there are, and `ur run PROGRAM --help` describes the arguments of one. What follows
     the program's name is its own: usually arguments of its launch file, written NAME:=VALUE. The options are handed to
-    it: they say how to begin where another client drives the robot.
+    it: they say how to begin where another client drives the robot. A file NAME.py is a script of yours, as
+    `ur new script` writes one.
     """
+    if is_script(program):
+        return run_script(program, arguments)
     lease = {"--watch": watch, "--ask": ask, "--take-over": take_over, "--unattended": unattended}
     options = [name for name, given in lease.items() if given]
     found = find_program(PACKAGE, program, add_own_package(os.environ))

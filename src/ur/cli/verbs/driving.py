@@ -15,7 +15,7 @@ DRIVING = (
         _SECTION,
         arguments=("program", "program arguments"),
         descriptions=(
-            "A program that 'ur list' names, or PACKAGE/PROGRAM where several packages have one of this name.",
+            "A program that 'ur list' names, PACKAGE/PROGRAM where several packages have one of this name, or FILE.py.",
             "Arguments of the program's launch file; 'ur run PROGRAM --help' describes them.",
         ),
         examples=(
@@ -24,6 +24,7 @@ DRIVING = (
             ("ur run keyboard_navigate --web", "Send it there in a browser."),
             ("ur run keyboard_navigate --foxglove", "The same, and see its topics in Foxglove or Lichtblick."),
             ("ur run keyboard_navigate --help", "Describe the arguments of a program."),
+            ("ur run look_around.py", "Run a script of yours, which 'ur new script' has written."),
         ),
         trust=START,
     ),

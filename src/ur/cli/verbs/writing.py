@@ -27,7 +27,7 @@ WRITING = (
     Verb(
         "new",
         "ur.cli.files.new",
-        "Write a new node, group, view, program, base, package or world.",
+        "Write a new node, group, view, program, script, base, package or world.",
         _SECTION,
         arguments=("new command",),
         examples=(
@@ -97,6 +97,13 @@ WRITING = (
                 examples=(
                     ("ur new package my_robot", "Write a package, and ask for the rest."),
                     ('ur new package my_robot --summary "Programs for my robot."', "Say what it is for."),
+                ),
+            ),
+            "script": Below(
+                descriptions=("The name of the file, in lower-case letters, digits and _.",),
+                examples=(
+                    ("ur new script look_around", "Write look_around.py, which drives the selected robot."),
+                    ("ur new script tour --summary 'Visit the doors'", "Say what it is for."),
                 ),
             ),
             "world": Below(

@@ -104,6 +104,7 @@ export function describeDriver(lease, client, mayDrive, request) {
   if (lease.state === "lost") {
     return [{ text: TEXTS.away(who, lease.until), buttons: mayDrive ? [button(TEXTS.takeOver, "take")] : [] }];
   }
+  if (lease.note) return [{ text: `${lease.note}.`, buttons: [] }];
   return [];
 }
 

@@ -16,14 +16,22 @@ from typing import Literal, TypeVar
 
 from ur_nodes.motion.admission.probation import Probation, restart_proof, step_probation, too_slow
 from ur_nodes.motion.admission.stamps import Stamps, step_stamps
-from ur_nodes.motion.challenge.freshness import FRESHNESS, REQUEST_FRESHNESS, IssuedChallenges, Stamp, age_of, issue
+from ur_nodes.motion.challenge.freshness import (
+    FRESHNESS,
+    NO_STAMP,
+    REQUEST_FRESHNESS,
+    IssuedChallenges,
+    Stamp,
+    age_of,
+    issue,
+)
 from ur_nodes.motion.lease.record import ClientCommand, LeaseRecord, may_drive, step_lease
 from ur_nodes.motion.lease.text import LeaseRequest, is_client
 
 _MOST_PUBLISHERS = 32
 _MOST_STAMPS = 512  # of publishers: one that is forgotten could pass old commands off as new
 
-Refusal = Literal["late", "held back", "not the driver", "no client", "on probation", "displaced"]
+Refusal = Literal["late", "held back", "not the driver", "no client", "on probation", "displaced", "driver silent"]
 Publisher = tuple[int, str]  # of plain commands: index of the source, id of the publisher
 Kept = TypeVar("Kept", Probation, Stamps)
 Sent = tuple[int, float]  # when a command was sent (ns of the sender's clock), and when it arrived (s)
@@ -55,7 +63,8 @@ def admit_stamped(
     admission = replace(admission, lease=lease)
     if not may_drive(lease, client):
         return admission, "not the driver"
-    return replace(admission, stamped_at={**admission.stamped_at, source: now}), age
+    admission = replace(admission, stamped_at={**admission.stamped_at, source: now})
+    return admission, age if client and client == lease.lease.client else hold_to_terms(admission, age, now)
 
 
 def admit_plain(
@@ -79,7 +88,22 @@ def admit_plain(
         return admission, "on probation"
     if now - admission.stamped_at.get(source, -math.inf) <= admission.timeouts[source]:
         return admission, "displaced"
-    return admission, age
+    return admission, hold_to_terms(admission, age, now)
+
+
+def hold_to_terms(admission: Admission, age: float, now: float) -> float | Refusal:
+    """The age (s) of a command of another sender than the driver, by the terms on which that one drives.
+
+    The command is then no younger than the driver's last sign of life, so the robot is at rest as soon after that as
+    after the last command.
+    """
+    record = admission.lease
+    if record.lease.terms is None:
+        return age
+    request = record.known.get(record.lease.client)
+    answer = NO_STAMP if request is None else request.answers
+    silence = age_of(admission.challenges, answer, now, record.lease.terms.keep)
+    return "driver silent" if silence is None else max(age, silence)
 
 
 def _with(known: dict[Publisher, Kept], key: Publisher, value: Kept, most: int) -> dict[Publisher, Kept]:

@@ -23,7 +23,7 @@ from ur_nodes.motion.challenge.freshness import IssuedChallenges
 from ur_nodes.motion.lease.record import LeaseRecord, start_lease
 from ur_nodes.motion.lease.store import make_store
 from ur_nodes.motion.lease.text import FREE, Lease, read_lease, read_request, write_lease
-from ur_nodes.motion.mux_events import Event, LockMessage, MuxSettings, Velocity, VelocityCommand
+from ur_nodes.motion.mux_events import Event, LockMessage, MuxSettings, Velocity, VelocityCommand, slow_to
 from ur_nodes.motion.writes import AsideLog, Writes, attempt
 from ur_nodes.ports.node import SECOND, Node, Sender
 from ur_nodes.ports.qualities import Quality
@@ -118,6 +118,9 @@ class AdmissionGate:
     def _pass(self, index: int, velocity: Velocity, now: float, verdict: float | Refusal, *, stamped: bool) -> None:
         """Let the mux have a command that is admitted at `now`, and count one that is not."""
         if isinstance(verdict, float):
+            terms = self._admission.lease.lease.terms
+            if terms is not None:
+                velocity = slow_to(velocity, terms.speed / self._settings.forward.speed, self._settings)
             self._handle(VelocityCommand(index, velocity, None if self._node.facts.simulated_time else now - verdict))
         elif not velocity.still:
             self._reports.count(self._settings.sources[index], verdict, stamped=stamped)

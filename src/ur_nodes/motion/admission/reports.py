@@ -50,6 +50,8 @@ class DropReports:
         if refusal == "not the driver":
             program = f" ({lease.program})" if lease.program else ""
             return f"{lease.name or 'another client'}{program} drives"
+        if refusal == "driver silent":
+            return f"{lease.name or 'the client'} ({lease.program}), on whose terms the robot drives, is silent"
         if refusal == "displaced":
             return "a program that answers challenges drives by the same source"
         return "frame_id is not the id of a client"

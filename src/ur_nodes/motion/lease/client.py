@@ -45,6 +45,7 @@ class LeaseClient:
         self.conduct: Conduct = conduct or self.identity.conduct
         self.link = link or ChallengeLink(node, mux, on_challenge)
         self._node, self._hangs = node, hangs
+        self._note = ""
         self._requests = LeaseRequests(self.client, self.conduct)
         self._publisher = node.publish(f"{mux}/lease_request", str, Quality.EVERY)
         node.subscribe(f"{mux}/lease", str, self._take_lease, Quality.LATCHED)
@@ -85,8 +86,12 @@ class LeaseClient:
         self._requests = want(self._requests, action, self._node.steady())
         self._step()
 
-    def release(self, *, final: bool = True) -> None:
-        """Let others drive, or ask no more. With `final` nothing is sent afterwards: for the end of a program."""
+    def release(self, *, final: bool = True, note: str = "") -> None:
+        """Let others drive, or ask no more. With `final` nothing is sent afterwards: for the end of a program.
+
+        `note` says why, on the screens of others.
+        """
+        self._note = note or self._note
         begun = self._requests.begun
         self._requests = replace(self._requests, intent=None, silent=final)
         if begun:
@@ -105,7 +110,8 @@ class LeaseClient:
         if answer is not None:
             who, (seconds, rest) = self.identity, divmod(answer, SECOND)
             request = LeaseRequest(
-                who.client, who.name, who.program, action, who.attended, (seconds, rest), who.computer
+                *(who.client, who.name, who.program, action, who.attended, (seconds, rest), who.computer),
+                note=self._note if action == "release" else "",
             )
             self._publisher.send(write_request(request))
 

@@ -92,7 +92,7 @@ def _request(record: LeaseRecord, request: LeaseRequest, now: float, unix: float
     if request.action == "take" or (request.action in ("acquire", "ask") and _is_available(lease, request)):
         return _grant(record, request, now, unix, taken=True)
     if request.action == "release":
-        return _release(record, now, unix) if own else _withdraw(record, request.client)
+        return _release(record, now, unix, request.note) if own else _withdraw(record, request.client)
     if request.action == "grant" and own and lease.asking:
         return _grant_to_first(record, now, unix)
     if request.action in ("ask", "renew"):
@@ -122,6 +122,7 @@ def _renew(record: LeaseRecord, request: LeaseRequest, now: float) -> LeaseRecor
         program=request.program,
         computer=request.computer,
         until=None,
+        terms=request.terms,
     )
     return replace(record, lease=lease, received_at=now, forget_at=math.inf)
 
@@ -140,6 +141,7 @@ def _grant(record: LeaseRecord, request: LeaseRequest, now: float, unix: float, 
         Viewer(before.client, before.name) if taken and before.client else None,
         unix if taken and before.client else None,
         request.computer,
+        terms=request.terms,
     )
     return replace(record, lease=lease, received_at=now, forget_at=math.inf)
 
@@ -160,10 +162,10 @@ def _grant_to_first(record: LeaseRecord, now: float, unix: float) -> LeaseRecord
     return _grant(record, heir, now, unix, taken=False)
 
 
-def _release(record: LeaseRecord, now: float, unix: float) -> LeaseRecord:
+def _release(record: LeaseRecord, now: float, unix: float, note: str = "") -> LeaseRecord:
     if record.lease.asking:
         return _grant_to_first(record, now, unix)
-    return replace(record, lease=FREE, received_at=-math.inf, forget_at=math.inf)
+    return replace(record, lease=replace(FREE, note=note), received_at=-math.inf, forget_at=math.inf)
 
 
 def _ask(record: LeaseRecord, request: LeaseRequest, now: float) -> LeaseRecord:

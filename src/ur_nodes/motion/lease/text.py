@@ -16,6 +16,7 @@ LeaseState = Literal["free", "held", "lost"]
 
 MOST_ASKING = 16
 LONGEST_NAME = 64
+LONGEST_NOTE = 120
 _LONGEST_REQUEST = 1024  # characters
 _LONGEST_LEASE = 8192
 _ID = "[0-9A-Za-z_.:-]"
@@ -35,13 +36,26 @@ class Viewer:
 
 
 @dataclass(frozen=True, slots=True)
+class Terms:
+    """Terms on which a client drives: the mux keeps them for all commands while that client has the lease.
+
+    `speed` is the highest (m/s); turning is limited to the same share of the base's speeds. The robot moves only while
+    the client's newest request answers a challenge of the last `keep` seconds.
+    """
+
+    speed: Annotated[float, Meta(ge=0.01, le=100.0)]
+    keep: Annotated[float, Meta(ge=0.05, le=1.0)]
+
+
+@dataclass(frozen=True, slots=True)
 class Lease:
     """The lease: no client drives (`free`), a client (`held`), or one whose renewals have stopped arriving (`lost`).
 
     `since`, `taken_at` and `until` are seconds since 1970 by the robot's clock, for people to read; `until` is the time
     of the last message of a client that is lost, if known. `attended` is whether a person watches; `asking` who would
     like to drive; `taken_from` who drove before the client took over. `computer` identifies a user of a computer, where
-    names may be alike; it is empty for a client that sends none.
+    names may be alike; it is empty for a client that sends none. `terms` are those of the client that drives; `note`
+    says why the last one has released the lease, for people.
     """
 
     state: LeaseState = "free"
@@ -55,11 +69,16 @@ class Lease:
     taken_at: _Time | None = None
     computer: str = ""
     until: _Time | None = None
+    terms: Terms | None = None
+    note: str = ""
 
 
 @dataclass(frozen=True, slots=True)
 class LeaseRequest:
-    """A client's request about the lease, and the newest challenge that the client had received."""
+    """A client's request about the lease, and the newest challenge that the client had received.
+
+    `terms` are those on which it drives; `note` says why it releases the lease, for people.
+    """
 
     client: _Client
     name: str
@@ -68,6 +87,8 @@ class LeaseRequest:
     attended: bool = True
     answers: Stamp = NO_STAMP
     computer: str = ""
+    terms: Terms | None = None
+    note: str = ""
 
 
 FREE = Lease()
@@ -90,7 +111,13 @@ def read_request(text: str) -> LeaseRequest | str:
     except BadJsonError as problem:
         return str(problem)
     name = clean_name(found.name) or found.client[:8]
-    return replace(found, name=name, program=clean_name(found.program), computer=clean_computer(found.computer))
+    return replace(
+        found,
+        name=name,
+        program=clean_name(found.program),
+        computer=clean_computer(found.computer),
+        note=clean_name(found.note, LONGEST_NOTE),
+    )
 
 
 def write_lease(lease: Lease) -> str:
@@ -113,6 +140,7 @@ def read_lease(text: object) -> Lease | None:
         asking=tuple(map(_clean_person, found.asking)),
         taken_from=found.taken_from and _clean_person(found.taken_from),
         computer=clean_computer(found.computer),
+        note=clean_name(found.note, LONGEST_NOTE),
     )
 
 
@@ -121,11 +149,11 @@ def clean_computer(value: object) -> str:
     return str(value) if is_client(value) else ""
 
 
-def clean_name(value: object) -> str:
-    """A name as it may be shown: printable, on one line, at most 64 characters; empty for what is no text."""
+def clean_name(value: object, longest: int = LONGEST_NAME) -> str:
+    """A name as it may be shown: printable, on one line, of a limited length; empty for what is no text."""
     if not isinstance(value, str):
         return ""
-    return "".join(each for each in value[: 4 * LONGEST_NAME] if each.isprintable()).strip()[:LONGEST_NAME]
+    return "".join(each for each in value[: 4 * longest] if each.isprintable()).strip()[:longest]
 
 
 def _clean_person(person: Viewer) -> Viewer:

@@ -39,7 +39,7 @@ class LeaseView:
     drives, even while it is `lost`. `asking` names who would like to drive, `asks`: this client does. After a take-over
     `taken_by` and `taken_at` are the client that took over and the time, until this client drives again. `link_age` is
     the time since the last challenge (s), infinite before the first. `pending`: a request of this client has not taken
-    effect yet and is not given up.
+    effect yet and is not given up. `note`: why the last client has let go, where it has named a reason.
     """
 
     state: Literal["unknown", "free", "held", "lost"] = "unknown"
@@ -55,6 +55,7 @@ class LeaseView:
     link_age: float = float("inf")
     until: float | None = None
     pending: bool = False
+    note: str = ""
 
     @property
     def other(self) -> bool:
@@ -131,6 +132,7 @@ def view_lease(
         link_age,
         lease.until,
         pending,
+        lease.note,
     )
 
 

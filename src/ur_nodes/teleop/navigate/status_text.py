@@ -164,8 +164,9 @@ def _describe_driver(snapshot: RobotSnapshot) -> str:
         return describe_lost(view)
     if view.state == "free" and taken:
         return f"{taken} and has left"
-    free = view.state == "free" and snapshot.conduct == "watch"
-    return "no client drives; 'drive' drives from this computer" if free else ""
+    if view.state == "free" and snapshot.conduct == "watch":
+        return f"{view.note or 'no client drives'}; 'drive' drives from this computer"
+    return view.note if view.state == "free" else ""
 
 
 def _pose(snapshot: RobotSnapshot) -> Text | None:

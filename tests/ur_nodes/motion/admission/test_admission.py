@@ -18,7 +18,7 @@ from ur_nodes.motion.admission.admission import (
 )
 from ur_nodes.motion.challenge.freshness import FRESHNESS, NO_STAMP, IssuedChallenges, Stamp
 from ur_nodes.motion.lease.record import start_lease
-from ur_nodes.motion.lease.text import Action, LeaseRequest
+from ur_nodes.motion.lease.text import Action, LeaseRequest, Terms
 from ur_nodes.motion.mux import MuxState, start_mux, step
 from ur_nodes.motion.mux_events import MuxSettings, Source, Velocity, VelocityCommand
 from ur_nodes.motion.ramp import Axis
@@ -304,3 +304,31 @@ def test_no_rhythm_of_late_stamped_commands_moves_the_robot(commands: list[tuple
         robot.until(robot.now + gap)
         assert robot.plain(sent=robot.now - delay) == "held back"
     assert all(speed == 0.0 for at, speed in robot.outputs if at > began)
+
+
+def drive_on_terms(robot: AdmittingRobot, terms: Terms | None, silent_from: float) -> None:
+    """Navigation drives for a client that renews the lease on its terms until it falls silent."""
+    while robot.now < 2.0:
+        stamp = robot.issued[-1][1] if robot.issued else NO_STAMP
+        if robot.now < silent_from:
+            request = LeaseRequest("assistant", "laptop", "assistant", "acquire", answers=stamp, terms=terms)
+            robot.admission, _ = admit_request(robot.admission, request, robot.now, robot.now)
+        robot.admission, verdict = admit_stamped(
+            robot.admission, NAVIGATION, stamp, "", robot.now, robot.now, motion=True
+        )
+        if isinstance(verdict, float):
+            robot.step(VelocityCommand(NAVIGATION, AHEAD, robot.now - verdict))
+        robot.until(robot.now + 0.04)
+
+
+def test_robot_is_at_rest_soon_after_a_client_that_drives_on_terms_falls_silent() -> None:
+    robot = AdmittingRobot()
+    drive_on_terms(robot, Terms(0.3, FRESHNESS), silent_from=1.0)
+    assert max(speed for _, speed in robot.outputs) == pytest.approx(0.5)
+    assert max((at for at, speed in robot.outputs if speed > 0.0), default=0.0) < 1.0 + 0.3
+
+
+def test_navigation_goes_on_without_terms_while_its_client_is_silent() -> None:
+    robot = AdmittingRobot()
+    drive_on_terms(robot, None, silent_from=1.0)
+    assert robot.outputs[-1][1] == pytest.approx(0.5)

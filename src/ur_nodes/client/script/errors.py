@@ -21,6 +21,10 @@ class TakenOver(RobotError):  # noqa: N818
     """Another client has taken over; the robot obeys that one now."""
 
 
+class Interrupted(RobotError):  # noqa: N818
+    """The call was cancelled from another thread or task; what it had begun is stopped."""
+
+
 def check_finite(**numbers: float) -> None:
     """Raise ValueError: a number is not finite."""
     for name, value in numbers.items():

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Callable, Iterator
 from functools import partial
 from pathlib import Path
@@ -10,7 +11,8 @@ from pathlib import Path
 import pytest
 from tests.ur_nodes.first_drive.drive import FirstDrive
 
-from ur_nodes.client import Lost, Refused, Robot, TakenOver
+from ur_nodes.client import Interrupted, Lost, Refused, Robot, TakenOver
+from ur_nodes.client.driver_text import describe_driver
 from ur_nodes.memory.bus import Bus
 from ur_nodes.motion.lease.client import LeaseClient
 from ur_nodes.motion.lease.view import Identity
@@ -76,29 +78,33 @@ def test_drive_ends_in_time_and_leaves_the_robot_at_rest(stage: FirstDrive, robo
     assert speed(stage) < 0.01
 
 
-def test_velocity_ends_when_the_program_hangs(stage: FirstDrive) -> None:
+def test_robot_is_at_rest_soon_after_the_program_hangs(stage: FirstDrive) -> None:
     speeds: list[float] = []
 
     def hang(condition: Callable[[], bool], seconds: float) -> bool:
-        stage.bus.run_until(lambda: condition() or speed(stage) > 0.1, seconds)
-        if speed(stage) > 0.1 and not speeds:
-            stage.bus.run(1.1)
+        stage.bus.run_until(lambda: condition() or speed(stage) > 0.3, seconds)
+        if speed(stage) > 0.3 and not speeds:
+            stage.bus.run(0.3)
             speeds.append(speed(stage))
+            stage.bus.run(0.5)
         return stage.bus.run_until(condition, seconds)
 
     with Robot("script", node=stage.bus.node("script"), wait=hang) as robot, pytest.raises(Lost, match="hung"):
         robot.drive(0.0, 0.5, 30.0)
-    assert speeds[0] < 0.01
+    assert speeds[0] < 0.02
 
 
-def test_goal_is_held_when_the_program_hangs(stage: FirstDrive) -> None:
+def test_goal_is_held_when_the_program_hangs_and_screens_say_so(stage: FirstDrive) -> None:
     speeds: list[float] = []
+    lines: list[str] = []
+    screen = other_client(stage)
 
     def hang(condition: Callable[[], bool], seconds: float) -> bool:
         stage.bus.run_until(lambda: condition() or speed(stage) > 0.1, seconds)
         if speed(stage) > 0.1 and not speeds:
-            stage.bus.run(4.5)
+            stage.bus.run(3.5)
             speeds.append(speed(stage))
+            lines.append(describe_driver(screen.view()))
         return stage.bus.run_until(condition, seconds)
 
     with Robot("script", node=stage.bus.node("script"), wait=hang) as robot:
@@ -106,6 +112,7 @@ def test_goal_is_held_when_the_program_hangs(stage: FirstDrive) -> None:
         with pytest.raises(Refused):
             robot.go_to(here.x + 3.0, here.y)
     assert speeds[0] < 0.01
+    assert re.fullmatch(r".* \(script\) drove until \d\d:\d\d and is out of reach; d: take over", lines[0])
 
 
 def test_goal_of_a_robot_that_falls_silent_is_lost(stage: FirstDrive, robot: Robot) -> None:
@@ -123,8 +130,8 @@ def test_limits_of_the_base_hold_for_programs(stage: FirstDrive, robot: Robot) -
     assert 0.0 < max(abs(each.turn) for each in stage.commands) <= turn.speed + 1e-6
 
 
-def test_lease_goes_back_and_the_goal_ends_with_an_exception(stage: FirstDrive) -> None:
-    robot = connect(stage)
+def test_lease_goes_back_and_the_goal_ends_with_an_exception_that_screens_name(stage: FirstDrive) -> None:
+    robot, screen = connect(stage), other_client(stage)
 
     def drive() -> None:
         with robot:
@@ -139,6 +146,21 @@ def test_lease_goes_back_and_the_goal_ends_with_an_exception(stage: FirstDrive) 
     view = robot._navigator.snapshot()
     assert view.lease.state == "free"
     assert view.goal.over
+    assert describe_driver(screen.view()) == "script ended with KeyboardInterrupt"
+
+
+def test_call_is_interrupted_and_the_robot_stops(stage: FirstDrive, robot: Robot) -> None:
+    stage.bus.at(stage.bus.now + 2_000_000_000, robot.interrupt)
+    with pytest.raises(Interrupted):
+        robot.drive(0.0, 0.5, 30.0)
+    stage.bus.run(0.3)
+    assert speed(stage) < 0.02
+
+
+def test_nearest_is_found_in_a_direction(robot: Robot) -> None:
+    sides = [robot.nearest(90.0, direction) for direction in (0.0, 90.0, 180.0, -90.0)]
+    assert min(sides) == robot.nearest()
+    assert len(set(sides)) > 1
 
 
 def test_program_is_refused_while_another_client_drives(stage: FirstDrive, robot: Robot) -> None:

@@ -13,9 +13,11 @@ STILL = Twist(0.0, 0.0)
 
 
 class VelocityCommands:
-    """Answers each challenge of the mux with the velocity that is wanted. Works on the node's thread.
+    """Answers challenges of the mux with the velocity that is wanted. Works on the node's thread, but for `renew`.
 
-    So commands are as young as can be. They end when the thread that asked for them `hangs`.
+    The thread that asked for the velocity answers each challenge itself, by `renew`: the age of a command is also that
+    of the thread's last sign of life, so a program that hangs drives no longer than one that is killed. A velocity
+    whose thread `hangs` ends.
     """
 
     def __init__(self, node: Node, topic: str, hangs: Callable[[], bool]) -> None:
@@ -25,6 +27,7 @@ class VelocityCommands:
         """True when the newest velocity has ended early, because the thread hung."""
         self._twist: Twist | None = None
         self._end: Timer | None = None
+        self._answered: int | None = None
 
     def connect(self, lease: LeaseClient) -> None:
         """Send as this client of the lease."""
@@ -47,7 +50,7 @@ class VelocityCommands:
             self._lease.acquire()
         self._twist, self.hung = twist, False
         self._end = self._node.after(seconds, self.end, steady=True)
-        self.answer()
+        self._answer()
 
     def end(self, *, stop: bool = True) -> None:
         """Drive no more; with `stop` at once, where this client drives."""
@@ -57,10 +60,19 @@ class VelocityCommands:
             self._publisher.send(STILL)
         self._twist = self._end = None
 
-    def answer(self) -> None:
-        """Send the velocity that is wanted: a challenge has arrived."""
+    def renew(self) -> None:
+        """Have the newest challenge answered. From the thread that asked for the velocity, again and again."""
+        newest = self._lease.link.newest()
+        if self._twist is not None and newest is not None and newest != self._answered:
+            self._answered = newest
+            self._node.post(self._answer)
+
+    def check(self) -> None:
+        """End the velocity of a thread that hangs: a challenge has arrived."""
         if self._twist is not None and self._hangs():
             self.hung = True
             self.end()
+
+    def _answer(self) -> None:
         if self._twist is not None and not self._lease.view().other:
             self._publisher.send(self._twist)

@@ -1,0 +1,236 @@
+"""A robot for programs of users. Poses are in the frame of the map: m, m, rad (REP 103, 105)."""
+
+from __future__ import annotations
+
+import math
+import os
+import re
+import sys
+from collections.abc import Iterable
+from contextlib import ExitStack
+from pathlib import Path
+from types import TracebackType
+
+from ur.source.diagnostic import UserError
+from ur_nodes.client.exploration import ExplorationStatus
+from ur_nodes.client.navigation import Names
+from ur_nodes.client.navigator import RobotNavigator
+from ur_nodes.client.script.commands import VelocityCommands
+from ur_nodes.client.script.errors import Lost, Refused, check_finite
+from ur_nodes.client.script.hindrance import find_hindrance, is_settled, judge_goal, list_events
+from ur_nodes.client.script.node_calls import NodeCalls
+from ur_nodes.client.script.senses import FOREVER, FRESH, PATIENCE, SensorValues, find_nearest
+from ur_nodes.client.snapshot import heading_there
+from ur_nodes.client.wait import Wait, WatchedWait, wait_in_real_time
+from ur_nodes.exploration.status import ExploreStatus, describe_status
+from ur_nodes.geometry.pose import Pose2
+from ur_nodes.ports.node import Node
+from ur_nodes.ports.qualities import Quality
+from ur_nodes.ports.values import Battery, Map, PackedPicture, Scan, Twist
+from ur_nodes.run import attach
+
+Waypoint = tuple[float, float] | tuple[float, float, float]
+"""x, y (m) and, where it matters, the heading in degrees, to the left of the x axis."""
+
+CAMERA = "raspicam_node/image/compressed"
+
+_LONGEST_DRIVE = 60.0  # s
+_HESITATION = 0.1  # s: a thread that is silent for longer renews no lease while it drives
+
+
+class Robot:
+    """The robot that the environment selects (`ur env`), for `with Robot() as robot:`; a program has one.
+
+    The program takes part in the lease as every other: it drives while no other client does, commands prove their age,
+    and mux and navigation keep their limits. The lease goes back when the context is left, also by an exception and
+    Ctrl-C: then goals of this program are cancelled, and velocities end. While the program hangs it drives nothing: a
+    velocity ends within 0.3 s, and its goal is held as that of a program that is killed, 3 s later.
+
+    All methods wait, and raise Lost, Refused or TakenOver. One thread may use them, except for `interrupt`.
+    """
+
+    def __init__(
+        self, name: str = "", *, node: Node | None = None, wait: Wait = wait_in_real_time, names: Names | None = None
+    ) -> None:
+        """`name` is the program's, for the screens of others; without one it is that of its file.
+
+        For tests: `node` is a node of a bus, `wait` the bus's `run_until`.
+        """
+        self._name = name or re.sub(r"\W", "_", Path(sys.argv[0]).stem, flags=re.ASCII) or "script"
+        self._names, self._given, self._given_wait = names or Names(), node, wait
+        self._closing = ExitStack()
+        self._goal = 0
+
+    def __enter__(self) -> Robot:
+        if self._given is not None:
+            self._connect(self._given)
+        else:
+            try:
+                node_name = f"{self._name}_{os.getpid()}"
+                self._closing.enter_context(attach(node_name, self._connect, lambda: self._calls.note_end()))
+            except UserError as problem:
+                raise Lost(str(problem)) from None
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, problem: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        try:
+            self.stop()
+            note = f"{self._name} ended with {kind.__name__}" if kind is not None else ""
+            self._calls.on_node(lambda: self._navigator.lease.release(note=note))
+        finally:
+            self._closing.close()
+
+    # -- what the robot senses -------------------------------------------------------------------------------------
+
+    def pose(self) -> Pose2:
+        """The pose of the robot in the map: `x` and `y` in m, `yaw` in rad, to the left of the x axis.
+
+        Raises Lost: nothing localises it, or not for 3 s.
+        """
+        topics = self._navigator.topics
+        known = self._calls.until(lambda: topics.robot.pose() is not None and not topics.robot.silent, PATIENCE)
+        pose = topics.robot.pose()
+        if not known or pose is None:
+            frames = f"{self._names.map_frame} -> {self._names.base_frame}"
+            raise Lost(f"the pose of the robot is not known (tf {frames}); is it localised?")
+        return pose
+
+    def scan(self) -> Scan:
+        """The newest scan of the lidar, at most 2 s old: ranges in m, angles in rad in its own frame. Raises Lost."""
+        return self._senses.newest("scan", Scan, FRESH)
+
+    def nearest(self, width: float = 360.0, direction: float = 0.0) -> float:
+        """The distance (m) from the lidar to what is nearest within `width` degrees about a direction.
+
+        `direction` is in degrees to the left of ahead. inf where nothing is in reach. Raises Lost.
+        """
+        check_finite(width=width, direction=direction)
+        return find_nearest(self.scan(), width, direction)
+
+    def map(self) -> Map:
+        """The newest map; its grid has the resolution in m, and 0 to 100 for free to occupied. Raises Lost."""
+        return self._senses.newest("map", Map, FOREVER, Quality.LATCHED)
+
+    def battery(self) -> Battery:
+        """The newest state of the battery: V, A, Ah, a fraction of 0 to 1; NaN where not measured. Raises Lost."""
+        return self._senses.newest("battery_state", Battery, FOREVER)
+
+    def picture(self, topic: str = CAMERA) -> PackedPicture:
+        """A picture of a camera, at most 2 s old; `data` is a JPEG or PNG file. Raises Lost."""
+        return self._senses.newest(topic, PackedPicture, FRESH)
+
+    def events(self) -> tuple[str, ...]:
+        """The reasons, as lines for people, for which the robot does not drive for this program now; () when it may."""
+        return list_events(self._navigator.snapshot())
+
+    # -- driving ---------------------------------------------------------------------------------------------------
+
+    def go_to(self, x: float, y: float, heading_degrees: float | None = None) -> Pose2:
+        """Drive to a place of the map (m), around obstacles, and return the pose there.
+
+        `heading_degrees` is to the left of the x axis; None: any. Raises Refused: there is no way, or the robot may
+        not drive; TakenOver: another client drives, or has sent a goal; Lost: the robot is silent for 10 s.
+        """
+        check_finite(x=x, y=y, heading_degrees=heading_degrees or 0.0)
+        if not self._calls.until(lambda: not self._navigator.snapshot().missing, PATIENCE):
+            raise Lost(f"still waiting for {'; '.join(self._navigator.snapshot().missing)}")
+        self._require_permission()
+        yaw = heading_there(self.pose(), x, y) if heading_degrees is None else math.radians(heading_degrees)
+        try:
+            self._goal = self._navigator.go(Pose2(x, y, yaw), any_heading=heading_degrees is None)
+        except UserError as problem:
+            raise Lost(str(problem)) from None
+        try:
+            self._calls.until(lambda: is_settled(self._navigator.snapshot(), self._goal, PATIENCE), FOREVER)
+            end = judge_goal(self._navigator.snapshot(), self._goal)
+            if end is not None and self._navigator.topics.goal().number != self._goal:
+                self._goal = 0  # what is driven to now is not ours to cancel
+            if end is not None:
+                raise end
+        except BaseException:
+            self.stop()
+            raise
+        self._goal = 0
+        return self.pose()
+
+    def follow(self, waypoints: Iterable[Waypoint]) -> list[Pose2]:
+        """Drive to one place after the other, and return the poses there. Raises as `go_to`."""
+        return [self.go_to(*waypoint) for waypoint in waypoints]
+
+    def drive(self, forward: float, turn: float, seconds: float) -> None:
+        """Drive at a velocity (m/s, rad/s to the left) for so long (s, at most 60), then stop.
+
+        The mux keeps the limits of the base on speed and acceleration, and its obstacle stop. Raises Refused,
+        TakenOver, and Lost, also when this program hung meanwhile.
+        """
+        check_finite(forward=forward, turn=turn, seconds=seconds)
+        if not 0.0 < seconds <= _LONGEST_DRIVE:
+            raise ValueError(f"seconds: {seconds}, expected more than 0, at most {_LONGEST_DRIVE:g}")
+        link, commands, until = self._navigator.lease.link, self._commands, self._calls.until
+        if not until(lambda: link.newest() is not None and commands.listeners() > 0, PATIENCE):
+            raise Lost("nothing from the mux, whose challenges prove the age of commands; is the robot running?")
+        self._require_permission()
+        try:
+            self._calls.on_node(lambda: commands.begin(Twist(forward, turn), seconds))
+            until(lambda: not commands.on or find_hindrance(self._navigator.snapshot()) is not None, seconds + 1.0)
+            if (problem := find_hindrance(self._navigator.snapshot())) is not None:
+                raise problem
+            if commands.hung:
+                raise Lost("this program hung, and its velocity has ended")
+        finally:
+            self._calls.on_node(commands.end)
+
+    def stop(self) -> None:
+        """Stop what this program has begun: its velocity, and its goal."""
+        self._calls.on_node(self._stop)
+        if self._goal:
+            self._calls.settle(lambda: self._navigator.snapshot().goal.over, 2.0)
+            self._goal = 0
+
+    def explore(self) -> ExploreStatus:
+        """Wait until the exploration that runs on the robot (`ur run explore`) has ended, and return its status.
+
+        Raises Refused: none runs.
+        """
+        if not self._calls.until(lambda: self._exploration.shown() is not None, PATIENCE):
+            raise Refused("nothing explores, expected a robot that does ('ur run explore' starts it)")
+        self._calls.until(lambda: self._exploration.newest.ended or self._exploration.shown() is None, FOREVER)
+        status = self._exploration.newest
+        if status.state != "complete":
+            raise Refused(describe_status(status))
+        return status
+
+    def interrupt(self) -> None:
+        """Have the call that waits, or the next one that does, stop what it has begun and raise Interrupted.
+
+        May be called from any thread.
+        """
+        self._calls.interrupt()
+
+    def _connect(self, node: Node) -> None:
+        wait = WatchedWait(node, self._given_wait)
+        self._calls = NodeCalls(node, wait)
+        self._senses = SensorValues(self._calls)
+        self._commands = commands = VelocityCommands(node, "key_vel", wait.hangs)
+
+        def hangs() -> bool:
+            return (bool(self._goal) or commands.on or commands.hung) and wait.hangs(_HESITATION)
+
+        self._navigator = RobotNavigator(node, self._names, self._name, wait, commands.check, hangs)
+        commands.connect(self._navigator.lease)
+        wait.on_look = commands.renew
+        self._exploration = ExplorationStatus(node, "explore/status")
+
+    def _require_permission(self) -> None:
+        """Raise what keeps this program from driving; wait while the state of the lease is not settled."""
+        snapshot = self._navigator.snapshot
+        self._calls.until(lambda: not snapshot().lease.pending or find_hindrance(snapshot()) is None, PATIENCE)
+        if (problem := find_hindrance(snapshot(), started=False)) is not None:
+            raise problem
+
+    def _stop(self) -> None:
+        self._commands.end()
+        if self._goal and self._navigator.topics.goal().number == self._goal:
+            self._navigator.topics.cancel_goals()
