@@ -130,6 +130,7 @@ def test_every_requirement_is_locked() -> None:
         "foxglove": ("foxglove",),
         "three": ("three",),
         "lsp": ("lsp",),
+        "recordings": ("recordings",),
         "audit": ("audit",),
     }.items():
         text = (ROOT / "requirements" / f"{lock}.lock").read_text()

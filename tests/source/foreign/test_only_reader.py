@@ -42,6 +42,7 @@ USER = "a file or descriptor that its user has named for secrets, which may be a
 ALLOWED = {
     "ur_nodes/drivers/serial_line.py": OURS,
     "ur_nodes/simulator/devices/terminal.py": WRITTEN,
+    "ur_nodes/black_box/recording_file.py": WRITTEN,
     "ur_nodes/file_facts.py": STATE,
     "ur_nodes/one_process/plan.py": STATE,
     "ur_nodes/ros2/raw.py": OURS,

@@ -15,6 +15,10 @@ LIBRARY_NODES: dict[str, Interface] = {
         publishes="odom joint_states tf",
         subscribes="cmd_vel",
     ),
+    "black_box": make_interface(
+        subscribes="cmd_vel_mux/stopped cmd_vel_mux/lease amcl/lost move_base/status",
+        services="~write",
+    ),
     "calibrate_camera": make_interface(
         subscribes="raspicam_node/image/compressed",
         calls="raspicam_node/set_camera_info",

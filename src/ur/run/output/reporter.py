@@ -8,6 +8,7 @@ from collections import deque
 from typing import TYPE_CHECKING
 from urllib.parse import urlsplit
 
+from ur.recordings.black_boxes import notify_black_boxes
 from ur.run.output.messages import LossLines, describe_death, describe_link
 from ur.run.supervisor.actions import (
     Action,
@@ -124,6 +125,7 @@ class RunReporter:
             last = self._outputs.find_last_lines(death.name)
             lines = describe_death(death, last, self._outputs.find_path(program))
         self.fail("\n".join(lines))
+        notify_black_boxes(os.environ, lines[0])
 
     def _find_own_log(self, program: UnitProgram) -> str | None:
         path = f"{self._folder}/{program.log_name}.log"

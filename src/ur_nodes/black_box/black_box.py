@@ -1,0 +1,136 @@
+"""The black box: takes all topics into memory, and writes them when something has happened."""
+
+from __future__ import annotations
+
+import re
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+
+from ur_nodes.black_box.recording_file import RecordingError, write_recording
+from ur_nodes.black_box.ring import Ring
+from ur_nodes.black_box.tape import Tape, TapeTopic, read_tape
+from ur_nodes.black_box.triggers import Triggers
+from ur_nodes.ports.graph import Graph
+from ur_nodes.ports.node import Node, Subscription
+from ur_nodes.ports.qualities import Quality
+from ur_nodes.ports.raw import RawMessage
+from ur_nodes.ports.services import Trigger
+from ur_nodes.ports.values import Result
+
+_BUMPER = re.compile(r"/(?:\w+/)*(bumper|cliff)/\w+", re.ASCII)
+_MOST_TOPICS = 500
+_LOOK = 1.0  # s between two looks at the graph
+_MOST_REASONS = 50
+
+
+@dataclass(frozen=True, slots=True)
+class BlackBoxSettings:
+    """`folder` gets the files, of which the newest `kept` stay; `after` s pass between an event and its file.
+
+    `mux`, `navigation` and `localiser` are names of nodes, whose topics report what happens.
+    """
+
+    folder: Path
+    kept: int = 10
+    seconds: float = 120.0
+    after: float = 5.0
+    mux: str = "cmd_vel_mux"
+    navigation: str = "move_base"
+    localiser: str = "amcl"
+
+
+class BlackBox:
+    """Records topics into a ring. `steady_ns` and `unix_ns` read a clock that is never set, and the computer's."""
+
+    def __init__(
+        self,
+        node: Node,
+        settings: BlackBoxSettings,
+        ring: Ring,
+        steady_ns: Callable[[], int] = time.monotonic_ns,
+        unix_ns: Callable[[], int] = time.time_ns,
+    ) -> None:
+        self._node, self._settings, self._ring = node, settings, ring
+        self._steady, self._unix = steady_ns, unix_ns
+        self._tape = Tape(ring, settings.seconds)
+        self._topics: dict[str, tuple[str, Subscription]] = {}
+        self._kinds: dict[tuple[str, str], TapeTopic] = {}
+        self._reasons: list[str] = []
+        self._full_reported = False
+        self._triggers = Triggers(self.happened)
+        self._triggers.subscribe(node, settings.mux, settings.navigation, settings.localiser)
+        node.serve("~write", Trigger, self._write_on_request)
+        node.on_end(self._end, within=10.0)
+        node.read_graph(self._compare)
+
+    def happened(self, text: str) -> None:
+        """Have a file written soon, since this has happened."""
+        now = self._steady()
+        self._tape.note_event(now, text)
+        first = not self._reasons
+        if len(self._reasons) < _MOST_REASONS:
+            self._reasons.append(text)
+        if first:
+            self._node.after(self._settings.after, self._write, steady=True)
+
+    def _write_on_request(self, _request: Trigger) -> Result:
+        self.happened("requested")
+        return Result(True, f"a recording is written in {self._settings.after:g} s, in {self._settings.folder}")
+
+    def _compare(self, graph: Graph | None) -> None:
+        self._node.after(_LOOK, lambda: self._node.read_graph(self._compare), steady=True)
+        if graph is None:
+            return
+        found = dict(graph.without(self._node.name).published())
+        for name in [name for name, (kind, _) in self._topics.items() if found.get(name, kind) != kind]:
+            self._topics.pop(name)[1].close()  # its type has changed
+        for name, kind in found.items():
+            if name in self._topics:
+                continue
+            if len(self._topics) >= _MOST_TOPICS:
+                self._report_full(name)
+                break
+            subscription = self._node.raw.subscribe(name, partial(self._take, name), Quality.EVERY)
+            self._topics[name] = (kind, subscription)
+            if _BUMPER.fullmatch(name):
+                self._triggers.listen_to_bumper(self._node, name)
+
+    def _report_full(self, name: str) -> None:
+        if not self._full_reported:
+            self._full_reported = True
+            self._node.log.warn(f"{name} and later topics are not recorded: the limit is {_MOST_TOPICS} topics")
+
+    def _take(self, name: str, message: RawMessage) -> None:
+        key = (name, message.type_name)
+        topic = self._kinds.get(key)
+        if topic is None or topic.schema != message.schema:
+            topic = self._kinds[key] = TapeTopic(name, message.type_name, message.schema)
+        self._tape.note(topic, self._steady(), message.data)
+
+    def _write(self) -> None:
+        reasons, self._reasons = self._reasons, []
+        if not reasons:
+            return
+        tape = tuple(read_tape(self._ring))
+        to_unix = self._unix() - self._steady()
+        settings = self._settings
+
+        def write() -> str:
+            try:
+                return f"wrote {write_recording(settings.folder, tape, reasons, to_unix, settings.kept)}: {reasons[0]}"
+            except RecordingError as problem:
+                return f"error: no recording of '{reasons[0]}': {problem}"
+
+        self._node.work(write, self._report, "black box")
+
+    def _report(self, text: str) -> None:
+        (self._node.log.error if text.startswith("error: ") else self._node.log.info)(text.removeprefix("error: "))
+        for name, count in self._tape.left_out.items():
+            self._node.log.warn(f"{name}: {count} messages were too large for the black box")
+        self._tape.left_out.clear()
+
+    def _end(self) -> None:
+        self._write()

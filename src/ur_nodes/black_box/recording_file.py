@@ -1,0 +1,115 @@
+"""Recordings of the black box on the disk: MCAP files, each complete or absent, the newest of them kept."""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+import time
+from collections.abc import Iterable, Sequence
+from contextlib import suppress
+from pathlib import Path
+from typing import BinaryIO
+
+from ur_nodes.black_box.tape import TapeEvent, TapeMessage, TapeTopic
+
+FREE_BYTES = 200_000_000
+"""Bytes that stay free on the disk."""
+
+_NAME = re.compile(r"black_box_\d{4}-\d\d-\d\d_\d\d-\d\d-\d\d(_\d+)?\.mcap", re.ASCII)
+_PROFILES = {"ros1": ("ros1msg", "ros1"), "ros2": ("ros2msg", "cdr"), "": ("", "text")}
+
+
+class RecordingError(Exception):
+    """The recording is not written; the text is for people."""
+
+
+def list_recordings(folder: Path) -> list[Path]:
+    """The recordings of a folder, oldest first."""
+    with suppress(OSError):
+        return sorted(path for path in folder.iterdir() if _NAME.fullmatch(path.name))
+    return []
+
+
+def write_recording(
+    folder: Path,
+    tape: Iterable[TapeMessage | TapeEvent],
+    reasons: Sequence[str],
+    to_unix: int,
+    kept: int,
+    free: int | None = None,
+) -> Path:
+    """Write what is on a tape, and remove the oldest recordings beyond `kept`.
+
+    `to_unix` is what makes a time of the tape one since 1970, in ns; `free` are the bytes that are free on the
+    disk, unless it is asked. Raises RecordingError.
+    """
+    try:
+        folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+        for path in folder.glob(".black_box_*"):  # of a writer that was killed
+            if time.time() - path.stat().st_mtime > 60.0:
+                path.unlink(missing_ok=True)
+        free = shutil.disk_usage(folder).free if free is None else free
+        if free < FREE_BYTES:
+            raise RecordingError(f"{folder}: {free // 1_000_000} MB are free, expected {FREE_BYTES // 1_000_000} MB")
+        path = _new_path(folder)
+        unfinished = folder / f".{path.name}.{os.getpid()}"
+        try:
+            with unfinished.open("wb") as file:
+                os.fchmod(file.fileno(), 0o600)
+                _write(file, tape, reasons, to_unix)
+                file.flush()
+                os.fsync(file.fileno())
+            unfinished.replace(path)
+        finally:
+            unfinished.unlink(missing_ok=True)
+        for old in list_recordings(folder)[:-kept]:
+            old.unlink(missing_ok=True)
+    except OSError as problem:
+        raise RecordingError(f"{folder}: {(problem.strerror or str(problem)).lower()}") from None
+    return path
+
+
+def _new_path(folder: Path) -> Path:
+    stem = time.strftime("black_box_%Y-%m-%d_%H-%M-%S")
+    number = 1
+    path = folder / f"{stem}.mcap"
+    while path.exists():
+        number += 1
+        path = folder / f"{stem}_{number}.mcap"
+    return path
+
+
+def _write(file: BinaryIO, tape: Iterable[TapeMessage | TapeEvent], reasons: Sequence[str], to_unix: int) -> None:
+    from mcap.writer import CompressionType, Writer  # when something has happened
+
+    writer = Writer(file, compression=CompressionType.ZSTD)
+    messages = list(tape)
+    dialects = {_dialect_of(each.topic) for each in messages if isinstance(each, TapeMessage)} - {""}
+    writer.start(profile=dialects.pop() if len(dialects) == 1 else "", library="ubiquity_launches")
+    channels: dict[TapeTopic, int] = {}
+    events: dict[str, str] = {}
+    sequence = 0
+    for each in messages:
+        if isinstance(each, TapeEvent):
+            events[f"{(each.time + to_unix) / 1e9:.3f}"] = each.text
+            continue
+        if each.topic not in channels:
+            schema_encoding, encoding = _PROFILES[_dialect_of(each.topic)]
+            schema = 0
+            if schema_encoding:
+                schema = writer.register_schema(each.topic.type_name, schema_encoding, each.topic.schema.encode())
+            channels[each.topic] = writer.register_channel(each.topic.name, encoding, schema)
+        stamp = max(0, each.time + to_unix)
+        sequence += 1
+        writer.add_message(channels[each.topic], stamp, each.data, stamp, sequence)
+    writer.add_metadata("reasons", {str(number): text for number, text in enumerate(reasons, 1)})
+    writer.add_metadata("events", events)
+    writer.finish()  # type: ignore[no-untyped-call]
+
+
+def _dialect_of(topic: TapeTopic) -> str:
+    parts = topic.type_name.split("/")
+    if len(parts) == 3 and parts[1] == "msg":
+        return "ros2"
+    return "ros1" if len(parts) == 2 and topic.schema else ""

@@ -1,0 +1,98 @@
+"""A ring of records in a block of memory, oldest first, which a second process can read after the end of the first.
+
+The block begins with a header: a magic number, the size of what follows, and how many bytes were ever dropped and
+appended. A record is its length (u32) and its bytes, and may wrap around the end. The header changes last, so that a
+writer that is killed leaves whole records only.
+"""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Iterator
+
+_HEADER = struct.Struct("<8sQ")
+_COUNTER = struct.Struct("<Q")
+_LENGTH = struct.Struct("<I")
+_MAGIC = b"urring01"
+_TAIL, _HEAD, _DATA = 16, 24, 64
+
+
+class Ring:
+    """A ring over a writable block, which is made empty unless it is `kept`. Raises ValueError: no ring is there."""
+
+    def __init__(self, block: memoryview, *, kept: bool = False) -> None:
+        self._block = block
+        if not kept:
+            _HEADER.pack_into(block, 0, _MAGIC, len(block) - _DATA)
+            self._set(_TAIL, 0)
+            self._set(_HEAD, 0)
+        magic, size = _HEADER.unpack_from(block, 0)
+        self.size = int(size)
+        if magic != _MAGIC or self.size != len(block) - _DATA:
+            raise ValueError("the block holds no ring")
+        self._tail, self._head = self._get(_TAIL), self._get(_HEAD)
+        if not 0 <= self._head - self._tail <= self.size:
+            raise ValueError("the ring is damaged")
+
+    @property
+    def free(self) -> int:
+        """Bytes that records can take, with 4 for each."""
+        return self.size - (self._head - self._tail)
+
+    def append(self, *parts: bytes) -> None:
+        """Append a record. Raises ValueError: there is no room for it."""
+        length = sum(map(len, parts))
+        if length + _LENGTH.size > self.free:
+            raise ValueError("no room")
+        place = self._head
+        for part in (_LENGTH.pack(length), *parts):
+            self._write(place, part)
+            place += len(part)
+        self._head = place
+        self._set(_HEAD, place)
+
+    def oldest(self, most: int | None = None) -> bytes | None:
+        """The oldest record, or its first `most` bytes; None: there is none."""
+        if self._tail == self._head:
+            return None
+        length = self._length(self._tail)
+        return self._read(self._tail + _LENGTH.size, length if most is None else min(length, most))
+
+    def drop(self) -> None:
+        """Drop the oldest record."""
+        self._tail += _LENGTH.size + self._length(self._tail)
+        self._set(_TAIL, self._tail)
+
+    def records(self) -> Iterator[bytes]:
+        """All records, oldest first; those of a damaged end are left out."""
+        place = self._tail
+        while place < self._head:
+            length = self._length(place)
+            if place + _LENGTH.size + length > self._head:
+                return
+            yield self._read(place + _LENGTH.size, length)
+            place += _LENGTH.size + length
+
+    def _length(self, place: int) -> int:
+        length: int = _LENGTH.unpack(self._read(place, _LENGTH.size))[0]
+        return length
+
+    def _write(self, place: int, part: bytes) -> None:
+        start = _DATA + place % self.size
+        first = min(len(part), len(self._block) - start)
+        self._block[start : start + first] = part[:first]
+        if first < len(part):
+            self._block[_DATA : _DATA + len(part) - first] = part[first:]
+
+    def _read(self, place: int, length: int) -> bytes:
+        start = _DATA + place % self.size
+        first = min(length, len(self._block) - start)
+        data = bytes(self._block[start : start + first])
+        return data if first == length else data + bytes(self._block[_DATA : _DATA + length - first])
+
+    def _get(self, place: int) -> int:
+        value: int = _COUNTER.unpack_from(self._block, place)[0]
+        return value
+
+    def _set(self, place: int, value: int) -> None:
+        _COUNTER.pack_into(self._block, place, value)

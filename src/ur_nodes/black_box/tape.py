@@ -1,0 +1,160 @@
+"""Messages of topics in a ring: bounded in bytes and in age, with the newest of each topic kept.
+
+Times are ns of a clock that is never set. A record has a kind (topic, message or event), the number of its topic, the
+time at which it was put into the ring, the time of its message, and its data.
+"""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from ur.source.foreign.json_values import read_json, write_json
+from ur_nodes.black_box.ring import Ring
+
+SECOND = 1_000_000_000
+_RECORD = struct.Struct("<BHQQ")
+_TOPIC, _MESSAGE, _EVENT = 1, 2, 3
+_MOST_TOPICS = 60_000
+_KEPT_SHARE = 8  # the newest message of a topic is kept while it has at most this fraction of the ring
+_LARGE_BYTES = 200_000
+_LARGE_TYPES = frozenset({"Image", "CompressedImage", "PointCloud", "PointCloud2", "DisparityImage", "Packet"})
+_LARGE_PERIOD = SECOND
+
+
+@dataclass(frozen=True, slots=True)
+class TapeTopic:
+    """A topic with its type, and the definition of the type."""
+
+    name: str
+    type_name: str
+    schema: str
+
+
+@dataclass(frozen=True, slots=True)
+class TapeMessage:
+    """A message of a topic as it was received at a time in ns."""
+
+    topic: TapeTopic
+    time: int
+    data: bytes
+
+
+@dataclass(frozen=True, slots=True)
+class TapeEvent:
+    """Something that happened, for people."""
+
+    time: int
+    text: str
+
+
+class Tape:
+    """The last `seconds` of messages in a ring, which are fewer where its bytes do not suffice.
+
+    Messages of pictures and clouds, and others as large, are taken once a second. `left_out` counts the messages that
+    are not in the ring although they are younger: by topic.
+    """
+
+    def __init__(self, ring: Ring, seconds: float = 120.0) -> None:
+        self._ring = ring
+        self._age = int(seconds * SECOND)
+        self._numbers: dict[TapeTopic, int] = {}
+        self._topics: dict[int, TapeTopic] = {}
+        self._counts: dict[int, int] = {}
+        self._large: dict[int, int] = {}
+        self._current: dict[str, int] = {}
+        self.left_out: dict[str, int] = {}
+
+    def note(self, topic: TapeTopic, time: int, data: bytes) -> None:
+        """Take a message."""
+        number = self._numbers.get(topic)
+        if number is None:
+            number = self._add_topic(topic, time)
+        if len(data) > _LARGE_BYTES or topic.type_name.rpartition("/")[2] in _LARGE_TYPES:
+            last = self._large.get(number)
+            if last is not None and 0 <= time - last < _LARGE_PERIOD:
+                return
+            self._large[number] = time
+        if number < 0 or not self._append(_MESSAGE, number, time, time, data):
+            self.left_out[topic.name] = self.left_out.get(topic.name, 0) + 1
+        else:
+            self._counts[number] = self._counts.get(number, 0) + 1
+
+    def note_event(self, time: int, text: str) -> None:
+        """Take something that happened."""
+        self._append(_EVENT, 0, time, time, text.encode())
+
+    def _add_topic(self, topic: TapeTopic, time: int) -> int:
+        # One whose type has changed is another topic.
+        number = len(self._numbers) + 1
+        if number > _MOST_TOPICS or not self._append(_TOPIC, number, time, time, write_json(topic).encode()):
+            number = -1
+        self._numbers[topic] = number
+        self._topics[number] = topic
+        self._current[topic.name] = number
+        return number
+
+    def _append(self, kind: int, number: int, put: int, time: int, data: bytes) -> bool:
+        head = _RECORD.pack(kind, number, put, time)
+        needed = len(head) + len(data) + 4
+        if needed > self._ring.size // 2:
+            return False
+        self._make_room(needed, put)
+        self._ring.append(head, data)
+        return True
+
+    def _make_room(self, needed: int, now: int) -> None:
+        """Drop the oldest records; descriptions of topics, and the newest message of each, go to the other end."""
+        kept: list[tuple[int, int, int, bytes]] = []
+        room = 0
+        while True:
+            head = self._ring.oldest(_RECORD.size)
+            if head is None:
+                break
+            kind, number, put, time = _RECORD.unpack(head)
+            if self._ring.free >= needed + room and now - put <= self._age:
+                break
+            if kind == _MESSAGE:
+                self._counts[number] -= 1
+            if self._is_kept(kind, number):
+                whole = self._ring.oldest() or b""
+                size = len(whole) + 4
+                if (kind == _TOPIC or size <= self._ring.size // _KEPT_SHARE) and room + size <= self._ring.size // 2:
+                    kept.append((kind, number, time, whole[_RECORD.size :]))
+                    room += size
+            self._ring.drop()
+        for kind, number, time, data in kept:
+            self._ring.append(_RECORD.pack(kind, number, now, time), data)
+            if kind == _MESSAGE:
+                self._counts[number] += 1
+
+    def _is_kept(self, kind: int, number: int) -> bool:
+        if kind == _TOPIC:
+            current = self._current.get(self._topics[number].name) if number in self._topics else None
+            return current == number or self._counts.get(number, 0) > 0
+        topic = self._topics.get(number)
+        return (
+            kind == _MESSAGE
+            and not self._counts[number]
+            and topic is not None
+            and (self._current.get(topic.name) == number)
+        )
+
+
+def read_tape(ring: Ring) -> Iterator[TapeMessage | TapeEvent]:
+    """The messages and events of a ring, by time."""
+    found: list[tuple[int, int, int, bytes]] = []
+    topics: dict[int, TapeTopic] = {}
+    for record in ring.records():
+        kind, number, _, time = _RECORD.unpack_from(record)
+        data = record[_RECORD.size :]
+        if kind == _TOPIC:
+            topics[number] = read_json(data, TapeTopic)
+        else:
+            found.append((time, kind, number, data))
+    for time, kind, number, data in sorted(found, key=lambda each: each[0]):
+        if kind == _EVENT:
+            yield TapeEvent(time, data.decode("utf-8", "replace"))
+        elif number in topics:
+            yield TapeMessage(topics[number], time, data)

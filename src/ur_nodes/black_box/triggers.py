@@ -1,0 +1,73 @@
+"""Events that make the black box write: changes on topics, as texts for people."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+from ur_nodes.motion.lease.text import Lease, read_lease
+from ur_nodes.ports.actions import GoalState
+from ur_nodes.ports.node import Node
+from ur_nodes.ports.qualities import Quality
+
+_MOST_GOALS = 200
+_LONGEST = 200  # characters of a text of others
+
+
+@dataclass(slots=True)
+class Triggers:
+    """Calls `happened` with a text for each thing that has happened since the start; repetitions are left out."""
+
+    happened: Callable[[str], None]
+    _on: dict[str, bool] = field(default_factory=dict)
+    _goals: dict[str, None] = field(default_factory=dict)
+    _lost: str = ""
+    _driver: str = ""
+
+    def subscribe(self, node: Node, mux: str, navigation: str, localiser: str) -> None:
+        """Listen to the mux, navigation and localisation, by the names of their nodes."""
+        node.subscribe(f"{mux}/stopped", bool, lambda on: self.switch("the emergency stop was pressed", on), _LATCHED)
+        node.subscribe(f"{mux}/lease", str, self.take_lease, _LATCHED)
+        node.subscribe(f"{localiser}/lost", str, self.take_lost, _LATCHED)
+        node.follow_goals(navigation, self)
+
+    def listen_to_bumper(self, node: Node, topic: str) -> None:
+        """Listen to a bumper or cliff sensor."""
+        name = topic.strip("/").replace("/", " ")
+        node.subscribe(topic, bool, lambda on: self.switch(f"{name} was touched", on), _LATCHED)
+
+    def switch(self, text: str, on: bool) -> None:
+        """Take the state of a switch: it happens when it goes on."""
+        before, self._on[text] = self._on.get(text, False), on
+        if on and not before:
+            self.happened(text)
+
+    def take_lost(self, text: str) -> None:
+        """Take the reason why localisation is lost; empty while it is not."""
+        before, self._lost = self._lost, text
+        if text and not before:
+            self.happened(f"localisation is lost: {text[:_LONGEST]}")
+
+    def take_states(self, states: tuple[GoalState, ...]) -> None:
+        """Nothing: only ends count."""
+
+    def take_goal_end(self, state: GoalState) -> None:
+        """Take the end of a goal: one that was given up or refused happens once."""
+        if state.state == "aborted" and state.id not in self._goals:
+            self._goals[state.id] = None
+            self.happened(f"a goal was aborted: {state.text[:_LONGEST]}")
+            while len(self._goals) > _MOST_GOALS:
+                del self._goals[next(iter(self._goals))]
+
+    def take_lease(self, text: str) -> None:
+        """Take the lease: that another client drives happens, unless the robot was free before."""
+        lease: Lease | None = read_lease(text)
+        if lease is None or not lease.client:
+            self._driver = ""
+            return
+        before, self._driver = self._driver, lease.client
+        if before and before != lease.client:
+            self.happened("another client has taken over")
+
+
+_LATCHED = Quality.LATCHED

@@ -1,0 +1,198 @@
+"""The black box on a bus: what it takes, when it writes, and what it writes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from mcap.reader import make_reader
+
+from ur.recordings.black_boxes import notify_black_boxes
+from ur_nodes.black_box.black_box import BlackBox, BlackBoxSettings
+from ur_nodes.black_box.event_socket import EventSocket
+from ur_nodes.black_box.recording_file import list_recordings
+from ur_nodes.black_box.ring import Ring
+from ur_nodes.geometry.pose import Pose2
+from ur_nodes.memory.bus import Bus
+from ur_nodes.motion.lease.text import Lease, write_lease
+from ur_nodes.ports.actions import Goal, GoalHandle, GoalState
+from ur_nodes.ports.qualities import Quality
+from ur_nodes.ports.services import Trigger
+from ur_nodes.ports.values import PlacedPose, Result
+
+STRING = "std_msgs/String"
+
+
+class World:
+    """A black box, and a robot that publishes a text ten times a second."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        self.bus = Bus()
+        self.bus.schemas[STRING] = "string data\n"
+        self.robot = self.bus.node("robot")
+        self.words = self.robot.raw.publish("words", STRING)
+        self.count = 0
+        self.robot.every(0.1, self._speak)
+        self.node = self.bus.node("black_box")
+        settings = BlackBoxSettings(folder, kept=3)
+        ring = Ring(memoryview(bytearray(1_000_000)))
+        self.box = BlackBox(self.node, settings, ring, lambda: self.bus.now, lambda: self.bus.now + 10**18)
+
+    def _speak(self) -> None:
+        self.count += 1
+        self.words.send(b"%d" % self.count)
+
+    def recordings(self) -> list[tuple[list[str], list[tuple[float, int]]]]:
+        """The reasons of each recording, and the times and numbers of its words."""
+        found = []
+        for path in list_recordings(self.folder):
+            with path.open("rb") as file:
+                reader = make_reader(file)
+                words = [
+                    ((message.log_time - 10**18) / 1e9, int(message.data))
+                    for _, channel, message in reader.iter_messages()
+                    if channel.topic == "/words"
+                ]
+                (reasons,) = [each.metadata for each in reader.iter_metadata() if each.name == "reasons"]
+            found.append((list(reasons.values()), words))
+        return found
+
+
+def test_nothing_is_written_between_events(tmp_path: Path) -> None:
+    World(tmp_path).bus.run(300.0)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_recording_has_two_minutes_before_an_event_and_the_seconds_after_it(tmp_path: Path) -> None:
+    world = World(tmp_path)
+    world.bus.run(200.0)
+    answers: list[Result] = []
+    world.robot.call("black_box/write", Trigger(), answers.append)
+    world.bus.run(10.0)
+    ((reasons, words),) = world.recordings()
+    assert reasons == ["requested"]
+    assert str(tmp_path) in answers[0].text
+    assert words[-1][0] - words[0][0] == pytest.approx(120.0, abs=0.2)
+    numbers = [number for _, number in words]
+    assert numbers == list(range(numbers[0], numbers[-1] + 1))
+
+
+def press(world: World) -> None:
+    world.robot.publish("cmd_vel_mux/stopped", bool, Quality.LATCHED).send(True)
+
+
+def touch(world: World) -> None:
+    bumper = world.robot.publish("bumper/left", bool, Quality.LATCHED)
+    world.bus.run(2.0)
+    bumper.send(True)
+
+
+def lose(world: World) -> None:
+    lost = world.robot.publish("amcl/lost", str, Quality.LATCHED)
+    lost.send("")
+    lost.send("the scan fits nowhere")
+    lost.send("the scan fits nowhere")
+
+
+class Refusing:
+    """Navigation that refuses each goal."""
+
+    def take_goal(self, handle: GoalHandle) -> None:
+        handle.refuse("no path")
+
+    def take_cancel(self, handle: GoalHandle) -> None:
+        """Nothing."""
+
+
+class Ignoring:
+    """A client that does not care what becomes of its goals."""
+
+    def take_states(self, states: tuple[GoalState, ...]) -> None:
+        """Nothing."""
+
+    def take_goal_end(self, state: GoalState) -> None:
+        """Nothing."""
+
+
+def abort(world: World) -> None:
+    world.robot.serve_goals("move_base", Refusing())
+    client = world.bus.node("client").follow_goals("move_base", Ignoring())
+    world.bus.run(1.0)
+    client.send(Goal("goal", PlacedPose(0, "map", Pose2(1.0, 2.0, 0.0))))
+
+
+def take_over(world: World) -> None:
+    lease = world.robot.publish("cmd_vel_mux/lease", str, Quality.LATCHED)
+    for each in (Lease(), Lease("held", "a" * 8), Lease("lost", "a" * 8), Lease("held", "b" * 8), Lease()):
+        lease.send(write_lease(each))
+        world.bus.run(0.1)
+
+
+@pytest.mark.parametrize(
+    ("happen", "reason"),
+    [
+        (press, "the emergency stop was pressed"),
+        (touch, "bumper left was touched"),
+        (lose, "localisation is lost: the scan fits nowhere"),
+        (abort, "a goal was aborted: no path"),
+        (take_over, "another client has taken over"),
+    ],
+)
+def test_event_of_the_robot_is_written_once(tmp_path: Path, happen: Callable[[World], None], reason: str) -> None:
+    world = World(tmp_path)
+    world.bus.run(3.0)
+    happen(world)
+    world.bus.run(20.0)
+    assert [reasons for reasons, _ in world.recordings()] == [[reason]]
+
+
+def test_events_that_follow_each_other_are_one_recording(tmp_path: Path) -> None:
+    world = World(tmp_path)
+    world.bus.run(3.0)
+    press(world)
+    world.bus.run(1.0)
+    lose(world)
+    world.bus.run(20.0)
+    assert [len(reasons) for reasons, _ in world.recordings()] == [2]
+
+
+def test_event_just_before_the_end_is_written_at_the_end(tmp_path: Path) -> None:
+    world = World(tmp_path)
+    world.bus.run(3.0)
+    press(world)
+    world.bus.run(0.1)
+    world.node.end("the run ends")
+    world.bus.run(1.0)
+    assert [reasons for reasons, _ in world.recordings()] == [["the emergency stop was pressed"]]
+
+
+def test_folder_that_cannot_be_written_is_reported(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("")
+    world = World(tmp_path / "file/folder")
+    press(world)
+    world.bus.run(10.0)
+    assert any("not a directory" in line for line in (text for _, text in world.node.lines))
+
+
+def test_other_processes_report_events(tmp_path: Path) -> None:
+    environment = {"XDG_STATE_HOME": str(tmp_path)}
+    assert notify_black_boxes(environment, "/camera died: exit code 1") == 0
+    bus = Bus()
+    got: list[str] = []
+    events = EventSocket(bus.node("black_box"), environment, got.append)
+    assert notify_black_boxes(environment, "/camera died: exit code 1") == 1
+    bus.run(0.2)
+    assert got == ["/camera died: exit code 1"]
+    assert notify_black_boxes(environment, "") == 1
+    events.close()
+    assert got[1:] == ["unnamed event"]
+    assert notify_black_boxes(environment, "again") == 0
+
+
+def test_black_box_runs_without_a_folder_for_its_socket(tmp_path: Path) -> None:
+    (tmp_path / "ur").write_text("")
+    node = Bus().node("black_box")
+    EventSocket(node, {"XDG_STATE_HOME": str(tmp_path)}, lambda _: None).close()
+    assert "the end of other nodes is not noticed" in node.lines[0][1]

@@ -1,0 +1,107 @@
+"""Recordings on the disk, read back with the library that viewers use."""
+
+from __future__ import annotations
+
+import signal
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from mcap.reader import make_reader
+
+from ur_nodes.black_box.guard import GuardProcess
+from ur_nodes.black_box.recording_file import RecordingError, list_recordings, write_recording
+from ur_nodes.black_box.ring import Ring
+from ur_nodes.black_box.tape import Tape, TapeEvent, TapeMessage, TapeTopic
+
+SCAN = TapeTopic("/scan", "sensor_msgs/LaserScan", "float32[] ranges")
+ODOM = TapeTopic("/odom", "nav_msgs/msg/Odometry", "string child_frame_id")
+TAPE = (TapeMessage(SCAN, 10, b"one"), TapeEvent(15, "bumper left was touched"), TapeMessage(SCAN, 20, b"two"))
+
+
+def test_recording_is_an_mcap_file_with_messages_and_reasons(tmp_path: Path) -> None:
+    path = write_recording(tmp_path, TAPE, ["bumper left was touched"], 1_000_000_000, 3)
+    with path.open("rb") as file:
+        reader = make_reader(file, validate_crcs=True)
+        header = reader.get_header()
+        assert header.profile == "ros1"
+        found = [
+            (channel.topic, channel.message_encoding, schema.name, schema.encoding, message.log_time, message.data)
+            for schema, channel, message in reader.iter_messages()
+            if schema is not None
+        ]
+        metadata = {each.name: each.metadata for each in reader.iter_metadata()}
+    assert found == [
+        ("/scan", "ros1", "sensor_msgs/LaserScan", "ros1msg", 1_000_000_010, b"one"),
+        ("/scan", "ros1", "sensor_msgs/LaserScan", "ros1msg", 1_000_000_020, b"two"),
+    ]
+    assert metadata == {
+        "reasons": {"1": "bumper left was touched"},
+        "events": {"1.000": "bumper left was touched"},
+    }
+    assert path.stat().st_mode & 0o777 == 0o600
+
+
+def test_messages_of_ros2_are_cdr(tmp_path: Path) -> None:
+    path = write_recording(tmp_path, [TapeMessage(ODOM, 1, b"\0\1\0\0")], [], 0, 3)
+    with path.open("rb") as file:
+        (found,) = make_reader(file).iter_messages()
+    assert found[0] is not None
+    assert (found[0].encoding, found[1].message_encoding) == ("ros2msg", "cdr")
+
+
+def test_newest_recordings_are_kept(tmp_path: Path) -> None:
+    written = [write_recording(tmp_path, TAPE, [], 0, 3) for _ in range(5)]
+    assert list_recordings(tmp_path) == sorted(written)[-3:]
+    assert len(list(tmp_path.iterdir())) == 3
+
+
+def full_disk() -> Iterator[TapeMessage]:
+    yield TapeMessage(SCAN, 10, b"one")
+    raise OSError(28, "No space left on device")
+
+
+def test_full_disk_is_reported_and_leaves_nothing(tmp_path: Path) -> None:
+    with pytest.raises(RecordingError, match="10 MB are free, expected 200 MB"):
+        write_recording(tmp_path, TAPE, [], 0, 3, free=10_000_000)
+    with pytest.raises(RecordingError, match="no space left on device"):
+        write_recording(tmp_path, full_disk(), [], 0, 3)
+    assert list(tmp_path.iterdir()) == []
+
+
+KILLED = """
+import os, signal, sys
+from pathlib import Path
+from ur_nodes.black_box.guard import GuardProcess
+from ur_nodes.black_box.ring import Ring
+from ur_nodes.black_box.tape import Tape, TapeTopic
+guard = GuardProcess(1_000_000, Path(sys.argv[1]), 3)
+tape = Tape(Ring(memoryview(guard.block)))
+for number in range(1000):
+    tape.note(TapeTopic("/scan", "sensor_msgs/LaserScan", "float32[] ranges"), number, b"%d" % number)
+sys.stdout.write(str(guard.process.pid))
+sys.stdout.flush()
+os.kill(os.getpid(), signal.SIGKILL)
+"""
+
+
+def test_guard_writes_all_messages_of_a_process_that_was_killed(tmp_path: Path) -> None:
+    with subprocess.Popen(
+        [sys.executable, "-I", "-c", KILLED, str(tmp_path)], stdout=subprocess.PIPE, stderr=subprocess.PIPE
+    ) as process:
+        _, errors = process.communicate(timeout=60)  # until the guard has closed its end, too
+    assert process.returncode == -signal.SIGKILL
+    (path,) = list_recordings(tmp_path)
+    assert str(path) in errors.decode()
+    with path.open("rb") as file:
+        assert [each.data for _, _, each in make_reader(file).iter_messages()] == [b"%d" % n for n in range(1000)]
+
+
+def test_guard_that_is_ended_writes_nothing(tmp_path: Path) -> None:
+    guard = GuardProcess(100_000, tmp_path, 3)
+    Tape(Ring(memoryview(guard.block))).note(SCAN, 1, b"one")
+    guard.end()
+    assert guard.process.returncode == 0
+    assert list_recordings(tmp_path) == []

@@ -1,0 +1,105 @@
+"""Messages in a bounded ring, read back in order of time."""
+
+from __future__ import annotations
+
+from collections import deque
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from ur_nodes.black_box.ring import Ring
+from ur_nodes.black_box.tape import SECOND, Tape, TapeEvent, TapeMessage, TapeTopic, read_tape
+
+SCAN = TapeTopic("/scan", "sensor_msgs/LaserScan", "float32[] ranges")
+MAP = TapeTopic("/map", "nav_msgs/OccupancyGrid", "int8[] data")
+IMAGE = TapeTopic("/image", "sensor_msgs/Image", "uint8[] data")
+
+
+def make_ring(size: int = 10_000) -> Ring:
+    return Ring(memoryview(bytearray(size)))
+
+
+def messages(ring: Ring, topic: TapeTopic) -> list[tuple[int, bytes]]:
+    return [(each.time, each.data) for each in read_tape(ring) if isinstance(each, TapeMessage) and each.topic == topic]
+
+
+@given(st.lists(st.binary(max_size=200), max_size=200))
+def test_ring_holds_the_newest_records_that_fit(records: list[bytes]) -> None:
+    block = bytearray(64 + 500)
+    ring = Ring(memoryview(block))
+    kept: deque[bytes] = deque()
+    for record in records:
+        while ring.free < len(record) + 4:
+            assert ring.oldest() == kept.popleft()
+            ring.drop()
+        ring.append(record[:3], record[3:])
+        kept.append(record)
+    assert list(ring.records()) == list(kept)
+    assert list(Ring(memoryview(block), kept=True).records()) == list(kept)
+
+
+def test_block_without_a_ring_is_refused() -> None:
+    with pytest.raises(ValueError, match="holds no ring"):
+        Ring(memoryview(bytearray(1000)), kept=True)
+    block = bytearray(1000)
+    Ring(memoryview(block))
+    block[24:32] = b"\xff" * 8
+    with pytest.raises(ValueError, match="damaged"):
+        Ring(memoryview(block), kept=True)
+
+
+def test_messages_older_than_the_age_are_dropped_but_for_the_newest_of_a_topic() -> None:
+    ring = make_ring(1_000_000)
+    tape = Tape(ring, seconds=120.0)
+    tape.note(MAP, 5 * SECOND, b"map")
+    for second in range(1000):
+        tape.note(SCAN, second * SECOND, b"scan")
+    assert messages(ring, MAP) == [(5 * SECOND, b"map")]
+    assert [time // SECOND for time, _ in messages(ring, SCAN)] == list(range(879, 1000))
+
+
+def test_ring_stays_bounded_and_keeps_descriptions_of_topics() -> None:
+    ring = make_ring(20_000)
+    tape = Tape(ring)
+    tape.note(MAP, 0, b"m" * 1000)
+    tape.note_event(1, "the robot was pushed")
+    for number in range(5000):
+        tape.note(SCAN, number, b"s" * (number % 300))
+    assert messages(ring, MAP) == [(0, b"m" * 1000)]
+    kept = messages(ring, SCAN)
+    assert [time for time, _ in kept] == list(range(5000 - len(kept), 5000))
+    assert len(kept) > 80
+    assert all(data == b"s" * (time % 300) for time, data in kept)
+    assert tape.left_out == {}
+
+
+def test_pictures_are_taken_once_a_second_and_what_is_too_large_is_counted() -> None:
+    ring = make_ring(1_000_000)
+    tape = Tape(ring)
+    for number in range(100):
+        tape.note(IMAGE, number * SECOND // 10, b"picture")
+        tape.note(SCAN, number * SECOND // 10, b"s" * 30)
+        tape.note(MAP, number * SECOND // 10, b"m" * 210_000)
+    assert [time for time, _ in messages(ring, MAP)] == [6 * SECOND, 7 * SECOND, 8 * SECOND, 9 * SECOND]
+    assert len(messages(ring, IMAGE)) == 4
+    assert 40 <= len(messages(ring, SCAN)) < 60
+    tape.note(MAP, 200 * SECOND, b"m" * 600_000)
+    assert tape.left_out == {"/map": 1}
+
+
+def test_topic_that_changes_its_type_is_two() -> None:
+    ring = make_ring()
+    tape = Tape(ring)
+    other = TapeTopic("/scan", "std_msgs/String", "string data")
+    tape.note(SCAN, 1, b"scan")
+    tape.note(other, 2, b"text")
+    assert messages(ring, SCAN) == [(1, b"scan")]
+    assert messages(ring, other) == [(2, b"text")]
+
+
+def test_events_are_read_with_their_time() -> None:
+    ring = make_ring()
+    tape = Tape(ring)
+    tape.note_event(7, "bumper left was touched")
+    assert list(read_tape(ring)) == [TapeEvent(7, "bumper left was touched")]
