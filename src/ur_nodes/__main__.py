@@ -33,6 +33,10 @@ if __name__ == "__main__":
         from ur_nodes.ros1.repairs.log_link import leave_log_link
 
         leave_log_link()
+    elif backend_name() == "ros2":
+        from ur_nodes.ros2.message_packages import load_when_used
+
+        load_when_used()
     if sys.flags.isolated:
         sys.path += list_message_folders(os.environ.get("PYTHONPATH", ""))
     del sys.argv[0]

@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from ur.maps.viewport import Viewport
 from ur.source.ansi import RESET
-from ur.worlds.cells import look_up
-from ur.worlds.map_file import OCCUPIED, UNKNOWN, MapImage
+from ur.worlds.cells import OCCUPIED, UNKNOWN, look_up
+from ur.worlds.map_file import MapImage
 
 _WALLS_FROM = 50
 _UNKNOWN, _FREE, _WALL = 0, 1, 2

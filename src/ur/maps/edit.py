@@ -12,8 +12,7 @@ from numpy.typing import NDArray
 
 from ur.maps.record import MapEdit, MapRecord
 from ur.maps.scan_file import StoredGraph
-from ur.worlds.cells import CellFrame, look_up
-from ur.worlds.map_file import FREE, OCCUPIED, UNKNOWN
+from ur.worlds.cells import FREE, OCCUPIED, UNKNOWN, CellFrame, look_up
 
 Values = NDArray[np.int8]
 Points = NDArray[np.float64]

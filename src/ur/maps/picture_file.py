@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ur.source.foreign.files import read_text
 from ur.source.replace import replace_file
-from ur.worlds.map_file import OCCUPIED
+from ur.worlds.cells import OCCUPIED
 
 Origin = tuple[float, float, float]
 

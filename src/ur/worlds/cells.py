@@ -8,6 +8,10 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+UNKNOWN = -1
+FREE = 0
+OCCUPIED = 100
+
 Value = TypeVar("Value", bound=np.generic)
 _STRIP = 1 << 17  # cells
 

@@ -15,12 +15,8 @@ from numpy.typing import NDArray
 
 from ur.source.foreign.pictures import MAP_FORMATS, open_picture
 from ur.source.section import Section, read_section
-from ur.worlds.cells import CellFrame, translate_cells
+from ur.worlds.cells import FREE, OCCUPIED, UNKNOWN, CellFrame, translate_cells
 from ur.worlds.map_keys import MapFile, parse_map_file
-
-UNKNOWN = -1
-FREE = 0
-OCCUPIED = 100
 
 if TYPE_CHECKING:
     from PIL import Image

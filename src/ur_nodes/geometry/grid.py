@@ -8,8 +8,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from ur.worlds.cells import CellFrame, look_up
-from ur.worlds.map_file import FREE, OCCUPIED, UNKNOWN, read_map
+from ur.worlds.cells import FREE, OCCUPIED, UNKNOWN, CellFrame, look_up
 from ur_nodes.geometry.pose import Pose2
 
 __all__ = ["FREE", "OCCUPIED", "UNKNOWN", "CellFrame", "Grid", "load_map", "look_up"]
@@ -40,5 +39,7 @@ class Grid(CellFrame):
 
 def load_map(path: str | Path) -> Grid:
     """Read a map's YAML file, or the floor plan of a world file, and its image. Raises UserError as `read_map`."""
+    from ur.worlds.map_file import read_map  # few nodes read files
+
     read = read_map(path)
     return Grid(read.values, read.resolution, Pose2(*read.origin))

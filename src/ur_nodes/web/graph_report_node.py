@@ -7,6 +7,7 @@ messages since the last answer, by topic. With "frames" true it has `frames`, th
 
 from __future__ import annotations
 
+import os
 import socket
 import sys
 import time
@@ -21,6 +22,7 @@ from ur_nodes.ports.topics import Subscription
 from ur_nodes.web.server_link import Outlet, read_lines, run_for_server
 
 _MOST_TIMES = 1000  # of a topic, in an answer
+_NICENESS = 5  # it starts beside the nodes of a run, which it is not to hold up
 
 
 class GraphReport:
@@ -64,4 +66,5 @@ class GraphReport:
 
 
 if __name__ == "__main__":
+    os.nice(_NICENESS)
     sys.exit(run_for_server("ur_graph", GraphReport))

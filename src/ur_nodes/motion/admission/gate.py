@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-import secrets
+import random
 import time
 from collections.abc import Callable, Mapping
 from functools import partial
@@ -60,7 +60,7 @@ class AdmissionGate:
         self._log = AsideLog(node)
         self._store = make_store(environment, node.name, str(node.facts.get("run_id", "")))
         self._admission = Admission(
-            IssuedChallenges(secrets.randbelow(2**30 * SECOND) + 1),
+            IssuedChallenges(random.SystemRandom().randrange(2**30 * SECOND) + 1),
             self._start_lease(lease_timeout),
             tuple(source.timeout for source in settings.sources),
             freshness,

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import hashlib
 import json
 import os
+import zlib
 from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
@@ -55,5 +55,5 @@ def make_store(environment: Mapping[str, str], mux: str, run: str) -> LeaseStore
     """The store of a mux, a node of this name, at the master of the environment: a file in ROS's folder."""
     home = environment.get("ROS_HOME") or str(Path(environment.get("HOME") or os.sep) / ".ros")
     key = f"{environment.get('ROS_MASTER_URI', '')}\0{mux}"
-    name = f"{mux.strip('/').replace('/', '.')[:64]}-{hashlib.sha256(key.encode()).hexdigest()[:12]}.json"
+    name = f"{mux.strip('/').replace('/', '.')[:64]}-{zlib.crc32(key.encode()):08x}.json"
     return LeaseStore(Path(home, "ur_lease", name), run)

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+import os
 import re
-import secrets
 import socket
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -80,7 +80,7 @@ def identify(environment: Mapping[str, str], program: str) -> Identity:
     """
     client, conduct = environment.get("UR_CLIENT", ""), environment.get("UR_LEASE", "drive")
     return Identity(
-        client if is_client(client) else secrets.token_hex(8),
+        client if is_client(client) else os.urandom(8).hex(),
         clean_name(environment.get("UR_CLIENT_NAME")) or _host_name(),
         clean_name(environment.get("UR_PROGRAM")) or program,
         cast("Conduct", conduct) if conduct in get_args(Conduct) else "drive",
