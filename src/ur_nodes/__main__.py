@@ -34,7 +34,7 @@ if __name__ == "__main__":
 
         leave_log_link()
     elif backend_name() == "ros2":
-        from ur_nodes.ros2.message_packages import load_when_used
+        from ur_nodes.ros2.messages.packages import load_when_used
 
         load_when_used()
     if sys.flags.isolated:

@@ -12,7 +12,7 @@ from rclpy.node import Node
 from rclpy.qos import QoSProfile
 
 from ur.source.diagnostic import UserError, error
-from ur_nodes.ros2.bare_type import bare_class, reset_error
+from ur_nodes.ros2.messages.bare_type import bare_class, reset_error
 
 if TYPE_CHECKING:
     from rclpy.event_handler import MatchedInfo

@@ -21,7 +21,7 @@ from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.raw import Fields, RawMessage, ServiceAnswer, ServiceType
 from ur_nodes.ports.values import Result
 from ur_nodes.ros2 import ends
-from ur_nodes.ros2.bare_type import bare_class, reset_error
+from ur_nodes.ros2.messages.bare_type import bare_class, reset_error
 from ur_nodes.ros2.names import name_of
 from ur_nodes.ros2.qualities import offered, requested
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from ur_nodes.ros2.message_packages import MessageFinder, load_when_used, read_imports
+from ur_nodes.ros2.messages.packages import MessageFinder, load_when_used, read_imports
 
 _LOADED = "a message was imported"
 
