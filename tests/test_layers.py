@@ -144,7 +144,14 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
         "ur_nodes.ports",
         "ur_nodes.run",
     ),
-    "ur_nodes.slam": ("ur.source", "ur.maps", "ur_nodes.geometry", "ur_nodes.ports", "ur_nodes.run"),
+    "ur_nodes.slam": (
+        "ur.source",
+        "ur.maps",
+        "ur_nodes.geometry",
+        "ur_nodes.mapping.save_requests",
+        "ur_nodes.ports",
+        "ur_nodes.run",
+    ),
     "ur_nodes.exploration": (
         "ur.source",
         "ur.maps",

@@ -9,7 +9,9 @@ from ur_nodes.codecs.codec import Codec, KindCodec, KindServiceCodec, ServiceCod
 
 Value = TypeVar("Value")
 
-__all__ = ["Codec", "KindCodec", "KindServiceCodec", "ServiceCodec", "find_codec", "find_service"]
+__all__ = ["Codec", "KindCodec", "KindServiceCodec", "ServiceCodec", "find_codec", "find_offered", "find_service"]
+
+_OPTIONAL = "ur_nodes.codecs.nav2.services"
 
 # Which module knows a kind: messages take long to import, and a node needs few.
 _MODULES = {
@@ -26,6 +28,7 @@ _MODULES = {
     "ur_nodes.codecs.vision.fiducials": ("SeenFiducials", "PlacedFiducials", "MappedFiducials"),
     "ur_nodes.codecs.frames": ("tuple",),
     "ur_nodes.codecs.services": ("Trigger", "Silent", "Switch", "AskMap", "UseMap", "AskPath", "Place"),
+    _OPTIONAL: ("LoadMap", "SaveMap", "SaveOwnMap", "StoreMap", "ClearCostmap", "SetPose", "Pause"),
 }
 _MODULE_OF = {kind: module for module, kinds in _MODULES.items() for kind in kinds}
 
@@ -40,3 +43,11 @@ def find_service(kind: type[Value]) -> KindServiceCodec[Value]:
     """The codec of a kind of request. Raises KeyError: no service is known for it."""
     codec: KindServiceCodec[Value] = importlib.import_module(_MODULE_OF[kind.__name__]).SERVICES[kind]
     return codec
+
+
+def find_offered(kind: type[Value]) -> KindServiceCodec[Value] | None:
+    """As `find_service`; None for a service whose messages need not be installed, and are not."""
+    name = _MODULE_OF[kind.__name__]
+    if name == _OPTIONAL and kind not in importlib.import_module(name).SERVICES:
+        return None
+    return find_service(kind)

@@ -26,27 +26,32 @@ class WallServer:
     """
 
     def __init__(self, node: Node, map_file: Path, grid: Grid, use: Callable[[Grid], None]) -> None:
-        self._node, self._grid, self._use = node, grid, use
-        self._store, name = find_home(map_file, os.environ)
-        self._name = name if self._store == own_store(os.environ) else ""
+        self._node, self._use = node, use
         self._status = node.publish("walls", str, Quality.LATCHED)
-        self._publish(self._is_restorable(), None)
+        self.use(map_file, grid)
         take_changes(node, "wall_request", self._change)
+
+    def use(self, map_file: Path, grid: Grid) -> None:
+        """Change the walls of this map from now on."""
+        self._store, name = find_home(map_file, os.environ)
+        self._name, self._grid = name if self._store == own_store(os.environ) else "", grid
+        self._publish(self._is_restorable(), None)
 
     def _is_restorable(self) -> bool:
         return bool(self._name) and is_restorable(self._store, self._name)
 
     def _change(self, request: Mapping[str, object]) -> None:
+        # Changes keep the cells' frame, so that the first grid stands for all.
+        change, before = partial(change_walls, self._store, self._name, self._grid, request), self._grid
+
         def job() -> tuple[Grid | None, str, bool]:
-            # Changes keep the cells' frame, so that the first grid stands for all.
-            change = partial(change_walls, self._store, self._name, self._grid, request)
             return *attempt(change, "the map"), self._is_restorable()
 
-        self._node.work(job, partial(self._finish, str(request["id"])), "walls")
+        self._node.work(job, partial(self._finish, str(request["id"]), before), "walls")
 
-    def _finish(self, id: str, outcome: tuple[Grid | None, str, bool]) -> None:
+    def _finish(self, id: str, before: Grid, outcome: tuple[Grid | None, str, bool]) -> None:
         grid, problem, restorable = outcome
-        if grid is not None:
+        if grid is not None and before is self._grid:  # else another map has been loaded
             self._use(grid)
             self._node.log.info(f"walls of map {self._name} were changed on request")
         self._publish(restorable, {"id": id, "problem": problem})

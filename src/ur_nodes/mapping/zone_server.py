@@ -41,17 +41,24 @@ class ZoneServer:
         take_changes(node, "zone_request", self._change)
         node.every(_PERIOD, self._look, steady=True)
 
+    def use(self, map_file: Path, grid: Grid) -> None:
+        """Publish the zones of another map from now on."""
+        self._file, self._resolution = ZoneFile(map_file, grid), grid.resolution
+        self._answer = None
+        self._busy += 1
+        self._node.work(partial(self._file.read, None), partial(self._take, renewed=True), "zones")
+
     def _look(self) -> None:
         if not self._busy:
             self._busy += 1
             self._node.work(partial(self._file.read, self._zones), self._take, "zones")
 
     def _change(self, request: Mapping[str, object]) -> None:
-        before = self._zones
+        before, file = self._zones, self._file
 
         def job() -> tuple[str, Zones]:
-            _, problem = attempt(partial(self._file.change, request), "the zones")
-            return problem, self._file.read(before)
+            _, problem = attempt(partial(file.change, request), "the zones")
+            return problem, file.read(before)
 
         self._busy += 1
         self._node.work(job, partial(self._finish, str(request["id"])), "zones")
@@ -61,11 +68,11 @@ class ZoneServer:
         self._answer = {"id": id, "problem": problem}
         self._take(zones, answered=True)
 
-    def _take(self, zones: Zones, *, answered: bool = False) -> None:
+    def _take(self, zones: Zones, *, answered: bool = False, renewed: bool = False) -> None:
         self._busy -= 1
-        if zones is self._zones and not answered:
+        if zones is self._zones and not (answered or renewed):
             return
-        changed = zones.zones != self._zones.zones
+        changed = renewed or zones.zones != self._zones.zones
         self._zones = zones
         self._publish()
         if changed:

@@ -26,7 +26,7 @@ from ur_nodes.navigation.world_view import WorldView
 from ur_nodes.ports.actions import GoalHandle, GoalServer
 from ur_nodes.ports.newest_work import NewestWork
 from ur_nodes.ports.node import Node
-from ur_nodes.ports.services import AskPath, Silent
+from ur_nodes.ports.services import AskPath, ClearCostmap, Silent
 from ur_nodes.ports.transforms import seconds_of
 from ur_nodes.ports.values import Path, PlacedPose, Result
 
@@ -137,7 +137,7 @@ class MoveBase:
         else:
             self._node.work(partial(self._plan, wanted), answer, "requests")
 
-    def clear_costmaps(self, _request: Silent) -> Result:
+    def clear_costmaps(self, _request: Silent | ClearCostmap) -> Result:
         """Forget all obstacles that were seen."""
         self._forget_obstacles(Behaviour.CLEAR_ALL)
         return Result(success=True)

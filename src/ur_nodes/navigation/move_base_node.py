@@ -10,7 +10,7 @@ from ur_nodes.navigation.move_base import MoveBase
 from ur_nodes.navigation.move_base_settings import read_settings
 from ur_nodes.ports.node import Node
 from ur_nodes.ports.qualities import Quality
-from ur_nodes.ports.services import AskPath, Silent
+from ur_nodes.ports.services import AskPath, ClearCostmap, Silent
 from ur_nodes.run import run
 
 
@@ -22,6 +22,9 @@ def start(node: Node) -> None:
     node.subscribe(stopped, bool, move_base.take_stop, Quality.LATCHED_EVERY)  # one that ended counts, too
     node.serve_later("~make_plan", AskPath, move_base.make_plan)
     node.serve("~clear_costmaps", Silent, move_base.clear_costmaps)
+    for costmap in ("global", "local"):  # both are made of the same obstacles
+        service = f"{costmap}_costmap/clear_entirely_{costmap}_costmap"
+        node.serve(service, ClearCostmap, move_base.clear_costmaps)
     node.every(settings.navigator.period / settings.repeats, move_base.beat)
     node.on_end(move_base.shut_down)
 

@@ -97,7 +97,7 @@ class Node(Protocol):
         """
 
     def serve(self, service: str, kind: type[Value], answer: Callable[[Value], Result]) -> None:
-        """Answer requests of a kind, see `ports.services`."""
+        """Answer requests of a kind, see `ports.services`. Nothing is offered where their messages are missing."""
 
     def serve_later(
         self, service: str, kind: type[Value], take: Callable[[Value, Callable[[Result], None]], None]

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from enum import IntEnum
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ur_nodes.geometry.pose import Pose2
-from ur_nodes.ports.values import Calibration, Map, PlacedPose
+from ur_nodes.ports.values import Calibration, Map, PlacedPose, PoseEstimate
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,6 +68,64 @@ class UseCalibration:
     """Use a calibration from now on, and keep it."""
 
     calibration: Calibration
+
+
+@dataclass(frozen=True, slots=True)
+class LoadMap:
+    """Serve another map file from now on, by its path or `file://`. Answered with its `Map`.
+
+    A failure has a `MapProblem` as its value.
+    """
+
+    file: str
+
+
+class MapProblem(IntEnum):
+    """The reason why a map was not loaded, as nav_msgs/LoadMap and nav2_msgs/LoadMap number it."""
+
+    MISSING = 1
+    UNUSABLE = 2
+
+
+@dataclass(frozen=True, slots=True)
+class SaveMap:
+    """Write the map of a topic, '' for `map`, as NAME.pgm and NAME.yaml. The limits of cells are in per cent."""
+
+    name: str
+    topic: str = ""
+    occupied: int = 65
+    free: int = 25
+
+
+@dataclass(frozen=True, slots=True)
+class SaveOwnMap:
+    """As SaveMap, for the map that the node itself makes."""
+
+    name: str
+
+
+@dataclass(frozen=True, slots=True)
+class StoreMap:
+    """Store a map so that it can be continued, '' for the name that it has."""
+
+    name: str
+
+
+@dataclass(frozen=True, slots=True)
+class ClearCostmap:
+    """Forget the obstacles of a costmap."""
+
+
+@dataclass(frozen=True, slots=True)
+class SetPose:
+    """Take a pose of the robot as known."""
+
+    estimate: PoseEstimate
+
+
+@dataclass(frozen=True, slots=True)
+class Pause:
+    """Use no more scans, or use them again."""
 
 
 READING = (AskMap, AskPath)

@@ -9,7 +9,7 @@ from typing import Any, TypeVar
 import rospy
 
 from ur.source.diagnostic import UserError
-from ur_nodes.codecs import find_service
+from ur_nodes.codecs import find_offered, find_service
 from ur_nodes.codecs.dialect import ServiceFailureError
 from ur_nodes.loop import Loop, run_aside
 from ur_nodes.ports.values import Result
@@ -23,7 +23,9 @@ def serve_service(
     loop: Loop, service: str, kind: type[Value], take: Callable[[Value, Callable[[Result], None]], None]
 ) -> None:
     """Answer requests of a kind; `take` gets each one, and what to call with the answer."""
-    codec = find_service(kind)
+    codec = find_offered(kind)
+    if codec is None:
+        return
 
     def respond(message: Any) -> Any:
         done: Future[Result] = Future()

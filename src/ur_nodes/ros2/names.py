@@ -21,6 +21,8 @@ UPSTREAM = {
     "move_base/local_costmap/costmap": "local_costmap/costmap",
     "move_base/local_costmap/footprint": "local_costmap/published_footprint",
     "static_map": "map_server/map",
+    "change_map": "map_server/load_map",
+    "dynamic_map": "slam_toolbox/dynamic_map",
     "global_localization": "reinitialize_global_localization",
 }
 """The ends of names of topics and services of ROS 1, and what Nav2 calls them. `docs/how-to/ros2.md` has this table."""

@@ -7,13 +7,9 @@ import time
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, TypeVar
 
-import rclpy.node
-from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.executors import SingleThreadedExecutor
 
-from ur.source.diagnostic import UserError
-from ur_nodes.codecs import KindCodec, find_codec, find_service
-from ur_nodes.codecs.dialect import ServiceFailureError, parts_of
+from ur_nodes.codecs import KindCodec, find_codec
 from ur_nodes.file_facts import FileFacts
 from ur_nodes.loop import Loop
 from ur_nodes.node_base import LoopNode
@@ -23,7 +19,6 @@ from ur_nodes.ports.node import Location, Sender
 from ur_nodes.ports.parameters import Parameters
 from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.raw import Raw
-from ur_nodes.ports.services import READING
 from ur_nodes.ports.transforms import Transforms
 from ur_nodes.ports.values import Result
 from ur_nodes.ros2.log import follow_clock, make_log
@@ -31,6 +26,7 @@ from ur_nodes.ros2.names import resolve, type_name_of
 from ur_nodes.ros2.navigation.lifecycle import answer_for_managed_nodes
 from ur_nodes.ros2.parameters import RosParameters
 from ur_nodes.ros2.reception import ReceivingNode
+from ur_nodes.ros2.services import Services
 from ur_nodes.ros2.topics import RosPublisher, RosSubscription
 
 if TYPE_CHECKING:
@@ -39,8 +35,6 @@ if TYPE_CHECKING:
 Value = TypeVar("Value")
 
 _MOST_TRANSFORMS = 1000  # messages that wait while a callback takes long: a history with gaps is of no use
-_LOOK_FOR_SERVICE = 0.02  # s
-_ASK_AGAIN = 3.0  # s: the server drops an answer while it does not know all of its client
 _END_LIMIT = 3.0  # s for the executor to end
 _LEAVE = 0.05  # s: for what was sent last to leave
 
@@ -63,8 +57,7 @@ class RosNode(LoopNode):
         self._executor = SingleThreadedExecutor(context=self._node.context)
         self._executor.add_node(self._node)
         self._spinner = threading.Thread(target=self._executor.spin, name="executor", daemon=True)
-        self._services = ReentrantCallbackGroup()  # a request that is answered later holds up no other
-        self._clients: dict[tuple[str, type], rclpy.node.Client] = {}
+        self._services = Services(self._node, self._executor, loop, self.log)
         self._actions: NavigationActions | None = None
         self._following = follow_clock(self._clock, loop.passed) if self._simulated else None
         answer_for_managed_nodes(self._node)
@@ -152,66 +145,11 @@ class RosNode(LoopNode):
         self, service: str, kind: type[Value], take: Callable[[Value, Callable[[Result], None]], None]
     ) -> None:
         """See Node."""
-        codec = find_service(kind)
-
-        async def respond(message: Any, _response: Any) -> Any:
-            done = rclpy.Future(executor=self._executor)
-
-            def give(result: Result) -> None:
-                try:
-                    response = codec.response(result)
-                except ServiceFailureError as problem:  # ROS 2 has no way to say it
-                    self.log.error(f"{self.resolve(service)}: {problem}")
-                    response = parts_of(codec.service_class)[1]()
-                done.set_result(response)
-                self._executor.wake()
-
-            def work() -> None:
-                try:
-                    request = codec.request_of(message)
-                except (ValueError, UserError) as problem:
-                    give(Result(False, str(problem)))
-                    return
-                take(request, give)
-
-            self._loop.post(work)
-            return await done
-
-        self._node.create_service(codec.service_class, self.resolve(service), respond, callback_group=self._services)
+        self._services.serve(service, kind, take)
 
     def call(self, service: str, request: object, take: Callable[[Result], None], within: float = 5.0) -> None:
         """See Node."""
-        codec = find_service(type(request))
-        key = (service, type(request))
-        if key not in self._clients:
-            self._clients[key] = self._node.create_client(codec.service_class, self.resolve(service))
-        client = self._clients[key]
-        waiting = [take]
-
-        def give(result: Result) -> None:
-            if waiting:
-                waiting.pop()(result)
-
-        def take_answer(future: rclpy.Future) -> None:
-            try:
-                result = codec.result_of(future.result())
-            except (UserError, ValueError, RuntimeError) as problem:
-                result = Result(False, str(problem))
-            self._loop.post(lambda: give(result))
-
-        def ask() -> None:
-            if not waiting:
-                return
-            if client.service_is_ready():
-                client.call_async(codec.request(request)).add_done_callback(take_answer)
-                if isinstance(request, READING):
-                    self._loop.after(_ASK_AGAIN, ask, steady=True)
-            else:
-                self._loop.after(_LOOK_FOR_SERVICE, ask, steady=True)
-
-        ask()
-        late = Result(False, f"no answer of {self.resolve(service)} within {within:g} s")
-        self._loop.after(within, lambda: give(late), steady=True)
+        self._services.call(service, request, take, within)
 
     def serve_goals(self, action: str, takers: GoalTakers, kept: float = 5.0) -> GoalServer:
         """See Node."""

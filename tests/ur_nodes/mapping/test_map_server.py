@@ -19,7 +19,7 @@ from ur_nodes.geometry.grid import load_map
 from ur_nodes.mapping.map_server import MapServer
 from ur_nodes.memory.bus import Bus
 from ur_nodes.ports.qualities import Quality
-from ur_nodes.ports.services import AskMap
+from ur_nodes.ports.services import AskMap, LoadMap, MapProblem
 from ur_nodes.ports.values import Map, MapInfo, Result
 
 ZONE = {"name": "hall", "kind": "keep-out", "points": [[0.5, 0.5], [1.5, 0.5], [1.5, 1.5], [0.5, 1.5]]}
@@ -158,3 +158,45 @@ def test_walls_of_a_map_that_is_not_stored_stay_as_they_are(store: MapStore, tmp
     assert "the map in use is a file" in stage.walls["answer"]["problem"]
     assert not (stage.maps["map"].grid.values == 100).any()
     assert store.names() == ["flat"]
+
+
+def load(stage: MapServerStage, file: str) -> Result:
+    answers: list[Result] = []
+    stage.client.call("change_map", LoadMap(file), answers.append)
+    stage.bus.run(0.2)
+    return answers[0]
+
+
+def test_another_map_is_served_with_its_zones_and_walls_on_request(stage: MapServerStage, store: MapStore) -> None:
+    stage.ask("zone_request", do="put", zone=ZONE)
+    import_picture(store, write_picture(store.folder / "plan", np.zeros((4, 5), np.int8), 0.2, (1.0, 2.0, 0.0)), "hut")
+    answer = load(stage, f"file://{store.picture('hut')}")
+    assert answer.success
+    assert isinstance(answer.value, Map)
+    assert stage.maps["map"].grid.shape == answer.value.grid.shape == (4, 5)
+    assert stage.walls["name"] == "hut"
+    assert stage.zones["zones"] == []
+    assert stage.maps["keepout_filter_mask"].grid.values.max(initial=0) <= 0
+    stage.ask("zone_request", do="put", zone=ZONE | {"name": "shed"})
+    assert [each["name"] for each in stage.zones["zones"]] == ["shed"]
+    assert load(stage, str(store.picture("flat"))).success
+    assert [each["name"] for each in stage.zones["zones"]] == ["hall"]
+    assert stage.maps["keepout_filter_mask"].grid.values.max() == 100
+
+
+@pytest.mark.parametrize(
+    ("file", "problem", "text"),
+    [
+        ("/nowhere/map.yaml", MapProblem.MISSING, "there is no file /nowhere/map.yaml"),
+        ("map.yaml", MapProblem.UNUSABLE, "file 'map.yaml', expected an absolute path"),
+        ("{folder}/broken.yaml", MapProblem.UNUSABLE, ""),
+    ],
+)
+def test_map_that_cannot_be_used_is_refused_and_the_one_before_stays(
+    stage: MapServerStage, tmp_path: Path, file: str, problem: MapProblem, text: str
+) -> None:
+    (tmp_path / "broken.yaml").write_text("image: none.pgm\n")
+    answer = load(stage, file.format(folder=tmp_path))
+    assert (answer.success, answer.value) == (False, problem)
+    assert text in answer.text
+    assert stage.maps["map"].grid.shape == (20, 30)

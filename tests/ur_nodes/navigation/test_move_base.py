@@ -14,7 +14,7 @@ from ur_nodes.geometry.pose import Pose2
 from ur_nodes.memory.bus import Bus
 from ur_nodes.navigation.move_base_node import start
 from ur_nodes.ports.qualities import Quality
-from ur_nodes.ports.services import AskPath, Silent
+from ur_nodes.ports.services import AskPath, ClearCostmap, Silent
 from ur_nodes.ports.values import Map, MapUpdate, Outline, Path, PlacedPose
 
 
@@ -131,6 +131,8 @@ def test_obstacles_are_forgotten_on_request(robot: RobotStage) -> None:
     robot.seeing = False
     robot.bus.run(0.6)
     assert robot.ask("move_base/clear_costmaps", Silent()).success
+    assert robot.ask("global_costmap/clear_entirely_global_costmap", ClearCostmap()).success
+    assert robot.ask("local_costmap/clear_entirely_local_costmap", ClearCostmap()).success
     robot.bus.run(1.5)
     assert int((maps[-1].grid.values == 100).sum()) < seen / 2
 

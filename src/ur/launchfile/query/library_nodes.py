@@ -78,7 +78,7 @@ LIBRARY_NODES: dict[str, Interface] = {
     "map_server": make_interface(
         publishes="map map_metadata zones walls keepout_filter_mask speed_filter_mask",
         subscribes="zone_request wall_request",
-        services="static_map",
+        services="static_map change_map",
     ),
     "move_base": make_interface(
         publishes="cmd_vel cmd_vel_stamped ~current_goal ~global_costmap/costmap "

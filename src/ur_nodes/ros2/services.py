@@ -1,0 +1,102 @@
+"""Services of a node: what it offers, and what it asks others for."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import rclpy
+from rclpy.callback_groups import ReentrantCallbackGroup
+
+from ur.source.diagnostic import UserError
+from ur_nodes.codecs import find_offered, find_service
+from ur_nodes.codecs.dialect import ServiceFailureError, parts_of
+from ur_nodes.loop import Loop
+from ur_nodes.ports.log import Log
+from ur_nodes.ports.services import READING
+from ur_nodes.ports.values import Result
+from ur_nodes.ros2.names import resolve
+
+if TYPE_CHECKING:
+    from rclpy.executors import SingleThreadedExecutor
+    from rclpy.node import Client, Node
+
+Value = TypeVar("Value")
+
+_LOOK_FOR_SERVICE = 0.02  # s
+_ASK_AGAIN = 3.0  # s: the server drops an answer while it does not know all of its client
+
+
+class Services:
+    """Requests and answers are handled on the thread of `loop`."""
+
+    def __init__(self, node: Node, executor: SingleThreadedExecutor, loop: Loop, log: Log) -> None:
+        self._node, self._executor, self._loop, self._log = node, executor, loop, log
+        self._group = ReentrantCallbackGroup()  # a request that is answered later holds up no other
+        self._clients: dict[tuple[str, type], Client] = {}
+
+    def serve(self, service: str, kind: type[Value], take: Callable[[Value, Callable[[Result], None]], None]) -> None:
+        """See `ports.node.Node.serve_later`."""
+        codec = find_offered(kind)
+        if codec is None:
+            return
+        name = resolve(self._node, service)
+
+        async def respond(message: Any, _response: Any) -> Any:
+            done = rclpy.Future(executor=self._executor)
+
+            def give(result: Result) -> None:
+                try:
+                    response = codec.response(result)
+                except ServiceFailureError as problem:  # ROS 2 has no way to say it
+                    self._log.error(f"{name}: {problem}")
+                    response = parts_of(codec.service_class)[1]()
+                done.set_result(response)
+                self._executor.wake()
+
+            def work() -> None:
+                try:
+                    request = codec.request_of(message)
+                except (ValueError, UserError) as problem:
+                    give(Result(False, str(problem)))
+                    return
+                take(request, give)
+
+            self._loop.post(work)
+            return await done
+
+        self._node.create_service(codec.service_class, name, respond, callback_group=self._group)
+
+    def call(self, service: str, request: object, take: Callable[[Result], None], within: float) -> None:
+        """See `ports.node.Node.call`."""
+        codec = find_service(type(request))
+        name, key = resolve(self._node, service), (service, type(request))
+        if key not in self._clients:
+            self._clients[key] = self._node.create_client(codec.service_class, name)
+        client = self._clients[key]
+        waiting = [take]
+
+        def give(result: Result) -> None:
+            if waiting:
+                waiting.pop()(result)
+
+        def take_answer(future: rclpy.Future) -> None:
+            try:
+                result = codec.result_of(future.result())
+            except (UserError, ValueError, RuntimeError) as problem:
+                result = Result(False, str(problem))
+            self._loop.post(lambda: give(result))
+
+        def ask() -> None:
+            if not waiting:
+                return
+            if client.service_is_ready():
+                client.call_async(codec.request(request)).add_done_callback(take_answer)
+                if isinstance(request, READING):
+                    self._loop.after(_ASK_AGAIN, ask, steady=True)
+            else:
+                self._loop.after(_LOOK_FOR_SERVICE, ask, steady=True)
+
+        ask()
+        late = Result(False, f"no answer of {name} within {within:g} s")
+        self._loop.after(within, lambda: give(late), steady=True)
