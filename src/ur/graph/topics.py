@@ -15,7 +15,7 @@ _MAX_ROBOTS = 100
 _Found = Iterator[tuple[str, Use, str]]
 
 # What every ROS node has; it would hide everything else.
-_COMMON_TOPICS = frozenset({"/rosout", "/rosout_agg"})
+_COMMON_TOPICS = frozenset({"/rosout", "/rosout_agg", "/parameter_events"})
 _TRANSFORMS = frozenset({"/tf", "/tf_static"})
 _COMMON_NODES = frozenset({"/rosout"})
 

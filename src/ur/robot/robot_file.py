@@ -21,6 +21,8 @@ _TEXTS = {  # by key, the shape of its value; each gets into command lines
     "ros_commands": re.compile(r"(/[A-Za-z_][A-Za-z0-9_]{0,60}){1,6}"),
 }
 COMMANDS = "/cmd_vel"
+_ZENOH = "rmw_zenoh_cpp"
+_ROUTER_PORT = 7447
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,6 +52,22 @@ class Ros2Robot:
             "ROS_AUTOMATIC_DISCOVERY_RANGE": "SUBNET",  # as nodes have it that were started without us
             "ROS_NAMESPACE": self.namespace,
         }
+        return {name: value for name, value in wanted.items() if value}
+
+    def guest_variables(self, host: str) -> dict[str, str]:
+        """The variables of programs of another computer, such as RViz 2, that are to see its nodes.
+
+        Multicast often does not cross a WiFi, so the robot is named as a peer; of Zenoh, its router.
+        """
+        wanted = {
+            "ROS_DOMAIN_ID": self.domain,
+            "RMW_IMPLEMENTATION": self.middleware,
+            "ROS_AUTOMATIC_DISCOVERY_RANGE": "SUBNET",
+        }
+        if self.middleware == _ZENOH:
+            wanted["ZENOH_CONFIG_OVERRIDE"] = f'mode="client";connect/endpoints=["tcp/{host}:{_ROUTER_PORT}"]'
+        else:
+            wanted["ROS_STATIC_PEERS"] = host
         return {name: value for name, value in wanted.items() if value}
 
     def arguments(self) -> dict[str, str]:

@@ -36,7 +36,7 @@ _PICTURES = (".png", ".jpg", ".jpeg", ".gif", ".webp", ".pdf")
 @click.command("graph")
 @click.argument("argv", nargs=-1, metavar="[PACKAGE] FILE [ARG:=VALUE]... | [NODE]...")
 @click.option("--topics", is_flag=True, help="Draw nodes and topics, without starting them.")
-@click.option("--live", is_flag=True, help="Nodes and topics that the master knows now; NODE limits it to neighbours.")
+@click.option("--live", is_flag=True, help="Nodes and topics of now; NODE limits it to neighbours.")
 @click.option(
     "--as",
     "form",
@@ -103,6 +103,11 @@ def _show_live(nodes: Sequence[str], form: str) -> str:
     from ur.source.progress_line import show_progress
 
     apply_selection(current_selection(os.environ))
+    if os.environ.get("ROS_VERSION") == "2":
+        return _show_domain(nodes, form)
+    if os.environ.get("ROS_VERSION") == "0":
+        message = "--live needs ROS: without it all nodes are in one process, which no other program sees"
+        raise UserError(error(message, rule="no-master", help="ur graph --topics FILE draws what they use"))
     master = parse_master_uri(os.environ["ROS_MASTER_URI"])
     try:
         with show_progress(f"waiting for the master at {master.uri} to answer"):
@@ -110,18 +115,44 @@ def _show_live(nodes: Sequence[str], form: str) -> str:
     except Unanswered:
         message = f"no master answers at {master.uri}, expected one"
         raise UserError(error(message, rule="no-master", help="start something: ur run keyboard_drive")) from None
-    known = {node for part in state[:2] for _, names in part for node in names}
+    wanted = _find_nodes(nodes, state[:2], f"known to the master at {master.uri}")
+    return _render(graph_system(state, wanted), form, f"nodes and topics at {master.uri}")
+
+
+def _show_domain(nodes: Sequence[str], form: str) -> str:
+    from ur.graph.topics import graph_system
+    from ur.run.middleware.helper_view import HelperView
+    from ur.run.middleware.protocol import NoGraph
+    from ur.run.middleware.settled import read_settled
+    from ur.source.diagnostic import UserError, error
+    from ur.source.progress_line import show_progress
+
+    where = f"domain {os.environ.get('ROS_DOMAIN_ID') or '0'}"
+    try:
+        with show_progress(f"waiting for the nodes of {where} to be discovered"):
+            graph = read_settled(HelperView(os.environ))
+    except NoGraph as problem:
+        raise UserError(error(str(problem), rule="no-graph", help="ur doctor")) from None
+    state = (tuple(graph.publishers.items()), tuple(graph.subscribers.items()))
+    if not any(state):
+        message = f"no node is in {where}, expected one"
+        raise UserError(error(message, rule="no-graph", help="start something: ur run keyboard_drive"))
+    return _render(graph_system(state, _find_nodes(nodes, state, f"in {where}")), form, f"nodes and topics in {where}")
+
+
+def _find_nodes(nodes: Sequence[str], state: Sequence[Iterable[tuple[str, Sequence[str]]]], where: str) -> list[str]:
+    """The full names of nodes. Raises UserError: one of them is not there."""
+    known = {node for part in state for _, names in part for node in names}
     wanted = [name if name.startswith("/") else f"/{name}" for name in nodes]
     for name in wanted:
         if name not in known:
+            from ur.source.diagnostic import UserError, error
             from ur.source.suggest import did_you_mean
 
             near = did_you_mean(name, known)
-            message = (
-                f"no node {name} is known to the master at {master.uri}, expected one of {', '.join(sorted(known))}"
-            )
+            message = f"no node {name} is {where}, expected one of {', '.join(sorted(known))}"
             raise UserError(error(message, rule="unknown-node", help=f"did you mean {near}?" if near else None))
-    return _render(graph_system(state, wanted), form, f"nodes and topics at {master.uri}")
+    return wanted
 
 
 def _render(graph: DrawnGraph, form: str, title: str) -> str:

@@ -64,8 +64,12 @@ COMPUTER = (
         "ur.cli.computer.env",
         "Print the lines that let a shell follow the selection.",
         _SECTION,
-        examples=(('eval "$(ur env)"', "Make this shell follow the selection."), ("ur env", "Print what that sets.")),
-        trust=Trust("the selection"),
+        examples=(
+            ('eval "$(ur env)"', "Make this shell follow the selection."),
+            ("ur env", "Print what that sets."),
+            ('eval "$(ur env --graph)"; rviz2', "Look at a robot with ROS 2 in RViz 2 of this computer."),
+        ),
+        trust=Trust("the selection, /etc/ubiquity/robot.yaml of the robot", starts="ssh"),
         needs_ros=False,
     ),
     Verb(

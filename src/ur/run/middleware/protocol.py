@@ -32,6 +32,10 @@ class RunGraph:
     services: Mapping[str, Sequence[str]]
     nodes: Collection[str] = ()
 
+    def topics(self) -> set[str]:
+        """The topics that have a publisher or a subscriber."""
+        return {*self.publishers, *self.subscribers}
+
     def knows(self, node: str) -> bool:
         """Test for a registered node."""
         return node in self.nodes or any(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Iterator
 from importlib import import_module
 from pathlib import Path
 
@@ -14,7 +15,7 @@ _LOADED = "a message was imported"
 
 
 @pytest.fixture
-def package(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+def package(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
     """The package `parrot_msgs` with the messages Talk and Walk; the finder is in use."""
     folder = tmp_path / "parrot_msgs/msg"
     folder.mkdir(parents=True)
@@ -25,10 +26,12 @@ def package(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
         "from parrot_msgs.msg._talk import Talk  # noqa: F401\nfrom parrot_msgs.msg._walk import Walk  # noqa: F401\n"
     )
     monkeypatch.syspath_prepend(str(tmp_path))
-    monkeypatch.setattr(sys, "meta_path", list(sys.meta_path))
-    monkeypatch.setattr(sys, "modules", dict(sys.modules))
+    finders, modules = list(sys.meta_path), set(sys.modules)
     load_when_used()
-    return folder
+    yield folder
+    sys.meta_path[:] = finders
+    for name in set(sys.modules) - modules:
+        del sys.modules[name]
 
 
 @pytest.mark.usefixtures("package")
