@@ -28,7 +28,7 @@ _MODULES = {
     "ur_nodes.codecs.vision.fiducials": ("SeenFiducials", "PlacedFiducials", "MappedFiducials"),
     "ur_nodes.codecs.frames": ("tuple",),
     "ur_nodes.codecs.services": ("Trigger", "Silent", "Switch", "AskMap", "UseMap", "AskPath", "Place"),
-    _OPTIONAL: ("LoadMap", "SaveMap", "SaveOwnMap", "StoreMap", "ClearCostmap", "SetPose", "Pause"),
+    _OPTIONAL: ("LoadMap", "SaveTopicMap", "SaveOwnMap", "SerializeMap", "ClearCostmap", "SetInitialPose", "Pause"),
 }
 _MODULE_OF = {kind: module for module, kinds in _MODULES.items() for kind in kinds}
 

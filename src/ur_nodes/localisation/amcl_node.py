@@ -13,7 +13,7 @@ from ur_nodes.memory_use import return_large_arrays
 from ur_nodes.ports.node import Node
 from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.scan_feed import ScanFeed
-from ur_nodes.ports.services import SetPose, Silent, UseMap
+from ur_nodes.ports.services import SetInitialPose, Silent, UseMap
 from ur_nodes.ports.values import Map, PoseEstimate, Result, Scan
 from ur_nodes.run import run
 
@@ -32,7 +32,7 @@ class AmclNode:
         node.serve("global_localization", Silent, lambda _request: self._amcl.scatter())
         node.serve("request_nomotion_update", Silent, lambda _request: self._amcl.request_update())
         node.serve("set_map", UseMap, self._set_map)
-        node.serve("set_initial_pose", SetPose, self._set_pose)
+        node.serve("set_initial_pose", SetInitialPose, self._set_pose)
         self._source = MapSource(node, self._take_map, topic=settings.use_map_topic)
 
     def _take_map(self, given: Map) -> None:
@@ -44,7 +44,7 @@ class AmclNode:
         self._place(PoseEstimate(request.stamp, request.frame, request.pose, request.covariance))
         return Result(success=True)
 
-    def _set_pose(self, request: SetPose) -> Result:
+    def _set_pose(self, request: SetInitialPose) -> Result:
         self._place(request.estimate)
         return Result(success=True)
 

@@ -9,7 +9,7 @@ from ur.source.diagnostic import UserError, error
 from ur_nodes.mapping.save import save_map
 from ur_nodes.ports.node import Node
 from ur_nodes.ports.qualities import Quality
-from ur_nodes.ports.services import SaveMap, SaveOwnMap
+from ur_nodes.ports.services import SaveOwnMap, SaveTopicMap
 from ur_nodes.ports.values import Map, Result
 
 PATIENCE = 5.0  # s for a map to arrive
@@ -23,11 +23,11 @@ class SaveRequests:
     def __init__(self, node: Node, *, own: str = "") -> None:
         self._node = node
         self._busy = False
-        node.serve_later("map_saver/save_map", SaveMap, self._save)
+        node.serve_later("map_saver/save_map", SaveTopicMap, self._save)
         if own:
-            node.serve_later(own, SaveOwnMap, lambda request, give: self._save(SaveMap(request.name), give))
+            node.serve_later(own, SaveOwnMap, lambda request, give: self._save(SaveTopicMap(request.name), give))
 
-    def _save(self, request: SaveMap, give: Callable[[Result], None]) -> None:
+    def _save(self, request: SaveTopicMap, give: Callable[[Result], None]) -> None:
         if self._busy:
             give(self._report(request, "another map is being saved"))
             return
@@ -53,7 +53,7 @@ class SaveRequests:
         subscription = self._node.subscribe(topic, Map, take, Quality.LATCHED, unreadable=take)
         self._node.after(PATIENCE, give_up, steady=True)
 
-    def _report(self, request: SaveMap, problem: str) -> Result:
+    def _report(self, request: SaveTopicMap, problem: str) -> Result:
         if problem:
             self._node.log.error(f"map {request.name!r} was not saved: {problem}")
         else:
@@ -61,7 +61,7 @@ class SaveRequests:
         return Result(not problem, problem)
 
 
-def write(request: SaveMap, given: Map | str) -> str:
+def write(request: SaveTopicMap, given: Map | str) -> str:
     """Write a map, or take the reason why it cannot be read. Returns the problem, '' when there is none."""
     if isinstance(given, str):
         return given

@@ -88,7 +88,7 @@ class MapProblem(IntEnum):
 
 
 @dataclass(frozen=True, slots=True)
-class SaveMap:
+class SaveTopicMap:
     """Write the map of a topic, '' for `map`, as NAME.pgm and NAME.yaml. The limits of cells are in per cent."""
 
     name: str
@@ -99,13 +99,13 @@ class SaveMap:
 
 @dataclass(frozen=True, slots=True)
 class SaveOwnMap:
-    """As SaveMap, for the map that the node itself makes."""
+    """As SaveTopicMap, for the map that the node itself makes."""
 
     name: str
 
 
 @dataclass(frozen=True, slots=True)
-class StoreMap:
+class SerializeMap:
     """Store a map so that it can be continued, '' for the name that it has."""
 
     name: str
@@ -117,7 +117,7 @@ class ClearCostmap:
 
 
 @dataclass(frozen=True, slots=True)
-class SetPose:
+class SetInitialPose:
     """Take a pose of the robot as known."""
 
     estimate: PoseEstimate

@@ -31,7 +31,8 @@ UPSTREAM = {
 def upstream_name(full: str) -> str:
     """The name by which users of ROS 2 know a topic or service; `full` is its name as on ROS 1, below any namespace."""
     for ours, theirs in UPSTREAM.items():
-        if full.endswith(f"/{ours}"):
+        done = theirs.endswith(f"/{ours}") and full.endswith(f"/{theirs}")
+        if full.endswith(f"/{ours}") and not done:
             return full.removesuffix(ours) + theirs
     return full
 

@@ -26,10 +26,12 @@ from ur_nodes.ros2.names import resolve, type_name_of
 from ur_nodes.ros2.navigation.lifecycle import answer_for_managed_nodes
 from ur_nodes.ros2.parameters import RosParameters
 from ur_nodes.ros2.reception import ReceivingNode
-from ur_nodes.ros2.services import Services
+from ur_nodes.ros2.services import NodeServices
 from ur_nodes.ros2.topics import RosPublisher, RosSubscription
 
 if TYPE_CHECKING:
+    from rclpy.node import TopicEndpointInfo
+
     from ur_nodes.ros2.navigation.server import NavigationActions
 
 Value = TypeVar("Value")
@@ -57,7 +59,7 @@ class RosNode(LoopNode):
         self._executor = SingleThreadedExecutor(context=self._node.context)
         self._executor.add_node(self._node)
         self._spinner = threading.Thread(target=self._executor.spin, name="executor", daemon=True)
-        self._services = Services(self._node, self._executor, loop, self.log)
+        self._services = NodeServices(self._node, self._executor, loop, self.log)
         self._actions: NavigationActions | None = None
         self._following = follow_clock(self._clock, loop.passed) if self._simulated else None
         answer_for_managed_nodes(self._node)
@@ -216,7 +218,7 @@ class RosNode(LoopNode):
         self.failed = self.failed or failed
         self.ended(reason)
 
-    def _known_kinds(self, ends: list[Any], kinds: tuple[type, ...]) -> frozenset[type]:
+    def _known_kinds(self, ends: list[TopicEndpointInfo], kinds: tuple[type, ...]) -> frozenset[type]:
         own = (self._node.get_namespace(), self._node.get_name())
         types = {each.topic_type for each in ends if (each.node_namespace, each.node_name) != own}
         return frozenset(kind for kind in kinds if type_name_of(find_codec(kind).message_class) in types)

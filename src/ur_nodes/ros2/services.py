@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 import rclpy
 from rclpy.callback_groups import ReentrantCallbackGroup
@@ -27,7 +27,7 @@ _LOOK_FOR_SERVICE = 0.02  # s
 _ASK_AGAIN = 3.0  # s: the server drops an answer while it does not know all of its client
 
 
-class Services:
+class NodeServices:
     """Requests and answers are handled on the thread of `loop`."""
 
     def __init__(self, node: Node, executor: SingleThreadedExecutor, loop: Loop, log: Log) -> None:
@@ -42,7 +42,7 @@ class Services:
             return
         name = resolve(self._node, service)
 
-        async def respond(message: Any, _response: Any) -> Any:
+        async def respond(message: object, _response: object) -> object:
             done = rclpy.Future(executor=self._executor)
 
             def give(result: Result) -> None:

@@ -6,13 +6,11 @@ import math
 import sys
 
 from ur_nodes.geometry.pose import Pose2
-from ur_nodes.mapping.save_requests import SaveRequests
 from ur_nodes.ports.node import SECOND, Node
 from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.scan_feed import ScanFeed
-from ur_nodes.ports.services import Pause
 from ur_nodes.ports.transforms import seconds_of
-from ur_nodes.ports.values import Imu, Number, Result, Scan, Transform
+from ur_nodes.ports.values import Imu, Number, Scan, Transform
 from ur_nodes.run import run
 from ur_nodes.slam.gmapping.lidars import Lidars
 from ur_nodes.slam.gmapping.map_output import SCANS, GridMapOutput
@@ -39,9 +37,6 @@ class SlamGmappingNode:
         if storage := MapStorage(node, stored, self._output) if stored else None:
             storage.begin(self._slam)
         self._reports = SlamReports(node, self._output.describe, lost=bool(storage and storage.continues))
-        self._paused = False
-        self._saves = SaveRequests(node, own="slam_toolbox/save_map")
-        node.serve("slam_toolbox/pause_new_measurements", Pause, self._pause)
         node.transforms.ignore((self._child,))
         self._feed = ScanFeed(node, settings.odom_frame, settings.base_frame, self._use_scan, settings.throttle_scans)
         self._lidars = Lidars(node, self._feed, settings.other_scans)
@@ -50,18 +45,11 @@ class SlamGmappingNode:
             node.every(settings.transform_publish_period, self._send_transform)
 
     def _use_scan(self, scan: Scan, odometry: Pose2 | None) -> None:
-        if self._paused:
-            return
-        readings = self._lidars.readings(scan, odometry)
+        readings = [] if self._output.requests.paused else self._lidars.readings(scan, odometry)
         if readings:
             self._feed.hold()
             heading = self._headings.at(seconds_of(scan.stamp), odometry) if odometry else None
             self._node.work(lambda: self._slam.step(readings, odometry, heading), self._take_step, SCANS)
-
-    def _pause(self, _request: Pause) -> Result:
-        self._paused = not self._paused
-        self._node.log.info("scans are not used any more" if self._paused else "scans are used again")
-        return Result(success=True)
 
     def _take_step(self, step: SlamStep) -> None:
         self._correction = step.correction

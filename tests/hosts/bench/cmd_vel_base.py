@@ -80,7 +80,7 @@ def type_of_transforms(folder: str) -> type:
     """The type of /tf, whose messages are bytes."""
     sys.path.insert(0, folder)
     from ur_nodes.codecs.bare import BareTransforms
-    from ur_nodes.ros2.bare_type import bare_class
+    from ur_nodes.ros2.messages.bare_type import bare_class
 
     made: type = bare_class(*BareTransforms.BARE)
     return made

@@ -16,7 +16,7 @@ from ur_nodes.geometry.pose import Pose2
 from ur_nodes.localisation.amcl_node import AmclNode
 from ur_nodes.memory.bus import Bus
 from ur_nodes.ports.qualities import Quality
-from ur_nodes.ports.services import AskMap, SetPose, Silent, UseMap
+from ur_nodes.ports.services import AskMap, SetInitialPose, Silent, UseMap
 from ur_nodes.ports.values import Map, PoseEstimate, Poses, Result, Scan, Transform
 
 MAZE = load_map(launch_library() / "n_map_server/maps/maze.yaml")
@@ -188,7 +188,7 @@ def test_pose_of_a_request_counts_as_one_of_the_topic() -> None:
     stage = AmclStage(MAZE)
     stage.drive(3, 0.1, 0.0)
     estimate = PoseEstimate(0, "map", Pose2(1.5, 0.5, 0.3), np.diag((0.0001, 0.0001, 0.0001)))
-    assert stage.ask("set_initial_pose", SetPose(estimate)).success
+    assert stage.ask("set_initial_pose", SetInitialPose(estimate)).success
     stage.drive(1, 0.1, 0.0)
     assert math.dist(stage.estimates[-1].pose[:2], (1.6, 0.53)) < 0.3
 

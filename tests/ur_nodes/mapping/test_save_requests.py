@@ -13,7 +13,7 @@ from ur_nodes.geometry.pose import Pose2
 from ur_nodes.mapping.save_requests import PATIENCE, SaveRequests, place_of
 from ur_nodes.memory.bus import Bus
 from ur_nodes.ports.qualities import Quality
-from ur_nodes.ports.services import SaveMap, SaveOwnMap
+from ur_nodes.ports.services import SaveOwnMap, SaveTopicMap
 from ur_nodes.ports.values import Map, Result
 
 
@@ -31,8 +31,8 @@ class SavingStage:
         given = Map(0, "map", Grid(values, 0.5, Pose2(1.0, 2.0, 0.0)))
         self.client.publish(topic, Map, Quality.LATCHED).send(given)
 
-    def ask(self, request: SaveMap | SaveOwnMap, seconds: float = 0.2) -> list[Result]:
-        service = "map_saver/save_map" if isinstance(request, SaveMap) else "slam_toolbox/save_map"
+    def ask(self, request: SaveTopicMap | SaveOwnMap, seconds: float = 0.2) -> list[Result]:
+        service = "map_saver/save_map" if isinstance(request, SaveTopicMap) else "slam_toolbox/save_map"
         self.client.call(service, request, self.answers.append, within=60.0)
         self.bus.run(seconds)
         return self.answers
@@ -46,7 +46,7 @@ def stage(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> SavingStage:
 
 def test_map_of_a_topic_is_saved_by_the_limits_of_the_request(stage: SavingStage, tmp_path: Path) -> None:
     stage.publish("other_map")
-    assert stage.ask(SaveMap(f"{tmp_path}/office", "other_map", occupied=35, free=10)) == [Result(True)]
+    assert stage.ask(SaveTopicMap(f"{tmp_path}/office", "other_map", occupied=35, free=10)) == [Result(True)]
     read = load_map(tmp_path / "office.yaml")
     assert read.values.tolist() == [[0, 100, -1], [100, 0, 0]]
     assert (read.resolution, read.origin) == (0.5, Pose2(1.0, 2.0, 0.0))
@@ -63,17 +63,17 @@ def test_own_map_is_saved_in_the_home_folder_and_replaces_no_file(stage: SavingS
 
 
 def test_request_without_a_map_fails_after_a_while_and_the_next_one_works(stage: SavingStage) -> None:
-    stage.ask(SaveMap("office"), seconds=PATIENCE / 2)
-    assert stage.ask(SaveMap("hall"))[-1].text == "another map is being saved"
+    stage.ask(SaveTopicMap("office"), seconds=PATIENCE / 2)
+    assert stage.ask(SaveTopicMap("hall"))[-1].text == "another map is being saved"
     stage.bus.run(PATIENCE)
     assert stage.answers[-1].text == f"no map on /map for {PATIENCE:g} s; is a mapping node running?"
     stage.publish()
-    assert stage.ask(SaveMap("office"))[-1].success
+    assert stage.ask(SaveTopicMap("office"))[-1].success
 
 
 def test_folder_that_is_not_there_is_named_and_not_made(stage: SavingStage, tmp_path: Path) -> None:
     stage.publish()
-    assert stage.ask(SaveMap("halls/office"))[-1].text == f"there is no folder {tmp_path}/halls"
+    assert stage.ask(SaveTopicMap("halls/office"))[-1].text == f"there is no folder {tmp_path}/halls"
     assert list(tmp_path.iterdir()) == []
 
 

@@ -19,7 +19,7 @@ from ur_nodes.geometry.pose import Pose2, Pose3
 from ur_nodes.geometry.scan import directions_of_scan, mount_of_pose
 from ur_nodes.memory.bus import Bus
 from ur_nodes.ports.qualities import Quality
-from ur_nodes.ports.services import AskMap, Pause, SaveOwnMap, StoreMap, Trigger
+from ur_nodes.ports.services import AskMap, Pause, SaveOwnMap, SerializeMap, Trigger
 from ur_nodes.ports.values import Imu, Map, MapInfo, Number, Result, Scan, Transform
 from ur_nodes.simulator.simulation import Simulation
 from ur_nodes.slam.gmapping.slam import entropy
@@ -241,8 +241,8 @@ def test_map_is_saved_again_and_again_on_request_and_at_the_end_and_continued(
     saved = store.record("flat").keyframes
     stage.drive(0.4, 0.0, 1.0)
     assert stage.ask("slam_gmapping/save", Trigger()) == Result(True, "flat")
-    assert stage.ask("slam_toolbox/serialize_map", StoreMap("flat")).success
-    assert stage.ask("slam_toolbox/serialize_map", StoreMap("office")).text == (
+    assert stage.ask("slam_toolbox/serialize_map", SerializeMap("flat")).success
+    assert stage.ask("slam_toolbox/serialize_map", SerializeMap("office")).text == (
         "the map is stored as 'flat', not as 'office'; 'ur maps' renames it"
     )
     asked = store.record("flat").keyframes

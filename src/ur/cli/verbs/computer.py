@@ -67,7 +67,7 @@ COMPUTER = (
         examples=(
             ('eval "$(ur env)"', "Make this shell follow the selection."),
             ("ur env", "Print what that sets."),
-            ('eval "$(ur env --graph)"; rviz2', "Look at a robot with ROS 2 in RViz 2 of this computer."),
+            ('eval "$(ur env --graph)"', "Let RViz 2 of this computer see the nodes of a robot with ROS 2."),
         ),
         trust=Trust("the selection, /etc/ubiquity/robot.yaml of the robot", starts="ssh"),
         needs_ros=False,

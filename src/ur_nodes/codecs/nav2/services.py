@@ -7,16 +7,26 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from ur_nodes.codecs import maps, places
 from ur_nodes.codecs.codec import KindServiceCodec, ServiceCodec
-from ur_nodes.codecs.dialect import GridMessage, parts_of
-from ur_nodes.ports.services import ClearCostmap, LoadMap, MapProblem, Pause, SaveMap, SaveOwnMap, SetPose, StoreMap
+from ur_nodes.codecs.dialect import GridMessage, ServiceMessages, parts_of
+from ur_nodes.ports.services import (
+    ClearCostmap,
+    LoadMap,
+    MapProblem,
+    Pause,
+    SaveOwnMap,
+    SaveTopicMap,
+    SerializeMap,
+    SetInitialPose,
+)
 from ur_nodes.ports.values import Result
 
-if TYPE_CHECKING:
-    from ur_nodes.codecs.dialect import ServiceMessages
+_Message = Any  # of packages that are not installed where types are checked
+_Service = ServiceMessages[_Message, _Message]
+_Made = KindServiceCodec[_Message]
 
 _LONGEST = 4096  # characters of a path
 _FAILED = 255
@@ -34,10 +44,10 @@ def _text(given: object) -> str:
     return text
 
 
-def _load_map(service: ServiceMessages[Any, Any]) -> KindServiceCodec[Any]:
+def _load_map(service: _Service) -> _Made:
     request_class, response_class = parts_of(service)
 
-    def respond(result: Result) -> Any:
+    def respond(result: Result) -> _Message:
         response = response_class()
         response.map = GridMessage()
         if result.success:
@@ -59,15 +69,15 @@ def _load_map(service: ServiceMessages[Any, Any]) -> KindServiceCodec[Any]:
     )
 
 
-def _save_map(service: ServiceMessages[Any, Any]) -> KindServiceCodec[Any]:
+def _save_map(service: _Service) -> _Made:
     request_class, response_class = parts_of(service)
 
-    def fill(value: SaveMap) -> Any:
+    def fill(value: SaveTopicMap) -> _Message:
         request = request_class(map_topic=value.topic, map_url=value.name)
         request.occupied_thresh, request.free_thresh = value.occupied / 100, value.free / 100
         return request
 
-    def read(request: Any) -> SaveMap:
+    def read(request: _Message) -> SaveTopicMap:
         if request.image_format not in _FORMATS or request.map_mode not in _MODES:
             raise ValueError(f"{_text(request.image_format)} {_text(request.map_mode)}, expected pgm trinary")
         occupied, free = request.occupied_thresh or _OCCUPIED, request.free_thresh or _FREE
@@ -75,7 +85,7 @@ def _save_map(service: ServiceMessages[Any, Any]) -> KindServiceCodec[Any]:
             raise ValueError(
                 f"free_thresh {free:g} and occupied_thresh {occupied:g}, expected 0 <= free < occupied <= 1"
             )
-        return SaveMap(_text(request.map_url), _text(request.map_topic), round(occupied * 100), round(free * 100))
+        return SaveTopicMap(_text(request.map_url), _text(request.map_topic), round(occupied * 100), round(free * 100))
 
     return ServiceCodec(
         service,
@@ -86,10 +96,10 @@ def _save_map(service: ServiceMessages[Any, Any]) -> KindServiceCodec[Any]:
     )
 
 
-def _save_own_map(service: ServiceMessages[Any, Any]) -> KindServiceCodec[Any]:
+def _save_own_map(service: _Service) -> _Made:
     request_class, response_class = parts_of(service)
 
-    def fill(value: SaveOwnMap) -> Any:
+    def fill(value: SaveOwnMap) -> _Message:
         request = request_class()
         request.name.data = value.name
         return request
@@ -103,21 +113,21 @@ def _save_own_map(service: ServiceMessages[Any, Any]) -> KindServiceCodec[Any]:
     )
 
 
-def _store_map(service: ServiceMessages[Any, Any]) -> KindServiceCodec[Any]:
+def _store_map(service: _Service) -> _Made:
     request_class, response_class = parts_of(service)
     return ServiceCodec(
         service,
         lambda value: request_class(filename=value.name),
-        lambda request: StoreMap(_text(request.filename)),
+        lambda request: SerializeMap(_text(request.filename)),
         lambda result: response_class(result=0 if result.success else _FAILED),
         lambda response: Result(response.result == 0),
     )
 
 
-def _plain(kind: type, carries_success: bool) -> Callable[[ServiceMessages[Any, Any]], KindServiceCodec[Any]]:
+def _plain(kind: type, carries_success: bool) -> Callable[[_Service], _Made]:
     """A service without anything in its request; its answer has `status`, or nothing."""
 
-    def make(service: ServiceMessages[Any, Any]) -> KindServiceCodec[Any]:
+    def make(service: _Service) -> _Made:
         request_class, response_class = parts_of(service)
         return ServiceCodec(
             service,
@@ -130,10 +140,10 @@ def _plain(kind: type, carries_success: bool) -> Callable[[ServiceMessages[Any, 
     return make
 
 
-def _set_pose(service: ServiceMessages[Any, Any]) -> KindServiceCodec[Any]:
+def _set_pose(service: _Service) -> _Made:
     request_class, response_class = parts_of(service)
 
-    def fill(value: SetPose) -> Any:
+    def fill(value: SetInitialPose) -> _Message:
         request = request_class()
         places.fill_estimate(request.pose, value.estimate)
         return request
@@ -141,29 +151,29 @@ def _set_pose(service: ServiceMessages[Any, Any]) -> KindServiceCodec[Any]:
     return ServiceCodec(
         service,
         fill,
-        lambda request: SetPose(places.estimate_of(request.pose)),
+        lambda request: SetInitialPose(places.estimate_of(request.pose)),
         lambda _result: response_class(),
         lambda _response: Result(success=True),
     )
 
 
-_MAKERS: dict[type, tuple[tuple[str, ...], Callable[[ServiceMessages[Any, Any]], KindServiceCodec[Any]]]] = {
+_MAKERS: dict[type, tuple[tuple[str, ...], Callable[[_Service], _Made]]] = {
     LoadMap: (("nav2_msgs.srv.LoadMap", "nav_msgs.srv.LoadMap"), _load_map),
-    SaveMap: (("nav2_msgs.srv.SaveMap",), _save_map),
+    SaveTopicMap: (("nav2_msgs.srv.SaveMap",), _save_map),
     SaveOwnMap: (("slam_toolbox.srv.SaveMap",), _save_own_map),
-    StoreMap: (("slam_toolbox.srv.SerializePoseGraph",), _store_map),
+    SerializeMap: (("slam_toolbox.srv.SerializePoseGraph",), _store_map),
     ClearCostmap: (("nav2_msgs.srv.ClearEntireCostmap",), _plain(ClearCostmap, carries_success=False)),
-    SetPose: (("nav2_msgs.srv.SetInitialPose",), _set_pose),
+    SetInitialPose: (("nav2_msgs.srv.SetInitialPose",), _set_pose),
     Pause: (("slam_toolbox.srv.Pause",), _plain(Pause, carries_success=True)),
 }
 
 
-def _find(names: tuple[str, ...]) -> ServiceMessages[Any, Any] | None:
+def _find(names: tuple[str, ...]) -> _Service | None:
     """The first of some types that is installed."""
     for name in names:
         module, _, own = name.rpartition(".")
         try:
-            found: ServiceMessages[Any, Any] = getattr(import_module(module), own)
+            found: _Service = getattr(import_module(module), own)
         except (ImportError, AttributeError):
             continue
         return found

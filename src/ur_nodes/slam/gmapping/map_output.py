@@ -11,6 +11,7 @@ from ur_nodes.ports.node import Node
 from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.services import AskMap
 from ur_nodes.ports.values import Map, MapInfo, Result
+from ur_nodes.slam.gmapping.requests import SlamRequests
 from ur_nodes.slam.gmapping.settings import GmappingSettings
 from ur_nodes.slam.gmapping.slam import Slam
 from ur_nodes.slam.map_state import MapState
@@ -23,7 +24,10 @@ _DRAWING = "map"
 
 
 class GridMapOutput:
-    """The topics `map` and `map_metadata`, latched, and the service `dynamic_map`. No scan waits for a drawing."""
+    """The topics `map` and `map_metadata`, latched, and the service `dynamic_map`. No scan waits for a drawing.
+
+    `requests` are those of clients that pause the mapping and save its map.
+    """
 
     def __init__(self, node: Node, settings: GmappingSettings, slam: Slam) -> None:
         self._node, self._settings, self._slam = node, settings, slam
@@ -34,6 +38,7 @@ class GridMapOutput:
         self._map = node.publish("map", Map, Quality.LATCHED)
         self._info = node.publish("map_metadata", MapInfo, Quality.LATCHED)
         node.serve_later("dynamic_map", AskMap, self._answer)
+        self.requests = SlamRequests(node)
         node.every(settings.map_update_interval, self.publish)
 
     def publish(self) -> None:

@@ -5,13 +5,13 @@ from __future__ import annotations
 import sys
 
 from ur_nodes.ports.node import Node
-from ur_nodes.ports.services import ClearCostmap, SetPose
+from ur_nodes.ports.services import ClearCostmap, SetInitialPose
 from ur_nodes.ports.values import Result
 from ur_nodes.run import run
 
 
 def start(node: Node) -> None:
-    node.serve("set_initial_pose", SetPose, lambda _request: Result(success=True))
+    node.serve("set_initial_pose", SetInitialPose, lambda _request: Result(success=True))
     for each in ("global", "local"):
         service = f"{each}_costmap/clear_entirely_{each}_costmap"
         node.serve(service, ClearCostmap, lambda _request: Result(success=True))
