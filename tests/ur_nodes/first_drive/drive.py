@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 from tests.ur_nodes.first_drive.stage import DrivenStage
@@ -27,15 +28,15 @@ STARTS: dict[str, Callable[[Node], object]] = {
 """The nodes of the launch files that run; the stage itself stands for the others."""
 
 
-def read_launch_files(world: str, base: str = "stage", variant: str = "") -> Plan:
-    """The nodes and parameters of `m_robot_base` and `m_move_base` for a base."""
+def read_launch_files(world: str | Path, base: str = "stage", variant: str = "") -> Plan:
+    """The nodes and parameters of `m_robot_base` and `m_move_base` for a base; `world` as `DrivenStage` takes it."""
     library = launch_library()
     system = SystemWorld({**os.environ, "ROS_PACKAGE_PATH": str(library)})
     files = [str(library / f"{name}/launch/{name}.launch.xml") for name in ("m_robot_base", "m_move_base")]
     arguments = [
         f"robot_base:={base}",
         f"robot_variant:={variant}",
-        f"map_file:={library}/n_map_server/maps/{world}.yaml",
+        f"map_file:={world if Path(world).suffix else f'{library}/n_map_server/maps/{world}.yaml'}",
     ]
     return load_plan(files, arguments, system)
 
@@ -45,7 +46,7 @@ class FirstDrive(DrivenStage):
 
     def __init__(
         self,
-        world: str = "maze",
+        world: str | Path = "maze",
         *,
         base: str = "stage",
         variant: str = "",

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import hashlib
 import math
+import os
 from collections.abc import Callable, Iterable
 from dataclasses import fields, is_dataclass
 from pathlib import Path
@@ -17,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ur.robot.base import Base, load_base
+from ur.robot.base.search import find_base_package
 from ur.source.project import launch_library
 from ur_nodes.geometry.grid import Grid, load_map
 from ur_nodes.geometry.pose import Pose2, make_pose3
@@ -51,7 +53,9 @@ class DrivenStage:
         self.bus = Bus(delay)
         self.world = Path(world) if Path(world).suffix else WORLDS / f"{world}.yaml"
         own: dict[str, Any] = {"world_file": str(self.world), "publish_clock": False} | parameters
-        self.base: Base = load_base(launch_library(), str(own.get("base", "stage")), str(own.get("variant", "")))
+        name = str(own.get("base", "stage"))
+        own["package"] = str(find_base_package(launch_library(), name, os.environ))
+        self.base: Base = load_base(own["package"], name, str(own.get("variant", "")))
         self.client = self.bus.node("client")
         self._commands: dict[str, Any] = {}
         prefix = "robot_0/" if own.get("robots", 1) != 1 else ""
