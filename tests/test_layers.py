@@ -182,7 +182,7 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
         "ur_nodes.ports",
         "ur_nodes.run",
     ),
-    "ur_nodes.navigation.planning": ("ur_nodes.costmap",),
+    "ur_nodes.navigation.planning": ("ur_nodes.costmap", "ur_nodes.geometry"),
     "ur_nodes.navigation.goals": (
         "ur_nodes.motion",
         "ur_nodes.memory_use",

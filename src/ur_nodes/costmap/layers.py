@@ -62,12 +62,14 @@ def trace_beams(
     beams: Beams,
     reach: UsedRanges,
     *,
+    behind: float = 0.0,
     ignore: Callable[[NDArray[np.intp]], NDArray[np.bool_]] | None = None,
 ) -> tuple[slice, slice] | None:
     """Clear the cells that rays pass through, then mark those they end in. Changes `occupied` (height, width).
 
     `frame` places the cells; `sensor` is the sensor's pose in its frame. Rays are sampled every 0.7 cells and stop
-    half a cell before their end. Cells (n, 2) for which `ignore` is true (n) are not marked: they are known already.
+    half a cell before their end. What is marked is `behind` m beyond where a ray ends: with half a cell, a wall is as
+    often marked too far as too near. Cells (n, 2) for which `ignore` is true (n) are not marked: they are known.
     Returns the box (rows, columns) of the cells that changed, or None.
     """
     width = frame.width
@@ -82,10 +84,10 @@ def trace_beams(
             sensor,
             directions,
             bearing,
-            np.minimum(beams.ranges - frame.resolution / 2, reach.raytrace),
+            np.minimum(beams.ranges + behind - frame.resolution / 2, reach.raytrace),
         )
     near = beams.hits & (beams.ranges <= reach.obstacle)
-    points = (sensor.x, sensor.y) + beams.ranges[near, None] * directions[near]
+    points = (sensor.x, sensor.y) + (beams.ranges[near, None] + behind) * directions[near]
     cells = frame.cells_of_points(points)
     cells = cells[frame.contains(cells)]
     if ignore is not None:

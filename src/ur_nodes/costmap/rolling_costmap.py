@@ -12,13 +12,19 @@ from ur_nodes.geometry.pose import Pose2
 
 
 class RollingCostmap:
-    """A square window of side `side` (m) in the odometry frame, always aligned with whole cells of it."""
+    """A square window of side `side` (m) in the odometry frame, always aligned with whole cells of it.
 
-    def __init__(self, side: float, resolution: float, reach: UsedRanges, inflation: Inflation) -> None:
+    `behind` (m) is how far beyond the end of a ray an obstacle is marked.
+    """
+
+    def __init__(
+        self, side: float, resolution: float, reach: UsedRanges, inflation: Inflation, behind: float = 0.0
+    ) -> None:
         cells = max(4, round(side / resolution))
         self._resolution = resolution
         self._reach = reach
         self._inflation = inflation
+        self._behind = behind
         self._occupied = np.zeros((cells, cells), bool)
         self._mapped = np.zeros((cells, cells), bool)
         self._corner: tuple[int, int] | None = None
@@ -26,7 +32,7 @@ class RollingCostmap:
     def update(self, robot: Pose2, sensor: Pose2, beams: Beams) -> None:
         """Roll the window to the robot, then clear and mark with a scan taken from `sensor`; poses in its frame."""
         self._roll(robot)
-        trace_beams(self._occupied, self._frame(), sensor, beams, self._reach)
+        trace_beams(self._occupied, self._frame(), sensor, beams, self._reach, behind=self._behind)
 
     def lay(self, robot: Pose2, known: Costmap, place: Pose2) -> None:
         """Roll the window to the robot and take obstacles from a map that lies at `place` in the window's frame.

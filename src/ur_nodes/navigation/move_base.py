@@ -223,7 +223,7 @@ class MoveBase:
         if out.command is not None:
             self._send(*out.command)
         if out.plan:
-            self._ask_for_plan()
+            self._ask_for_plan(careful=out.careful)
         if out.ending is not None:
             self._finish(out.ending, out.text)
 
@@ -242,15 +242,21 @@ class MoveBase:
             self._node.log.error(f"gave up: {text}")
             handle.abort(text)
 
-    def _ask_for_plan(self) -> None:
+    def _ask_for_plan(self, *, careful: bool) -> None:
         pose, costs = self._world.robot_in_map(), self._world.costmaps()
         if pose is None or costs is None or self._goal is None:
             return
         self._key += 1
-        self._plans.ask(PlanRequest(self._key, (pose.x, pose.y), (self._goal.x, self._goal.y), *costs))
+        heading = None if self._any_heading() else self._goal.yaw
+        place, goal = (pose.x, pose.y), (self._goal.x, self._goal.y)
+        request = PlanRequest(self._key, place, goal, *costs, yaw=pose.yaw, heading=heading, careful=careful)
+        self._plans.ask(request)
+
+    def _any_heading(self) -> bool:
+        return self._handle is not None and has_any_heading(self._handle.goal.id)
 
     def _plan(self, request: PlanRequest) -> PlanAnswer:
-        return answer_request(request, self._settings.planner)
+        return answer_request(request, self._settings.planner, self._settings.footprint)
 
     def _take_plan(self, request: PlanRequest, answer: PlanAnswer) -> None:
         if request.key == self._key:

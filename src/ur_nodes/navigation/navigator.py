@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
+from collections import deque
 from dataclasses import dataclass, field
 
 from ur_nodes.costmap.costmap import Costmap
 from ur_nodes.costmap.footprint import Footprint
-from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2, wrap_angle
+from ur_nodes.navigation.leg_follower import Driving, LegFollower, legs_back
 from ur_nodes.navigation.navigator_step import (
     Ending,
     NavigatorInputs,
@@ -17,11 +18,18 @@ from ur_nodes.navigation.navigator_step import (
     NavigatorSettings,
     PlanAnswer,
 )
-from ur_nodes.navigation.planning.path_geometry import Points, nearest_index
-from ur_nodes.navigation.steering.local_plan import follow_reference, sweep_is_free
+from ur_nodes.navigation.planning.legs import Leg
+from ur_nodes.navigation.planning.outline_plan import is_long
+from ur_nodes.navigation.planning.path_geometry import Points
+from ur_nodes.navigation.steering.local_plan import sweep_is_free
 from ur_nodes.navigation.steering.recovery import Behaviour, Recovery, move_to_recover
-from ur_nodes.navigation.steering.rollout import FollowSettings, ReferencePath, RolloutState, make_reference
-from ur_nodes.navigation.steering.speed_profile import SpeedLimits, approach, limit_speeds, speed_shares, turn_rate
+from ur_nodes.navigation.steering.rollout import FollowSettings, RolloutState
+from ur_nodes.navigation.steering.speed_profile import SpeedLimits, approach, limit_speeds, turn_rate
+
+_TRACK_STEP, _TRACK_TURN = 0.05, 0.1  # m, rad between poses of the track that is kept
+_TRACK = 120  # such poses
+_ASTRAY, _ASTRAY_TIGHT = 0.4, 0.15  # m beside a path, and beside one that was made for the outline
+_TIGHT_PAUSE = 2.0  # s between plans of such a path, which take longer
 
 
 @dataclass(slots=True)
@@ -33,10 +41,9 @@ class _Run:
     phase_since: float
     any_heading: bool = False
     path: Points | None = None
-    reference: ReferencePath | None = None
-    reference_odom: Pose2 | None = None
-    speed_mask: Grid | None = None
-    index: int = 0
+    legs: LegFollower | None = None
+    last_turn: float | None = None
+    retreat: LegFollower | None = None
     asked: float | None = None
     last_asked: float = -math.inf
     stuck_since: float | None = None
@@ -59,6 +66,7 @@ class Navigator:
         self._share = 1.0
         self._follow = follow
         self._footprint = footprint
+        self._track: deque[Pose2] = deque(maxlen=_TRACK)
         self._run: _Run | None = None
 
     @property
@@ -70,7 +78,7 @@ class Navigator:
     def path(self) -> Points | None:
         """The path (n, 2) in the map that is being followed, from the robot on, if there is one."""
         run = self._run
-        return run.path[run.index :] if run and run.path is not None else None
+        return run.legs.rest if run and run.legs is not None else None
 
     def start(self, goal: Pose2, now: float, *, any_heading: bool = False) -> None:
         """Pursue a goal (a pose in the map); what was pursued before is dropped, the motion goes over smoothly.
@@ -91,12 +99,12 @@ class Navigator:
             return NavigatorOutputs()
         if inputs.share != self._share:
             self._share, self._limits = inputs.share, limit_speeds(self._highest, inputs.share)
-            run.reference = None
         stopped = self._check_trouble(run, inputs)
         if stopped is not None:
             return stopped
         assert inputs.motion is not None
         assert inputs.local is not None
+        self._remember(inputs.motion.pose)
         run.recovery = run.recovery.forgotten(inputs.motion.pose, self._settings.progress_distance)
         if inputs.answer is not None:
             ended = self._take_answer(run, inputs.answer, inputs)
@@ -131,7 +139,8 @@ class Navigator:
     def _take_answer(self, run: _Run, answer: PlanAnswer, inputs: NavigatorInputs) -> NavigatorOutputs | None:
         run.asked = None
         if answer.path is not None:
-            run.path, run.reference, run.index, run.reason = answer.path, None, 0, ""
+            run.path, run.last_turn, run.reason = answer.path, answer.last_turn, ""
+            run.legs = LegFollower(answer.legs or (Leg(answer.path),))
             if run.phase in (NavigatorPhase.PLANNING, NavigatorPhase.TURNING):
                 self._enter(run, NavigatorPhase.DRIVING, inputs.now)
             return None
@@ -146,28 +155,25 @@ class Navigator:
         return NavigatorOutputs(command=self._braked(run), plan=self._may_ask(run, inputs.now, 0.5))
 
     def _drive(self, run: _Run, motion: RolloutState, local: Costmap, inputs: NavigatorInputs) -> NavigatorOutputs:
-        reference = self._reference_in_odom(run, inputs)
+        assert run.legs is not None
         pose = motion.pose
-        run.index = nearest_index(reference.points, pose.x, pose.y, run.index, min(run.index + 40, reference.end + 1))
-        end_x, end_y = reference.points[reference.end]
-        away = math.hypot(end_x - pose.x, end_y - pose.y)
-        if run.index >= reference.end or away < 0.015:
-            if away <= self._settings.xy_tolerance:
+        held = RolloutState(pose, *run.sent)
+        driven = run.legs.step(held, local, inputs.odom, inputs.speed_mask, self._driving)
+        if driven.ended:
+            if driven.away <= self._settings.xy_tolerance:
                 self._enter(run, NavigatorPhase.TURNING, inputs.now)
                 return self._turn(run, motion, local, inputs)
             return NavigatorOutputs(command=self._braked(run), plan=self._may_ask(run, inputs.now, 0.5))
-        held = RolloutState(pose, *run.sent)
-        step = follow_reference(
-            reference, run.index, held, local, self._footprint, self._limits, self._follow, self._settings.period
-        )
+        step = driven.command
         if self._is_stuck(run, step.blocked, inputs, pose):
             return self._get_stuck(run, inputs, run.reason or _blocked_at(pose, inputs.odom))
-        astray = math.hypot(*(reference.points[run.index] - (pose.x, pose.y))) > 0.4
+        astray = driven.away > (_ASTRAY_TIGHT if run.legs.is_tight else _ASTRAY)
         wanted = (step.hindered or step.blocked or astray or inputs.path_blocked) and self._may_ask(
-            run, inputs.now, 0.5 if step.blocked else 1.0
+            run, inputs.now, _TIGHT_PAUSE if run.legs.is_tight else 0.5 if step.blocked else 1.0
         )
         periodic = self._settings.planner_period > 0.0 and self._may_ask(run, inputs.now, self._settings.planner_period)
-        return NavigatorOutputs(command=(step.speed, step.turn), plan=wanted or periodic, ahead=step.ahead)
+        command, plan = (step.speed, step.turn), wanted or periodic
+        return NavigatorOutputs(command=command, plan=plan, careful=step.blocked, ahead=step.ahead)
 
     def _turn(self, run: _Run, motion: RolloutState, local: Costmap, inputs: NavigatorInputs) -> NavigatorOutputs:
         if run.path is not None:  # it may end beside a goal that cannot be reached
@@ -176,6 +182,9 @@ class Navigator:
         else:
             end = inputs.odom.compose(run.goal)
         error = 0.0 if run.any_heading else wrap_angle(end.yaw - motion.pose.yaw)
+        planned = run.last_turn or 0.0
+        if abs(planned) > 2.0 and error * planned < 0.0 and abs(error) > 0.3:  # the other way may be blocked
+            error += math.copysign(math.tau, planned)
         away = math.hypot(end.x - motion.pose.x, end.y - motion.pose.y)
         speed = approach(run.sent[0], 0.0, self._limits.acceleration * self._settings.period)
         resting = abs(speed) < 0.02
@@ -201,6 +210,14 @@ class Navigator:
             self._after_recovery(run, motion.pose, inputs.now)
             return NavigatorOutputs(command=(0.0, 0.0), clear=behaviour, plan=True)
         held = RolloutState(motion.pose, *run.sent)
+        if behaviour is Behaviour.BACK_OFF and run.retreat is not None:
+            back = run.retreat.step(held, local, Pose2(0.0, 0.0, 0.0), None, self._driving)
+            if not (back.ended or back.command.blocked or inputs.now - run.phase_since > 20.0):
+                return NavigatorOutputs(command=(back.command.speed, back.command.turn))
+            run.retreat = None
+            if back.ended:
+                self._after_recovery(run, motion.pose, inputs.now)
+                return NavigatorOutputs(command=(0.0, 0.0), plan=True, careful=True)
         move = move_to_recover(run.recovery, held, local, self._footprint, self._limits, self._settings.period)
         run.recovery = move.recovery
         if move.finished or inputs.now - run.phase_since > 20.0:
@@ -219,6 +236,10 @@ class Navigator:
             return self._end(Ending.FAILED, f"{reason}{tried}")
         run.reason = reason
         run.recovery = Recovery(run.recovery.tried)
+        run.retreat = None
+        if behaviour is Behaviour.BACK_OFF and is_long(self._footprint):
+            legs = legs_back(self._track, 2.0 * self._footprint.circumscribed)
+            run.retreat = LegFollower(legs) if legs else None
         self._enter(run, NavigatorPhase.RECOVERING, inputs.now)
         return NavigatorOutputs(command=(0.0, 0.0), log=f"{reason}; recovering: {behaviour.value}")
 
@@ -244,14 +265,19 @@ class Navigator:
         waiting = run.asked is not None and now - run.asked < 10.0
         return not waiting and now - run.last_asked >= least
 
-    def _reference_in_odom(self, run: _Run, inputs: NavigatorInputs) -> ReferencePath:
-        odom, mask = inputs.odom, inputs.speed_mask
-        if run.reference is None or run.reference_odom != odom or run.speed_mask is not mask:
-            assert run.path is not None
-            shares = speed_shares(mask, run.path)
-            run.reference = make_reference(odom.transform_points(run.path), self._limits, shares)
-            run.reference_odom, run.speed_mask = odom, mask
-        return run.reference
+    @property
+    def _driving(self) -> Driving:
+        return Driving(self._footprint, self._limits, self._follow, self._settings.period)
+
+    def _remember(self, pose: Pose2) -> None:
+        """Keep the poses that the robot came by, in the odometry frame."""
+        last = self._track[-1] if self._track else None
+        if (
+            last is None
+            or math.hypot(pose.x - last.x, pose.y - last.y) > _TRACK_STEP
+            or abs(wrap_angle(pose.yaw - last.yaw)) > _TRACK_TURN
+        ):
+            self._track.append(pose)
 
     def _braked(self, run: _Run) -> tuple[float, float]:
         period = self._settings.period

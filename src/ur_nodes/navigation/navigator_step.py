@@ -8,6 +8,7 @@ from enum import Enum
 from ur_nodes.costmap.costmap import Costmap
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2
+from ur_nodes.navigation.planning.legs import Leg
 from ur_nodes.navigation.planning.path_geometry import Points
 from ur_nodes.navigation.steering.recovery import Behaviour
 from ur_nodes.navigation.steering.rollout import RolloutState
@@ -52,11 +53,16 @@ class NavigatorSettings:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PlanAnswer:
-    """The result of planning: `path` (n, 2) in the map, or None and the reason; `hopeless` when a retry cannot help."""
+    """The result of planning: `path` (n, 2) in the map, or None and the reason; `hopeless` when a retry cannot help.
+
+    `legs` are those of a path that is not driven in one go, `last_turn` (rad) the turn on the spot at its end.
+    """
 
     path: Points | None
     reason: str = ""
     hopeless: bool = False
+    legs: tuple[Leg, ...] = ()
+    last_turn: float | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -84,13 +90,15 @@ class NavigatorInputs:
 class NavigatorOutputs:
     """The outputs of a step.
 
-    A command (m/s, rad/s) or silence; whether to plan (from the robot's place to the goal); what to clear; an ending
+    A command (m/s, rad/s) or silence; whether to plan (from the robot's place to the goal), and with care, as the path
+    could not be followed; what to clear; an ending
     with a text. `ahead` (t, 3) in the odometry frame are the poses that the local planner predicts; `log` is for the
     log.
     """
 
     command: tuple[float, float] | None = None
     plan: bool = False
+    careful: bool = False
     clear: Behaviour | None = None
     ending: Ending | None = None
     text: str = ""

@@ -16,6 +16,7 @@ from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.geometry.transform_tree import ExtrapolationError, TransformError
 from ur_nodes.navigation.move_base_settings import MoveBaseSettings
+from ur_nodes.navigation.planning.outline_plan import is_long
 from ur_nodes.navigation.steering.rollout import RolloutState
 from ur_nodes.navigation.zone_masks import ZoneMasks
 from ur_nodes.ports.newest_work import NewestWork
@@ -26,6 +27,7 @@ from ur_nodes.ports.values import Map, Range, Scan
 
 _WAITING = 100  # ranges that are not worked in yet
 _PATIENCE = 0.2  # s for which a range waits for the odometry of its time
+_BEHIND = 0.4  # cells behind the end of a ray in which a long robot marks: passages are as wide as they are
 _SLACK = 0.02  # s by which the newest odometry may be older than a scan
 
 LOCALISER_SILENCE = 3.0
@@ -51,7 +53,11 @@ class WorldView:
         self._settings = settings
         self.frames = node.transforms
         self.local_costmap = RollingCostmap(
-            settings.local_side, settings.local_resolution, settings.local.reach, settings.local.inflation
+            settings.local_side,
+            settings.local_resolution,
+            settings.local.reach,
+            settings.local.inflation,
+            behind=_BEHIND * settings.local_resolution if is_long(settings.footprint) else 0.0,
         )
         self.global_costmap: MapCostmap | None = None
         self.map_problem = ""

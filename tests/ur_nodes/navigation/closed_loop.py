@@ -19,7 +19,16 @@ from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.navigation.navigator import Navigator
 from ur_nodes.navigation.navigator_step import Ending, NavigatorInputs, NavigatorSettings, PlanAnswer
-from ur_nodes.navigation.planning.global_plan import NoPathError, PlanSettings, path_is_free, plan_path
+from ur_nodes.navigation.planning.global_plan import (
+    NoPathError,
+    PlanSettings,
+    path_is_free,
+    plan_path,
+    traversal_weights,
+)
+from ur_nodes.navigation.planning.legs import points_of_legs
+from ur_nodes.navigation.planning.outline_motions import Steering
+from ur_nodes.navigation.planning.outline_plan import fit_outline, is_long
 from ur_nodes.navigation.steering.recovery import Behaviour
 from ur_nodes.navigation.steering.rollout import FollowSettings, RolloutState
 from ur_nodes.navigation.steering.speed_profile import SpeedLimits
@@ -35,6 +44,7 @@ STAGE = (
     (0.20, -0.15),
 )
 MAGNI = ((0.13, 0.205), (-0.28, 0.205), (-0.28, -0.205), (0.13, -0.205))
+LONG = ((0.495, 0.335), (-0.495, 0.335), (-0.495, -0.335), (0.495, -0.335))
 ORIGIN = Pose2(0.0, 0.0, 0.0)
 ODOM = Pose2(0.7, -0.4, 0.3)  # where the map is in the odometry frame
 LIMITS = SpeedLimits(0.5, 1.0, 1.0, 3.0)
@@ -179,7 +189,13 @@ class ClosedLoop:
     def _plan(self, goal: Pose2) -> PlanAnswer:
         start = (self.pose.x, self.pose.y)
         try:
-            return PlanAnswer(plan_path(self.global_costs.costmap, start, (goal.x, goal.y), self.plan_settings))
+            costs, settings = self.global_costs.costmap, self.plan_settings
+            path = plan_path(costs, start, (goal.x, goal.y), settings)
+            if not is_long(self.footprint):
+                return PlanAnswer(path)
+            weights = traversal_weights(settings)
+            fitted = fit_outline(costs, weights, path, self.footprint, self.pose, goal.yaw, Steering())
+            return PlanAnswer(points_of_legs(fitted.legs), legs=fitted.legs, last_turn=fitted.last_turn)
         except NoPathError as problem:
             try:
                 plan_path(self.global_costs.static, start, (goal.x, goal.y), self.plan_settings)

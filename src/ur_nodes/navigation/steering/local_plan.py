@@ -12,9 +12,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ur_nodes.costmap.costmap import FREE, LETHAL, Costmap
+from ur_nodes.costmap.costmap import Costmap
 from ur_nodes.costmap.footprint import Footprint
 from ur_nodes.geometry.pose import Pose2
+from ur_nodes.navigation.planning.outline_grid import overlaps
 from ur_nodes.navigation.steering.rollout import Floats, FollowSettings, ReferencePath, RolloutState, roll_out
 from ur_nodes.navigation.steering.speed_profile import SpeedLimits
 
@@ -87,17 +88,8 @@ def _touches(poses: Floats, start: Pose2, costmap: Costmap, footprint: Footprint
 
     So a robot that something has come too near to may still move away. What lies beyond the costmap counts as free.
     """
-    deeper: NDArray[np.bool_] = _overlaps(poses, costmap, footprint) > _overlaps(np.array(start), costmap, footprint)
+    deeper: NDArray[np.bool_] = overlaps(poses, costmap, footprint) > overlaps(np.array(start), costmap, footprint)
     return deeper
-
-
-def _overlaps(poses: Floats, costmap: Costmap, footprint: Footprint) -> NDArray[np.intp]:
-    """Count the samples of the footprint that lie on obstacles at each pose (..., 3)."""
-    c, s = np.cos(poses[..., 2, None]), np.sin(poses[..., 2, None])
-    fx, fy = footprint.samples.T
-    points = np.stack((poses[..., 0, None] + c * fx - s * fy, poses[..., 1, None] + s * fx + c * fy), axis=-1)
-    counts: NDArray[np.intp] = (costmap.costs_at(points, outside=FREE) == LETHAL).sum(axis=-1)
-    return counts
 
 
 def _stop(motion: RolloutState, limits: SpeedLimits, settings: FollowSettings, period: float) -> LocalCommand:

@@ -1,0 +1,243 @@
+"""The cheapest motion of a robot's outline among obstacles: a search over place and heading (hybrid A*).
+
+A motion is made of short pieces: straight on, arcs, and, where the robot can, turns on the spot. Places are numbers,
+headings are the 64 of `outline_grid`, and of the motions to one cell with one heading the cheapest goes on (Dolgov,
+Thrun, Montemerlo, Diebel: Practical search techniques in path planning for autonomous driving, 2008).
+"""
+
+from __future__ import annotations
+
+import heapq
+import math
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ur_nodes.navigation.planning.outline_grid import HEADINGS, STEP, heading_angle, heading_number
+from ur_nodes.navigation.planning.outline_motions import Motion, Piece, Steering, list_pieces
+
+Floats = NDArray[np.float64]
+
+_SPIN_COST = 0.4  # m a rad
+_BEGIN_SPIN = 0.25  # m: of a turn on the spot that begins
+_BACKWARD = 2.0  # m a metre
+_REVERSAL = 0.5  # m: of a change between ahead and back
+_NARROW = 2.0  # m a metre where there is no room beside the outline
+_GREED = 1.3  # of what is left of the way
+_DIRECT = 2.5  # m: from the goal, where straight lines to it are tried
+_RUN_UPS = (0.3, 0.45, 0.6, 0.75, 0.9, 1.1, -0.3, -0.45, -0.6, -0.75, -0.9)  # m: of the last of two such lines
+_SHORT = 0.4  # m: of a line that may be driven back
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SearchGrid:
+    """A part of a map for one search. `blocked`, `narrow` (height, width) are headings as bits.
+
+    At those the outline touches something, or would with some room beside it. `weights` (height, width) are the costs
+    of a metre, inf where the robot's middle must not be; `ahead` (height, width) what is left to the goal, m.
+    """
+
+    blocked: NDArray[np.uint64]
+    narrow: NDArray[np.uint64]
+    weights: Floats
+    ahead: Floats
+    resolution: float
+
+
+class SearchEnd(NamedTuple):
+    """The result: `motions`, empty when none was found; `whole`: everything in reach was searched."""
+
+    motions: tuple[Motion, ...]
+    whole: bool
+    expanded: int
+
+
+def find_motions(
+    grid: SearchGrid,
+    start: tuple[float, float, float],
+    goal: tuple[float, float, float | None],
+    steering: Steering,
+    *,
+    most: int = 60_000,
+) -> SearchEnd:
+    """Search from pose to pose, in m from the grid's corner and rad along its axes; at most `most` states go on.
+
+    A goal without a heading is reached with any. The start is taken as free. Deterministic.
+    """
+    return _Search(grid, goal, steering).run(start, most)
+
+
+class _Node(NamedTuple):
+    x: float
+    y: float
+    heading: int
+    gear: int
+    cost: float
+    before: int  # number of the node before, -1 at the start
+    piece: Piece | None
+
+
+class _Search:
+    def __init__(self, grid: SearchGrid, goal: tuple[float, float, float | None], steering: Steering) -> None:
+        self._height, self._width = (int(length) for length in grid.blocked.shape)
+        self._scale = 1.0 / grid.resolution
+        self._blocked: list[int] = grid.blocked.reshape(-1).tolist()
+        self._narrow: list[int] = grid.narrow.reshape(-1).tolist()
+        self._weights: list[float] = grid.weights.reshape(-1).tolist()
+        self._ahead: list[float] = grid.ahead.reshape(-1).tolist()
+        self._goal = goal[:2]
+        self._heading = None if goal[2] is None else heading_number(goal[2])
+        self._steering = steering
+        self._near = 1.5 * grid.resolution
+        self._nodes: list[_Node] = []
+
+    def run(self, start: tuple[float, float, float], most: int) -> SearchEnd:
+        pieces = list_pieces(self._steering.radius)
+        heading = heading_number(start[2])
+        cell = self._cell(start[0], start[1])
+        if cell < 0 or not math.isfinite(self._ahead[cell]):
+            return SearchEnd((), whole=True, expanded=0)
+        nodes = self._nodes
+        nodes.append(_Node(start[0], start[1], heading, 0, 0.0, -1, None))
+        queue = [(_GREED * self._ahead[cell], 0)]
+        best: dict[int, float] = {cell * HEADINGS + heading: 0.0}
+        closed: set[int] = set()
+        expanded = 0
+        while queue and expanded < most:
+            _, number = heapq.heappop(queue)
+            node = nodes[number]
+            cell = self._cell(node.x, node.y)
+            key = cell * HEADINGS + node.heading
+            if key in closed:
+                continue
+            closed.add(key)
+            expanded += 1
+            end = self._arrive(node, number)
+            if end:
+                return SearchEnd(end, whole=False, expanded=expanded)
+            for piece in pieces[node.heading]:
+                cost = self._cost(node, piece)
+                if cost == math.inf:
+                    continue
+                x, y = node.x + piece.dx, node.y + piece.dy
+                cell = self._cell(x, y)
+                key = cell * HEADINGS + piece.heading
+                total = node.cost + cost
+                if key in closed or total >= best.get(key, math.inf):
+                    continue
+                best[key] = total
+                gear = piece.gear or node.gear
+                nodes.append(_Node(x, y, piece.heading, gear, total, number, piece))
+                heapq.heappush(queue, (total + _GREED * self._ahead[cell], len(nodes) - 1))
+        return SearchEnd((), whole=not queue, expanded=expanded)
+
+    def _cell(self, x: float, y: float) -> int:
+        row, column = int(y * self._scale), int(x * self._scale)
+        if x < 0.0 or y < 0.0 or row >= self._height or column >= self._width:
+            return -1
+        return row * self._width + column
+
+    def _cost(self, node: _Node, piece: Piece) -> float:
+        """What a piece costs, inf where it touches something."""
+        narrow, weight = False, 0.0
+        for dx, dy, heading in piece.checks:
+            cell = self._cell(node.x + dx, node.y + dy)
+            if cell < 0 or self._blocked[cell] >> heading & 1:
+                return math.inf
+            weight = max(weight, self._weights[cell])
+            narrow = narrow or bool(self._narrow[cell] >> heading & 1)
+        if piece.gear == 0:
+            again = node.piece is not None and node.piece.gear == 0
+            if again and node.piece is not None and node.piece.turned * piece.turned < 0:
+                return math.inf
+            spin = _SPIN_COST * STEP * abs(piece.turned) * (_NARROW if narrow else 1.0)
+            return spin if again else spin + _BEGIN_SPIN
+        cost = piece.length * weight * (_NARROW if narrow else 1.0)
+        if piece.gear < 0:
+            cost *= _BACKWARD
+        if node.gear and node.gear != piece.gear:
+            cost += _REVERSAL
+        return cost + 0.1 * piece.length * abs(piece.turned)
+
+    def _arrive(self, node: _Node, number: int) -> tuple[Motion, ...]:
+        """The whole motion, if the goal is here or straight lines lead there; else nothing."""
+        away = math.dist((node.x, node.y), self._goal)
+        if away < self._near and self._heading in (None, node.heading):
+            return self._trace(number)
+        if not self._steering.spins or away > _DIRECT:
+            return ()
+        here = Motion(node.x, node.y, heading_angle(node.heading), node.gear)
+        for corner in self._corners():
+            tail = self._go(here, corner)
+            if tail is not None and corner != self._goal:
+                rest = self._go(tail[-1] if tail else here, self._goal)
+                tail = None if rest is None else tail + rest
+            if tail is None:
+                continue
+            last = tail[-1] if tail else here
+            spin = [] if self._heading is None else self._spin(*self._goal, heading_number(last.yaw), self._heading)
+            if spin is not None:
+                return self._trace(number) + tuple(tail + spin)
+        return ()
+
+    def _corners(self) -> list[tuple[float, float]]:
+        """Where a straight line towards the goal may begin: at the goal, or before or behind it along its heading."""
+        if self._heading is None:
+            return [self._goal]
+        c, s = math.cos(self._heading * STEP), math.sin(self._heading * STEP)
+        return [self._goal, *((self._goal[0] - d * c, self._goal[1] - d * s) for d in _RUN_UPS)]
+
+    def _go(self, here: Motion, place: tuple[float, float]) -> list[Motion] | None:
+        """Turn on the spot and go straight to a place, ahead, or back where it is near."""
+        away = math.dist(here[:2], place)
+        if away < 0.02:
+            return []
+        bearing = math.atan2(place[1] - here.y, place[0] - here.x)
+        for gear in (1, -1) if away <= _SHORT else (1,):
+            course = heading_number(bearing if gear > 0 else bearing + math.pi)
+            line = self._line(here, bearing, away, course)
+            spin = None if line is None else self._spin(here.x, here.y, heading_number(here.yaw), course)
+            if line is not None and spin is not None:
+                yaw = bearing if gear > 0 else bearing + math.pi
+                return spin + [Motion(x, y, yaw, gear) for x, y in line]
+        return None
+
+    def _line(self, here: Motion, bearing: float, away: float, heading: int) -> list[tuple[float, float]] | None:
+        count = max(1, math.ceil(away * self._scale))
+        points = []
+        for step in range(count + 1):
+            share = away * step / count
+            x, y = here.x + share * math.cos(bearing), here.y + share * math.sin(bearing)
+            cell = self._cell(x, y)
+            if cell < 0 or self._blocked[cell] >> heading & 1 or self._weights[cell] == math.inf:
+                return None
+            points.append((x, y))
+        return points[1:]
+
+    def _spin(self, x: float, y: float, heading: int, wanted: int) -> list[Motion] | None:
+        """Turn on the spot, the shorter way round that is free."""
+        cell = self._cell(x, y)
+        if cell < 0:
+            return None
+        left = (wanted - heading) % HEADINGS
+        ways = (1, left), (-1, HEADINGS - left)
+        for sign, count in sorted(ways, key=lambda way: way[1]):
+            numbers = [(heading + sign * step) % HEADINGS for step in range(1, count % HEADINGS + 1)]
+            if all(not self._blocked[cell] >> number & 1 for number in numbers):
+                return [Motion(x, y, heading_angle(number), 0) for number in numbers]
+        return None
+
+    def _trace(self, number: int) -> tuple[Motion, ...]:
+        motions: list[Motion] = []
+        while number >= 0:
+            node = self._nodes[number]
+            if node.piece is None:
+                motions.append(Motion(node.x, node.y, heading_angle(node.heading), 0))
+            else:
+                begin = self._nodes[node.before]
+                for dx, dy, heading in reversed(node.piece.checks):
+                    motions.append(Motion(begin.x + dx, begin.y + dy, heading_angle(heading), node.piece.gear))
+            number = node.before
+        return tuple(reversed(motions))

@@ -1,0 +1,89 @@
+"""Legs of a path, driven by a kinematic robot."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from tests.ur_nodes.navigation.closed_loop import LIMITS, LONG, ORIGIN, ClosedLoop, two_rooms
+
+from ur_nodes.costmap.costmap import LETHAL, Costmap
+from ur_nodes.costmap.footprint import footprint_of_outline
+from ur_nodes.geometry.pose import Pose2, wrap_angle
+from ur_nodes.navigation.leg_follower import Driving, LegFollower, legs_back
+from ur_nodes.navigation.navigator_step import Ending
+from ur_nodes.navigation.planning.legs import Leg
+from ur_nodes.navigation.steering.rollout import FollowSettings, RolloutState
+
+DRIVING = Driving(footprint_of_outline(LONG, 0.05), LIMITS, FollowSettings(), 0.1)
+NOTHING = Costmap(np.zeros((200, 200), np.uint8), 0.05, Pose2(-5.0, -5.0, 0.0))
+
+
+def line(start: tuple[float, float], end: tuple[float, float]) -> NDArray[np.float64]:
+    return np.linspace(start, end, 1 + round(math.dist(start, end) / 0.05))
+
+
+def drive(legs: tuple[Leg, ...], local: Costmap = NOTHING, start: Pose2 = ORIGIN) -> list[RolloutState]:
+    """The states of a robot that follows legs until they end, or something blocks it."""
+    follower, states = LegFollower(legs), [RolloutState(start, 0.0, 0.0)]
+    for _ in range(400):
+        state = states[-1]
+        step = follower.step(state, local, ORIGIN, None, DRIVING)
+        if step.ended or step.command.blocked:
+            return states
+        v, w = step.command.speed, step.command.turn
+        states.append(RolloutState(state.pose.compose(Pose2(v * 0.1, 0.0, w * 0.1)), v, w))
+    raise AssertionError("the legs do not end")
+
+
+def test_robot_turns_on_the_spot_between_legs_and_drives_back_where_a_leg_says_so() -> None:
+    legs = (Leg(line((0.0, 0.0), (1.0, 0.0))), Leg(line((1.0, 0.0), (1.0, -0.6)), -1, math.pi / 2))
+    states = drive(legs)
+    end = states[-1].pose
+    assert math.dist(end[:2], (1.0, -0.6)) < 0.05
+    assert abs(wrap_angle(end.yaw - math.pi / 2)) < 0.1
+    assert max(abs(state.pose.y) for state in states if state.speed > 0.1) < 0.02
+    assert min(state.speed for state in states) == pytest.approx(-0.2, abs=0.01)
+
+
+@pytest.mark.parametrize("turned", [2.6, 2.6 - math.tau])
+def test_long_turn_is_made_in_the_direction_that_was_planned(turned: float) -> None:
+    end = (math.cos(2.6), math.sin(2.6))
+    states = drive((Leg(line((0.0, 0.0), end), 1, turned),))
+    assert all(state.turn * turned >= 0.0 for state in states[:10])
+    assert math.dist(states[-1].pose[:2], end) < 0.05
+
+
+def test_turn_on_the_spot_that_would_touch_something_is_blocked() -> None:
+    costs = NOTHING.costs.copy()
+    costs[108:110, 100:110] = LETHAL  # beside the robot, in reach of its corners
+    states = drive((Leg(line((0.0, 0.0), (0.0, 1.0)), 1, math.pi / 2),), Costmap(costs, 0.05, NOTHING.origin))
+    assert abs(states[-1].pose.yaw) < 0.5
+
+
+def test_rest_begins_at_the_robot() -> None:
+    follower = LegFollower((Leg(line((0.0, 0.0), (1.0, 0.0))), Leg(line((1.0, 0.0), (0.5, 0.0)), -1, 0.0)))
+    assert len(follower.rest) == 32
+    follower.step(RolloutState(Pose2(0.5, 0.0, 0.0), 0.5, 0.0), NOTHING, ORIGIN, None, DRIVING)
+    assert follower.rest[0].tolist() == pytest.approx([0.5, 0.0])
+
+
+def test_track_is_driven_back_for_a_distance() -> None:
+    track = [Pose2(0.05 * step, 0.0, 0.0) for step in range(21)] + [Pose2(1.0, 0.0, 0.1 * n) for n in range(1, 4)]
+    legs = legs_back(track, 0.5)
+    assert [leg.gear for leg in legs] == [-1]
+    states = drive(legs, start=track[-1])
+    assert math.dist(states[-1].pose[:2], (0.5, 0.0)) < 0.05
+    assert abs(states[-1].pose.yaw) < 0.06
+    assert legs_back(track[:1], 0.5) == ()
+
+
+@pytest.mark.long
+def test_long_robot_drives_through_a_door_beside_it() -> None:
+    goal = Pose2(2.6, -0.9, 0.0)
+    loop = ClosedLoop(two_rooms(), pose=Pose2(0.4, -1.0, 1.57), outline=LONG)
+    drive = loop.drive(goal)
+    assert (drive.ending, drive.touched) == (Ending.REACHED, False)
+    assert math.dist(drive.pose[:2], goal[:2]) < 0.1
