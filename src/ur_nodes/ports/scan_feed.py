@@ -6,6 +6,9 @@ from collections import deque
 from collections.abc import Callable
 from dataclasses import replace
 
+import numpy as np
+
+from ur_nodes.geometry.moving_scan import ranges_at_one_moment, velocity_between
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.geometry.scan import SensorMount, mount_of_pose
 from ur_nodes.ports.node import SECOND, Node
@@ -21,8 +24,8 @@ class ScanFeed:
     """Listens to `scan`, and gives `use` the newest scan that can be used; older ones are dropped with it.
 
     Odometry is the transform from `odom_frame` to `base_frame` at the scan's time; a head that turns measures a scan
-    for a while, of which the middle is given as its time. Without an `odom_frame` ('') no scan
-    waits, and its odometry is None. Of scans, every `throttle`th counts.
+    for a while: it is given as if measured at the middle of it, as far as odometry is known. Without an `odom_frame`
+    ('') no scan waits, and its odometry is None. Of scans, every `throttle`th counts.
     """
 
     def __init__(
@@ -94,8 +97,28 @@ class ScanFeed:
                 for _ in range(index + 1):
                     self._scans.popleft()
                 self._quiet_since = self._node.now()
-                self._use(scan, odometry)
+                self._use(self._at_one_moment(scan, odometry), odometry)
                 return
+
+    def _at_one_moment(self, scan: Scan, middle: Pose2 | None) -> Scan:
+        """The scan without what the robot moved while it was measured; as it is where that is not known."""
+        half = (len(scan.ranges) - 1) * abs(scan.time_increment) / 2.0
+        if middle is None or not 0.0 < half <= LONGEST_TURN / 2.0:
+            return scan
+        begun, mount = self.odometry(scan.stamp - round(half * SECOND)), self.find_mount(scan.frame)
+        if begun is None or mount is None:
+            return scan
+        ended = self.odometry(scan.stamp + round(half * SECOND))
+        velocity = velocity_between(begun, ended, 2.0 * half) if ended else velocity_between(begun, middle, half)
+        times = (np.arange(len(scan.ranges), dtype=np.float64) - (len(scan.ranges) - 1) / 2.0) * scan.time_increment
+        return replace(
+            scan,
+            ranges=ranges_at_one_moment(
+                np.asarray(scan.ranges), scan.angle_min, scan.angle_increment, times, velocity, mount
+            ),
+            intensities=np.zeros(0, np.float32),
+            time_increment=0.0,
+        )
 
     def _explain_silence(self) -> None:
         now = self._node.now()

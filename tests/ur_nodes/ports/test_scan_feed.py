@@ -5,10 +5,12 @@ import math
 import numpy as np
 import pytest
 
+from ur_nodes.geometry.pose import Pose3
 from ur_nodes.memory.bus import Bus
 from ur_nodes.ports.node import SECOND
+from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.scan_feed import LONGEST_TURN, ScanFeed, at_its_middle
-from ur_nodes.ports.values import Scan
+from ur_nodes.ports.values import Scan, Transform
 
 
 def scan(increment: float, stamp: int = 10 * SECOND) -> Scan:
@@ -32,3 +34,25 @@ def test_scan_is_given_with_the_odometry_of_its_middle() -> None:
     bus.node("lidar").publish("scan", Scan).send(scan(-0.002))
     bus.run(0.1)
     assert [each.stamp for each in used] == [round(9.9 * SECOND)]
+
+
+@pytest.mark.parametrize("ends", [10.2, 10.12])  # the odometry of the last beam may be on its way
+def test_scan_of_a_robot_that_moves_is_given_as_if_measured_at_once(ends: float) -> None:
+    bus = Bus()
+    used: list[Scan] = []
+    driver = bus.node("driver")
+    driver.transforms.send(Transform(0, "base", "laser", Pose3(0.0, 0.0, 0.2, 0.0, 0.0, 0.0, 1.0), fixed=True))
+    ScanFeed(bus.node("user"), "odom", "base", lambda each, _: used.append(each))
+    bus.run(0.1)
+    for seconds in (10.0, 10.04, 10.08, 10.12, 10.16, 10.2):
+        if seconds <= ends:
+            pose = Pose3(seconds - 10.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0)  # 1 m/s
+            driver.publish("/tf", tuple, Quality.EVERY).send(
+                (Transform(round(seconds * SECOND), "odom", "base", pose),)
+            )
+    bus.node("lidar").publish("scan", Scan).send(scan(0.002))
+    bus.run(0.5)
+    (given,) = used
+    assert given.ranges[0] == pytest.approx(1.1, abs=0.002)  # the first beam looks back, 0.1 s before the middle
+    assert given.ranges[50] == pytest.approx(1.0, abs=0.002)
+    assert given.time_increment == 0.0

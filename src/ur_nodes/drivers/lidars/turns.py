@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -68,11 +69,13 @@ class TurnCollector:
         return scans
 
     def _take_table(self, beams: MeasuredBeams, stamp: int) -> list[Scan]:
-        """A whole turn at once, of which each beam was measured in the last one until now."""
+        """A whole turn at once: each beam was measured within the last one, on average half a turn ago."""
         angles = (-beams.phases if beams.clockwise else beams.phases) + self._offset
         self._put(angles, beams.ranges, beams.intensities)
         self._begun = stamp - (beams.turn_time or self._turn_time) * _SECOND
-        return self._finish(float(stamp), clockwise=beams.clockwise)
+        middle = stamp - round((stamp - self._begun) / 2.0)
+        scans = self._finish(float(stamp), clockwise=beams.clockwise)
+        return [replace(scan, stamp=middle, time_increment=0.0) for scan in scans]
 
     def _put(self, angles: NDArray[np.float64], ranges: NDArray[np.float64], intensities: NDArray[np.float64]) -> None:
         steps = ((angles - self._lidar.angle_min) % _FULL) / self._increment
