@@ -277,6 +277,7 @@ new base small --package src/demo --from picture.png
 new base small --package src/demo --from src/demo/package.xml
 new base small --package src/demo --from src/demo/package.xml --lidar
 new base small --package src/demo --workspace own
+new base small --package src/demo --driver mangi
 new package 1st
 new package Demo
 new package demo

@@ -165,6 +165,8 @@ def new_program(name: str | None, summary: str | None, package: str | None, laun
 @click.option("--angular-velocity", type=float, help="The highest, in rad/s.")
 @click.option("--lidar/--no-lidar", default=None, help="It has a lidar. [default: as FILE says]")
 @click.option("--raspicam", is_flag=True, help="It has a Raspberry Pi camera.")
+@click.option("--driver", metavar="DRIVER", help="What drives the real one, as create2: see drivers.md.")
+@click.option("--lidar-driver", metavar="DRIVER", help="What reads its lidar, as rplidar; needs --driver.")
 @click.option("--like", metavar="BASE", help="Copy the parameter files of this base; without it of stage, if there.")
 @click.option("--from", "source", metavar="FILE", help="Read the figures from this URDF or xacro file.")
 @click.option(
@@ -173,7 +175,8 @@ def new_program(name: str | None, summary: str | None, package: str | None, laun
 @click.argument("arguments", nargs=-1, metavar="[ARG:=VALUE]...")
 def new_base(
     name: str | None, summary: str | None, package: str | None, lidar: bool | None, raspicam: bool, like: str | None,
-    source: str | None, workspace: str | None, arguments: tuple[str, ...], **figures: float | None,
+    source: str | None, workspace: str | None, driver: str | None, lidar_driver: str | None,
+    arguments: tuple[str, ...], **figures: float | None,
 ) -> int:  # fmt: skip
     """Write a base: bases/NAME/base.yaml, its URDF, and a parameter file wherever others have one.
 
@@ -182,10 +185,13 @@ def new_base(
     """
     from ur.cli.files.base_from import describe_base
     from ur.tools.new.description import check_source, refuse_arguments
+    from ur.tools.new.drivers import check_driver, driver_files, driver_lines
     from ur.tools.new.package import write_base
     from ur.tools.new.parts import NewFile
     from ur.tools.new.target import next_step, target_of
 
+    check_driver("--driver", driver, "")
+    check_driver("--lidar-driver", lidar_driver, "lidar")
     if source is not None:
         check_source(Path(source))
     place = target_of(package, workspace)
@@ -197,8 +203,10 @@ def new_base(
         refuse_arguments(arguments)
         summary = ask(summary, "--summary", "What it is, in one line")
         text = write_base(base_request(name, summary, figures, lidar=bool(lidar), raspicam=raspicam))
+    text += driver_lines(driver, lidar_driver)
+    drivers = driver_files(name, place.target.name, driver, lidar_driver)
     beside = urdf_files(place.target, name, text, like, place.library, place.url)
-    files = place.place_files([NewFile(f"bases/{name}/base.yaml", text), *beside])
+    files = place.place_files([NewFile(f"bases/{name}/base.yaml", text), *beside, *drivers])
     return show_done(place.target, files, next_step(place, name))
 
 
