@@ -13,7 +13,7 @@ from ur_nodes.costmap.footprint import Footprint
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2, wrap_angle
 from ur_nodes.navigation.planning.legs import Leg, bearing_of, legs_of_motions
-from ur_nodes.navigation.planning.outline_motions import Motion
+from ur_nodes.navigation.planning.outline_motions import MotionPose
 from ur_nodes.navigation.planning.path_geometry import Points, nearest_index
 from ur_nodes.navigation.steering.local_plan import LocalCommand, follow_reference, sweep_is_free
 from ur_nodes.navigation.steering.rollout import FollowSettings, ReferencePath, RolloutState, make_reference
@@ -30,7 +30,7 @@ _MOST_POINTS = 40  # of the path that the robot may pass in a period
 
 @dataclass(frozen=True, slots=True)
 class Driving:
-    """What legs are driven with: the robot, its limits, and how it steers; `period` in s."""
+    """Settings of a drive along legs: the robot, its limits, and its steering; `period` in s."""
 
     footprint: Footprint
     limits: SpeedLimits
@@ -66,7 +66,7 @@ class LegFollower:
 
     @property
     def is_tight(self) -> bool:
-        """Whether the path was searched for the outline, so that the robot should not be far beside it."""
+        """True when the path was searched for the outline, so that the robot should not be far beside it."""
         return len(self._legs) > 1
 
     def step(
@@ -155,13 +155,13 @@ def legs_back(track: Sequence[Pose2], distance: float) -> tuple[Leg, ...]:
     """The legs that lead back along the poses of a track, oldest first, for at most `distance` m."""
     if len(track) < 2:
         return ()
-    motions, length = [Motion(*track[-1], 0)], 0.0
+    motions, length = [MotionPose(*track[-1], 0)], 0.0
     for here, before in zip(reversed(track), list(reversed(track))[1:], strict=False):
         dx, dy = before.x - here.x, before.y - here.y
         step = math.hypot(dx, dy)
         ahead = dx * math.cos(here.yaw) + dy * math.sin(here.yaw)
         gear = 0 if step < 0.01 else 1 if ahead > 0.0 else -1
-        motions.append(Motion(*before, gear))
+        motions.append(MotionPose(*before, gear))
         length += step
         if length >= distance:
             break

@@ -270,7 +270,7 @@ class Navigator:
         return Driving(self._footprint, self._limits, self._follow, self._settings.period)
 
     def _remember(self, pose: Pose2) -> None:
-        """Keep the poses that the robot came by, in the odometry frame."""
+        """Keep the poses that the robot has passed, in the odometry frame."""
         last = self._track[-1] if self._track else None
         if (
             last is None

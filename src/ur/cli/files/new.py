@@ -38,7 +38,7 @@ _name = click.argument("name", required=False, callback=_check_name)
 @click.group("new", invoke_without_command=True)
 @click.pass_context
 def command(context: click.Context) -> int:
-    """Write a new node, group, view, program, script, base, package or world.
+    """Write a node, group, view, program, script, base, package or world.
 
     Asks for what is not given; without a terminal everything has to be given. Nothing is ever overwritten. What is
     written passes `ur check` and appears in `ur docs`.

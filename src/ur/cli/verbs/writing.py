@@ -27,7 +27,7 @@ WRITING = (
     Verb(
         "new",
         "ur.cli.files.new",
-        "Write a new node, group, view, program, script, base, package or world.",
+        "Write a node, group, view, program, script, base, package or world.",
         _SECTION,
         arguments=("new command",),
         examples=(

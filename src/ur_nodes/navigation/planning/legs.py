@@ -10,7 +10,7 @@ from itertools import pairwise
 import numpy as np
 
 from ur_nodes.geometry.pose import wrap_angle
-from ur_nodes.navigation.planning.outline_motions import Motion
+from ur_nodes.navigation.planning.outline_motions import MotionPose
 from ur_nodes.navigation.planning.path_geometry import Points, resample
 
 _SHORTEST = 0.02  # m: of a leg
@@ -31,7 +31,7 @@ class Leg:
     turned: float | None = None
 
 
-def legs_of_motions(motions: Sequence[Motion]) -> tuple[tuple[Leg, ...], float]:
+def legs_of_motions(motions: Sequence[MotionPose]) -> tuple[tuple[Leg, ...], float]:
     """The legs of motions in order, and the turn (rad) on the spot at their end."""
     legs: list[Leg] = []
     turned, places, gear = 0.0, [motions[0]], 0
@@ -48,7 +48,7 @@ def legs_of_motions(motions: Sequence[Motion]) -> tuple[tuple[Leg, ...], float]:
     return tuple(legs), left
 
 
-def _close(legs: list[Leg], places: list[Motion], gear: int, turned: float) -> float:
+def _close(legs: list[Leg], places: list[MotionPose], gear: int, turned: float) -> float:
     """Add a leg if it has a length. Returns the turn that is left for the next one."""
     if gear == 0 or len(places) < 2:
         return turned

@@ -1,4 +1,4 @@
-"""Where a robot's outline touches obstacles: for each cell, which of 64 headings are blocked, as bits."""
+"""Blocked headings of a robot's outline: for each cell, those of 64 at which it touches obstacles, as bits."""
 
 from __future__ import annotations
 

@@ -16,18 +16,18 @@ _SPIN = 2  # headings of one turn on the spot
 
 @dataclass(frozen=True, slots=True)
 class Steering:
-    """How a robot moves: it turns on the spot, or in circles of `radius` m and more."""
+    """The steering of a robot: it turns on the spot, or in circles of `radius` m and more."""
 
     radius: float = 0.0
 
     @property
     def spins(self) -> bool:
-        """Whether it can turn on the spot."""
+        """True when it can turn on the spot."""
         return self.radius <= 0.0
 
 
-class Motion(NamedTuple):
-    """A pose on the way (m, m, rad), and how the robot came there: 1 ahead, -1 back, 0 by a turn on the spot."""
+class MotionPose(NamedTuple):
+    """A pose on the way (m, m, rad), and the gear that leads there: 1 ahead, -1 back, 0 a turn on the spot."""
 
     x: float
     y: float
@@ -35,7 +35,7 @@ class Motion(NamedTuple):
     gear: int
 
 
-class Piece(NamedTuple):
+class MotionPrimitive(NamedTuple):
     """A piece from the origin: its end, poses between with the end, length (m), gear, headings turned."""
 
     dx: float
@@ -48,12 +48,12 @@ class Piece(NamedTuple):
 
 
 @lru_cache(maxsize=4)
-def list_pieces(radius: float) -> tuple[tuple[Piece, ...], ...]:
+def list_pieces(radius: float) -> tuple[tuple[MotionPrimitive, ...], ...]:
     """The pieces of a robot that begin with each heading."""
     return tuple(tuple(_pieces_of(heading, radius)) for heading in range(HEADINGS))
 
 
-def _pieces_of(heading: int, radius: float) -> list[Piece]:
+def _pieces_of(heading: int, radius: float) -> list[MotionPrimitive]:
     pieces = []
     if radius > 0.0:
         bends = [(turned, max(_LENGTH, abs(turned) * STEP * radius * 1.001)) for turned in (1, 2)]
@@ -68,11 +68,11 @@ def _pieces_of(heading: int, radius: float) -> list[Piece]:
             sign = 1 if turned > 0 else -1
             numbers = [(heading + sign * step) % HEADINGS for step in range(1, _SPIN + 1)]
             checks = tuple((0.0, 0.0, number) for number in numbers)
-            pieces.append(Piece(0.0, 0.0, numbers[-1], checks, 0.0, 0, turned))
+            pieces.append(MotionPrimitive(0.0, 0.0, numbers[-1], checks, 0.0, 0, turned))
     return pieces
 
 
-def _arc(heading: int, turned: int, length: float, gear: int) -> Piece:
+def _arc(heading: int, turned: int, length: float, gear: int) -> MotionPrimitive:
     count = max(2, abs(turned), math.ceil(length / 0.08))
     checks = []
     for step in range(1, count + 1):
@@ -84,4 +84,4 @@ def _arc(heading: int, turned: int, length: float, gear: int) -> Piece:
         number = round(heading + turned * gear * share) % HEADINGS
         checks.append((chord * math.cos(middle), chord * math.sin(middle), number))
     dx, dy, end = checks[-1]
-    return Piece(dx, dy, end, tuple(checks), length, gear, turned * gear)
+    return MotionPrimitive(dx, dy, end, tuple(checks), length, gear, turned * gear)

@@ -25,7 +25,7 @@ from ur_nodes.navigation.planning.outline_grid import (
     make_stamp,
     overlaps,
 )
-from ur_nodes.navigation.planning.outline_motions import Motion, Steering
+from ur_nodes.navigation.planning.outline_motions import MotionPose, Steering
 from ur_nodes.navigation.planning.outline_search import SearchGrid, find_motions
 from ur_nodes.navigation.planning.path_geometry import Points, arc_lengths
 
@@ -49,7 +49,7 @@ class OutlinePath:
 
 
 def is_long(footprint: Footprint) -> bool:
-    """Whether a path that the inscribed circle fits on may be too narrow for the outline."""
+    """Return whether a path that the inscribed circle fits on may be too narrow for the outline."""
     return footprint.circumscribed > _WIDE and footprint.circumscribed - footprint.inscribed > _LONG
 
 
@@ -113,7 +113,7 @@ class _Fitting:
         touching[0] |= self._careful or not self._can_turn(self._start, float(self._poses[0, 2]))
         end = Pose2(*self._poses[-1].tolist())
         touching[-1] |= self._heading is not None and not self._can_turn(end, self._heading)
-        motions: list[Motion] = []
+        motions: list[MotionPose] = []
         here = 0
         for first, last in self._conflicts(touching):
             mended = self._mend(first, last, touching)
@@ -126,7 +126,7 @@ class _Fitting:
         return self._result(motions)
 
     def _turns_are_free(self) -> bool:
-        """Whether the turns on the spot at both ends touch nothing, roughly: on the costmap itself."""
+        """Return whether the turns on the spot at both ends touch nothing, roughly: on the costmap itself."""
         ends = [(self._start, float(self._poses[0, 2]))]
         if self._heading is not None:
             ends.append((Pose2(*self._poses[-1].tolist()), self._heading))
@@ -155,7 +155,7 @@ class _Fitting:
         self._corner = Pose2(float(corner[0]), float(corner[1]), costmap.origin.yaw)
 
     def _can_turn(self, pose: Pose2, yaw: float) -> bool:
-        """Whether the shorter turn on the spot to a heading is free."""
+        """Return whether the shorter turn on the spot to a heading is free."""
         if not self._steering.spins:
             return abs(math.remainder(yaw - pose.yaw, math.tau)) < 0.1
         local = self._corner.inverse().compose(pose)
@@ -187,13 +187,13 @@ class _Fitting:
                 parts.append((first, last))
         return parts
 
-    def _mend(self, first: int, last: int, touching: NDArray[np.bool_]) -> tuple[Motion, ...] | None:
+    def _mend(self, first: int, last: int, touching: NDArray[np.bool_]) -> tuple[MotionPose, ...] | None:
         """Search a part of the path anew, through the narrowest poses of it."""
         ends: list[Pose2] = [self._start if first == 0 else Pose2(*self._poses[first].tolist())]
         ends += self._gates(first, last, touching)
         ends.append(Pose2(*self._poses[last].tolist()))
         is_end = last == len(self._points) - 1
-        motions: list[Motion] = []
+        motions: list[MotionPose] = []
         for number, (begin, end) in enumerate(pairwise(ends)):
             final = number == len(ends) - 2
             heading = self._heading if final and is_end else end.yaw
@@ -246,7 +246,9 @@ class _Fitting:
         y, x = (np.mean(alike, axis=0) + 0.5) * resolution
         return self._corner.compose(Pose2(float(x), float(y), heading_angle(number)))
 
-    def _search(self, begin: Pose2 | Motion, end: Pose2, heading: float | None, most: int) -> tuple[Motion, ...]:
+    def _search(
+        self, begin: Pose2 | MotionPose, end: Pose2, heading: float | None, most: int
+    ) -> tuple[MotionPose, ...]:
         inverse = self._corner.inverse()
         here = inverse.compose(Pose2(begin.x, begin.y, begin.yaw))
         goal = inverse.compose(end)
@@ -262,17 +264,19 @@ class _Fitting:
             found = find_motions(grid, (*here,), (goal.x, goal.y, local), self._steering, most=most)
             if found.motions:
                 break
-        return tuple(Motion(*self._corner.compose(Pose2(m.x, m.y, m.yaw)), m.gear) for m in found.motions)
+        return tuple(MotionPose(*self._corner.compose(Pose2(m.x, m.y, m.yaw)), m.gear) for m in found.motions)
 
     def _search_whole(self) -> OutlinePath | None:
         end = Pose2(*self._poses[-1].tolist())
         found = self._search(self._start, end, self._heading, _MOST_WHOLE)
         return self._result(list(found)) if found else None
 
-    def _motions_of(self, first: int, last: int) -> list[Motion]:
-        return [Motion(x, y, yaw, 1) for x, y, yaw in self._poses[first : last + 1].tolist()] if last > first else []
+    def _motions_of(self, first: int, last: int) -> list[MotionPose]:
+        return (
+            [MotionPose(x, y, yaw, 1) for x, y, yaw in self._poses[first : last + 1].tolist()] if last > first else []
+        )
 
-    def _result(self, motions: Sequence[Motion]) -> OutlinePath:
+    def _result(self, motions: Sequence[MotionPose]) -> OutlinePath:
         legs, turn = legs_of_motions(motions)
         return OutlinePath(legs or (Leg(self._points),), turn if abs(turn) > 0.0 else None)
 

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ur_nodes.navigation.planning.outline_grid import HEADINGS, STEP, heading_angle, heading_number
-from ur_nodes.navigation.planning.outline_motions import Motion, Piece, Steering, list_pieces
+from ur_nodes.navigation.planning.outline_motions import MotionPose, MotionPrimitive, Steering, list_pieces
 
 Floats = NDArray[np.float64]
 
@@ -49,7 +49,7 @@ class SearchGrid:
 class SearchEnd(NamedTuple):
     """The result: `motions`, empty when none was found; `whole`: everything in reach was searched."""
 
-    motions: tuple[Motion, ...]
+    motions: tuple[MotionPose, ...]
     whole: bool
     expanded: int
 
@@ -76,7 +76,7 @@ class _Node(NamedTuple):
     gear: int
     cost: float
     before: int  # number of the node before, -1 at the start
-    piece: Piece | None
+    piece: MotionPrimitive | None
 
 
 class _Search:
@@ -139,8 +139,8 @@ class _Search:
             return -1
         return row * self._width + column
 
-    def _cost(self, node: _Node, piece: Piece) -> float:
-        """What a piece costs, inf where it touches something."""
+    def _cost(self, node: _Node, piece: MotionPrimitive) -> float:
+        """The cost of a primitive, inf where it touches something."""
         narrow, weight = False, 0.0
         for dx, dy, heading in piece.checks:
             cell = self._cell(node.x + dx, node.y + dy)
@@ -161,14 +161,14 @@ class _Search:
             cost += _REVERSAL
         return cost + 0.1 * piece.length * abs(piece.turned)
 
-    def _arrive(self, node: _Node, number: int) -> tuple[Motion, ...]:
+    def _arrive(self, node: _Node, number: int) -> tuple[MotionPose, ...]:
         """The whole motion, if the goal is here or straight lines lead there; else nothing."""
         away = math.dist((node.x, node.y), self._goal)
         if away < self._near and self._heading in (None, node.heading):
             return self._trace(number)
         if not self._steering.spins or away > _DIRECT:
             return ()
-        here = Motion(node.x, node.y, heading_angle(node.heading), node.gear)
+        here = MotionPose(node.x, node.y, heading_angle(node.heading), node.gear)
         for corner in self._corners():
             tail = self._go(here, corner)
             if tail is not None and corner != self._goal:
@@ -183,13 +183,13 @@ class _Search:
         return ()
 
     def _corners(self) -> list[tuple[float, float]]:
-        """Where a straight line towards the goal may begin: at the goal, or before or behind it along its heading."""
+        """Places where a straight line to the goal may begin: at it, or before or behind it along its heading."""
         if self._heading is None:
             return [self._goal]
         c, s = math.cos(self._heading * STEP), math.sin(self._heading * STEP)
         return [self._goal, *((self._goal[0] - d * c, self._goal[1] - d * s) for d in _RUN_UPS)]
 
-    def _go(self, here: Motion, place: tuple[float, float]) -> list[Motion] | None:
+    def _go(self, here: MotionPose, place: tuple[float, float]) -> list[MotionPose] | None:
         """Turn on the spot and go straight to a place, ahead, or back where it is near."""
         away = math.dist(here[:2], place)
         if away < 0.02:
@@ -201,10 +201,10 @@ class _Search:
             spin = None if line is None else self._spin(here.x, here.y, heading_number(here.yaw), course)
             if line is not None and spin is not None:
                 yaw = bearing if gear > 0 else bearing + math.pi
-                return spin + [Motion(x, y, yaw, gear) for x, y in line]
+                return spin + [MotionPose(x, y, yaw, gear) for x, y in line]
         return None
 
-    def _line(self, here: Motion, bearing: float, away: float, heading: int) -> list[tuple[float, float]] | None:
+    def _line(self, here: MotionPose, bearing: float, away: float, heading: int) -> list[tuple[float, float]] | None:
         count = max(1, math.ceil(away * self._scale))
         points = []
         for step in range(count + 1):
@@ -216,7 +216,7 @@ class _Search:
             points.append((x, y))
         return points[1:]
 
-    def _spin(self, x: float, y: float, heading: int, wanted: int) -> list[Motion] | None:
+    def _spin(self, x: float, y: float, heading: int, wanted: int) -> list[MotionPose] | None:
         """Turn on the spot, the shorter way round that is free."""
         cell = self._cell(x, y)
         if cell < 0:
@@ -226,18 +226,18 @@ class _Search:
         for sign, count in sorted(ways, key=lambda way: way[1]):
             numbers = [(heading + sign * step) % HEADINGS for step in range(1, count % HEADINGS + 1)]
             if all(not self._blocked[cell] >> number & 1 for number in numbers):
-                return [Motion(x, y, heading_angle(number), 0) for number in numbers]
+                return [MotionPose(x, y, heading_angle(number), 0) for number in numbers]
         return None
 
-    def _trace(self, number: int) -> tuple[Motion, ...]:
-        motions: list[Motion] = []
+    def _trace(self, number: int) -> tuple[MotionPose, ...]:
+        motions: list[MotionPose] = []
         while number >= 0:
             node = self._nodes[number]
             if node.piece is None:
-                motions.append(Motion(node.x, node.y, heading_angle(node.heading), 0))
+                motions.append(MotionPose(node.x, node.y, heading_angle(node.heading), 0))
             else:
                 begin = self._nodes[node.before]
                 for dx, dy, heading in reversed(node.piece.checks):
-                    motions.append(Motion(begin.x + dx, begin.y + dy, heading_angle(heading), node.piece.gear))
+                    motions.append(MotionPose(begin.x + dx, begin.y + dy, heading_angle(heading), node.piece.gear))
             number = node.before
         return tuple(reversed(motions))

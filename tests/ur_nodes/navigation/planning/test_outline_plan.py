@@ -15,7 +15,7 @@ from ur_nodes.geometry.pose import Pose2, wrap_angle
 from ur_nodes.navigation.planning.global_plan import PlanSettings, plan_path, traversal_weights
 from ur_nodes.navigation.planning.legs import Leg, bearing_of, legs_of_motions, points_of_legs
 from ur_nodes.navigation.planning.outline_grid import overlaps
-from ur_nodes.navigation.planning.outline_motions import Motion, Steering
+from ur_nodes.navigation.planning.outline_motions import MotionPose, Steering
 from ur_nodes.navigation.planning.outline_plan import OutlinePath, fit_outline, is_long
 from ur_nodes.navigation.planning.path_geometry import headings
 
@@ -90,10 +90,10 @@ def test_robots_that_fit_through_doors_in_any_heading_are_not_long() -> None:
 
 
 def test_motions_become_legs_with_turns_on_the_spot_between_them() -> None:
-    ahead = [Motion(0.1 * step, 0.0, 0.0, 1) for step in range(1, 6)]
-    turn = [Motion(0.5, 0.0, angle, 0) for angle in (0.5, 1.0, 1.57)]
-    back = [Motion(0.5, -0.1 * step, 1.57, -1) for step in range(1, 4)]
-    legs, left = legs_of_motions([Motion(0.0, 0.0, 0.0, 0), *ahead, *turn, *back, Motion(0.5, -0.3, 2.0, 0)])
+    ahead = [MotionPose(0.1 * step, 0.0, 0.0, 1) for step in range(1, 6)]
+    turn = [MotionPose(0.5, 0.0, angle, 0) for angle in (0.5, 1.0, 1.57)]
+    back = [MotionPose(0.5, -0.1 * step, 1.57, -1) for step in range(1, 4)]
+    legs, left = legs_of_motions([MotionPose(0.0, 0.0, 0.0, 0), *ahead, *turn, *back, MotionPose(0.5, -0.3, 2.0, 0)])
     assert [leg.gear for leg in legs] == [1, -1]
     assert legs[0].turned is None
     assert legs[1].turned == pytest.approx(1.57)

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from ur_nodes.costmap.footprint import footprint_of_outline
 from ur_nodes.geometry.pose import wrap_angle
 from ur_nodes.navigation.planning.outline_grid import blocked_headings, heading_number, make_stamp
-from ur_nodes.navigation.planning.outline_motions import Motion, Steering
+from ur_nodes.navigation.planning.outline_motions import MotionPose, Steering
 from ur_nodes.navigation.planning.outline_search import SearchGrid, find_motions
 
 CELL = 0.05
@@ -34,7 +34,7 @@ def room(height: float, width: float) -> NDArray[np.bool_]:
     return lethal
 
 
-def touches(grid: SearchGrid, motion: Motion) -> bool:
+def touches(grid: SearchGrid, motion: MotionPose) -> bool:
     row, column = int(motion.y / CELL), int(motion.x / CELL)
     return bool(int(grid.blocked[row, column]) >> heading_number(motion.yaw) & 1)
 
