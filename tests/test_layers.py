@@ -75,20 +75,8 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
     ),
     "ur_nodes.memory_use": (),
     "ur_nodes.run": ("ur.source", "ur_nodes.ports", "ur_nodes.ros1"),
-    "ur_nodes.motion": (
-        "ur.source",
-        "ur.robot.base",
-        "ur_nodes.memory_use",
-        "ur_nodes.ports",
-        "ur_nodes.run",
-    ),
-    "ur_nodes.frames": (
-        "ur.source",
-        "ur.robot.description",
-        "ur_nodes.geometry",
-        "ur_nodes.ports",
-        "ur_nodes.run",
-    ),
+    "ur_nodes.motion": ("ur.source", "ur.robot.base", "ur_nodes.memory_use", "ur_nodes.ports", "ur_nodes.run"),
+    "ur_nodes.frames": ("ur.source", "ur.robot.description", "ur_nodes.geometry", "ur_nodes.ports", "ur_nodes.run"),
     "ur_nodes.drivers": (
         "ur.source",
         "ur.robot.base",
@@ -183,12 +171,7 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
         "ur_nodes.run",
     ),
     "ur_nodes.navigation.planning": ("ur_nodes.costmap", "ur_nodes.geometry"),
-    "ur_nodes.navigation.goals": (
-        "ur_nodes.motion",
-        "ur_nodes.memory_use",
-        "ur_nodes.ports",
-        "ur_nodes.run",
-    ),
+    "ur_nodes.navigation.goals": ("ur_nodes.motion", "ur_nodes.memory_use", "ur_nodes.ports", "ur_nodes.run"),
     "ur_nodes.client": (
         "ur.source",
         "ur.maps",
@@ -212,13 +195,7 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
         "ur_nodes.client",
     ),
     "ur_nodes.teleop": (),
-    "ur_nodes.teleop.terminal": (
-        "ur.source",
-        "ur.tui.screen",
-        "ur_nodes.ports",
-        "ur_nodes.run",
-        "ur_nodes.client",
-    ),
+    "ur_nodes.teleop.terminal": ("ur.source", "ur.tui.screen", "ur_nodes.ports", "ur_nodes.run", "ur_nodes.client"),
     "ur_nodes.teleop.map_view": (
         "ur.source",
         "ur.maps",
@@ -281,13 +258,7 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
         "ur_nodes.client",
     ),
     "ur_nodes.pictures": ("ur.source", "ur_nodes.ports", "ur_nodes.run"),
-    "ur_nodes.camera": (
-        "ur.source",
-        "ur.devices",
-        "ur_nodes.pictures",
-        "ur_nodes.ports",
-        "ur_nodes.run",
-    ),
+    "ur_nodes.camera": ("ur.source", "ur.devices", "ur_nodes.pictures", "ur_nodes.ports", "ur_nodes.run"),
     "ur_nodes.camera.calibration": (
         "ur.source",
         "ur_nodes.camera",
@@ -299,11 +270,7 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
     ),
     "ur_nodes.motion.ramp": ("ur.robot.base",),
     "ur_nodes.motion.challenge": ("ur_nodes.ports",),
-    "ur_nodes.motion.lease": (
-        "ur.source",
-        "ur_nodes.ports",
-        "ur_nodes.motion.challenge",
-    ),
+    "ur_nodes.motion.lease": ("ur.source", "ur_nodes.ports", "ur_nodes.motion.challenge"),
     "ur_nodes.motion.admission": (
         "ur_nodes.ports",
         "ur_nodes.motion.challenge",
@@ -326,13 +293,7 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
         "ur_nodes.motion.challenge",
         "ur_nodes.motion.lease",
     ),
-    "ur_nodes.vision": (
-        "ur.source",
-        "ur_nodes.geometry",
-        "ur_nodes.pictures",
-        "ur_nodes.ports",
-        "ur_nodes.run",
-    ),
+    "ur_nodes.vision": ("ur.source", "ur_nodes.geometry", "ur_nodes.pictures", "ur_nodes.ports", "ur_nodes.run"),
     "ur_nodes": ("ur.source", "ur_nodes.run", "ur_nodes.ros1.repairs"),
 }
 ROS = {
