@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import fcntl
 import json
 import os
 import shutil
@@ -11,6 +10,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from tests.npm_packages import installed
 
 pytest.importorskip("pygls", reason="pygls is not installed: requirements/lsp.lock")
 
@@ -109,29 +109,8 @@ def build_extension() -> Path:
     names = ("vscode-languageclient", "typescript", "@types/node", "@types/vscode")
     versions = {**described["dependencies"], **described["devDependencies"]}
     wanted = [f"{name}@{versions[name]}" for name in names]
-    npm = shutil.which("npm")
-    if npm is None:
-        pytest.skip("npm is not installed: sudo apt-get install npm")
-    folder = ROOT / ".cache/npm" / "-".join(["vscode", *(each.rpartition("@")[2] for each in wanted)])
-    folder.mkdir(parents=True, exist_ok=True)
-    with (folder / "lock").open("w") as lock:
-        fcntl.flock(lock, fcntl.LOCK_EX)
-        if not (folder / "node_modules/.package-lock.json").exists():
-            command = [
-                npm,
-                "install",
-                "--no-save",
-                "--no-audit",
-                "--no-fund",
-                "--ignore-scripts",
-                "--prefix",
-                str(folder),
-            ]
-            done = subprocess.run(
-                [*command, *wanted], capture_output=True, text=True, timeout=100, cwd=folder, check=False
-            )
-            if done.returncode:
-                pytest.skip(f"npm cannot install {' and '.join(wanted)}: {done.stderr.strip()[-200:]}")
+    name = "-".join(["vscode", *(each.rpartition("@")[2] for each in wanted)])
+    with installed(name, wanted) as folder:
         for name in ("src", "test"):
             shutil.copytree(source / name, folder / name, dirs_exist_ok=True)
         for name in ("tsconfig.json", "package.json"):

@@ -1,23 +1,20 @@
 """Types (JSDoc, checked by tsc) and a linter for the page's scripts.
 
-Both come from npm with the computer's own settings, in these versions, into `.cache`; nothing of them is committed.
+Both come from npm, in these versions.
 """
 
 from __future__ import annotations
 
-import fcntl
 import json
-import shutil
 import subprocess
 from pathlib import Path
 
 import pytest
+from tests.npm_packages import installed
 
 from ur.web.server.static_files import FOLDER
 
-ROOT = Path(__file__).parents[3]
 PACKAGES = ("typescript@5.9.3", "oxlint@1.31.0")
-CACHE = ROOT / ".cache" / "npm" / "_".join(PACKAGES)
 OPTIONS = {
     "allowJs": True,
     "checkJs": True,
@@ -43,29 +40,8 @@ pytestmark = [pytest.mark.long, pytest.mark.timeout(300)]
 @pytest.fixture(scope="module")
 def programs() -> Path:
     """The folder of tsc and oxlint."""
-    npm, folder = shutil.which("npm"), CACHE / "node_modules" / ".bin"
-    if npm is None:
-        pytest.skip("npm is not installed")
-    CACHE.mkdir(parents=True, exist_ok=True)
-    with (CACHE / "lock").open("w") as lock:
-        fcntl.flock(lock, fcntl.LOCK_EX)
-        if not all((folder / name).exists() for name in ("tsc", "oxlint")):
-            command = [
-                npm,
-                "install",
-                "--no-save",
-                "--no-audit",
-                "--no-fund",
-                "--ignore-scripts",
-                "--prefix",
-                str(CACHE),
-            ]
-            done = subprocess.run(
-                [*command, *PACKAGES], capture_output=True, text=True, timeout=240, cwd=CACHE, check=False
-            )
-            if done.returncode:
-                pytest.skip(f"npm cannot install {' and '.join(PACKAGES)}: {done.stderr.strip()[-200:]}")
-    return folder
+    with installed("_".join(PACKAGES), PACKAGES) as folder:
+        return folder / "node_modules/.bin"
 
 
 def test_scripts_are_typed(programs: Path, tmp_path: Path) -> None:
