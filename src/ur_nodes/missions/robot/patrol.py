@@ -2,7 +2,7 @@
 
 Nothing starts late. A goal is sent within `LATEST` seconds of the request that asked for it, or of the end of the wait
 before it; what cannot be sent by then pauses the patrol, and only another request resumes it. A program that did not
-run for so long (a computer that was suspended) pauses it, too.
+run for `STALLED` seconds (a computer that was suspended) pauses it, too: navigation may have held its goal meanwhile.
 """
 
 from __future__ import annotations
@@ -14,6 +14,8 @@ from ur_nodes.client.snapshot import LastGoalState
 
 LATEST = 5.0
 """Seconds after which a goal is not sent any more, and in which navigation has to take it."""
+STALLED = 2.5
+"""Seconds; navigation holds the goal of a client that is silent for 3 s, and nothing continues it but a request."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,7 +95,7 @@ def step_patrol(patrol: Patrol, inputs: PatrolInputs, step_limit: float) -> tupl
     patrol = replace(patrol, stepped=now, driven=patrol.driven or inputs.may_drive)
     if not patrol.status.active:
         return patrol, NOTHING
-    if now - before.stepped > LATEST:
+    if now - before.stepped > STALLED:
         return pause_patrol(patrol, f"the program stood still for {now - before.stepped:.0f} s", now)
     if inputs.stopped:
         return pause_patrol(patrol, "emergency stop", now)

@@ -10,6 +10,7 @@ from ur_nodes.client.patrol_text import PatrolRoute, PatrolStop
 from ur_nodes.client.snapshot import LastGoalState
 from ur_nodes.missions.robot.patrol import (
     LATEST,
+    STALLED,
     NavigationCommands,
     Patrol,
     PatrolInputs,
@@ -107,6 +108,14 @@ def test_program_that_stood_still_starts_nothing() -> None:
     assert machine.step(goal=LastGoalState.REACHED) == "paused"
     assert machine.step(10.0, goal=LastGoalState.REACHED) == "paused"
     assert len(machine.sent) == 1
+
+
+def test_program_that_stood_still_until_navigation_may_hold_its_goal_pauses() -> None:
+    machine = PatrolMachine()
+    machine.step(0.5, goal=LastGoalState.DRIVING)
+    machine.now += STALLED + 0.1
+    assert machine.step(0.1, goal=LastGoalState.DRIVING) == "paused"
+    assert (machine.cancels, machine.patrol.status.reason) == (1, "the program stood still for 3 s")
 
 
 @pytest.mark.parametrize(
