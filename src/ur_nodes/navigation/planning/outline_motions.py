@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import NamedTuple
+from typing import NamedTuple, TypeAlias
 
 from ur_nodes.navigation.planning.outline_grid import HEADINGS, STEP
 
@@ -33,6 +33,9 @@ class MotionPose(NamedTuple):
     y: float
     yaw: float
     gear: int
+
+
+Motions: TypeAlias = tuple[MotionPose, ...]
 
 
 class MotionPrimitive(NamedTuple):

@@ -25,7 +25,7 @@ from ur_nodes.navigation.planning.outline_grid import (
     make_stamp,
     overlaps,
 )
-from ur_nodes.navigation.planning.outline_motions import MotionPose, Steering
+from ur_nodes.navigation.planning.outline_motions import MotionPose, Motions, Steering
 from ur_nodes.navigation.planning.outline_search import SearchGrid, find_motions
 from ur_nodes.navigation.planning.path_geometry import Points, arc_lengths
 
@@ -187,7 +187,7 @@ class _Fitting:
                 parts.append((first, last))
         return parts
 
-    def _mend(self, first: int, last: int, touching: NDArray[np.bool_]) -> tuple[MotionPose, ...] | None:
+    def _mend(self, first: int, last: int, touching: NDArray[np.bool_]) -> Motions | None:
         """Search a part of the path anew, through the narrowest poses of it."""
         ends: list[Pose2] = [self._start if first == 0 else Pose2(*self._poses[first].tolist())]
         ends += self._gates(first, last, touching)
@@ -246,9 +246,7 @@ class _Fitting:
         y, x = (np.mean(alike, axis=0) + 0.5) * resolution
         return self._corner.compose(Pose2(float(x), float(y), heading_angle(number)))
 
-    def _search(
-        self, begin: Pose2 | MotionPose, end: Pose2, heading: float | None, most: int
-    ) -> tuple[MotionPose, ...]:
+    def _search(self, begin: Pose2 | MotionPose, end: Pose2, heading: float | None, most: int) -> Motions:
         inverse = self._corner.inverse()
         here = inverse.compose(Pose2(begin.x, begin.y, begin.yaw))
         goal = inverse.compose(end)
@@ -267,14 +265,12 @@ class _Fitting:
         return tuple(MotionPose(*self._corner.compose(Pose2(m.x, m.y, m.yaw)), m.gear) for m in found.motions)
 
     def _search_whole(self) -> OutlinePath | None:
-        end = Pose2(*self._poses[-1].tolist())
-        found = self._search(self._start, end, self._heading, _MOST_WHOLE)
+        found = self._search(self._start, Pose2(*self._poses[-1].tolist()), self._heading, _MOST_WHOLE)
         return self._result(list(found)) if found else None
 
     def _motions_of(self, first: int, last: int) -> list[MotionPose]:
-        return (
-            [MotionPose(x, y, yaw, 1) for x, y, yaw in self._poses[first : last + 1].tolist()] if last > first else []
-        )
+        poses = self._poses[first : last + 1].tolist() if last > first else []
+        return [MotionPose(x, y, yaw, 1) for x, y, yaw in poses]
 
     def _result(self, motions: Sequence[MotionPose]) -> OutlinePath:
         legs, turn = legs_of_motions(motions)
