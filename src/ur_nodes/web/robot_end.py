@@ -1,4 +1,4 @@
-"""The robot's end of the page: what pages see of the robot, and what they ask of it."""
+"""The robot's end of the page: the robot's state for pages, and their requests."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class LineOutlet(Protocol):
 
 
 class RobotSession:
-    """Joins the robot to the server: frames leave by `view`, answers to pages by `drive`."""
+    """Connects the robot to the server: sends frames through `view`, and answers to pages through `drive`."""
 
     def __init__(self, node: Node, view: FrameOutlet, drive: LineOutlet) -> None:
         names, facts, self._outlet = Names(), RobotFacts(node), drive
@@ -46,12 +46,12 @@ class RobotSession:
         self._views = ViewerSession(node, names.mux, shown, view)
 
     def take_view(self, message: dict[str, Any]) -> None:
-        """Take what pages show."""
+        """Take a message about what pages show."""
         layers, plots = message.get("layers", []), message.get("plots", [])
         self._views.look(int(message.get("viewers", 0)), layers, plots, message.get("camera", ""))
 
     def take_drive(self, message: dict[str, object]) -> None:
-        """Take what a page that may drive does."""
+        """Take a message of a page that may drive."""
         page, drives = str(message.get("page", "")), self._drives
         match message.get("do"):
             case "come":

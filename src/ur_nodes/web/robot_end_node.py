@@ -22,7 +22,7 @@ def main() -> int:
 
 
 def start(node: Node, view: socket.socket, drive: socket.socket) -> None:
-    """Join the sockets to the robot."""
+    """Connect the sockets to the robot."""
     end = RobotSession(node, Outlet(node, view), Outlet(node, drive))
     read_lines(node, {view: end.take_view, drive: end.take_drive})
 

@@ -60,7 +60,7 @@ def end_with_run(node: Node) -> None:
 
 
 def read_lines(node: Node, takers: Mapping[socket.socket, Callable[[dict[str, object]], None]]) -> None:
-    """Have the JSON of each line that arrives taken on the node's thread, from now on; the node ends with a socket."""
+    """Read lines of JSON and pass each to its taker on the node's thread; the node ends when a socket closes."""
 
     def read() -> None:
         selector = selectors.DefaultSelector()
@@ -85,7 +85,7 @@ def read_lines(node: Node, takers: Mapping[socket.socket, Callable[[dict[str, ob
 
 
 class Outlet:
-    """Sends by a socket in order, without letting the node wait; on the node's thread."""
+    """Sends through a socket in order, without blocking the node; on the node's thread."""
 
     def __init__(self, node: Node, connection: socket.socket) -> None:
         self._node, self._connection = node, connection
@@ -102,7 +102,7 @@ class Outlet:
         self.send(json.dumps(value, separators=(",", ":")).encode() + b"\n")
 
     def send(self, data: bytes) -> None:
-        """Send bytes. The node ends where the server has ended, or takes no more."""
+        """Send bytes. The node ends if the server has ended or reads no more."""
         if self.busy:
             self._waiting += data
             if len(self._waiting) > _MOST_WAITING:

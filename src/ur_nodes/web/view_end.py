@@ -51,7 +51,7 @@ _MOST_POINTS = 2000
 
 @dataclass(frozen=True, slots=True)
 class ShownRobot:
-    """The end of the page that shows a robot."""
+    """The parts of a robot that pages show."""
 
     facts: RobotFacts
     topics: NavigationTopics
@@ -65,7 +65,7 @@ class ShownRobot:
 
 
 class ViewerSession:
-    """Sends frames; on the node's thread."""
+    """Sends frames of the robot's state to pages; on the node's thread."""
 
     def __init__(self, node: Node, mux_name: str, shown: ShownRobot, outlet: FrameOutlet) -> None:
         self._node, self._mux_name, self._shown = node, mux_name, shown
@@ -91,7 +91,7 @@ class ViewerSession:
         self._timer = node.after(0.0, self._beat, steady=True)
 
     def look(self, viewers: int, layers: Collection[int], plots: Collection[str], camera: str) -> None:
-        """Note how many pages are open, and what they show: without any, only what changes rarely is sent.
+        """Note how many pages are open and what they show; without a page, only data that changes rarely is sent.
 
         `camera` is the topic of the chosen camera; "" for none.
         """
@@ -207,7 +207,7 @@ class ViewerSession:
 
 
 def _thin(points: NDArray[np.float64] | None) -> list[list[float]]:
-    """At most `_MOST_POINTS` of the points, evenly; the last one stays."""
+    """Return at most `_MOST_POINTS` of the points, evenly chosen, always with the last one."""
     if points is None:
         return []
     if len(points) > _MOST_POINTS:

@@ -16,7 +16,7 @@ _LONGEST_LINE = 500  # characters
 
 
 def list_sources(topics: object) -> list[str]:
-    """The names of a mux's sources from its parameter `topics`, the most urgent first; none where it is malformed."""
+    """Return the names of a mux's sources from its parameter `topics`, highest priority first; none if malformed."""
     if not isinstance(topics, list) or not all(isinstance(each, dict) for each in topics):
         return []
     known = [(each.get("priority"), each.get("name")) for each in topics[:20]]
@@ -25,7 +25,7 @@ def list_sources(topics: object) -> list[str]:
 
 
 def describe_goal(goal: GoalReport, left: float | None) -> dict[str, object]:
-    """The last goal; `left` is the distance to it in m."""
+    """Describe the last goal; `left` is the distance to it in m."""
     place: list[float | None] | None = None if goal.place is None else [round(each, 3) for each in goal.place]
     if place is not None and goal.any_heading:
         place[2] = None
@@ -37,7 +37,7 @@ def describe_goal(goal: GoalReport, left: float | None) -> dict[str, object]:
 
 
 def describe_lease(lease: Lease | None) -> dict[str, object] | None:
-    """The lease; None before the mux has sent one."""
+    """Describe the lease; None before the mux has sent one."""
     if lease is None:
         return None
     return {
@@ -54,7 +54,7 @@ def describe_lease(lease: Lease | None) -> dict[str, object] | None:
 
 
 def describe_patrol_state(status: PatrolStatus | None) -> dict[str, object] | None:
-    """The patrol of the robot; None where no node drives one. `line` is empty before the first."""
+    """Describe the patrol of the robot; None without a patrol node. `line` is empty before the first patrol."""
     if status is None:
         return None
     return {
@@ -67,14 +67,14 @@ def describe_patrol_state(status: PatrolStatus | None) -> dict[str, object] | No
 
 
 def describe_exploration(status: ExploreStatus | None) -> dict[str, object] | None:
-    """The exploration: its state, and the line that a terminal shows; None while nothing explores."""
+    """Describe the exploration: its state, and the line that a terminal shows; None without an exploration."""
     if status is None:
         return None
     return {"state": status.state, "line": printable(describe_status(status))[:_LONGEST_LINE]}
 
 
 def describe_mux(view: MuxView) -> dict[str, object]:
-    """The mux: whether it is stopped, its source, what has been asked of it, and obstacles."""
+    """Describe the mux: emergency stop, source, the last request, and obstacles."""
     return {
         "stopped": view.stopped,
         "active": printable(view.active)[:40],
@@ -85,7 +85,7 @@ def describe_mux(view: MuxView) -> dict[str, object]:
 
 
 def describe_battery(battery: Battery) -> dict[str, object]:
-    """The battery: `share` of its charge from 0 to 1, `volts`; None where they are not known."""
+    """Describe the battery: `share` of its charge from 0 to 1, and `volts`; None where unknown."""
     return {
         "share": round(battery.fraction, 2) if 0.0 <= battery.fraction <= 1.0 else None,
         "volts": round(battery.voltage, 1) if math.isfinite(battery.voltage) else None,

@@ -1,4 +1,4 @@
-"""Show a camera's pictures in the terminal; without a terminal, describe in lines how they arrive, or why none does."""
+"""Show a camera's pictures in the terminal; without a terminal, print lines about their rate, or why none arrives."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from ur_nodes.teleop.terminal.raw import own_terminal
 
 @dataclass(frozen=True, slots=True)
 class ImageTerminal:
-    """The pictures, and the shortest time between two that are shown (s)."""
+    """The feed of pictures, and the shortest time between two that are shown (s)."""
 
     feed: PictureFeed
     period: float

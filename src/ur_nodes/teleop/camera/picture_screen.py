@@ -16,7 +16,7 @@ _LEVELS = np.array([0, 95, 135, 175, 215, 255])  # of the 6 x 6 x 6 cube that te
 
 
 def describe_silence(view: FeedView) -> str:
-    """Describe for how long no picture has arrived, and why as far as that is known; empty while pictures arrive."""
+    """Describe for how long no picture has arrived, and the reason if it is known; empty while pictures arrive."""
     if not view.silent:
         return ""
     return f"no picture on {view.topic} for {view.silence:.0f} s" + (f": {view.reason}" if view.reason else "")

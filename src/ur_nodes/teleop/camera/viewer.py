@@ -26,7 +26,7 @@ class Feed(Protocol):
 
     @property
     def view(self) -> FeedView:
-        """The newest."""
+        """Return the newest picture, and what is known of the feed."""
 
 
 def show_pictures(terminal: RawTerminal, feed: Feed, ended: threading.Event, period: float, *, rich: bool) -> None:
@@ -47,7 +47,7 @@ def show_pictures(terminal: RawTerminal, feed: Feed, ended: threading.Event, per
 
 
 def draw_view(view: FeedView, columns: int, rows: int, *, rich: bool) -> list[str]:
-    """Lines with the newest picture, its status, and why there is none; a picture that is broken is described."""
+    """Return lines with the newest picture and its status, or the reason why there is none."""
     pixels: Pixels | None = None
     notice = describe_silence(view)
     try:
@@ -78,7 +78,7 @@ class FeedLines:
         self._due = 0.0
 
     def step(self, view: FeedView, now: float) -> str:
-        """The line that is due at `now` (s); empty for none."""
+        """Return the line that is due at `now` (s); empty for none."""
         line = describe_silence(view) or describe_feed(view)
         subject = view.reason or ("pictures" if view.picture else line)
         repeats = now >= self._due and (view.reason or view.picture)

@@ -1,4 +1,4 @@
-"""The program `explore_progress`: an exploration on a terminal with its map, or as lines, until it ends."""
+"""The program `explore_progress`: shows an exploration with its map on a terminal, or as lines, until it ends."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class Screen:
 
 @dataclass(frozen=True, slots=True)
 class ExploreProgress:
-    """The status of the exploration, the time between two lines (s), and a screen, where one can be drawn."""
+    """The status of the exploration, the time between two lines (s), and a screen if the terminal can draw."""
 
     statuses: ExplorationStatus
     every: float

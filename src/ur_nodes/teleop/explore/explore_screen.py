@@ -19,7 +19,7 @@ _NARROWEST_MAP, _LOWEST_MAP = 30, 8
 
 
 def room_for_map(columns: int, rows: int) -> tuple[int, int]:
-    """Columns and rows of the map above the lines about the exploration; 0, 0 where there is too little room."""
+    """Return columns and rows of the map above the lines about the exploration; 0, 0 if the screen is too small."""
     free = rows - _BELOW_MAP
     return (columns, free) if columns >= _NARROWEST_MAP and free >= _LOWEST_MAP else (0, 0)
 
@@ -27,7 +27,7 @@ def room_for_map(columns: int, rows: int) -> tuple[int, int]:
 def draw_explore_screen(
     status: ExploreStatus, mux: MuxView, note: str, columns: int, rows: int, map_lines: list[str]
 ) -> list[str]:
-    """The lines of a map, as many as `room_for_map` has given, and the exploration below it; at most `rows` lines.
+    """Return the lines of a map, as many as `room_for_map` has returned, and the exploration below: at most `rows`.
 
     `note` is the newest event, for example that the map was saved.
     """
@@ -41,7 +41,7 @@ def draw_explore_screen(
 
 
 def _state_lines(status: ExploreStatus, mux: MuxView, columns: int) -> tuple[str, str]:
-    """The line with the state, in colours, and a plain one with more about it."""
+    """Return a coloured line with the state, and a plain line with details."""
     if alarm := describe_emergency(mux, "r lets the robot drive again"):
         return f"{RED}{REVERSE}{BOLD} {alarm} {RESET}", describe_done(status)
     if status.state == "starting":

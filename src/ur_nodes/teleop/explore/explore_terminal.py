@@ -33,7 +33,7 @@ class Statuses(Protocol):
 
 
 def add_exploration(topics: ExplorationTopics, snapshot: RobotSnapshot) -> tuple[RobotSnapshot, Sequence[Mark]]:
-    """A snapshot with goal and path, and the frontiers as characters."""
+    """Return the snapshot with goal and path, and the frontiers as characters."""
     marks = [Mark(each.x, each.y, GIVEN_UP if each.blocked else FRONTIER, each.blocked) for each in topics.frontiers]
     return topics.add(snapshot), marks
 
@@ -72,7 +72,7 @@ def show_exploration(
 
 
 def print_exploration(statuses: Statuses, every: float, ended: threading.Event) -> None:
-    """Print a line every so many seconds, and one for each new state, until the exploration ends."""
+    """Print a line every `every` seconds and for each new state, until the exploration ends."""
     shown, shown_at = "", -every
     while not ended.wait(_POLL):
         status = statuses.newest
@@ -86,7 +86,7 @@ def print_exploration(statuses: Statuses, every: float, ended: threading.Event) 
 
 
 def finish(program: str, status: ExploreStatus) -> int:
-    """Print how the exploration has ended and where its map is; return the exit code."""
+    """Print the result of the exploration and the place of its map; return the exit code."""
     if not status.ended:
         left = f"; {describe_left(replace(status, left=None))}" if status.known else ""
         _print(f"stopped before the map was complete{left}")

@@ -18,7 +18,7 @@ _CHOICES = ("auto", "true", "false")
 
 
 class Commander(Protocol):
-    """Publishes velocities, and knows who drives."""
+    """Publishes velocities, and requests the lease where there is one."""
 
     conduct: Conduct
 
@@ -134,7 +134,7 @@ class PlainCommander:
 
 
 def make_commander(node: Node, mux: str, program: str) -> Commander:
-    """The commander that the parameters `lease`, `stamped` and `frame_id` ask for. Raises UserError.
+    """Make the commander that the parameters `lease`, `stamped` and `frame_id` choose. Raises UserError.
 
     `lease` is `true`, `false` or `auto`: yes if there is a mux of ours, unless the commands go to a topic that is
     called cmd_vel, which is a base's own, or are to be stamped with the time.
@@ -148,7 +148,7 @@ def make_commander(node: Node, mux: str, program: str) -> Commander:
 
 
 def explain_refusal(commander: Commander) -> str:
-    """Explain why a pipe must not drive; empty if it may."""
+    """Return the reason why a pipe must not drive; empty if it may."""
     view = commander.view()
     if view is None or may_command(view, commander.conduct):
         return ""
@@ -163,5 +163,5 @@ def explain_refusal(commander: Commander) -> str:
 
 
 def twist_of(motion: KeyVelocity) -> Twist:
-    """The value that carries a velocity."""
+    """Return the twist of a velocity."""
     return Twist(motion.x, motion.yaw, motion.y, motion.z)

@@ -1,4 +1,4 @@
-"""Keys to velocities: a step function without clock or terminal, and its settings.
+"""Velocities from keys: a step function without clock or terminal, and its settings.
 
 The layout is that of teleop_twist_keyboard, plus the arrows. How a key's end is known differs by terminal:
 
@@ -72,7 +72,7 @@ STILL = KeyVelocity()
 
 @dataclass(frozen=True, slots=True)
 class DriveSettings:
-    """Speeds at the start and what the base allows (m/s, rad/s). `key_timeout` s, 0: holds are chosen as above."""
+    """Speeds at the start and limits of the base (m/s, rad/s). `key_timeout` in s; 0 chooses holds as above."""
 
     speed: float
     turn: float
@@ -117,7 +117,7 @@ def start_drive(settings: DriveSettings) -> DriveState:
 
 
 def step_drive(state: DriveState, event: KeyEvent | None, now: float) -> tuple[DriveState, KeyVelocity | None]:
-    """The state after `event` (None: time has passed), and what to publish; None means nothing.
+    """Return the state after `event` (None: time has passed), and the velocity to publish, None for none.
 
     While a key drives every call returns its motion; after a stop the next `ZEROS` calls return zero, then silence.
     Call it for each event, and at the publishing rate with None.
@@ -136,7 +136,7 @@ def step_drive(state: DriveState, event: KeyEvent | None, now: float) -> tuple[D
 
 
 def motion_of(state: DriveState) -> KeyVelocity:
-    """The sum of the held keys, each axis at most at its speed."""
+    """Return the sum of the held keys, each axis limited to its speed."""
     if not state.held:
         return STILL
     total = [max(-1, min(1, sum(axis))) for axis in zip(*(DIRECTIONS[key] for key in state.held), strict=True)]
@@ -206,7 +206,7 @@ def _change_speeds(state: DriveState, speed_factor: float, turn_factor: float) -
 
 
 def read_settings(parameters: Parameters) -> tuple[DriveSettings, float]:
-    """The settings of a node, and its commands per second. Raises UserError."""
+    """Read the settings of a node, and its commands per second. Raises UserError."""
     speed_limit = parameters.number("speed_limit", 1000.0, minimum=0.0)
     turn_limit = parameters.number("turn_limit", 1000.0, minimum=0.0)
     settings = DriveSettings(

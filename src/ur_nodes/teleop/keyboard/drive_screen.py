@@ -39,7 +39,7 @@ class CommandTopic:
 def draw_drive_screen(
     state: DriveState, link: CommandTopic, mux: MuxView, columns: int, rows: int, driver: DriverLine = NO_LEASE
 ) -> list[str]:
-    """At most `rows` lines that fit `columns`, most important first when there is little room.
+    """Return at most `rows` lines that fit `columns`; on a small screen only the most important ones.
 
     `driver` is the line about another driver, or about a robot out of reach.
     """
@@ -65,7 +65,7 @@ def draw_drive_screen(
 
 
 def map_room(columns: int, rows: int) -> tuple[int, int]:
-    """Columns and rows of the map above the lines about the drive; 0, 0 where there is too little room."""
+    """Return columns and rows of the map above the lines about the drive; 0, 0 if the screen is too small."""
     free = rows - _BELOW_MAP
     return (columns, free) if columns >= _NARROWEST_MAP and free >= _LOWEST_MAP else (0, 0)
 
@@ -78,7 +78,7 @@ def draw_map_screen(
     map_lines: list[str],
     driver: DriverLine = NO_LEASE,
 ) -> list[str]:
-    """The lines of a map, as many as `map_room` has given, and what has to be known of the drive below them."""
+    """Return the lines of a map, as many as `map_room` has returned, and the state of the drive below them."""
     notes = [line for note in _notes(state, link, mux, driver) for line in _wrap(note, columns)]
     map_lines = map_lines[: len(map_lines) - len(notes) + 1]  # a long note covers the lower edge of the map
     below = [
@@ -93,7 +93,7 @@ def draw_map_screen(
 def _small_screen(
     state: DriveState, link: CommandTopic, mux: MuxView, driver: DriverLine, columns: int, rows: int
 ) -> list[str]:
-    """The same for little room: state, notes and how to stop first, then keys and speeds while there is room."""
+    """Return lines for a small screen: state, notes and the key that stops first, then keys and speeds if they fit."""
     notes = [line for note in _notes(state, link, mux, driver) for line in _wrap(note, columns)]
     head = [*_wrap(_motion_line(state, mux, driver), columns), *notes]
     foot = ["space: emergency stop   r: release", "Ctrl-C: quit"]
@@ -104,7 +104,7 @@ def _small_screen(
 
 
 def _wrap(line: str, columns: int) -> list[str]:
-    """A line in pieces that fit, each with the colours at the line's beginning."""
+    """Wrap a line into pieces that fit, each with the colours at the line's beginning."""
     bare = strip_styles(line)
     if len(bare) <= columns:
         return [line]
@@ -113,7 +113,7 @@ def _wrap(line: str, columns: int) -> list[str]:
 
 
 def describe_drive(state: DriveState, link: CommandTopic, mux: MuxView, driver: DriverLine = NO_LEASE) -> list[str]:
-    """Lines without colours for a terminal that cannot draw: what the keys do, and what has to be known now."""
+    """Return lines without colours for a terminal that cannot draw: the keys, and the state of the drive."""
     lines = (
         _PLAIN_HELP,
         _motion_line(state, mux, driver),

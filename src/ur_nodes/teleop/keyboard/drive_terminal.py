@@ -1,4 +1,4 @@
-"""Drive by the keys of a terminal: read them, and show the drive."""
+"""Driving with the keys of a terminal: reads keys, and shows the drive."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _ALIVE_EVERY = 0.25  # s
 def drive_by_terminal(
     terminal: RawTerminal, driver: KeyDriver, ended: threading.Event, growing: MapFeed | None = None
 ) -> None:
-    """Pass keys on and show the drive until Ctrl-C is pressed, the terminal is closed, or `ended` is set.
+    """Pass keys to the driver and show the drive until Ctrl-C, the terminal is closed, or `ended` is set.
 
     `growing` is a map that is shown above the rest.
     """

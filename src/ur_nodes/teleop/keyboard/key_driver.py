@@ -1,4 +1,4 @@
-"""Drive by keys that a user presses: what they do to the robot, on the node's thread."""
+"""Driving with keys that a user presses, on the node's thread."""
 
 from __future__ import annotations
 
@@ -40,8 +40,8 @@ class DriveView:
 class KeyDriver:
     """Sends velocities while keys are held. `press` and `view` may be used by any thread.
 
-    A key counts from when it was pressed, however late the node comes to it, and only as long as `press` is called
-    again and again: with no keys it is the sign of life of a user interface that waits for some.
+    A key counts from the time when it was pressed, however late the node handles it, and only while `press` is called
+    repeatedly: a call without keys is the sign of life of a user interface that waits for keys.
 
     While a key drives, a command is also sent whenever a challenge has arrived, so that it is as young as can be. With
     `saving`, one key saves the map; it stops the robot as every other key does. At the end of the node the robot is
@@ -71,7 +71,7 @@ class KeyDriver:
         node.on_end(self._end)
 
     def press(self, events: Iterable[KeyEvent]) -> None:
-        """Have keys take effect, in their order."""
+        """Apply keys in their order."""
         self._alive_at = now = self._node.steady()
         for event in events:
             self._node.post(lambda event=event: self._take(event, now))  # type: ignore[misc]  # mypy infers no default
@@ -83,7 +83,7 @@ class KeyDriver:
         return DriveView(self._state, commander.link(), self._mux.view(), driver)
 
     def _take(self, event: KeyEvent, pressed_at: float) -> None:
-        """Obey a key that was pressed at a time (s)."""
+        """Apply a key that was pressed at a time (s)."""
         self._pass_on(event)
         was_moving = self._state.moving
         self._state, motion = step_drive(self._state, event, pressed_at)
@@ -94,7 +94,7 @@ class KeyDriver:
             self._commander.send(motion)  # starts and stops are not kept waiting
 
     def _pass_on(self, event: KeyEvent) -> None:
-        """Ask others for what a key means besides driving."""
+        """Send the request to mux, lease or map that a key stands for, if any."""
         for mux_request in (mux_request_of(event), obstacle_request_of(event, self._mux.view())):
             if mux_request is not None:
                 self._mux.ask(mux_request)
@@ -104,7 +104,7 @@ class KeyDriver:
             self._saving.ask()
 
     def _is_cut(self, now: float) -> bool:
-        """Note whether the connection is there; return whether it is not, or has not been for long enough."""
+        """Check the connection; return whether it is cut, or was cut less than `SETTLE` s ago."""
         if not self._linked():
             self._cut_at = now
         return now - self._cut_at < SETTLE

@@ -1,4 +1,4 @@
-"""Watch of the connection by which the keys of this terminal arrive: a file of proofs, written by `link_guard`.
+"""Monitor of the connection by which the keys of this terminal arrive, from a file that `link_guard` writes.
 
 A terminal over ssh does not notice a cut connection. So a guard beside this program sends numbers to the user's
 computer and gets them back; each that returns proves that the connection was there when it was sent.
@@ -21,7 +21,7 @@ _PROOF = struct.Struct("d")  # s, of the steady clock of this computer
 
 
 def make_watch(environment: Mapping[str, str], now: Callable[[], float] = time.monotonic) -> Callable[[], bool]:
-    """Return a function that returns whether the newest proof is fresh; always, where there is no guard."""
+    """Return a function that returns whether the newest proof is fresh, which is always true without a guard."""
     path = environment.get(VARIABLE, "")
     if not path:
         return lambda: True

@@ -1,4 +1,4 @@
-"""Drive by the keys of a pipe, each for half a second: what they do to the robot, on the node's thread."""
+"""Driving with keys from a pipe, each for half a second, on the node's thread."""
 
 from __future__ import annotations
 
@@ -47,12 +47,12 @@ class PipeDriver:
         return bool(self._keys)
 
     def press(self, events: Iterable[KeyEvent]) -> None:
-        """Add keys; line ends mean nothing."""
+        """Append keys; line ends are ignored."""
         keys = [event for event in events if isinstance(event, Key) and event.name != "enter"]
         self._node.post(lambda: self._keys.extend(keys))
 
     def close(self) -> None:
-        """End after the keys that wait."""
+        """End once the waiting keys are driven."""
         self._node.post(self._close)
 
     def _close(self) -> None:

@@ -16,7 +16,7 @@ Run = tuple[str, Colour, Colour]
 
 
 def cells_of_pixels(picture: Pixels, glyphs: Iterable[Glyph] = ()) -> list[tuple[Run, ...]]:
-    """The rows of a picture (2 * rows, columns, 3) as runs. A glyph's background is the mean of its cell's pixels."""
+    """Convert a picture (2 * rows, columns, 3) to rows of runs. A glyph's background is its cell's mean colour."""
     rows, columns = picture.shape[0] // 2, picture.shape[1]
     if not rows or not columns:
         return []

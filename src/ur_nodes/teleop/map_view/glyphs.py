@@ -33,7 +33,7 @@ class Glyph:
 
 @dataclass(frozen=True, slots=True)
 class Mark:
-    """A character at a point of the map (m): something of interest, or, with `blocked`, something out of reach."""
+    """A character at a point of the map (m); `blocked` if the robot cannot reach the point."""
 
     x: float
     y: float
@@ -42,7 +42,7 @@ class Mark:
 
 
 def place_marks(marks: Sequence[Mark], view: Viewport, palette: MapPalette) -> list[Glyph]:
-    """The marks that lie in the view."""
+    """Return the marks that lie in the view."""
     found = ((mark, _cell(view, Pose2(mark.x, mark.y, 0.0))) for mark in marks)
     return [Glyph(*cell, m.text, palette.scan if m.blocked else palette.label) for m, cell in found if cell]
 
@@ -54,7 +54,7 @@ def place_glyphs(
     view: Viewport,
     palette: MapPalette,
 ) -> list[Glyph]:
-    """Characters to be laid over the pixels; later ones cover earlier ones. `preview` is shown in place of the goal.
+    """Return characters to draw over the pixels; later ones cover earlier ones. `preview` replaces the goal.
 
     Names of waypoints are beside what they would cover: the robot, the goal, other names. A name for which there
     is no room is left out; its dot stays.
@@ -81,7 +81,7 @@ def place_glyphs(
 
 
 def scale_bar(view: Viewport, palette: MapPalette) -> list[Glyph]:
-    """A bar of 1, 2 or 5 times a power of ten metres in the lower left corner; none where there is no room."""
+    """Return a bar of 1, 2 or 5 times a power of ten metres for the lower left corner; none if it does not fit."""
     rows = view.height // 2
     for power in range(-2, 4):
         for digit in (1, 2, 5):
@@ -113,7 +113,7 @@ def _spots(name: str, dot: Cell, taken: set[Cell], view: Viewport) -> Iterator[C
 
 
 def _robot_cells(pose: Pose2 | None, view: Viewport) -> set[Cell]:
-    """The cells of a robot that is drawn to scale."""
+    """Return the cells of a robot that is drawn to scale."""
     size = ROBOT_LENGTH / view.scale
     if pose is None or size < SMALL_ROBOT:
         return set()

@@ -1,4 +1,4 @@
-"""The map that grows, as lines for a terminal in raw mode: the whole of it where that fits, else round the robot."""
+"""A growing map as lines for a terminal in raw mode: the whole map if it fits, else the robot's surroundings."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ _WALL, _FREE = 120, 30  # brightness from which a pixel is a wall, or floor, wit
 
 @dataclass(frozen=True, slots=True, eq=False)
 class GrowingMap:
-    """A map prepared for drawing, and the box (left, bottom, right, top in m) of what is known of it."""
+    """A map prepared for drawing, and the box (left, bottom, right, top in m) of its known cells."""
 
     index: GridIndex
     known: tuple[float, float, float, float]
@@ -48,7 +48,7 @@ def prepare_map(grid: Grid) -> GrowingMap:
 
 
 class Zoom(Enum):
-    """Choices of the part of the map to show, beside a scale."""
+    """The part of the map to show, if it is not chosen by a scale."""
 
     AUTOMATIC = (
         "automatic"  # all that is known, as long as a pixel is at most 0.2 m wide, then the robot's surroundings
@@ -57,7 +57,7 @@ class Zoom(Enum):
 
 
 def press_zoom(zoom: Zoom | float, key: str, shown: Viewport | None) -> Zoom | float | None:
-    """The choice after a key of the map (`+`, `-`, `0`, `f`); None for other keys. `shown` is on the screen."""
+    """Return the choice after a key (`+`, `-`, `0`, `f`); None for other keys. `shown` is the present view."""
     if key == "0":
         return Zoom.WHOLE
     if key == "f":
@@ -76,10 +76,10 @@ def follow(
     rows: int,
     zoom: Zoom | float = Zoom.AUTOMATIC,
 ) -> Viewport:
-    """The part of the map to show on so many characters: all that is known, or the robot's surroundings.
+    """Return the part of the map to show on `columns` x `rows` characters: all of it, or the robot's surroundings.
 
     `view` is the part that was shown before: round the robot it moves only when the robot comes near to the edge.
-    `zoom` is what a person has chosen; a number is the width of a pixel in m.
+    `zoom` is the user's choice; a number is the width of a pixel in m.
     """
     whole = fit_viewport(growing.known if growing else _BEGIN, columns, 2 * rows)
     pose = snapshot.pose
@@ -127,7 +127,7 @@ def _letters(run: Run) -> str:
 
 @lru_cache(maxsize=4096)
 def _code(colour: Colour) -> int:
-    """The number of the nearest colour in the palette of 256: a grey, or one of the cube of 6 x 6 x 6."""
+    """Return the index of the nearest of 256 colours: a grey, or one of the cube of 6 x 6 x 6."""
     if max(colour) - min(colour) < 8:
         grey = round((sum(colour) / 3 - 8) / 10)
         return 16 if grey < 0 else 231 if grey > 23 else 232 + grey

@@ -1,4 +1,4 @@
-"""The map that grows: a map, the robot and its scan to lines on a terminal, drawn a few times a second."""
+"""Lines of a growing map with the robot and its scan, drawn a few times a second."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ Additions = Callable[[RobotSnapshot], tuple[RobotSnapshot, Sequence[Mark]]]
 
 
 class MapFeed:
-    """Subscribes to `map`, `scan` and transforms. `lines` and `press` are for one thread, of a user interface."""
+    """Subscribes to `map`, `scan` and transforms. Only the thread of the user interface calls `lines` and `press`."""
 
     def __init__(
         self, node: Node, map_frame: str, base_frame: str, *, colour: bool, additions: Additions | None = None
@@ -37,7 +37,7 @@ class MapFeed:
         node.subscribe("map", Map, work.ask, Quality.LATCHED)
 
     def lines(self, columns: int, rows: int, now: float) -> list[str]:
-        """The map as it was at most a quarter of a second before `now` (s), on so many characters."""
+        """Return the map as `rows` lines of `columns` characters, at most 0.25 s older than `now` (s)."""
         drawn_at, size, lines = self._shown
         if size == (columns, rows) and 0.0 <= now - drawn_at < _EVERY:
             return lines

@@ -1,4 +1,4 @@
-"""Colours of the map, for dark and for light rooms. Chosen to stay apart on 256 colours too."""
+"""Colours of the map, dark and light, which differ on terminals of 256 colours, too."""
 
 from __future__ import annotations
 
@@ -79,7 +79,7 @@ LIGHT_16 = MapPalette(
 
 
 def choose_palette(*, light: bool, few_colours: bool) -> MapPalette:
-    """The palette for a light or dark background, and for terminals of 16 colours."""
+    """Return the palette for a light or dark background, or for terminals of 16 colours."""
     if few_colours:
         return LIGHT_16 if light else DARK_16
     return LIGHT if light else DARK

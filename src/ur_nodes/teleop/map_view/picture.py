@@ -28,7 +28,7 @@ SMALL_ROBOT = 6.0
 
 @dataclass(frozen=True, eq=False)
 class GridIndex:
-    """A grid with running sums, so that the share of walls in any box of cells costs four look-ups."""
+    """A grid with running sums, so that the share of walls in any box of cells takes four look-ups."""
 
     grid: Grid
     walls: NDArray[np.int32]  # (height + 1, width + 1): occupied cells below and left
@@ -41,7 +41,7 @@ def index_grid(grid: Grid) -> GridIndex:
 
 
 def draw_map(index: GridIndex | None, view: Viewport, palette: MapPalette) -> Pixels:
-    """The bare map, (view.height, view.width, 3). Each wall is seen, and has one colour.
+    """Draw the map without robot: (view.height, view.width, 3). Each wall is visible, in one colour.
 
     A thin wall is one pixel wide, whether it lies within a pixel or on the edge of two.
     """
@@ -69,7 +69,7 @@ def draw_map(index: GridIndex | None, view: Viewport, palette: MapPalette) -> Pi
 
 
 def draw_overlay(picture: Pixels, snapshot: RobotSnapshot, view: Viewport, palette: MapPalette) -> Pixels:
-    """A copy of the picture with path, scan and (where it is large enough) the robot."""
+    """Return a copy of the picture with path, scan and, if it is large enough to be drawn, the robot."""
     out: Pixels = picture.copy()
     if snapshot.path is not None and len(snapshot.path) > 1:
         _dot(out, _along(snapshot.path, view.scale * 0.7), view, palette.path)
@@ -81,7 +81,7 @@ def draw_overlay(picture: Pixels, snapshot: RobotSnapshot, view: Viewport, palet
 
 
 def thin_walls(share: NDArray[np.float64]) -> NDArray[np.bool_]:
-    """The pixels that show a wall, by the share of walls in each: where a thin wall lies on two, the one with more.
+    """Return the pixels that show a wall; of two pixels that share a thin wall, the one with more of it.
 
     A pixel is left out only at a straight edge, beside three that hold at least as much: gaps cannot arise.
     """
@@ -101,7 +101,7 @@ def thin_walls(share: NDArray[np.float64]) -> NDArray[np.bool_]:
 
 
 def _sides(rows: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Each pixel's left neighbour, itself and its right neighbour, (3, rows, columns - 2)."""
+    """Return each pixel's left neighbour, itself and its right neighbour, (3, rows, columns - 2)."""
     return np.stack((rows[:, :-2], rows[:, 1:-1], rows[:, 2:]))
 
 
@@ -112,7 +112,7 @@ def _running_sum(mask: NDArray[np.bool_]) -> NDArray[np.int32]:
 
 
 def _span(centre: NDArray[np.float64], half: float, size: int) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-    """First and last + 1 cell of each pixel, at least one, clipped to the grid (empty outside). They tile the grid."""
+    """Return first and last + 1 cell of each pixel, at least one, clipped to the grid (empty outside); they tile it."""
     first = np.floor(centre - half + 0.5).astype(np.intp) if half > 0.5 else np.floor(centre).astype(np.intp)
     end = np.maximum(np.floor(centre + half + 0.5).astype(np.intp), first + 1) if half > 0.5 else first + 1
     return np.clip(first, 0, size), np.clip(end, 0, size)
@@ -129,7 +129,7 @@ def _box_sum(
 
 
 def _along(path: NDArray[np.float64], step: float) -> NDArray[np.float64]:
-    """Points on a line at most `step` apart."""
+    """Return points on a path, at most `step` apart."""
     lengths = np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(path, axis=0).T))))
     at = np.arange(0.0, lengths[-1] + step, step)
     return np.stack((np.interp(at, lengths, path[:, 0]), np.interp(at, lengths, path[:, 1])), axis=1)
@@ -144,7 +144,7 @@ def _dot(out: Pixels, points: NDArray[np.float64], view: Viewport, colour: Colou
 
 
 def _fill_robot(out: Pixels, pose: Pose2, view: Viewport, palette: MapPalette) -> None:
-    """A disc on the pose, with a stripe from its middle to the edge that it faces."""
+    """Draw a disc at the pose, with a stripe from its middle to its front."""
     size = ROBOT_LENGTH / view.scale
     column, row = view.to_pixel(pose.x, pose.y)
     ys, xs = np.mgrid[0 : view.height, 0 : view.width]

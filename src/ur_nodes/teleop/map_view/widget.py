@@ -1,4 +1,4 @@
-"""The map on the screen: shows a snapshot, follows the robot, turns the mouse into goals."""
+"""The map on the screen: shows a snapshot, follows the robot, turns clicks into goals."""
 
 from __future__ import annotations
 
@@ -38,14 +38,14 @@ class MapView(Widget, can_focus=False):
     double_click = 0.5  # s between the presses of a double click, at the most
 
     class GoalPicked(Message):
-        """The mouse chose a goal; `any_heading`: by a click, which has no heading."""
+        """The user has chosen a goal with the mouse; `any_heading` for a click, which has no heading."""
 
         def __init__(self, place: Pose2, *, any_heading: bool) -> None:
             super().__init__()
             self.place, self.any_heading = place, any_heading
 
     class ViewChanged(Message):
-        """Scale, place or following changed."""
+        """The scale, the position or the following of the robot has changed."""
 
     def __init__(self, palette: MapPalette, *, id: str | None = None) -> None:
         super().__init__(id=id)
@@ -64,7 +64,7 @@ class MapView(Widget, can_focus=False):
         self._released: tuple[float, tuple[int, int] | None] = (-math.inf, None)  # when, and where if it matters
 
     def ignore_double_click(self) -> None:
-        """Ignore the second press of a double click whose first one closed something above the map."""
+        """Ignore the second press of a double click whose first one closed a panel above the map."""
         self._released = (time.monotonic(), None)
 
     def show(self, snapshot: RobotSnapshot, places: Mapping[str, Pose2]) -> None:
@@ -77,7 +77,7 @@ class MapView(Widget, can_focus=False):
         self.redraw()
 
     def set_palette(self, palette: MapPalette) -> None:
-        """Other colours."""
+        """Change the colours."""
         self.palette = palette
         self.redraw()
 
@@ -88,7 +88,7 @@ class MapView(Widget, can_focus=False):
         self.redraw()
 
     def zoom(self, factor: float, column: float | None = None, row: float | None = None) -> None:
-        """Zoom about a pixel, by default the middle (the robot when following)."""
+        """Zoom about a pixel, by default the middle of the view (the robot when it is followed)."""
         self._fitted = False
         if self.following and self._snapshot.pose is not None:
             column, row = self.view.to_pixel(self._snapshot.pose.x, self._snapshot.pose.y)
@@ -97,11 +97,11 @@ class MapView(Widget, can_focus=False):
         self.redraw()
 
     def pan(self, columns: float, rows: float) -> None:
-        """Move the view right and down, in parts of the screen. Ends following."""
+        """Move the view right and down, in fractions of the screen, and stop following the robot."""
         self._move(columns * self.view.width, rows * self.view.height)
 
     def toggle_follow(self) -> bool:
-        """Keep the robot in view, or do not. Returns which."""
+        """Start or stop to follow the robot; return whether it is followed now."""
         self.following = not self.following
         pose = self._snapshot.pose
         if self.following and pose is not None:
@@ -113,7 +113,7 @@ class MapView(Widget, can_focus=False):
         return self.following
 
     def redraw(self) -> None:
-        """Draw into lines and refresh those that changed."""
+        """Draw the map, and refresh the lines that changed."""
         if not self.view.width or not self.view.height:
             return
         key = (self.view, self.palette, self._index)
@@ -134,21 +134,21 @@ class MapView(Widget, can_focus=False):
             self.refresh(*changed)
 
     def render_line(self, y: int) -> Strip:
-        """A line of the widget."""
+        """Return a line of the widget."""
         if y >= len(self._lines):
             return Strip([Segment(" " * self.size.width, Style.null())])  # Textual's filters take no None
         segments = [Segment(text, _style(fore, back)) for text, fore, back in self._lines[y]]
         return Strip(segments).adjust_cell_length(self.size.width, Style.null())
 
     def on_resize(self, event: events.Resize) -> None:
-        """Same place and scale on the new size; the whole map again if it was shown whole."""
+        """Keep position and scale at the new size; fit the map again if all of it was shown."""
         self.view = resize_viewport(self.view, event.size.width, event.size.height * 2)
         self._fit_if(self._fitted, self._snapshot.grid)
         self._keep_robot_in_view()
         self.redraw()
 
     def on_mouse_down(self, event: events.MouseDown) -> None:
-        """A click or a drag begins; the second press of a double click is none."""
+        """Begin a click or a drag, except by the second press of a double click."""
         released_at, where = self._released
         if event.time - released_at < self.double_click and where in (None, (event.x, event.y)):
             return
@@ -157,7 +157,7 @@ class MapView(Widget, can_focus=False):
         self.capture_mouse()
 
     def on_mouse_move(self, event: events.MouseMove) -> None:
-        """Show where the mouse is; drag."""
+        """Show the position of the mouse, and continue a drag."""
         self.hover = self.view.to_map(event.x + 0.5, event.y * 2 + 1.0)
         if self._pressed is None:
             return
@@ -171,7 +171,7 @@ class MapView(Widget, can_focus=False):
             self._move(column - event.x, 2.0 * (row - event.y))
 
     def on_mouse_up(self, event: events.MouseUp) -> None:
-        """The click or drag ends: a goal, if it was the left button."""
+        """End the click or drag; the left button sets a goal."""
         self.release_mouse()
         if self._pressed is not None:
             self._released = (event.time, (event.x, event.y))
@@ -185,19 +185,19 @@ class MapView(Widget, can_focus=False):
         self.redraw()
 
     def on_leave(self, _event: events.Leave) -> None:
-        """The mouse is elsewhere."""
+        """Hide the position of the mouse, which has left the map."""
         self.hover = None
 
     def on_mouse_scroll_up(self, event: events.MouseScrollUp) -> None:
-        """Closer, about the mouse."""
+        """Zoom in about the mouse."""
         self.zoom(1.25, event.x + 0.5, event.y * 2 + 1.0)
 
     def on_mouse_scroll_down(self, event: events.MouseScrollDown) -> None:
-        """Further away, about the mouse."""
+        """Zoom out about the mouse."""
         self.zoom(0.8, event.x + 0.5, event.y * 2 + 1.0)
 
     def _preview(self) -> GoalReport | None:
-        """The goal that letting the button go would set."""
+        """Return the goal that releasing the button would set."""
         if self._pressed is None or self._pressed[0] != 1:
             return None
         _, column, row = self._pressed

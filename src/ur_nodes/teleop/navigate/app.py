@@ -44,7 +44,7 @@ class NavigateApp(NavigateView):
     _waiting_timer: Timer | None = None
 
     def compose(self) -> ComposeResult:
-        """Head, map, status, who drives, message, command line."""
+        """Lay out head, map, status, driver, message and command line."""
         yield Static(id="head")
         yield MapView(self._palette(), id="map")
         yield Static(id="status")
@@ -58,7 +58,7 @@ class NavigateApp(NavigateView):
         self._send(message.place, any_heading=message.any_heading)
 
     def take_key(self, key: str) -> bool:
-        """Let an open panel or question have the key; the emergency key is one there, too."""
+        """Pass the key to an open panel or question, in which the emergency key also works."""
         if self._asks_to_end and key == "q":
             self.exit()
         elif self._asks_to_end:
@@ -103,7 +103,7 @@ class NavigateApp(NavigateView):
         self._leave()
 
     def _leave(self) -> None:
-        """End the program; ask once where the robot of another user ends with it."""
+        """End the program; if that ends the robot of another user, ask once."""
         users = "" if self._asks_to_end else describe_users(self._list_users())
         if not users:
             self.exit()
@@ -114,7 +114,7 @@ class NavigateApp(NavigateView):
         )
 
     def _wait_with(self, line: str) -> None:
-        """Keep a goal that was typed before the robot was ready for the first time; a later one takes its place."""
+        """Keep a goal that was typed before the robot was first ready; a later goal replaces it."""
         if self._waiting_timer is not None:
             self._waiting_timer.stop()
         self._waiting_line = line
@@ -129,7 +129,7 @@ class NavigateApp(NavigateView):
         self._waiting_line = ""
 
     def _become_ready(self) -> None:
-        """Send the goal that waits. Called once."""
+        """Send the waiting goal. Called once."""
         line, self._waiting_line = self._waiting_line, ""
         if line:
             self.enter(line)
@@ -199,7 +199,7 @@ class NavigateApp(NavigateView):
         self._show_message("goal continued")
 
     def _require_to_drive(self) -> None:
-        """Raise UserError where another client drives."""
+        """Raise UserError if another client drives."""
         if reason := reason_not_to_drive(self._navigator.snapshot()):
             raise bad_command_error(f"not done: {reason}")
 

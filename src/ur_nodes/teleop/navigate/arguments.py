@@ -19,7 +19,7 @@ def split_line(line: str) -> list[str]:
 
 
 def check_count(word: str, usage: str, given: list[str], least: int, most: int) -> None:
-    """Raise UserError: there are fewer or more arguments than the usage has."""
+    """Raise UserError if there are fewer than `least` or more than `most` arguments."""
     if len(given) < least:
         raise bad_command_error(f"{word!r} {_count(given)}, expected: {usage}")
     if len(given) > most:
@@ -31,7 +31,7 @@ def _count(given: list[str]) -> str:
 
 
 def read_number(text: str, usage: str) -> float:
-    """A finite number. Raises UserError."""
+    """Read a finite number. Raises UserError."""
     try:
         value = float(text)
     except ValueError:
@@ -42,7 +42,7 @@ def read_number(text: str, usage: str) -> float:
 
 
 def check_name(name: str) -> str:
-    """A name of a waypoint. Raises UserError."""
+    """Check the name of a waypoint, and return it. Raises UserError."""
     if not WAYPOINT_NAME.match(name):
         raise bad_command_error(
             f"{printable(name)!r} is not a valid name, expected at most 40 letters, digits, blanks, '_', '-' and '.'"
@@ -51,10 +51,10 @@ def check_name(name: str) -> str:
 
 
 def bad_command_error(message: str, help: str | None = None) -> UserError:
-    """A UserError about what was typed."""
+    """Return a UserError about a typed command."""
     return UserError(error(message, rule="bad-command", help=help))
 
 
 def error_line(problem: UserError) -> str:
-    """A UserError in one line, its help included."""
+    """Return a UserError as one line, with its help."""
     return "; ".join(d.message + (f" ({d.help})" if d.help else "") for d in problem.diagnostics)

@@ -47,11 +47,11 @@ class BatchContext:
 
 
 class InterruptedBatchError(Exception):
-    """The batch is to end now; the text is what became of the goal."""
+    """The batch must end now; the text describes the end of the goal."""
 
 
 def wait_until_ready(navigator: NavigationClient, limits: BatchTimeouts, around: BatchContext) -> str | None:
-    """Wait for everything a goal needs. Returns None, or what is still missing when the time is up."""
+    """Wait for everything that a goal needs; return None, or what is missing after the timeout."""
     deadline = around.clock() + limits.start
     while missing := navigator.snapshot().missing:
         if around.clock() >= deadline:
@@ -111,7 +111,7 @@ class _Batch:
             raise InterruptedBatchError
 
     def _save_map(self, text: str) -> bool:
-        """Have the map that is being made saved. Raises UserError: none is being made."""
+        """Save the map that is being made. Raises UserError if none is being made."""
         saving = self._around.saving
         if saving is None:
             raise bad_command_error(c.NO_MAPPING)
@@ -136,7 +136,7 @@ class _Batch:
         return not (mux.problem or late)
 
     def _ask_patrol(self, command: c.DrivePatrol, text: str) -> bool:
-        """Send a request to the patrol of the robot and return whether it was accepted; it goes on by itself."""
+        """Send a request to the patrol node and return whether it was accepted; the patrol continues by itself."""
         route = route_of(command, self._store) if command.names else PatrolRoute()
         deadline = self._around.clock() + _ANSWER_WAIT
         asked = self._navigator.ask_patrol(command.action, route)
@@ -151,7 +151,7 @@ class _Batch:
         return False
 
     def _ask_lease(self, request: DriverRequest, text: str) -> bool:
-        """Send a request and return whether it took effect in time; `ask` waits longer, for a person's answer."""
+        """Send a lease request and return whether it took effect in time; `ask` waits longer, for a user's answer."""
         wait = self._limits.start if request == "ask" else _ANSWER_WAIT
         deadline = self._around.clock() + wait
         self._navigator.request_lease(request)
@@ -237,7 +237,7 @@ class _Batch:
         return report.state is LastGoalState.REACHED
 
     def _wait_until_allowed(self) -> str:
-        """Wait while the robot is silent or decides about a lost lease; return why no goal can be sent, or nothing."""
+        """Wait while the robot is silent or handles a lost lease; return the reason why no goal can be sent, or ''."""
         deadline = self._around.clock() + self._limits.start
         while _is_undecided(snapshot := self._navigator.snapshot()) and self._around.clock() < deadline:
             self._sleep(0.05)
@@ -253,7 +253,7 @@ class _Batch:
             self._navigator.stop()
 
     def _cancel(self) -> str:
-        """Cancel the goal, and return what is known of that."""
+        """Cancel the goal, and return a text about the result."""
         self._navigator.stop()
         deadline = self._around.clock() + _CANCEL_WAIT
         while not (snapshot := self._navigator.snapshot()).goal.over and self._around.clock() < deadline:

@@ -1,4 +1,4 @@
-"""Lines about the goals of a batch: results, reasons to give up, changes on the way. Pure."""
+"""Lines about the goals of a batch: results, reasons to give up, changes while driving. Pure."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from ur_nodes.teleop.navigate.status_text import silence_line
 
 @dataclass(frozen=True, slots=True)
 class BatchTimeouts:
-    """Seconds: until map, pose and navigation are there, and for one goal."""
+    """Timeouts in s: until map, pose and navigation are available, and for one goal."""
 
     start: float = 30.0
     goal: float = 600.0
@@ -55,7 +55,7 @@ def goal_change(snapshot: RobotSnapshot, noted: LastGoalState | None) -> LastGoa
 
 
 def describe_change(snapshot: RobotSnapshot, change: LastGoalState | None) -> str:
-    """A clause about a goal that is held or unknown, or that goes on (None)."""
+    """Return a clause about a goal that is held or unknown, or that continues (None)."""
     if change is LastGoalState.HELD:
         return snapshot.goal.text
     if change is LastGoalState.ASKING:

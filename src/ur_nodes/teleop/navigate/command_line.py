@@ -1,4 +1,4 @@
-"""The input line, which gets every key: history, and the map's keys."""
+"""The input line, which receives every key: history, and the map's keys."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ _MAP_HINT = "map: h j k l + - 0 f t   Tab: commands"
 
 
 class KeyOwner(Protocol):
-    """The program around the line. It is called while a key is handled, so that keys act in the order of typing."""
+    """The program around the line, called while a key is handled, so that keys act in the order of typing."""
 
     def take_key(self, key: str) -> bool:
-        """Take a key before the line does, for an open panel; return whether it was taken."""
+        """Offer a key to an open panel; return whether the panel took it."""
 
     def press_map_key(self, key: str) -> None:
         """Act on a key of the map."""
@@ -37,7 +37,7 @@ class KeyOwner(Protocol):
 
 
 class CommandLine(Input):
-    """Takes every key of the program, in order. Up and down walk through what was entered before."""
+    """Takes every key of the program, in order. Up and down move through earlier lines."""
 
     def __init__(self, owner: KeyOwner, *, id: str | None = None) -> None:
         super().__init__(id=id, compact=True, select_on_focus=False, placeholder=_HINT)
@@ -47,7 +47,7 @@ class CommandLine(Input):
         self._map_mode = False
 
     async def on_key(self, event: events.Key) -> None:
-        """Take a key. Textual would act on Enter and the like only after later characters are in the line."""
+        """Take a key. Textual would handle Enter and similar keys only after later characters are in the line."""
         if self._take(event.key):
             event.stop()
             event.prevent_default()
@@ -69,7 +69,7 @@ class CommandLine(Input):
         return True
 
     def take_typed(self, text: str) -> None:
-        """Take what was typed before the screen opened: whole lines are entered, the rest is left in the line."""
+        """Take text that was typed before the screen opened: whole lines are entered, the rest stays in the line."""
         *lines, rest = text.replace("\r", "\n").split("\n")
         for line in lines:
             self.value = line

@@ -1,4 +1,4 @@
-"""The command line: text to commands. Angles are in degrees here and in radians everywhere else."""
+"""Commands from text. Angles are in degrees here and in radians everywhere else."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from ur_nodes.teleop.navigate.arguments import bad_command_error, check_count, c
 
 @dataclass(frozen=True, slots=True)
 class Go:
-    """Drive to a pose in the map: m, m, rad; without an angle any heading counts."""
+    """Drive to a pose in the map: m, m, rad; without an angle any heading is accepted."""
 
     x: float
     y: float
@@ -80,7 +80,7 @@ class ContinueGoal:
 
 @dataclass(frozen=True, slots=True)
 class AskLease:
-    """Take over, ask to drive, or hand over to the client that asks."""
+    """Take over, ask to drive, or hand over to the asking client."""
 
     request: DriverRequest
 
@@ -109,7 +109,7 @@ class Help:
 
 @dataclass(frozen=True, slots=True)
 class Follow:
-    """Keep the robot in view, or do not any more."""
+    """Start or stop to keep the robot in view."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -183,7 +183,7 @@ _LEAST_TYPO = 4  # letters: shorter ones are near to everything
 
 
 def parse_command(line: str) -> Command | None:
-    """The command of a line; None for a blank one or a `#` comment. Raises UserError: the value, what was expected."""
+    """Parse a line; None for a blank line or a `#` comment. Raises UserError."""
     first, *given = split_line(line) or [""]
     if not first:
         return None

@@ -1,4 +1,4 @@
-"""The node keyboard_navigate: a map on a terminal, commands from a pipe."""
+"""The node keyboard_navigate: a map on a terminal, or commands from a pipe."""
 
 from __future__ import annotations
 

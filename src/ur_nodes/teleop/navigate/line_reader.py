@@ -1,4 +1,4 @@
-"""Lines of a pipe or a terminal, of which a few commands do not wait for their turn."""
+"""Lines of a pipe or a terminal; urgent commands among them do not wait for their turn."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _PATIENCE = 0.2  # s between two checks of `ended`
 
 
 class LineReader:
-    """Iterates over the lines of a file descriptor as they come, until its end or until `ended` is set."""
+    """Iterates over the lines of a file descriptor as they arrive, until its end or until `ended` is set."""
 
     def __init__(self, source: int, ended: threading.Event) -> None:
         self._source = source
@@ -25,7 +25,7 @@ class LineReader:
         self._open = True
 
     def __iter__(self) -> Iterator[str]:
-        """Return the lines."""
+        """Yield the lines."""
         while True:
             while not self._lines and self._open and not self._ended.is_set():
                 self._read(_PATIENCE)
@@ -34,7 +34,7 @@ class LineReader:
             yield self._lines.popleft()
 
     def take_urgent(self) -> Command | None:
-        """Take the first command that must not wait: stop, emergency, release, continue, quit. Never blocks.
+        """Take the first urgent command: stop, emergency, release, continue, quit. Never blocks.
 
         After `quit` no further line is read.
         """

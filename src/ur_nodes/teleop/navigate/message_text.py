@@ -20,7 +20,7 @@ REQUESTED: dict[DriverRequest, str] = {
 
 
 def announce_goal(snapshot: RobotSnapshot) -> tuple[str, str]:
-    """The message about the state of the goal, and its style. The goal has a place."""
+    """Return the message about the state of the goal, and its style. The goal has a place."""
     report = snapshot.goal
     assert report.place is not None
     where = format_place(report.place, any_heading=report.any_heading)
@@ -40,14 +40,14 @@ def announce_goal(snapshot: RobotSnapshot) -> tuple[str, str]:
 
 
 def describe_stop(snapshot: RobotSnapshot) -> str:
-    """The message after the goal was cancelled by a command."""
+    """Return the message after the goal was cancelled by a command."""
     if silent := silence_line(snapshot):
         return f"stop requested, but there is {silent}"
     return "no goal to stop" if snapshot.goal.over else "stopped"
 
 
 def visible_state(snapshot: RobotSnapshot, places: Mapping[str, Pose2], size: object) -> tuple[object, ...]:
-    """Return everything that the screen depends on, rounded to what can be seen."""
+    """Return everything that the screen depends on, rounded to visible differences."""
     pose = snapshot.pose
     return (
         id(snapshot.grid),

@@ -21,7 +21,7 @@ _SCROLL_KEYS = frozenset({"up", "down", "pageup", "pagedown", "home", "end"})
 
 
 class Panel(VerticalScroll, can_focus=False):
-    """A box of text over the map. A click closes it, and so does every key but those that scroll a long text.
+    """A box of text over the map. A click closes it, and so does every key except those that scroll a long text.
 
     It is no screen of its own: all keys go to the command line, which asks `take_key` first.
     """
@@ -37,7 +37,7 @@ class Panel(VerticalScroll, can_focus=False):
         self._on_click_close = on_click_close
 
     def compose(self) -> ComposeResult:
-        """The text."""
+        """Lay out the text."""
         yield Static(id="text")
 
     @property
@@ -46,7 +46,7 @@ class Panel(VerticalScroll, can_focus=False):
         return bool(self.display)
 
     def open(self, title: str, text: RenderableType) -> None:
-        """Show a text from its beginning, in place of one that is shown."""
+        """Show a text from its beginning, in place of the present one."""
         self.query_one(Static).update(text)
         wide = self.app.console.options.update(max_width=_WIDEST)
         self.styles.width = Measurement.get(self.app.console, wide, text).maximum + _FRAME
@@ -57,7 +57,7 @@ class Panel(VerticalScroll, can_focus=False):
         self.call_after_refresh(self._describe_keys)
 
     def close(self) -> None:
-        """Take it off the screen; closing twice is no mistake."""
+        """Hide the panel; a second call has no effect."""
         self.display = False
 
     def take_key(self, key: str) -> bool:
@@ -78,7 +78,7 @@ class Panel(VerticalScroll, can_focus=False):
         return True
 
     def on_click(self) -> None:
-        """Close."""
+        """Close the panel."""
         self.close()
         self._on_click_close()
 
@@ -88,7 +88,7 @@ class Panel(VerticalScroll, can_focus=False):
 
 
 def list_places(places: Mapping[str, Pose2]) -> RenderableType:
-    """The waypoints, one a line."""
+    """List the waypoints, one a line."""
     table = Table.grid(padding=(0, 2), pad_edge=False)
     for name, place in places.items():
         table.add_row(Text(name, "cyan"), format_place(place))

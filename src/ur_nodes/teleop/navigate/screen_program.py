@@ -21,7 +21,7 @@ from ur_nodes.teleop.terminal.textual_screen import own_screen
 def run_screen(
     name: str, navigator: NavigationClient, stores: StoreChoice, saving: MapSaving | None, ended: threading.Event
 ) -> int:
-    """Show the map and obey commands until `q`, Ctrl-C or `ended`; a goal that was sent is then cancelled.
+    """Show the map and run commands until `q`, Ctrl-C or `ended`; a goal that was sent is then cancelled.
 
     Returns the exit code. Raises the UserError that ended the screen.
     """

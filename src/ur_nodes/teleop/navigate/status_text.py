@@ -46,7 +46,7 @@ MAP_KEYS = (
 
 
 def status_line(snapshot: RobotSnapshot, columns: int) -> Text:
-    """Pose, speed, goal, distance left, localisation: as many of them as fit; nothing that is not known any more."""
+    """Return pose, speed, goal, distance left and localisation, as many as fit and are up to date."""
     if snapshot.silence is not None and snapshot.silence.who == ROBOT:
         lost = Text(silence_line(snapshot), "bold red")
         parts = [lost, None if snapshot.goal.over else _goal(snapshot)]
@@ -66,24 +66,24 @@ def status_line(snapshot: RobotSnapshot, columns: int) -> Text:
 
 
 def alarm_line(snapshot: RobotSnapshot) -> str:
-    """Describe an emergency, or that the robot is lost; empty when there is neither."""
+    """Describe an emergency stop, or that the robot is lost; empty otherwise."""
     return describe_emergency(snapshot.mux, "r and Enter let the robot drive again") or snapshot.lost
 
 
 def silence_line(snapshot: RobotSnapshot) -> str:
-    """Return the text about a sender that has fallen silent, or nothing."""
+    """Return the text about a sender that is silent, or ''."""
     silence = snapshot.silence
     return describe_silence(silence.who, silence.seconds) if silence else ""
 
 
 def asking_line(columns: int) -> str:
-    """The question that a held goal asks."""
+    """Return the question that a held goal asks."""
     long = "held: the robot waits for you; Enter or c continues, x cancels"
     return long if len(long) < columns else "held: Enter or c continues, x cancels"
 
 
 def driver_line(snapshot: RobotSnapshot, columns: int) -> str:
-    """The text about who drives, or asks to, or is slowed by obstacles; empty while this client drives or may."""
+    """Return the text about the driver, a request to drive, or obstacles; empty while this client drives or may."""
     obstacles = describe_obstacles(snapshot.mux)
     driver = _driver_line(snapshot, columns)
     return f"{driver}; {obstacles}" if driver and obstacles else driver or obstacles
@@ -106,7 +106,7 @@ def _driver_line(snapshot: RobotSnapshot, columns: int) -> str:
 
 
 def _patrol_line(snapshot: RobotSnapshot, columns: int) -> str:
-    """The text about a patrol that is active or paused, of any client."""
+    """Return the text about a patrol of any client that is active or paused."""
     patrol = snapshot.patrol
     if patrol is None or not (patrol.active or patrol.state == "paused"):
         return ""
@@ -115,7 +115,7 @@ def _patrol_line(snapshot: RobotSnapshot, columns: int) -> str:
 
 
 def reason_not_to_drive(snapshot: RobotSnapshot) -> str:
-    """Return the reason why this client must not send goals or set the pose, or nothing."""
+    """Return the reason why this client must not send goals or set the pose, or ''."""
     view = snapshot.lease
     if snapshot.silence is not None and snapshot.silence.who == ROBOT:
         return silence_line(snapshot)
@@ -129,7 +129,7 @@ def reason_not_to_drive(snapshot: RobotSnapshot) -> str:
 
 
 def reason_not_to_send(snapshot: RobotSnapshot) -> str:
-    """The reason why no goal is sent now, or nothing."""
+    """Return the reason why no goal can be sent now, or ''."""
     if reason := reason_not_to_drive(snapshot):
         return reason
     if snapshot.missing:
@@ -143,7 +143,7 @@ def waiting_line(snapshot: RobotSnapshot) -> str:
 
 
 def help_table() -> RenderableType:
-    """Commands and keys, for the help panel; long texts wrap in their own column."""
+    """Make the table of commands and keys for the help panel; long texts wrap in their own column."""
     table = Table.grid(padding=(0, 2), pad_edge=False)
     table.add_column(no_wrap=True, style="cyan")
     table.add_column()

@@ -1,4 +1,4 @@
-"""The poses that a command asks for, and the file of waypoints that they are in."""
+"""The target poses of commands, and the file of waypoints."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _SAVE_AGAIN = 2.0  # s until the name of a map that could not be saved is asked 
 
 @dataclass(frozen=True, slots=True)
 class StoreChoice:
-    """The file of waypoints: `file` where one is given, else that of the map, by its name, or by its content.
+    """Chooses the file of waypoints: `file` if it is given, else that of the map, by its name or by its content.
 
     `growing` saves a map that is being made, whose content changes: its name is the one that it is saved under.
     """
@@ -30,11 +30,11 @@ class StoreChoice:
 
     @property
     def title(self) -> str:
-        """The name of the map, for a screen."""
+        """Return the name of the map for a screen."""
         return Path(self.map_name).stem
 
     def store_for(self, snapshot: RobotSnapshot) -> WaypointStore | None:
-        """The waypoints, once the map has arrived; None while it has no name."""
+        """Return the waypoints once the map has arrived; None while it has no name."""
         if self.file:
             return WaypointStore(Path(self.file).expanduser())
         if self.map_name or self.growing:
@@ -46,7 +46,7 @@ class StoreChoice:
 
 
 def name_growing_map(node: Node, service: str) -> MapSaving:
-    """Have the map that is being made saved until it has a name."""
+    """Save the map that is being made, again until it has a name."""
     saving = MapSaving(node, service, hint="")
 
     def ask() -> None:
@@ -61,7 +61,7 @@ def name_growing_map(node: Node, service: str) -> MapSaving:
 
 
 def target_of(command: Go | GoToWaypoint, snapshot: RobotSnapshot, store: WaypointStore) -> tuple[Pose2, bool]:
-    """The goal of a command on the map, and whether any heading counts there.
+    """Return the goal of a command on the map, and whether any heading is accepted.
 
     Raises UserError: no such waypoint.
     """
@@ -72,5 +72,5 @@ def target_of(command: Go | GoToWaypoint, snapshot: RobotSnapshot, store: Waypoi
 
 
 def route_of(command: DrivePatrol, store: WaypointStore) -> PatrolRoute:
-    """The route of a patrol. Raises UserError: no such waypoint."""
+    """Return the route of a patrol. Raises UserError for an unknown waypoint."""
     return PatrolRoute(tuple(PatrolStop(name, *store.find(name)) for name in command.names), command.loop, command.wait)

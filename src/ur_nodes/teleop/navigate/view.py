@@ -39,7 +39,7 @@ REFRESH = 1.0 / 6.0
 
 
 class NavigateView(FullScreenApp[None]):
-    """Shows a `NavigationClient`; a subclass obeys commands.
+    """Shows a `NavigationClient`; a subclass runs commands.
 
     `store_for` returns the waypoints once a map is known, None as long as it has no name. With `saving` the map grows:
     it can be saved, and the view follows the robot from the start. `typed` is what was typed before the screen opened;
@@ -104,7 +104,7 @@ class NavigateView(FullScreenApp[None]):
         return self.query_one(MapView)
 
     def cancel_own_goal(self) -> str:
-        """Cancel the goal if it was sent from here. Return a reason why that may have no effect, or nothing."""
+        """Cancel the goal if it was sent from here. Return a reason why that may have no effect, or ''."""
         snapshot = self._navigator.snapshot()
         report = snapshot.goal
         if not self._sent or report.number != self._sent or report.over:
@@ -113,7 +113,7 @@ class NavigateView(FullScreenApp[None]):
         return silence_line(snapshot)
 
     def _look(self) -> None:
-        """Take a snapshot; draw when it differs."""
+        """Take a snapshot, and draw it if it has changed."""
         if not self.query("#message"):  # the screen is being closed
             return
         snapshot = self._navigator.snapshot()
@@ -137,7 +137,7 @@ class NavigateView(FullScreenApp[None]):
             self._become_ready()
 
     def _become_ready(self) -> None:
-        """Act on the first snapshot in which nothing is missing."""
+        """Handle the first snapshot in which nothing is missing."""
 
     def _status(self) -> Text:
         snapshot, mux = self._snapshot, self._snapshot.mux
@@ -154,7 +154,7 @@ class NavigateView(FullScreenApp[None]):
         return status_line(snapshot, self.size.width - 2)
 
     def _show_driver(self) -> None:
-        """Show who drives; the line is there only when there is something to show."""
+        """Show who drives; the line is hidden while it is empty."""
         text, widget = driver_line(self._snapshot, self.size.width), self.query_one("#driver", Static)
         widget.display = bool(text)
         widget.update(Text(text))
@@ -203,7 +203,7 @@ class NavigateView(FullScreenApp[None]):
             self._show_message(error_line(problem), "bold red")
 
     def _check_size(self) -> None:
-        """Notice a new size without SIGWINCH: roslaunch's nodes have no controlling terminal."""
+        """Check for a new size: roslaunch's nodes have no controlling terminal, so no SIGWINCH arrives."""
         if self.is_headless or self._driver is None:
             return
         size = measure_terminal(1)

@@ -58,7 +58,7 @@ def leaves_view(event: KeyEvent) -> bool:
 
 
 def decode_keys(data: bytes, *, final: bool = False) -> tuple[tuple[KeyEvent, ...], bytes]:
-    """Events in `data`, and the bytes of a sequence that is not complete yet.
+    """Decode the events in `data`; return them and the bytes of an incomplete sequence.
 
     Give the rest back in front of what comes next. With `final` nothing more will come soon: a lone ESC is the key,
     other incomplete bytes are dropped. Sequences that mean nothing here are skipped; no input raises.
@@ -76,7 +76,7 @@ def decode_keys(data: bytes, *, final: bool = False) -> tuple[tuple[KeyEvent, ..
 
 
 def _decode_one(data: bytes, final: bool) -> tuple[KeyEvent | None, int]:
-    """The event at the start of `data` (None: to be skipped) and its size in bytes (0: incomplete)."""
+    """Decode the event at the start of `data` (None: skip it) and its size in bytes (0: incomplete)."""
     if data[0] == _ESCAPE:
         return _decode_escape(data, final)
     if data[0] < 0x20 or data[0] == 0x7F:

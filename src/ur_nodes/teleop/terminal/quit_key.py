@@ -14,7 +14,7 @@ class QuitKey:
         self._source: int | None = source
 
     def wait(self, seconds: float, ended: threading.Event) -> bool:
-        """Wait for `q` or for `ended`, at most so long; return whether `q` was read."""
+        """Wait for `q` or for `ended`, at most `seconds`; return whether `q` was read."""
         if self._source is None:
             ended.wait(seconds)
         elif select.select([self._source], [], [], seconds)[0]:

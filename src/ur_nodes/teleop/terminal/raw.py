@@ -51,7 +51,7 @@ class RawTerminal:
         return events
 
     def size(self) -> tuple[int, int]:
-        """Columns and rows now. Asked each time: without a controlling terminal no signal announces a change."""
+        """Return columns and rows, read each time: without a controlling terminal no signal reports a change."""
         return measure_terminal(self._screen) or (80, 24)
 
     def request_answer(self) -> None:
@@ -84,7 +84,7 @@ class RawTerminal:
 
 
 class PlainTerminal(RawTerminal):
-    """A terminal that gets no escape sequence: what is new is added below."""
+    """A terminal that gets no escape sequence: new lines are added below."""
 
     plain = True
 

@@ -18,7 +18,7 @@ def mux_request_of(event: KeyEvent) -> MuxRequest | None:
 
 
 def obstacle_request_of(event: KeyEvent, view: MuxView) -> MuxRequest | None:
-    """Return the request that turns the obstacle stop on or off; None for any other key, or without one."""
+    """Return the request that turns the obstacle stop on or off; None for other keys, or without an obstacle stop."""
     if _pressed(event) != OBSTACLE_KEY or view.obstacles.state == "none":
         return None
     return "obstacles on" if view.obstacles.state == "off" else "obstacles off"
@@ -35,5 +35,5 @@ def asks_to_save(event: KeyEvent) -> bool:
 
 
 def _pressed(event: KeyEvent) -> str:
-    """The name of a key that goes down without Ctrl; '' for anything else."""
+    """Return the name of a key that is pressed without Ctrl; '' for any other event."""
     return event.name if isinstance(event, Key) and event.action == "press" and not event.ctrl else ""

@@ -14,7 +14,7 @@ from textual.drivers.linux_driver import LinuxDriver
 
 @contextlib.contextmanager
 def own_screen(log: Path) -> Iterator[type[LinuxDriver]]:
-    """A Textual driver that draws on standard output's terminal, while file descriptor 2 goes to `log`.
+    """Make a Textual driver that draws on standard output's terminal, while file descriptor 2 is written to `log`.
 
     Errors that Python, C++ or a library prints would otherwise land in the picture.
     """

@@ -43,7 +43,7 @@ Request = Question | Publish | Call | SetParameter
 
 
 class DataActions:
-    """Carries requests out. `guard` decides what is refused."""
+    """Carries out requests of pages; `guard` decides which are refused."""
 
     def __init__(self, node: Node) -> None:
         self._node = node
@@ -52,7 +52,7 @@ class DataActions:
         self._running = 0
 
     def take(self, request: Request, answer: Answer) -> None:
-        """Carry a request out, and pass its answer on: `ok` and `text`, and `value` where a form needs it."""
+        """Carry out a request and call `answer` with its result: `ok`, `text`, and `value` where a form needs it."""
         if self._running >= _MOST_CALLS:
             answer({"ok": False, "text": f"{_MOST_CALLS} requests have no answer yet, expected them first"})
             return
@@ -77,7 +77,7 @@ class DataActions:
             self._node.work(lambda: attempt(partial(self._look_up, request)), finish, _LANE)
 
     def _guard(self, begin: Callable[[], None], finish: Answer) -> None:
-        """Begin to carry a request out, and finish with the reason where it is refused."""
+        """Begin a request; where it is refused, finish it with the reason."""
         try:
             begin()
         except (RefusedError, BadValueError) as problem:
@@ -95,7 +95,7 @@ class DataActions:
             self._set(request, graph, finish)
 
     def _look_up(self, request: Question) -> Fields:
-        """The answer to a question that may wait for the master or the disk; beside the node."""
+        """Answer a question that may wait for the master or the disk; runs on a worker."""
         if isinstance(request, ListParameters):
             return {"value": [name[:200] for name in self._parameters.names()][:_MOST_NAMES]}
         if isinstance(request, GetParameter):
@@ -152,7 +152,7 @@ class DataActions:
             self._node.work(lambda: self._parameters.any(name[1:], value), take, _LANE)
 
     def _tune(self, name: str, value: object, service: str, finish: Answer, before: object) -> None:
-        """Change a parameter of a node while it runs, by dynamic_reconfigure."""
+        """Change a parameter of a running node through dynamic_reconfigure."""
         last = name.rpartition("/")[2]
         if type(value) is int and isinstance(before, float):
             value = float(value)

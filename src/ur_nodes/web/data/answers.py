@@ -12,21 +12,21 @@ Answer = Callable[[Fields], None]
 
 
 class RefusedError(Exception):
-    """A request that is not carried out; the text is the reason, in a line."""
+    """A request is refused; the text is the reason, on one line."""
 
 
 def refuse(text: str) -> Fields:
-    """The answer to a request that is not carried out."""
+    """Return the answer to a request that is refused."""
     return {"ok": False, "text": printable(text)[:1000]}
 
 
 def refuse_uninstalled(type_name: str) -> RefusedError:
-    """The reason why messages of a type are not known."""
+    """Return the refusal of a message type whose package is not installed."""
     return RefusedError(f"{type_name} is not installed on this computer, expected its package")
 
 
 def attempt(job: Callable[[], Fields]) -> Fields:
-    """The answer of a job, or why it has none: it may ask a master, which answers anything."""
+    """Return the answer of a job, or its failure as a refusal: a master may answer anything."""
     try:
         return job()
     except Exception as problem:

@@ -1,4 +1,4 @@
-"""Data of the robot, as pages show it and ask for it."""
+"""Data of the robot for pages: what they show, and their requests."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _GRAPH_EVERY = 2.0  # s
 
 
 class DataSession:
-    """Joins what pages show and ask for to the server."""
+    """Sends pages the data that they show, and answers their requests, through the server."""
 
     def __init__(self, node: Node, outlet: Outlet) -> None:
         self._node, self._outlet = node, outlet
@@ -35,7 +35,7 @@ class DataSession:
         node.every(_TICK, self._step, steady=True)
 
     def take(self, message: dict[str, object]) -> None:
-        """Take what a page sent: its number, and a request as text; "" after it has left."""
+        """Take a message of a page: its number, and a request as text; "" after it has disconnected."""
         page, text = int(str(message["page"])), str(message["m"])
         if not text:
             self._shows.pop(page, None)

@@ -23,7 +23,7 @@ def main() -> int:
 
 
 def start(node: Node, link: socket.socket) -> None:
-    """Join the socket to what pages show and ask for."""
+    """Connect the socket to the data that pages show and to their requests."""
     read_lines(node, {link: DataSession(node, Outlet(node, link)).take})
 
 

@@ -9,11 +9,11 @@ _DEEPEST = 8
 
 
 class BadValueError(ValueError):
-    """A value that does not fit a type; the text is the reason, in a line."""
+    """A value does not fit a type; the text is the reason, on one line."""
 
 
 def make_template(definition: Definition, deepest: int = _DEEPEST) -> dict[str, object]:
-    """The fields of a message with their empty values; arrays are empty."""
+    """Return the fields of a message with empty values; arrays are empty."""
     return _make_template(definition, definition.kind, deepest)
 
 
@@ -35,7 +35,7 @@ def _empty(definition: Definition, kind: str, deepest: int) -> object:
 
 
 def read_value(text: str) -> object:
-    """The value of a JSON text without numbers that are not finite. Raises BadValueError."""
+    """Parse a JSON text, whose numbers must be finite. Raises BadValueError."""
     try:
         return read_json(text, object)
     except BadJsonError as problem:
@@ -43,7 +43,7 @@ def read_value(text: str) -> object:
 
 
 def read_fields(text: str) -> dict[str, object]:
-    """The fields of a message or request, which JSON holds as an object. Raises BadValueError."""
+    """Parse the fields of a message or request, a JSON object. Raises BadValueError."""
     found = read_value(text or "{}")
     if not isinstance(found, dict):
         raise BadValueError("value: expected a JSON object with the fields")

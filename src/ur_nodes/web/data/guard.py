@@ -77,7 +77,7 @@ _PARAMETERS = ("/ur", "/run_id", "/roslaunch", "/rosdistro", "/rosversion", "/us
 
 
 def refuse_topic(topic: str, kind: str, subscribers: Collection[str] = ()) -> str | None:
-    """The reason why a page may not publish on a topic; None if it may. `subscribers` are names of nodes."""
+    """Return the reason why a page may not publish on a topic; None if it may. `subscribers` are names of nodes."""
     kind = kind.replace("/msg/", "/")  # as ROS 2 names it
     if kind in _KINDS:
         return f"{topic}: {kind} is not published from here: {_KINDS[kind]}"
@@ -98,7 +98,7 @@ def refuse_topic(topic: str, kind: str, subscribers: Collection[str] = ()) -> st
 
 
 def refuse_service(service: str) -> str | None:
-    """The reason why a page may not call a service; None if it may."""
+    """Return the reason why a page may not call a service; None if it may."""
     parts = service.strip("/").split("/")
     if "cmd_vel_mux" in parts and parts[-1] in _SERVICES:
         return f"{service} is not called from here: {_SERVICES[parts[-1]]}"
@@ -106,7 +106,7 @@ def refuse_service(service: str) -> str | None:
 
 
 def refuse_parameter(name: str) -> str | None:
-    """The reason why a page may not set a parameter; None if it may."""
+    """Return the reason why a page may not set a parameter; None if it may."""
     if any(name == each or name.startswith(f"{each}/") for each in _PARAMETERS):
         return f"{name} is not set from here: it belongs to the run"
     if "cmd_vel_mux" in name.strip("/").split("/"):

@@ -1,4 +1,4 @@
-"""Messages that pages publish, each by a publisher that is kept for a while."""
+"""Messages that pages publish, through publishers that are kept for a while."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ Message = Fields | bytes
 
 
 class Publishing:
-    """Publishes by publishers that are kept while pages use them."""
+    """Publishes messages of pages, and keeps each publisher while pages use it."""
 
     def __init__(self, node: Node) -> None:
         self._node = node
@@ -64,7 +64,7 @@ class Publishing:
             answer({"text": f"published to {count} subscriber{'' if count == 1 else 's'}"})
 
     def _publisher(self, topic: str, kind: str) -> tuple[Publisher[Message], bool]:
-        """The publisher of a topic, and whether it is new. Raises RefusedError."""
+        """Return the publisher of a topic, and whether it is new. Raises RefusedError."""
         before = self._publishers.get((topic, kind))
         if before is None and len(self._publishers) >= _MOST_PUBLISHERS:
             raise RefusedError(f"{_MOST_PUBLISHERS} topics are published from here, expected a pause of {_KEPT:g} s")

@@ -22,7 +22,7 @@ class RateMeter:
         self._seen.append((now, size))
 
     def measure(self, now: float) -> tuple[float, float]:
-        """The messages and the bytes of a second."""
+        """Return messages per second and bytes per second."""
         while self._seen and self._seen[0][0] < now - SPAN:
             self._seen.popleft()
         full = len(self._seen) == _MOST

@@ -1,4 +1,4 @@
-"""Topics as pages look at them: their rates while they are in view, and the messages of one that is printed."""
+"""Topics for pages: rates of those in view, and the messages of the one that a page prints."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ Send = Callable[[bytes], None]
 
 
 class _Watched:
-    """A topic that is subscribed to: its rate, and its newest message."""
+    """A subscribed topic, its rate and its newest message."""
 
     def __init__(self, node: Node, topic: Topic) -> None:
         self.topic, self.meter = topic, RateMeter(node.steady())
@@ -65,7 +65,7 @@ class TopicWatch:
         self._list_every, self._echo_every = Every(_LIST_EVERY), Every(ECHO_EVERY)
 
     def hurry(self) -> None:
-        """Have pages get what they show at once: one shows something else."""
+        """Let the next `step` send at once: a page shows other topics now."""
         self._list_every.hurry()
 
     def step(self, shows: Mapping[int, Show], graph: Graph) -> None:
@@ -138,7 +138,7 @@ def _describe(name: str, count: int, message: RawMessage) -> Mapping[str, object
 
 
 def print_message(message: RawMessage) -> list[str]:
-    """The lines of a message. Raises BadDefinitionError and BadMessageError."""
+    """Return a message as lines of text. Raises BadDefinitionError and BadMessageError."""
     if len(message.data) > _LONGEST:
         raise BadMessageError(f"message of {len(message.data)} bytes, expected at most {_LONGEST} to print it")
     return render(decode(read_definition(message.type_name, message.schema), message.data))

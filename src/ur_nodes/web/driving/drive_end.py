@@ -40,7 +40,7 @@ _MOST_PAGES = 100
 
 @dataclass(frozen=True, slots=True)
 class DrivenRobot:
-    """The end of the page that drives: mux, navigation, places, patrols and the map."""
+    """The parts of a robot that pages may command: mux, navigation, places, patrols and the map."""
 
     mux: MuxLink
     goals: PageGoals
@@ -50,7 +50,7 @@ class DrivenRobot:
 
 
 class DriverSession:
-    """Pages that may drive, by client id; on the node's thread. `reply` sends an answer to one of them."""
+    """Pages that may drive, by client id; on the node's thread. `reply` sends an answer to a page."""
 
     def __init__(self, node: Node, link: DriverLink, robot: DrivenRobot, reply: Reply) -> None:
         self._node, self._link, self._robot, self._reply = node, link, robot, reply
@@ -60,7 +60,7 @@ class DriverSession:
         node.on_end(self.leave_all)
 
     def come(self, client: str, name: str, computer: str, *, once: bool = False) -> None:
-        """A page that may drive is there; `computer` identifies its browser, `once`: it cannot come again."""
+        """Add a page that may drive. `computer` identifies its browser; a page that is `once` cannot reconnect."""
         if not is_client(client):
             return
         lease = PageLease(client, clean_computer(computer))
@@ -69,14 +69,14 @@ class DriverSession:
             self.leave(next(iter(self._pages)))
 
     def rename(self, client: str, name: str) -> None:
-        """A page has another name from its next request on."""
+        """Change the name of a page, from its next request on."""
         if client in self._pages:
             self._pages[client] = replace(self._pages[client], name=clean_name(name) or "a page")
 
     def leave(self, client: str) -> None:
-        """A page has left: what its user held is over at once.
+        """Remove a page that has disconnected, and end its press at once.
 
-        Its goal is held when the mux has lost it. One that cannot come again leaves no goal and no lease behind.
+        The mux then loses it, and its goal is held. A page that cannot reconnect gives up goal and lease at once.
         """
         page = self._pages.pop(client, None)
         if page is not None:
@@ -96,23 +96,23 @@ class DriverSession:
             self._link.request(page.lease, page.name, "release", newest)
 
     def leave_all(self) -> None:
-        """The server has ended."""
+        """Remove all pages: the server has ended."""
         for client in list(self._pages):
             self.leave(client)
 
     def expire(self) -> None:
-        """End presses whose commands stay away; to be called often, and with each challenge."""
+        """End presses whose commands have stopped arriving; to be called often, and with each challenge."""
         now = self._node.steady()
         for client, page in list(self._pages.items()):
             if page.stick.live:
                 self._step(client, page, expire_stick(page.stick, now), "late")
 
     def emergency(self) -> None:
-        """Stop everything that drives, whichever page asks."""
+        """Stop every motion, at the request of any page."""
         self._robot.mux.ask("stop")
 
     def take(self, client: str, text: str) -> None:
-        """Take a request of a page."""
+        """Carry out a request of a page, or refuse it."""
         try:
             request = read_request(text)
         except BadRequestError as problem:
@@ -183,7 +183,7 @@ class DriverSession:
             self._reply(client, {"t": "over", "hold": stick.hold, "why": why})
 
     def _finish(self, page: GoalPage, verdict: Verdict, why: str) -> None:
-        """Send a stop at once where a press is over; the mux would find out a moment later by itself."""
+        """Send a stop when a press has ended; without it the mux would stop the robot a moment later."""
         if verdict == "over" and why != "driver" and may_drive(page.lease, self._link.lease):
             self._link.stop(page.lease)
 
@@ -195,7 +195,7 @@ class DriverSession:
             self._link.request(page.lease, page.name, action, answer)
 
     def _ask_patrol(self, client: str, page: GoalPage, request: AskPatrol) -> None:
-        """Pass a request on; the patrol's node checks its age, and who drives."""
+        """Pass on a request for a patrol; the patrol's node checks its age and the lease."""
 
         def answer(problem: str) -> None:
             what = {"t": "refused", "why": problem} if problem else {"t": "done"}

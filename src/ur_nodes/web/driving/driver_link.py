@@ -1,4 +1,4 @@
-"""The mux as requests of pages reach it: velocities, lease requests, and the challenges that bound their age.
+"""The connection of pages to the mux: velocities, lease requests, and the challenges that bound their age.
 
 The mux checks the age of each command itself, by its own clock. The check here comes before it, so that a page learns
 at once that its press is over.
@@ -30,20 +30,20 @@ class ChallengeTimes:
 
 
 def keep_challenge(received: ChallengeTimes, challenge: Stamp, now: float) -> ChallengeTimes:
-    """A challenge has arrived."""
+    """Add a challenge that has arrived at `now` (s), and drop those that are too old."""
     kept = OrderedDict((each, at) for each, at in received.at.items() if now - at <= REQUEST_FRESHNESS)
     kept[challenge] = now
     return ChallengeTimes(kept, challenge)
 
 
 def age_of_answer(received: ChallengeTimes, answer: Stamp, now: float) -> float | None:
-    """Seconds since the challenge arrived here; None for one that did not arrive within the last second."""
+    """Return the seconds since the answered challenge arrived; None if it did not arrive within the last second."""
     at = received.at.get(answer)
     return max(0.0, now - at) if at is not None and now - at <= REQUEST_FRESHNESS else None
 
 
 class DriverLink:
-    """`limits` are the highest velocities that are passed on, m/s and rad/s."""
+    """Sends velocities and lease requests of pages to the mux; `limits` are the highest velocities, m/s and rad/s."""
 
     def __init__(
         self, node: Node, mux: str, limits: tuple[float, float], on_challenge: Callable[[Stamp], None]
@@ -117,5 +117,5 @@ class DriverLink:
 
 
 def number_of(answer: Stamp) -> int:
-    """A challenge in ns, as values carry it."""
+    """Return the challenge of an answer as a number (ns)."""
     return answer[0] * SECOND + answer[1]

@@ -1,4 +1,4 @@
-"""Pages that may drive, and their goals and poses: requests that set something in motion, or change where it goes."""
+"""Goals and pose estimates that pages send to navigation."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ _WHAT = {GoalRequest: "goal", GoTo: "go_to", InitialPose: "pose", Resume: "resum
 
 @dataclass(frozen=True, slots=True)
 class GoalPage:
-    """A page: `once` it has left, it cannot come again; `goal` is the number of its last goal.
+    """A page that may drive; one that is `once` cannot reconnect; `goal` is the number of its last goal.
 
     The number is 0 where it has sent none, or its end is known.
     """
@@ -39,7 +39,7 @@ class GoalPage:
 
 
 class PageGoals:
-    """Passes them on to navigation. Requests that are late, or of pages that may not drive, are refused."""
+    """Passes goals and poses to navigation. Refuses requests that are late, or of pages that may not drive."""
 
     def __init__(
         self, node: Node, topics: NavigationTopics, link: DriverLink, find_place: Callable[[str], Pose2 | None]
@@ -48,18 +48,18 @@ class PageGoals:
         self._numbers = itertools.count(1)
 
     def cancel(self) -> None:
-        """Cancel the goal, whichever client has sent it."""
+        """Cancel the goal of any client."""
         self._topics.cancel_goals()
 
     def note(self, page: GoalPage) -> GoalPage:
-        """Note when the goal of a page has ended."""
+        """Check whether the goal of a page has ended, and note it."""
         goal = self._topics.goal()
         if page.goal and (goal.number != page.goal or goal.over):
             return replace(page, goal=0, lease=note_end(page.lease, self._node.steady()))
         return page
 
     def take(self, page: GoalPage, request: GoalRequest | GoTo | InitialPose | Resume, refuse: Refuse) -> GoalPage:
-        """Take a request of a page. One that is refused hands the lease back, unless its page drives to a goal."""
+        """Carry out a request of a page. If it is refused, the lease is released unless its page drives to a goal."""
         why = ""
         if isinstance(request, GoTo):
             place = self._find_place(request.place)
@@ -94,7 +94,7 @@ class PageGoals:
         return replace(page, goal=number, lease=replace(page.lease, ended_at=None))
 
     def acquire(self, page: GoalPage, answer: Stamp) -> GoalPage:
-        """Ask for the lease for a page that begins to drive, unless it has it."""
+        """Request the lease for a page that begins to drive, unless it has it."""
         lease = self._link.lease
         if lease is None or lease.client == page.lease.client:
             return page

@@ -1,4 +1,4 @@
-"""The lease on behalf of a page: which request follows when the page proves that it is there.
+"""Lease requests on behalf of a page, sent when the page proves that it is connected.
 
 Each page is a client of its own. Its requests carry the challenge that the page itself has answered, so the lease is
 lost when the page, and not only this program, is out of reach.
@@ -31,7 +31,7 @@ class PageLease:
 
 
 def request_action(page: PageLease, action: Action, now: float) -> PageLease:
-    """Note what the user of the page asks for at `now` (s)."""
+    """Note the lease action that the user of the page requests at `now` (s)."""
     return replace(page, wanted=action, until=now + PATIENCE, ended_at=None)
 
 
@@ -41,7 +41,7 @@ def note_end(page: PageLease, now: float) -> PageLease:
 
 
 def step_page(page: PageLease, lease: Lease | None, now: float) -> tuple[PageLease, Action | None]:
-    """The request to send now that the page has proved to be there; None for none: it only watches."""
+    """Return the lease request to send after a proof of the page; None while it only watches."""
     if lease is None:
         return page, None
     state = LeaseRequests(page.client, "watch", lease, intent=page.wanted, give_up_at=page.until, begun=True)

@@ -22,7 +22,7 @@ Verdict = Literal["drive", "over", "ignore"]
 
 @dataclass(frozen=True, slots=True)
 class StickState:
-    """The newest press of a page: whether it lasts, and when its last young command arrived."""
+    """The newest press of a page: whether it lasts, and when its last fresh command arrived."""
 
     hold: int = 0
     live: bool = False
@@ -47,19 +47,19 @@ def step_stick(state: StickState, hold: int, age: float | None, now: float) -> t
 
 
 def let_go(state: StickState, hold: int) -> tuple[StickState, Verdict]:
-    """The user has let go of press `hold`."""
+    """End press `hold`, which the user has released."""
     if hold < state.hold:
         return state, "ignore"
     return StickState(hold, live=False, at=state.at), "over"
 
 
 def end_stick(state: StickState) -> tuple[StickState, Verdict]:
-    """The page has disconnected."""
+    """End the press of a page that has disconnected."""
     return replace(state, live=False), "over" if state.live else "ignore"
 
 
 def expire_stick(state: StickState, now: float) -> tuple[StickState, Verdict]:
-    """Time has passed: a press whose commands stay away is over."""
+    """End a press whose commands have stopped arriving."""
     if state.live and now - state.at > GAP:
         return replace(state, live=False), "over"
     return state, "ignore"

@@ -28,7 +28,7 @@ _LANE = "camera"
 
 
 class CameraView:
-    """Sends the newest picture of one camera: JPEG passes through, raw pictures are compressed beside the node.
+    """Sends the newest picture of one camera: JPEG passes through, raw pictures are compressed on a worker.
 
     Of pictures that arrive while one is on its way, or the server is busy, the newest is sent next.
     """
@@ -45,7 +45,7 @@ class CameraView:
         self._newest: PackedPicture | Picture | None = None  # that is not on its way yet
 
     def want(self, topic: str, *, wanted: bool) -> None:
-        """Have pictures sent, or none: those of `topic` while it is a camera's, else those of another camera."""
+        """Send pictures of `topic`, or of another camera if it is none; without a page, send none."""
         self._stale = self._stale or (topic, wanted) != (self._asked, self._wanted)
         self._asked, self._wanted = topic, wanted
 
@@ -54,11 +54,11 @@ class CameraView:
         self._topics, self._stale = topics, True
 
     def describe(self) -> dict[str, object]:
-        """The topic that is shown, and those that can be chosen: none while no page shows the camera."""
+        """Describe the topic that is shown and those to choose from; both are empty while no page shows the camera."""
         return {"topic": self._topic, "topics": list(self._cameras)}
 
     def step(self) -> None:
-        """Subscribe to what is wanted, and send a picture that had to wait; to be called often."""
+        """Subscribe to the chosen camera, and send a picture that had to wait; to be called often."""
         self._follow()
         self._begin()
 
@@ -106,7 +106,7 @@ class CameraView:
 
 
 def list_cameras(topics: Iterable[tuple[str, str]]) -> dict[str, str]:
-    """The topics of cameras and their types: compressed before raw, then by name, and not more than pages list.
+    """Return the topics of cameras and their types, compressed ones first, then by name; as many as pages list.
 
     A raw topic is left out where its pictures are published compressed, too, and so are pictures of depth.
     """
@@ -117,13 +117,13 @@ def list_cameras(topics: Iterable[tuple[str, str]]) -> dict[str, str]:
 
 
 def choose_camera(cameras: Iterable[str], preferred: Iterable[str]) -> str:
-    """Choose the first of the preferred topics that is a camera's, else the first camera; "": there is none."""
+    """Return the first preferred topic that is a camera's, else the first camera; "" without a camera."""
     found = list(cameras)
     return next((topic for topic in (*preferred, *found) if topic in found), "")
 
 
 def make_frame(picture: PackedPicture | Picture) -> bytes | BadPictureError:
-    """The frame of a picture, b"" for one that pages cannot show; the problem of one that cannot be read."""
+    """Return the frame of a picture (b"" if pages cannot show it), and the error if it cannot be read."""
     try:
         data = bytes(picture.data) if isinstance(picture, PackedPicture) else compress(picture)
     except BadPictureError as problem:
@@ -133,7 +133,7 @@ def make_frame(picture: PackedPicture | Picture) -> bytes | BadPictureError:
 
 
 def compress(picture: Picture) -> bytes:
-    """The JPEG of a picture, not wider than a page needs. Raises BadPictureError."""
+    """Compress a picture as JPEG, at most as wide as a page needs. Raises BadPictureError."""
     from PIL import Image
 
     pixels = unpack_picture(picture.data, picture.width, picture.height, picture.step, picture.encoding)

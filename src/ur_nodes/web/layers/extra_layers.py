@@ -1,4 +1,4 @@
-"""Layers over the map that few want: costmaps and the localiser's particles, subscribed to while a page shows them."""
+"""Costmaps and the localiser's particles as layers of the map, subscribed to while a page shows them."""
 
 from __future__ import annotations
 
@@ -25,9 +25,9 @@ Place = Callable[[str], "Pose2 | None"]
 
 
 class ExtraLayers:
-    """Sends the layers that are wanted. `place` gives the pose of a frame in the map frame, None: not known.
+    """Sends the layers that pages show. `place` returns the pose of a frame in the map frame, None if unknown.
 
-    `put` takes what makes frames, which is called beside the node, in order.
+    `put` takes functions that make frames; they are called on a worker, in order.
     """
 
     def __init__(self, node: Node, place: Place, put: Callable[[Frames], None]) -> None:
@@ -41,11 +41,11 @@ class ExtraLayers:
         self._send_every = Every(_EVERY)
 
     def want(self, layers: Collection[int]) -> None:
-        """Have these layers sent, and no others."""
+        """Choose the layers to send."""
         self._wanted = frozenset(layer for layer in (*_COSTMAPS, Layer.PARTICLES) if layer in layers)
 
     def step(self, now: float) -> None:
-        """Subscribe to what is wanted, and send what has changed; to be called often. `now` is `Node.steady`."""
+        """Subscribe to the chosen layers, and send changed ones; to be called often. `now` is `Node.steady`."""
         if not self._send_every.due(now):
             return
         for layer in self._subscriptions.keys() - self._wanted:
@@ -70,7 +70,7 @@ class ExtraLayers:
         return found
 
     def _drop(self, layer: Layer) -> None:
-        """Unsubscribe, and have pages forget what they have: it is old when one wants the layer again."""
+        """Unsubscribe from a layer, and clear it on the pages: it would be old when a page shows it again."""
         for each in self._subscriptions.pop(layer):
             each.close()
         self._changed.discard(layer)

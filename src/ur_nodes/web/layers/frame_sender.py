@@ -24,7 +24,7 @@ class FrameOutlet(Protocol):
 
 
 class FrameSender:
-    """Makes frames beside the node, and sends them in the order of `put`."""
+    """Makes frames on a worker, and sends them in the order of `put`."""
 
     def __init__(self, node: Node, outlet: FrameOutlet) -> None:
         self._node, self._outlet = node, outlet
@@ -36,7 +36,7 @@ class FrameSender:
         return self._making > 0 or self._outlet.busy
 
     def put(self, frames: Frames) -> None:
-        """Make frames and send them."""
+        """Make frames on a worker, then send them."""
         self._making += 1
         self._node.work(lambda: list(frames()), self._send, _LANE)
 

@@ -26,7 +26,7 @@ Place = Callable[[str], "Pose2 | None"]
 
 
 def _describe_sonars(found: Mapping[str, object], place: Place) -> dict[str, object]:
-    """Cones in the map frame: x, y (m), yaw, range (m), field of view (rad), 1 for an echo."""
+    """Describe sonar cones in the map frame: x, y (m), yaw, range (m), field of view (rad), 1 for an echo."""
     cones = []
     for sonar in _only(found, Range).values():
         mount = place(sonar.frame)
@@ -39,7 +39,7 @@ def _describe_sonars(found: Mapping[str, object], place: Place) -> dict[str, obj
 
 
 def _describe_covariance(found: Mapping[str, object], place: Place) -> dict[str, object]:
-    """The newest pose of the localiser with its spread: x, y (m), xx, xy, yy (m^2)."""
+    """Describe the newest pose of the localiser and its covariance: x, y (m), xx, xy, yy (m^2)."""
     for estimate in _only(found, PoseEstimate).values():
         frame = place(estimate.frame)
         if frame is not None:
@@ -54,7 +54,7 @@ def _describe_covariance(found: Mapping[str, object], place: Place) -> dict[str,
 
 
 def _describe_fiducials(found: Mapping[str, object], _place: Place) -> dict[str, object]:
-    """Fiducials of the map: id, x, y (m)."""
+    """Describe the fiducials of the map: id, x, y (m)."""
     marks = [
         [each.number, *_round(*each.place[:2])]
         for fiducials in _only(found, MappedFiducials).values()
@@ -65,7 +65,7 @@ def _describe_fiducials(found: Mapping[str, object], _place: Place) -> dict[str,
 
 
 def _describe_robots(found: Mapping[str, object], place: Place) -> dict[str, object]:
-    """Other robots by name: x, y (m), yaw. A localiser's pose counts before the one that a simulator knows."""
+    """Describe other robots by name: x, y (m), yaw. A localiser's pose is preferred to the simulator's."""
     shown = _only(found, PoseEstimate) | _only(found, Odometry)
     robots: dict[str, list[float]] = {}
     for name, value in sorted(shown.items(), key=lambda item: item[0], reverse=True):  # amcl_pose comes last
@@ -79,7 +79,7 @@ def _describe_robots(found: Mapping[str, object], place: Place) -> dict[str, obj
 
 
 def _describe_frontiers(found: Mapping[str, object], place: Place) -> dict[str, object]:
-    """Frontiers of an exploration: 1 for one that was given up, then x, y, x, y, ... (m)."""
+    """Describe the frontiers of an exploration: 1 for one that was given up, then x, y, x, y, ... (m)."""
     frontiers = []
     for shown in _only(found, Markers).values():
         frame = place(shown.frame)
@@ -106,7 +106,7 @@ Kinds = Mapping[str, "tuple[type, Quality]"]
 
 @dataclass(frozen=True, slots=True)
 class Overlay:
-    """A layer of small things: the topics that it shows, and its description from their newest values, by topic.
+    """A layer of small objects: the topics that it shows, and its description from their newest values, by topic.
 
     `kinds` are the types of its topics, each with the kind of its values and their quality. `topic` is the name of the
     only one; without it, `belongs` decides by the parts of a full name and the type.

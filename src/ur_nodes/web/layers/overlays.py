@@ -21,7 +21,7 @@ Topic = tuple[str, str]
 
 
 def choose_topics(layer: Layer, topics: Sequence[Topic], resolve: Callable[[str], str]) -> list[Topic]:
-    """The topics of a layer among all topics (full name, type), at most 64; `resolve` gives full names."""
+    """Return the topics of a layer among all topics (full name, type), at most 64; `resolve` returns full names."""
     overlay = OVERLAYS[layer]
     own = resolve(overlay.topic) if overlay.topic else ""
 
@@ -32,7 +32,7 @@ def choose_topics(layer: Layer, topics: Sequence[Topic], resolve: Callable[[str]
 
 
 class Overlays:
-    """Sends the layers that are wanted, and notes bumpers. `place` gives the pose of a frame in the map frame."""
+    """Sends the layers that pages show, and tracks bumpers. `place` returns the pose of a frame in the map frame."""
 
     def __init__(self, node: Node, place: Place, send: Callable[[bytes], None]) -> None:
         self._node, self._place, self._send = node, place, send
@@ -46,7 +46,7 @@ class Overlays:
         self._send_every = Every(_EVERY)
 
     def want(self, layers: Collection[int], *, watched: bool) -> None:
-        """Have these layers sent; `watched`: a page is open, and is to know the bumpers."""
+        """Choose the layers to send; with `watched`, a page is open and bumpers are tracked."""
         wanted = frozenset(layer for layer in OVERLAYS if layer and layer in layers)
         self._stale = self._stale or (wanted, watched) != (self._wanted, self._watched)
         self._wanted, self._watched = wanted, watched
@@ -61,7 +61,7 @@ class Overlays:
         return sorted(printable(name.rpartition("/")[2])[:40] for name in names)
 
     def step(self, now: float) -> None:
-        """Subscribe to what is wanted, and send what has changed; to be called often. `now` is `Node.steady`."""
+        """Subscribe to the chosen layers, and send changed ones; to be called often. `now` is `Node.steady`."""
         if self._stale:
             self._stale = False
             self._follow()

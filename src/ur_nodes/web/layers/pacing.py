@@ -1,4 +1,4 @@
-"""Work that a step which is called often does from time to time."""
+"""Pacing of work within a step that is called often."""
 
 from __future__ import annotations
 
@@ -6,14 +6,14 @@ import math
 
 
 class Every:
-    """Work that is due at once, and then once in a number of seconds: a step that is late delays no later one."""
+    """Work that is due at once, then once in a number of seconds; a late step does not delay later ones."""
 
     def __init__(self, seconds: float) -> None:
         self._seconds = seconds
         self._next = -math.inf
 
     def due(self, now: float) -> bool:
-        """Return whether the work is to be done now, and count it as done if so. `now` is `Node.steady`."""
+        """Return whether the work is due, and if so count it as done. `now` is `Node.steady`."""
         late = now - self._next
         if late < 0.0:
             return False
@@ -21,5 +21,5 @@ class Every:
         return True
 
     def hurry(self) -> None:
-        """Have the work due at once."""
+        """Make the work due at once."""
         self._next = -math.inf

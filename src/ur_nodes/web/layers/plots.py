@@ -40,14 +40,14 @@ class PlotFeed:
         self._send_every, self._look_every = Every(_EVERY), Every(_LOOK_EVERY)
 
     def want(self, plots: Collection[str], *, shown: bool) -> None:
-        """Have these plots (`TOPIC:FIELD`) sampled; `shown`: a page chooses among all fields."""
+        """Choose the plots (`TOPIC:FIELD`) to sample; with `shown`, a page also lists all fields."""
         good = frozenset(sorted(plot for plot in plots if PLOT.fullmatch(plot))[:_MOST_PLOTS])
         if (shown and not self._open) or good - self._plots:
             self._look_every.hurry()
         self._open, self._plots = shown, good
 
     def step(self, now: float) -> None:
-        """Subscribe to what is wanted, and send samples; to be called often. `now` is `Node.steady`."""
+        """Subscribe to the topics of the plots, and send samples; to be called often. `now` is `Node.steady`."""
         if self._look_every.due(now):
             self._look()
         if not self._send_every.due(now):
@@ -82,7 +82,7 @@ class PlotFeed:
         self._newest[topic] = message
 
     def _find_fields(self, kinds: Collection[str]) -> dict[str, list[str]]:
-        """The numeric fields of types, none for those that are not installed; beside the node."""
+        """Return the numeric fields of types, none for types that are not installed; runs on a worker."""
         found = {}
         for kind in kinds:
             schema = self._node.raw.find_schema(kind)
@@ -110,7 +110,7 @@ class PlotFeed:
 
 
 def list_fields(definition: Definition, deepest: int = _DEEPEST) -> list[str]:
-    """The numeric fields of a type, as paths with dots. Arrays, headers and moments are left out."""
+    """Return the numeric fields of a type as paths with dots, without arrays, headers and times."""
     return list(_walk(definition, definition.kind, "", deepest))
 
 
@@ -127,7 +127,7 @@ def _walk(definition: Definition, kind: str, before: str, deepest: int) -> Itera
 
 
 def sample_all(plots: Iterable[str], newest: Mapping[str, RawMessage]) -> dict[str, float]:
-    """The numbers of plots, of the newest message of each topic."""
+    """Return the number of each plot, from the newest message of its topic."""
     values = {}
     for plot in plots:
         topic, path = split_plot(plot)
@@ -138,7 +138,7 @@ def sample_all(plots: Iterable[str], newest: Mapping[str, RawMessage]) -> dict[s
 
 
 def sample(message: RawMessage, path: str) -> float | None:
-    """The number at a path of a message; None where there is none, or it is not finite."""
+    """Return the number at a path of a message; None if there is none or it is not finite."""
     if len(message.data) > _LONGEST:
         return None
     try:

@@ -20,14 +20,14 @@ Index = tuple[int, int]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Tiles:
-    """A grid that was sent: its lattice, and each tile (TILE, TILE) that holds a known cell, by column and row."""
+    """A grid that was sent: its lattice, and its tiles (TILE, TILE) with a known cell, by column and row."""
 
     frame: GridFrame | None = None
     tiles: dict[Index, NDArray[np.int8]] = field(default_factory=dict)
 
 
 def cut_tiles(before: Tiles, grid: Grid) -> tuple[Tiles, tuple[Index, ...]]:
-    """The tiles of a grid, and the indices of those that changed; a new generation where the lattice is another one."""
+    """Cut a grid into tiles; return them and the indices of changed ones. A new lattice begins a generation."""
     offset = _offset_on(before.frame, grid)
     fresh = before.frame is None or offset is None
     generation = (before.frame.generation + 1 if before.frame else 1) if fresh else before.frame.generation  # type: ignore[union-attr]
@@ -45,14 +45,14 @@ def cut_tiles(before: Tiles, grid: Grid) -> tuple[Tiles, tuple[Index, ...]]:
 
 
 class GridFrames:
-    """Makes the frames of a layer that is a grid, of what has changed since the last ones."""
+    """Makes the frames of a layer that is a grid, from the tiles that have changed since the last frames."""
 
     def __init__(self, layer: Layer) -> None:
         self._layer = layer
         self._tiles = Tiles()
 
     def show(self, grid: Grid) -> list[bytes]:
-        """The frames that turn what was shown into this grid."""
+        """Return the frames that change what pages show into this grid."""
         self._tiles, changed = cut_tiles(self._tiles, grid)
         frame = self._tiles.frame
         assert frame is not None, "made from a grid"
@@ -63,7 +63,7 @@ class GridFrames:
         ]
 
     def clear(self) -> list[bytes]:
-        """The frames that have pages forget what was shown."""
+        """Return the frames that clear the layer on the pages."""
         before = self._tiles.frame
         if before is None:
             return []
@@ -88,7 +88,7 @@ def _cut(values: NDArray[np.int8], column: int, row: int) -> dict[Index, NDArray
 
 
 def _offset_on(frame: GridFrame | None, grid: Grid) -> Index | None:
-    """Column and row of the grid's first cell on the lattice; None where it does not lie on it."""
+    """Return column and row of the grid's first cell on the lattice; None if the grid is not on it."""
     if frame is None or abs(frame.resolution - grid.resolution) > 1e-9 or abs(frame.origin[2] - grid.origin.yaw) > 1e-9:
         return None
     corner = Pose2(*frame.origin).inverse().compose(grid.origin)

@@ -30,13 +30,13 @@ _WHAT: Mapping[type, str] = {
 
 
 class MapChanges:
-    """Passes requests on; the answer to each is sent by `reply`, maybe later."""
+    """Passes requests about the map to their owners; `reply` sends each answer, possibly later."""
 
     def __init__(self, places: PlaceFile, zones: ZoneLink, maps: MapLink, reply: Reply) -> None:
         self._places, self._zones, self._maps, self._reply = places, zones, maps, reply
 
     def take(self, client: str, request: MapRequest) -> None:
-        """Take a request of a page that may drive."""
+        """Pass on a request of a page that may drive."""
         if isinstance(request, NamePlace | ForgetPlace):
             self._places.change(request, lambda answer: self._reply(client, answer))
         elif isinstance(request, SaveMap):

@@ -1,4 +1,4 @@
-"""The stored map of the robot's programs, for pages: its name, and the service that saves one that is being made."""
+"""The stored map of the robot's programs, for pages: its name, and the service that saves a map during mapping."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ class MapLink:
         node.every(_PERIOD, self._ask, steady=True)
 
     def describe(self) -> Mapping[str, object]:
-        """Describe it for a page: `name` of the stored map in use, "" for none; `saves`: one is being made; `walls`."""
+        """Describe for a page: `name` of the stored map in use ("" for none), `saves` during mapping, and `walls`."""
         made = {"name": "", "restorable": False, "why": "made"}
         return {
             "name": self._name,
@@ -47,7 +47,7 @@ class MapLink:
         }
 
     def save(self, done: Done) -> None:
-        """Save the map that is being made; `done` is called with its name, or with "" and what is wrong."""
+        """Save the map that is being made; `done` is called with its name, or with "" and the error."""
         if not self._service:
             done("", "no map")
         elif self._saving:
@@ -73,7 +73,7 @@ class MapLink:
             self._node.work(lambda: self._read_names(graph), self._take_names, _LANE)
 
     def _read_names(self, graph: Graph) -> tuple[str, str] | None:
-        """The name of the map and the service that saves it; None while the parameters cannot be read."""
+        """Return the name of the map and the service that saves it; None while the parameters cannot be read."""
         parameters, resolve = self._node.parameters, self._node.resolve
         try:
             service = choose_service([parameters.of(each).any("save_service", "") for each in _SAVERS])
@@ -93,11 +93,11 @@ class MapLink:
 
 
 def choose_service(values: Sequence[object]) -> str:
-    """The first of these values of parameters that is the name of a service; "": none is."""
+    """Return the first of these parameter values that is the name of a service; "" if none is."""
     names = (each for each in values if isinstance(each, str) and _SERVICE_NAME.fullmatch(each))
     return next(names, "")
 
 
 def choose_name(value: object, *, made: bool) -> str:
-    """The name of the stored map that a program navigates on; "" for a file, and for a map that is being `made`."""
+    """Return the name of the stored map that a program navigates on; "" for a file or a map that is being `made`."""
     return value if isinstance(value, str) and is_map_name(value) and not made else ""

@@ -1,4 +1,4 @@
-"""The file of the map's places: which one it is, what other programs change in it, and changes by pages."""
+"""The file of the map's places, which pages and other programs change."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _LANE = "places"
 
 
 class PlaceFile:
-    """Keeps places as their file is. `keeper` is the node that keeps it; files are read and written beside this one."""
+    """Keeps places equal to their file. `keeper` is the node that owns it; files are read and written on a worker."""
 
     def __init__(self, node: Node, keeper: str = "keyboard_navigate") -> None:
         self._node, self._keeper = node, keeper
@@ -33,7 +33,7 @@ class PlaceFile:
         node.every(_PERIOD, self._look, steady=True)
 
     def show(self, grid: Grid | None) -> None:
-        """The map is this one now."""
+        """Use the places of this map."""
         self._grid = grid
         self._find_file()
 
@@ -42,11 +42,11 @@ class PlaceFile:
         return self._places.describe()
 
     def find(self, name: str) -> Pose2 | None:
-        """Return a place; None: there is none of that name."""
+        """Return the place of a name; None if there is none."""
         return self._places.places.get(name)
 
     def change(self, request: NamePlace | ForgetPlace, done: Callable[[Mapping[str, object]], None]) -> None:
-        """Change the file as a page asks; `done` is called with the answer for it, once the change is shown."""
+        """Change the file at a page's request; `done` is called with the answer once the change is shown."""
         path, before = self._path, self._places
 
         def carry_out() -> tuple[Mapping[str, object], Places]:
@@ -60,7 +60,7 @@ class PlaceFile:
         self._node.work(carry_out, finish, _LANE)
 
     def _look(self) -> None:
-        """Read the file again where it has changed; now and then ask which one it is."""
+        """Read the file again if it has changed; from time to time ask the keeper for its path."""
         if self._busy:
             return
         self._count += 1

@@ -18,7 +18,7 @@ _LONGEST_NAME = 64
 
 @dataclass(frozen=True, slots=True)
 class Places:
-    """The places of a file, as they were when it was read; without a `path` none can be named.
+    """The places of a file when it was read; without a `path` no place can be added.
 
     `signature` changes with the file; `problem` is why it cannot be read.
     """
@@ -29,7 +29,7 @@ class Places:
     problem: str = ""
 
     def describe(self) -> dict[str, object]:
-        """Describe them for a page: x, y, yaw by name, in m, m and rad; whether they can be named; what is wrong."""
+        """Describe the places for a page: x, y, yaw by name (m, m, rad), whether any can be added, and the problem."""
         return {
             "named": self.path is not None,
             "places": {name: [round(each, 3) for each in place] for name, place in self.places.items()},
@@ -38,7 +38,7 @@ class Places:
 
 
 def read_places(path: Path | None, before: Places) -> Places:
-    """Read a file, unless it is as `before`; None: there are no places, and none can be named."""
+    """Read a file unless it is unchanged since `before`. Without a path there are no places, and none can be added."""
     if path is None:
         return Places()
     signature = _signature_of(path)
@@ -53,7 +53,7 @@ def read_places(path: Path | None, before: Places) -> Places:
 
 
 def change_places(path: Path | None, request: NamePlace | ForgetPlace) -> Mapping[str, object]:
-    """Change the file of places as a page asks; the answer for the page."""
+    """Change the file of places at a page's request; return the answer for the page."""
     what = "name_place" if isinstance(request, NamePlace) else "forget_place"
     try:
         if path is None:

@@ -12,7 +12,7 @@ from ur_nodes.ports.node import Node
 from ur_nodes.ports.qualities import Quality
 
 Done = Callable[[str], None]
-"""Called with what is wrong, or ''."""
+"""Called with the error, or ''."""
 
 State = TypeVar("State")
 
@@ -21,10 +21,10 @@ _MOST_WAITING = 100
 
 
 class RequestTopic(Generic[State]):
-    """Publishes requests as JSON with an `id`, on the topic NAME_request; `state` is the newest of the topic NAMEs."""
+    """Publishes requests as JSON with an `id` on the topic NAME_request; `state` is the newest on the topic NAMEs."""
 
     def __init__(self, node: Node, name: str, read: Callable[[Mapping[str, object]], State], first: State) -> None:
-        """`read` makes a state of JSON. It raises ValueError, TypeError or KeyError where that is malformed."""
+        """`read` converts JSON to a state; it raises ValueError, TypeError or KeyError if it is malformed."""
         self.state = first
         self._node, self._read = node, read
         self._numbers = itertools.count(1)
@@ -37,7 +37,7 @@ class RequestTopic(Generic[State]):
         return self._requests.listeners() > 0
 
     def ask(self, request: Mapping[str, object], done: Done) -> bool:
-        """Send a request. Return False: no node takes it, and `done` is not called."""
+        """Send a request; return False without calling `done` if no node takes requests."""
         if not self.served():
             return False
         key = f"{self._node.name}-{next(self._numbers)}"
@@ -48,7 +48,7 @@ class RequestTopic(Generic[State]):
         return True
 
     def _take(self, text: str) -> None:
-        """Take a state; the answer in it counts once."""
+        """Take a state, and the answer in it if that is new."""
         try:
             found = read_json(text, dict, _LONGEST)
             state, answer = self._read(found), found["answer"]

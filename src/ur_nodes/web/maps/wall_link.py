@@ -18,14 +18,14 @@ class WallLink:
         self._topic = RequestTopic(node, "wall", _read, ("", False))
 
     def describe(self) -> Mapping[str, object]:
-        """Describe it for a page: `name` of the map whose walls can be changed; "" and `why` not."""
+        """Describe for a page: `name` of the map whose walls can be changed; or "" and the reason `why` they cannot."""
         if not self._topic.served():
             return {"name": "", "restorable": False, "why": "no server"}
         name, restorable = self._topic.state
         return {"name": name, "restorable": restorable, "why": "" if name else "file"}
 
     def change(self, request: DrawWalls | RestoreWalls, done: Done) -> bool:
-        """Ask for a change; `done` is called with what is wrong, or ''. Return False: no map server has walls."""
+        """Request a change; `done` is called with the error, or ''. Return False if no map server has walls."""
         value: dict[str, object] = {"do": "restore", "map": request.map}
         if isinstance(request, DrawWalls):
             value = {"do": "draw", "map": request.map, "strokes": [asdict(each) for each in request.strokes]}
@@ -33,6 +33,6 @@ class WallLink:
 
 
 def _read(found: Mapping[str, object]) -> tuple[str, bool]:
-    """The name of the stored map, and whether it can be restored."""
+    """Read the name of the stored map, and whether it can be restored."""
     name = str(found["name"])
     return name if is_map_name(name) else "", found["restorable"] is True

@@ -1,4 +1,4 @@
-"""Zones of the map that pages show: those of the map server, which changes them on request and stores them."""
+"""Zones of the map for pages: the map server changes and stores them on request."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ class ZoneLink:
         self._topic = RequestTopic(node, "zone", _read, first)
 
     def describe(self) -> dict[str, object]:
-        """Describe them for a page: name, percent (0: keep out) and corners; whether they can be changed."""
+        """Describe zones for a page: name, percent (0: keep out) and corners; whether they can be changed."""
         found, problem = self._topic.state
         zones = [
             {"name": zone.name, "percent": zone.percent, "corners": [[round(c, 3) for c in p] for p in zone.points]}
@@ -32,7 +32,7 @@ class ZoneLink:
         return {"served": self._topic.served(), "zones": zones, "problem": problem}
 
     def change(self, request: PutZone | DeleteZone, done: Done) -> bool:
-        """Ask for a change; `done` is called with what is wrong, or ''. Return False: no map server has zones."""
+        """Request a change; `done` is called with the error, or ''. Return False if no map server has zones."""
         value: Mapping[str, object]
         if isinstance(request, PutZone):
             zone = Zone(request.zone, "speed" if request.percent else "keep-out", request.corners, request.percent)
@@ -43,5 +43,5 @@ class ZoneLink:
 
 
 def _read(found: Mapping[str, Any]) -> _Zones:
-    """Zones, and what is wrong with them."""
+    """Read zones, and the error about them."""
     return tuple(read_zone(each) for each in found["zones"][:MOST_ZONES]), printable(str(found["problem"]))[:300]

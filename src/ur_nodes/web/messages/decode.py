@@ -1,4 +1,4 @@
-"""Bytes of a message as bounded values, by its definition: a publisher may send anything, of any length."""
+"""Decoding of messages into bounded values, by their definition: a publisher may send anything, of any length."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _MOST_STEPS = 50_000  # values that are read to be left out
 
 
 class BadMessageError(ValueError):
-    """Bytes that are no message of a type; the text is the reason, in a line."""
+    """Bytes that are no message of a type; the text is the reason, on one line."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,7 +34,7 @@ class Bounds:
 
 @dataclass(frozen=True, slots=True)
 class Cut:
-    """An array of which only the first elements are here, or, with `items` None, bytes that were not read."""
+    """An array that was cut after its first elements, or, with `items` None, bytes that were not read."""
 
     items: list[object] | None
     total: int
@@ -47,7 +47,7 @@ class _Reader:
         self.at, self.values, self.steps = 0, 0, 0
 
     def take(self, size: int) -> int:
-        """Go on by `size` bytes. Returns where they begin."""
+        """Advance by `size` bytes; return the offset of the first."""
         at = self.at
         if size > len(self.data) - at:
             raise BadMessageError(f"message of {len(self.data)} bytes ends within a field")
@@ -100,7 +100,7 @@ class _Reader:
         return _clean(found, short=kind == "float32")
 
     def skip(self, kind: str) -> None:
-        """Go past a value. Raises BadMessageError after too many: the rest of the message is not known then."""
+        """Skip a value. Raises BadMessageError after too many, since the rest of the message is then unknown."""
         self.steps += 1
         if self.steps > _MOST_STEPS:
             raise BadMessageError(f"more than {_MOST_STEPS} elements without a fixed size")
@@ -124,9 +124,9 @@ class _Reader:
 
 
 def decode(definition: Definition, data: bytes, bounds: Bounds = Bounds()) -> dict[str, Any]:
-    """The values of a message by field: numbers, texts, lists, `Cut`, and dictionaries of such. Raises BadMessageError.
+    """Decode a message: numbers, texts, lists, `Cut`, and dictionaries of these, by field. Raises BadMessageError.
 
-    A number that JSON lacks is a text ("nan", "inf"), and so is a whole one that a browser would round.
+    Numbers that JSON lacks become texts ("nan", "inf"), and so do integers that a browser would round.
     """
     return _Reader(definition, data, bounds).fields(definition.kind)
 
@@ -156,7 +156,7 @@ def read_number(definition: Definition, data: bytes, path: str) -> float | None:
 
 
 def render(values: Mapping[str, object], most: int = 400) -> list[str]:
-    """Values as lines of text in the manner of YAML, at most `most`, each at most 300 characters."""
+    """Render values as lines of YAML, at most `most`, each at most 300 characters."""
     lines: list[str] = []
     for line in _render(values, ""):
         if len(lines) >= most:

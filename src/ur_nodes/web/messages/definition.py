@@ -30,7 +30,7 @@ _FIELD = re.compile(rf"((?:{_NAME}/)?{_NAME})(?:\[([0-9]{{0,9}})\])?[ \t]+({_NAM
 
 
 class BadDefinitionError(ValueError):
-    """A text that is no definition; its message is the reason, in a line."""
+    """A text that is no definition; its message is the reason, on one line."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,7 +58,7 @@ class Definition:
 
 
 def size_of_primitive(kind: str) -> int | None:
-    """The bytes of a type that is part of ROS; None for a string and for types of messages."""
+    """Return the size in bytes of a primitive type; None for a string and for message types."""
     if kind in MOMENTS:
         return 8
     form = PRIMITIVES.get(kind)
@@ -67,7 +67,7 @@ def size_of_primitive(kind: str) -> int | None:
 
 @lru_cache(maxsize=64)
 def read_definition(kind: str, text: str) -> Definition:
-    """The definition of a type from its full text. Raises BadDefinitionError."""
+    """Read the definition of a type from its full text. Raises BadDefinitionError."""
     if len(text) > LONGEST:
         raise BadDefinitionError(f"definition of {len(text)} characters, expected at most {LONGEST}")
     if _KIND.fullmatch(kind) is None or "/" not in kind:
@@ -107,7 +107,7 @@ def _read_fields(kind: str, text: str, known: Mapping[str, str]) -> Iterator[Fie
 
 
 def _resolve(name: str, within: str, known: Mapping[str, str]) -> str:
-    """The full name of a type that a field of another type names."""
+    """Return the full name of a type that a field of another type names."""
     if name in PRIMITIVES or name in MOMENTS or name == "string":
         return name
     if name == "Header":
@@ -120,7 +120,7 @@ def _resolve(name: str, within: str, known: Mapping[str, str]) -> str:
 
 
 def _find_depth(definition: Definition, kind: str, depths: dict[str, int]) -> int:
-    """The levels of types within a type. Raises BadDefinitionError: it holds itself, or has too many."""
+    """Return the nesting depth of a type. Raises BadDefinitionError if it contains itself or is too deep."""
     if kind not in depths:
         depths[kind] = _DEEPEST  # until it is known: a type that holds itself finds this
         inner = {each.kind for each in definition.fields[kind]} & definition.fields.keys()

@@ -1,1 +1,1 @@
-"""The robot and what it sees in three dimensions, for pages: frames, model, markers and point clouds."""
+"""The robot and its surroundings in three dimensions, for pages: frames, model, markers and point clouds."""

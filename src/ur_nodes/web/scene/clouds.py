@@ -1,4 +1,4 @@
-"""Point clouds made small: at most so many points, as whole numbers of a unit around their middle."""
+"""Point clouds in a compact form: a bounded number of points, as integers of a unit around their middle."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ Colours = NDArray[np.uint8]
 
 
 def thin_cloud(cloud: NDArray[np.void], most: int = MOST_POINTS) -> tuple[Points, Colours | None]:
-    """The points (n, 3) of a `PointCloud` in m, and their colours (n, 3) where it has them.
+    """Return points (n, 3) of a `PointCloud` in m, and their colours (n, 3) if it has colours.
 
-    At most `most`, evenly chosen; those that are not finite or are out of reach are left out.
+    At most `most` points, evenly chosen; points that are not finite or are too far away are left out.
     """
     table = cloud[:: max(1, -(-len(cloud) // most))]
     points = np.stack([table[name].astype(np.float64) for name in "xyz"], axis=1)
@@ -35,7 +35,7 @@ def thin_cloud(cloud: NDArray[np.void], most: int = MOST_POINTS) -> tuple[Points
 
 
 def pack_cloud(topic: str, frame: str, points: Points, colours: Colours | None) -> bytes:
-    """The bytes for a page: see `static/data/scene_data.js`, which reads them."""
+    """Pack points for a page; `static/data/scene_data.js` reads the bytes."""
     middle = points.mean(axis=0) if len(points) else np.zeros(3)
     reach = float(np.abs(points - middle).max()) if len(points) else 0.0
     unit = max(reach / 32767.0, 0.001)

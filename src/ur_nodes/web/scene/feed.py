@@ -28,7 +28,7 @@ Send = Callable[[bytes], None]
 
 
 class SceneFeed:
-    """Sends what pages show; on the node's thread. `send` does not block."""
+    """Sends frames, markers and point clouds to pages, on the node's thread. `send` does not block."""
 
     def __init__(self, node: Node, send: Send) -> None:
         self._node, self._send = node, send
@@ -45,7 +45,7 @@ class SceneFeed:
         )
 
     def step(self, shows: Mapping[int, Show], kinds: Mapping[str, str]) -> None:
-        """Subscribe to what pages show, and send it; to be called often.
+        """Subscribe to the topics that pages show, and send their contents; to be called often.
 
         `kinds` are the types of the topics that are published, by name.
         """

@@ -26,7 +26,7 @@ class ShownMarkers:
         self.changed = False
 
     def take(self, change: MarkerChange, now: float) -> None:
-        """Take a change; a marker that is malformed is left out."""
+        """Apply a change unless its marker is malformed."""
         key = change.marker.namespace[:200], change.marker.number
         if change.action == "clear":
             self._known.clear()
@@ -40,7 +40,7 @@ class ShownMarkers:
         self.changed = True
 
     def describe(self, now: float) -> list[dict[str, Any]]:
-        """The markers that are shown now, within the bounds of all."""
+        """Return the markers that are shown at `now`, at most as many as pages get."""
         alive = {key: each for key, each in self._known.items() if each[0] > now}
         self._known, self.changed = alive, False
         shown, points = [], 0
@@ -52,12 +52,12 @@ class ShownMarkers:
         return shown
 
     def expires(self, now: float) -> bool:
-        """Return whether a marker has outlived itself since it was described."""
+        """Return whether a marker has expired since it was described."""
         return any(until <= now for until, _ in self._known.values())
 
 
 def describe_marker(change: MarkerChange) -> dict[str, Any] | None:
-    """A marker as JSON: frame, kind, pose, scale, colour, points and text; None where it cannot be shown."""
+    """Describe a marker as JSON: frame, kind, pose, scale, colour, points, text; None if it cannot be shown."""
     marker = change.marker
     if not _good((*marker.pose, *marker.size, *marker.colour)):
         return None

@@ -26,13 +26,13 @@ _MESHES = (".stl", ".dae", ".obj")
 
 
 class BadModelError(ValueError):
-    """A text that is no description; the message is the reason, in a line."""
+    """A text that is no robot description; the message is the reason, on one line."""
 
 
 def read_model(text: str) -> list[dict[str, object]]:
-    """The shapes: link, kind, size, pose in the link (m, rad), colour (0 to 1), and the address of a mesh.
+    """Read the shapes: link, kind, size, pose in the link (m, rad), colour (0 to 1), and the address of a mesh.
 
-    What is malformed is left out. Raises BadModelError.
+    Malformed shapes are left out. Raises BadModelError.
     """
     try:
         root = parse_xml(text, length=LONGEST)
@@ -93,7 +93,7 @@ def _numbers(element: Element | None, name: str, count: int, default: float | No
 
 
 def find_mesh(address: str, package_folder: str) -> Path | None:
-    """The file of a mesh within the folder of its package; None where it is none, or lies elsewhere."""
+    """Return the file of a mesh within the folder of its package; None if it is no mesh or lies outside."""
     match = _ADDRESS.fullmatch(address)
     if match is None:
         return None
@@ -103,13 +103,13 @@ def find_mesh(address: str, package_folder: str) -> Path | None:
 
 
 def package_of(address: str) -> str:
-    """The package that the address of a mesh names; "" for none."""
+    """Return the package that the address of a mesh names; "" for none."""
     match = _ADDRESS.fullmatch(address)
     return match[1] if match else ""
 
 
 def describe_model(description: object) -> Mapping[str, object]:
-    """The answer to the question for the robot's model: the shapes of the parameter /robot_description."""
+    """Answer a request for the robot's model with the shapes of the parameter /robot_description."""
     if not isinstance(description, str):
         return {"ok": False, "text": "no description of the robot: the parameter /robot_description is not set"}
     try:
@@ -119,7 +119,7 @@ def describe_model(description: object) -> Mapping[str, object]:
 
 
 def describe_mesh(address: str, description: object) -> Mapping[str, object]:
-    """The answer to the question for a mesh that the description names: its triangles, or its extent."""
+    """Answer a request for a mesh that the description names, with its triangles or its extent."""
     try:
         shapes = read_model(description) if isinstance(description, str) else []
     except BadModelError:

@@ -12,7 +12,7 @@ _COOLEST, _HOTTEST = -40.0, 200.0  # degrees Celsius of a sensor that works
 
 @dataclass(frozen=True, slots=True)
 class ComputerTexts:
-    """Texts of files; "" for a file that is not there. `zones` are types and temperatures (thousandths of a degree)."""
+    """Texts of files, "" for a missing file. `zones` are types and temperatures (thousandths of a degree)."""
 
     stat: str = ""
     meminfo: str = ""
@@ -24,7 +24,7 @@ class ComputerTexts:
 
 @dataclass(frozen=True, slots=True)
 class Wireless:
-    """A wireless interface: its signal in dBm, and its quality, a share of 70 where the driver keeps to the custom."""
+    """A wireless interface: its signal in dBm, and its quality, with most drivers out of 70."""
 
     name: str
     signal: float
@@ -33,27 +33,27 @@ class Wireless:
 
 @dataclass(frozen=True, slots=True)
 class CpuTimes:
-    """The time that processors have spent since the start, in all and at rest, in ticks."""
+    """The processor time since boot in ticks: total, and idle."""
 
     total: int = 0
     rest: int = 0
 
 
 def read_times(stat: str) -> CpuTimes:
-    """The times of /proc/stat; zero where it is malformed."""
+    """Read the times of /proc/stat; zero if it is malformed."""
     match = re.match(r"cpu +((?:\d{1,18} ?)+)", stat)
     numbers = [int(each) for each in match[1].split()[:8]] if match else []
     return CpuTimes(sum(numbers), sum(numbers[3:5])) if len(numbers) >= 5 else CpuTimes()
 
 
 def share_used(before: CpuTimes, after: CpuTimes) -> float | None:
-    """The share of all processors that was used between two readings; None where no time has passed."""
+    """Return the share of all processors that was used between two readings; None if no time has passed."""
     total = after.total - before.total
     return min(1.0, max(0.0, 1.0 - (after.rest - before.rest) / total)) if total > 0 and before.total else None
 
 
 def describe_computer(texts: ComputerTexts) -> dict[str, object]:
-    """The figures but those of processor time and disk: bytes, s, degrees Celsius, dBm; without what is not known."""
+    """Return all known figures except processor time and disk, in bytes, s, degrees Celsius and dBm."""
     found: dict[str, object] = {}
     memory = {name: int(size) * 1024 for name, size in re.findall(r"^(\w+): +(\d{1,15}) kB$", texts.meminfo, re.M)}
     if {"MemTotal", "MemAvailable"} <= memory.keys():
@@ -73,7 +73,7 @@ def describe_computer(texts: ComputerTexts) -> dict[str, object]:
 
 
 def read_wireless(text: str) -> list[Wireless]:
-    """The interfaces of /proc/net/wireless. Older drivers give the signal as a byte: -256 is taken off."""
+    """Read the interfaces of /proc/net/wireless. Older drivers report the signal as a byte, which is dBm + 256."""
     found = []
     for name, quality, signal in re.findall(r"^ *([\w.-]{1,15}): +\S+ +(-?[\d.]+) +(-?[\d.]+)", text, re.M):
         level, share = _number(signal), _number(quality)

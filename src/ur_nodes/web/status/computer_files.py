@@ -25,7 +25,7 @@ def read_computer(root: Path = Path("/")) -> ComputerTexts:
 
 
 def read_disk(path: Path) -> list[int] | None:
-    """The bytes used and the size of the file system that holds a path, as an ordinary user sees it."""
+    """Return the used bytes and the size of the file system of a path, as an ordinary user sees it."""
     with suppress(OSError):
         found = os.statvfs(path)
         return [found.f_frsize * (found.f_blocks - found.f_bfree), found.f_frsize * found.f_blocks]

@@ -25,7 +25,7 @@ class Diagnostics:
         self._known: dict[str, tuple[float, dict[str, object]]] = {}
 
     def take(self, message: Mapping[str, object], now: float) -> None:
-        """Take a decoded message; parts that are none of a diagnosis are left out."""
+        """Take a decoded message; malformed parts are left out."""
         statuses = message.get("status")
         for each in _items(statuses):
             if not isinstance(each, dict) or not isinstance(each.get("name"), str):
@@ -49,7 +49,7 @@ class Diagnostics:
                     )
 
     def describe(self, now: float) -> list[dict[str, object]]:
-        """The components, the worst first. One that has not reported for long is stale, then forgotten."""
+        """Return the components, the worst first. One that has stopped reporting becomes stale, then is forgotten."""
         self._known = {name: each for name, each in self._known.items() if now - each[0] < _FORGOTTEN}
         found = [{**each, **({"level": "stale"} if now - at > STALE else {})} for at, each in self._known.values()]
         order = ("error", "stale", "warn", "ok")

@@ -31,7 +31,7 @@ Measure = Callable[[CpuTimes, Facts], tuple[CpuTimes, Mapping[str, object]]]
 
 
 def measure_computer(before: CpuTimes, facts: Facts) -> tuple[CpuTimes, Mapping[str, object]]:
-    """The times of now, and the figures of this computer that are known."""
+    """Return the processor times of now, and the known figures of this computer."""
     texts = read_computer()
     times = read_times(texts.stat)
     found = {
@@ -46,7 +46,7 @@ def measure_computer(before: CpuTimes, facts: Facts) -> tuple[CpuTimes, Mapping[
 
 
 def _time_link(facts: Facts) -> float | None:
-    """The milliseconds that the run's facts take to be read; None while they cannot."""
+    """Return the milliseconds that reading the run's facts takes; None while they cannot be read."""
     began = time.monotonic()
     try:
         facts.get("run_id", "")
@@ -56,7 +56,7 @@ def _time_link(facts: Facts) -> float | None:
 
 
 class StatusFeed:
-    """Sends what pages show. `measure` measures the computer, beside the node; it is given the times of before."""
+    """Sends the status that pages show. `measure` runs on a worker and gets the processor times of the last call."""
 
     def __init__(self, node: Node, send: Callable[[bytes], None], measure: Measure = measure_computer) -> None:
         self._node, self._send, self._measure = node, send, measure

@@ -1,1 +1,1 @@
-"""Topics for viewers of other makers: the server of foxglove-sdk, which needs requirements/foxglove.lock."""
+"""Topics for third-party viewers, through the server of foxglove-sdk, which needs requirements/foxglove.lock."""

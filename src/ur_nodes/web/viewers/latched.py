@@ -1,4 +1,4 @@
-"""The newest message of each publisher that latches: what a later subscriber has to get, too."""
+"""The newest message of each latching publisher, which later subscribers get, too."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ class Latched:
 
 
 def compare_topics(offered: Mapping[str, str], found: Iterable[tuple[str, str]]) -> tuple[list[str], dict[str, str]]:
-    """The topics to withdraw and, with their types, those to offer now: one whose type has changed is both."""
+    """Return the topics to withdraw, and the topics to offer with their types; a topic of a new type is in both."""
     now = {name: kind for name, kind in found if "/" in kind}
     ended = [name for name, kind in offered.items() if now.get(name) != kind]
     return ended, {name: kind for name, kind in now.items() if offered.get(name) != kind}

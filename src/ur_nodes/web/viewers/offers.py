@@ -30,7 +30,7 @@ OpenChannel = Callable[[str, str, str], Channel]
 
 
 class TopicOffers:
-    """Offers what is published. `report` takes lines for people."""
+    """Offers all published topics. `report` takes lines for the user."""
 
     def __init__(self, node: Node, open_channel: OpenChannel, report: Callable[[str], object]) -> None:
         self._node, self._open_channel, self._report = node, open_channel, report
@@ -39,7 +39,7 @@ class TopicOffers:
         node.read_graph(self._compare)
 
     def change(self, topic: str, by: int) -> None:
-        """A viewer has subscribed (1) or unsubscribed (-1)."""
+        """Count a viewer that has subscribed (1) or unsubscribed (-1)."""
         if topic in self._offers:
             self._offers[topic].change(by)
 
@@ -70,7 +70,7 @@ class TopicOffers:
 
 
 class _Offer:
-    """A topic that is offered, and the subscription to it while a viewer wants it."""
+    """An offered topic, and the subscription to it while a viewer has subscribed."""
 
     def __init__(self, node: Node, name: str, kind: str, channel: Channel) -> None:
         self.kind = kind
