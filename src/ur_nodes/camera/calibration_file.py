@@ -31,7 +31,7 @@ class CalibrationStore:
     """Keeps the calibration of the camera `name`."""
 
     def __init__(self, url: str, name: str) -> None:
-        """Load the file of the URL, else that of the camera's name. Raises UserError where one cannot be read."""
+        """Load the file of the URL, else that of the camera's name. Raises UserError if it cannot be read."""
         home = Path(os.environ.get("ROS_HOME") or Path.home() / ".ros")
         self._name = name
         own = resolve_url(url, name, home, find_package)
@@ -48,12 +48,12 @@ class CalibrationStore:
         write_calibration(self.path, calibration, self._name)
 
     def use(self, calibration: Calibration) -> None:
-        """Use a calibration that was written."""
+        """Use a calibration that has been written."""
         self.calibration, self.found = calibration, self.path
 
 
 def find_problem(calibration: Calibration) -> str:
-    """The reason why a calibration cannot be one; '' where it can."""
+    """Return the reason why a calibration is invalid; '' for a valid one."""
     known, matrix = MODELS.get(calibration.model), calibration.matrix
     if known is None:
         return f"distortion_model {calibration.model!r}, expected one of {', '.join(MODELS)}"
@@ -77,7 +77,7 @@ def parse_calibration(text: str, path: str) -> Calibration:
 
 
 def write_calibration(path: Path, calibration: Calibration, name: str) -> None:
-    """Write the file of the camera `name`; it is complete or stays as it was. Raises UserError."""
+    """Write the file of the camera `name`, completely or not at all. Raises UserError."""
     try:
         replace_file(path, format_calibration(calibration, name), parents=True)
     except OSError as problem:
@@ -86,7 +86,7 @@ def write_calibration(path: Path, calibration: Calibration, name: str) -> None:
 
 
 def format_calibration(calibration: Calibration, name: str) -> str:
-    """The text of the file of the camera `name`."""
+    """Return the text of the file of the camera `name`."""
     matrices = (
         ("camera_matrix", 3, 3, calibration.matrix),
         ("distortion_coefficients", 1, len(calibration.distortion), calibration.distortion),
@@ -106,12 +106,12 @@ def format_calibration(calibration: Calibration, name: str) -> str:
 
 
 def default_path(name: str, ros_home: Path) -> Path:
-    """The file of a camera that needs no URL, as ROS's camera_info_manager places it."""
+    """Return the default file of a camera, that of ROS's camera_info_manager."""
     return ros_home / "camera_info" / f"{name}.yaml"
 
 
 def resolve_url(url: str, name: str, ros_home: Path, find_package: Callable[[str], str | Path | None]) -> Path | None:
-    """The file that a `camera_info_url` means: `file:///PATH`, `package://PACKAGE/PATH`, or a path.
+    """Return the file of a `camera_info_url`: `file:///PATH`, `package://PACKAGE/PATH`, or a path.
 
     `${NAME}` and `${ROS_HOME}` are replaced. None for '' and for a package that is not installed. Raises UserError.
     """

@@ -1,4 +1,4 @@
-"""The topics of a camera: its pictures, as their subscribers want them, and its calibration."""
+"""The topics of a camera: its pictures in the forms that have subscribers, and its calibration."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from ur_nodes.ports.values import Calibration, PackedPicture, Picture
 
 @dataclass(frozen=True, slots=True)
 class Shot:
-    """A picture in the forms that are wanted: its age in s, JPEG data, pixels, and the reason why there are none."""
+    """A picture in the forms with subscribers: its age in s, JPEG data, pixels, or the reason why there is none."""
 
     age: float
     jpeg: bytes = b""
@@ -44,7 +44,7 @@ class CameraTopics:
         return packed or raw, partial(make_shot, packed=packed, raw=raw, quality=self._quality)
 
     def begin(self, mode: Mode) -> None:
-        """See Consumer: log which camera it is, and what it gives."""
+        """See Consumer: log the camera and the mode of its pictures."""
         self._mode = mode
         rate = f"{mode.rate:g} pictures/s" if mode.rate else "a rate that it does not tell"
         how = "JPEG passed on" if mode.passed_on else f"{mode.format}, encoded as JPEG here"
@@ -56,7 +56,7 @@ class CameraTopics:
         self.update_calibration()
 
     def update_calibration(self) -> None:
-        """Publish the calibration of the store from now on, if it is one of pictures of this size."""
+        """Publish the calibration of the store from now on, if it was made from pictures of this size."""
         mode, calibration = self._mode, self._store.calibration
         if mode is None:
             return
@@ -85,12 +85,12 @@ class CameraTopics:
             self._node.log.warn(f"a picture is left out: {shot.problem}", every=10.0)
 
     def report(self, problem: CameraError) -> None:
-        """See Consumer. `ur_nodes.pictures.silence` repeats it where pictures are missing."""
+        """See Consumer. `ur_nodes.pictures.silence` repeats the problem while pictures are missing."""
         self._node.log.error(str(problem))
 
 
 def make_shot(frame: Frame, *, packed: bool, raw: bool, quality: int) -> Shot:
-    """The forms of a picture that are wanted; an empty one has none."""
+    """Convert a picture to the forms with subscribers; an empty picture has none."""
     began = time.monotonic()
     jpeg, pixels, problem = b"", frame.pixels, ""
     if packed:
@@ -106,7 +106,7 @@ def make_shot(frame: Frame, *, packed: bool, raw: bool, quality: int) -> Shot:
 
 
 def describe_camera(calibration: Calibration | None, width: int, height: int, frame: str) -> Calibration:
-    """A calibration of the camera at `frame`, with all matrices 0 where there is none (REP 104)."""
+    """Return the calibration of the camera at `frame`; all matrices are 0 without one (REP 104)."""
     if calibration is None:
         square = (0.0,) * 9
         return Calibration(0, frame, width, height, "", (), square, square, (0.0,) * 12)

@@ -1,4 +1,4 @@
-"""Pictures of a V4L2 camera: its format is negotiated, its buffers are mapped, JPEG is passed on as it comes."""
+"""Pictures of a V4L2 camera: its format is negotiated, its buffers are mapped, JPEG is passed on unchanged."""
 
 from __future__ import annotations
 
@@ -64,7 +64,7 @@ class V4l2Camera:
         return self._mode
 
     def read(self, seconds: float, *, wanted: bool = True) -> Frame | None:
-        """See PictureSource. Damaged pictures are left out; of several that wait only the newest is returned."""
+        """See PictureSource. Damaged pictures are left out; of several waiting pictures the newest is returned."""
         try:
             newest: Frame | None = None
             while self._device.wait(seconds if newest is None else 0.0):
@@ -202,7 +202,7 @@ def _set_format(device: DeviceFile, path: str, name: str, settings: CameraSettin
 
 
 def _set_rate(device: DeviceFile, rate: float) -> float:
-    """The rate that the camera gives; 0.0 where it is unknown."""
+    """Set the rate, and return the one that the camera delivers; 0.0 if it is unknown."""
     asked = abi.StreamParameters(type=abi.CAPTURE)
     capture = asked.parm.capture
     capture.numerator, capture.denominator = 1000, max(1, round(rate * 1000.0))

@@ -72,7 +72,7 @@ def explain_failure(snapshot: DeviceSnapshot, path: str, problem: OSError) -> Ca
 
 
 def describe_choice(choice: CameraChoice) -> str:
-    """The camera in a few words for a log."""
+    """Describe the camera in a few words for a log."""
     if choice.device is None:
         return choice.path or f"camera {choice.number} of libcamera"
     number = f", number {choice.device.serial}" if choice.device.serial else ""

@@ -18,7 +18,7 @@ _EXPOSURE_UNIT = 100  # microseconds
 
 
 def apply_settings(device: DeviceFile, settings: CameraSettings) -> tuple[tuple[str, ...], bool, bool]:
-    """Set what the camera has controls for.
+    """Apply the settings for which the camera has controls.
 
     Returns the names of settings that it has none for, and whether pictures have to be mirrored horizontally and
     vertically here, because the camera does not. Raises OSError when the device was removed.
@@ -43,7 +43,7 @@ def apply_settings(device: DeviceFile, settings: CameraSettings) -> tuple[tuple[
 
 
 def scale_value(value: int, query: abi.ControlQuery, *, symmetric: bool) -> int:
-    """A value on raspicam_node's scale (0 to 100, or -100 to 100 if symmetric) on that of the camera.
+    """Convert a value from raspicam_node's scale (0 to 100, or -100 to 100 if symmetric) to that of the camera.
 
     The middle of the scale is the camera's default.
     """
@@ -95,7 +95,7 @@ def _query(device: DeviceFile, control: int, *, inactive: bool = False) -> abi.C
 
 
 def _absent(problem: OSError) -> bool:
-    """Return False; a device that was removed raises."""
+    """Return False for a control that is absent; raise if the device was removed."""
     if problem.errno == errno.ENODEV:
         raise problem
     return False

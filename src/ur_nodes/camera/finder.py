@@ -1,4 +1,4 @@
-"""Opens the camera that a user wants, and finds it again after it was unplugged."""
+"""Opens the requested camera, and finds it again after it was unplugged."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ class FinderSystem:
 
 
 class CameraFinder:
-    """Opens one camera. Once it has been open, only the same camera is opened again, in any port that it has then."""
+    """Opens one camera. Once it has been open, only the same camera is opened again, at any port."""
 
     def __init__(
         self, settings: CameraSettings, wanted: str = "", number: int = 0, system: FinderSystem | None = None
@@ -116,7 +116,7 @@ def _is_same(device: Device, own: Device) -> bool:
 
 
 def _list_files(folder: Path) -> Sequence[tuple[str, int, int]]:
-    """The device files of cameras, with what changes when one is plugged in or its permissions change."""
+    """List the device files of cameras, with attributes that show a new device or changed permissions."""
     found = []
     for path in sorted(folder.glob("video*")):
         try:

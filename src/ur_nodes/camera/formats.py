@@ -18,14 +18,14 @@ _BYTES = {"YUYV": 2.0, "UYVY": 2.0, "NV12": 1.5, "YU12": 1.5, "RGB3": 3.0, "BGR3
 
 @dataclass(frozen=True, slots=True)
 class SizeRange:
-    """Sizes of pictures that a camera offers in one format: from smallest to largest in steps; equal ones are one."""
+    """Sizes of pictures that a camera offers in one format: from `smallest` to `largest`, or one if these are equal."""
 
     least: tuple[int, int]
     most: tuple[int, int]
     step: tuple[int, int] = (1, 1)
 
     def nearest(self, size: tuple[int, int]) -> tuple[int, int]:
-        """The offered size that is nearest to another one."""
+        """Return the offered size that is nearest to `size`."""
         return _nearest(0, self, size), _nearest(1, self, size)
 
 
@@ -53,7 +53,7 @@ def choose_format(offered: Sequence[OfferedFormat], size: tuple[int, int]) -> tu
 
 
 def unpack_raw(data: bytes, fourcc: str, width: int, height: int, step: int) -> Pixels | None:
-    """A raw picture as red, green and blue; None when it is too short. `step` is the length of a row in bytes, or 0."""
+    """Convert a raw picture to RGB; None if it is too short. `step` is the length of a row in bytes, or 0."""
     row = step or int(width * (1.0 if fourcc in ("NV12", "YU12") else _BYTES[fourcc]))
     rows = height * 3 // 2 if fourcc in ("NV12", "YU12") else height
     if len(data) < row * rows:
@@ -69,19 +69,19 @@ def unpack_raw(data: bytes, fourcc: str, width: int, height: int, step: int) -> 
 
 
 def encode_jpeg(pixels: Pixels, quality: int) -> bytes:
-    """A JPEG of a picture, with a quality from 1 to 100."""
+    """Encode a picture as JPEG, with a quality from 1 to 100."""
     file = io.BytesIO()
     Image.fromarray(pixels).save(file, "JPEG", quality=quality)
     return file.getvalue()
 
 
 def decode_jpeg(data: bytes) -> Pixels:
-    """The pixels of a JPEG. Raises BadPictureError."""
+    """Decode a JPEG. Raises BadPictureError."""
     return decode_picture(data)
 
 
 def trim_jpeg(data: bytes) -> bytes | None:
-    """A JPEG without the bytes that some cameras add after its end; None where it is incomplete."""
+    """Cut off the bytes that some cameras add after the end of a JPEG; None if it is incomplete."""
     if data[:2] != b"\xff\xd8":
         return None
     end = data.rfind(b"\xff\xd9")
@@ -89,7 +89,7 @@ def trim_jpeg(data: bytes) -> bytes | None:
 
 
 def flip_pixels(pixels: Pixels, *, horizontally: bool, vertically: bool) -> Pixels:
-    """A mirrored picture."""
+    """Mirror a picture."""
     return np.ascontiguousarray(pixels[:: -1 if vertically else 1, :: -1 if horizontally else 1])
 
 
@@ -100,7 +100,7 @@ def _nearest(axis: int, sizes: SizeRange, size: tuple[int, int]) -> int:
 
 
 def _planes(packed: Pixels, fourcc: str, width: int, height: int, row: int) -> list[Pixels]:
-    """Brightness and two of colour, each (height, width)."""
+    """Return the planes of brightness and of two colours, each (height, width)."""
     if fourcc in ("YUYV", "UYVY"):
         cells = packed.reshape(height, row)[:, : 2 * width].reshape(height, width // 2, 4)
         y, u, v = ((0, 2), 1, 3) if fourcc == "YUYV" else ((1, 3), 0, 2)

@@ -108,7 +108,7 @@ class LibcameraCamera:
         return reported
 
     def _fill(self, seconds: float) -> bool:
-        """Read more; False when nothing arrived within that time. Raises CameraError when the process has ended."""
+        """Read more data; False if none arrived within that time. Raises CameraError when the process has ended."""
         if not select.select([self._output], [], [], seconds)[0]:
             return False
         data = os.read(self._output, 1 << 20)
@@ -131,7 +131,7 @@ class LibcameraCamera:
 
 
 def describe_request(number: int, settings: CameraSettings) -> dict[str, object]:
-    """The request as libcamera_program.py takes it."""
+    """Return the request for libcamera_program.py."""
     return {
         "number": number,
         "width": settings.width,

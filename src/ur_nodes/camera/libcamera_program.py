@@ -22,7 +22,7 @@ _INSTALL = "sudo apt-get install python3-picamera2; Raspberry Pi OS 12 and 13 ha
 
 
 class PictureSender(io.BufferedIOBase):
-    """Sends what an encoder writes, a picture at a time."""
+    """A file to which an encoder writes; sends each picture with a header."""
 
     def __init__(self, target: int) -> None:
         self._target = target
@@ -42,7 +42,7 @@ class PictureSender(io.BufferedIOBase):
 
 
 def main() -> int:
-    """Returns the exit code."""
+    """Run the program. Returns the exit code."""
     wanted = json.loads(sys.argv[1])
     target = os.dup(1)
     os.dup2(2, 1)  # libcamera and picamera2 print

@@ -1,4 +1,4 @@
-"""Keeps a camera's pictures coming: opens it, reads it, and tries again for as long as it is away."""
+"""The loop of a camera: opens it, reads it, and tries again while it is missing."""
 
 from __future__ import annotations
 
@@ -23,26 +23,26 @@ Made = TypeVar("Made")
 
 
 class Consumer(Protocol[Shot]):
-    """Takes the pictures."""
+    """The receiver of a camera's pictures."""
 
     def ask(self) -> tuple[bool, Callable[[Frame], Shot]]:
-        """Return whether the next picture is wanted, and the function that makes it ready beside the node.
+        """Return whether the next picture is needed, and the function that prepares it on a worker.
 
-        An empty picture is made ready, too.
+        An empty picture is prepared, too.
         """
 
     def begin(self, mode: Mode) -> None:
-        """A camera was opened."""
+        """Take note of a camera that was opened."""
 
     def take(self, shot: Shot) -> None:
-        """A picture was read and made ready."""
+        """Take a picture that was read and prepared."""
 
     def report(self, problem: CameraError) -> None:
-        """There are no pictures, for this reason."""
+        """Report the reason why there are no pictures."""
 
 
 class CameraLoop(Generic[Shot]):
-    """Reads one camera until the node ends. `pause` and `resume` release it for others and take it again."""
+    """Reads one camera until the node ends. `pause` releases the camera for other programs until `resume`."""
 
     def __init__(self, node: Node, open_camera: Callable[[], PictureSource], consumer: Consumer[Shot]) -> None:
         self._node, self._open, self._consumer = node, open_camera, consumer
@@ -56,11 +56,11 @@ class CameraLoop(Generic[Shot]):
         node.on_end(self._end, within=_END_LIMIT)
 
     def begin(self, first: PictureSource | CameraError) -> None:
-        """Begin with a camera that is open already, or with the reason why none is."""
+        """Begin with an open camera, or with the reason why none is open."""
         self._take_opened(first)
 
     def pause(self, released: Callable[[], None]) -> None:
-        """Release the camera; call when that is done."""
+        """Release the camera, then call `released`."""
         self._paused = True
         if self._busy:
             self._waiting.append(released)
@@ -68,7 +68,7 @@ class CameraLoop(Generic[Shot]):
             released()
 
     def resume(self) -> None:
-        """Take pictures again."""
+        """Open the camera again."""
         self._paused = False
         if not self._busy:
             self._try()

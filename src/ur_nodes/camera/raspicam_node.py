@@ -19,10 +19,10 @@ from ur_nodes.run import run
 
 
 class RaspicamNode:
-    """Opens the camera if it is there, and offers `~set_camera_info`, `~stop_capture` and `~start_capture`."""
+    """Opens the camera if it is plugged in; offers `~set_camera_info`, `~stop_capture`, `~start_capture`."""
 
     def __init__(self, node: Node, system: FinderSystem | None = None) -> None:
-        """Raises UserError: parameters that cannot be used, or no camera, without hope that one appears."""
+        """Raises UserError for invalid parameters, or if no camera can appear."""
         own = node.parameters
         settings = read_settings(own)
         self._node = node

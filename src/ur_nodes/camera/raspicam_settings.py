@@ -12,7 +12,7 @@ NAME = "raspicam_node"
 
 
 def read_settings(own: Parameters) -> CameraSettings:
-    """The parameters that cameras of all kinds have. Raises UserError."""
+    """Read the parameters that all kinds of cameras have. Raises UserError."""
     limits = {"brightness": 0, "contrast": -100, "saturation": -100, "sharpness": -100, "shutter_speed": 0}
     given: dict[str, int] = {}
     for name, least in limits.items():
@@ -31,7 +31,7 @@ def read_settings(own: Parameters) -> CameraSettings:
 
 
 def read_name(node: Node) -> str:
-    """The name of the camera, and so of its calibration's file: that of the node unless given. Raises UserError."""
+    """Read the name of the camera and its calibration file, by default that of the node. Raises UserError."""
     own, full = node.parameters, node.name.strip("/").replace("/", "_")
     name = own.text("camera_name", "") or ("camera" if full == NAME else full)
     if not re.fullmatch(r"[\w-][\w.-]{0,99}", name):

@@ -49,9 +49,9 @@ class CameraSettings:
 
 @dataclass(frozen=True, slots=True)
 class Mode:
-    """The pictures that a camera gives. `format` is its pixel format; `rate` is 0.0 where it is unknown.
+    """The mode of a camera's pictures. `format` is its pixel format; `rate` is 0.0 if unknown.
 
-    `passed_on`: its JPEG pictures are published as they come; others are encoded here. `missing` are the requested
+    `passed_on`: its JPEG pictures are published unchanged; others are encoded here. `missing` are the requested
     settings that it has no control for.
     """
 
@@ -67,7 +67,7 @@ class Mode:
 
 @dataclass(frozen=True, slots=True)
 class Frame:
-    """One picture: its age in s when it was read, and JPEG data or pixels, whichever the camera gives."""
+    """One picture: its age in s when it was read, and JPEG data or pixels, as the camera delivers them."""
 
     age: float
     jpeg: bytes = b""
@@ -79,12 +79,12 @@ class PictureSource(Protocol):
 
     @property
     def mode(self) -> Mode:
-        """The pictures that it gives."""
+        """Return the mode of its pictures."""
 
     def read(self, seconds: float, *, wanted: bool = True) -> Frame | None:
-        """Return the newest picture; None when none arrived within that time.
+        """Return the newest picture; None if none arrived within that time.
 
-        With `wanted` False a picture is taken off the camera and returned empty. Raises CameraError when the camera
+        With `wanted` False a picture is read from the camera and returned empty. Raises CameraError when the camera
         was unplugged or has failed.
         """
 

@@ -21,7 +21,7 @@ _POLL = 0.1  # s between two looks at what has happened
 
 
 class ExploreNode:
-    """Wires an Explorer up. Ends nothing: the last status stays published."""
+    """Connects an Explorer to topics. At its end the last status stays published."""
 
     def __init__(self, node: Node) -> None:
         self._node, self._settings = node, read_settings(node.parameters)
@@ -55,7 +55,7 @@ class ExploreNode:
             self._node.work(lambda: self._explorer.step(seen), self._obey)
 
     def _obey(self, out: ExplorerOutputs) -> None:
-        """Carry out what the explorer has decided."""
+        """Carry out the explorer's commands."""
         self._busy = False
         if out.cancel:
             self._navigation.cancel()

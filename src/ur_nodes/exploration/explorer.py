@@ -1,4 +1,4 @@
-"""From a map that grows to goals, and to the end of the exploration. Knows no ROS and no clock; time comes in."""
+"""Goals from a growing map, and the end of the exploration, without ROS and without a clock."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ class _Pursuit:
 
 
 class Explorer:
-    """Explores one map. Call `step` again and again; deterministic."""
+    """Explores one map by repeated calls of `step`; deterministic."""
 
     def __init__(self, settings: ExplorerSettings) -> None:
         self._settings = settings
@@ -54,7 +54,7 @@ class Explorer:
         self._pace = Pace()
 
     def step(self, inputs: ExplorerInputs) -> ExplorerOutputs:
-        """Decide what to do now. After a status that has ended there is nothing more to do."""
+        """Decide the next commands. After a status that has ended there are none."""
         self._measure_travel(inputs)
         if inputs.paused:
             had, self._pursuit, self._empty_since = self._pursuit, None, None
@@ -73,7 +73,7 @@ class Explorer:
 
     @property
     def floor(self) -> Floor | None:
-        """The floor of the newest map that was looked at."""
+        """Return the floor of the newest map that was used."""
         return self._survey.floor if self._survey else None
 
     # -- events ----------------------------------------------------------------------------------------------------
@@ -97,7 +97,7 @@ class Explorer:
         self._memory = self._memory.fail(place, reason, self.floor)
 
     def _check_progress(self, inputs: ExplorerInputs) -> bool:
-        """Give the goal up when the robot gets no nearer; return whether it is to be cancelled."""
+        """Give up the goal when the robot gets no nearer; return whether to cancel it."""
         pursuit = self._pursuit
         if pursuit is None:
             return False
@@ -114,7 +114,7 @@ class Explorer:
         return True
 
     def _distance_left(self, viewpoint: Viewpoint) -> float:
-        """The distance (m) to drive to a viewpoint on the newest map; inf where the robot does not get there."""
+        """Return the distance (m) to drive to a viewpoint on the newest map; inf if it is not reachable."""
         floor = self.floor
         if floor is None:
             return math.inf
@@ -198,7 +198,7 @@ class Explorer:
         return ExplorerOutputs(self._status("complete", inputs.now), cancel=cancel, blocked=blocked)
 
     def _escape(self, inputs: ExplorerInputs, cancel: bool) -> ExplorerOutputs:
-        """Have the costmaps cleared where the robot does not fit, and end when that does not help."""
+        """Clear the costmaps if the robot's own place is occupied; end the exploration if that does not help."""
         cancel = cancel or self._pursuit is not None
         self._pursuit = None
         if self._enclosed_since is None:

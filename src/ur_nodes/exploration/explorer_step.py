@@ -17,7 +17,7 @@ from ur_nodes.geometry.pose import Pose2
 
 @dataclass(frozen=True, slots=True)
 class ExplorerSettings:
-    """Lengths in m, times in s. `radius` of the robot; `room`: goals have so much, where they can, to turn there.
+    """Lengths in m, times in s. `radius` of the robot; `room` is the free space that goals have, if possible, to turn.
 
     `settle`: how long there must be nothing left before the end. `patience`: how long frontiers that failed are waited
     for. `attempts` at a frontier that navigation gave up. `corners`: frontiers that come last, or are left out.

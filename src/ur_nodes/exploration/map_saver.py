@@ -24,14 +24,14 @@ class MapSaveClient:
         self._next = 0.0  # by node.steady
 
     def save_once(self) -> str:
-        """Have the map stored for the first time, if it is not yet. Returns its name, '' while it has none."""
+        """Store the map for the first time, unless it is stored. Returns its name, '' while it has none."""
         if self._service and not self._saved and self._node.steady() >= self._next:
             self._next = self._node.steady() + _AGAIN
             self._ask(self._note)
         return self._saved
 
     def save_last(self, take: Callable[[str], None]) -> None:
-        """Save the map as it is at the end; `take` gets its name, '' where it cannot be saved."""
+        """Save the final map; `take` gets its name, '' if it cannot be saved."""
         left = _MOST_SAVES if self._service else 0
 
         def save() -> None:

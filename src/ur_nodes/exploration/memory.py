@@ -37,33 +37,33 @@ class AttemptMemory:
     attempts: tuple[Attempt, ...] = ()
 
     def find(self, place: tuple[float, float]) -> Attempt:
-        """The attempt at the frontier at a place; a fresh one when there was none."""
+        """Return the attempt at the frontier at a place; a new one if there was none."""
         near = [each for each in self.attempts if math.dist(each.place, place) < _SAME]
         return min(near, key=lambda each: math.dist(each.place, place)) if near else Attempt(place)
 
     def note(self, attempt: Attempt) -> AttemptMemory:
-        """Put an attempt in the place of the one before it."""
+        """Replace the earlier attempt at the same frontier."""
         old = self.find(attempt.place)
         return AttemptMemory((*(each for each in self.attempts if each is not old), attempt))
 
     def look(self, place: tuple[float, float], floor: Floor | None) -> AttemptMemory:
-        """The robot was where the frontier should be in sight."""
+        """Note that the robot reached the place from which the frontier should be visible."""
         old = self.find(place)
         known = known_space(floor, old.place) if floor else 0.0
         return self.note(replace(old, looks=old.looks + 1, known=known))
 
     def fail(self, place: tuple[float, float], reason: Reason, floor: Floor | None) -> AttemptMemory:
-        """The robot did not get there."""
+        """Note that the robot did not reach the frontier."""
         old = self.find(place)
         known = known_space(floor, old.place) if floor else 0.0
         return self.note(replace(old, failures=old.failures + 1, reason=reason, known=known))
 
     def refresh(self, floor: Floor) -> AttemptMemory:
-        """Begin anew where the map has changed: a frontier that moves on as it is looked at is not a stubborn one."""
+        """Forget attempts where the map has changed: a frontier that recedes when it is seen has not failed."""
         return AttemptMemory(tuple(_refreshed(each, floor) for each in self.attempts))
 
     def retry(self, most: int) -> AttemptMemory:
-        """Allow another attempt at what has failed less than `most` times."""
+        """Allow another attempt at frontiers that have failed less than `most` times."""
         return AttemptMemory(
             tuple(
                 replace(each, reason=None)
@@ -74,7 +74,7 @@ class AttemptMemory:
         )
 
     def refused(self, frontier: Frontier) -> Reason | None:
-        """Return why a frontier is not tried now; None when it is."""
+        """Return the reason why a frontier is not tried now; None if it is."""
         return self.find(frontier.place).reason
 
 

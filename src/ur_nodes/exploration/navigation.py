@@ -1,4 +1,4 @@
-"""The action of navigation and the messages of the mux, as the exploration uses them."""
+"""The exploration's clients of navigation's action and of the mux."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from ur_nodes.ports.values import PlacedPose, Result
 
 
 class ExplorationNavigation:
-    """One goal at a time."""
+    """Sends goals, one at a time."""
 
     def __init__(self, node: Node, settings: ExploreSettings) -> None:
         self._node = node
@@ -35,33 +35,33 @@ class ExplorationNavigation:
         node.subscribe(f"{settings.mux}/lease", str, self._take_lease, Quality.LATCHED)
 
     def ready(self) -> bool:
-        """Return whether the action is there."""
+        """Return whether the action server is available."""
         return self._alive and self._goals.servers() > 0
 
     def pause(self, now: float) -> str:
-        """Return why the robot must not be driven now; '' when it may."""
+        """Return the reason why the robot must not be driven now; '' if it may."""
         self._drivers = note_time(self._drivers, now)
         return reason_to_pause(self._drivers, now, self._settings.quiet)
 
     def send(self, pose: Pose2) -> None:
-        """Drive to a pose, in place of the goal before."""
+        """Drive to a pose; it replaces the last goal."""
         self._number += 1
         self._goal, self._end = f"{self._start}{self._number}", None
         self._goals.send(Goal(self._goal, PlacedPose(self._node.now(), self._settings.map_frame, pose)))
 
     def cancel(self) -> None:
-        """Pursue nothing any more."""
+        """Cancel the goal."""
         goal, self._goal, self._end = self._goal, "", None
         if goal:
             self._goals.cancel(goal)
 
     def take_end(self) -> GoalEnd | None:
-        """Return how the goal has ended, once."""
+        """Return the result of the goal, once."""
         end, self._end = self._end, None
         return end
 
     def clear(self) -> None:
-        """Have the costmaps forget what sensors saw."""
+        """Clear the obstacles of the costmaps."""
         self._node.call(f"{self._settings.navigation}/clear_costmaps", Silent(), self._note_cleared)
 
     def take_states(self, states: tuple[GoalState, ...]) -> None:

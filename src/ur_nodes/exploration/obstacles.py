@@ -15,7 +15,7 @@ _LOGGED_EVERY = 10.0  # s
 
 
 class Obstacles:
-    """Listens to a costmap and its changes."""
+    """Subscribes to a costmap and its updates."""
 
     def __init__(self, node: Node, costmap: str, updates: str) -> None:
         self._log = node.log
@@ -25,7 +25,7 @@ class Obstacles:
         node.subscribe(costmap, Map, self._take_costmap)
 
     def points(self) -> NDArray[np.floating] | None:
-        """The middles (n, 2) of the cells with an obstacle, in m; None while there is no costmap."""
+        """Return the centres (n, 2) of cells with an obstacle, in m; None while there is no costmap."""
         if self._found is None and self._costs.map is not None:
             grid = self._costs.map.grid
             self._found = grid.points_of_cells(np.argwhere(grid.values == _LETHAL))

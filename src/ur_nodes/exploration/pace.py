@@ -1,4 +1,4 @@
-"""The time that an exploration still takes, estimated from how fast the map grows."""
+"""Estimate of the remaining time of an exploration, from the growth of the map."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ class Pace:
     samples: tuple[tuple[float, float], ...] = ()
 
     def note(self, now: float, known: float) -> Pace:
-        """Add a sample and forget those that are too old; all of them where the time has begun anew."""
+        """Add a sample and drop those that are too old; all of them if the time has jumped back."""
         kept = tuple(each for each in self.samples if now - _WINDOW <= each[0] <= now)
         if len(kept) > 1 and kept[-1][0] - kept[-2][0] < _APART:
             kept = kept[:-1]

@@ -33,7 +33,7 @@ def note_time(drivers: MuxMessages, now: float) -> MuxMessages:
 
 
 def reason_to_pause(drivers: MuxMessages, now: float, quiet: float) -> str:
-    """Return why the exploration pauses; '' when it goes on. It waits `quiet` s after another client drove."""
+    """Return the reason to pause; '' to continue. The pause ends `quiet` s after another client drove."""
     if drivers.stopped:
         return "the emergency stop is on; release it to go on"
     if who := _driver(drivers):

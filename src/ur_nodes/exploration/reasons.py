@@ -27,7 +27,7 @@ class Reason:
 
 
 def explain_unreachable(floor: Floor, frontier: Frontier, map_walls: np.ndarray | None = None) -> Reason:
-    """Explain why no place that the robot gets to is in sight of a frontier.
+    """Explain why the robot can reach no place that sees a frontier.
 
     `map_walls` (height, width): the occupied cells of the map alone; other occupied ones are obstacles that sensors see
     now.
@@ -63,5 +63,5 @@ def explain_unreachable(floor: Floor, frontier: Frontier, map_walls: np.ndarray 
 
 
 def at(place: tuple[float, float]) -> str:
-    """A place for people."""
+    """Describe a place of the map in words for users."""
     return f"({place[0]:.2f}, {place[1]:.2f})"

@@ -1,4 +1,4 @@
-"""The status of an exploration and its frontiers, as people see them."""
+"""The outputs of an exploration: its status, log lines and frontiers."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _SHOWN_EVERY = 10.0  # s between two lines in the log
 
 
 class StatusOutput:
-    """Publishes each status, logs its changes, and draws the frontiers where a node shows them."""
+    """Publishes each status, logs its changes, and publishes the frontiers while they have subscribers."""
 
     def __init__(self, node: Node, map_frame: str) -> None:
         self._node, self._map_frame = node, map_frame
@@ -32,11 +32,11 @@ class StatusOutput:
         self._status.send(write_status(status))
 
     def wait(self, reason: str) -> None:
-        """Publish that nothing happens, and the reason."""
+        """Publish that the exploration waits, and the reason."""
         self.publish(ExploreStatus(reason=reason))
 
     def draw(self, explorer: Explorer, out: ExplorerOutputs) -> None:
-        """Draw the frontiers of a step."""
+        """Publish the frontiers of a step."""
         if explorer.floor is not None and self._markers.listeners():
             markers = mark_frontiers(explorer.floor, out.frontiers, out.blocked)
             self._markers.send(Markers(self._node.now(), self._map_frame, markers))

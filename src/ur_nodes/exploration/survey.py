@@ -60,7 +60,7 @@ def _find_view(
 
 
 class Explanations:
-    """Explains frontiers that nothing leads to, and keeps each explanation for some seconds."""
+    """Explains unreachable frontiers, and keeps each explanation for some seconds."""
 
     def __init__(self) -> None:
         self._kept: tuple[tuple[float, tuple[float, float], Reason], ...] = ()  # time (s), place (m) of the frontier

@@ -1,1 +1,1 @@
-"""Fiducials: found in pictures, mapped, and used to know where the robot is."""
+"""Fiducials: detection in pictures, mapping, and localisation."""

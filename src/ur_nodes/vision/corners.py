@@ -22,7 +22,7 @@ _FURTHEST = 3.0  # pixels that a corner may move
 
 
 def refine_corners(grey: npt.NDArray[np.uint8], corners: Floats) -> Floats:
-    """Better corners (4, 2) of a dark square on light ground; those given where its edges are not clear."""
+    """Refine the corners (4, 2) of a dark square on light ground; unchanged where its edges are not clear."""
     centre = corners.mean(axis=0)
     lines = [_fit_edge(grey, corners[k], corners[(k + 1) % 4], centre) for k in range(4)]
     refined: Floats = corners.copy()
@@ -37,7 +37,7 @@ def refine_corners(grey: npt.NDArray[np.uint8], corners: Floats) -> Floats:
 
 
 def _fit_edge(grey: npt.NDArray[np.uint8], begin: Floats, end: Floats, centre: Floats) -> tuple[Floats, Floats] | None:
-    """A point and a direction (2,) of the line through the brightness steps between two corners."""
+    """Return a point and a direction (2,) of the line through the brightness steps between two corners."""
     length = float(np.linalg.norm(end - begin))
     if length < 4.0:
         return None

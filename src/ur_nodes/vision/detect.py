@@ -1,4 +1,4 @@
-"""Fiducials in a picture: which, where, and in what pose relative to the camera.
+"""Detection of fiducials in a picture: numbers, corners, and poses relative to the camera.
 
 The frame of a fiducial is at its centre: x to the right and y up as one reads it, z out of it towards the reader. That
 of the camera is the optical one (REP 103). Pixels are counted from the centre of the first one, as in OpenCV.
@@ -33,7 +33,7 @@ class CameraModel:
 
 
 def camera_model(calibration: Calibration) -> CameraModel | None:
-    """The camera of a calibration; None when it is not calibrated (REP 104: K is 0, or is not finite)."""
+    """Return the camera of a calibration; None if it is not calibrated (REP 104: K is 0, or is not finite)."""
     lengths = calibration.matrix[0], calibration.matrix[4]
     if not all(map(math.isfinite, (*calibration.matrix, *calibration.distortion))) or min(lengths) <= 0.0:
         return None
@@ -70,21 +70,21 @@ class Detection:
 
     @property
     def area(self) -> float:
-        """Of the quadrilateral, in square pixels (the shoelace formula)."""
+        """Return the area of the quadrilateral in square pixels (the shoelace formula)."""
         x, y = self.corners[:, 0], self.corners[:, 1]
         return float(abs(np.dot(x, np.roll(y, -1)) - np.dot(y, np.roll(x, -1))) / 2.0)
 
 
 @dataclass(frozen=True, slots=True)
 class Sizes:
-    """Edges of fiducials in m: `usual`, those with another one, and those that are to be overlooked."""
+    """Edges of fiducials in m: the `usual` one, exceptions by number, and fiducials to ignore."""
 
     usual: float
     special: Mapping[int, float] = field(default_factory=dict)
     ignored: frozenset[int] = frozenset()
 
     def of(self, number: int) -> float:
-        """The edge of a fiducial."""
+        """Return the edge of a fiducial in m."""
         return self.special.get(number, self.usual)
 
 
@@ -99,7 +99,7 @@ class Detector:
         self._sizes = sizes
 
     def detect(self, image: npt.NDArray[np.uint8], camera: CameraModel | None) -> tuple[Detection, ...]:
-        """The fiducials in a grey or colour image, by number. Without a camera they have no poses."""
+        """Find the fiducials in a grey or colour image, by number. Without a camera they have no poses."""
         grey = np.asarray(image if image.ndim == 2 else cv2.cvtColor(image, cv2.COLOR_RGB2GRAY), np.uint8)
         squares, numbers, _ = self._detector.detectMarkers(grey)
         found = []
@@ -113,13 +113,13 @@ class Detector:
 
 
 def corner_points(size: float) -> Floats:
-    """The corners of a fiducial in its own frame (4, 3), in the order of Detection.corners."""
+    """Return the corners of a fiducial in its own frame (4, 3), in the order of Detection.corners."""
     half = size / 2.0
     return np.array([[-half, half, 0.0], [half, half, 0.0], [half, -half, 0.0], [-half, -half, 0.0]])
 
 
 def estimate_poses(corners: Floats, size: float, camera: CameraModel) -> tuple[CandidatePose, ...]:
-    """The possible poses of a square from its corners (4, 2), the better one first.
+    """Estimate the possible poses of a square from its corners (4, 2), the better one first.
 
     Collins and Bartoli, Infinitesimal Plane-Based Pose Estimation (2014), gives both; each is then refined.
     """

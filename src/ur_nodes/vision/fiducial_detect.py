@@ -1,4 +1,4 @@
-"""Pictures in, fiducials out, as the topics of aruco_detect have them."""
+"""Answers to pictures with their fiducials, as on the topics of aruco_detect."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from ur_nodes.vision.pixels import draw_fiducials, pack_picture, read_pixels
 
 @dataclass(frozen=True, slots=True)
 class DetectionRequest:
-    """A picture, the camera where poses are wanted and it is calibrated, and which drawings have subscribers."""
+    """A picture, its camera if poses are needed and it is calibrated, and the drawings that have subscribers."""
 
     picture: Picture | PackedPicture
     camera: CameraModel | None
@@ -26,7 +26,7 @@ class DetectionRequest:
 
 @dataclass(frozen=True, slots=True)
 class DetectionAnswer:
-    """The fiducials of a picture; None: no pose was asked for, or the camera is not calibrated."""
+    """The fiducials of a picture; None without poses, or if the camera is not calibrated."""
 
     seen: SeenFiducials
     placed: PlacedFiducials | None = None
@@ -34,7 +34,7 @@ class DetectionAnswer:
     packed: PackedPicture | None = None
 
     def transforms(self) -> tuple[Transform, ...]:
-        """The frames of the fiducials in that of the camera."""
+        """Return the poses of the fiducials in the camera's frame."""
         placed = self.placed
         if placed is None:
             return ()
@@ -44,7 +44,7 @@ class DetectionAnswer:
 
 
 def answer_request(detector: Detector, request: DetectionRequest) -> DetectionAnswer | BadPictureError:
-    """Find the fiducials of a picture, or the reason why it is none."""
+    """Find the fiducials of a picture, or the reason why it cannot be read."""
     picture, camera = request.picture, request.camera
     drawn = request.draw or request.pack
     try:
@@ -75,6 +75,6 @@ def _place(found: Detection) -> FiducialPose:
 
 
 def object_error(detection: Detection) -> float:
-    """The error of the best pose in m at the fiducial: pixels there are as large as its edge is long for its size."""
+    """Return the error of the best pose in m, by the size of a pixel at the fiducial: its edge in m over pixels."""
     edge = float(np.sqrt(max(detection.area, 1e-9)))
     return detection.candidates[0].error * detection.size / edge

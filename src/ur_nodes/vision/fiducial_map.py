@@ -39,12 +39,12 @@ class MapEntry:
 
     @property
     def variance(self) -> float:
-        """Of the position along an axis, on average, m^2."""
+        """Return the variance of the position along an axis, on average, m^2."""
         return float(np.trace(self.covariance[3:, 3:]) / 3.0)
 
 
 def format_map(entries: Iterable[MapEntry]) -> str:
-    """The text of a map file, sorted by number: the same map is always the same text."""
+    """Return the text of a map file, sorted by number, so that equal maps have equal texts."""
     ordered = sorted(entries, key=lambda entry: entry.id)
     lines = []
     for entry in ordered:
@@ -74,7 +74,7 @@ def read_map(path: str | Path) -> tuple[MapEntry, ...]:
 
 
 def parse_map(file: SourceFile) -> tuple[MapEntry, ...]:
-    """As read_map, for a text that is already there."""
+    """Parse the text of a map file. Raises UserError with file and line."""
     entries: dict[int, MapEntry] = {}
     covariances: dict[int, Floats] = {}
     offset = 0

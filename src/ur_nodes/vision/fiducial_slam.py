@@ -1,4 +1,4 @@
-"""A map of fiducials that is built or only read, and the robot's place on it: the decisions of fiducial_slam."""
+"""A map of fiducials that is built or only read, and the robot's pose on it: the decisions of fiducial_slam."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ class FiducialStep:
 
 
 class FiducialSlam:
-    """Takes one moment after the other. The same ones give the same map."""
+    """Takes moments in their order. The same moments give the same map."""
 
     def __init__(
         self,
@@ -65,7 +65,7 @@ class FiducialSlam:
         self._changes = self._saved = 0
 
     def step(self, moment: Moment) -> FiducialStep:
-        """Take what is seen at a moment."""
+        """Take the fiducials that are seen at a moment."""
         estimator, odometry = self._estimator, moment.odometry
         mount = from_pose(moment.mount)
         observed = [self._observe(each, moment.camera, mount) for each in moment.seen.fiducials]
@@ -95,7 +95,7 @@ class FiducialSlam:
         self._estimator.place(pose)
 
     def forget(self) -> None:
-        """Find the robot anew, wherever it is, on a map that is only read."""
+        """Search for the robot on the whole map, if the map is only read."""
         assert isinstance(self._estimator, FiducialLocaliser)
         self._estimator.forget()
 
@@ -112,7 +112,7 @@ class FiducialSlam:
         return {entry.id: entry.pose for entry in self._known}
 
     def entries(self) -> tuple[MapEntry, ...]:
-        """The map as it is to be saved; one that is built is refined."""
+        """Return the map to save; one that is built is refined."""
         self._saved = self._changes
         if isinstance(self._estimator, FiducialLocaliser):
             return self._known
@@ -120,7 +120,7 @@ class FiducialSlam:
         return self._estimator.entries()
 
     def unsaved(self) -> tuple[MapEntry, ...] | None:
-        """As `entries`; None where nothing has changed since they were asked for."""
+        """Return the map to save; None if it has not changed since the last call."""
         return None if self._saved == self._changes else self.entries()
 
     def _observe(self, fiducial: FiducialCorners, camera: CameraModel, mount: Floats) -> Observation | None:
@@ -131,7 +131,7 @@ class FiducialSlam:
         return make_observation(number, mount, found) if found else None
 
     def _name(self, numbers: Collection[int], what: str) -> Iterator[str]:
-        """A line for each fiducial with which something has been wrong for long, once."""
+        """Return a line for each fiducial that has contradicted the map for long, once."""
         self._wrong.update(numbers)
         return (f"fiducial {number} {what}" for number in sorted(numbers) if self._wrong[number] == _WRONG)
 

@@ -51,7 +51,7 @@ class FiducialSlamNode:
         self._try()
 
     def _try(self) -> None:
-        """Use what was seen last, if the frames at that time are known by now."""
+        """Use the last corners if the frames at their time are known by now."""
         seen, camera, settings, frames = self._waiting, self._camera, self._settings, self._node.transforms
         if seen is None or camera is None:
             return

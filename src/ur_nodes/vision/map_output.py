@@ -1,4 +1,4 @@
-"""The map of fiducials as others see it: topics, and its file."""
+"""The outputs of a map of fiducials: topics, and its file."""
 
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ class FiducialMapOutput:
 
 
 def make_markers(poses: Mapping[int, Floats], sizes: Sizes, frame: str) -> Markers:
-    """A plate and its number for each fiducial."""
+    """Make a plate with its number for each fiducial."""
     shown: list[Marker] = []
     for number, rigid in sorted(poses.items()):
         size, pose = sizes.of(number), to_pose(rigid)
@@ -84,7 +84,7 @@ def make_markers(poses: Mapping[int, Floats], sizes: Sizes, frame: str) -> Marke
 
 
 def make_map(poses: Mapping[int, Floats]) -> MappedFiducials:
-    """The places of all fiducials, by number."""
+    """Make the message with the poses of all fiducials, by number."""
     return MappedFiducials(
         tuple(
             MappedFiducial(number, (*pose[:3, 3].tolist(),), to_angles(pose)) for number, pose in sorted(poses.items())

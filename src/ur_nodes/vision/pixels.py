@@ -1,4 +1,4 @@
-"""Pictures as arrays and back, and what detection finds drawn into them."""
+"""Conversion of pictures to arrays and back, and drawings of detected fiducials."""
 
 from __future__ import annotations
 
@@ -45,6 +45,6 @@ def draw_fiducials(pixels: Pixels, found: Iterable[Detection], camera: CameraMod
 
 
 def pack_picture(pixels: Pixels, stamp: int, frame: str) -> PackedPicture:
-    """The JPEG of pixels (height, width, 3)."""
+    """Encode pixels (height, width, 3) as a JPEG picture."""
     data = cv2.imencode(".jpg", cv2.cvtColor(pixels, cv2.COLOR_RGB2BGR))[1].tobytes()
     return PackedPicture(stamp, frame, "jpeg", data)

@@ -1,4 +1,4 @@
-"""The robot's place on a map of fiducials as others see it: `fiducial_pose`, and the transform from the map."""
+"""The outputs of the robot's pose on a map of fiducials: `fiducial_pose`, and the transform from the map."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from ur_nodes.vision.slam_settings import SlamSettings
 
 
 class PoseOutput:
-    """Sends each step, and the transform again and again while the robot's place is known.
+    """Publishes each step, and the transform repeatedly while the robot's pose is known.
 
     While it is not known there is no transform, so that a navigator that depends on it stops.
     """
@@ -33,7 +33,7 @@ class PoseOutput:
             self._pose.send(step.estimate)
 
     def forget(self) -> None:
-        """Send nothing until the next step: the robot's place is not known."""
+        """Send nothing until the next step: the robot's pose is unknown."""
         self._correction = None
 
     def _send_transform(self) -> None:

@@ -1,4 +1,4 @@
-"""Requests of others to a `FiducialSlam`: where the robot is, to find it anew, to forget the map."""
+"""Requests of clients to a `FiducialSlam`: set the pose, search for the robot, clear the map."""
 
 from __future__ import annotations
 

@@ -29,7 +29,7 @@ class Board:
 
 
 def find_corners(grey: npt.NDArray[np.uint8], board: Board) -> Floats | None:
-    """The board's corners in a grey picture, (rows * columns, 2) in pixels; None where it is not seen as a whole."""
+    """Find the board's corners in a grey picture, (rows * columns, 2) in pixels; None if any is not visible."""
     import cv2
 
     found: object
@@ -38,7 +38,7 @@ def find_corners(grey: npt.NDArray[np.uint8], board: Board) -> Floats | None:
 
 
 def draw_page(board: Board) -> str:
-    """An SVG of the board in its true size, on a page of A4."""
+    """Draw the board as SVG in its true size, on a page of A4."""
     edge = board.square * 1000.0
     left, top = (_PAGE[0] - (board.columns + 1) * edge) / 2.0, (_PAGE[1] - (board.rows + 1) * edge) / 2.0
     squares = "".join(

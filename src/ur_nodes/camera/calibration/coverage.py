@@ -42,7 +42,7 @@ class Coverage:
 
     @property
     def share(self) -> float:
-        """From 0.0 to 1.0."""
+        """Return the progress from 0.0 to 1.0."""
         have = CELLS[0] * CELLS[1] - len(self.missing_cells) + len(_FACES) - len(self.missing_tilts)
         whole = CELLS[0] * CELLS[1] + len(_FACES) + ENOUGH_VIEWS
         return (have + min(self.views, ENOUGH_VIEWS)) / whole
@@ -75,20 +75,20 @@ def list_tilts(view: BoardView, board: Board) -> tuple[str, ...]:
 
 
 def is_novel(view: BoardView, views: Sequence[BoardView], board: Board) -> bool:
-    """Return whether a view differs enough from all that there are."""
+    """Return whether a view differs enough from all earlier ones."""
     own = _features(view, board)
     return all(float(np.abs(own - _features(each, board)).max()) > _NOVEL for each in views)
 
 
 def is_still(view: BoardView, before: BoardView | None) -> bool:
-    """Return whether the board has not moved since the picture before, so that this one is not blurred."""
+    """Return whether the board has not moved since the last picture, so that this one is not blurred."""
     if before is None or before.corners.shape != view.corners.shape:
         return False
     return float(np.abs(view.corners - before.corners).max()) < _STILL * view.width
 
 
 def advise(coverage: Coverage) -> str:
-    """Advise where to hold the board next; '' when everything is there."""
+    """Return advice where to hold the board next; '' when the views suffice."""
     if coverage.missing_cells:
         column, row = min(coverage.missing_cells, key=lambda cell: (cell[1], cell[0]))
         across = ("left", "left of the middle", "right of the middle", "right")[column]
@@ -101,7 +101,7 @@ def advise(coverage: Coverage) -> str:
 
 
 def _outline(view: BoardView, board: Board) -> tuple[Floats, Floats, Floats, Floats]:
-    """The outer corners as one sees them, clockwise from the top left one, however the board is turned."""
+    """Return the outer corners clockwise from the top left one of the picture, however the board is turned."""
     grid = view.corners.reshape(board.rows, board.columns, 2)
     ring = [grid[0, 0], grid[0, -1], grid[-1, -1], grid[-1, 0]]
     first = min(range(4), key=lambda n: float(ring[n].sum()))
@@ -117,7 +117,7 @@ def _log_ratio(one: Floats, other: Floats) -> float:
 
 
 def _features(view: BoardView, board: Board) -> Floats:
-    """Place, size and tilt of the board, all of about 0 to 1."""
+    """Return position, size and tilt of the board, each between about 0 and 1."""
     a, b, c, d = _outline(view, board)
     centre = (a + b + c + d) / 4.0
     side = abs((c - a)[0] * (d - b)[1] - (c - a)[1] * (d - b)[0]) / 2.0

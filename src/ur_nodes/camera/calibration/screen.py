@@ -31,7 +31,7 @@ class Views:
         self._problem = ""
 
     def take(self) -> Pixels | None:
-        """Look for the board in the newest picture and return that; None where it has been taken before."""
+        """Search the newest picture for the board and return that picture; None if it was taken before."""
         view = self._feed.view
         if view.number == self._number:
             return None
@@ -46,7 +46,7 @@ class Views:
         return pixels
 
     def explain_silence(self) -> str:
-        """Explain why no picture arrives, or that the last one is broken; '' while pictures arrive."""
+        """Return the reason why no picture arrives, or that the last one is damaged; '' while pictures arrive."""
         view = self._feed.view
         if not view.silent:
             return self._problem

@@ -1,4 +1,4 @@
-"""A calibration in progress: which pictures become views, and what is shown. Pure but for OpenCV's corners."""
+"""A calibration in progress: the choice of views among pictures, and texts about it. Pure but for OpenCV's corners."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ MOST_VIEWS = 60
 
 @dataclass(slots=True)
 class CalibrationSession:
-    """Views so far. `look` takes a picture; all must have one size: another one begins anew."""
+    """The views so far. `look` takes a picture; a picture of another size discards them."""
 
     board: Board
     views: list[BoardView] = field(default_factory=list)
@@ -39,7 +39,7 @@ class CalibrationSession:
         return measure_coverage(self.views, self.board)
 
     def look(self, pixels: Pixels) -> None:
-        """Look for the board, and keep the view if it is new and the board does not move."""
+        """Search a picture for the board, and keep the view if it is new and the board does not move."""
         height, width = pixels.shape[:2]
         if self.views and (self.views[0].width, self.views[0].height) != (width, height):
             self.views, self.last = [], None
@@ -60,18 +60,18 @@ class CalibrationSession:
 
 
 def describe(session: CalibrationSession) -> str:
-    """Progress and advice in one line."""
+    """Describe progress and advice in one line."""
     return f"{describe_progress(session)}   {advise(session.coverage) or 'complete'}"
 
 
 def describe_progress(session: CalibrationSession) -> str:
-    """The share that is done, the number of views, and what became of the last picture."""
+    """Describe the progress, the number of views, and the result of the last picture."""
     coverage = session.coverage
     return f"{100 * coverage.share:3.0f} %   {coverage.views} of {ENOUGH_VIEWS} views   {session.event}"
 
 
 def draw_overlay(pixels: Pixels, session: CalibrationSession) -> Pixels:
-    """The picture with what is missing: cells without corners in red, the others in green, corners as they are seen."""
+    """Draw the coverage into the picture: cells without corners in red, the others in green, and the found corners."""
     height, width = pixels.shape[:2]
     drawn = pixels.astype(np.int16)
     missing = session.coverage.missing_cells

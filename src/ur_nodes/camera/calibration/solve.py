@@ -1,4 +1,4 @@
-"""The calibration of a camera from views of a chessboard, with how far it can be trusted."""
+"""The calibration of a camera from views of a chessboard, and its quality."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _OUTLIER = 3.0  # times the median of the views' errors
 
 @dataclass(frozen=True, slots=True)
 class CalibrationResult:
-    """A calibration and how far it can be trusted.
+    """A calibration and its quality.
 
     `error` is its reprojection error (root mean square, pixels), `deviation` the relative standard deviation of its
     focal lengths; `used` of `given` views were used. `tilts` is the number of ways in which the board was tilted:
@@ -37,7 +37,7 @@ class CalibrationResult:
 
     @property
     def problem(self) -> str:
-        """A sentence on why it should not be used and what to do; '' for a good one."""
+        """Return why the calibration should not be used, and what to do; '' for a good one."""
         if self.error > LARGEST_ERROR:
             return (
                 f"the reprojection error is {self.error:.2f} pixels, expected at most {LARGEST_ERROR:g}:"
@@ -54,7 +54,7 @@ class CalibrationResult:
 
 
 def solve(views: Sequence[BoardView], board: Board) -> CalibrationResult | None:
-    """Calibrate from at least three views of pictures of one size; None where that has no solution.
+    """Calibrate from at least three views of pictures of one size; None if there is no solution.
 
     Views with an error far above that of others, as of a moved board, are left out.
     """
@@ -93,7 +93,7 @@ def solve(views: Sequence[BoardView], board: Board) -> CalibrationResult | None:
 
 
 def solve_or_fail(views: Sequence[BoardView], board: Board) -> CalibrationResult:
-    """As `solve`. Raises UserError: there is no solution, or none that should be used."""
+    """Calibrate as `solve` does. Raises UserError if there is no solution, or none good enough."""
     result = solve(views, board)
     if result is None or result.problem:
         reason = result.problem if result else f"{len(views)} views have no solution: take more, all tilted"
@@ -102,7 +102,7 @@ def solve_or_fail(views: Sequence[BoardView], board: Board) -> CalibrationResult
 
 
 def describe_result(result: CalibrationResult) -> str:
-    """A calibration and its quality in two lines."""
+    """Describe a calibration and its quality in two lines."""
     matrix = result.calibration.matrix
     return (
         f"reprojection error {result.error:.2f} pixels from {result.used} of {result.given} views;"

@@ -1,4 +1,4 @@
-"""The calibration that a camera's node uses and keeps."""
+"""The client of the service by which a camera's node stores a calibration."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ class CalibrationClient:
         self._result: Result | None = None
 
     def keep(self, calibration: Calibration, ended: threading.Event) -> str | None:
-        """Have the camera's node use and keep a calibration; return its answer, None if `ended` is set before.
+        """Let the camera's node use and store a calibration; return its answer, None if `ended` is set before.
 
         Not for the node's thread. Raises UserError.
         """

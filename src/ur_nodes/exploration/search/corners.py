@@ -37,7 +37,7 @@ class Viewpoints:
 
     @property
     def ahead(self) -> tuple[Viewpoint, ...]:
-        """All that will be driven to."""
+        """Return all viewpoints that will be visited."""
         return self.now + self.later
 
 
@@ -52,7 +52,7 @@ def sort_corners(
 
     `idle_distance` (m): how far it has driven since the map last grew.
 
-    `now` is empty where nothing is left that is worth the way.
+    `now` is empty if no viewpoint is worth its distance.
     """
     least = max(settings.area, min(settings.share * known, settings.room))
 

@@ -1,4 +1,4 @@
-"""Admission of requests for a patrol: what sets the robot in motion must be young, and of a client that may drive."""
+"""Admission of requests for a patrol: those that start motion must be fresh, and of a client that may drive."""
 
 from __future__ import annotations
 

@@ -61,24 +61,24 @@ NOTHING = NavigationCommands()
 
 
 def start_patrol(patrol: Patrol, route: PatrolRoute, now: float) -> Patrol:
-    """Begin a route, in place of the one before."""
+    """Begin a route; it replaces the last one."""
     return Patrol(PatrolStatus("starting", route, answer=patrol.status.answer), now, now)
 
 
 def resume_patrol(patrol: Patrol, now: float) -> Patrol:
-    """Go on with the place that was driven to; one that is not paused stays as it is."""
+    """Continue with the last place; a patrol that is not paused is unchanged."""
     return _enter(replace(patrol, driven=False), "starting", now, now) if patrol.status.state == "paused" else patrol
 
 
 def pause_patrol(patrol: Patrol, reason: str, now: float) -> tuple[Patrol, NavigationCommands]:
-    """Stop at the next moment, until a request to resume; one that is not active stays as it is."""
+    """Pause at the next step, until a request to resume; a patrol that is not active is unchanged."""
     if not patrol.status.active:
         return patrol, NOTHING
     return _enter(patrol, "paused", now, now, reason), NavigationCommands(cancel=True)
 
 
 def end_patrol(patrol: Patrol, reason: str, now: float) -> tuple[Patrol, NavigationCommands]:
-    """End the patrol; one that is over stays as it is."""
+    """End the patrol; one that has ended is unchanged."""
     if not (patrol.status.active or patrol.status.state == "paused"):
         return patrol, NOTHING
     return _enter(patrol, "ended", now, now, reason), NavigationCommands(cancel=patrol.status.active)
@@ -90,7 +90,7 @@ def answer_request(patrol: Patrol, answer: PatrolAnswer) -> Patrol:
 
 
 def step_patrol(patrol: Patrol, inputs: PatrolInputs, step_limit: float) -> tuple[Patrol, NavigationCommands]:
-    """The state after some time, and what follows. `step_limit` (s): so long may the way to a place take."""
+    """Return the next state and the commands. `step_limit` (s) is the longest drive to a place."""
     before, now = patrol, inputs.now
     patrol = replace(patrol, stepped=now, driven=patrol.driven or inputs.may_drive)
     if not patrol.status.active:

@@ -1,4 +1,4 @@
-"""The goal of a patrol: the one that was sent last, and what becomes of it."""
+"""The last goal of a patrol, and its state."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from ur_nodes.ports.values import PlacedPose
 
 
 class PatrolGoal:
-    """One goal at a time. Goals that an earlier node of this name has left are cancelled."""
+    """Sends goals, one at a time. Goals of an earlier node of this name are cancelled."""
 
     def __init__(self, node: Node, navigation: str, frames: tuple[str, str], client: LeaseClient) -> None:
         """`frames` are those of the map and of the base; `client` is the sender that the goals name."""
@@ -32,7 +32,7 @@ class PatrolGoal:
 
     @property
     def report(self) -> GoalReport | None:
-        """The state of the goal; None: there is none, or navigation has not mentioned it."""
+        """Return the state of the goal; None without a goal, or before navigation has reported it."""
         report = report_at(self._tracker, self._node.steady())
         mentioned = self._goal and (self._tracker.known or report.state is LastGoalState.FAILED)
         return report if mentioned else None
@@ -59,7 +59,7 @@ class PatrolGoal:
         self._goals.send(actions.Goal(self._goal, PlacedPose(self._node.now(), self._map_frame, place)))
 
     def cancel(self) -> None:
-        """Drive to it no more."""
+        """Cancel the goal."""
         if self._goal:
             self._goals.cancel(self._goal)
             self._goal = ""

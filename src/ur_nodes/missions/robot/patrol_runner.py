@@ -1,4 +1,4 @@
-"""The patrol beside its topics: requests, the lease, the emergency stop, goals, and the status that it publishes."""
+"""The patrol's connection to topics: requests, the lease, the emergency stop, goals and its status."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ class PatrolSettings:
 
 
 class PatrolRunner:
-    """Joins the state machine to the topics of the node."""
+    """Connects the state machine to the topics of the node."""
 
     def __init__(self, node: Node, settings: PatrolSettings) -> None:
         self._node, self._settings = node, settings
@@ -131,7 +131,7 @@ class PatrolRunner:
         self._publish()
 
     def _admit(self, request: PatrolRequest, route: PatrolRoute, *, latched: bool) -> str:
-        """Accept a request, or return why it is refused."""
+        """Accept a request, or return the reason why it is refused."""
         now, own = self._node.steady(), self._client.client
         refusal = refuse_request(request, self._lease, own, self._challenges, now, latched=latched)
         if not refusal and request.action in ("start", "resume") and self._stopped:

@@ -38,9 +38,9 @@ class PlaceLookup:
         self._late: Timer | None = None
 
     def find(self, route: PatrolRoute, take: Take) -> None:
-        """Have the places of a route looked up, after those of earlier ones: requests keep their order.
+        """Look up the places of a route, after those of earlier routes, and pass the result to `take`.
 
-        Of more than _MOST_WAITING that wait, the oldest is given up.
+        Of more than _MOST_WAITING waiting requests, the oldest is dropped.
         """
         self._waiting.append((route, take))
         if len(self._waiting) == 1:
@@ -78,7 +78,7 @@ class PlaceLookup:
         self._late = self._node.after(_MAP_WAIT, partial(take, NO_MAP), steady=True)
 
     def _take_map(self, settings: PlaceSettings, found: Map | str) -> None:
-        """Take the map, or why there is none."""
+        """Take the map, or the reason why there is none."""
         if self._map is None or self._late is None:
             return
         self._map.close()
@@ -101,7 +101,7 @@ class PlaceLookup:
 
 
 def look_up(route: PatrolRoute, settings: PlaceSettings, grid: Grid | None) -> PatrolRoute | str:
-    """Return the route with all poses, or why there is none; `grid` is the map where the settings name none."""
+    """Return the route with all poses, or the reason why not; `grid` is the map if the settings name none."""
     path = choose_file(settings, grid, os.environ)
     if path is None:
         return NO_NAME

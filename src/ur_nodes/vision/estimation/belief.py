@@ -40,7 +40,7 @@ class Belief:
 
     @property
     def spread(self) -> float:
-        """The standard deviation of the place, m."""
+        """Return the standard deviation of the position, m."""
         return math.sqrt(float(self.covariance[0, 0] + self.covariance[1, 1]))
 
     def predict(self, measured: Pose2) -> Belief:

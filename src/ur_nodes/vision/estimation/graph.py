@@ -1,4 +1,4 @@
-"""The factors of the map and of localisation, on gtsam. Rotation comes before translation, as in gtsam's Pose3."""
+"""Factors for mapping and localisation with gtsam. Rotation precedes translation, as in gtsam's Pose3."""
 
 from __future__ import annotations
 
@@ -41,13 +41,13 @@ def level_factor(number: int, guess: Floats) -> gtsam.NonlinearFactor:
 
 
 def start_factor(number: int, pose: Floats, shift: float, turn: float) -> gtsam.NonlinearFactor:
-    """The robot is known to be somewhere, to some m and rad."""
+    """Constrain the robot to a pose, with the given deviations (m, rad)."""
     sigmas = np.array([0.005, 0.005, turn, shift, shift, 0.005])
     return gtsam.PriorFactorPose3(robot_key(number), gtsam.Pose3(pose), gtsam.noiseModel.Diagonal.Sigmas(sigmas))
 
 
 def planar_factor(number: int, pose: Floats, covariance: Floats) -> gtsam.NonlinearFactor:
-    """As start_factor, with a covariance (3, 3) of x, y (in the robot's frame) and heading."""
+    """Constrain the robot to a pose, with a covariance (3, 3) of x, y (in the robot's frame) and heading."""
     whole = np.diag(np.square([0.005, 0.005, 0.0, 0.0, 0.0, 0.005]))
     places = [3, 4, 2]
     whole[np.ix_(places, places)] = covariance
@@ -63,7 +63,7 @@ def odometry_factor(before: int, after: int, motion: Pose2) -> gtsam.NonlinearFa
 
 
 def sighting_factor(number: int, fiducial: int, sighting: Sighting) -> gtsam.NonlinearFactor:
-    """The robot sees a fiducial; one that contradicts all others loses its weight."""
+    """Add a sighting of a fiducial; one that contradicts all others loses its weight."""
     model = gtsam.noiseModel.Robust.Create(
         gtsam.noiseModel.mEstimator.Huber.Create(_HUBER), gtsam.noiseModel.Gaussian.Covariance(sighting.covariance)
     )
@@ -71,14 +71,14 @@ def sighting_factor(number: int, fiducial: int, sighting: Sighting) -> gtsam.Non
 
 
 def known_factor(fiducial: int, pose: Floats, covariance: Floats) -> gtsam.NonlinearFactor:
-    """A fiducial is known to be somewhere."""
+    """Constrain a fiducial to a known pose."""
     return gtsam.PriorFactorPose3(
         fiducial_key(fiducial), gtsam.Pose3(pose), gtsam.noiseModel.Gaussian.Covariance(covariance)
     )
 
 
 def from_planar_of(pose: Floats) -> Floats:
-    """The level pose below a pose: same x, y and heading."""
+    """Return the level pose with the x, y and heading of a pose."""
     heading = math.atan2(pose[1, 0], pose[0, 0])
     c, s = math.cos(heading), math.sin(heading)
     return make_rigid(np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]]), np.array([*pose[:2, 3], 0.0]))

@@ -1,4 +1,4 @@
-"""Localisation on a map of fiducials that stays as it is."""
+"""Localisation on a fixed map of fiducials."""
 
 from __future__ import annotations
 
@@ -62,17 +62,17 @@ class FiducialLocaliser:
 
     @property
     def contradicting(self) -> frozenset[int]:
-        """The fiducials that were not where the map has them when they were seen last."""
+        """Return the fiducials whose last sighting contradicted the map."""
         return frozenset(self._contradicting)
 
     @property
     def spread(self) -> float:
-        """The standard deviation of the place, m; infinite while it is not known."""
+        """Return the standard deviation of the position, m; infinite while it is unknown."""
         return self._belief.spread if self._belief else math.inf
 
     @property
     def covariance(self) -> Floats:
-        """Of x and y in the robot's frame and of its heading (3, 3), while its place is known."""
+        """Return the covariance (3, 3) of x and y in the robot's frame and of its heading, while the pose is known."""
         return self._belief.covariance if self._belief else np.full((3, 3), math.inf)
 
     @property
@@ -99,7 +99,7 @@ class FiducialLocaliser:
         return self._belief.pose.compose(self._odometry.inverse().compose(odometry))
 
     def add(self, odometry: Pose2, observations: Iterable[Observation]) -> bool:
-        """Take in what is seen at a moment. Returns whether a known fiducial was of use."""
+        """Add the observations of a moment. Returns whether a known fiducial was used."""
         self._predict(odometry)
         seen = tuple(each for each in observations if each.id in self._known and each.sightings)
         if self._belief is None:
@@ -150,7 +150,7 @@ class FiducialLocaliser:
 
 
 def _solve(belief: Belief, used: Sequence[_Used]) -> tuple[Floats, Floats]:
-    """The pose (4, 4) that agrees best with belief and sightings, and its planar covariance (3, 3)."""
+    """Find the pose (4, 4) that agrees best with belief and sightings, and its planar covariance (3, 3)."""
     here = from_planar(belief.pose)
     graph, values = gtsam.NonlinearFactorGraph(), gtsam.Values()
     values.insert(robot_key(0), gtsam.Pose3(here))

@@ -67,7 +67,7 @@ class FiducialMapper:
 
     @property
     def contradicting(self) -> frozenset[int]:
-        """The fiducials that were not where the map has them when they were seen last."""
+        """Return the fiducials whose last sighting contradicted the map."""
         return frozenset(self._contradicting)
 
     @property
@@ -87,7 +87,7 @@ class FiducialMapper:
         return to_planar(self._robot).compose(self._motion(odometry))
 
     def add(self, odometry: Pose2, observations: Iterable[Observation]) -> bool:
-        """Add the observations of a moment. Returns whether the map changed: too near the last one they are ignored."""
+        """Add the observations of a moment, unless the last one is close; return whether the map changed."""
         seen = tuple(observations)
         if self._count and not self._far(self._motion(odometry), bool(seen)):
             return False
@@ -109,7 +109,7 @@ class FiducialMapper:
         return True
 
     def refine(self) -> None:
-        """Solve the whole graph anew, without the shortcuts of the incremental solution."""
+        """Solve the whole graph again, without the approximations of the incremental solution."""
         if self._count:
             values = gtsam.LevenbergMarquardtOptimizer(self._graph, self._isam.calculateEstimate()).optimize()
             self._take_estimate(values)

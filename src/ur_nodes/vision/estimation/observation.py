@@ -1,4 +1,4 @@
-"""Observations, from detection to mapping: fiducials seen from the robot at one moment."""
+"""Observations: fiducials that the robot sees at one moment, for mapping and localisation."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ class Observation:
 def choose_sighting(observation: Observation, expected: Floats | None) -> Sighting | None:
     """Choose the pose of a fiducial that is turned as expected in the robot's frame (4, 4).
 
-    Without expectation the first, if it is clear. None when no pose is reliable.
+    Without an expectation it is the first pose, if that is unambiguous. None when no pose is reliable.
     """
     if expected is None:
         return observation.sightings[0] if observation.clear else None
@@ -62,7 +62,7 @@ def misfit(sighting: Sighting, expected: Floats) -> float:
 def make_observation(number: int, base_from_camera: Floats, candidates: Sequence[CandidatePose]) -> Observation:
     """Transform the candidates of a fiducial, at least one, from the camera to the robot.
 
-    What detection cannot know is added to the covariances.
+    Errors that detection cannot estimate are added to the covariances.
     """
     sightings = []
     for each in candidates:

@@ -30,14 +30,14 @@ class Unsettled:
         self._views: dict[int, list[FiducialView]] = {}
 
     def add(self, view: FiducialView) -> Floats | None:
-        """Keep a view. Returns the pose (4, 4) in the map as soon as it is clear; then ask `take`."""
+        """Keep a view. Returns the pose (4, 4) in the map once it is unambiguous; then call `take`."""
         views = self._views.setdefault(view.observation.id, [])
         views.append(view)
         del views[:-_KEPT]
         return settle(views)
 
     def take(self, fiducial: int, pose: Floats) -> list[tuple[int, Sighting]]:
-        """The moments and sightings of a fiducial whose pose has become clear; they are forgotten here."""
+        """Remove and return the moments and sightings of a fiducial whose pose has become unambiguous."""
         chosen = [
             (view.moment, choose_sighting(view.observation, invert(view.robot) @ pose))
             for view in self._views.pop(fiducial)
@@ -46,7 +46,7 @@ class Unsettled:
 
 
 def settle(views: list[FiducialView]) -> Floats | None:
-    """The one pose (4, 4) in the map that all views agree on much better than on any other, if there is one."""
+    """Return the pose (4, 4) in the map on which all views agree much better than on any other; None without one."""
     turns = [np.linalg.eigvalsh(s.covariance[:3, :3])[-1] for view in views for s in view.observation.sightings[:1]]
     if sum(1.0 / turn for turn in turns) < 1.0 / _CERTAIN**2:
         return None
