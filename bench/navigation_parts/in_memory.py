@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import math
 
+from bench.navigation_parts.comfort import Comfort, judge_comfort
 from bench.navigation_parts.driver import Drive
 from bench.navigation_parts.geodesic import free_cells, length_of, shortest_path
 from bench.navigation_parts.worlds import BenchWorld, Goal, passage_radius
 from tests.ur_nodes.first_drive.drive import FirstDrive
 
 from ur_nodes.costmap.footprint import footprint_of_outline
+from ur_nodes.geometry.hull import hull_of_outline
 from ur_nodes.geometry.pose import Pose2, wrap_angle
+from ur_nodes.ports.values import Poses
 
 _LIMIT = 180.0  # s for a goal
 _STEP = 0.1  # s between two looks at the robot
@@ -20,10 +23,14 @@ _REST = 0.4  # s in which a robot comes to rest
 class MemoryDriver:
     """A robot of `base` (`BASE[:VARIANT]`) with mux, amcl and move_base in a world."""
 
-    def __init__(self, world: BenchWorld, base: str, seed: int) -> None:
+    def __init__(self, world: BenchWorld, base: str, seed: int, people: int = 0) -> None:
+        """`people` walk in the world."""
         name, _, variant = base.partition(":")
-        self.drive = FirstDrive(world.source, base=name, variant=variant, seed=seed)
+        self.drive = FirstDrive(world.source, base=name, variant=variant, seed=seed, people=people)
         self._collisions = self.drive.record("simulator/collisions", int)
+        self._strikes = self.drive.record("simulator/people_struck", int)
+        self._people = self.drive.record("simulator/people", Poses)
+        self._hull = hull_of_outline(self.drive.base.footprint)
         self._grid = world.grid
         footprint = footprint_of_outline(self.drive.base.footprint, world.grid.resolution)
         self._free = free_cells(world.grid, passage_radius(footprint))
@@ -32,6 +39,11 @@ class MemoryDriver:
     def collisions(self) -> int:
         """The contacts of the robot so far."""
         return self._collisions[-1] if self._collisions else 0
+
+    @property
+    def comfort(self) -> Comfort:
+        """The comfort of people so far."""
+        return judge_comfort(self._hull, self.drive.truths, self._people, self._strikes[-1] if self._strikes else 0)
 
     def go(self, goal: Goal, limit: float = _LIMIT) -> Drive:
         """Send a goal and let it end, at most after `limit` s."""

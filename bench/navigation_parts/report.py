@@ -7,10 +7,13 @@ import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
+from bench.navigation_parts.comfort import FREEZE, NEAR, Comfort
 from bench.navigation_parts.driver import Drive
 from bench.navigation_parts.explored import ExploredMap
 from bench.navigation_parts.stack import Usage
 from bench.navigation_parts.worlds import Goal
+
+CLOSEST = 0.25  # m to people while the robot moves
 
 
 def print_explored(world: str, explored: ExploredMap) -> None:
@@ -64,6 +67,14 @@ def print_report(
         print(f"  {name:22} {share:5.1f} % of a core  {usage.memory:6.1f} MB")
     print(f"  {'all nodes':22} {total:5.1f} % of a core  {memory:6.1f} MB", flush=True)
     return reached == len(drives) and not collisions
+
+
+def print_comfort(comfort: Comfort) -> bool:
+    """The figures of people; whether the robot ran into none and kept its distance."""
+    print(f"  people        {comfort.closest:.2f} m of room at least while it moves, less than {NEAR:g} m for")
+    print(f"                {comfort.near:.1f} s of {comfort.seconds:.0f} s; {comfort.freezes} rests of {FREEZE:g} s,")
+    print(f"                {comfort.strikes} contacts that the robot caused", flush=True)
+    return not comfort.strikes and comfort.closest >= CLOSEST
 
 
 def write_figures(

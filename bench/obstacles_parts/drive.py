@@ -18,19 +18,20 @@ from numpy.typing import NDArray
 
 from ur.robot.base import Base
 from ur.worlds.world_file import WorldModel
+from ur_nodes.geometry.hull import Floats
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.motion.mux import MuxState, start_mux, step
 from ur_nodes.motion.mux_events import Event, GuardChanged, MuxSettings, Source, Velocity, VelocityCommand
 from ur_nodes.motion.obstacle_stop.base import contact_points, make_sight
 from ur_nodes.motion.obstacle_stop.guard import make_guard
-from ur_nodes.motion.obstacle_stop.hull import Floats
 from ur_nodes.motion.obstacle_stop.sensors import RangeSensor
 from ur_nodes.motion.obstacle_stop.sight import MEMORY, SensorRanges, Sight, look, move, touch
 from ur_nodes.motion.obstacle_stop.track import Odometer
 from ur_nodes.motion.ramp import axes_of
+from ur_nodes.simulator.schedule import SimulationTick
 from ur_nodes.simulator.sensors.bumpers import BumperSense
 from ur_nodes.simulator.sensors.sonars import SonarSense
-from ur_nodes.simulator.simulation import Simulation, SimulationTick
+from ur_nodes.simulator.simulation import Simulation
 
 _COMMAND_DELAY, _SENSOR_DELAY = 0.01, 0.02  # s
 _COMMANDS = 30.0  # Hz

@@ -19,6 +19,8 @@ from ur.worlds.map_keys import parse_map_file
 if TYPE_CHECKING:
     from ur.worlds.map_file import MapImage
 
+MOST_PEOPLE = 50
+
 # Name: cells along an edge without the black border, number of markers.
 DICTIONARIES = {f"{n}X{n}_{count}": (n, count) for n in (4, 5, 6, 7) for count in (50, 100, 250, 1000)}
 
@@ -66,7 +68,10 @@ class Fiducial:
 
 @dataclass(frozen=True, slots=True)
 class WorldModel:
-    """The world of the robots, in the map frame: m, rad. `start` (x, y, yaw) is where they begin."""
+    """The world of the robots, in the map frame: m, rad.
+
+    `start` (x, y, yaw) is where they begin, `people` the number of people who walk in it.
+    """
 
     floor_plan: MapImage
     wall_height: float
@@ -76,6 +81,7 @@ class WorldModel:
     start: tuple[float, float, float]
     fiducials: tuple[Fiducial, ...] = ()
     drops: tuple[Drop, ...] = ()
+    people: int = 0
 
 
 def read_world(path: str | Path) -> WorldModel:
@@ -97,6 +103,9 @@ def check_world(top: Section, path: Path) -> None:
 def _read_parts(top: Section) -> Callable[[MapImage], WorldModel]:
     start = top.numbers("start", 3, (0.0, 0.0, 0.0))
     seen: set[str] = set()
+    people = top.integer("people", 0, minimum=0)
+    if people > MOST_PEOPLE:
+        top.fail("people", f"people: {people}, expected at most {MOST_PEOPLE}")
     world = partial(
         WorldModel,
         wall_height=top.number("wall_height", 1.0, minimum=0.05, maximum=100.0),
@@ -106,6 +115,7 @@ def _read_parts(top: Section) -> Callable[[MapImage], WorldModel]:
         start=(start[0], start[1], start[2]),
         fiducials=_fiducials(top.optional_section("fiducials")),
         drops=tuple(_drop(part) for part in top.sections("drops")),
+        people=people,
     )
     top.finish()
     return world

@@ -1,6 +1,6 @@
 """World and robots as a MuJoCo model (MJCF text).
 
-Groups of shapes: lidars see 0 walls and boxes, 1 obstacles, 2 robots; not 3 wheels and casters, 4 the floor.
+Groups of shapes: lidars see 0 walls and boxes, 1 obstacles and people, 2 robots; not 3 wheels and casters, 4 the floor.
 """
 
 from __future__ import annotations
@@ -21,10 +21,16 @@ TIME_STEP = 0.005
 GRAVITY = 9.81
 LIDAR_GROUPS = (1, 1, 1, 0, 0, 0)
 
+PERSON_RADIUS = 0.2
+"""Half the width of a person, m."""
+
 # Two shapes collide when one's type meets the other's affinity.
-_WALL, _BODY, _OBSTACLE, _ROLLING = 1, 2, 4, 8
+_WALL, _BODY, _OBSTACLE, _ROLLING, _PERSON = 1, 2, 4, 8, 16
 _SCRAPE = 0.3  # friction of a chassis along a wall
 _LIDAR_HEAD = 0.03  # a lidar's housing ends this far above its beams
+_PERSON_SIDES = 8
+_PERSON_HEIGHT = 1.7  # m
+_WAITING_ROOM = 1000.0  # m: people are placed before the first step
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,9 +48,10 @@ def build_model(
 ) -> str:
     """MJCF of a world with a number of robots of one base; the first at `start`, the others behind it, out of reach.
 
-    Names: bodies `robot_<n>` (origin on the ground between the wheels) and `obstacle/<name>`; shapes `chassis_<n>`;
-    joints `left_<n>` and `right_<n>`; actuators of the same names take wheel speeds in rad/s; sites `lidar_<n>`.
-    With `scenery` the state (qpos) means the same.
+    Names: bodies `robot_<n>` (origin on the ground between the wheels), `obstacle/<name>` and `person_<n>` (until they
+    are moved they wait outside of the floor plan); shapes `chassis_<n>`, and `person_<n>`; joints `left_<n>` and
+    `right_<n>`; actuators of the same names take wheel speeds in rad/s; sites `lidar_<n>`.
+    With `scenery` the state means the same.
     """
     scenery = scenery or Scenery()
     top = _body_top(base)
@@ -53,12 +60,14 @@ def build_model(
         '<mujoco model="world"><compiler angle="radian" autolimits="true"/>',
         f'<option timestep="{TIME_STEP}" gravity="0 0 -{GRAVITY}" integrator="Euler" cone="elliptic">',
         '<flag sleep="enable"/></option>',
-        f'{scenery.options}<asset><mesh name="chassis" vertex="{corners}"/>{scenery.assets}</asset><worldbody>',
+        f'{scenery.options}<asset><mesh name="chassis" vertex="{corners}"/>{_person_mesh(world)}',
+        f"{scenery.assets}</asset><worldbody>",
         f'<geom name="floor" type="plane" size="100 100 1" group="4" contype="0" conaffinity="{_OBSTACLE | _ROLLING}"'
         f' condim="3" priority="1" friction="{world.floor_friction:g} 0.005 0.0001"/>',
         *_walls(world),
         *(_box_geom(box, f"box/{box.name}") for box in world.boxes),
         *(_obstacle(box) for box in world.obstacles),
+        *(_person(number) for number in range(world.people)),
         scenery.shapes,
         *(_robot(base, number, start_pose(base, number, start), scenery) for number in range(robots)),
         "</worldbody><actuator>",
@@ -108,6 +117,25 @@ def _obstacle(box: Box) -> str:
     )
 
 
+def _person_mesh(world: WorldModel) -> str:
+    """The shape of a person: an upright prism."""
+    if not world.people:
+        return ""
+    turns = [math.tau * number / _PERSON_SIDES for number in range(_PERSON_SIDES)]
+    corners = [(PERSON_RADIUS * math.cos(turn), PERSON_RADIUS * math.sin(turn)) for turn in turns]
+    points = " ".join(f"{x:.6f} {y:.6f} {z:g}" for z in (0.0, _PERSON_HEIGHT) for x, y in corners)
+    return f'<mesh name="person" vertex="{points}"/>'
+
+
+def _person(number: int) -> str:
+    """A body that others move. It collides with robots only, which do not push it."""
+    return (
+        f'<body name="person_{number}" mocap="true" pos="{_WAITING_ROOM + number!r} {_WAITING_ROOM!r} 0">'
+        f'<geom name="person_{number}" type="mesh" mesh="person" rgba="0.3 0.4 0.6 1" contype="{_PERSON}"'
+        f' conaffinity="0" friction="{_SCRAPE} 0.005 0.0001" group="1"/></body>'
+    )
+
+
 def _half(box: Box) -> str:
     return " ".join(repr(length / 2.0) for length in box.size)
 
@@ -127,7 +155,7 @@ def _robot(base: Base, number: int, pose: tuple[float, float, float], scenery: S
         f'<body name="robot_{number}" pos="{x!r} {y!r} 0" euler="0 0 {yaw!r}"><freejoint name="robot_{number}"/>'
         f'<inertial pos="{centre_x!r} {centre_y!r} {centre_z!r}" mass="{mass!r}" diaginertia="{inertia}"/>'
         f'<geom name="chassis_{number}" type="mesh" mesh="chassis" contype="{_BODY}"'
-        f' conaffinity="{_WALL | _BODY | _OBSTACLE}" friction="{_SCRAPE} 0.005 0.0001" group="2"/>'
+        f' conaffinity="{_WALL | _BODY | _OBSTACLE | _PERSON}" friction="{_SCRAPE} 0.005 0.0001" group="2"/>'
         f'<site name="lidar_{number}" pos="{" ".join(map(repr, lidar[:3]))}" euler="{" ".join(map(repr, lidar[3:]))}"/>'
         + "".join(scenery.robot[number : number + 1])
         + "".join(_caster(caster) for caster in base.casters)

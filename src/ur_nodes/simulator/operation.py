@@ -5,11 +5,12 @@ from __future__ import annotations
 from ur.source.diagnostic import UserError
 from ur_nodes.ports.node import SECOND, Node, Timer
 from ur_nodes.ports.services import Place, Silent, Switch, Trigger
-from ur_nodes.ports.values import ClockTime, Result
+from ur_nodes.ports.values import ClockTime, Poses, Result
 from ur_nodes.simulator.camera.camera_topics import SimulatedCameraTopics
 from ur_nodes.simulator.devices.bench import DeviceBench
 from ur_nodes.simulator.pacing import Pacer
 from ur_nodes.simulator.robot_topics import RobotTopics
+from ur_nodes.simulator.schedule import SimulationTick
 from ur_nodes.simulator.sensor_topics import SensorTopics
 from ur_nodes.simulator.settings import SimulatorSettings, list_prefixes
 from ur_nodes.simulator.simulation import Simulation
@@ -39,6 +40,7 @@ class Operation:
         self._clock = node.publish("/clock", ClockTime, settings.quality) if settings.publish_clock else None
         self._next_clock = self._next_joints = 0.0
         self._transforms = node.publish("/tf", tuple, settings.quality)
+        self._people = node.publish("~people", Poses, settings.quality) if simulation.has_people else None
         prefixes = list_prefixes(simulation)
         covered = bench.covers if bench else frozenset[str]()
         self._robots = [
@@ -83,18 +85,28 @@ class Operation:
             self._next_joints = tick.time + 1.0 / self._settings.joint_rate - 1e-6
         if placed and not self._bench and self._transforms.listeners():
             self._transforms.send(tuple(robot.transform(stamp) for robot in self._robots))
-        for robot, collisions in zip(self._robots, self._simulation.collisions, strict=True):
+        self._send_robots(tick, stamp, joints=joints)
+        if tick.odometry:
+            self._send_people(stamp)
+        for sensors in self._sensors:
+            sensors.send(tick, stamp)
+        if tick.picture and self._camera:
+            self._camera.offer(stamp, self._simulation.state())
+
+    def _send_robots(self, tick: SimulationTick, stamp: int, *, joints: bool) -> None:
+        simulation = self._simulation
+        for robot, collisions, strikes in zip(self._robots, simulation.collisions, simulation.strikes, strict=True):
             if tick.odometry:
                 robot.send_odometry(stamp)
             if tick.scan:
                 robot.send_scan(stamp)
             if joints:
                 robot.send_joints(stamp)
-            robot.send_collisions(collisions)
-        for sensors in self._sensors:
-            sensors.send(tick, stamp)
-        if tick.picture and self._camera:
-            self._camera.offer(stamp, self._simulation.state())
+            robot.send_collisions(collisions, strikes)
+
+    def _send_people(self, stamp: int) -> None:
+        if self._people and self._people.listeners():
+            self._people.send(Poses(stamp, self._settings.frames.map, self._simulation.people))
 
     def _watch(self, camera: SimulatedCameraTopics) -> None:
         """Make pictures due only while their topics have listeners."""

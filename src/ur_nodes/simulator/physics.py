@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import mujoco
@@ -51,6 +52,7 @@ class Physics:
         self._owner = np.full(self._model.ngeom, -1)
         for n in range(robots):
             self._owner[self._model.geom(f"chassis_{n}").id] = n
+        self._people = np.array([self._model.geom(f"person_{n}").id for n in range(self._model.nmocap)], dtype=np.intp)
         self._spins = [
             [int(self._model.joint(f"{side}_{n}").dofadr[0]) for side in ("left", "right")] for n in range(robots)
         ]
@@ -80,8 +82,23 @@ class Physics:
         return float(self._data.qvel[left]), float(self._data.qvel[right])
 
     def state(self) -> npt.NDArray[np.float64]:
-        """A copy of the positions of everything (qpos)."""
-        return np.array(self._data.qpos, np.float64)
+        """A copy of the positions of everything; see `take_state`."""
+        data = self._data
+        return np.concatenate((data.qpos, data.mocap_pos.ravel(), data.mocap_quat.ravel()))
+
+    def move_people(self, places: npt.NDArray[np.float64], headings: Sequence[float]) -> None:
+        """Put people at places (n, 2), facing so (rad)."""
+        self._data.mocap_pos[:, :2] = places
+        halves = 0.5 * np.asarray(headings)
+        self._data.mocap_quat[:, 0], self._data.mocap_quat[:, 3] = np.cos(halves), np.sin(halves)
+
+    def touched_people(self, robot: int) -> frozenset[int]:
+        """The people that a robot's chassis touches, by number."""
+        if not len(self._people) or not self._data.ncon:
+            return frozenset()
+        pairs = self._data.contact.geom
+        touched = pairs[(self._owner[pairs] == robot).any(axis=1)]
+        return frozenset(np.flatnonzero(np.isin(self._people, touched)).tolist())
 
     def pose(self, robot: int) -> Pose2:
         """Return the pose of a robot's base_footprint in the map."""
@@ -168,3 +185,9 @@ class Physics:
     def _freejoint(self, name: str) -> tuple[int, int]:
         joint = self._model.joint(name)
         return int(joint.qposadr[0]), int(joint.dofadr[0])
+
+
+def take_state(model: mujoco.MjModel, data: mujoco.MjData, state: npt.NDArray[np.float64]) -> None:
+    """Put everything where it was when `Physics.state` made a state of the same model."""
+    data.qpos[:], places, turns = np.split(state, (model.nq, model.nq + 3 * model.nmocap))
+    data.mocap_pos[:], data.mocap_quat[:] = places.reshape(-1, 3), turns.reshape(-1, 4)

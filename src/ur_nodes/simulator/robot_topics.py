@@ -44,7 +44,8 @@ class RobotTopics:
         self._lidar, self._lidar_frame = lidar, prefix + lidar.frame if lidar else ""
         self._scan = node.publish(prefix + lidar.topic, Scan, quality) if lidar and not real else None
         self._collisions = node.publish(f"~{prefix}collisions", int, Quality.LATCHED)
-        self._sent_collisions = -1
+        self._strikes = node.publish(f"~{prefix}people_struck", int, Quality.LATCHED) if simulation.has_people else None
+        self._sent_collisions = self._sent_strikes = -1
         if not real:
             node.subscribe(f"{prefix}cmd_vel", Twist, self._take_command)
 
@@ -95,8 +96,11 @@ class RobotTopics:
             angles, speeds = self._simulation.wheel_angles(self._robot), self._simulation.wheel_speeds(self._robot)
             self._joints.send(Joints(stamp, self._wheels, angles, speeds))
 
-    def send_collisions(self, count: int) -> None:
-        """Send the number of collisions of the robot when it changes."""
+    def send_collisions(self, count: int, strikes: int) -> None:
+        """Send the numbers of collisions of the robot, and of those of them with people, when they change."""
         if count != self._sent_collisions:
             self._sent_collisions = count
             self._collisions.send(count)
+        if self._strikes and strikes != self._sent_strikes:
+            self._sent_strikes = strikes
+            self._strikes.send(strikes)

@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Collection
 
 from ur_nodes.ports.node import Node
+from ur_nodes.simulator.schedule import SimulationTick
 from ur_nodes.simulator.settings import SimulatorSettings
-from ur_nodes.simulator.simulation import Simulation, SimulationTick
+from ur_nodes.simulator.simulation import Simulation
 
 
 class SensorTopics:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
@@ -12,10 +11,14 @@ from ur.robot.base import Base
 from ur.source.diagnostic import UserError, error
 from ur.source.suggest import did_you_mean
 from ur.worlds.world_file import WorldModel
+from ur_nodes.geometry.hull import hull_of_outline
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.motion.wheel_drive import WheelDrive
-from ur_nodes.simulator.mujoco_model import TIME_STEP, build_model
+from ur_nodes.simulator.mujoco_model import TIME_STEP, build_model, start_pose
+from ur_nodes.simulator.people.crowd import Crowd, SeenRobot
+from ur_nodes.simulator.people.strike import Strikes
 from ur_nodes.simulator.physics import Physics
+from ur_nodes.simulator.schedule import Schedule, SimulationTick
 from ur_nodes.simulator.senses import Senses
 from ur_nodes.simulator.sensors.lidar import make_lidars
 from ur_nodes.simulator.sensors.odometry import EncoderOdometry
@@ -23,52 +26,6 @@ from ur_nodes.simulator.sensors.odometry import EncoderOdometry
 CONTROL_RATE = 50.0  # Hz
 COLLISION_PAUSE = 0.5  # s
 _PLACED = frozenset(("odometry", "scan"))  # they come with the robot's place
-
-
-class Schedule:
-    """A periodic event at a rate (Hz), due each time at the first time step that is not too early."""
-
-    def __init__(self, rate: float, after: int = 0) -> None:
-        """The first time is the one after step `after`."""
-        self._steps = 1.0 / (rate * TIME_STEP)
-        self._number = math.floor(after / self._steps + 1e-6) + 1
-        self.step = max(after + 1, self._step_of(self._number))
-
-    def take(self, step: int) -> bool:
-        """Return True when the event is due at a step, and schedule the next one."""
-        if step < self.step:
-            return False
-        self._number += 1
-        self.step = max(step + 1, self._step_of(self._number))
-        return True
-
-    def _step_of(self, number: int) -> int:
-        return math.ceil(number * self._steps - 1e-6)
-
-
-@dataclass(frozen=True, slots=True)
-class SimulationTick:
-    """All that is due at a time (s since the start): control, odometry, scan, picture, and sensors by key."""
-
-    time: float
-    due: frozenset[str]
-    placed: bool = False
-    """True: something in it comes with the robot's place."""
-
-    @property
-    def odometry(self) -> bool:
-        """The odometry is due."""
-        return "odometry" in self.due
-
-    @property
-    def scan(self) -> bool:
-        """The lidar is due."""
-        return "scan" in self.due
-
-    @property
-    def picture(self) -> bool:
-        """A picture is due."""
-        return "picture" in self.due
 
 
 class Simulation:
@@ -89,6 +46,8 @@ class Simulation:
         self.robots = robots
         self._world = world
         self._seed = seed
+        self._starts = [start_pose(base, number, start or world.start) for number in range(robots)]
+        self._hull = hull_of_outline(base.footprint)
         self._physics = Physics(build_model(world, base, robots, start or world.start), robots)
         self._lidars = make_lidars(self._physics.model, base.lidar, robots) if base.lidar else []
         self._steps_before = 0
@@ -119,6 +78,23 @@ class Simulation:
         """The number of collisions of each robot since the start or the last reset."""
         return tuple(self._collisions)
 
+    @property
+    def strikes(self) -> tuple[int, ...]:
+        """Those of them in which the robot ran into a person, by its own motion."""
+        return self._strikes.counts
+
+    @property
+    def has_people(self) -> bool:
+        """Return whether people walk in the world."""
+        return self._crowd is not None
+
+    @property
+    def people(self) -> npt.NDArray[np.float64]:
+        """The poses (n, 3) of the people in the map."""
+        if self._crowd is None:
+            return np.empty((0, 3))
+        return np.column_stack((self._crowd.places, self._crowd.headings))
+
     def command(self, robot: int, linear: float, angular: float) -> None:
         """A velocity command that arrives now: m/s, rad/s. It takes effect with the next control period."""
         self._drives[robot].command(linear, angular, self.time)
@@ -148,6 +124,7 @@ class Simulation:
             senses.sample(now, self._step * TIME_STEP)
         if "control" in now:
             self._update_drives()
+            self._move_people(1.0 / CONTROL_RATE)
         return SimulationTick(self.time, frozenset(now), placed)
 
     def take_pictures(self, rate: float) -> None:
@@ -158,7 +135,7 @@ class Simulation:
             self._schedules["picture"] = Schedule(rate, self._step)
 
     def state(self) -> npt.NDArray[np.float64]:
-        """A copy of where everything is (MuJoCo's qpos), for who draws it."""
+        """A copy of where everything is, for the process that draws it; see `physics.take_state`."""
         return self._physics.state()
 
     def odometry(self, robot: int) -> EncoderOdometry:
@@ -247,6 +224,9 @@ class Simulation:
         self._placed = _PLACED | {name for name, sense in own.items() if sense.placed}
         self._schedules = {name: Schedule(rate) for name, rate in rates.items() if rate > 0.0}
         self.take_pictures(self._picture_rate)
+        self._crowd = Crowd(self._world, self._seed, self._starts) if self._world.people else None
+        self._strikes = Strikes(self.robots)
+        self._move_people(0.0)
         self._touched = [-math.inf] * self.robots
         self._collisions = [0] * self.robots
         for robot, odometry in enumerate(self._odometry):
@@ -258,9 +238,25 @@ class Simulation:
                 continue
             self._physics.set_wheel_speeds(robot, *drive.update(self.time))
 
+    def _move_people(self, seconds: float) -> None:
+        if self._crowd is None:
+            return
+        if self._crowd.is_due(self._step * TIME_STEP):
+            velocities = [self._physics.velocity(robot) for robot in range(self.robots)]
+            robots = [
+                SeenRobot(self._hull, self._physics.pose(robot), forward, turn)
+                for robot, (forward, _, turn) in enumerate(velocities)
+            ]
+            self._crowd.decide(self._step * TIME_STEP, robots)
+        self._crowd.advance(seconds)
+        self._physics.move_people(self._crowd.places, self._crowd.headings)
+
     def _notice_touch(self) -> None:
         """Contacts flicker: one that comes back soon is the same collision."""
         for robot in self._physics.touching():
+            if self._crowd is not None:
+                touched = [self._crowd.places[person] for person in self._physics.touched_people(robot)]
+                self._strikes.notice(robot, self.pose(robot), self.velocity(robot), touched, self.time)
             self.senses[robot].feel_touch(self.time)
             if self.time - self._touched[robot] > COLLISION_PAUSE:
                 self._collisions[robot] += 1

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 from ur.robot.base import Base, load_base
 from ur.source.project import launch_library
-from ur.worlds.world_file import WorldModel, read_world
+from ur.worlds.world_file import MOST_PEOPLE, WorldModel, read_world
 from ur_nodes.ports.node import Node
 from ur_nodes.ports.parameters import Parameters
 from ur_nodes.run import run
@@ -48,8 +49,11 @@ def open_devices(own: Parameters, simulation: Simulation) -> DeviceBench | None:
 def make_simulation(own: Parameters, world: WorldModel, base: Base) -> Simulation:
     """The simulation that parameters ask for. Raises UserError: a robot would begin in a wall."""
     x, y, yaw = world.start
+    people = own.integer("people", -1, minimum=-1)
+    if people > MOST_PEOPLE:
+        own.fail("people", people, f"a whole number of at most {MOST_PEOPLE}")
     return Simulation(
-        world,
+        world if people < 0 else replace(world, people=people),
         base,
         robots=own.integer("robots", 1, minimum=1),
         seed=own.integer("seed", 0, minimum=0),

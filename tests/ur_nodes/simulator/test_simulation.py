@@ -9,7 +9,8 @@ import pytest
 from ur.robot.base import Base
 from ur.source.diagnostic import UserError
 from ur.worlds.world_file import WorldModel
-from ur_nodes.simulator.simulation import Schedule, Simulation, SimulationTick
+from ur_nodes.simulator.schedule import Schedule, SimulationTick
+from ur_nodes.simulator.simulation import Simulation
 
 Drive = Callable[..., None]
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from ur.robot.base import Base
 from ur.source.printable import printable
+from ur_nodes.geometry.hull import Floats, Hull, hull_of_outline
 from ur_nodes.motion.obstacle_stop.guard import reach_of
-from ur_nodes.motion.obstacle_stop.hull import Floats, Hull, hull_of_outline
 from ur_nodes.motion.obstacle_stop.sensors import sensors_of
 from ur_nodes.motion.obstacle_stop.sight import Contact, Sight
 

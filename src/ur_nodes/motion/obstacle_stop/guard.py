@@ -21,7 +21,8 @@ from typing import Literal
 import numpy as np
 
 from ur.robot.base import MotionLimits
-from ur_nodes.motion.obstacle_stop.hull import Floats, Hull, time_to_contact
+from ur_nodes.geometry.hull import Floats, Hull
+from ur_nodes.motion.obstacle_stop.contact_time import time_to_contact
 from ur_nodes.motion.obstacle_stop.sensors import covers
 from ur_nodes.motion.obstacle_stop.sight import Sight
 

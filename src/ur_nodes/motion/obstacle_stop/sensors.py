@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ur.robot.base import Base
+from ur_nodes.geometry.hull import Hull
 from ur_nodes.geometry.rigid import from_angles
 from ur_nodes.geometry.scan import SensorMount
-from ur_nodes.motion.obstacle_stop.hull import Hull
 
 Floats = NDArray[np.float64]
 

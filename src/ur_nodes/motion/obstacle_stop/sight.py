@@ -13,8 +13,8 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from ur_nodes.geometry.hull import Floats, Hull
 from ur_nodes.geometry.scan import classify_ranges, directions_of_beams, ends_of_beams
-from ur_nodes.motion.obstacle_stop.hull import Floats, Hull
 from ur_nodes.motion.obstacle_stop.sensors import RangeSensor
 from ur_nodes.motion.obstacle_stop.track import Odometer, Track, follow
 

@@ -90,7 +90,7 @@ class CameraProcess:
         return self._process.pid
 
     def take(self, robot: int, state: npt.NDArray[np.float64], *, pixels: bool, jpeg: bool) -> RenderedPicture:
-        """Render a robot's camera picture in a state (MuJoCo's qpos). Raises UserError when the process has ended."""
+        """Render a robot's camera picture in a state (`Physics.state`). Raises UserError when the process has ended."""
         assert self._process.stdin is not None
         assert self._process.stdout is not None
         try:
@@ -178,6 +178,8 @@ def serve(requests: BinaryIO, answers: BinaryIO) -> int:
         except (AttributeError, ImportError):  # PyOpenGL's, where the library that it wraps is missing
             raise RuntimeError(_ABSENT) from None
 
+        from ur_nodes.simulator.physics import take_state
+
         textures = draw_textures(job.fiducials)
         model = mujoco.MjModel.from_xml_string(job.model, textures)
         data = mujoco.MjData(model)
@@ -192,7 +194,7 @@ def serve(requests: BinaryIO, answers: BinaryIO) -> int:
     try:
         while True:
             robot, pixels, jpeg, size = _REQUEST.unpack(_read(requests, _REQUEST.size))
-            data.qpos[:] = np.frombuffer(_read(requests, size))
+            take_state(model, data, np.frombuffer(_read(requests, size)))
             mujoco.mj_kinematics(model, data)
             mujoco.mj_camlight(model, data)
             renderer.update_scene(data, f"camera_{robot}")
