@@ -22,7 +22,7 @@ _MOVING, _TURNING = 0.02, 0.1  # m/s, rad/s
 
 @dataclass(frozen=True, slots=True)
 class Comfort:
-    """Figures of some drives. `closest` is the least room (m) while the robot moves, `near` seconds of that below NEAR."""
+    """Figures of some drives. `closest` is the least room (m) while the robot moves, `near` the seconds below NEAR."""
 
     closest: float
     near: float
