@@ -15,7 +15,7 @@ from ur_nodes.geometry.hull import hull_of_outline
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.motion.wheel_drive import WheelDrive
 from ur_nodes.simulator.mujoco_model import TIME_STEP, build_model, start_pose
-from ur_nodes.simulator.people.crowd import Crowd, SeenRobot
+from ur_nodes.simulator.people.pedestrians import NearbyRobot, Pedestrians
 from ur_nodes.simulator.people.strike import Strikes
 from ur_nodes.simulator.physics import Physics
 from ur_nodes.simulator.schedule import Schedule, SimulationTick
@@ -224,7 +224,7 @@ class Simulation:
         self._placed = _PLACED | {name for name, sense in own.items() if sense.placed}
         self._schedules = {name: Schedule(rate) for name, rate in rates.items() if rate > 0.0}
         self.take_pictures(self._picture_rate)
-        self._crowd = Crowd(self._world, self._seed, self._starts) if self._world.people else None
+        self._crowd = Pedestrians(self._world, self._seed, self._starts) if self._world.people else None
         self._strikes = Strikes(self.robots)
         self._move_people(0.0)
         self._touched = [-math.inf] * self.robots
@@ -244,7 +244,7 @@ class Simulation:
         if self._crowd.is_due(self._step * TIME_STEP):
             velocities = [self._physics.velocity(robot) for robot in range(self.robots)]
             robots = [
-                SeenRobot(self._hull, self._physics.pose(robot), forward, turn)
+                NearbyRobot(self._hull, self._physics.pose(robot), forward, turn)
                 for robot, (forward, _, turn) in enumerate(velocities)
             ]
             self._crowd.decide(self._step * TIME_STEP, robots)

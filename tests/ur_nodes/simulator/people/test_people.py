@@ -15,7 +15,7 @@ from ur.worlds.world_file import Box, WorldModel
 from ur_nodes.geometry.hull import hull_of_outline
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.simulator.mujoco_model import PERSON_RADIUS
-from ur_nodes.simulator.people.crowd import Crowd, SeenRobot
+from ur_nodes.simulator.people.pedestrians import NearbyRobot, Pedestrians
 from ur_nodes.simulator.people.strike import Strikes
 from ur_nodes.simulator.simulation import Simulation
 
@@ -80,10 +80,10 @@ def test_people_do_not_walk_into_a_robot_at_rest(room: WorldModel, stage: Base) 
 
 
 def test_one_who_stands_in_the_way_leaves_when_a_robot_waits(room: WorldModel, stage: Base) -> None:
-    crowd = Crowd(replace(room, people=1), 0, [])
+    crowd = Pedestrians(replace(room, people=1), 0, [])
     crowd._people[0].until = 1000.0
     crowd.places[0] = (2.0, 0.0)
-    robot = SeenRobot(hull_of_outline(stage.footprint), Pose2(1.0, 0.0, 0.0), 0.0, 0.0)
+    robot = NearbyRobot(hull_of_outline(stage.footprint), Pose2(1.0, 0.0, 0.0), 0.0, 0.0)
     for step in range(100):
         crowd.decide(0.1 * step, [robot])
         crowd.advance(0.1)

@@ -38,7 +38,7 @@ _ARRIVED = 0.15  # m
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class SeenRobot:
+class NearbyRobot:
     """A robot as people see it: its outline, its pose in the map, and its velocity, m/s and rad/s."""
 
     hull: Hull
@@ -61,7 +61,7 @@ class _Person:
     blocked: float = 0.0
 
 
-class Crowd:
+class Pedestrians:
     """The people of a world. Positions and velocities are in the map frame: m, m/s."""
 
     def __init__(self, world: WorldModel, seed: int, robots: Sequence[Pose2]) -> None:
@@ -91,7 +91,7 @@ class Crowd:
         """Return whether people decide at a time (s)."""
         return time >= self._next - 1e-9
 
-    def decide(self, time: float, robots: Sequence[SeenRobot]) -> None:
+    def decide(self, time: float, robots: Sequence[NearbyRobot]) -> None:
         """Choose velocities until the next decision; robots are where they are now."""
         self._next = time + _PERIOD
         for number, person in enumerate(self._people):
@@ -101,7 +101,7 @@ class Crowd:
         """Walk on for so long."""
         self.places = self.places + self.velocities * seconds
 
-    def _decide(self, number: int, person: _Person, time: float, robots: Sequence[SeenRobot]) -> None:
+    def _decide(self, number: int, person: _Person, time: float, robots: Sequence[NearbyRobot]) -> None:
         """Set the velocity of one person until the next decision."""
         here = self.places[number]
         near = [robot for robot in robots if math.dist(robot.pose[:2], here) < _SEEN]
@@ -130,7 +130,7 @@ class Crowd:
         if person.blocked > person.patience:
             self._turn_round(number, person, near)
 
-    def _may_walk(self, number: int, person: _Person, velocity: Floats, robots: Sequence[SeenRobot]) -> bool:
+    def _may_walk(self, number: int, person: _Person, velocity: Floats, robots: Sequence[NearbyRobot]) -> bool:
         """Return whether walking so is free of walls, and brings the person too near to none."""
         here = self.places[number]
         (x, y), (vx, vy) = here.tolist(), velocity.tolist()
@@ -143,7 +143,7 @@ class Crowd:
                 return False
         return all(_keeps_space(here, velocity, person.space, robot) for robot in robots)
 
-    def _give_way(self, number: int, person: _Person, time: float, robots: Sequence[SeenRobot]) -> None:
+    def _give_way(self, number: int, person: _Person, time: float, robots: Sequence[NearbyRobot]) -> None:
         """One who stands leaves when a robot has been waiting in front for a while."""
         here = self.places[number]
         waits = any(abs(robot.forward) < _RESTING and _gap(robot.hull, robot.pose, here) < _WAITING for robot in robots)
@@ -152,7 +152,7 @@ class Crowd:
             person.until = time
             self._turn_round(number, person, robots)
 
-    def _turn_round(self, number: int, person: _Person, robots: Sequence[SeenRobot]) -> None:
+    def _turn_round(self, number: int, person: _Person, robots: Sequence[NearbyRobot]) -> None:
         """Choose a place to which the way leads away from robots, if there is one."""
         here = self.places[number]
         person.blocked, person.route = 0.0, []
@@ -193,7 +193,7 @@ class Crowd:
         person.route = route
 
 
-def _keeps_space(here: Floats, velocity: Floats, space: float, robot: SeenRobot) -> bool:
+def _keeps_space(here: Floats, velocity: Floats, space: float, robot: NearbyRobot) -> bool:
     """Return whether one who walks so keeps away from a robot that goes on as it does, or leaves its space."""
     now = _gap(robot.hull, robot.pose, here)
     for seconds in _AHEAD.tolist():
