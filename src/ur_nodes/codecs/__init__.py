@@ -34,19 +34,19 @@ _MODULE_OF = {kind: module for module, kinds in _MODULES.items() for kind in kin
 
 
 def find_codec(kind: type[Value]) -> KindCodec[Value]:
-    """The codec of a kind of value. Raises KeyError: no message is known for it."""
+    """Return the codec of a kind of value. Raises KeyError if no message is known for it."""
     codec: KindCodec[Value] = importlib.import_module(_MODULE_OF[kind.__name__]).CODECS[kind]
     return codec
 
 
 def find_service(kind: type[Value]) -> KindServiceCodec[Value]:
-    """The codec of a kind of request. Raises KeyError: no service is known for it."""
+    """Return the codec of a kind of request. Raises KeyError if no service is known for it."""
     codec: KindServiceCodec[Value] = importlib.import_module(_MODULE_OF[kind.__name__]).SERVICES[kind]
     return codec
 
 
 def find_offered(kind: type[Value]) -> KindServiceCodec[Value] | None:
-    """As `find_service`; None for a service whose messages need not be installed, and are not."""
+    """Return the codec of a kind of request; None for an optional service whose messages are not installed."""
     name = _MODULE_OF[kind.__name__]
     if name == _OPTIONAL and kind not in importlib.import_module(name).SERVICES:
         return None

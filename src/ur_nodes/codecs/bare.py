@@ -19,13 +19,13 @@ _MOST = 10_000  # transforms of a message
 
 
 class MessageWriter:
-    """Bytes of a message that grow."""
+    """Writes the bytes of a message."""
 
     def __init__(self) -> None:
         self._data = bytearray()
 
     def add(self, form: str, *numbers: float) -> None:
-        """Add numbers of one size, by `struct`'s letters."""
+        """Add numbers of one size, with a format of `struct`."""
         self._data += bytes(-len(self._data) % struct.calcsize(f"<{form[-1]}"))
         self._data += struct.pack(f"<{form}", *numbers)
 
@@ -47,12 +47,12 @@ class MessageWriter:
         self._data += data
 
     def finish(self) -> bytes:
-        """The message."""
+        """Return the message."""
         return _LITTLE_ENDIAN + bytes(self._data)
 
 
 class Reader:
-    """Bytes of a message that are read one after the other. Raises ValueError: they end too early, or are of no CDR."""
+    """Reads the bytes of a message in order. Raises ValueError if they are too short or no CDR."""
 
     def __init__(self, data: bytes) -> None:
         order = _ORDERS.get(bytes(data[:2]))

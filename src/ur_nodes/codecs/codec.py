@@ -20,7 +20,7 @@ LARGE = 1 << 24
 
 @dataclass(frozen=True, slots=True)
 class Codec(Generic[Message, Value]):
-    """A kind of value as messages. `fill` writes a value into one; `value_of` reads it, raises ValueError or UserError.
+    """The messages of a kind of value: `fill` writes a value, `value_of` reads it, and raises ValueError or UserError.
 
     A message may be filled again for the next value. `buffer` is the number of bytes that are read at once.
     """
@@ -33,7 +33,7 @@ class Codec(Generic[Message, Value]):
 
 @dataclass(frozen=True, slots=True)
 class ServiceCodec(Generic[Request, Response, Value]):
-    """A kind of request, and what it is answered with, as the messages of a service.
+    """The messages of a kind of request and of its answer.
 
     `response` raises ServiceFailureError where a failure cannot be reported otherwise.
     """
@@ -58,5 +58,5 @@ def fill_header(message: Headed, stamp: int, frame: str) -> None:
 
 
 def frame_of(message: Headed) -> str:
-    """The frame of a message, without the slash that tf once had."""
+    """Return the frame of a message, without the leading slash of early tf."""
     return str(message.header.frame_id).lstrip("/")

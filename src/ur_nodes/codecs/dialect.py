@@ -84,39 +84,39 @@ class Headed(Protocol):
 
 @lru_cache(maxsize=4)
 def time_of(stamp: int) -> Stamp:
-    """A stamp (ns) as a message has it; messages of one moment share it."""
+    """Convert a stamp (ns) to a message's time; messages of one moment share it."""
     seconds, rest = divmod(stamp, _SECOND)
     return _Time(sec=seconds, nanosec=rest) if ROS_2 else _Time(seconds, rest)
 
 
 def duration_of(seconds: float) -> Span:
-    """A time span as a message has it."""
+    """Convert a duration to a message's."""
     whole, rest = divmod(round(seconds * _SECOND), _SECOND)
     return DurationMessage(sec=whole, nanosec=rest) if ROS_2 else DurationMessage(whole, rest)
 
 
 def stamp_of(time: Stamp | Span) -> int:
-    """The stamp (ns) of a message's time."""
+    """Convert a message's time to a stamp (ns)."""
     return int(time.sec) * _SECOND + int(time.nanosec) if ROS_2 else int(time.secs) * _SECOND + int(time.nsecs)
 
 
 def seconds_of(span: Span) -> float:
-    """A message's time span in s."""
+    """Convert a message's duration to s."""
     return stamp_of(span) / 1e9
 
 
 def number_of(message: Headed) -> int:
-    """The number that the publisher gave a message; 0 on ROS 2, whose headers have none."""
+    """Return the sequence number of a message; 0 on ROS 2, whose headers have none."""
     return 0 if ROS_2 else int(message.header.seq)
 
 
 def bytes_of(field: bytes) -> bytes:
-    """The bytes of a field."""
+    """Return the bytes of a field."""
     return bytes(field)
 
 
 def field_of(values: NDArray[Number]) -> Sequence[Any]:
-    """An array (n) of float32, int8 or uint8 as a message takes it; it is not copied where it need not be."""
+    """Convert an array (n) of float32, int8 or uint8 to a message's field, without a copy where possible."""
     if not ROS_2:
         return cast("Sequence[Any]", values)
     code = {"float32": "f", "int8": "b", "uint8": "B"}[values.dtype.name]
@@ -124,18 +124,18 @@ def field_of(values: NDArray[Number]) -> Sequence[Any]:
 
 
 def array_of(field: Sequence[float], dtype: type[Number]) -> NDArray[Number]:
-    """The array (n) that a message has, which shares its memory where it can."""
+    """Return a message's field as array (n), which shares its memory where possible."""
     if isinstance(field, bytes | bytearray | array):
         return np.frombuffer(field, dtype)
     return np.asarray(field, dtype=dtype)
 
 
 def parts_of(service: ServiceMessages[Request, Response]) -> tuple[type[Request], type[Response]]:
-    """The classes of a service's request and response."""
+    """Return the classes of a service's request and response."""
     if ROS_2:
         return service.Request, service.Response  # type: ignore[attr-defined]  # of ROS 2's classes
     return service._request_class, service._response_class  # noqa: SLF001 - where genpy keeps them
 
 
 class ServiceFailureError(Exception):
-    """A failure that the response of a service has no field for."""
+    """A failure for which the response of a service has no field."""

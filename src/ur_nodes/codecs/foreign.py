@@ -10,7 +10,7 @@ from ur_nodes.codecs.dialect import ROS_2
 
 
 def find_foreign(type_name: str, fields: tuple[str, ...]) -> KindCodec[tuple[Any, ...]]:
-    """A codec that reads fields of a type. Raises LookupError: it is not installed; ValueError: it lacks one."""
+    """Make a codec that reads fields of a type. Raises LookupError: not installed; ValueError: a field is missing."""
     found = _find_ros_2(type_name) if ROS_2 else _find_ros_1(type_name)
     if found is None:
         raise LookupError(type_name)

@@ -42,17 +42,17 @@ def transforms_of(message: Transforms, *, fixed: bool = False) -> tuple[Transfor
 
 
 class Newest:
-    """The moving transforms that were sent last, for nodes that begin to listen: a publisher's first one is lost."""
+    """The moving transforms that were sent last, for new subscribers: a publisher's first message is lost."""
 
     def __init__(self) -> None:
         self._sent: tuple[float, tuple[Transform, ...]] = (-math.inf, ())
 
     def note(self, transforms: tuple[Transform, ...]) -> None:
-        """Note what is sent now."""
+        """Note transforms that are sent now."""
         self._sent = time.monotonic(), transforms
 
     def get(self) -> tuple[Transform, ...]:
-        """The transforms sent in the last second, on any thread: older ones would look as if they held still."""
+        """Return the transforms sent in the last second, on any thread: older ones would look like frames at rest."""
         sent, transforms = self._sent
         return transforms if time.monotonic() - sent < _YOUNG else ()
 

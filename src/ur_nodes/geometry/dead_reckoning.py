@@ -1,4 +1,4 @@
-"""The pose of a base with two driven wheels, from what they rolled, with its covariance."""
+"""The pose of a base with two driven wheels, with its covariance, from the rolled distances."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ SPEED_COVARIANCE = np.diag((1e-4, 1e-6, 1e-3))
 
 
 class DeadReckoning:
-    """Sums up what the wheels rolled. `separation` (m) is between them.
+    """Integrates the rolled distances of two wheels that are `separation` (m) apart.
 
     `variance` is that of a rolled distance, m^2 for each m. Sets `pose` (x, y, yaw: m, rad, from where it began) and
     `covariance` of the pose, the upper triangle xx, xy, xw, yy, yw, ww.
@@ -26,7 +26,7 @@ class DeadReckoning:
         self.covariance = (1e-6, 0.0, 0.0, 1e-6, 0.0, 1e-6)
 
     def move(self, dl: float, dr: float) -> tuple[float, float]:
-        """The left and the right wheel rolled so far, m. Returns the distance of the middle (m) and the turn (rad)."""
+        """Add distances of the left and right wheel, m. Returns the distance of the middle (m) and the turn (rad)."""
         distance, turn = (dl + dr) / 2.0, (dr - dl) / self._separation
         self._spread(dl, dr, distance, turn)
         x, y, yaw = self.pose

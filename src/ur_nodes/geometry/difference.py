@@ -1,4 +1,4 @@
-"""The nearest thing of a map that distinguishes two places, in words. Pure."""
+"""The nearest feature of a map that distinguishes two places, in words. Pure."""
 
 from __future__ import annotations
 
@@ -77,7 +77,7 @@ _DIRECTIONS = (
 
 
 def _heaped(marks: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """The marks (rows, columns) that have some others round them."""
+    """Return the marks (rows, columns) with other marks around them."""
     padded = np.pad(marks, 1).astype(np.int8)
     rows, columns = marks.shape
     count = sum(padded[y : y + rows, x : x + columns] for y in range(3) for x in range(3))

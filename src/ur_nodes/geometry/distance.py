@@ -12,7 +12,7 @@ _STRIP = 1 << 18  # cells that are worked on at a time: what fits into the proce
 
 
 def squared_distances(marks: NDArray[np.bool_], reach: int) -> NDArray[np.uint16]:
-    """The squared distance in cells (height, width) to the nearest mark, exact up to `reach` cells (at most 180).
+    """Return squared distances in cells (height, width) to the nearest mark, exact up to `reach` cells (at most 180).
 
     Farther cells have some value above reach^2. First along columns, then along rows (Saito and Toriwaki, 1994).
     """

@@ -35,7 +35,7 @@ class Pose2(NamedTuple):
         return Pose2(-c * self.x - s * self.y, s * self.x - c * self.y, -self.yaw)
 
     def in_space(self) -> Pose3:
-        """This pose on the ground."""
+        """Convert to a pose in space, on the ground."""
         return Pose3(self.x, self.y, 0.0, *quaternion_of_yaw(self.yaw))
 
     def transform_points(self, points: NDArray[np.floating]) -> NDArray[np.float64]:
@@ -58,7 +58,7 @@ class Pose3(NamedTuple):
 
     @property
     def rotation(self) -> Quaternion:
-        """The quaternion x, y, z, w."""
+        """Return the quaternion x, y, z, w."""
         return self.qx, self.qy, self.qz, self.qw
 
     def compose(self, other: Pose3) -> Pose3:
@@ -73,7 +73,7 @@ class Pose3(NamedTuple):
         return Pose3(x, y, z, *rotation)
 
     def planar(self) -> Pose2:
-        """Drop height, roll and pitch."""
+        """Return the planar pose, without height, roll and pitch."""
         return Pose2(self.x, self.y, yaw_of_quaternion(*self.rotation))
 
 

@@ -13,19 +13,19 @@ Floats = npt.NDArray[np.float64]
 
 
 def identity() -> Floats:
-    """No motion."""
+    """Return the identity."""
     return np.eye(4)
 
 
 def make_rigid(rotation: Floats, translation: Floats) -> Floats:
-    """From a rotation matrix (3, 3) and a translation (3,)."""
+    """Make a transform from a rotation matrix (3, 3) and a translation (3,)."""
     made = np.eye(4)
     made[:3, :3], made[:3, 3] = rotation, np.ravel(translation)
     return made
 
 
 def invert(transform: Floats) -> Floats:
-    """The inverse of a rigid transform."""
+    """Invert a rigid transform."""
     rotation = transform[:3, :3].T
     return make_rigid(rotation, -rotation @ transform[:3, 3])
 
@@ -50,7 +50,7 @@ def to_pose(transform: Floats) -> Pose3:
 
 
 def to_quaternion(transform: Floats) -> tuple[float, float, float, float]:
-    """The rotation as a quaternion x, y, z, w with w >= 0 (Shepperd's method: the largest of the four first)."""
+    """Return the rotation as a quaternion x, y, z, w with w >= 0 (Shepperd's method: the largest of the four first)."""
     m = transform[:3, :3]
     squares = [1 + 2 * m[i, i] - np.trace(m) for i in range(3)] + [1 + np.trace(m)]
     largest = int(np.argmax(squares))
@@ -66,7 +66,7 @@ def to_quaternion(transform: Floats) -> tuple[float, float, float, float]:
 
 
 def from_angles(translation: tuple[float, ...], angles: tuple[float, ...]) -> Floats:
-    """From x, y, z and roll, pitch, yaw about fixed axes, as in URDF."""
+    """Make a transform from x, y, z and roll, pitch, yaw about fixed axes, as in URDF."""
     (cr, cp, cy), (sr, sp, sy) = [[f(a) for a in angles] for f in (math.cos, math.sin)]
     rotation = np.array(
         [
@@ -79,7 +79,7 @@ def from_angles(translation: tuple[float, ...], angles: tuple[float, ...]) -> Fl
 
 
 def to_angles(transform: Floats) -> tuple[float, float, float]:
-    """Roll, pitch, yaw about fixed axes; roll is 0 where roll and yaw cannot be distinguished."""
+    """Return roll, pitch, yaw about fixed axes; roll is 0 if roll and yaw cannot be distinguished."""
     m = transform[:3, :3]
     pitch = math.asin(max(-1.0, min(1.0, -float(m[2, 0]))))
     if math.hypot(m[0, 0], m[1, 0]) < 1e-9:
@@ -88,22 +88,22 @@ def to_angles(transform: Floats) -> tuple[float, float, float]:
 
 
 def from_planar(pose: Pose2) -> Floats:
-    """A pose on the floor."""
+    """Convert a planar pose."""
     return from_angles((pose.x, pose.y, 0.0), (0.0, 0.0, pose.yaw))
 
 
 def to_planar(transform: Floats) -> Pose2:
-    """The part of a pose that lies on the floor."""
+    """Return the planar part of a pose."""
     return Pose2(float(transform[0, 3]), float(transform[1, 3]), math.atan2(transform[1, 0], transform[0, 0]))
 
 
 def angle_between(a: Floats, b: Floats) -> float:
-    """By how much two poses differ in rotation, rad, 0 to pi."""
+    """Return the angle between two rotations, rad, 0 to pi."""
     cosine = (float(np.trace(a[:3, :3].T @ b[:3, :3])) - 1.0) / 2.0
     return math.acos(max(-1.0, min(1.0, cosine)))
 
 
 def skew(vector: Floats) -> Floats:
-    """The matrix of a cross product: times b it is the vector x b."""
+    """Return the matrix of the cross product with a vector: its product with b is vector x b."""
     x, y, z = vector
     return np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])

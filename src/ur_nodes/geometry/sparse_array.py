@@ -1,4 +1,4 @@
-"""Arrays for the whole of a large map of which only some places are ever used."""
+"""Arrays for large maps of which only parts are ever written to."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from numpy.typing import DTypeLike, NDArray
 
 
 def sparse_zeros(shape: tuple[int, ...], dtype: DTypeLike) -> NDArray[Any]:
-    """Zeros that take memory only where they were written to, by pages of 4 KB.
+    """Return zeros that take memory only where they were written to, by pages of 4 KB.
 
     `numpy.zeros` promises less: it may get memory that was used before, or pages of 2 MB.
     """
@@ -27,9 +27,9 @@ def sparse_zeros(shape: tuple[int, ...], dtype: DTypeLike) -> NDArray[Any]:
 
 
 def sparse_twins(array: NDArray[Any]) -> tuple[NDArray[Any], NDArray[Any]]:
-    """Two arrays with the values of a third: one that is read-only, and one that may be written to.
+    """Return two arrays with the values of a third: a read-only one, and a writable one.
 
-    They share memory, by pages of 4 KB, where the second was not written to. Where the system has no such memory, both
+    They share memory, by pages of 4 KB, where the second was not written to. If the system has no such memory, both
     are copies.
     """
     values = np.ascontiguousarray(array)

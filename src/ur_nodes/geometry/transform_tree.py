@@ -69,7 +69,7 @@ class TransformTree:
                 self._parents.pop(child, None)
 
     def frames(self) -> set[str]:
-        """All frames that are known."""
+        """Return all known frames."""
         return {*self._parents, *self._parents.values()}
 
     def parent(self, child: str) -> str | None:
@@ -120,7 +120,7 @@ class TransformTree:
         return ahead / window, wrap_angle(after.yaw - before.yaw) / window
 
     def chain(self, target: str, source: str) -> tuple[str, ...]:
-        """Return the frames from `source` up to below its ancestor `target`; () when it is none."""
+        """Return the frames from `source` up to below its ancestor `target`; () if it is no ancestor."""
         frames = self._climb(source, {target.lstrip("/")})
         return tuple(frames[:-1]) if frames and frames[-1] == target.lstrip("/") else ()
 
@@ -133,7 +133,7 @@ class TransformTree:
         return max((now - stamp for stamp in moving), default=0.0)
 
     def _climb(self, frame: str, ends: set[str] | None) -> list[str]:
-        """The frame and its ancestors, up to the first of `ends`."""
+        """Return the frame and its ancestors, up to the first of `ends`."""
         frames = [frame.lstrip("/")]
         while not (ends and frames[-1] in ends) and len(frames) <= len(self._parents):
             parent = self._parents.get(frames[-1])

@@ -1,1 +1,1 @@
-"""Values, and the protocol that nodes are written against. No middleware is named here."""
+"""Values, and the protocol that nodes are written against, independent of any middleware."""

@@ -1,4 +1,4 @@
-"""Goals that take a while: drive to a pose. Upstream's actions of each middleware are codecs of this one."""
+"""Goals to drive to a pose. The codecs of each middleware map them to upstream's actions."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from ur_nodes.ports.values import PlacedPose
 
 @dataclass(frozen=True, slots=True)
 class GoalId:
-    """Names goals: the one with `id`. As a request to cancel also those sent up to `stamp` (ns); with neither, all."""
+    """The goal with `id`; in a request to cancel also goals sent up to `stamp` (ns), and with neither, all goals."""
 
     id: str = ""
     stamp: int = 0
@@ -20,7 +20,7 @@ class GoalId:
 class Goal:
     """A pose to drive to. `id` names it for its client, and carries what the client claims.
 
-    Nothing is checked: numbers may be NaN or infinite; the yaw is NaN where the orientation is no rotation.
+    Numbers are unchecked and may be NaN or infinite; the yaw is NaN if the orientation is no rotation.
     """
 
     id: str
@@ -56,67 +56,67 @@ class GoalStates:
 
 
 class GoalHandle(Protocol):
-    """A goal that has arrived. It is accepted or refused once, and ends once."""
+    """A goal that a server has received. It is accepted or refused once, and ends once."""
 
     goal: Goal
 
     def accept(self) -> None:
-        """Report that it is pursued."""
+        """Accept the goal, and report it as active."""
 
     def refuse(self, text: str) -> None:
-        """End a goal that was never pursued."""
+        """Refuse the goal, which was never active."""
 
     def note(self, text: str) -> None:
-        """Report its progress, with the next status: some are sent each second."""
+        """Report progress as text, sent with the next status, several times a second."""
 
     def report(self, pose: PlacedPose) -> None:
         """Report the robot's pose."""
 
     def succeed(self, text: str) -> None:
-        """End it: reached."""
+        """End the goal as reached."""
 
     def abort(self, text: str) -> None:
-        """End it: given up."""
+        """End the goal as given up."""
 
     def cancel(self, text: str) -> None:
-        """End it: cancelled, or replaced by another."""
+        """End the goal as cancelled, or replaced by another."""
 
 
 class GoalTakers(Protocol):
-    """The part of a node that takes goals."""
+    """The callbacks of a node that serves goals."""
 
     def take_goal(self, handle: GoalHandle) -> None:
-        """A goal has arrived."""
+        """Take a goal that has arrived."""
 
     def take_cancel(self, handle: GoalHandle) -> None:
-        """Its client wants it to end; not called for a goal that has ended."""
+        """Take the request of a client to cancel a goal; not called for a goal that has ended."""
 
 
 class GoalServer(Protocol):
     """An action that is offered."""
 
     def publish_status(self) -> None:
-        """Send the states of all goals now, and not with the next beat."""
+        """Send the states of all goals now, before the next periodic message."""
 
 
 class GoalFollower(Protocol):
-    """The part of a node that sends goals, or watches those of others."""
+    """The callbacks of a node that sends goals, or monitors those of others."""
 
     def take_states(self, states: tuple[GoalState, ...]) -> None:
-        """All goals that the server knows, several times a second: open ones, and those that ended lately."""
+        """Take the states of open and recently ended goals; called several times a second."""
 
     def take_goal_end(self, state: GoalState) -> None:
-        """A goal has ended."""
+        """Take the final state of a goal."""
 
 
 class GoalClient(Protocol):
-    """The other end of an action, for its goals and those of others."""
+    """A client of an action, for its own goals and those of others."""
 
     def send(self, goal: Goal) -> None:
-        """Send a goal; it replaces the one that is pursued."""
+        """Send a goal, which replaces the active one."""
 
     def cancel(self, id: str = "") -> None:
-        """Cancel a goal; '' means all."""
+        """Cancel a goal; '' cancels all."""
 
     def servers(self) -> int:
-        """The number of nodes that take goals: one, or none."""
+        """Return the number of servers of the action: one or none."""

@@ -1,4 +1,4 @@
-"""Facts that hold for all nodes of a run: base, variant, run, clock."""
+"""Facts that all nodes of a run share: base, variant, run, clock."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ class Facts(Protocol):
     """True where the time of `Node.now` is a simulation's."""
 
     def get(self, name: str, default: object = None) -> object:
-        """The value of a fact; `default` while it is not known."""
+        """Return the value of a fact; `default` while it is unknown."""
 
     def set(self, name: str, value: object) -> None:
-        """Make a fact known."""
+        """Publish a fact to all nodes."""

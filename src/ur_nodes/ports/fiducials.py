@@ -1,4 +1,4 @@
-"""The values of fiducials: where they are in a picture, before the camera, and in a map."""
+"""Values of fiducials: corners in a picture, poses relative to the camera, and poses in a map."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ class FiducialPose:
 
 @dataclass(frozen=True, slots=True)
 class PlacedFiducials:
-    """As SeenFiducials, with poses."""
+    """The fiducials in a picture, with poses."""
 
     stamp: int
     frame: str

@@ -1,4 +1,4 @@
-"""The nodes of a run, and the topics and services at which they meet."""
+"""The graph of a run: nodes, topics and services."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 
 @dataclass(frozen=True, slots=True)
 class Topic:
-    """A topic: its type ("" while no publisher has named it), and the nodes at its ends."""
+    """A topic: its type ("" before the first publisher), its publishers and its subscribers."""
 
     name: str
     kind: str = ""
@@ -25,11 +25,11 @@ class Graph:
     nodes: tuple[str, ...] = ()
 
     def published(self) -> list[tuple[str, str]]:
-        """Name and type of each topic that a node publishes."""
+        """Return name and type of each topic that has a publisher."""
         return [(each.name, each.kind) for each in self.topics.values() if each.publishers]
 
     def without(self, node: str) -> Graph:
-        """The graph as the other nodes make it."""
+        """Return the graph without a node."""
 
         def others(nodes: tuple[str, ...]) -> tuple[str, ...]:
             return tuple(each for each in nodes if each != node)
@@ -52,7 +52,7 @@ Ends = dict[str, tuple[str, ...]]
 def make_graph(
     publishers: Ends, subscribers: Ends, kinds: dict[str, str], services: Ends, nodes: Iterable[str] = ()
 ) -> Graph:
-    """The graph of the nodes at each end of topics and services, of any order; `nodes` are those without an end."""
+    """Make the graph from publishers, subscribers and servers in any order; `nodes` are nodes without any of these."""
     topics = {
         name: Topic(
             name,

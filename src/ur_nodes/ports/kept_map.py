@@ -1,4 +1,4 @@
-"""A map that its publisher sends once, and then the cells that change, such as a costmap of the navigation."""
+"""A map that is published once, followed by updates of changed cells, such as a costmap of the navigation."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ class KeptMap:
         self.map = replace(given, grid=replace(given.grid, values=given.grid.values.copy()))
 
     def take_update(self, update: MapUpdate) -> str:
-        """Write the new cells, where there is a map; return what is wrong with them, or ''.
+        """Apply an update if there is a map; return what is wrong with it, or ''.
 
-        They may not fit in after a change of the map's size, before the new map arrives.
+        After a change of the map's size, updates may not fit until the new map arrives.
         """
         if self.map is None:
             return ""

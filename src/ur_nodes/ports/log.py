@@ -1,4 +1,4 @@
-"""Lines for the log."""
+"""The log of a node."""
 
 from __future__ import annotations
 
@@ -10,19 +10,19 @@ Write = Callable[[str], object]
 
 
 class Log(Protocol):
-    """Writes lines for people. With `every`, the lines of one place at most once in so many seconds."""
+    """Writes lines for users. With `every`, each calling line of code logs at most once in so many seconds."""
 
     def debug(self, text: str) -> None:
-        """Log a line that only its authors want to know."""
+        """Log a detail for developers."""
 
     def info(self, text: str) -> None:
         """Log an event."""
 
     def warn(self, text: str, *, every: float = 0.0) -> None:
-        """Log a line on something that may be wrong."""
+        """Log a possible problem."""
 
     def error(self, text: str, *, every: float = 0.0) -> None:
-        """Log a line on something that is wrong."""
+        """Log an error."""
 
 
 class ThrottledLog:
@@ -52,14 +52,14 @@ class ThrottledLog:
 
 
 class Throttle:
-    """Lets a line through at most once in so many seconds of `read`."""
+    """Limits lines to one in a number of seconds, by the clock `read`."""
 
     def __init__(self, read: Callable[[], float]) -> None:
         self._read = read
         self._last: dict[str, float] = {}
 
     def lets(self, text: str, every: float) -> bool:
-        """Return whether the line is due; 0: always."""
+        """Return whether the line may be written now; with 0 it always may."""
         if not every:
             return True
         now = self._read()

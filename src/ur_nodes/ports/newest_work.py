@@ -1,4 +1,4 @@
-"""Work beside a node of which only the newest request counts."""
+"""Work on a worker of which only the newest request counts."""
 
 from __future__ import annotations
 
@@ -13,19 +13,19 @@ Outcome = TypeVar("Outcome")
 
 
 class NewestWork(Generic[Request, Outcome]):
-    """A lane for one job at a time; of the requests that wait the newest comes next."""
+    """Runs one job at a time; of the waiting requests the newest is next."""
 
     def __init__(
         self, node: Node, lane: str, job: Callable[[Request], Outcome], take: Callable[[Request, Outcome], None]
     ) -> None:
-        """`job` runs beside the node, `take` on its thread."""
+        """`job` runs on a worker, `take` on the node's thread."""
         self._node, self._lane = node, lane
         self._job, self._take = job, take
         self._busy = self._wanted = False
         self._waiting: Request | None = None
 
     def ask(self, request: Request) -> None:
-        """Have a request worked on; one that waits is dropped."""
+        """Add a request; it replaces one that waits."""
         if self._busy:
             self._waiting = request
             return
@@ -33,7 +33,7 @@ class NewestWork(Generic[Request, Outcome]):
         self._node.work(partial(self._job, request), partial(self._finish, request), self._lane)
 
     def drop(self) -> None:
-        """Take no outcome of what was asked before."""
+        """Drop all earlier requests and their results."""
         self._wanted, self._waiting = False, None
 
     def _finish(self, request: Request, outcome: Outcome) -> None:

@@ -1,4 +1,4 @@
-"""The protocol of a node's surroundings: topics, services, goals, time, parameters and the end.
+"""The protocol between a node and its backend: topics, services, goals, time, parameters and the end.
 
 All callbacks of a node run one after the other, on one thread that the backend owns; nothing of a node needs a lock.
 A callback must not wait: long work goes to `work`, which posts its result back. An exception in a callback ends the
@@ -39,26 +39,26 @@ class Location:
 
 
 class Node(Protocol):
-    """A node's surroundings. See the module for threads and names."""
+    """A node's backend. See the module for threads and names."""
 
     name: str
     parameters: Parameters
 
     @property
     def facts(self) -> Facts:
-        """The facts of the run."""
+        """Return the facts of the run."""
 
     @property
     def log(self) -> Log:
-        """The log."""
+        """Return the log."""
 
     @property
     def transforms(self) -> Transforms:
-        """The transform tree; it listens from the first use on."""
+        """Return the transform tree, which subscribes on first use."""
 
     @property
     def raw(self) -> Raw:
-        """Messages of any type, for tools."""
+        """Return the access to messages of any type, for tools."""
 
     def publish(
         self,
@@ -67,7 +67,7 @@ class Node(Protocol):
         quality: Quality = Quality.NEWEST,
         greet: Callable[[], Value | None] | None = None,
     ) -> Publisher[Value]:
-        """Offer a topic. `greet` is asked, when a node begins to listen, for what all listeners then get."""
+        """Publish on a topic. For each new subscriber `greet` returns a value that all subscribers then get."""
 
     def subscribe(
         self,
@@ -77,7 +77,7 @@ class Node(Protocol):
         quality: Quality = Quality.NEWEST,
         unreadable: Callable[[str], None] | None = None,
     ) -> Subscription:
-        """Listen to a topic. What cannot be a `kind` is reported once and dropped, or `unreadable` gets the reason."""
+        """Subscribe to a topic. A message that is no `kind` is dropped; `unreadable`, or the log, gets the reason."""
 
     def subscribe_from(
         self,
@@ -86,80 +86,80 @@ class Node(Protocol):
         take: Callable[[Value, Sender | None], None],
         quality: Quality = Quality.NEWEST,
     ) -> Subscription:
-        """Listen, with the sender of each value; None where the middleware does not know it."""
+        """Subscribe, and get the sender of each value; None if the middleware does not know it."""
 
     def subscribe_fields(
         self, topic: str, type_name: str, fields: tuple[str, ...], take: Callable[[tuple[object, ...]], None]
     ) -> Subscription:
-        """Listen to messages that are of no kind, by the middleware's name of their type; `take` gets the fields.
+        """Subscribe to messages of any type by its name in the middleware; `take` gets the fields.
 
-        Raises LookupError: the type is not installed; ValueError: it has no such fields.
+        Raises LookupError if the type is not installed, ValueError if it has no such fields.
         """
 
     def serve(self, service: str, kind: type[Value], answer: Callable[[Value], Result]) -> None:
-        """Answer requests of a kind, see `ports.services`. Nothing is offered where their messages are missing."""
+        """Serve requests of a kind, see `ports.services`. Without their messages no service is offered."""
 
     def serve_later(
         self, service: str, kind: type[Value], take: Callable[[Value, Callable[[Result], None]], None]
     ) -> None:
-        """As `serve`, where an answer needs work: `take` gets the request, and what to call with the answer, once."""
+        """Serve requests whose answer needs work: `take` gets a request, and a function to call with the answer."""
 
     def call(self, service: str, request: object, take: Callable[[Result], None], within: float = 5.0) -> None:
-        """Ask a service; `take` gets the answer, or a result without success after `within` s.
+        """Call a service; `take` gets the answer, or a result without success after `within` s.
 
-        Calls do not wait for each other, and may overtake.
+        Calls do not wait for one another, and may be answered in another order.
         """
 
     def serve_goals(self, action: str, takers: GoalTakers, kept: float = 5.0) -> GoalServer:
-        """Take goals of an action that drives to a pose. Their states are sent for `kept` s after their end."""
+        """Serve an action that drives to a pose. States of goals are sent for `kept` s after their end."""
 
     def follow_goals(self, action: str, follower: GoalFollower) -> GoalClient:
-        """Send goals of an action, and follow all of them."""
+        """Send goals of an action, and receive the states of all goals."""
 
     def every(self, seconds: float, call: Callable[[], None], *, steady: bool = False) -> Timer:
-        """Call again and again, in the time of `now`, or of `steady`. A beat late by more than one is left out."""
+        """Call periodically, in the time of `now`, or of `steady`. A call late by more than a period is left out."""
 
     def after(self, seconds: float, call: Callable[[], None], *, steady: bool = False) -> Timer:
-        """Call once, in so many seconds of `now`, or of `steady`."""
+        """Call once after a number of seconds of `now`, or of `steady`."""
 
     def work(self, job: Callable[[], Value], take: Callable[[Value], None], lane: str = "") -> None:
-        """Run a job beside the node, and take its result as any other callback.
+        """Run a job on a worker; `take` gets its result on the node's thread.
 
-        Jobs of a lane run one after the other, lanes side by side. Those that wait at the end of the node are dropped;
-        those that `on_end` asks for, and that their results ask for, are still done.
+        Jobs of a lane run one after the other, lanes in parallel. Jobs that wait at the end of the node are dropped;
+        jobs that `on_end` starts, and that their results start, are still done.
         """
 
     def post(self, call: Callable[[], None]) -> None:
-        """Make a call on the node's thread, after those that were posted before. After the end nothing happens.
+        """Call on the node's thread, after earlier posted calls. After the end nothing happens.
 
-        The one method that other threads may use: of a user interface, a reader of a device, a socket.
+        This is the only method for other threads, such as those of a user interface, a device or a socket.
         """
 
     def now(self) -> int:
-        """The time of all nodes in ns: simulated where they are."""
+        """Return the time of all nodes in ns, which is simulated time in a simulation."""
 
     def steady(self) -> float:
-        """Seconds of a clock that is never set and that runs on while the computer sleeps."""
+        """Return the seconds of a clock that is never set and continues while the computer is suspended."""
 
     def read_graph(self, take: Callable[[Graph | None], None]) -> None:
-        """Ask for the nodes, topics and services of now; `take` gets None where there is no answer."""
+        """Read the present nodes, topics and services; `take` gets None without an answer."""
 
     def kinds_taken(self, topic: str, kinds: tuple[type, ...]) -> frozenset[type] | None:
-        """Those of the kinds that other nodes subscribe to on a topic now; None where that is unknown."""
+        """Return those of the kinds to which other nodes subscribe on a topic now; None if that is unknown."""
 
     def kinds_sent(self, topic: str, kinds: tuple[type, ...]) -> frozenset[type] | None:
-        """Likewise, those that other nodes publish on a topic."""
+        """Return those of the kinds that other nodes publish on a topic now; None if that is unknown."""
 
     def locate(self, name: str) -> Location | None:
-        """Find out where a node runs; None: it is not known. It may wait: for `work`."""
+        """Return the computer of a node; None if unknown. It may block: call it from `work`."""
 
     def resolve(self, name: str) -> str:
-        """The full name of a name of this node."""
+        """Resolve a name of this node to its full name."""
 
     def on_end(self, call: Callable[[], None], within: float = 2.0) -> None:
-        """Call when the node ends, before its topics close; what it sends then still leaves.
+        """Call when the node ends, before its topics close; values sent then are still delivered.
 
-        The node waits for the jobs that it asks for, at most `within` s.
+        The node waits at most `within` s for jobs that the call starts.
         """
 
     def end(self, reason: str, *, failed: bool = False) -> None:
@@ -167,7 +167,7 @@ class Node(Protocol):
 
 
 class Timer(Protocol):
-    """A call that is repeated, or made later."""
+    """A call that is repeated, or scheduled for later."""
 
     def cancel(self) -> None:
-        """Call no more."""
+        """Cancel the call."""

@@ -18,16 +18,16 @@ class ParameterStore(Protocol):
     """A backend's store of parameters; names are as for `Node.resolve`."""
 
     def resolve(self, name: str) -> str:
-        """The full name, for messages."""
+        """Return the full name, for messages."""
 
     def has(self, name: str) -> bool:
         """Return True when the parameter is set."""
 
     def get(self, name: str) -> object:
-        """Its value: a bool, int, float, str, list or dict. Raises KeyError."""
+        """Return the value: a bool, int, float, str, list or dict. Raises KeyError."""
 
     def set(self, name: str, value: object) -> None:
-        """Set it."""
+        """Set the parameter."""
 
     def names(self) -> list[str]:
         """The full names of all parameters of the run."""
@@ -41,11 +41,11 @@ class Parameters:
         self._namespace = namespace
 
     def below(self, name: str) -> Parameters:
-        """The parameters of a sub-namespace."""
+        """Return the parameters of a sub-namespace."""
         return Parameters(self._store, f"{self._namespace}{name}/")
 
     def of(self, node: str) -> Parameters:
-        """The parameters of another node, by its name."""
+        """Return the parameters of another node, by its name."""
         return Parameters(self._store, f"{node}/")
 
     def has(self, name: str) -> bool:
@@ -53,14 +53,14 @@ class Parameters:
         return self._store.has(self._namespace + name)
 
     def any(self, name: str, default: object = None) -> object:
-        """The value as it is; `default` when it is not set."""
+        """Return the unchecked value; `default` if it is not set."""
         try:
             return self._store.get(self._namespace + name)
         except KeyError:
             return default
 
     def keep(self, name: str, value: object) -> None:
-        """Set a parameter, so that the node finds it when it is started again."""
+        """Set a parameter, which the node reads when it is restarted."""
         self._store.set(self._namespace + name, value)
 
     def keep_all(self, values: Mapping[str, object]) -> None:
@@ -70,17 +70,17 @@ class Parameters:
                 self.keep(name, value)
 
     def names(self) -> list[str]:
-        """The full names of all parameters of the run, of all nodes."""
+        """Return the full names of all parameters of all nodes of the run."""
         return self._store.names()
 
     def name(self, name: str) -> str:
-        """The full name of a parameter, for messages."""
+        """Return the full name of a parameter, for messages."""
         return self._store.resolve(self._namespace + name)
 
     def number(
         self, name: str, default: object = _REQUIRED, *, minimum: float = -math.inf, maximum: float = math.inf
     ) -> float:
-        """A finite number within limits (inclusive)."""
+        """Return a finite number within limits (inclusive)."""
         value = self._get(name, default, "a number")
         if not _is_number(value) or not minimum <= value <= maximum:
             limits = "" if (minimum, maximum) == (-math.inf, math.inf) else f" from {minimum:g} to {maximum:g}"
@@ -88,7 +88,7 @@ class Parameters:
         return float(value)
 
     def integer(self, name: str, default: object = _REQUIRED, *, minimum: int | None = None) -> int:
-        """A whole number not below `minimum`."""
+        """Return an integer of at least `minimum`."""
         value = self._get(name, default, "a whole number")
         if not isinstance(value, int) or isinstance(value, bool) or (minimum is not None and value < minimum):
             at_least = "" if minimum is None else f" of at least {minimum}"
@@ -96,7 +96,7 @@ class Parameters:
         return int(value)
 
     def text(self, name: str, default: object = _REQUIRED, *, choices: Iterable[str] = ()) -> str:
-        """A string; with `choices`, one of them."""
+        """Return a string; with `choices`, one of them."""
         value = self._get(name, default, "a text")
         allowed = list(choices)
         if not isinstance(value, str) or (allowed and value not in allowed):
@@ -104,21 +104,21 @@ class Parameters:
         return str(value)
 
     def boolean(self, name: str, default: object = _REQUIRED) -> bool:
-        """True or false."""
+        """Return a boolean."""
         value = self._get(name, default, "true or false")
         if not isinstance(value, bool):
             self.fail(name, value, "true or false")
         return bool(value)
 
     def texts(self, name: str, default: object = _REQUIRED) -> tuple[str, ...]:
-        """A list of strings."""
+        """Return a list of strings."""
         value = self._get(name, default, "a list of texts")
         if not isinstance(value, (list, tuple)) or not all(isinstance(each, str) for each in value):
             self.fail(name, value, "a list of texts")
         return tuple(value)
 
     def points(self, name: str, default: object = _REQUIRED) -> tuple[tuple[float, float], ...]:
-        """A list of [x, y] points, or the text of one (move_base's footprints may be either)."""
+        """Return a list of [x, y] points, which may be given as text (move_base's footprints may be either)."""
         value = self._get(name, default, "a list of [x, y] points")
         try:
             listed = load_yaml(value) if isinstance(value, str) else value
@@ -131,7 +131,7 @@ class Parameters:
             self.fail(name, value, "a list of [x, y] points")
 
     def fail(self, name: str, value: object, expected: str, choices: Iterable[str] = ()) -> NoReturn:
-        """Raise UserError: this parameter has this value, and what was expected."""
+        """Raise UserError with the parameter, its value and the expected one."""
         near = did_you_mean(str(value), choices)
         raise UserError(
             error(

@@ -1,9 +1,9 @@
-"""The ways in which the values of a topic travel.
+"""Qualities of service of topics.
 
-A topic is LATCHED on both of its ends, or it keeps nothing: on ROS 2 a subscriber of another quality does not get the
-value that was sent before it listened, and a LATCHED subscriber receives nothing of a publisher that is not LATCHED. A
-topic that nodes of others may publish either way has two subscribers, one of each quality. Raw subscriptions follow
-the publisher.
+A topic is LATCHED at publisher and subscriber, or keeps nothing: on ROS 2 a subscriber of another quality misses the
+value that was sent before it subscribed, and a LATCHED subscriber receives nothing of a publisher that is not LATCHED.
+A topic that third-party nodes may publish with either has two subscribers, one of each quality. Raw subscriptions use
+the quality of the publisher.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from enum import Enum
 
 
 class Quality(Enum):
-    """A topic's promise, on both of its ends."""
+    """The quality of service of a topic, equal at publisher and subscriber."""
 
     NEWEST = "newest"
     """Only the newest counts: one that is still waiting is replaced."""

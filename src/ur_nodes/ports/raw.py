@@ -47,21 +47,21 @@ class Raw(Protocol):
     """Sends and receives messages of any type."""
 
     def find_schema(self, type_name: str) -> str | None:
-        """The schema of a type; None where it is not installed. It may wait: for `work`."""
+        """Return the schema of a type; None if it is not installed. It may block: call it from `work`."""
 
     def subscribe(
         self, topic: str, take: Callable[[RawMessage], None], quality: Quality = Quality.NEWEST
     ) -> Subscription:
-        """Listen to a topic of any type."""
+        """Subscribe to a topic of any type."""
 
     def publish(self, topic: str, type_name: str, quality: Quality = Quality.EVERY) -> Publisher[Fields | bytes]:
-        """Offer a topic; messages are given by their fields, or as bytes. A header without a stamp gets that of now.
+        """Publish on a topic messages from fields, or from bytes. A header without a stamp gets the present time.
 
-        Raises LookupError: the type is not installed. To send raises ValueError: the fields are not those of the type.
+        Raises LookupError if the type is not installed. `send` raises ValueError for wrong fields.
         """
 
     def find_service(self, service: str, take: Callable[[Result], None]) -> None:
         """Find a service; `take` gets a result with its ServiceType."""
 
     def call(self, service: str, fields: Fields, take: Callable[[Result], None]) -> None:
-        """Ask a service, however long it takes; `take` gets a result with its ServiceAnswer, as lines in the text."""
+        """Call a service without a timeout; `take` gets a result with its ServiceAnswer, as lines in the text."""

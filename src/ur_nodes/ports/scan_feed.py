@@ -21,11 +21,11 @@ _ARRIVAL = 3.0  # s: the first scan may come before the first transforms
 
 
 class ScanFeed:
-    """Listens to `scan`, and gives `use` the newest scan that can be used; older ones are dropped with it.
+    """Subscribes to `scan`, and calls `use` with the newest usable scan; older ones are dropped.
 
     Odometry is the transform from `odom_frame` to `base_frame` at the scan's time; a head that turns measures a scan
     for a while: it is given as if measured at the middle of it, as far as odometry is known. Without an `odom_frame`
-    ('') no scan waits, and its odometry is None. Of scans, every `throttle`th counts.
+    ('') no scan waits, and its odometry is None. Every `throttle`th scan is used.
     """
 
     def __init__(
@@ -50,13 +50,13 @@ class ScanFeed:
         node.every(1.0, self._explain_silence)
 
     def odometry(self, stamp: int = 0) -> Pose2 | None:
-        """The pose of the base in the odometry's frame at a time (0: the newest), None when it is not known."""
+        """Return the pose of the base in the odometry's frame at a time (0: the newest); None if unknown."""
         return (
             self._node.transforms.find_planar(self._odom_frame, self._base_frame, stamp) if self._odom_frame else None
         )
 
     def mount(self, frame: str) -> SensorMount | None:
-        """The mount of a lidar by its frame, which does not move on the robot; None: unknown, later with a log."""
+        """Return the mount of a lidar by its frame, which is fixed on the robot; None if unknown, with a log later."""
         found = self.find_mount(frame)
         now = self._node.now()
         if found is None and now - self._asked.setdefault(frame, now) > _ARRIVAL * SECOND:
@@ -64,7 +64,7 @@ class ScanFeed:
         return found
 
     def find_mount(self, frame: str) -> SensorMount | None:
-        """As `mount`, without a log."""
+        """Return the mount of a lidar by its frame; None if unknown."""
         if frame not in self._mounts:
             if not (found := self._node.transforms.find(self._base_frame, frame)):
                 return None
@@ -72,16 +72,16 @@ class ScanFeed:
         return self._mounts[frame]
 
     def hold(self) -> None:
-        """Give no more scans until `release`: the last one is still in use."""
+        """Hold back scans until `release`: the last one is still in use."""
         self._held = True
 
     def release(self) -> None:
-        """Give scans again."""
+        """Pass on scans again."""
         self._held = False
         self._try()
 
     def _add(self, scan: Scan) -> None:
-        """Take a scan in; of more than LONGEST_QUEUE the oldest goes."""
+        """Add a scan; of more than LONGEST_QUEUE the oldest is dropped."""
         self._count += 1
         if self._count % self._throttle == 0:
             self._scans.append(at_its_middle(scan))
@@ -101,7 +101,7 @@ class ScanFeed:
                 return
 
     def _at_one_moment(self, scan: Scan, middle: Pose2 | None) -> Scan:
-        """The scan without what the robot moved while it was measured; as it is where that is not known."""
+        """Return the scan without the robot's motion during its measurement; unchanged if that is unknown."""
         half = (len(scan.ranges) - 1) * abs(scan.time_increment) / 2.0
         if middle is None or not 0.0 < half <= LONGEST_TURN / 2.0:
             return scan
@@ -135,6 +135,6 @@ class ScanFeed:
 
 
 def at_its_middle(scan: Scan) -> Scan:
-    """A scan whose stamp is the middle between its first and its last beam: motion shifts its halves alike."""
+    """Return the scan with its stamp halfway between first and last beam, so that motion shifts both halves alike."""
     turn = (len(scan.ranges) - 1) * scan.time_increment
     return replace(scan, stamp=scan.stamp + round(turn / 2.0 * SECOND)) if 0.0 < abs(turn) <= LONGEST_TURN else scan

@@ -1,4 +1,4 @@
-"""Requests of services. What they are answered with is `Result.value`."""
+"""Requests of services. The answer is `Result.value`."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ from ur_nodes.ports.values import Calibration, Map, PlacedPose, PoseEstimate
 
 @dataclass(frozen=True, slots=True)
 class Trigger:
-    """Do what the service is named after."""
+    """Trigger the action that the service is named after."""
 
 
 @dataclass(frozen=True, slots=True)
 class Silent:
-    """As Trigger, for services whose answer carries nothing (std_srvs/Empty)."""
+    """Trigger a service whose answer is empty (std_srvs/Empty)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,7 +47,7 @@ class UseMap:
 
 @dataclass(frozen=True, slots=True)
 class Place:
-    """Put a thing of a simulated world, by name, at a pose in a frame."""
+    """Move an object of a simulated world, by name, to a pose in a frame."""
 
     name: str
     frame: str

@@ -1,4 +1,4 @@
-"""The ends of topics."""
+"""Publishers and subscriptions of topics."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ Sent = TypeVar("Sent", contravariant=True)
 
 @dataclass(frozen=True, slots=True)
 class Sender:
-    """The sender of a value: the name of a node, and whether the value is one that the topic had kept (LATCHED).
+    """The sender of a value: the name of its node, and whether the value was stored by the topic (LATCHED).
 
     `id` distinguishes publishers, also those of one name. `sent` is the moment (ns) at which the value was sent, by the
     clock of the sender's computer, and `arrived` when it arrived (s), by `Node.steady`; None: it is not known.
@@ -24,27 +24,27 @@ class Sender:
 
 
 class Publisher(Protocol[Sent]):
-    """One end of a topic."""
+    """A publisher of a topic."""
 
     topic: str
 
     def send(self, value: Sent) -> None:
-        """Send a value to all who listen. After the end of the node nothing happens."""
+        """Send a value to all subscribers. After the end of the node nothing happens."""
 
     def listeners(self) -> int:
-        """The number of listeners: a value that is dear to make is made for listeners only."""
+        """Return the number of subscribers, so that expensive values are made for subscribers only."""
 
     def close(self) -> None:
-        """Send no more."""
+        """Close the publisher."""
 
 
 class Subscription(Protocol):
-    """The other end of a topic."""
+    """A subscription of a topic."""
 
     topic: str
 
     def publishers(self) -> int:
-        """The number of publishers."""
+        """Return the number of publishers."""
 
     def close(self) -> None:
-        """Receive no more; what waits is dropped."""
+        """Close the subscription; waiting values are dropped."""

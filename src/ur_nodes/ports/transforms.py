@@ -13,19 +13,19 @@ _SECOND = 1_000_000_000
 
 
 def seconds_of(stamp: int) -> float:
-    """A stamp (ns) in s, rounded as all of ROS rounds it: transforms and scans of one moment stay of one moment."""
+    """Convert a stamp (ns) to s, rounded as ROS does, so that transforms and scans of one moment keep equal times."""
     return float(stamp // _SECOND) + float(stamp % _SECOND) / 1e9
 
 
 class TransformLink(Protocol):
-    """A backend's way of sending transforms."""
+    """A backend's publisher of transforms."""
 
     def __call__(self, transforms: tuple[Transform, ...]) -> None:
-        """Send them together."""
+        """Send transforms in one message."""
 
 
 class Transforms(TransformTree):
-    """Listens to the transforms of all nodes, and sends this node's own."""
+    """Receives the transforms of all nodes, and sends this node's own."""
 
     def __init__(self, link: TransformLink, keep: float = 10.0) -> None:
         """`keep` is the length of the history in s."""
@@ -35,7 +35,7 @@ class Transforms(TransformTree):
         self._watchers: list[Callable[[], None]] = []
 
     def ignore(self, children: Iterable[str]) -> None:
-        """Do not take frames in, such as those that this node itself sends."""
+        """Ignore transforms of these frames, for example those that this node sends itself."""
         self._ignored |= {child.lstrip("/") for child in children}
 
     def watch(self, call: Callable[[], None]) -> None:
@@ -43,11 +43,11 @@ class Transforms(TransformTree):
         self._watchers.append(call)
 
     def send(self, *transforms: Transform) -> None:
-        """Send transforms of this node, together."""
+        """Send transforms of this node in one message."""
         self._link(transforms)
 
     def take(self, transforms: Iterable[Transform]) -> None:
-        """Take what another node has sent."""
+        """Take transforms of another node."""
         used = [each for each in transforms if each.child.lstrip("/") not in self._ignored]
         for each in used:
             self.add(each.parent, each.child, seconds_of(each.stamp), each.pose, fixed=each.fixed)
@@ -56,13 +56,13 @@ class Transforms(TransformTree):
                 call()
 
     def find(self, target: str, source: str, stamp: int = 0) -> Pose3 | None:
-        """The pose of frame `source` in `target` at a time in ns (0: the newest), None while it is not known."""
+        """Return the pose of frame `source` in `target` at a time in ns (0: the newest); None while it is unknown."""
         try:
             return self.lookup(target, source, seconds_of(stamp) if stamp else None)
         except TransformError:
             return None
 
     def find_planar(self, target: str, source: str, stamp: int = 0) -> Pose2 | None:
-        """As `find`, in the plane."""
+        """Return the planar pose of frame `source` in `target`, as `find` does."""
         found = self.find(target, source, stamp)
         return found.planar() if found else None

@@ -22,7 +22,7 @@ Wired = TypeVar("Wired")
 
 @contextlib.contextmanager
 def attach(name: str, start: Callable[[Node], Wired], end: Callable[[], None]) -> Iterator[tuple[Wired, AttachedNode]]:
-    """Register as `name` (remappable), call `start`, then let callbacks come on a thread of the node's own.
+    """Register as `name` (remappable), call `start`, then run callbacks on a thread of the node's own.
 
     `end` is called on any thread when the master or another node ends this one, and when a callback has failed. Signals
     stay the program's, and nothing is written on the terminal. Leaving the context ends the node. Raises UserError: no

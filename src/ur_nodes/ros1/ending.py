@@ -1,4 +1,4 @@
-"""Callbacks that the end of a node overtakes."""
+"""Callbacks during the end of a node."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ def _is_ending() -> bool:
 def quiet_at_end(
     callback: Callable[Parameters, None], is_ending: Callable[[], bool] = _is_ending
 ) -> Callable[Parameters, None]:
-    """Return the same callback, silent when the node shuts down under it: its topics are closed by then."""
+    """Wrap a callback so that its errors are ignored while the node shuts down and its topics are closed."""
 
     @functools.wraps(callback)
     def call(*values: Parameters.args, **named: Parameters.kwargs) -> None:

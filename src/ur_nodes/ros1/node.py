@@ -53,11 +53,11 @@ class RosNode(LoopNode):
         rospy.on_shutdown(lambda: self.finish(_leave))
 
     def begin(self, on_failure: Callable[[], None] = lambda: None) -> None:
-        """Let callbacks come. `on_failure` is called when one of them has failed, after which there are no more."""
+        """Start to run callbacks. When one fails, no more are run and `on_failure` is called."""
         self._loop.start(on_failure)
 
     def ask(self, call: Callable[[], None]) -> None:
-        """Have a call made on the node's thread: for code that has threads of its own, once the node has begun."""
+        """Call on the node's thread and wait for the result: for code with threads of its own, after `begin`."""
         self._loop.ask(call)
 
     @property
@@ -180,7 +180,7 @@ class RosNode(LoopNode):
         return None
 
     def kinds_sent(self, topic: str, kinds: tuple[type, ...]) -> frozenset[type] | None:  # noqa: ARG002
-        """See Node. It would have to ask the master, and nodes of ROS 1 send Twist."""
+        """See Node. It does not ask the master, since nodes of ROS 1 send Twist."""
         return None
 
     def locate(self, name: str) -> Location | None:
@@ -202,7 +202,7 @@ class RosNode(LoopNode):
 
 
 def _leave() -> None:
-    """Let what was sent last leave."""
+    """Wait until the last messages are sent."""
     publishers = tuple(rospy.topics.get_topic_manager().pubs.values())
     wait_until_sent((each for one in publishers for each in tuple(one.connections)), _SENT_LIMIT)
     time.sleep(_LEAVE)

@@ -82,7 +82,7 @@ class RosRaw:
 
 
 def _find_class(type_name: str, part: Literal["msg", "srv"]) -> Any:
-    """The class of a type; None where it is not installed, or fails to be imported."""
+    """Import the class of a type; None if it is not installed or its import fails."""
     if not has_generated(type_name, part):
         return None
     try:
@@ -92,7 +92,7 @@ def _find_class(type_name: str, part: Literal["msg", "srv"]) -> Any:
 
 
 def _find_service(service: str) -> tuple[str, Any]:
-    """The type of a service and its class. Raises LookupError, and what master and service make rosservice raise."""
+    """Find the type of a service and its class. Raises LookupError, and the errors of rosservice."""
     kind = get_service_type(service)
     if kind is None:
         raise LookupError(f"{service}: no node offers it now")
@@ -103,7 +103,7 @@ def _find_service(service: str) -> tuple[str, Any]:
 
 
 def _raw_of(message: genpy.Message) -> RawMessage:
-    """A message as it was sent: one of a class where another subscription of the topic was first."""
+    """Return a message as it was sent; it has a class if another subscription of the topic was first."""
     header = header_of(message)
     if isinstance(message, rospy.AnyMsg):
         data = bytes(message._buff)  # noqa: SLF001 - rospy has no other name
@@ -115,7 +115,7 @@ def _raw_of(message: genpy.Message) -> RawMessage:
 
 
 def _make(found: type[genpy.Message], fields: Fields) -> genpy.Message:
-    """A message with fields, as it can be sent; a header's stamp that is zero becomes now. Raises ValueError."""
+    """Make a message from fields; a header's zero stamp becomes the present time. Raises ValueError."""
     message = found()
     try:
         genpy.message.fill_message_args(message, [dict(fields)] if fields else [])
@@ -141,7 +141,7 @@ def _fill(message: genpy.Message, value: Fields | bytes) -> None:
 
 
 def _fields_of(value: object) -> Any:
-    """A message as fields; arrays of numbers as they are."""
+    """Convert a message to fields; arrays of numbers stay arrays."""
     if isinstance(value, genpy.TVal):
         return {"secs": value.secs, "nsecs": value.nsecs}
     if isinstance(value, genpy.Message):

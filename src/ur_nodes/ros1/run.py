@@ -70,7 +70,7 @@ def run_node(name: str, start: Callable[[], None], *, own_terminal: bool = False
 
 @contextlib.contextmanager
 def shut_down_aside(end: Callable[[str], None] = rospy.signal_shutdown) -> Iterator[None]:
-    """While a node registers with the master, have signals shut it down in a thread of its own.
+    """While a node registers with the master, let signals shut it down in a thread of its own.
 
     rospy's handler speaks to the master on the main thread. Where that is in the middle of a call to the master it
     waits for itself for ever: the proxy's lock is held until the call that it interrupts is done.
@@ -88,7 +88,7 @@ def shut_down_aside(end: Callable[[str], None] = rospy.signal_shutdown) -> Itera
 
 
 def silence_terminal() -> None:
-    """Take rospy's handlers off the terminal; its log file and /rosout keep everything."""
+    """Remove rospy's log handlers of the terminal; its log file and /rosout get all lines."""
     import logging
 
     for logger in (logging.getLogger("rosout"), logging.getLogger()):

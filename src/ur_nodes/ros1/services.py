@@ -1,4 +1,4 @@
-"""Services of ROS 1: both ends, on the node's thread."""
+"""Servers and clients of services of ROS 1, on the node's thread."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _ANSWER_LIMIT = 60.0  # s
 def serve_service(
     loop: Loop, service: str, kind: type[Value], take: Callable[[Value, Callable[[Result], None]], None]
 ) -> None:
-    """Answer requests of a kind; `take` gets each one, and what to call with the answer."""
+    """Serve requests of a kind; `take` gets each one, and a function to call with the answer."""
     codec = find_offered(kind)
     if codec is None:
         return
@@ -52,7 +52,7 @@ def serve_service(
 
 
 def find_in_ros(service: str, service_class: object, within: float) -> Callable[[object], object]:
-    """Wait for a service at most `within` s; returns the function that asks it. Raises what rospy raises."""
+    """Wait for a service at most `within` s; return the function that calls it. Raises rospy's errors."""
     rospy.wait_for_service(service, timeout=within)
     return rospy.ServiceProxy(service, service_class)
 
@@ -65,9 +65,9 @@ def call_service(
     within: float,
     find: Callable[[str, object, float], Callable[[object], object]] = find_in_ros,
 ) -> None:
-    """Ask a service; `take` gets the answer, or a result without success after `within` s.
+    """Call a service; `take` gets the answer, or a result without success after `within` s.
 
-    What has been reported as failed is not sent any more, so that no late release ends an emergency stop.
+    A call that was reported as failed is not sent later, so that no late release ends an emergency stop.
     """
     codec = find_service(type(request))
     late = Result(False, f"no answer of {rospy.resolve_name(service)} within {within:g} s")

@@ -1,4 +1,4 @@
-"""The ends of topics on ROS 1."""
+"""Publishers and subscriptions on ROS 1."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ _DEPTHS: dict[Quality, int | None] = {
 
 
 class RosPublisher(Generic[Value]):
-    """See `ports.node.Publisher`. One message is filled again for each value, unless the topic keeps it."""
+    """See `ports.node.Publisher`. One message object is filled for each value, unless the topic is latched."""
 
     def __init__(self, topic: str, codec: KindCodec[Value], quality: Quality) -> None:
         self.topic = str(rospy.resolve_name(topic))
@@ -64,17 +64,17 @@ class RosPublisher(Generic[Value]):
         self._publisher.unregister()
 
     def watch(self, call: Callable[[], None]) -> None:
-        """Call, on any thread, when a node begins to listen."""
+        """Call, on any thread, when a node subscribes."""
         self._publisher.impl.add_subscriber_listener(_Watcher(call))
 
     def free_sent(self) -> None:
-        """Give back the memory of messages that were sent."""
+        """Free the memory of messages that were sent."""
         if (implementation := self._publisher.impl) is not None:
             free_sent(tuple(implementation.connections))
 
 
 class RosClock(RosPublisher[ClockTime]):
-    """Publishes /clock, and goes by it at once."""
+    """Publishes /clock, and sets this node's time to it at once."""
 
     def __init__(self, topic: str, quality: Quality) -> None:
         super().__init__(topic, find_codec(ClockTime), quality)
@@ -87,7 +87,7 @@ class RosClock(RosPublisher[ClockTime]):
 
 
 class RosSubscription(Generic[Value]):
-    """See `ports.node.Subscription`. Messages are decoded on the node's thread: what is dropped costs nothing more."""
+    """See `ports.node.Subscription`. Messages are decoded on the node's thread, so dropped ones are never decoded."""
 
     def __init__(
         self,
@@ -142,7 +142,7 @@ class RosSubscription(Generic[Value]):
 
 
 class _Watcher(rospy.SubscribeListener):
-    """Calls for each new subscriber."""
+    """Calls a function for each new subscriber."""
 
     def __init__(self, call: Callable[[], None]) -> None:
         super().__init__()
@@ -154,7 +154,7 @@ class _Watcher(rospy.SubscribeListener):
 
 
 def unpack(message: genpy.Message, message_class: type[genpy.Message]) -> genpy.Message:
-    """A message of a class; rospy gives all subscriptions of a topic those of the first. Raises ValueError."""
+    """Convert a message to a class: rospy decodes a topic by the class of its first subscription. Raises ValueError."""
     if not isinstance(message, rospy.AnyMsg) or message_class is rospy.AnyMsg:
         return message
     found = header_of(message).get("type")
@@ -167,12 +167,12 @@ def unpack(message: genpy.Message, message_class: type[genpy.Message]) -> genpy.
 
 
 def header_of(message: genpy.Message) -> Mapping[str, str]:
-    """The header that the publisher of a message sent when it was connected."""
+    """Return the connection header of a message's publisher."""
     return getattr(message, "_connection_header", None) or {}
 
 
 def sender_of(message: genpy.Message) -> Sender | None:
-    """The sender of a message; None where it is not known."""
+    """Return the sender of a message; None if unknown."""
     header = header_of(message)
     name = str(header.get("callerid", ""))[:256]
     return Sender(name, header.get("latching") == "1") if name else None

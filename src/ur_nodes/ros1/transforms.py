@@ -15,7 +15,7 @@ _Take = Callable[[tuple[Transform, ...]], None]
 
 
 class TransformTopics:
-    """Sends and receives transforms. Publishers are made with the first transform of their sort."""
+    """Sends and receives transforms. Each publisher is made for its first transform."""
 
     def __init__(self) -> None:
         self._moving: rospy.Publisher | None = None
@@ -24,7 +24,7 @@ class TransformTopics:
         self._kept: dict[str, Transform] = {}  # a latched topic keeps one message: all fixed ones go together
 
     def listen(self, take: _Take, take_fixed: _Take) -> None:
-        """Have all transforms given to a function, on any thread; fixed ones come once, and must not be lost."""
+        """Pass all transforms to functions, on any thread; fixed ones arrive once, and must not be lost."""
         rospy.Subscriber(
             "/tf_static", TFMessage, lambda message: take_fixed(transforms_of(message, fixed=True)), queue_size=100
         )

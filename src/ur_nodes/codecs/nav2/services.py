@@ -37,7 +37,7 @@ _OCCUPIED, _FREE = 0.65, 0.25  # where a request has 0
 
 
 def _text(given: object) -> str:
-    """A text of a request. Raises ValueError: it is too long."""
+    """Return the text of a request. Raises ValueError if it is too long."""
     text = str(given)
     if len(text) > _LONGEST:
         raise ValueError(f"text of {len(text)} characters, expected at most {_LONGEST}")
@@ -169,7 +169,7 @@ _MAKERS: dict[type, tuple[tuple[str, ...], Callable[[_Service], _Made]]] = {
 
 
 def _find(names: tuple[str, ...]) -> _Service | None:
-    """The first of some types that is installed."""
+    """Return the first of these types that is installed."""
     for name in names:
         module, _, own = name.rpartition(".")
         try:

@@ -18,12 +18,12 @@ NO_MATRIX: NDArray[np.float64] = np.zeros((0, 0))
 
 @dataclass(frozen=True, slots=True)
 class Signal:
-    """Triggers an event; carries nothing."""
+    """An event without data."""
 
 
 @dataclass(frozen=True, slots=True)
 class Number:
-    """A number in double precision; a `float` travels in single."""
+    """A number in double precision; a `float` is sent in single precision."""
 
     value: float
 
@@ -46,14 +46,14 @@ class Time:
 
 @dataclass(frozen=True, slots=True)
 class ClockTime:
-    """The time of all nodes, ns, as their clock sends it."""
+    """The time of all nodes in ns, as a clock publishes it."""
 
     stamp: int
 
 
 @dataclass(frozen=True, slots=True)
 class Result:
-    """A service's answer: whether it was done, a text for people, and `value`, what was asked for."""
+    """A service's answer: success, a text for the user, and the requested `value`."""
 
     success: bool
     text: str = ""

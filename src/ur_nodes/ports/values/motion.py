@@ -25,7 +25,7 @@ class Twist:
 
 @dataclass(frozen=True, slots=True)
 class StampedTwist:
-    """A velocity with the moment and the name that its sender gives it."""
+    """A velocity with the time and the frame that its sender gives."""
 
     stamp: int
     frame: str
@@ -34,7 +34,7 @@ class StampedTwist:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Odometry:
-    """A base's belief of its pose in `frame`, and of the velocity of `child`.
+    """A base's estimate of its pose in `frame`, and of the velocity of `child`.
 
     Covariances are (3, 3) of x, y, yaw (m, rad) and of forward, left, turn, or NO_MATRIX.
     """
@@ -50,7 +50,7 @@ class Odometry:
 
 @dataclass(frozen=True, slots=True)
 class DriverOdometry:
-    """Odometry as a driver sends it, where it is not known yet whether it makes sense: m, m/s, rad/s."""
+    """Odometry of a driver, not checked yet: m, m/s, rad/s."""
 
     stamp: int
     x: float

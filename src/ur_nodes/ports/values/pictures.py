@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, slots=True)
 class Picture:
-    """A picture as its camera gives it: `encoding` and `step` (bytes a row) as in sensor_msgs/Image."""
+    """A raw picture of a camera: `encoding` and `step` (bytes a row) as in sensor_msgs/Image."""
 
     stamp: int
     frame: str
@@ -22,7 +22,7 @@ class Picture:
 
 @dataclass(frozen=True, slots=True)
 class PackedPicture:
-    """A picture as a file; `format` is 'jpeg' or 'png', with what sensor_msgs/CompressedImage puts before it."""
+    """A compressed picture; `format` is 'jpeg' or 'png', with the prefix of sensor_msgs/CompressedImage."""
 
     stamp: int
     frame: str

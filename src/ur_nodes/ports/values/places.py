@@ -1,4 +1,4 @@
-"""Poses in frames, lines of them, maps and transforms."""
+"""Poses in frames, paths, maps and transforms."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Shapes and points to look at, in space."""
+"""Shapes and points in space, for viewers."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ MarkerAction = Literal["put", "delete", "clear"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Marker:
-    """A shape to look at; `namespace` and `number` name it. `colour` is red, green, blue, opacity, 0 to 1.
+    """A shape for viewers, identified by `namespace` and `number`. `colour` is red, green, blue, opacity, 0 to 1.
 
     A cube has a `size` of x, y, z in m, a text the height of its letters in z, points (n, 3) in m their sides in x, y.
     `colours` (n, 4) are those of the points, where they differ.
@@ -38,7 +38,7 @@ class Marker:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Markers:
-    """Shapes in a frame, in place of all that were shown on the topic before."""
+    """Shapes in a frame, which replace all earlier ones of the topic."""
 
     stamp: int
     frame: str
@@ -47,7 +47,7 @@ class Markers:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class MarkerChange:
-    """A change of the shapes that a topic shows: put a marker there, delete the one of its name, or clear all.
+    """A change of the shapes of a topic: add or replace a marker, delete it, or delete all.
 
     A marker is shown for `lifetime` s; 0: until it is deleted.
     """
@@ -61,7 +61,7 @@ class MarkerChange:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class MarkerChanges:
-    """Changes, one after the other."""
+    """Changes in their order."""
 
     changes: tuple[MarkerChange, ...]
 

@@ -90,7 +90,7 @@ _REPLACED: tuple[tuple[object, str], ...] = (
 
 
 def bound_connections() -> bool:
-    """Bound the connections of this process's node. False, with a line in the log, for a rospy that is too different.
+    """Bound the connections of this process's node. Return False, with a log line, for an unsupported rospy.
 
     Calling it again changes nothing.
     """
@@ -210,7 +210,7 @@ def _bound_publishers(notified: Ends) -> None:
 
 
 def _notify_peers(notified: Ends) -> None:
-    """Notify subscribers, when the network is back, that their connections (`notified`) ended during the cut."""
+    """Notify subscribers, once the network has returned, that their connections (`notified`) ended during the cut."""
     server, transport = tcpros_base.TCPServer, tcpros_base.TCPROSTransport
     create, close = getattr(server, "_create_server_sock"), transport.close  # noqa: B009
     write = transport.write_data

@@ -27,7 +27,7 @@ def share_port(listener: socket.socket) -> None:
 def end_half_open(
     local: tuple[str | int, ...], peer: tuple[str | int, ...], over: threading.Event, family: int = socket.AF_INET
 ) -> bool:
-    """Have the peer's end of a connection that is dead here reset, as soon as the network allows it.
+    """Reset the peer's end of a connection that has ended here, as soon as the network allows it.
 
     True once the peer answers that it has no such connection. False when it never answered, or `over` was set.
     """

@@ -20,7 +20,7 @@ def report_log_errors(report: Callable[[str], None] | None = None) -> None:
 
 
 def discard_line(_line: str) -> None:
-    """For programs that draw on their terminal, where another line would be in the way."""
+    """Drop a line, for programs that draw on their terminal."""
 
 
 def _report_once(path: str, report: Callable[[str], None]) -> Callable[[logging.LogRecord], None]:

@@ -6,5 +6,5 @@ from rosgraph import roslogging
 
 
 def leave_log_link() -> None:
-    """Have rospy leave the link alone: nodes that all make it anew collide, and log that."""
+    """Stop rospy from making the link: nodes that all make it collide, and log that."""
     roslogging.renew_latest_logdir = lambda _folder: True

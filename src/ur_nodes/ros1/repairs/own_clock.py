@@ -1,4 +1,4 @@
-"""The simulated time of rospy: when it is another, and that of the node that publishes /clock itself.
+"""The simulated time of rospy: notification of changes, and the time of the node that publishes /clock.
 
 rospy would send that node each stamp through a connection to itself.
 """
@@ -15,7 +15,7 @@ import rospy.rostime
 def keep_own_clock() -> Callable[[genpy.Time], None]:
     """Stop listening to /clock, and return the function that sets this node's time.
 
-    Where rospy does not go by /clock, the function does nothing.
+    If rospy does not use /clock, the function does nothing.
     """
     subscriber = _subscriber()
     if subscriber is None:
@@ -25,7 +25,7 @@ def keep_own_clock() -> Callable[[genpy.Time], None]:
 
 
 def follow_clock(call: Callable[[], None]) -> None:
-    """Have a call made after each message of /clock, where rospy goes by it, on the thread that receives them."""
+    """Call after each message of /clock if rospy uses it, on the thread that receives them."""
     if (subscriber := _subscriber()) is not None:
         subscriber.impl.add_callback(lambda _message, _arguments: call(), ())
 

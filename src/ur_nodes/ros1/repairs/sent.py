@@ -14,7 +14,7 @@ _POLL = 0.002  # s
 
 
 def free_sent(connections: Iterable[object]) -> None:
-    """Have connections of a publisher that have nothing to send send no bytes, and remember these instead."""
+    """Release the last message of idle connections: let them send no bytes, which they remember instead."""
     for connection in connections:
         if not isinstance(connection, QueuedConnection):
             continue  # rospy sends without a queue, and keeps nothing
@@ -25,7 +25,7 @@ def free_sent(connections: Iterable[object]) -> None:
 
 
 def wait_until_sent(connections: Iterable[object], seconds: float) -> None:
-    """Wait until connections have given all messages to the system, at most so long in all."""
+    """Wait at most `seconds` in all until connections have passed all messages to the system."""
     end = time.monotonic() + seconds
     for connection in connections:
         while _is_busy(connection) and time.monotonic() < end:

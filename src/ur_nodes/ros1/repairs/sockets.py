@@ -64,7 +64,7 @@ def limit_sending(sock: socket.socket, seconds: float = SEND_LIMIT) -> None:
 
 
 def limit_waiting(sock: socket.socket, seconds: float) -> None:
-    """Have a blocking read or write fail with EAGAIN after this long; 0 takes the limit away again."""
+    """Let a blocking read or write fail with EAGAIN after this time; 0 removes the limit."""
     for layout in ("ll", "qq"):  # 32-bit systems have either, as their C library was built
         value = struct.pack(layout, int(seconds), int(seconds % 1 * 1e6))
         with contextlib.suppress(OSError):  # the next read of the closed socket fails

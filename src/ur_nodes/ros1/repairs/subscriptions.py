@@ -48,9 +48,9 @@ class Subscriptions:
         self._publishers[topic] = frozenset(map(str, uris))
 
     def connect_topic(self, handler: ROSHandler, topic: str, uri: str) -> tuple[int, str, int]:
-        """Connect a topic to a publisher, in place of ROSHandler._connect_topic: again and again while that has sense.
+        """Connect a topic to a publisher, in place of ROSHandler._connect_topic, and retry while that can succeed.
 
-        It has no more sense when the publisher refuses, the master no longer names it, or there is no subscriber.
+        It cannot once the publisher refuses, the master no longer names it, or there is no subscriber.
         """
         self._handler = handler
         key = (topic, uri)
@@ -73,7 +73,7 @@ class Subscriptions:
         receive: Callable[[list[Any], TCPROSTransport], None],
         topic: str,
     ) -> None:
-        """Receive from a new connection until it ends, then have it made again; the whole life of its thread.
+        """Receive from a new connection until it ends, then connect again; runs for the whole life of its thread.
 
         In place of tcpros_pubsub.robust_connect_subscriber.
         """

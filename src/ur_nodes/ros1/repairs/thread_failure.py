@@ -1,4 +1,4 @@
-"""The end of a node in which a thread has failed: what starts nodes starts it again, instead of it being half alive."""
+"""The end of a node in which a thread has failed, so that it is restarted and does not run without that thread."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _END_LIMIT = 10.0  # s
 
 
 def end_on_failure() -> threading.Event:
-    """Have the node shut down when an exception ends a thread that ran a module of ours.
+    """Shut the node down when an exception ends a thread that ran a module of ours.
 
     The traceback goes to the node's log file, one line to standard error. A hook that is set already stays. Returns an
     event that is set when a thread has failed.

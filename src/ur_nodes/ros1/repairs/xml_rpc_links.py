@@ -24,7 +24,7 @@ PAUSE = 0.2  # s between two tries
 
 
 class BoundedConnection(http.client.HTTPConnection):
-    """An HTTP connection whose making, waiting and sending have limits (s)."""
+    """An HTTP connection with limits (s) on connecting, waiting and sending."""
 
     def __init__(self, host: str, addresses: AddressCache, answer_limit: float) -> None:
         super().__init__(host, timeout=answer_limit)
@@ -45,7 +45,7 @@ class BoundedConnection(http.client.HTTPConnection):
         self.sock = sock
 
     def limit_answer(self, seconds: float) -> None:
-        """Wait so long for the next answer."""
+        """Limit the wait for the next answer."""
         self._answer_limit = seconds
         if self.sock is not None:
             self.sock.settimeout(seconds)
@@ -76,7 +76,7 @@ class BoundedTransport(xmlrpc.client.Transport):
         self._patience = patience
 
     def make_connection(self, host: tuple[str, dict[str, str]] | str) -> http.client.HTTPConnection:
-        """A bounded connection, kept for the next call as the standard library keeps it."""
+        """Make a bounded connection, kept for the next call as the standard library does."""
         limit = min(self._answer_limit, END_LIMIT) if self._is_ending() else self._answer_limit
         if self._connection[1] and host == self._connection[0]:
             kept = cast("BoundedConnection", self._connection[1])
