@@ -1,1 +1,1 @@
-"""Robots and their bases: what they are, where they are, how they are set up."""
+"""Robots and their bases: descriptions, discovery, connections, set-up and diagnosis."""

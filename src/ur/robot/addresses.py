@@ -1,4 +1,4 @@
-"""Network addresses of host names, which stay known while the network is cut."""
+"""Cache of host name look-ups that keeps known addresses usable while the network is down."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ REFRESH_PERIOD = 2.0  # s between two look-ups of a name that is known
 
 
 class AddressCache:
-    """Remembers addresses.
+    """Cache of the addresses of hosts.
 
-    A look-up of a `.local` name takes 5 s to fail, and one that began during a cut answers only some seconds after
-    it. So a known address is given at once, and looked up again beside.
+    A look-up of a `.local` name takes 5 s to fail, and one that began during a cut answers only some seconds after it.
+    So `find` returns a known address at once and refreshes it in the background.
     """
 
     def __init__(
@@ -28,7 +28,10 @@ class AddressCache:
         self._lock = threading.Lock()
 
     def find(self, host: str) -> str:
-        """The address of a host. Raises OSError for a name that was never known and is not known now."""
+        """Return the address of a host.
+
+        Raises OSError for a name that was never resolved and cannot be resolved now.
+        """
         with self._lock:
             known = self._known.get(host)
             due = self._monotonic() - self._asked.get(host, -REFRESH_PERIOD) >= REFRESH_PERIOD
@@ -42,7 +45,7 @@ class AddressCache:
         return known
 
     def refresh(self, host: str) -> bool:
-        """Look a host up now. True if its address is another one than before. Raises OSError."""
+        """Resolve a host name now and return whether its address has changed. Raises OSError."""
         address = self._look_up(host)
         with self._lock:
             before = self._known.get(host)

@@ -1,4 +1,4 @@
-"""The body of a base as triangles: the hull of its outline drawn up, with wells for the wheels."""
+"""Triangle mesh of a base's body: the hull of its outline, extruded upwards, with wells for the wheels."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ _THINNEST_SKIRT = 0.02  # outside a wheel
 
 
 def make_body(base: Base) -> list[Triangle]:
-    """The body in `base_footprint`, m; each triangle counter-clockwise seen from outside.
+    """Return the triangles of the body in `base_footprint`, m, each counter-clockwise seen from outside.
 
-    A deck of the whole outline lies above the wheels, as far as the height leaves room for it; below it the body leaves
-    out what the wheels need.
+    Above the wheels, the body has the whole outline where its height allows it; below, the space of the wheels is left
+    out.
     """
     outline = find_hull(base.body or base.footprint)
     wheels = base.wheels
@@ -45,7 +45,7 @@ def make_body(base: Base) -> list[Triangle]:
 
 
 def write_stl(triangles: Sequence[Triangle]) -> bytes:
-    """Binary STL, in m."""
+    """Return the triangles as a binary STL file, in m."""
     parts = [b"body of a robot base, in m".ljust(80, b"\0"), struct.pack("<I", len(triangles))]
     for triangle in triangles:
         numbers = [number for vertex in (_normal(triangle), *triangle) for number in vertex]
@@ -54,7 +54,7 @@ def write_stl(triangles: Sequence[Triangle]) -> bytes:
 
 
 def _keep(polygon: Sequence[Point], normal: Point, limit: float) -> list[Point]:
-    """The part of a convex polygon with `normal . point <= limit` (Sutherland and Hodgman)."""
+    """Clip a convex polygon to the half-plane `normal . point <= limit` (Sutherland and Hodgman)."""
     kept: list[Point] = []
     for (ax, ay), (bx, by) in pairwise([*polygon, *polygon[:1]]):
         a, b = (normal[0] * x + normal[1] * y - limit for x, y in ((ax, ay), (bx, by)))

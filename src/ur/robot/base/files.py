@@ -1,4 +1,4 @@
-"""The files of the bases of a launch package, and their variants."""
+"""Base files of a launch package, and their variants."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from ur.source.suggest import did_you_mean
 
 
 def list_bases(package: str | Path) -> tuple[str, ...]:
-    """The names of the bases that a launch package holds, sorted: its `bases/*/base.yaml`."""
+    """Return the sorted names of the bases in a launch package, from its files `bases/*/base.yaml`."""
     return tuple(sorted(path.parent.name for path in (Path(package) / "bases").glob("*/base.yaml")))
 
 
 def load_base(package: str | Path, name: str, variant: str = "") -> Base:
-    """Read a base of a launch package. Raises UserError: no such base or variant (did you mean), or a bad file."""
+    """Read a base of a launch package. Raises UserError for an unknown base or variant, or an invalid file."""
     path = Path(package) / "bases" / name / "base.yaml"
     if not is_base_name(name) or not path.is_file():
         names = list_bases(package)
@@ -40,12 +40,12 @@ def _how_to_make(name: str) -> str:
 
 
 def read_base(path: str | Path, name: str, variant: str = "") -> Base:
-    """Read one base file in one variant; the variant's values are laid over the others."""
+    """Read one base file in one variant, whose values override those of the plain base."""
     return read_base_section(read_section(path, "a base file"), name, variant)
 
 
 def read_base_section(whole: Section, name: str, variant: str = "") -> Base:
-    """As read_base, of a file whose top-level mapping is `whole`."""
+    """Read a base from a file that is already parsed into the section `whole`, as `read_base` does."""
     plain = whole.without("variants")
     variants = dict(whole.section("variants").subsections()) if whole.has("variants") else {}
     for overlay in variants.values():
@@ -65,6 +65,6 @@ def read_base_section(whole: Section, name: str, variant: str = "") -> Base:
 
 
 def list_variants(package: str | Path, name: str) -> tuple[str, ...]:
-    """The variants of a base beside the plain one, in the order of its file."""
+    """Return the names of a base's variants in the order of its file; the plain base is not among them."""
     whole = read_section(Path(package) / "bases" / name / "base.yaml", "a base file")
     return whole.section("variants").keys if whole.has("variants") else ()

@@ -9,13 +9,13 @@ Point = tuple[float, float]
 
 
 def measure_area(points: Sequence[Point]) -> float:
-    """The area of a simple polygon, m^2; negative when it goes round clockwise (the shoelace formula)."""
+    """Return the area of a simple polygon in m^2, by the shoelace formula; negative for clockwise points."""
     ends = [*points[1:], points[0]]
     return sum(x0 * y1 - x1 * y0 for (x0, y0), (x1, y1) in zip(points, ends, strict=True)) / 2.0
 
 
 def find_crossing(points: Sequence[Point]) -> tuple[int, int] | None:
-    """The numbers (from 1) of the points whose edges cross each other, or None for a simple polygon."""
+    """Return the numbers (from 1) of two points whose edges cross, or None for a simple polygon."""
     count = len(points)
     for first in range(count):
         for second in range(first + 2, count):
@@ -27,7 +27,7 @@ def find_crossing(points: Sequence[Point]) -> tuple[int, int] | None:
 
 
 def find_hull(points: Iterable[Point]) -> list[Point]:
-    """The convex hull, counter-clockwise (Andrew's monotone chain)."""
+    """Return the convex hull, counter-clockwise (Andrew's monotone chain)."""
     ordered = sorted(set(points))
     return _half_hull(ordered)[:-1] + _half_hull(ordered[::-1])[:-1]
 
@@ -45,7 +45,7 @@ def _half_hull(points: Sequence[Point]) -> list[Point]:
 
 
 def is_inside(point: Point, points: Sequence[Point], tolerance: float) -> bool:
-    """Return whether a point lies in the convex hull of others, or outside it by no more than a tolerance, m."""
+    """Return whether a point lies in the convex hull of others, or at most `tolerance` (m) outside it."""
     hull = find_hull(points)
     return all(
         _side(a, b, point) >= -tolerance * math.dist(a, b) for a, b in zip(hull, [*hull[1:], hull[0]], strict=True)

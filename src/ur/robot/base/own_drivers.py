@@ -8,9 +8,9 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, slots=True)
 class OwnDriver:
-    """A driver: `what` it drives or reads, and where: the device file, its speed, and its known device.
+    """A driver: `what` describes the hardware; the others are its device file, baud rate and known device.
 
-    `sensor` is '' for the driver of a base; `baud` 0 is that of the protocol.
+    `sensor` is '' for the driver of a base; `baud` is 0 for the protocol's default.
     """
 
     what: str
@@ -21,12 +21,12 @@ class OwnDriver:
 
     @property
     def node(self) -> str:
-        """The launch directory that starts it."""
+        """The name of the launch directory that starts the driver."""
         return f"n_{self.executable}"
 
     @property
     def executable(self) -> str:
-        """The program of this package."""
+        """The name of the driver's executable in this package."""
         return "lidar_driver" if self.sensor else "base_driver"
 
 

@@ -1,4 +1,4 @@
-"""Parameter files of one base, made to fit another: outline and speeds are those of its base file."""
+"""Parameter files of one base, adapted to another base's outline and speeds."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ _EXPECTED = 8.0  # scans a second, at least, where a file says nothing else
 
 
 def fit_parameters(text: str, like: str, base: Base) -> str:
-    """The text of a parameter file of base `like`, for another base: with its outline, its speeds and its scan rate."""
+    """Return the parameter file of base `like`, adapted to another base's outline, speeds and scan rate."""
     points = ", ".join(f"[{x:g}, {y:g}]" for x, y in base.footprint)
     text = _OUTLINE.sub(rf"\1 [{points}]", text)
     for key, value in _list_values(base).items():
@@ -54,5 +54,5 @@ def _list_values(base: Base) -> Mapping[str, float]:
 
 
 def _round(value: float) -> float:
-    """Three decimals, not above the value."""
+    """Round down to three decimals."""
     return int(value * 1000.0 + 1e-6) / 1000.0

@@ -1,4 +1,4 @@
-"""A base as data: body, wheels, limits, and what is on it."""
+"""A base as data: body, wheels, motion limits, sensors and drivers."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ class Wheels:
 
 @dataclass(frozen=True, slots=True)
 class Caster:
-    """A free support: a ball that touches the ground below (x, y)."""
+    """A passive support: a ball that touches the ground below (x, y)."""
 
     x: float
     y: float
@@ -28,10 +28,11 @@ class Caster:
 
 @dataclass(frozen=True, slots=True)
 class MotionLimits:
-    """Limits of motion: m/s, rad/s, m/s^2, rad/s^2; `command_age` (s) is when an old command means stop.
+    """Limits of motion in m/s, rad/s, m/s^2 and rad/s^2.
 
-    The accelerations hold while it speeds up, the decelerations (at least as high; the same unless given) while it
-    brakes. `lag` (s) is what passes between a command and wheels that have obeyed it, beside the braking itself.
+    `command_age` (s) is the age above which a command no longer moves the robot. The accelerations apply while it
+    speeds up, the decelerations (at least as high; equal unless given) while it brakes. `lag` (s) is the delay between
+    a command and the response of the wheels, without the braking time.
     """
 
     velocity: float
@@ -84,8 +85,9 @@ class UpstreamDriver:
 class Base(Sensors):
     """A base in one variant ('' is the plain one). `footprint` is the outline, counter-clockwise, at least 3 points.
 
-    `driver` is None for a base that is only ever simulated; `drivers` are those of sensors with a driver of their own.
-    `body` is the outline of the body alone, where wheels protrude from it (empty: the footprint); for the eye only.
+    `driver` is None for a base that exists in simulation only; `drivers` are those of sensors that have a separate
+    driver. `body` is the outline of the body alone, where wheels protrude from it (empty: the footprint)and is used for
+    display only.
     """
 
     name: str

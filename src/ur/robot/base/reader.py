@@ -1,4 +1,4 @@
-"""From a base file to a Base. Every reader raises UserError, with file, line and column, for a value it cannot use."""
+"""Reader of base files. Every function raises UserError, with file, line and column, for an invalid value."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _TOLERANCE = 0.001  # m
 
 
 def read_whole(top: Section, name: str, variant: str) -> Base:
-    """Read a file (with a variant's values already laid over the others)."""
+    """Build a Base from the parsed top-level section, into which the variant's values are already merged."""
     sensors = read_sensors(top)
     footprint = _outline(top, "footprint")
     base = Base(
@@ -125,7 +125,7 @@ def _drivers(part: Section, sensors: Mapping[str, Sensor]) -> Iterator[UpstreamD
 
 
 def _driver(name: str, parent: Section, key: str) -> UpstreamDriver:
-    """A driver of ours by its name or with a device of its own, or upstream's."""
+    """Read a driver: one of this project by its name, with an optional device, or an upstream driver."""
     if parent.is_text(key):
         return _own_driver(name, parent.text(key, choices=_names_of(name)), "", 0)
     part = parent.section(key)

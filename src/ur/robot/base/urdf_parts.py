@@ -1,4 +1,4 @@
-"""Links and joints as URDF."""
+"""Links and joints, as lines of URDF."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def visual(
 
 
 def inertial(mass: float, size: tuple[float, float, float], at: tuple[float, float, float]) -> Iterator[str]:
-    """The inertia of a solid box, m (b^2 + c^2) / 12 about each axis."""
+    """Yield the inertia of a solid box, m (b^2 + c^2) / 12 about each axis."""
     x, y, z = (mass * (sum(s * s for s in size) - own * own) / 12.0 for own in size)
     yield f'    <inertial><origin xyz="{xyz(at)}"/><mass value="{write_number(mass)}"/>'
     turning = f'ixx="{write_number(x)}" ixy="0" ixz="0" iyy="{write_number(y)}" iyz="0" izz="{write_number(z)}"'
@@ -55,10 +55,10 @@ def joint(
 
 
 def xyz(at: tuple[float, ...]) -> str:
-    """Numbers side by side."""
+    """Numbers separated by spaces, as URDF writes vectors."""
     return " ".join(write_number(value) for value in at)
 
 
 def write_number(value: float) -> str:
-    """A number without more digits than it needs."""
+    """Format a number without unnecessary digits."""
     return f"{round(value, 6) + 0.0:.10g}"

@@ -1,4 +1,4 @@
-"""The launch file of a boot service, as the robot has it, and its arguments."""
+"""Launch file of a boot service on the robot, and its arguments."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ print(base64.b64encode(world.read_bytes(path)).decode())
 
 @dataclass(frozen=True, slots=True)
 class RobotLaunch:
-    """A launch file on a robot: where it is, its bytes, and the text of the robot's own file ('': it has none)."""
+    """A launch file on a robot: its path, its content, and the text of the robot's own file ('' if there is none)."""
 
     path: str
     data: bytes
@@ -59,14 +59,14 @@ class RobotLaunch:
 
 
 def is_launch_name(word: str) -> bool:
-    """Return whether a word of a command line names a launch file."""
+    """Return whether a command-line argument is the name of a launch file."""
     return word.endswith((".launch", ".launch.xml")) and "/" not in word
 
 
 def find_launch(shell: Shell, package: str, file: str, robot: str, setting: str = "") -> RobotLaunch:
-    """Look a launch file up as a login shell there does. Raises UserError: no such package or file on the robot.
+    """Find a launch file in a login shell of the robot. Raises UserError if the package or file does not exist there.
 
-    `setting` is what the shell of a robot with ROS 2 runs first; there, this project looks the file up.
+    `setting` is the command that sets up a shell of a robot with ROS 2; there, this project searches for the file.
     """
     look = quote("/usr/bin/python3", "-I", "-c", _FIND, package, file)
     ours = f"{setting}; {own_line(quote('-c', _FIND_BY_OURS, package, file))}"
@@ -96,10 +96,10 @@ def choose_arguments(
     name: str,
     more: Mapping[str, str] | None = None,
 ) -> dict[str, str]:
-    """The arguments of a launch file that starts when a robot boots: those given, and what the robot knows of itself.
+    """Choose the arguments of a boot service's launch file: the given ones, and known properties of the robot.
 
-    `declared` is, for each argument, whether it is required; `facts` are `base` and `variant` of the robot, `more`
-    are other arguments that it knows. Raises UserError: an argument is missing, or not known.
+    `declared` tells for each argument whether it is required; `facts` are `base` and `variant` of the robot, `more` are
+    further arguments with known values. Raises UserError if an argument is missing or unknown.
     """
     values = dict(given)
     unknown = [each for each in values if each not in declared]

@@ -32,7 +32,7 @@ printf '\\036end\\n'
 class ServiceStatus:
     """A boot service: the values of its systemd properties, and the last lines of its log.
 
-    `code` is the last exit code, `pause` the seconds until the next start, 0 where there is none.
+    `code` is the last exit code, `pause` the time until the next start (s), 0 if no start is scheduled.
     """
 
     name: str
@@ -81,7 +81,7 @@ def _number(text: str | None) -> int:
 
 
 def describe_status(status: ServiceStatus) -> Iterator[str]:
-    """Lines about a boot service: its state, and the last lines of its log."""
+    """Yield lines that describe a boot service: its state, and the last lines of its log."""
     yield f"{status.name}: {_describe_state(status)}"
     yield from (f"  | {line}" for line in status.reported)
 
@@ -102,7 +102,7 @@ def _describe_state(status: ServiceStatus) -> str:
 
 
 def log_command(name: str, lines: int, *, follow: bool) -> str:
-    """The shell command that prints a boot service's log, with systemd's own messages where sudo needs no password."""
+    """Return the shell command that prints a boot service's log, with systemd's messages if sudo needs no password."""
     command = quote(
         "journalctl", "-q", "-u", f"{PREFIX}{name}", "-n", str(lines), "--no-pager", *(["-f"] if follow else [])
     )

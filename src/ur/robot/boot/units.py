@@ -1,4 +1,4 @@
-"""Boot services of a robot: a ROS master that is kept up, and programs, as systemd units. Pure."""
+"""Boot services of a robot as systemd units: a ROS master that is kept running, and programs. Pure."""
 
 from __future__ import annotations
 
@@ -117,7 +117,7 @@ while True:
 
 @dataclass(frozen=True, slots=True)
 class UnitFile:
-    """A unit file: `service` is its name without the ending."""
+    """A unit file: `service` is its name without the suffix."""
 
     service: str
     text: str
@@ -129,21 +129,21 @@ class UnitFile:
 
 
 def master_unit(user: str, home: str) -> UnitFile:
-    """The unit that keeps a ROS master up as a user, and sets the robot's base there."""
+    """Return the unit that keeps a ROS master running as a user, and sets the robot's base on it."""
     then = ["/usr/bin/python3", "-I", "-c", set_base_script()]
     return _unit(MASTER, command_line(["roscore", "-w", str(MASTER_WORKERS)]), user, home, then=then)
 
 
 def set_base_script(path: Path = ROBOT_FILE, *, seconds: float = 60.0) -> str:
-    """Python that sets `/ur/base_name` and `/ur/variant` of the master from a robot file, where there is one.
+    """Return Python code that sets `/ur/base_name` and `/ur/variant` on the master from a robot file, if one exists.
 
-    It waits so long (s) for the master, and prints `changed NAME` for each parameter that had another value.
+    The code waits up to `seconds` for the master, and prints `changed NAME` for each parameter whose value it changed.
     """
     return _SET_BASE.format(path=str(path), seconds=seconds)
 
 
 def program_unit(name: str, line: str, user: str, home: str, *, master: bool = True) -> UnitFile:
-    """The unit of a command line of bash: started after the master, again when it ends, and with a new master.
+    """Return the unit of a bash command line, which starts after the master and restarts when either of them ends.
 
     On ROS 2 there is no master.
     """
@@ -151,19 +151,19 @@ def program_unit(name: str, line: str, user: str, home: str, *, master: bool = T
 
 
 def command_line(argv: Sequence[str]) -> str:
-    """The line that runs a command, in place of the shell."""
+    """Return the shell line that replaces the shell by a command."""
     return f"exec {quote(*argv)}"
 
 
 def source_line(ros2: Ros2Robot, robot: str) -> str:
-    """The line that gives a shell of a robot of this name its ROS 2, packages, and the settings of its nodes."""
+    """Return the shell line that sets up ROS 2, the packages, and the node settings of the robot with this name."""
     settings = " ".join(f"{name}={quote(value)}" for name, value in ros2.variables(robot).items())
     packages = 'ROS_PACKAGE_PATH="$HOME/catkin_ws/src${ROS_PACKAGE_PATH:+:$ROS_PACKAGE_PATH}"'
     return f". /opt/ros/{ros2.distro}/setup.bash >/dev/null; {_RUNTIME}; export {packages} {settings}"
 
 
 def own_line(words: str, last: str = _MISSING) -> str:
-    """The line that runs Python with `words` where this project is set up on the robot, else `last`."""
+    """Return the shell line that runs Python with `words` if this project is set up on the robot, else `last`."""
     places = " ".join(f'"$HOME"/{place}' for place in LIBRARIES)
     # Not by its script `ur`, which may want to install something first: a unit has no terminal that shows it.
     ready = f'"$d/.venv/bin/python" -I {words}'
@@ -171,9 +171,9 @@ def own_line(words: str, last: str = _MISSING) -> str:
 
 
 def launch_line(package: str, file: str, arguments: Sequence[str], *, roslaunch: bool = True) -> str:
-    """The line that starts a launch file by `ur launch` where this project is set up on the robot, else by roslaunch.
+    """Return the shell line that starts a launch file: by `ur launch` if this project is set up there, else roslaunch.
 
-    Either waits for the master instead of starting one of its own. On ROS 2 there is no `roslaunch`.
+    Both wait for the master instead of starting one. On ROS 2 there is no `roslaunch`.
     """
     target = quote(package, file, *arguments)
     last = f"exec roslaunch --wait {target}" if roslaunch else _MISSING
@@ -181,12 +181,12 @@ def launch_line(package: str, file: str, arguments: Sequence[str], *, roslaunch:
 
 
 def page_line(*options: str) -> str:
-    """The line that starts the page of `ur web` where this project is set up on the robot; `options` of that verb."""
+    """Return the shell line that starts `ur web` with these options if this project is set up on the robot."""
     return own_line(f"-m ur web {quote(*options)}")
 
 
 def is_unit_name(text: str) -> bool:
-    """Return whether a program may be called so."""
+    """Return whether a text is a valid name of a program's unit."""
     return text != MASTER and re.fullmatch(r"[a-z0-9][a-z0-9_-]{0,50}", text) is not None
 
 
@@ -211,7 +211,7 @@ def _unit(name: str, line: str, user: str, home: str, *, master: str = "", then:
 
 
 def _quote(word: str) -> str:
-    """A word as systemd reads it (systemd.syntax(7), systemd.service(5)): escapes of C, and % and $ doubled."""
+    """Quote an argument for systemd (systemd.syntax(7), systemd.service(5)): C escapes, with % and $ doubled."""
     for plain, escaped in (("\\", "\\\\"), ('"', '\\"'), ("\n", "\\n"), ("%", "%%"), ("$", "$$")):
         word = word.replace(plain, escaped)
     return f'"{word}"'

@@ -1,4 +1,4 @@
-"""The begin of a guarded change: become root on the robot, while no other change is pending, and hand it over."""
+"""Start of a guarded change: become root on the robot, check that no change is pending, and send the change."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from ur.source.diagnostic import UserError, error
 
 
 def become_root(shell: SshShell, given: Secret | None, ask: Callable[[], Secret] | None) -> list[Secret]:
-    """Become root on the robot; return the passwords that sudo may be given from now on.
+    """Become root on the robot, and return the passwords that sudo may be given from now on.
 
-    `given` is tried first. Without it, `ask` is called if sudo wants a password; None: no user can be asked.
-    Raises UserError: that is not possible, or another change is pending there.
+    `given` is tried first. Without it, `ask` is called if sudo requires a password; None means that no user can be
+    asked. Raises UserError if root access fails, or another change is pending there.
     """
     candidates = [given] if given else []
     is_root = shell.find_sudo(candidates)
@@ -40,10 +40,10 @@ def become_root(shell: SshShell, given: Secret | None, ask: Callable[[], Secret]
 def begin_change(
     shell: RootShell, change: GuardedChange, facts: ComputerFacts, requester: str, wait: int, report: Report
 ) -> str:
-    """Hand a change to the robot, which reverts it unless it is confirmed within `wait` s.
+    """Start a change on the robot, which reverts it unless it is confirmed within `wait` s; return the attempt's id.
 
-    Returns the identity of the attempt, also when the connection broke meanwhile, so that it is unknown whether it has
-    begun. `requester` is who asks, for others. Raises UserError when it did not begin.
+    The id is also returned if the connection broke, so that it is unknown whether the change has started. `requester`
+    is shown to other users. Raises UserError if the change did not start.
     """
     order = Order(new_identity(), requester, wait, change)
     try:

@@ -1,4 +1,4 @@
-"""The choice of a wireless network to join or forget, among those that a robot sees and knows."""
+"""Selection of a wireless network to join or forget, among those that a robot receives or has stored."""
 
 from __future__ import annotations
 
@@ -23,9 +23,9 @@ if TYPE_CHECKING:
 def choose_network(
     networks: Networks, ssid: str, password: str, ask: Callable[[bool], str], *, hidden: bool, band: str
 ) -> WirelessNetwork:
-    """Choose the settings of a network to join. Raises UserError: out of reach, bad password.
+    """Choose the settings of a network to join. Raises UserError if it is out of range or the password is invalid.
 
-    `ask` is asked for a password that is missing, with whether the robot knows one already; "" is none.
+    `ask` is called for a missing password, with whether the robot already stores one; it returns "" for none.
     """
     seen = next((each for each in networks.seen if each.ssid == ssid), None)
     if seen is None and not hidden:
@@ -64,7 +64,7 @@ def choose_network(
 
 
 def refuse_wireless(place: str, networks: Networks) -> None:
-    """Raises UserError: there is no wireless device, or it is not ours to change."""
+    """Raise UserError if the robot has no wireless device, or NetworkManager does not manage it."""
     device = next((each for each in networks.devices if each.kind == "wifi"), None)
     check_managed(networks, place, device)
     raise UserError(
@@ -78,7 +78,7 @@ def refuse_wireless(place: str, networks: Networks) -> None:
 
 
 def find_known(networks: Networks, name: str) -> Profile:
-    """The profile of a network. Raises UserError: the robot knows no such network."""
+    """Return the profile of a network. Raises UserError if the robot stores no such network."""
     profile = find_profile(networks, name)
     if profile is None:
         names = [each.ssid or each.name for each in networks.profiles if each.kind == "802-11-wireless"]

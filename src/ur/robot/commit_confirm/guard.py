@@ -148,41 +148,45 @@ sync; i=0; while [ "$(cat "$p/id" 2>/dev/null)" = @ID@ ] && [ $i -lt 100 ]; do i
 
 @dataclass(frozen=True, slots=True)
 class Ended:
-    """The end of a change: confirmed, or reverted and the reason."""
+    """The result of a change: confirmed, or reverted with the reason."""
 
     confirmed: bool
     reason: str
 
 
 def arm_script(identity: str, title: str) -> str:
-    """Reads what `pack_order` made and arms the guard, which then begins by itself.
+    """Return the script that unpacks the output of `pack_order` and arms the guard, which then starts by itself.
 
-    Exit code BUSY: another change is pending; its title and who asked for it are printed. Any other but 0: nothing has
-    changed.
+    Exit code BUSY: another change is pending; its title and its requester are printed. Any other nonzero exit code:
+    nothing has changed.
     """
     script = _ARM.replace("@GUARD@", GUARD).replace("@UNIT@", UNIT)
     return script.replace("@ID@", quote(identity)).replace("@TITLE@", quote(title))
 
 
 def pending_script() -> str:
-    """Asks whether a change is pending, of whomever: exit code BUSY, as with `arm_script`."""
+    """Return the script that checks for a pending change of any user: exit code BUSY, as with `arm_script`."""
     return f"cd {FOLDER}/pending 2>/dev/null || exit 0; cat title who; exit {BUSY}"
 
 
 def confirm_script(identity: str) -> str:
-    """Confirms a change.
+    """Return the script that confirms a change.
 
-    Exit codes: 0 done; EARLY not all of it is made; LATE the guard goes back already; ENDED see `parse_last`.
+    Exit codes: 0 confirmed; EARLY the change is not yet complete; LATE the guard already reverts it; ENDED see
+    `parse_last`.
     """
     return (_SETTLE + _CONFIRM).replace("@ID@", quote(identity))
 
 
 def look_script(identity: str) -> str:
-    """Asks how a change is, and confirms nothing. Exit codes: EARLY it is pending; ENDED see `parse_last`."""
+    """Return the script that reads a change's state without confirming it.
+
+    Exit codes: EARLY the change is pending; ENDED see `parse_last`.
+    """
     return _SETTLE.replace("@ID@", quote(identity)) + f"exit {EARLY}\n"
 
 
 def parse_last(identity: str, output: str) -> Ended | None:
-    """Parse the output of a script with exit code ENDED; None when it is about another change."""
+    """Parse the output of a script with exit code ENDED; None if it is about another change."""
     lines = [*output.splitlines(), "", "", ""]
     return Ended(lines[1] == "confirmed", lines[2]) if lines[0] == identity else None

@@ -1,4 +1,4 @@
-"""A guarded change as a value: what is wanted on the robot, and what makes a running robot follow. Pure."""
+"""A guarded change as a value: the desired files, and the scripts that apply them to the running robot. Pure."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ from ur.robot.ssh.shell import quote
 
 @dataclass(frozen=True, slots=True)
 class GuardedChange:
-    """A change that is made all at once on the robot, and undone all at once.
+    """A change that the robot applies as a whole and reverts as a whole.
 
-    `wanted`: files that will be different. `also_kept`: files and folders that `live` touches, absolute; what lies in
-    /run is not restored after a boot. `live` makes the running robot follow the new files; when it fails, everything is
-    reverted. `back` makes it follow the restored ones; `early` the same while it boots, before its network. Scripts
-    run as root and hold no secrets. `words` describe what `live` does.
+    `wanted`: the files that change. `also_kept`: absolute paths of files and folders that `live` modifies; those in
+    /run are not restored after a boot. `live` applies the new files to the running system; if it fails, everything is
+    reverted. `back` applies the restored files; `early` does so during boot, before the network starts. The scripts run
+    as root and contain no secrets. `words` describe the effect of `live`.
     """
 
     title: str
@@ -37,7 +37,7 @@ class GuardedChange:
 
 @dataclass(frozen=True, slots=True)
 class Order:
-    """A change as it is handed to a robot: `identity` names this attempt, `who` asked, `wait` is in seconds."""
+    """A change as it is sent to a robot: `identity` names this attempt, `who` requested it, `wait` is in seconds."""
 
     identity: str
     who: str
@@ -46,19 +46,19 @@ class Order:
 
 
 def list_changes(change: GuardedChange, facts: ComputerFacts) -> list[Change]:
-    """List the changes on the robot, for people and for `pack_order`."""
+    """List the changes on the robot, for display and for `pack_order`."""
     return [planned for item in change.wanted if (planned := item.plan(facts))]
 
 
 def list_kept(change: GuardedChange, facts: ComputerFacts) -> list[str]:
-    """The files and folders that are to be restored, absolute."""
+    """Return the absolute paths of the files and folders that a revert restores."""
     requests = [item.request(facts.user) for item in change.wanted]
     paths = {path for request in requests for path in request.files}
     return [*sorted(facts.resolve(path) for path in paths), *change.also_kept]
 
 
 def change_request(change: GuardedChange, user: str) -> FactsRequest:
-    """The facts that `list_changes` looks at."""
+    """Return the facts that `list_changes` needs."""
     request = FactsRequest(user)
     for item in change.wanted:
         request |= item.request(user)
@@ -66,7 +66,7 @@ def change_request(change: GuardedChange, user: str) -> FactsRequest:
 
 
 def pack_order(order: Order, facts: ComputerFacts) -> Secret:
-    """All that the robot needs, as a tar archive in base64: a secret, since a new file may hold a password."""
+    """Pack all data for the robot into a tar archive in base64: a secret, since a new file may hold a password."""
     commands = [command for change in list_changes(order.change, facts) for command in change.commands]
     texts = {
         "id": f"{order.identity}\n",
@@ -93,7 +93,7 @@ def pack_order(order: Order, facts: ComputerFacts) -> Secret:
 
 
 def apply_script(commands: Sequence[ChangeScript], facts: ComputerFacts) -> str:
-    """The script, run by the guard, that makes the change; it stops at the first thing that fails."""
+    """Return the script by which the guard applies the change; it stops at the first command that fails."""
     lines = ["set -e", f"cd {FOLDER}/pending"]
     for number, command in enumerate(commands):
         # A user may not enter the folder: the script becomes a word, which holds no secret, and the input is open.

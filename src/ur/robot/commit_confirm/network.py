@@ -1,4 +1,4 @@
-"""Changes of a robot's networks, through NetworkManager. Pure."""
+"""Changes of a robot's networks by NetworkManager. Pure."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ class Addressing:
 
 @dataclass(frozen=True, slots=True)
 class WirelessNetwork:
-    """A wireless network to join. `password` is None for an open one; `band` '' is any, '2.4' or '5' is in GHz."""
+    """A wireless network to join. `password` is None for an open one; `band` '' means any, '2.4' or '5' is in GHz."""
 
     ssid: str
     password: Secret | None
@@ -51,12 +51,12 @@ class WirelessNetwork:
 
     @property
     def uuid(self) -> str:
-        """The identity of its profile: the same whenever it is joined."""
+        """The UUID of the network's profile, which is the same whenever the network is joined."""
         return str(uuid.uuid5(NAMESPACE, self.ssid))
 
     @property
     def path(self) -> str:
-        """The file of its profile."""
+        """The path of the profile's file."""
         return f"{PROFILES}/ur-{self.uuid}.nmconnection"
 
 
@@ -68,27 +68,27 @@ class WantedProfile:
 
     @property
     def title(self) -> str:
-        """A few words."""
+        """The title of the profile for messages."""
         return f"profile of {self.wifi.ssid}"
 
     def request(self, user: str) -> FactsRequest:
-        """The folder, which is kept as a whole by others."""
+        """Request no more than the folder, which is saved as a whole by `also_kept`."""
         return FactsRequest(user)
 
     def plan(self, facts: ComputerFacts) -> Change | None:
-        """Write it, always: no script may learn whether the password is the same."""
+        """Write the profile in any case: no script may learn whether the password is unchanged."""
         text = render_profile(self.wifi)
         command = write_file(facts, self.wifi.path, text, 0o600)
         secret = ChangeScript(command.script, root=True, stdin=Secret(text))
         return Change(self.title, f"{self.wifi.path}: profile of {self.wifi.ssid!r}", (secret,))
 
     def undo(self, facts: ComputerFacts) -> Change | None:  # noqa: ARG002 - of the protocol
-        """It stays."""
+        """Return None: the profile stays."""
         return None
 
 
 def render_profile(wifi: WirelessNetwork) -> str:
-    """The text of a keyfile (nm-settings-keyfile(5)). It is preferred over older profiles, which stay as they are."""
+    """Return the text of a keyfile (nm-settings-keyfile(5)), preferred over older profiles, which stay unchanged."""
     security = ["[wifi-security]", f"key-mgmt={wifi.management}"] if wifi.management else []
     if wifi.management in ("wpa-psk", "sae") and wifi.password:
         security.append(f"psk={_escape(wifi.password.reveal())}")
@@ -109,7 +109,7 @@ def render_profile(wifi: WirelessNetwork) -> str:
 
 
 def _escape(text: str) -> str:
-    """A value as GLib's key files take it: backslashes, line breaks, and blanks at either end are escaped."""
+    """Escape a value for GLib's key files: backslashes, line breaks, and spaces at either end."""
     for plain, escaped in (("\\", "\\\\"), ("\n", "\\n"), ("\r", "\\r"), ("\t", "\\t")):
         text = text.replace(plain, escaped)
     body = text.strip(" ")
@@ -120,9 +120,9 @@ def _escape(text: str) -> str:
 
 
 def choose_management(seen: SeenNetwork | None, *, with_password: bool) -> str:
-    """The key management of a network, in NetworkManager's word; '' for an open one. Raises UserError.
+    """Return NetworkManager's name for a network's key management; '' for an open network. Raises UserError.
 
-    `seen` is None for a hidden one: then it is what most are.
+    `seen` is None for a hidden network, for which the most common key management is returned.
     """
     if seen is None:
         return "wpa-psk" if with_password else ""
@@ -147,7 +147,7 @@ def choose_management(seen: SeenNetwork | None, *, with_password: bool) -> str:
 
 
 def check_password(ssid: str, password: Secret) -> None:
-    """Raises UserError unless a network may have it (IEEE 802.11: 8 to 63 characters, or 64 hex digits)."""
+    """Raise UserError unless a password is valid (IEEE 802.11: 8 to 63 characters, or 64 hexadecimal digits)."""
     text = password.reveal()
     if not (8 <= len(text.encode()) <= 63 or re.fullmatch(r"[0-9a-fA-F]{64}", text)) or not text.isprintable():
         raise _refused(
@@ -158,7 +158,7 @@ def check_password(ssid: str, password: Secret) -> None:
 
 
 def plan_join(networks: Networks, wifi: WirelessNetwork, device: NetworkDevice) -> GuardedChange:
-    """Join a network; the others' profiles stay, and are used where this one is not in reach."""
+    """Plan to join a network; other profiles stay, and are used where this network is out of range."""
     known = find_profile(networks, wifi.ssid)
     use_known = known is not None and wifi.password is None
     wanted = () if use_known else (WantedProfile(wifi),)
@@ -168,14 +168,14 @@ def plan_join(networks: Networks, wifi: WirelessNetwork, device: NetworkDevice) 
 
 
 def plan_forget(networks: Networks, profile: Profile) -> GuardedChange:
-    """Forget a network; where it is used, the robot goes to another one that it knows."""
+    """Plan to forget a network; if it is in use, the robot connects to another known one."""
     return _guard(
         networks, f"forget {profile.ssid or profile.name}", (), [f"nmcli connection delete {quote(profile.uuid)}"]
     )
 
 
 def plan_addressing(networks: Networks, profile: Profile, device: NetworkDevice, wanted: Addressing) -> GuardedChange:
-    """Give a device its address by DHCP or by hand."""
+    """Plan to configure a device's address by DHCP or statically."""
     values = {
         "ipv4.method": "manual" if wanted.address else "auto",
         "ipv4.addresses": str(wanted.address or ""),
@@ -213,7 +213,7 @@ def _bring_up(identity: str, device: str, wait: int = UP_SECONDS) -> str:
 
 
 def find_profile(networks: Networks, ssid: str) -> Profile | None:
-    """The profile of a wireless network, by the network's name or its own."""
+    """Find the profile of a wireless network, by its SSID or by the name of the profile."""
     wireless = [each for each in networks.profiles if each.kind == "802-11-wireless"]
     return next((each for each in wireless if ssid == each.ssid), None) or next(
         (each for each in wireless if ssid == each.name), None
@@ -221,7 +221,7 @@ def find_profile(networks: Networks, ssid: str) -> Profile | None:
 
 
 def check_managed(networks: Networks, place: str, device: NetworkDevice | None) -> None:
-    """Raises UserError where something else than NetworkManager is in charge of the device (None: of all)."""
+    """Raise UserError if a service other than NetworkManager manages the device (None: all devices)."""
     if networks.running and (device is None or device.managed):
         return
     what = device.name if device else "the network"
@@ -240,7 +240,10 @@ def check_managed(networks: Networks, place: str, device: NetworkDevice | None) 
 
 
 def parse_addressing(address: str | None, gateway: str | None, names: Sequence[str], *, dhcp: bool) -> Addressing:
-    """Read the options. Raises UserError: not an address, no prefix length, a gateway that is out of reach."""
+    """Parse the addressing options.
+
+    Raises UserError for an invalid address, a missing prefix or an unreachable gateway.
+    """
     if dhcp:
         return Addressing(None, None, tuple(_parse_ip(name, "--dns") for name in names))
     text = address or ""

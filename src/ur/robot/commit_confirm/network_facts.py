@@ -1,4 +1,4 @@
-"""A robot's networks as NetworkManager has them: one script, and the parser of its output. Both are pure.
+"""A robot's networks in NetworkManager: one script, and the parser of its output. Both are pure.
 
 The format is that of `nmcli --terse` (nmcli(1)): fields with a colon between them, colons and backslashes escaped.
 """
@@ -31,7 +31,7 @@ mark seen; nmcli -t -f IN-USE,SIGNAL,FREQ,SECURITY,SSID device wifi list --resca
 
 @dataclass(frozen=True, slots=True)
 class NetworkDevice:
-    """A network device: nmcli's words for its type and state; its addresses, each with a prefix length."""
+    """A network device: type and state in nmcli's terms; its addresses, each with a prefix length."""
 
     name: str
     kind: str
@@ -41,13 +41,13 @@ class NetworkDevice:
 
     @property
     def managed(self) -> bool:
-        """Return whether NetworkManager may change it."""
+        """Return whether NetworkManager manages the device."""
         return not self.state.startswith("unmanaged")
 
 
 @dataclass(frozen=True, slots=True)
 class Profile:
-    """A network profile of NetworkManager; `ssid` is '' for a wired one, `device` is where it is used."""
+    """A network profile of NetworkManager; `ssid` is '' for a wired one, `device` is the one that uses it."""
 
     uuid: str
     kind: str
@@ -58,7 +58,7 @@ class Profile:
 
 @dataclass(frozen=True, slots=True)
 class SeenNetwork:
-    """A wireless network in reach: signal in %, bands it is on, nmcli's word for its security ('' is open)."""
+    """A wireless network in range: signal in %, its bands, nmcli's term for its security ('' for an open one)."""
 
     ssid: str
     signal: int
@@ -69,7 +69,7 @@ class SeenNetwork:
 
 @dataclass(frozen=True, slots=True)
 class Networks:
-    """All of it. `running`: NetworkManager is there; `others`: what else manages networks there."""
+    """The networks of a robot. `running`: NetworkManager runs; `others`: other services that manage networks."""
 
     running: bool
     devices: tuple[NetworkDevice, ...] = ()
@@ -84,17 +84,17 @@ class Networks:
         return next((each for each in self.devices if each.kind == "wifi" and each.managed), None)
 
     def device_with(self, address: str) -> NetworkDevice | None:
-        """The device that has this address."""
+        """The device that has this address, or None."""
         bare = address.partition("%")[0]
         return next((each for each in self.devices if bare in (one.split("/")[0] for one in each.addresses)), None)
 
     def profile(self, uuid: str) -> Profile | None:
-        """The profile with this identity."""
+        """The profile with this UUID, or None."""
         return next((each for each in self.profiles if each.uuid == uuid), None)
 
 
 def parse_networks(output: str) -> Networks:
-    """Read what the scripts printed; a part that is missing is empty."""
+    """Parse the output of the scripts; a missing section is empty."""
     parts = {name: text for name, _, text in (part.partition("\n") for part in output.split(_MARK)[1:])}
     addresses = {
         row[0].partition("@")[0]: tuple(row[2:])
@@ -119,7 +119,10 @@ def parse_networks(output: str) -> Networks:
 
 
 def _merge(rows: Iterator[list[str]]) -> tuple[SeenNetwork, ...]:
-    """One for each name, the used one and the best signal first: a network has many stations. No hidden ones."""
+    """Merge the access points of each SSID: the one in use and the strongest signal first.
+
+    Hidden networks are left out.
+    """
     found: dict[str, SeenNetwork] = {}
     for used, signal, frequency, security, ssid in rows:
         if not ssid:
@@ -152,6 +155,6 @@ def _rows(text: str, count: int) -> Iterator[list[str]]:
 
 
 def split_terse(line: str) -> list[str]:
-    """The fields of a line of `nmcli --terse`."""
+    """Split a line of `nmcli --terse` into fields."""
     fields = re.findall(r"(?:^|(?<=:))(?:\\.|[^:\\])*", line)
     return [re.sub(r"\\(.)", r"\1", field) for field in fields]

@@ -36,7 +36,7 @@ __all__ = [
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Sensors:
-    """The sensors of a base, by their keys in `sensors` of its file; `battery` is a key of the file itself."""
+    """The sensors of a base, by their keys in the section `sensors` of its file; `battery` is a top-level key."""
 
     lidar: Lidar | None = None
     raspicam: Camera | None = None
@@ -47,7 +47,7 @@ class Sensors:
     battery: BatteryProperties | None = None
 
     def list_sensors(self) -> Iterator[tuple[str, Sensor]]:
-        """The sensors that there are, with their keys, in the order of the table."""
+        """Yield the sensors that the base has, with their keys, in the order of the table."""
         for name in SENSORS:
             if (found := getattr(self, name)) is not None:
                 yield name, found
@@ -59,7 +59,7 @@ _AT_TOP = frozenset({"battery"})
 
 
 def read_sensors(top: Section) -> dict[str, Sensor]:
-    """Read the sensors of a base file, by key. Every frame has one owner."""
+    """Read the sensors of a base file, by key. Two sensors cannot have the same frame."""
     inner = top.optional_section("sensors")
     found: dict[str, Sensor] = {}
     frames = FrameOwners()

@@ -14,9 +14,10 @@ TECHNOLOGIES = ("lead-acid", "lifepo4", "lithium-ion", "lithium-polymer", "nicd"
 
 @dataclass(frozen=True, slots=True)
 class BatteryProperties(Sensor):
-    """The battery (sensor_msgs/BatteryState). `design_capacity` is in Ah; voltages are those at rest.
+    """The battery (sensor_msgs/BatteryState).
 
-    `current_idle` flows while the base is at rest, `current_moving` at full speed.
+    `design_capacity` is in Ah; voltages are those without load. `current_idle` (A) flows while the base is at rest,
+    `current_moving` at full speed.
     """
 
     title: ClassVar[str] = "battery"
@@ -37,7 +38,7 @@ battery: # Ah, V, A
 
     @classmethod
     def read(cls, part: Section, frames: FrameOwners) -> BatteryProperties:  # noqa: ARG003 - it has no frame
-        """Read its section."""
+        """Read the section `battery`."""
         battery = cls(
             topic=read_topic(part, "battery_state"),
             technology=part.text("technology", choices=TECHNOLOGIES),
@@ -56,14 +57,14 @@ battery: # Ah, V, A
         return battery
 
     def topics(self) -> Mapping[str, str]:
-        """Its state."""
+        """The topic of the battery's state."""
         return {self.topic: "sensor_msgs/BatteryState"}
 
     def overview(self) -> str:
-        """Nothing: every robot has one."""
+        """An empty text, since every robot has a battery."""
         return ""
 
     def describe(self) -> str:
-        """Topic, technology, capacity and voltages."""
+        """Topic, technology, capacity and voltages, as Markdown."""
         volts = f"{self.voltage_full:g} to {self.voltage_empty:g} V"
         return f"`{self.topic}`: {self.technology}, {self.design_capacity:g} Ah, {volts}"

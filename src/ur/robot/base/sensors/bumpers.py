@@ -13,9 +13,10 @@ from ur.source.section import Section
 
 @dataclass(frozen=True, slots=True)
 class Bumper:
-    """A switch behind a part of the outline: where the direction from `base_footprint` lies in `start` to `end`.
+    """A contact switch behind a part of the outline, between the directions `start` and `end` from `base_footprint`.
 
-    The angles are counter-clockwise from the x axis; `start` is in -2 pi to 2 pi and less than `end`, by 2 pi at most.
+    The angles (rad) are counter-clockwise from the x axis; `start` is in -2 pi to 2 pi and less than `end`, by 2 pi at
+    most.
     """
 
     name: str
@@ -23,14 +24,14 @@ class Bumper:
     end: float
 
     def covers(self, x: float, y: float) -> bool:
-        """Return whether a touch at a point (in `base_footprint`) closes this switch."""
+        """Return whether a contact at a point (in `base_footprint`) closes this switch."""
         turn = 2.0 * math.pi
         return (math.atan2(y, x) - self.start) % turn <= self.end - self.start
 
 
 @dataclass(frozen=True, slots=True)
 class Bumpers(Sensor):
-    """The contact switches (std_msgs/Bool, a topic each), in the order of the file."""
+    """The contact switches (std_msgs/Bool, one topic per switch), in the order of the file."""
 
     title: ClassVar[str] = "bumpers"
     example: ClassVar[str] = """
@@ -43,16 +44,16 @@ bumpers: # a part of the outline each: from one direction to another, counter-cl
 
     @classmethod
     def read(cls, part: Section, frames: FrameOwners) -> Bumpers:  # noqa: ARG003 - switches have no frames
-        """Read their section."""
+        """Read the section `bumpers`."""
         places = read_places(part, "bumper", "names with their sectors")
         return cls(read_topic(part, "bumper"), tuple(_read_bumper(places, name) for name in places.keys))
 
     def topics(self) -> Mapping[str, str]:
-        """One for each."""
+        """The topics of the switches."""
         return {f"{self.topic}/{bumper.name}": "std_msgs/Bool" for bumper in self.at}
 
     def describe(self) -> str:
-        """Topic and names."""
+        """Topic and names of the switches, as Markdown."""
         return f"`{self.topic}`: {', '.join(bumper.name for bumper in self.at)}"
 
 

@@ -14,10 +14,11 @@ from ur.source.section import Section
 
 @dataclass(frozen=True, slots=True)
 class Camera(Sensor):
-    """A camera without distortion. Its body has the pose: it looks along its x axis.
+    """A camera without distortion; `pose` is that of its body, which looks along its x axis.
 
-    `frame` is the optical frame (REP 103: z forward, x right, y down); `name` is the node, and so the namespace of the
-    topics. `width` and `height` are in pixels, `field_of_view` is the horizontal angle, `rate` is in images a second.
+    `frame` is the optical frame (REP 103: z forward, x right, y down); `name` is the node, and thus the namespace of
+    the topics. `width` and `height` are in pixels, `field_of_view` is the horizontal angle (rad), `rate` is in images
+    per second.
     """
 
     title: ClassVar[str] = "camera"
@@ -36,7 +37,7 @@ raspicam: {frame: raspicam, pose: [0.26, 0, 0.2, 0, 0, 0], width: 640, height: 4
 
     @classmethod
     def read(cls, part: Section, frames: FrameOwners) -> Camera:
-        """Read its section."""
+        """Read the section `camera`."""
         frame = frames.read(part, "raspicam")
         frames.claim(part, "frame", f"{frame}_body", "raspicam")
         return cls(
@@ -51,11 +52,11 @@ raspicam: {frame: raspicam, pose: [0.26, 0, 0.2, 0, 0, 0], width: 640, height: 4
 
     @property
     def focal_length(self) -> float:
-        """Of the pinhole, in pixels, along both axes."""
+        """The focal length of the pinhole model in pixels, equal along both axes."""
         return self.width / 2.0 / math.tan(self.field_of_view / 2.0)
 
     def topics(self) -> Mapping[str, str]:
-        """Its pictures, plain and compressed, and its calibration."""
+        """The topics of the raw image, the compressed image and the camera info."""
         return {
             f"{self.name}/image_raw": "sensor_msgs/Image",
             f"{self.name}/image/compressed": "sensor_msgs/CompressedImage",
@@ -63,11 +64,11 @@ raspicam: {frame: raspicam, pose: [0.26, 0, 0.2, 0, 0, 0], width: 640, height: 4
         }
 
     def frames(self) -> tuple[str, ...]:
-        """Its optical frame."""
+        """The optical frame."""
         return (self.frame,)
 
     def urdf(self, axle: float) -> Iterator[str]:
-        """A body that looks along x, and in it the optical frame (REP 103)."""
+        """The camera body, which looks along x, and its optical frame (REP 103)."""
         body = f"{self.frame}_body"
         lens = '<cylinder radius="0.004" length="0.006"/>'
         parts = [
@@ -80,7 +81,7 @@ raspicam: {frame: raspicam, pose: [0.26, 0, 0.2, 0, 0, 0], width: 640, height: 4
         yield from joint(self.frame, (0.0, 0.0, 0.0), parent=body, angles=(-1.570796, 0.0, -1.570796))
 
     def describe(self) -> str:
-        """Node, size, angle and direction."""
+        """Node, image size, field of view and direction, as Markdown."""
         looks = "up" if math.sin(self.pose[4]) < -0.7 else "ahead"
         size = f"{self.width} x {self.height}, {self.rate:g} Hz"
         return f"`{self.name}`: {size}, {math.degrees(self.field_of_view):.0f}° wide, looks {looks}"

@@ -1,4 +1,4 @@
-"""Sensors of a floor that ends."""
+"""Cliff sensors, which detect that the floor ends."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ _CENTRE = 0.01  # m
 
 @dataclass(frozen=True, slots=True)
 class Cliff:
-    """A sensor that looks straight down from `position` (x, y, z in `base_footprint`)."""
+    """A cliff sensor that looks straight down from `position` (x, y, z in `base_footprint`)."""
 
     name: str
     position: tuple[float, ...]
 
     @property
     def frame(self) -> str:
-        """Its x axis points down."""
+        """The frame of the sensor, whose x axis points down."""
         return f"cliff_{self.name}"
 
     @property
@@ -34,7 +34,7 @@ class Cliff:
 
 @dataclass(frozen=True, slots=True)
 class Cliffs(Sensor):
-    """The sensors of a floor that ends (std_msgs/Bool, a topic each), in the order of the file."""
+    """The cliff sensors (std_msgs/Bool, one topic per sensor), in the order of the file."""
 
     title: ClassVar[str] = "cliff sensors"
     example: ClassVar[str] = """
@@ -47,7 +47,7 @@ cliffs: # each looks straight down from x, y, z; its frame is cliff_<name>
 
     @classmethod
     def read(cls, part: Section, frames: FrameOwners) -> Cliffs:
-        """Read their section."""
+        """Read the section `cliffs`."""
         places = read_places(part, "cliff sensor", "names with their positions")
         cliffs = cls(read_topic(part, "cliff"), tuple(Cliff(name, places.numbers(name, 3)) for name in places.keys))
         for cliff in cliffs.at:
@@ -64,19 +64,19 @@ cliffs: # each looks straight down from x, y, z; its frame is cliff_<name>
         return cliffs
 
     def topics(self) -> Mapping[str, str]:
-        """One for each."""
+        """The topics of the cliff sensors."""
         return {f"{self.topic}/{cliff.name}": "std_msgs/Bool" for cliff in self.at}
 
     def frames(self) -> tuple[str, ...]:
-        """One for each."""
+        """The frames of the cliff sensors."""
         return tuple(cliff.frame for cliff in self.at)
 
     def urdf(self, axle: float) -> Iterator[str]:
-        """Small windows that look down."""
+        """A small window that faces down for each cliff sensor."""
         for cliff in self.at:
             yield from link(cliff.frame, visual('<box size="0.004 0.012 0.008"/>', "sensor", (-0.002, 0.0, 0.0)))
             yield from mount(cliff.frame, (*cliff.position, 0.0, 1.570796, 0.0), axle)
 
     def describe(self) -> str:
-        """Topic and names."""
+        """Topic and names of the cliff sensors, as Markdown."""
         return f"`{self.topic}`: {', '.join(cliff.name for cliff in self.at)}"

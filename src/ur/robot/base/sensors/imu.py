@@ -1,4 +1,4 @@
-"""An inertial sensor."""
+"""An inertial measurement unit (IMU)."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from ur.source.section import Section
 
 @dataclass(frozen=True, slots=True)
 class ImuErrors(Sensor):
-    """An inertial sensor (sensor_msgs/Imu): standard deviations per reading, rad/s and m/s^2; `rate` a second."""
+    """An IMU (sensor_msgs/Imu) with its noise: standard deviations per reading in rad/s and m/s^2; `rate` in Hz."""
 
     title: ClassVar[str] = "inertial sensor"
     article: ClassVar[str] = "an"
@@ -30,7 +30,7 @@ imu: {frame: imu, topic: imu/data, pose: [0, 0, 0.12, 0, 0, 0], rate: 50, gyro_n
 
     @classmethod
     def read(cls, part: Section, frames: FrameOwners) -> ImuErrors:
-        """Read its section."""
+        """Read the section `imu`."""
         return cls(
             frame=frames.read(part),
             topic=read_topic(part, "imu/data"),
@@ -41,18 +41,18 @@ imu: {frame: imu, topic: imu/data, pose: [0, 0, 0.12, 0, 0, 0], rate: 50, gyro_n
         )
 
     def topics(self) -> Mapping[str, str]:
-        """Its readings."""
+        """The topic of the readings."""
         return {self.topic: "sensor_msgs/Imu"}
 
     def frames(self) -> tuple[str, ...]:
-        """Its own."""
+        """The frame of the IMU."""
         return (self.frame,)
 
     def urdf(self, axle: float) -> Iterator[str]:
-        """A small board."""
+        """A small circuit board."""
         yield from link(self.frame, visual('<box size="0.020 0.016 0.003"/>', "board"))
         yield from mount(self.frame, self.pose, axle)
 
     def describe(self) -> str:
-        """Topic and rate."""
+        """Topic and rate, as Markdown."""
         return f"`{self.topic}`: {self.rate:g} Hz"

@@ -14,7 +14,10 @@ from ur.source.section import Section
 
 @dataclass(frozen=True, slots=True)
 class Lidar(Sensor):
-    """A planar lidar (sensor_msgs/LaserScan), `rate` scans a second. `noise` is the standard deviation of a range."""
+    """A planar lidar (sensor_msgs/LaserScan).
+
+    `rate` is in scans per second; `noise` is the standard deviation of a range, m.
+    """
 
     title: ClassVar[str] = "lidar"
     article: ClassVar[str] = "a"
@@ -36,7 +39,7 @@ lidar: {frame: laser, topic: scan, pose: [0.1, 0, 0.3, 0, 0, 0], angle_min: -3.1
 
     @classmethod
     def read(cls, part: Section, frames: FrameOwners) -> Lidar:
-        """Read its section."""
+        """Read the section `lidar`."""
         lidar = cls(
             frame=frames.read(part),
             topic=read_topic(part, "scan"),
@@ -54,20 +57,20 @@ lidar: {frame: laser, topic: scan, pose: [0.1, 0, 0.3, 0, 0, 0], angle_min: -3.1
         return lidar
 
     def topics(self) -> Mapping[str, str]:
-        """Its scans."""
+        """The topic of the scans."""
         return {self.topic: "sensor_msgs/LaserScan"}
 
     def frames(self) -> tuple[str, ...]:
-        """Its own."""
+        """The frame of the lidar."""
         return (self.frame,)
 
     def urdf(self, axle: float) -> Iterator[str]:
-        """A disc."""
+        """A cylinder for the lidar's body."""
         yield from link(self.frame, visual('<cylinder radius="0.035" length="0.04"/>', "sensor"))
         yield from mount(self.frame, self.pose, axle)
 
     def describe(self) -> str:
-        """Topic, beams, rate and reach."""
+        """Topic, number of beams, rate and maximum range, as Markdown."""
         turn = math.degrees(self.angle_max - self.angle_min) * self.samples / (self.samples - 1)
         reach = f"{self.range_min:g} to {self.range_max:g} m"
         return f"`{self.topic}`: {self.samples} beams over {turn:.0f}°, {self.rate:g} Hz, {reach}"

@@ -1,4 +1,4 @@
-"""A sensor of a base: from its section in the base file to its topics, frames, URDF and words.
+"""A sensor of a base: its section of the base file, its topics, frames, URDF and description.
 
 A `pose` is x, y, z, roll, pitch, yaw in `base_footprint`. A `topic` is relative to the robot's namespace.
 """
@@ -16,7 +16,7 @@ BODY_FRAMES = ("base_footprint", "base_link", "left_wheel", "right_wheel")
 
 
 class Sensor(ABC):
-    """One sensor, or all of a kind, of a base."""
+    """One sensor of a base, or all of its sensors of one kind."""
 
     __slots__ = ()
     title: ClassVar[str]
@@ -29,43 +29,43 @@ class Sensor(ABC):
     @classmethod
     @abstractmethod
     def read(cls, part: Section, frames: FrameOwners) -> Sensor:
-        """Read its section of a base file. Raises UserError with file, line and column."""
+        """Read the sensor's section of a base file. Raises UserError with file, line and column."""
 
     @abstractmethod
     def topics(self) -> Mapping[str, str]:
-        """The topics that it publishes, with their types."""
+        """The topics that the sensor publishes, with their types."""
 
     @abstractmethod
     def describe(self) -> str:
-        """Its figures in one line of Markdown."""
+        """The sensor's properties in one line of Markdown."""
 
     def overview(self) -> str:
-        """A word or two for the list of bases; '' to be left out there."""
+        """The sensor in one or two words for the list of bases; '' to leave it out of the list."""
         return self.title
 
     def frames(self) -> tuple[str, ...]:
-        """The frames of its messages."""
+        """The frame_ids of the sensor's messages."""
         return ()
 
     def urdf(self, axle: float) -> Iterator[str]:  # noqa: ARG002 - for those that have frames
-        """Its links and joints; `axle` is the height of `base_link` above the ground."""
+        """Yield the URDF links and joints of the sensor; `axle` is the height of `base_link` above the ground, m."""
         yield from ()
 
 
 class FrameOwners:
-    """The frames of a base, each with its owner."""
+    """Registry of the frames of a base, each with the sensor that owns it."""
 
     def __init__(self) -> None:
         self._owners = dict.fromkeys(BODY_FRAMES, "the body")
 
     def read(self, part: Section, default: str | None = None) -> str:
-        """The key `frame` of a section, claimed for it."""
+        """Read the key `frame` of a section and register the frame for that section."""
         frame = part.text("frame") if default is None else part.text("frame", default)
         self.claim(part, "frame", frame, part.name.rpartition(", ")[2])
         return frame
 
     def claim(self, part: Section, key: str, frame: str, owner: str) -> None:
-        """Note the owner of a frame. Fails at `key` if the frame has one, or is no name."""
+        """Register the owner of a frame. Raises UserError at `key` if the frame is taken or is no valid name."""
         if not re.fullmatch(r"[A-Za-z]\w*", frame):
             part.fail(key, f"frame {frame!r} in {part.name}, expected a name of letters, digits and _")
         if re.fullmatch(r"caster_\d+", frame):
@@ -76,7 +76,7 @@ class FrameOwners:
 
 
 def read_topic(part: Section, default: str) -> str:
-    """The key `topic`: a ROS name."""
+    """Read the key `topic`, which is a ROS name."""
     topic = part.text("topic", default)
     if not re.fullmatch(r"[A-Za-z/][\w/]*", topic):
         part.fail("topic", f"topic: {topic!r} in {part.name}, expected a ROS name, as {default}")
@@ -84,7 +84,7 @@ def read_topic(part: Section, default: str) -> str:
 
 
 def read_places(part: Section, what: str, expected: str) -> Section:
-    """The key `at`: what there is, by name. Fails when there is nothing."""
+    """Read the key `at`, a mapping of names to positions. Raises UserError if it is empty."""
     places = part.section("at")
     if not places.keys:
         part.fail("at", f"at: no {what} in {part.name}, expected {expected}")
@@ -92,6 +92,6 @@ def read_places(part: Section, what: str, expected: str) -> Section:
 
 
 def check_order(part: Section, low: str, least: float, high: str, most: float) -> None:
-    """Fail unless the value of `high` is more than that of `low`."""
+    """Raise UserError unless the value of `high` is greater than that of `low`."""
     if most <= least:
         part.fail(high, f"{high}: {most:g} in {part.name}, expected more than {low}")

@@ -14,7 +14,7 @@ from ur.source.section import Section
 
 @dataclass(frozen=True, slots=True)
 class Sonar:
-    """One ultrasonic ranger, which looks along its x axis. `frame` is its name, too."""
+    """One ultrasonic range finder, which looks along its x axis. `frame` is also its name."""
 
     frame: str
     pose: tuple[float, ...]
@@ -22,11 +22,11 @@ class Sonar:
 
 @dataclass(frozen=True, slots=True)
 class Sonars(Sensor):
-    """Rangers of one kind (sensor_msgs/Range): all on one topic, distinguished by frame_id.
+    """Range finders of one kind (sensor_msgs/Range) on one topic, distinguished by their frame_id.
 
-    `rate` is how many ranges each of them gives a second (they take turns), `field_of_view` the full angle of the cone
-    and `noise` the standard deviation of a range. The range is that to the nearest surface in the cone; `range_max`
-    and beyond means that nothing was detected.
+    `rate` is the number of ranges per second of each sensor (they measure in turn), `field_of_view` the full angle of
+    the cone (rad) and `noise` the standard deviation of a range (m). The range is that to the nearest surface in the
+    cone; a range of `range_max` or more means that nothing was detected.
     """
 
     title: ClassVar[str] = "sonars"
@@ -46,7 +46,7 @@ sonars: # on one topic, told apart by frame; the rate is that of each
 
     @classmethod
     def read(cls, part: Section, frames: FrameOwners) -> Sonars:
-        """Read their section."""
+        """Read the section `sonars`."""
         places = read_places(part, "sonar", "frames with their poses")
         for name in places.keys:
             frames.claim(places, name, name, "sonars")
@@ -63,15 +63,15 @@ sonars: # on one topic, told apart by frame; the rate is that of each
         return sonars
 
     def topics(self) -> Mapping[str, str]:
-        """Their one topic."""
+        """The topic that all sonars share."""
         return {self.topic: "sensor_msgs/Range"}
 
     def frames(self) -> tuple[str, ...]:
-        """One for each."""
+        """The frames of the sonars."""
         return tuple(sonar.frame for sonar in self.at)
 
     def urdf(self, axle: float) -> Iterator[str]:
-        """Boards (HC-SR04) with a sender and a receiver each; they end where the ranges begin."""
+        """A circuit board (HC-SR04) with a transmitter and a receiver per sonar; its front is the origin of ranges."""
         pin = '<cylinder radius="0.008" length="0.012"/>'
         for sonar in self.at:
             parts = [*visual('<box size="0.002 0.045 0.020"/>', "board", (-0.013, 0.0, 0.0))]
@@ -81,10 +81,10 @@ sonars: # on one topic, told apart by frame; the rate is that of each
             yield from mount(sonar.frame, sonar.pose, axle)
 
     def overview(self) -> str:
-        """Their number."""
+        """The number of sonars, in words for the list of bases."""
         return f"{len(self.at)} sonars"
 
     def describe(self) -> str:
-        """Topic, number, rate, cone and reach."""
+        """Topic, number of sonars, rate, field of view and maximum range, as Markdown."""
         cone = f"{math.degrees(self.field_of_view):.0f}°, {self.range_min:g} to {self.range_max:g} m"
         return f"`{self.topic}`: {len(self.at)}, each {self.rate:g} Hz, {cone}"
