@@ -1,4 +1,4 @@
-"""The devices that a base needs, and the devices of a computer that a shell reaches."""
+"""The devices that a base needs, and the devices that are connected to a computer."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ LOOK_SECONDS = 90.0
 
 
 def expected_devices(base: Base) -> tuple[Expected, ...]:
-    """The devices that the drivers of a base open: its own, then those of its sensors."""
+    """Return the devices that the drivers of a base open: the base's own, then those of its sensors."""
     drivers = (*([base.driver] if base.driver else []), *base.drivers)
     found = []
     for driver in drivers:
@@ -23,5 +23,5 @@ def expected_devices(base: Base) -> tuple[Expected, ...]:
 
 
 def inspect_devices(shell: Shell) -> DeviceSnapshot:
-    """Look at the devices of a computer, as the user of the shell. Raises UserError when the connection is lost."""
+    """Inspect the devices of a computer, as the user of the shell. Raises UserError if the connection breaks."""
     return parse_devices(shell.run(device_script(), timeout=LOOK_SECONDS).out)

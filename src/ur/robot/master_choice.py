@@ -1,4 +1,4 @@
-"""The robot that a ROS_MASTER_URI set by hand means, where another robot is selected."""
+"""The robot that a manually set ROS_MASTER_URI refers to, when another robot is selected."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ from ur.source.printable import printable
 def follow_master(
     selection: Selection, uri: str, hostname: str, find_address: Callable[[str], str] | None = None
 ) -> Selection:
-    """Choose the robot whose master `uri` names, in place of the selected real robot.
+    """Return the selection of the robot whose master `uri` names, in place of the selected real robot.
 
     A master on this computer is that of a simulated robot, unless this computer is the selected robot itself; any other
-    host is a robot of that name. A simulated selection stays as it is: its nodes run here with any master.
+    host is a robot of that name. A simulated selection stays unchanged: its nodes run on this computer with any master.
     Raises UserError for an address that is not the selected robot's.
     """
     if selection.simulated or uri.rstrip("/") == selection.master_uri:

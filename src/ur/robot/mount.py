@@ -1,4 +1,4 @@
-"""Folders of robots, mounted here with sshfs. Pure: command lines, and reading what is mounted."""
+"""Folders of robots, mounted on this computer with sshfs: command lines, and the list of mounts. Pure."""
 
 from __future__ import annotations
 
@@ -19,30 +19,30 @@ OPTIONS = (
 
 @dataclass(frozen=True, slots=True)
 class MountedFolder:
-    """A mounted folder: `source` as sshfs got it, for instance ros@bob.local:catkin_ws/src."""
+    """A mounted folder: `source` is the argument of sshfs, for instance ros@bob.local:catkin_ws/src."""
 
     source: str
     target: Path
 
 
 def mount_command(address: Address, remote: str, target: Path) -> list[str]:
-    """The words that mount a folder of a robot; a relative `remote` begins at its user's home folder."""
+    """Return the arguments that mount a folder of a robot; a relative `remote` begins at its user's home folder."""
     host = f"[{address.host}]" if ":" in address.host else address.host
     return ["sshfs", f"{address.user}@{host}:{remote}", str(target), "-o", ",".join(OPTIONS)]
 
 
 def unmount_command(target: Path) -> list[str]:
-    """The words that take a mount away, also one whose robot is away (then when the last program leaves it)."""
+    """Return the arguments that unmount a folder, also if the robot is away (then when the last program leaves it)."""
     return ["fusermount3", "-u", "-z", str(target)]
 
 
 def default_target(home: Path, name: str) -> Path:
-    """The default mount point of a robot's workspace."""
+    """Return the default mount point of a robot's workspace."""
     return home / "robots" / name
 
 
 def parse_mounts(text: str) -> list[MountedFolder]:
-    """The sshfs mounts in the text of /proc/self/mounts (proc(5): octal escapes for blanks)."""
+    """Parse the sshfs mounts in the text of /proc/self/mounts (proc(5): octal escapes for blanks)."""
     rows = (line.split() for line in text.splitlines())
     return [
         MountedFolder(_unescape(row[0]), Path(_unescape(row[1])))
@@ -52,7 +52,7 @@ def parse_mounts(text: str) -> list[MountedFolder]:
 
 
 def mounts_of(mounts: list[MountedFolder], host: str) -> list[MountedFolder]:
-    """Those of a robot."""
+    """Return the mounts of a robot."""
     return [mount for mount in mounts if re.fullmatch(rf"(.*@)?\[?{re.escape(host)}\]?:.*", mount.source)]
 
 

@@ -18,7 +18,7 @@ exit $code"""
 
 
 def ask_part(shell: Shell, request: str, timeout: float) -> str:
-    """Hand a request (JSON) to the project on a robot and return its answer. Raises UserError: it is not ready."""
+    """Send a request (JSON) to the project on a robot and return its answer. Raises UserError if it is not ready."""
     # A login shell, so that nodes get the environment that the robot's user has.
     done = shell.run(quote("bash", "-lc", _SCRIPT), stdin=request, timeout=timeout)
     lines = done.out.splitlines()

@@ -27,7 +27,7 @@ _ROUTER_PORT = 7447
 
 @dataclass(frozen=True, slots=True)
 class Ros2Robot:
-    """ROS 2 of a robot: its release, domain id, middleware ('': the release's own) and namespace ('': none).
+    """ROS 2 of a robot: its release, domain id, middleware ('': the release's default) and namespace ('': none).
 
     `commands` is the topic that its base subscribes to.
     """
@@ -39,12 +39,12 @@ class Ros2Robot:
     commands: str = COMMANDS
 
     def rows(self) -> dict[str, str]:
-        """The values by their keys in the robot file."""
+        """Return the values by their keys in the robot file."""
         values = (self.distro, self.domain, self.middleware, self.namespace, self.commands)
         return dict(zip(_TEXTS, values, strict=True))
 
     def variables(self, robot: str) -> dict[str, str]:
-        """The variables of programs that run on the robot of this name, among its nodes."""
+        """Return the environment variables of programs that run on the robot of this name and join its nodes."""
         wanted = {
             "UR_ROBOT": robot,
             "ROS_DOMAIN_ID": self.domain,
@@ -55,9 +55,9 @@ class Ros2Robot:
         return {name: value for name, value in wanted.items() if value}
 
     def guest_variables(self, host: str) -> dict[str, str]:
-        """The variables of programs of another computer, such as RViz 2, that are to see its nodes.
+        """Return the environment variables of programs on another computer, such as RViz 2, that connect to its nodes.
 
-        Multicast often does not cross a WiFi, so the robot is named as a peer; of Zenoh, its router.
+        Multicast often fails on WiFi, so the robot is named as a peer; for Zenoh, its router is named.
         """
         wanted = {
             "ROS_DOMAIN_ID": self.domain,
@@ -71,13 +71,13 @@ class Ros2Robot:
         return {name: value for name, value in wanted.items() if value}
 
     def arguments(self) -> dict[str, str]:
-        """The arguments of launch files on the robot, whose drivers run already."""
+        """Return the arguments of launch files for a robot whose drivers already run."""
         return {"start_drivers": "false", "cmd_vel": self.commands}
 
 
 @dataclass(frozen=True, slots=True)
 class RobotFile:
-    """The robot's name, its base, that base's variant ('' is the plain one), and its ROS 2; None: it has ROS 1."""
+    """The robot's name, its base, that base's variant ('' for the plain one), and its ROS 2; None for ROS 1."""
 
     name: str
     base: str
@@ -86,7 +86,7 @@ class RobotFile:
 
 
 def load_robot_file(path: Path = ROBOT_FILE) -> RobotFile | None:
-    """Read it. None when this computer is no robot. Raises UserError for a file that cannot be used."""
+    """Load the robot file. None if this computer is not a robot. Raises UserError for an invalid file."""
     if not path.exists():
         return None
     from ur.source.section import read_section  # YAML is only needed on a robot
@@ -95,7 +95,7 @@ def load_robot_file(path: Path = ROBOT_FILE) -> RobotFile | None:
 
 
 def parse_robot_file(text: str, place: str = str(ROBOT_FILE)) -> RobotFile | None:
-    """Parse the text of another computer's; None for an empty one. Raises UserError, which names `place`."""
+    """Parse the text of a robot file; None for an empty text. Raises UserError, which names `place`."""
     from ur.source.file import SourceFile
     from ur.source.section import parse_section
 
@@ -111,7 +111,10 @@ def _read(top: Section, place: str) -> RobotFile:
 
 
 def make_ros2(place: str, values: list[str]) -> Ros2Robot | None:
-    """ROS 2 of a robot from the texts of its values; None where it has none. Raises UserError, which names `place`."""
+    """Return a robot's ROS 2 settings from the texts of their values; None if it has none.
+
+    Raises UserError, which names `place`.
+    """
     if not values[0]:
         return None
     for (key, shape), value in zip(_TEXTS.items(), values, strict=True):

@@ -1,7 +1,7 @@
-"""The selected robot: stored by `ur use`, followed by every command.
+"""The selected robot: stored by `ur use`, and the default of every command.
 
 Written `sim[:BASE[:VARIANT]]` for a simulated robot on this computer, `ROBOT[:BASE[:VARIANT]]` for a robot whose
-computer answers to `ROBOT.local`; followed by ` --ros 1`, ` --ros 2` or ` --ros none` where that was chosen.
+computer is `ROBOT.local`; with ` --ros 1`, ` --ros 2` or ` --ros none` if that was chosen.
 """
 
 from __future__ import annotations
@@ -24,9 +24,10 @@ _FORM = "sim[:BASE[:VARIANT]] or ROBOT[:BASE[:VARIANT]]"
 
 @dataclass(frozen=True, slots=True)
 class Selection:
-    """A robot. `base` is empty when the robot itself knows best; `variant` is empty for the plain base.
+    """A selected robot.
 
-    `ros` is the version of ROS that was chosen, "1", "2" or "none"; empty for that of the computer (`ur.system.ros`).
+    `base` is empty if it follows from the robot's own description; `variant` is empty for the plain base. `ros` is the
+    version of ROS that was chosen, "1", "2" or "none"; empty for that of the computer (`ur.system.ros`).
     """
 
     robot: str = SIMULATION
@@ -49,7 +50,7 @@ class Selection:
 
 
 def parse_selection(text: str) -> Selection:
-    """Read what a person typed. Raises UserError: too many parts, or a part that is no name."""
+    """Parse a selection as the user types it. Raises UserError for too many parts, or a part that is no name."""
     names, chosen, ros = text.strip().partition(_ROS)
     if chosen and ros not in ("1", "2", "none"):
         raise _bad(text, f"ROS {ros!r} is not known", "--ros 1, --ros 2 or --ros none")
@@ -71,12 +72,12 @@ def parse_selection(text: str) -> Selection:
 
 
 def selection_path(environment: Mapping[str, str]) -> Path:
-    """The file that holds the selection, below the user's configuration folder (XDG base directory specification)."""
+    """Return the path of the file with the selection, below the user's configuration folder (XDG base directories)."""
     return Path(user_folder("XDG_CONFIG_HOME", environment)) / "ubiquity_launches" / "selection"
 
 
 def load_selection(path: Path) -> Selection:
-    """The stored selection; the default one when nothing is stored. Raises UserError when the file makes no sense."""
+    """Load the stored selection, or the default one if none is stored. Raises UserError for an invalid file."""
     try:
         text = path.read_text(encoding="utf-8")
     except FileNotFoundError:
@@ -97,7 +98,7 @@ _HELP = "'ur use sim' selects the simulated robot again"
 def store_selection(path: Path, selection: Selection) -> None:
     """Store the selection. Raises UserError.
 
-    Readers see the old or the new one, also after a power cut. A symbolic link stays one.
+    The file is replaced atomically, also in case of a power cut. A symbolic link stays one.
     """
     from ur.source.replace import replace_file  # now: most commands only read the selection
 

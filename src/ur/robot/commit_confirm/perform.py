@@ -1,4 +1,4 @@
-"""A guarded change from the client's side: send it to the robot, connect again afterwards, confirm."""
+"""The client's side of a guarded change: send it to the robot, connect again afterwards, confirm."""
 
 from __future__ import annotations
 
@@ -38,10 +38,10 @@ Report = Callable[[str], None]
 
 
 class RootShell(Shell, Protocol):
-    """A shell on another computer that can become root there."""
+    """A shell on another computer that can become root on it."""
 
     def find_sudo(self, candidates: Sequence[Secret]) -> bool:
-        """Return whether root is reached, with one of the passwords or without any."""
+        """Return whether root access works, with one of the passwords or without a password."""
 
 
 Open = Callable[[Address], AbstractContextManager[RootShell]]
@@ -49,14 +49,14 @@ Open = Callable[[Address], AbstractContextManager[RootShell]]
 
 @dataclass(frozen=True, slots=True)
 class ChangeAddresses:
-    """Addresses of the robot after the change, best first, and before it."""
+    """The robot's addresses after the change, preferred one first, and before it."""
 
     after: tuple[Address, ...]
     before: Address
 
 
 def open_as(host: str) -> Open:
-    """Connections that expect the host key that is known for `host`, under any name and address of the robot."""
+    """Return a function that connects to any address of the robot and requires the known host key of `host`."""
     settings = (f"HostKeyAlias={host}", "CheckHostIP=no", f"ConnectTimeout={CONNECT_SECONDS}")
 
     def open_link(address: Address) -> AbstractContextManager[RootShell]:
@@ -66,15 +66,15 @@ def open_as(host: str) -> Open:
 
 
 def new_identity() -> str:
-    """Make the identity of an attempt."""
+    """Generate the id of an attempt."""
     return secrets.token_hex(4)
 
 
 def hand_over(shell: Shell, order: Order, facts: ComputerFacts) -> None:
-    """Arm the robot's guard, which begins a second later.
+    """Arm the robot's guard, which starts the change a second later.
 
-    Raises UserError: another change is pending, or the robot could not take it, and nothing has changed; or the
-    connection broke (see `is_doubtful`), and the result is unknown.
+    Raises UserError. Either another change is pending or the robot could not accept this one, and nothing has changed;
+    or the connection broke (see `is_doubtful`), and the result is unknown.
     """
     change = order.change
     done = shell.run(
@@ -96,7 +96,7 @@ def hand_over(shell: Shell, order: Order, facts: ComputerFacts) -> None:
 
 
 def refuse_pending(shell: Shell) -> None:
-    """Raises UserError, which names it, while another change is pending: what is seen of the robot may not last."""
+    """Raise UserError, with the title of the change, while another change is pending: what was read may be reverted."""
     done = shell.run(pending_script(), root=True)
     if done.code == BUSY:
         raise _pending(shell.place, done.out)
@@ -117,7 +117,7 @@ def _pending(place: str, reported: str) -> UserError:
 
 
 def is_doubtful(problem: UserError) -> bool:
-    """Return whether the connection broke while a change was handed over, so that it may have begun."""
+    """Return whether the connection broke while a change was sent, so that the change may have started."""
     return problem.diagnostics[0].rule in ("lost-connection", "no-answer")
 
 
@@ -133,9 +133,9 @@ def come_back(
     clock: Callable[[], float] = time.monotonic,
     sleep: Callable[[float], None] = time.sleep,
 ) -> Address:
-    """Connect to the robot at an address after the change, and confirm; returns the address that answered.
+    """Connect to the robot after the change, and confirm it; return the address that answered.
 
-    Raises UserError when the robot took the change back, or is not seen again within `wait` seconds and GRACE.
+    Raises UserError if the robot has reverted the change, or cannot be reached within `wait` seconds plus GRACE.
     """
     end = clock() + wait + GRACE
     doubts: dict[Address, str] = {}

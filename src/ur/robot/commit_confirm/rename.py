@@ -1,4 +1,4 @@
-"""Another name for a robot, in every place that holds one. Pure."""
+"""A new name for a robot, in every file that contains the name. Pure."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ _FOLLOW = (
 
 @dataclass(frozen=True, slots=True)
 class WantedKnownName:
-    """A computer's public host key in ~/.ssh/known_hosts, under its name and no more under its old one."""
+    """A computer's public host key in ~/.ssh/known_hosts, under its new name and no longer under its old one."""
 
     title: str
     old: str
@@ -35,11 +35,11 @@ class WantedKnownName:
     host_key: str
 
     def request(self, user: str) -> FactsRequest:
-        """The file."""
+        """Request the known_hosts file."""
         return FactsRequest(user, files=frozenset({KNOWN_HOSTS}))
 
     def plan(self, facts: ComputerFacts) -> Change | None:
-        """Add the one, take away the other; other computers' lines stay."""
+        """Add the new entry and remove the old one; entries of other computers stay."""
         state = facts.file(KNOWN_HOSTS)
         text = rename_known_host(state.text or "", self.old, self.new, self.host_key)
         if text == state.text:
@@ -49,12 +49,12 @@ class WantedKnownName:
         return Change(self.title, difference, (write_file(facts, KNOWN_HOSTS, text, mode),))
 
     def undo(self, facts: ComputerFacts) -> Change | None:  # noqa: ARG002 - of the protocol
-        """It stays."""
+        """Return None: the entry stays."""
         return None
 
 
 def rename_known_host(text: str, old: str, new: str, host_key: str) -> str:
-    """The text of a known_hosts file (sshd(8)) with one computer under another name; also where names are hashed."""
+    """Return a known_hosts file (sshd(8)) with one computer's entry under another name, also if names are hashed."""
     kind, key = host_key.split()[:2]
     wanted = f"{new}.local,{new} {kind} {key}"
     removed = {old, f"{old}.local", new, f"{new}.local"}
@@ -70,7 +70,7 @@ def rename_known_host(text: str, old: str, new: str, host_key: str) -> str:
 
 
 def _without_names(line: str, removed: set[str]) -> str | None:
-    """A line without these names; None when no other name is left in it."""
+    """Return the line without these names; None if no other name is left on it."""
     names, blank, rest = line.partition(" ")
     if not blank or names.startswith(("#", "@")):
         return line
@@ -89,12 +89,12 @@ def _means(entry: str, name: str) -> bool:
 
 
 def rename_request(user: str) -> FactsRequest:
-    """The facts that `plan_rename` needs."""
+    """Return the facts that `plan_rename` needs."""
     return FactsRequest(user, files=frozenset({str(ROBOT_FILE), ANNOUNCEMENT, HOST_KEY, CLOUD}))
 
 
 def plan_rename(facts: ComputerFacts, new: str) -> GuardedChange:
-    """The robot under another name: what was set up gets it, what is not there is left alone."""
+    """Plan a robot's new name in everything that is set up; what is not set up stays as it is."""
     old = facts.hostname
     items: list[Wanted] = []
     robot, announcement, key = (facts.file(path) for path in (str(ROBOT_FILE), ANNOUNCEMENT, HOST_KEY))
@@ -122,5 +122,5 @@ def plan_rename(facts: ComputerFacts, new: str) -> GuardedChange:
 
 
 def name_robot_file(text: str, new: str) -> str:
-    """The text of robot.yaml with another name; the user's own lines stay."""
+    """Return the text of robot.yaml with another name; the user's own lines stay."""
     return re.sub(r"^name:.*$", f'name: "{new}"', text, count=1, flags=re.MULTILINE)

@@ -1,1 +1,1 @@
-"""This project, and catkin workspaces, on a robot: copied and built."""
+"""Copying and building this project, and catkin workspaces, on a robot."""

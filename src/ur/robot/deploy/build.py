@@ -1,4 +1,4 @@
-"""Building a catkin workspace: what has to be known of its computer, and the command that follows. Pure."""
+"""Building a catkin workspace: the required facts about its computer, and the build command. Pure."""
 
 from __future__ import annotations
 
@@ -27,7 +27,10 @@ sed -n 's/^MemAvailable: *\\([0-9]*\\) kB/memory \\1/p' /proc/meminfo
 
 @dataclass(frozen=True, slots=True)
 class Builder:
-    """A computer that builds. `memory` is free, in MB; `packages` is how many its workspace has, None without one."""
+    """A computer that builds.
+
+    `memory` is free memory in MB; `packages` is the number of packages, None without a workspace.
+    """
 
     tools: frozenset[str]
     processors: int
@@ -37,7 +40,7 @@ class Builder:
 
 
 def parse_builder(text: str) -> Builder:
-    """Read what FACTS printed, in a login shell."""
+    """Parse the output of FACTS, which ran in a login shell."""
 
     def number(word: str) -> int | None:
         found = re.search(rf"^{word} (\d+)$", text, re.MULTILINE)
@@ -54,9 +57,9 @@ def parse_builder(text: str) -> Builder:
 
 
 def choose_jobs(builder: Builder, wanted: int | None) -> tuple[int, str]:
-    """Choose the number of parallel compilers, and a line with the reason when it is fewer than there are processors.
+    """Choose the number of parallel compilers, with a line that explains a number below that of the processors.
 
-    What a user wants is done; the line reports when it is more than memory allows.
+    The number that the user wants is used; the line then warns if it is more than the memory allows.
     """
     bound = max(1, builder.memory // MB_PER_JOB)
     have = f"{builder.memory} MB of memory are free, and a compiler takes up to {MB_PER_JOB} MB"
@@ -68,7 +71,7 @@ def choose_jobs(builder: Builder, wanted: int | None) -> tuple[int, str]:
 
 
 def check_builder(builder: Builder, place: str, *, here: bool) -> None:
-    """Raise UserError: something is missing to build with, or there is nothing to build."""
+    """Raise UserError if a build tool is missing, or the workspace has no packages to build."""
     again = "ur setup" if here else "ur robot setup"
     if builder.packages is None:
         raise _problem(f"{place}: no workspace, expected ~/{WORKSPACE}/src", f"run: {again}")
@@ -86,7 +89,7 @@ def check_builder(builder: Builder, place: str, *, here: bool) -> None:
 
 
 def build_command(builder: Builder, packages: Sequence[str], jobs: int) -> str:
-    """A line for a login shell that builds the workspace, or only these packages of it."""
+    """Return the login-shell command that builds the workspace, or only these packages of it."""
     if builder.catkin_tools:
         argv = ["catkin", "build", "--no-status", "-p", "1", "-j", str(jobs), "--mem-limit", "90%", *packages]
         argv += ["--no-color"]

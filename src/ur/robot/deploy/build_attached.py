@@ -1,8 +1,8 @@
-"""Runs a command line in a login shell while its standard input is open, and ends all of it after that.
+"""Program that runs a command line in a login shell and ends all of its processes when its standard input closes.
 
-It is sent to other computers, where nothing of this project need be installed: only the standard library, in one file.
-So a command over ssh ends with Ctrl-C, with ssh and with the terminal, and leaves nothing running, without needing a
-terminal over there. Run as a program: python -I build_attached.py COMMAND-LINE.
+It is sent to computers on which this project need not be installed: one file that uses only the standard library. So a
+command over ssh ends with Ctrl-C, with ssh and with the terminal, and leaves no process running, without a terminal on
+the remote computer. Run as a program: python -I build_attached.py COMMAND-LINE.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ STEPS = ((signal.SIGTERM, 5.0), (signal.SIGKILL, 5.0))
 
 
 def main() -> int:
-    """Run it; its exit code, or 130 when it was ended."""
+    """Run the command; return its exit code, or 130 if it was ended."""
     # A group of its own: what it starts is in it, too, and ends with it.
     process = subprocess.Popen(["bash", "-lc", sys.argv[1]], stdin=subprocess.DEVNULL, start_new_session=True)
     ended = threading.Event()
@@ -57,7 +57,10 @@ def _end(group: int) -> None:
 
 
 def _is_running(group: int) -> bool:
-    """Check a process group for running members. A member that ended and waits for init to reap it does not count."""
+    """Return whether a process group has running members.
+
+    A member that ended and waits for init to reap it does not count.
+    """
     for entry in Path("/proc").iterdir():
         with suppress(OSError):
             if entry.name.isdigit():

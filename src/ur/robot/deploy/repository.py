@@ -1,7 +1,7 @@
-"""This project on a robot: a copy of what it needs to run there, and its environment, as wanted states.
+"""Desired states for this project on a robot: a copy of the required files, and the Python environment.
 
-The copy is ~/ubiquity_launches: beside the workspace, so that `ur sync` does not carry it back. A robot whose user has
-a clone of the project, there or in the workspace, keeps that.
+The copy is in ~/ubiquity_launches, outside the workspace, so that `ur sync` does not copy it back. A robot whose user
+has a clone of the project, in that folder or in the workspace, keeps the clone.
 """
 
 from __future__ import annotations
@@ -44,18 +44,21 @@ exit $code"""
 
 @dataclass(frozen=True, slots=True)
 class WantedRepository:
-    """A copy of this project on a robot. `files` are by path: mode and content; with mode 0 a link and its target."""
+    """A copy of this project on a robot.
+
+    `files` are keyed by path: mode and content; mode 0 is a symbolic link, with its target as content.
+    """
 
     digest: str
     files: dict[str, tuple[int, bytes]] = field(repr=False)
     title: str = "ubiquity_launches"
 
     def request(self, user: str) -> FactsRequest:
-        """The facts to read: the installed repository."""
+        """Request the installed repository."""
         return FactsRequest(user, files=frozenset({COPY, WORKSPACE_COPY, STAMP}))
 
     def plan(self, facts: ComputerFacts) -> Change | None:
-        """Copy it, unless the same copy is there, or a clone of the user's own."""
+        """Copy the project, unless the same copy or the user's own clone exists."""
         stamp = facts.file(STAMP).text
         own = facts.file(WORKSPACE_COPY).folder or (facts.file(COPY).folder and stamp is None)
         if own or (stamp or "").strip() == self.digest:
@@ -70,7 +73,7 @@ class WantedRepository:
         return Change(self.title, difference, (command,))
 
     def undo(self, facts: ComputerFacts) -> Change | None:  # noqa: ARG002 - of the protocol
-        """It stays: what starts at boot may need it."""
+        """Return None: the copy stays, since boot services may need it."""
         return None
 
 
@@ -78,19 +81,19 @@ class WantedRepository:
 class WantedPrograms:
     """The environment in which programs of this project run: the locked Python packages beside the system's.
 
-    The Debian packages that it needs have to be there. `digest` is that of the files in SET_UP_FROM.
+    The The required Debian packages must be installed. `digest` is that of the files in SET_UP_FROM.
     """
 
     digest: str
     title: str = "programs"
 
     def request(self, user: str) -> FactsRequest:
-        """Request the project's folders and the record of what its environment was made from."""
+        """Request the project's folders, and the record of what the environment was made from."""
         stamps = {f"{folder}/{READY}" for folder in (COPY, WORKSPACE_COPY)}
         return FactsRequest(user, files=frozenset({COPY, WORKSPACE_COPY, STAMP, *stamps}))
 
     def plan(self, facts: ComputerFacts) -> Change | None:
-        """Make the environment. That of a clone of the user's own is made once, and renewed by its own `ur`."""
+        """Create the environment. In the user's own clone it is created once, and then updated by that clone's `ur`."""
         folder = WORKSPACE_COPY if facts.file(WORKSPACE_COPY).folder else COPY
         made = facts.file(f"{folder}/{READY}").text
         own = folder == WORKSPACE_COPY or facts.file(STAMP).text is None
@@ -112,7 +115,7 @@ class WantedPrograms:
 
 
 def read_programs(root: Path | None = None) -> WantedPrograms:
-    """The environment that a robot is to have: that of the project that runs, or of a clone at `root`."""
+    """Return the desired environment of a robot: that of the running project, or of a clone at `root`."""
     digest = hashlib.sha256()
     for name in SET_UP_FROM:
         digest.update((root / name if root else project_file(name)).read_bytes())
@@ -120,7 +123,7 @@ def read_programs(root: Path | None = None) -> WantedPrograms:
 
 
 def read_repository(root: Path | None = None) -> WantedRepository:
-    """The copy that a robot is to have: of the project that runs, clone or wheel, or of a clone at `root`."""
+    """Return the desired copy for a robot: of the running project, clone or wheel, or of a clone at `root`."""
     files: dict[str, tuple[int, bytes]] = {}
     for name, path, target in list_files(root):
         if target:

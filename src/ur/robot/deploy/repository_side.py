@@ -1,9 +1,9 @@
-"""Puts a copy of this project into a folder of a robot: only what differs, each file in one step, what it knows last.
+"""Program that updates a copy of this project in a folder of a robot: only files that differ, each atomically.
 
-Sent to the robot, where nothing of this project is there yet: only the standard library, in one file. Reads JSON from
-standard input: `folder`, `digest`, and `files`, by path `[mode, content in base64]`; with mode 0 a link and its target.
-The copy remembers the hashes of what it wrote: a file that was changed since is kept beside the folder before it
-is replaced.
+It is sent to the robot, where nothing of this project is installed yet: one file that uses only the standard library.
+It reads JSON from standard input: `folder`, `digest`, and `files`, by path `[mode, content in base64]`; mode 0 is a
+symbolic link, with its target as content. The copy stores the hashes of the files it wrote, last of all: a file that
+was changed since is saved beside the folder before it is replaced.
 """
 
 from __future__ import annotations
@@ -20,9 +20,9 @@ HASHES = ".copy-files"
 
 
 def put(folder: Path, digest: str, files: dict[str, tuple[int, str]]) -> list[str]:
-    """Make the folder a copy; the paths of files that were changed by hand and kept in FOLDER.changed.
+    """Update the folder; return the paths of files that were edited by hand and are now saved in FOLDER.changed.
 
-    What is written is on the disk before it replaces anything, and all of it before the copy counts as complete.
+    New content is on the disk before it replaces any file, and all of it before the copy counts as complete.
     """
     before = _load(folder / HASHES)
     after = {}

@@ -1,7 +1,7 @@
-"""Robot descriptions of others (URDF, xacro) and the base files that follow from them.
+"""Conversion of existing robot descriptions (URDF, xacro) to base files.
 
-`parse` makes a `Description` of a URDF, `reading` reads the figures of a base from it and lists the questions that
-remain, `base_text` writes the base.yaml. All of these are pure. `surroundings` finds the folders that may be read,
+`parse` makes a `Description` of a URDF, `reading` derives the properties of a base from it and lists missing ones as
+questions, `base_text` writes the base.yaml. All of these are pure. `surroundings` finds the folders that may be read,
 `expansion` runs xacro.
 """
 

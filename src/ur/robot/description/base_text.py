@@ -1,4 +1,4 @@
-"""The text of a base.yaml from the facts of a description; each figure with its source in a comment."""
+"""The text of a base.yaml from a robot description; each value with its source in a comment."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _WHOLE_TURN = 2.0 * math.pi + 0.001  # rad; 6.2832 is one, too
 
 
 def write_base_file(reading: DescriptionReading, summary: str, origin: str) -> str:
-    """The text. `origin` names the description, for a comment. Nothing of `reading` may be open."""
+    """Return the text of a base.yaml. `origin` names the description, for a comment. `reading.open` must be empty."""
     assert not reading.open
     return "\n".join(_lines(reading, " ".join(summary.split()), origin)) + "\n"
 
@@ -125,6 +125,6 @@ def _up(value: float) -> float:
 
 
 def _n(value: float, digits: int = 4) -> str:
-    """A number as YAML reads it: never in a form with an exponent."""
+    """Format a number for YAML, never with an exponent."""
     text = f"{value:.{digits}f}".rstrip("0").rstrip(".")
     return "0" if text in ("", "-0") else text

@@ -24,7 +24,7 @@ _GROUND_ROOTS = ("base_footprint", "base_footprint_link")
 
 @dataclass(frozen=True, slots=True)
 class Wheel:
-    """A wheel that turns about a level axle: its link, its middle in the root link, and its size where it is known."""
+    """A wheel that turns about a horizontal axle: its link, its centre in the root link, and its size if known."""
 
     joint: Joint
     x: float
@@ -41,7 +41,7 @@ Sides = tuple[tuple[Wheel, ...], tuple[Wheel, ...]]  # left, right
 
 @dataclass(frozen=True, slots=True)
 class FreeSupport:
-    """A free support: where it touches the ground, in the root link, and its radius where it is known."""
+    """A passive support: its contact point with the ground, in the root link, and its radius if known."""
 
     link: str
     x: float
@@ -51,7 +51,7 @@ class FreeSupport:
 
 @dataclass(frozen=True, slots=True)
 class DriveGeometry:
-    """The wheels that drive, as many left as right, and the free supports."""
+    """The driven wheels, as many left as right, and the passive supports."""
 
     left: tuple[Wheel, ...] = ()
     right: tuple[Wheel, ...] = ()
@@ -59,14 +59,14 @@ class DriveGeometry:
 
     @property
     def wheels(self) -> tuple[Wheel, ...]:
-        """Those of both sides."""
+        """The wheels of both sides."""
         return self.left + self.right
 
 
 def find_drive(description: Description) -> DriveGeometry:
-    """The driven wheels: those that a gazebo plugin names, else the largest pairs of wheels on one axle.
+    """Find the driven wheels: those that a Gazebo plugin names, else the largest pairs of wheels on one axle.
 
-    A drive without wheels means that none were found.
+    The result has no wheels if none were found.
     """
     places = description.places()
     links = {link.name: link for link in description.links}
@@ -96,7 +96,7 @@ def find_drive(description: Description) -> DriveGeometry:
 
 
 def _find_sides(description: Description, places: Mapping[str, Pose], wheels: list[Wheel]) -> Sides:
-    """The driven wheels by the surest sign of them: a plugin, free turns, their name, and turns below a swivel."""
+    """Find the driven wheels by the strongest evidence: a plugin, continuous joints, their names, or swivel joints."""
     plugin = description.drive
     named = {*plugin.left, *plugin.right} if plugin else set()
     sides = _sides([wheel for wheel in wheels if wheel.joint.name in named])
@@ -116,7 +116,7 @@ def _find_sides(description: Description, places: Mapping[str, Pose], wheels: li
 
 
 def _still_wheels(description: Description, places: Mapping[str, Pose]) -> list[Wheel]:
-    """The wheels of a description in which nothing turns: links with the name and the shape of a wheel."""
+    """Find the wheels of a description without movable joints: links with the name and the shape of a wheel."""
     links = {link.name: link for link in description.links}
     found = []
     for joint in description.joints:
@@ -172,7 +172,7 @@ def _has_round_shape(link: Link) -> bool:
 
 
 def _measure(link: Link, axis: Vector) -> tuple[float | None, float | None, Vector]:
-    """Radius, width and middle of the largest shape of a link that is round about a direction."""
+    """Return radius, width and centre of the link's largest shape that is round about an axis."""
     found: list[tuple[float, float | None, Vector]] = []
     for shapes in (link.collision, link.visual):
         for shape in shapes:
@@ -186,7 +186,7 @@ def _measure(link: Link, axis: Vector) -> tuple[float | None, float | None, Vect
 
 
 def _measure_mesh(shape: Shape, axis: Vector) -> tuple[float, float, Vector] | None:
-    """As _measure; None for a mesh that is not about as long in both directions across."""
+    """Measure a mesh, as `_measure` does; None if its two lengths across the axis differ much."""
     points = [shape.pose.apply(point) for point in shape.points]
     least = min(range(3), key=lambda n: abs(axis[n]))
     across = _across(axis, (float(least == 0), float(least == 1), float(least == 2)))
@@ -205,14 +205,14 @@ def _along(point: Vector, axis: Vector) -> float:
 
 
 def _across(a: Vector, b: Vector) -> Vector:
-    """The direction that is perpendicular to two others."""
+    """Return the direction that is perpendicular to two others."""
     x, y, z = a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
     length = math.hypot(x, y, z)
     return x / length, y / length, z / length
 
 
 def _size(link: Link) -> tuple[float | None, float | None]:
-    """Radius and width of the largest round shape of a link; None where it has none."""
+    """Return radius and width of the largest round shape of a link; None where it has none."""
     for shapes in (link.collision, link.visual):
         round_ = [shape for shape in shapes if shape.kind in ("cylinder", "sphere")]
         if round_:
@@ -222,7 +222,7 @@ def _size(link: Link) -> tuple[float | None, float | None]:
 
 
 def _solid_wheel(link: Link) -> tuple[float, float] | None:
-    """Radius and width of a solid wheel with the inertia of a link: m r^2 / 2 and m (3 r^2 + w^2) / 12."""
+    """Return radius and width of a solid wheel with the inertia of a link: m r^2 / 2 and m (3 r^2 + w^2) / 12."""
     if link.inertia is None or link.inertia.mass <= 0.0:
         return None
     # The moment about the axle is the odd one out.
@@ -242,7 +242,7 @@ def _names_caster(joint: Joint) -> bool:
 
 
 def _swivels(description: Description, places: Mapping[str, Pose]) -> set[str]:
-    """Links that turn with an upright axle, or hang on such links: what belongs to a swivelling caster."""
+    """Return the links of swivel casters: those that turn about a vertical axis, and the links below them."""
     children = description.children()
     turning = [joint for joint in description.joints if joint.kind in ("continuous", "revolute")]
     left = [joint.child for joint in turning if _is_upright(joint, places)]
@@ -256,7 +256,7 @@ def _swivels(description: Description, places: Mapping[str, Pose]) -> set[str]:
 
 
 def find_steering(description: Description, drive: DriveGeometry) -> tuple[str, ...]:
-    """The joints that steer wheels, as those of a car do: upright, with an end to their turn, and no casters'."""
+    """Find the steering joints of wheels, as cars have them: vertical, with a limited range, and not of casters."""
     places = description.places()
     wheels = {wheel.joint.child for wheel in drive.wheels} | {contact.link for contact in drive.casters}
     children = description.children()
@@ -271,7 +271,7 @@ def find_steering(description: Description, drive: DriveGeometry) -> tuple[str, 
 
 
 def _has_wheel_below(children: Mapping[str, list[str]], name: str, wheels: set[str]) -> bool:
-    """Return whether a link carries a wheel, as the fork of a caster does."""
+    """Return whether a link has a wheel below it, as the fork of a caster does."""
     left = [name]
     while left:
         for child in children.get(left.pop(), ()):

@@ -1,4 +1,4 @@
-"""Figures of a base that a description gives: wheels, heights, masses, speeds."""
+"""Properties of a base in a robot description: wheels, heights, masses, speeds."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ HIGHEST_ANGULAR_VELOCITY = 1.5
 
 @dataclass(frozen=True, slots=True)
 class Figure:
-    """A value, and where it is from."""
+    """A value and its source."""
 
     value: float
     source: str
@@ -43,7 +43,7 @@ def read_wheels(description: Description, drive: DriveGeometry, figures: dict[st
 
 
 def read_heights(figures: dict[str, Figure], heights: Sequence[float]) -> None:
-    """Read height and clearance of the ground from the heights of points."""
+    """Read height and ground clearance from the heights of points."""
     if heights and max(heights) >= 0.02:
         figures.setdefault("height", Figure(max(heights), "shapes and meshes of what is fixed to the base"))
     radius = figures["wheel_radius"].value if "wheel_radius" in figures else 0.06
@@ -70,7 +70,7 @@ def read_masses(description: Description, drive: DriveGeometry, figures: dict[st
 
 
 def read_limits(description: Description, drive: DriveGeometry, figures: dict[str, Figure]) -> None:
-    """Speeds of a gazebo plugin, else of joints; far higher ones are what their authors never set."""
+    """Read the speed limits of a Gazebo plugin, else of joints; implausibly high limits are ignored."""
     plugin = description.drive
     turns = [wheel.joint.velocity for wheel in drive.wheels]
     speeds = [speed for speed in turns if speed is not None and speed > 0.0]

@@ -1,6 +1,6 @@
 """Extensions for Gazebo in a URDF: sensors, and plugins that drive wheels.
 
-Their tags differ between releases and plugins, so what cannot be understood is left out instead of refused.
+Their tags differ between releases and plugins, so unknown tags are ignored instead of rejected.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ _ACCELERATION = ("wheelAcceleration", "max_wheel_acceleration", "max_linear_acce
 
 
 def read_sensors(extensions: Iterable[Extension]) -> Iterator[GazeboSensor]:
-    """The sensors on links, in the order of the file."""
+    """Yield the sensors on links, in the order of the file."""
     for link, element in extensions:
         for sensor in element.findall("sensor") if link else ():
             plugin = sensor.find("plugin")
@@ -58,7 +58,7 @@ def read_sensors(extensions: Iterable[Extension]) -> Iterator[GazeboSensor]:
 
 
 def read_drive(extensions: Iterable[Extension]) -> DrivePlugin | None:
-    """The first plugin that drives the wheels of two sides."""
+    """Return the first plugin that drives wheels on two sides."""
     for _, element in extensions:
         for plugin in element.iter("plugin"):
             if _DRIVES.search(f"{plugin.get('filename', '')} {plugin.get('name', '')}"):
@@ -67,7 +67,7 @@ def read_drive(extensions: Iterable[Extension]) -> DrivePlugin | None:
 
 
 def drives_sideways(extensions: Iterable[Extension]) -> bool:
-    """Return whether a plugin moves the robot to all sides."""
+    """Return whether a plugin moves the robot in all directions."""
     plugins = [plugin for _, element in extensions for plugin in element.iter("plugin")]
     return any(_SIDEWAYS.search(f"{plugin.get('filename', '')} {plugin.get('name', '')}") for plugin in plugins)
 

@@ -1,4 +1,4 @@
-"""From the file of a description to a Description: expanded, parsed, and with the sizes of its meshes."""
+"""Loader of robot descriptions: expand xacro, parse the URDF, and measure the meshes."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ from ur.robot.description.urdf_parts import Description
 
 @dataclass(frozen=True, slots=True)
 class LoadedDescription:
-    """A description, the packages that its xacro file includes files from and that are not here, and what is not read.
+    """A description, the packages that its xacro file includes but that are not installed, and unread meshes.
 
-    `outside` are the meshes that are not read, since they lie outside of the description and of all packages.
+    `outside` are the meshes that are not read since they lie outside of the description and of all packages.
     """
 
     description: Description

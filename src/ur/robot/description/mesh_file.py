@@ -1,7 +1,7 @@
 """Mesh files (STL, Collada, OBJ) as their outermost points, in the units of a URDF.
 
-Files are measured, not shown: what is no mesh, or is too large to be one of a robot, has no points. They are read piece
-by piece, so that memory does not grow with them.
+Files are measured, not displayed: a file that is no mesh, or too large for one of a robot, has no points. Files are
+read in chunks, so that memory use does not grow with their size.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ _TURNS = 32  # directions in each plane of two axes
 
 
 class _Hull:
-    """The outermost of the points that were added, in many directions."""
+    """The outermost points in many directions, of all points that were added."""
 
     def __init__(self) -> None:
         turns = [2.0 * math.pi * n / _TURNS for n in range(_TURNS)]
@@ -64,7 +64,7 @@ class _Hull:
 
 
 def read_mesh(path: Path) -> Points:
-    """The outermost points of a mesh; none where the file is not there, or is none of the known kinds."""
+    """Return the outermost points of a mesh; none if the file does not exist or has an unknown format."""
     hull = _Hull()
     try:
         with open_file(path, LARGEST) as file:
@@ -95,7 +95,7 @@ def _read_obj(file: IO[bytes]) -> Iterator[Points]:
 
 
 def _read_rows(file: IO[bytes], row: re.Pattern[bytes]) -> Iterator[Points]:
-    """The numbers of rows, whole lines at a time. Raises ValueError."""
+    """Yield the numbers of matching rows, in chunks of whole lines. Raises ValueError."""
     rest = b""
     while data := file.read(_PIECE):
         lines, _, rest = (rest + data).rpartition(b"\n")
@@ -110,7 +110,7 @@ def _numbers(words: list[tuple[bytes, bytes, bytes]]) -> Points:
 
 
 def _read_collada(file: IO[bytes]) -> Iterator[Points]:
-    """The points of a scene, with the turns and scales of its nodes; as RViz, without a turn to another upward axis."""
+    """Yield the points of a scene, with the transforms of its nodes; as in RViz, without a rotation for the up axis."""
     root = parse_xml(file.read(_LARGEST_COLLADA + 1), length=_LARGEST_COLLADA)
     for element in root.iter():
         element.tag = str(element.tag).rpartition("}")[2]
@@ -126,7 +126,7 @@ def _read_collada(file: IO[bytes]) -> Iterator[Points]:
 
 
 def _place(root: Element, geometries: Mapping[str, Points], scale: float) -> Iterator[Points]:
-    """The geometries that the nodes of a scene place. Raises ValueError where these are too many."""
+    """Yield the geometries that the nodes of a scene place. Raises ValueError if there are too many."""
     named = {each.get("id", ""): each for each in root.iter("node")}
     left = [(node, np.eye(4), 0) for node in root.findall("library_visual_scenes/visual_scene/node")]
     nodes = points = 0
@@ -148,7 +148,7 @@ def _place(root: Element, geometries: Mapping[str, Points], scale: float) -> Ite
 
 
 def _transform(node: Element, scale: float) -> NDArray[np.float64]:
-    """The product of a node's own transforms, in the order of the file, with lengths in m."""
+    """Return the product of a node's own transforms, in the order of the file, with lengths in m."""
     whole = np.eye(4)
     for child in node:
         if child.tag not in ("matrix", "translate", "scale", "rotate"):
@@ -170,7 +170,7 @@ def _transform(node: Element, scale: float) -> NDArray[np.float64]:
 
 
 def _turn(axis: NDArray[np.float64], angle: float) -> NDArray[np.float64]:
-    """A rotation about an axis (Rodrigues)."""
+    """Return a rotation about an axis (Rodrigues)."""
     x, y, z = axis / (np.linalg.norm(axis) or 1.0)
     cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
     rotation: NDArray[np.float64] = np.eye(3) + math.sin(angle) * cross + (1.0 - math.cos(angle)) * (cross @ cross)
@@ -178,7 +178,7 @@ def _turn(axis: NDArray[np.float64], angle: float) -> NDArray[np.float64]:
 
 
 def _positions(geometry: Element) -> Points:
-    """The places of a geometry's corners: the source that its `vertices` name."""
+    """Return the vertex positions of a geometry: the source that its `vertices` name."""
     named = geometry.find("mesh/vertices/input[@semantic='POSITION']")
     if named is None:
         return np.empty((0, 3))
@@ -194,7 +194,7 @@ def _positions(geometry: Element) -> Points:
 
 
 def _read_floats(text: str | None) -> NDArray[np.float64]:
-    """Numbers that blanks separate, without an object for each. Raises ValueError."""
+    """Parse numbers separated by whitespace into an array. Raises ValueError."""
     with warnings.catch_warnings():
         warnings.simplefilter("error", DeprecationWarning)  # of older NumPy, for a text that is no number
         try:

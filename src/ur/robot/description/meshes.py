@@ -1,4 +1,4 @@
-"""Meshes of a description, measured: each becomes a shape, of the points of its hull."""
+"""Measurement of a description's meshes: each becomes a shape with the points of its hull."""
 
 from __future__ import annotations
 
@@ -19,10 +19,10 @@ _MOST_BYTES = 400_000_000  # of all mesh files of a description
 def measure_meshes(
     description: Description, around: Surroundings, packages: Callable[[], Mapping[str, str]]
 ) -> tuple[Description, tuple[str, ...]]:
-    """The description with the meshes that can be read as shapes of their links; the others stay meshes.
+    """Replace each readable mesh by a shape of its link; other meshes stay meshes.
 
-    Second are the names of those that are not read since they lie outside of the description and of all packages.
-    `packages` finds the folders of packages by name, if a mesh names one.
+    The second value has the names of meshes that are not read since they lie outside of the description and of all
+    packages. `packages` finds the folders of packages by name, and is called only if a mesh names one.
     """
     known: dict[str, str] = {}
     if any(mesh.file.startswith("package://") for link in description.links for mesh in link.meshes):
@@ -46,7 +46,7 @@ def _measure(link: Link, reader: _Reader) -> Link:
 
 
 class _Reader:
-    """The meshes of one description, each file read once, and no more than a number of bytes in all."""
+    """Reader of one description's meshes: it reads each file once, and a limited number of bytes in total."""
 
     def __init__(self, around: Surroundings, packages: Mapping[str, str]) -> None:
         self.outside: dict[str, None] = {}
@@ -56,7 +56,7 @@ class _Reader:
         self._read: dict[Path, tuple[Vector, ...]] = {}
 
     def read(self, name: str) -> tuple[Vector, ...]:
-        """The outermost points of the mesh that a description names so; () where it cannot be read."""
+        """Return the outermost points of the mesh with this name in the description; () if it cannot be read."""
         path = self._find(name)
         if path is None:
             return ()
@@ -79,7 +79,7 @@ class _Reader:
         return tuple((float(x), float(y), float(z)) for x, y, z in read_mesh(file))
 
     def _find(self, name: str) -> Path | None:
-        """The file of `package://PACKAGE/...`, `file://...`, or a path from the folder of the description."""
+        """Find the file of `package://PACKAGE/...`, `file://...`, or a path relative to the description's folder."""
         kind, found, rest = name.partition("://")
         if Path(name).suffix.lower() not in SUFFIXES or "\0" in name:
             return None

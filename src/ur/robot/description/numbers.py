@@ -1,4 +1,4 @@
-"""Numbers in the text of a description."""
+"""Parsing of numbers in a robot description."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ MOST = 1e6
 
 
 def read_numbers(text: str) -> tuple[float, ...] | None:
-    """Numbers that blanks separate; None where one is no number, not finite, or beyond MOST."""
+    """Parse numbers separated by whitespace; None if one is not a finite number, or greater than MOST."""
     try:
         numbers = tuple(float(word) for word in text.split())
     except ValueError:
@@ -17,6 +17,6 @@ def read_numbers(text: str) -> tuple[float, ...] | None:
 
 
 def read_number(text: str | None) -> float | None:
-    """One number; None for anything else."""
+    """Parse one number; None for any other text."""
     numbers = read_numbers(text or "")
     return numbers[0] if numbers and len(numbers) == 1 else None

@@ -1,4 +1,4 @@
-"""Sizes of a description: its outline on the ground, its height, and how far its body is above the ground."""
+"""Dimensions of a description: its outline on the ground, its height, and its ground clearance."""
 
 from __future__ import annotations
 
@@ -18,7 +18,10 @@ _FINEST = 1000.0  # points are rounded to 1 / that, m
 
 @dataclass(frozen=True, slots=True)
 class Extent:
-    """The space that links take up, as points in the root link; `estimated`: links whose size is from their inertia."""
+    """The space of a set of links, as points in the root link.
+
+    `estimated` are links whose size is estimated from their inertia.
+    """
 
     points: tuple[Vector, ...]
     estimated: tuple[str, ...]
@@ -26,10 +29,10 @@ class Extent:
 
 
 def measure_extent(description: Description, leave_out: Collection[str], *, careful: bool = False) -> Extent:
-    """The corners of everything that does not move, beside some links: of what touches, and of what is seen.
+    """Return the corners of all fixed links except `leave_out`: of collision and of visual geometries.
 
-    A link of meshes of unknown size is the box that has its inertia. A `careful` measure takes no such box, and
-    what is seen only of a link that has nothing to touch.
+    A link with meshes of unknown size is replaced by the box that has its inertia. A `careful` measurement uses no such
+    box, and visual geometries only of links without collision geometry.
     """
     places = description.places()
     rigid = _rigid_links(description)
@@ -50,9 +53,9 @@ def measure_extent(description: Description, leave_out: Collection[str], *, care
 
 
 def draw_outline(points: Iterable[Point]) -> tuple[Point, ...]:
-    """The hull of points, counter-clockwise, in mm that do not cut it off; () where it encloses nothing.
+    """Return the hull of points, counter-clockwise, rounded outwards to mm; () if it has no area.
 
-    A hull of many points becomes the polygon of 24 fixed directions round it.
+    A hull of many points becomes a polygon whose edges have 24 fixed directions.
     """
     hull = find_hull((x, y) for x, y in points)
     if len(hull) > _MOST_POINTS:
@@ -95,7 +98,7 @@ def _rigid_links(description: Description) -> set[str]:
 
 
 def list_corners(shape: Shape, place: Pose) -> Iterator[Vector]:
-    """The outermost points of a shape, of a link at `place`."""
+    """Yield the outermost points of a shape of a link at `place`."""
     inside = place.then(shape.pose)
     if shape.kind == "box":
         x, y, z = (length / 2.0 for length in shape.size)
@@ -119,7 +122,7 @@ def list_corners(shape: Shape, place: Pose) -> Iterator[Vector]:
 
 
 def _solid_box(link: Link) -> Shape | None:
-    """The solid box with the inertia of a link: x^2 = 6 (iyy + izz - ixx) / m, and so on."""
+    """Return the solid box with the inertia of a link: x^2 = 6 (iyy + izz - ixx) / m, and so on."""
     if link.inertia is None or link.inertia.mass <= 0.0:
         return None
     total = sum(link.inertia.moments)

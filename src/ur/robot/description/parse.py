@@ -1,4 +1,4 @@
-"""URDF text to a Description. Every reader raises UserError, with the link or joint, for a value it cannot use."""
+"""Parser of URDF. Every function raises UserError, with the link or joint, for an invalid value."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _MOST_SHAPES = 20_000
 
 
 def parse_urdf(text: str, path: str) -> Description:
-    """Read a URDF; `path` names it in errors. Entities are refused: a description has no use for them."""
+    """Parse a URDF; `path` names it in errors. XML entities are refused, since a description does not need them."""
     try:
         root = parse_xml(text.lstrip("\ufeff \t\r\n"), length=_LONGEST)
     except ValueError as problem:
@@ -171,7 +171,7 @@ def _joint(path: str, element: Element) -> Joint:
 
 
 def _turns_on(limit: Element | None) -> bool:
-    """Return whether a joint turns twice or more: many wheels are revolute joints with limits far away."""
+    """Return whether a joint turns twice or more: many wheels are revolute joints with wide limits."""
     ends = [_to_float(limit.get(key)) for key in ("lower", "upper")] if limit is not None else [0.0, 0.0]
     return ends[1] - ends[0] >= 4.0 * math.pi
 

@@ -13,28 +13,28 @@ _UNIT: Matrix = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 
 @dataclass(frozen=True, slots=True)
 class Pose:
-    """A rotation, then a translation: a frame as seen from another one."""
+    """A rotation, then a translation: the pose of one frame in another."""
 
     at: Vector = (0.0, 0.0, 0.0)
     rotation: Matrix = _UNIT
 
     def apply(self, point: Vector) -> Vector:
-        """A point of this frame in the other one."""
+        """Transform a point from this frame to the other one."""
         x, y, z = self.turn(point)
         return x + self.at[0], y + self.at[1], z + self.at[2]
 
     def turn(self, direction: Vector) -> Vector:
-        """A direction of this frame in the other one."""
+        """Rotate a direction from this frame to the other one."""
         a, b, c = (sum(r * d for r, d in zip(row, direction, strict=True)) for row in self.rotation)
         return a, b, c
 
     def then(self, inner: Pose) -> Pose:
-        """A pose that is given in this frame, in the other one."""
+        """Return the pose `inner`, which is given in this frame, in the other frame."""
         columns = [self.turn(column) for column in _transposed(inner.rotation)]
         return Pose(self.apply(inner.at), _transposed((columns[0], columns[1], columns[2])))
 
     def angles(self) -> Vector:
-        """Roll, pitch and yaw; roll is 0 where the pitch is a quarter turn."""
+        """Return roll, pitch and yaw; roll is 0 at a pitch of a quarter turn (gimbal lock)."""
         (xx, xy, _), (yx, yy, _), (zx, zy, zz) = self.rotation
         pitch = math.asin(max(-1.0, min(1.0, -zx)))
         if abs(zx) > 1.0 - 1e-9:
@@ -43,7 +43,7 @@ class Pose:
 
 
 def make_pose(at: Vector, angles: Vector) -> Pose:
-    """The pose of URDF's `xyz` and `rpy`: turned about the fixed x, then y, then z axis."""
+    """Return the pose of URDF's `xyz` and `rpy`: rotated about the fixed x, then y, then z axis."""
     (sr, cr), (sp, cp), (sy, cy) = ((math.sin(angle), math.cos(angle)) for angle in angles)
     return Pose(
         at,

@@ -1,7 +1,7 @@
-"""From a description to the figures of a base, and to the questions that it leaves open.
+"""Derivation of a base's properties from a robot description, and the questions about missing ones.
 
 The origin of a base is on the ground between the driven wheels; a robot with several driven axles (skid steer) becomes
-one with two driven wheels between them and a free support below the first and the last axle.
+one with two driven wheels between them and a passive support below the first and the last axle.
 """
 
 from __future__ import annotations
@@ -56,7 +56,7 @@ _MOST_LENGTH, _MOST_WIDTH = 4.0, 2.2  # of a body, in separations of its wheels
 
 @dataclass(frozen=True, slots=True)
 class Support:
-    """A free support, at (x, y) of the base."""
+    """A passive support, at (x, y) of the base."""
 
     x: float
     y: float
@@ -66,9 +66,10 @@ class Support:
 
 @dataclass(frozen=True, slots=True)
 class DescriptionReading:
-    """The facts of a description, in `base_footprint`. `open` are the figures of QUESTIONS that it does not give.
+    """The properties of a base from a description, in `base_footprint`.
 
-    `outline` and `body` are () while length or width is open. `notes` are what its reader should know.
+    `open` are the names of QUESTIONS that the description does not answer. `outline` and `body` are () while length or
+    width is open. `notes` are remarks for the user.
     """
 
     name: str
@@ -82,16 +83,16 @@ class DescriptionReading:
 
     @property
     def has_lidar(self) -> bool:
-        """True for a robot with a lidar."""
+        """Whether the robot has a lidar."""
         return any(sensor.kind == "lidar" for sensor in self.sensors)
 
 
 def read_base_figures(
     description: Description, given: Mapping[str, float], *, lidar: bool | None = None
 ) -> DescriptionReading:
-    """Read the properties of a base from its description; `given` figures (names of QUESTIONS) are taken instead.
+    """Derive the properties of a base from its description; `given` values (names of QUESTIONS) take precedence.
 
-    With `lidar` True a robot of which the description names no lidar gets a usual one on top; with False it has none.
+    With `lidar` True, a robot whose description names no lidar gets a typical one on top; with False it has none.
     """
     drive = find_drive(description)
     sensors = tuple(each for each in find_sensors(description) if lidar is not False or each.kind != "lidar")
@@ -144,7 +145,7 @@ def read_base_figures(
 
 
 def _is_too_large(body: Extent, figures: Mapping[str, Figure]) -> bool:
-    """Return whether a body is so large beside its wheels' separation that no robot is built like that."""
+    """Return whether a body is implausibly large compared with the wheel separation."""
     if "wheel_separation" not in figures or not body.points:
         return False
     length, width = (_span([(x, y) for x, y, _ in body.points], axis) for axis in (0, 1))
@@ -158,7 +159,7 @@ def _fits(figure: Figure, ends: tuple[float, float]) -> bool:
 def _find_origin(
     description: Description, drive: DriveGeometry, figures: Mapping[str, Figure]
 ) -> tuple[float, float, float]:
-    """The point of the ground between the driven wheels, in the root link."""
+    """Return the point on the ground between the driven wheels, in the root link."""
     if drive.wheels:
         xs, ys, zs = ([getattr(wheel, axis) for wheel in drive.wheels] for axis in "xyz")
         radius = figures["wheel_radius"].value if "wheel_radius" in figures else 0.0
@@ -201,7 +202,7 @@ def _span(points: Sequence[Point], axis: int) -> float:
 def _read_supports(
     drive: DriveGeometry, figures: Mapping[str, Figure], outline: Sequence[Point], origin: Sequence[float]
 ) -> tuple[Support, ...]:
-    """The casters, or the outer axles of a skid steer; usual ones where the robot would tip over."""
+    """Return the casters, or the outer axles of a skid steer; default supports if the robot would tip over."""
     if not outline or "wheel_radius" not in figures or "wheel_separation" not in figures:
         return ()
     most = figures["wheel_radius"].value
@@ -231,7 +232,7 @@ def _read_supports(
 
 
 def _centre(outline: Sequence[Point]) -> Point:
-    """The centre of area of a polygon."""
+    """Return the centroid of a polygon."""
     total = x = y = 0.0
     for (ax, ay), (bx, by) in zip(outline, [*outline[1:], outline[0]], strict=True):
         cross = ax * by - bx * ay

@@ -1,4 +1,4 @@
-"""Sensors of a description: those that Gazebo simulates, and links with the usual names of sensors."""
+"""Sensors of a description: those that Gazebo simulates, and links with typical names of sensors."""
 
 from __future__ import annotations
 
@@ -29,9 +29,9 @@ _BODY_FRAMES = ("base_footprint", "base_link", "left_wheel", "right_wheel")
 
 @dataclass(frozen=True, slots=True)
 class FoundSensor:
-    """A sensor: its frame, its pose in the root link (it looks along x), and the figures of Gazebo where it has some.
+    """A sensor: its frame, its pose in the root link (it looks along x), and its Gazebo parameters if it has some.
 
-    `source` is its origin.
+    `source` is where it was found.
     """
 
     kind: Kind
@@ -42,15 +42,15 @@ class FoundSensor:
     gazebo: GazeboSensor | None = None
 
     def figure(self, name: str, ordinary: float, least: float = -1e6, most: float = 1e6) -> float:
-        """A figure of Gazebo; the ordinary one where there is none, or one out of range."""
+        """Return a Gazebo parameter; `ordinary` if it is missing or out of range."""
         value = self.gazebo.figure(name) if self.gazebo else None
         return value if value is not None and least <= value <= most else ordinary
 
 
 def find_sensors(description: Description) -> tuple[FoundSensor, ...]:
-    """The sensors that a base file can hold: a lidar, a camera, an inertial unit, and any number of sonars.
+    """Find the sensors that a base file can describe: one lidar, one camera, one IMU, and any number of sonars.
 
-    Of several lidars or cameras it is the first that Gazebo simulates, else the first link by name.
+    Of several lidars or cameras, it is the first that Gazebo simulates, else the first link by name.
     """
     taken = set(_BODY_FRAMES)
     found: list[FoundSensor] = []
@@ -71,7 +71,7 @@ def find_sensors(description: Description) -> tuple[FoundSensor, ...]:
 
 
 def list_extra_sensors(description: Description, used: tuple[FoundSensor, ...]) -> tuple[str, ...]:
-    """The links of sensors that Gazebo simulates and a base file has no room for."""
+    """Return the links of simulated sensors that do not fit into a base file."""
     mine = {sensor.link for sensor in used}
     return tuple(dict.fromkeys(each.link for each in description.sensors if each.link not in mine))
 
@@ -122,7 +122,7 @@ def _named(description: Description) -> Iterator[FoundSensor]:
 
 
 def _optical_child(children: Mapping[str, Sequence[str]], link: str) -> str | None:
-    """The first optical frame below a link."""
+    """Return the first optical frame below a link."""
     left = deque([link])
     while left:
         for child in children.get(left.popleft(), ()):

@@ -1,7 +1,7 @@
-"""The folders around a description: its files are read, and nothing of them is run.
+"""The folders around a description: its files are read but never executed.
 
-The search upwards ends at the first folder that another user may write to: in a folder like /tmp, a package around a
-description would be that of any other user.
+The search for parent folders ends at the first folder that another user may write to: in a folder like /tmp, another
+user could have placed a package around the description.
 """
 
 from __future__ import annotations
@@ -19,10 +19,10 @@ _MOST_BESIDE = 1000  # folders beside a package that are looked at
 
 @dataclass(frozen=True, slots=True)
 class Surroundings:
-    """The file of a description without links, the outermost folder that belongs to it, and the packages around it.
+    """The resolved file of a description, the outermost folder that belongs to it, and the packages around it.
 
-    `folder` is that of the repository, else of the package, else of the file. `packages` are its own, which is the
-    first, and those beside it. `home` is the user's home folder, which is no repository.
+    `folder` is that of the repository, else of the package, else of the file. `packages` are its own package, which
+    comes first, and those beside it. `home` is the user's home folder, which never counts as a repository.
     """
 
     file: Path
@@ -31,14 +31,14 @@ class Surroundings:
     home: Path = Path("/nonexistent")
 
     def holds(self, path: str | Path) -> bool:
-        """Return whether a file or folder lies in what was described, or beside it, wherever links lead."""
+        """Return whether a file or folder lies in the folder of the description, with symbolic links resolved."""
         place = Path(os.path.realpath(path))
         beside = [self.packages[0].parent] if self.packages else []
         folders = (self.folder, *self.packages, *beside)
         return any(self._covers(folder, place) for folder in folders)
 
     def find_readable(self, path: str | Path, packages: Iterable[str] = ()) -> Path | None:
-        """The file without links, if the description may read it: in its folder or in a package, and not hidden there.
+        """Return the resolved file if the description may read it: in its folder or in a package, and not hidden there.
 
         `packages` are the folders of further packages.
         """
@@ -49,13 +49,13 @@ class Surroundings:
         return None
 
     def _covers(self, folder: Path, place: Path) -> bool:
-        """Return whether a place is in a folder; of the home folder, only files that lie directly in it are."""
+        """Return whether a path is in a folder; in the home folder, only files directly in it count."""
         wide = _is_wide(folder, self.home)
         return place.parent == folder if wide else place.is_relative_to(folder)
 
 
 def find_surroundings(path: Path, environment: Mapping[str, str]) -> Surroundings:
-    """The surroundings of a file that is there. Raises OSError."""
+    """Find the surroundings of an existing file. Raises OSError."""
     file = Path(os.path.realpath(path))
     home = Path(os.path.realpath(environment.get("HOME") or "/nonexistent"))
     owners = {0, os.geteuid(), path.stat().st_uid}
@@ -73,7 +73,7 @@ def find_surroundings(path: Path, environment: Mapping[str, str]) -> Surrounding
 
 
 def is_safe_program(path: str) -> bool:
-    """Return whether only root and the user can have put a program, or a link to it, where it is."""
+    """Return whether only root and the user could have placed a program, or a link to it, at this path."""
     owners = {0, os.geteuid()}
     real = os.path.realpath(path)
     places = (os.path.dirname(path), os.path.dirname(real), real)  # noqa: PTH120 - links are kept
@@ -89,7 +89,7 @@ def _is_safe(place: Path, owners: set[int]) -> bool:
 
 
 def _is_wide(folder: Path, home: Path) -> bool:
-    """Return whether a folder is the root, the home folder, or one above it."""
+    """Return whether a folder is the root, the home folder, or a parent of it."""
     return home.is_relative_to(folder) or folder == Path("/")
 
 

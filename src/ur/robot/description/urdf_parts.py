@@ -12,7 +12,7 @@ from ur.robot.description.pose import Pose, Vector
 class Shape:
     """A solid in its link. `size` is that of a box (x, y, z), a cylinder (radius, length) or a sphere (radius).
 
-    A mesh has `points` instead, those of its hull.
+    A mesh has the `points` of its hull instead.
     """
 
     kind: Literal["box", "cylinder", "sphere", "mesh"]
@@ -23,7 +23,7 @@ class Shape:
 
 @dataclass(frozen=True, slots=True)
 class Mesh:
-    """A geometry whose size is in a file; `collides` distinguishes those to touch from those to see."""
+    """A geometry whose size is in a file; `collides` distinguishes collision geometries from visual ones."""
 
     file: str
     scale: Vector
@@ -53,7 +53,7 @@ class Link:
 
 @dataclass(frozen=True, slots=True)
 class Joint:
-    """A joint; `axis` is in its own frame, `velocity` (rad/s) is the limit that it states, None without one."""
+    """A joint; `axis` is in its own frame, `velocity` (rad/s) is its velocity limit, None without one."""
 
     name: str
     kind: str
@@ -66,7 +66,7 @@ class Joint:
 
 @dataclass(frozen=True, slots=True)
 class GazeboSensor:
-    """A `<sensor>` of a `<gazebo reference=...>`: its link, its type and plugin, and figures by name.
+    """A `<sensor>` of a `<gazebo reference=...>`: its link, its type and plugin, and parameters by name.
 
     The names are: rate, samples, angle_min, angle_max, range_min, range_max, noise, field_of_view, width, height.
     """
@@ -79,13 +79,13 @@ class GazeboSensor:
     figures: tuple[tuple[str, float], ...] = ()
 
     def figure(self, name: str) -> float | None:
-        """One of its figures; None for one that is not given."""
+        """Return one of its parameters; None if it is not given."""
         return dict(self.figures).get(name)
 
 
 @dataclass(frozen=True, slots=True)
 class DrivePlugin:
-    """A gazebo plugin that drives wheels: the joints of each side, and the figures that it is given."""
+    """A Gazebo plugin that drives wheels: the joints of each side, and its parameters."""
 
     left: tuple[str, ...]
     right: tuple[str, ...]
@@ -98,7 +98,7 @@ class DrivePlugin:
 
 @dataclass(frozen=True, slots=True)
 class Description:
-    """A robot: a tree of links, whose root is `root`; `sideways` if a plugin moves it to all sides."""
+    """A robot: a tree of links with the root link `root`; `sideways` means that a plugin moves it in all directions."""
 
     name: str
     root: str
@@ -109,14 +109,14 @@ class Description:
     sideways: bool = False
 
     def children(self) -> dict[str, list[str]]:
-        """The links below each link that has any, in the order of the joints."""
+        """Return the child links of each link that has any, in the order of the joints."""
         children: dict[str, list[str]] = {}
         for joint in self.joints:
             children.setdefault(joint.parent, []).append(joint.child)
         return children
 
     def places(self) -> dict[str, Pose]:
-        """The pose of each link in the root link, with every joint at zero."""
+        """Return the pose of each link in the root link, with every joint at zero."""
         by_parent: dict[str, list[Joint]] = {}
         for joint in self.joints:
             by_parent.setdefault(joint.parent, []).append(joint)

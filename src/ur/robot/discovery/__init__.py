@@ -1,1 +1,1 @@
-"""Robots that announce themselves, that were seen before, and that were set up from this computer."""
+"""Discovery of robots: those that announce themselves, were seen before, or were set up from this computer."""

@@ -1,4 +1,4 @@
-"""Robots on the network: who announces itself, and who took a name that another had first."""
+"""Robots on the network: their announcements, and name conflicts among them."""
 
 from __future__ import annotations
 
@@ -36,10 +36,10 @@ _SCOPE = re.compile(r"[0-9A-Fa-f:.]+(?:%[A-Za-z0-9_.-]{1,15})?")
 
 @dataclass(frozen=True, slots=True)
 class Announcement:
-    """A computer that announces itself. `host` is the name that its zeroconf daemon gave it, without .local.
+    """The announcement of a computer. `host` is the name that its zeroconf daemon gave it, without .local.
 
-    `name` is that of its robot file: the two differ when another computer had the name first. `version` is that of
-    the `ur` that set it up; `ros` is its release of ROS 2, '' where it has ROS 1.
+    `name` is that of its robot file: the two differ when another computer had the name first. `version` is that of the
+    `ur` that set it up; `ros` is its release of ROS 2, '' for ROS 1.
     """
 
     host: str
@@ -53,14 +53,15 @@ class Announcement:
 
     @property
     def address(self) -> str:
-        """The first IPv4 address, which ROS uses; '' where there is none."""
+        """The first IPv4 address, which ROS uses; '' if there is none."""
         return next((address for address in self.addresses if ":" not in address), "")
 
 
 def parse_sighting(host: str, addresses: Sequence[str], texts: Mapping[str, str]) -> Announcement | None:
-    """A sighting from an announcement's host name, addresses and text records; None where one has another shape.
+    """Parse an announcement from its host name, addresses and text records; None if one is invalid.
 
-    Any computer in the network may announce anything, and what is announced gets into command lines, files and texts.
+    Any computer in the network may announce anything, and announced values become part of command lines, files and
+    messages.
     """
     host = host.rstrip(".").removesuffix(".local")
     base = re.sub(r"-\d+$", "", host)  # what avahi adds when a name is taken
@@ -83,15 +84,16 @@ def _is_address(text: str) -> bool:
 
 
 def read_texts(properties: Mapping[bytes, bytes | None]) -> dict[str, str]:
-    """The text records of an announcement. Bytes that are not UTF-8 become characters that no field may hold."""
+    """Decode the text records of an announcement. Invalid UTF-8 is replaced by characters that no field may contain."""
     return {key.decode(errors="replace"): (value or b"").decode(errors="replace") for key, value in properties.items()}
 
 
 class Browser:
-    """Listens for robots while it is open; use as a context manager. `changed` is called from another thread.
+    """Browser for robots while its context lasts. `changed` is called from another thread.
 
-    Of robots whose names are not `known`, so many are kept that no crowd of announcements hides the others. The known
-    ones are asked for by name as well, so that they need not wait until the announcements of a crowd have been read.
+    The number of stored robots that are not `known` is limited, so that a flood of announcements cannot hide the
+    others. The known ones are also requested by name, so that they do not wait until a flood of announcements has been
+    read.
     """
 
     def __init__(
@@ -102,7 +104,7 @@ class Browser:
         interfaces: Sequence[str] = (),
         browses: bool = True,
     ) -> None:
-        """All `interfaces` unless some are given; only the known ones are sought unless it `browses`."""
+        """Browse on the given `interfaces`, by default all; without `browses`, request only the known robots."""
         self._interfaces, self._browses = interfaces, browses
         self._changed = changed
         self._crowd = Crowd(known)
@@ -131,16 +133,16 @@ class Browser:
 
     @property
     def sightings(self) -> list[Announcement]:
-        """The robots that are visible now."""
+        """Return the robots that are visible now."""
         return self._crowd.sightings
 
     @property
     def left_out(self) -> tuple[int, int]:
-        """The number of announcements of another shape than a robot's, and the number of those above the limit."""
+        """Return the number of invalid announcements, and the number of those above the limit."""
         return self._crowd.misshapen, self._crowd.too_many
 
     def find_twin(self, name: str, seconds: float) -> str:
-        """The address of a computer to which zeroconf gave NAME-2 since NAME was taken; '' when there is no answer."""
+        """Return the address of a computer that zeroconf named NAME-2 after a name conflict; '' without an answer."""
         from zeroconf import AddressResolverIPv4  # type: ignore[attr-defined]  # not in its __all__
 
         resolver = AddressResolverIPv4(f"{name}-2.local.")
@@ -201,7 +203,7 @@ class Browser:
 
 
 class Crowd:
-    """Announcements by the name of their service, as many as make sense: all of `known` robots, some of others."""
+    """Announcements by service name, of limited number: all of the `known` robots, and some others."""
 
     def __init__(self, known: Collection[str] = ()) -> None:
         self._known = frozenset(known)
@@ -212,19 +214,19 @@ class Crowd:
 
     @property
     def sightings(self) -> list[Announcement]:
-        """Those that are kept."""
+        """Return the stored announcements."""
         with self._lock:
             return [one for one in self._seen.values() if one is not None]
 
     @property
     def misshapen(self) -> int:
-        """The number of announcements that no robot sends."""
+        """Return the number of invalid announcements."""
         with self._lock:
             return sum(one is None for one in self._seen.values())
 
     @property
     def too_many(self) -> int:
-        """The number of announcements that are not kept, counted up to a limit."""
+        """Return the number of announcements that were dropped, counted up to a limit."""
         return len(self._late)
 
     def may_ask(self, name: str) -> bool:
@@ -238,7 +240,7 @@ class Crowd:
             return False
 
     def add(self, name: str, sighting: Announcement | None) -> None:
-        """Keep what a service announces, None for nonsense, unless there are too many of its kind already."""
+        """Store the announcement of a service, or None for an invalid one, unless the limit of its kind is reached."""
         with self._lock:
             is_known = sighting is not None and sighting.name in self._known
             same = [
@@ -253,7 +255,7 @@ class Crowd:
                 self._note_late(name)
 
     def remove(self, name: str) -> None:
-        """Forget a service that was withdrawn."""
+        """Remove a service that was withdrawn."""
         with self._lock:
             self._seen.pop(name, None)
             self._asked.discard(name)

@@ -1,4 +1,4 @@
-"""Ask a robot for its clock and for what it starts at boot: over one ssh connection by key, for a short time only."""
+"""Query of a robot's clock and boot services: over one ssh connection by key, for a limited time."""
 
 from __future__ import annotations
 
@@ -33,8 +33,8 @@ def ask_robot(
 ) -> RobotAnswer:
     """Ask a robot at USER@ADDRESS, whose host key is known as NAME.local for one of `names`, which are tried in turn.
 
-    Each gets so many seconds. `clock` gives the time here (s since 1970). When `over` is set, it ends at once. Without
-    an answer, `refused` of the result is the reason. Raises nothing.
+    Each attempt is limited to `seconds`. `clock` gives the local time (s since 1970). The query ends as soon as `over`
+    is set. Without an answer, `refused` of the result is the reason. Raises nothing.
     """
     answer = RobotAnswer()
     for name in names:
@@ -66,7 +66,7 @@ def _ask(login: str, name: str, seconds: float, clock: Callable[[], float], over
 
 
 def explain_refusal(reported: str, seconds: float) -> str:
-    """The meaning of what ssh printed instead of an answer, in a few words; nothing means that it took too long."""
+    """Explain what ssh printed instead of an answer, in a few words; an empty output means a timeout."""
     return next((reason for words, reason in _REFUSALS if words in reported), f"no answer in {seconds:g} s")
 
 
@@ -124,13 +124,13 @@ def _compare(questions: IO[str], answers: IO[str], clock: Callable[[], float]) -
 
 
 def best_offset(readings: Iterable[tuple[float, float, float]]) -> float | None:
-    """The offset (s) of the other clock, from the quickest of (asked, its time, answered); None without any."""
+    """Return the offset (s) of the remote clock from the quickest (requested, remote time, answered); None if empty."""
     quickest = min(readings, key=lambda each: each[2] - each[0], default=None)
     return None if quickest is None else clock_offset(*quickest)
 
 
 def parse_services(lines: Iterable[str]) -> tuple[tuple[str, str], ...]:
-    """(name, state) of the units in systemctl's list; a state in its word for ActiveState."""
+    """Yield (name, state) of the units in systemctl's list; the state is that of ActiveState."""
     rows = (line.split() for line in lines)
     return tuple(
         (row[0].removeprefix(PREFIX).removesuffix(".service"), "starting" if row[2] == "activating" else row[2])
@@ -140,5 +140,5 @@ def parse_services(lines: Iterable[str]) -> tuple[tuple[str, str], ...]:
 
 
 def clock_offset(before: float, middle: float, after: float) -> float:
-    """The least offset (s) of a clock that was read between two readings of ours: 0 when it lies between them."""
+    """Return the least offset (s) of a clock that was read between two local readings: 0 if it lies between them."""
     return min(middle - before, 0.0) + max(middle - after, 0.0)

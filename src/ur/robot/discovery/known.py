@@ -1,4 +1,4 @@
-"""Robots that this computer has reason to believe in: set up from here, seen on the network, or answering now."""
+"""Evidence that a robot exists: it was set up from this computer, seen on the network, or answers now."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def look_up_robot(
 ) -> KnownRobot:
     """Find the evidence that a robot exists.
 
-    The network is asked last, and only for a name that nothing here knows: a `.local` name may take 5 s to fail.
+    The network is queried last, and only for a name without other evidence: a `.local` name may take 5 s to fail.
     """
     records = [record.name for record in load_records(records_folder(environment))]
     seen = list(load_seen(seen_path(environment)))

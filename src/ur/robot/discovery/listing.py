@@ -1,4 +1,4 @@
-"""The list of robots: who is there and what each announces, who is known and away, and names taken twice. Pure."""
+"""List of robots: visible ones with their announcements, known ones that are away, and name conflicts. Pure."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from ur.robot.discovery.seen import SeenRobot, describe_age
 
 @dataclass(frozen=True, slots=True)
 class RobotAnswer:
-    """The answers of a robot; None where there is none yet.
+    """The answers of a robot; None for those that are missing.
 
-    `nodes`: how many its ROS master knows; `services`: what it starts at boot, and systemd's word for how that is;
-    `offset` (s): how far its clock is ahead; `twin`: the address of another computer with its name, '' when there is
-    none. `answers` is False when it answered nothing at all: what was announced is remembered for an hour and more.
-    `refused` is why it did not answer over ssh, '' when it did; `known_as` the name of its host key on this computer.
+    `nodes`: number of nodes that its ROS master knows; `services`: its boot services with systemd's ActiveState;
+    `offset` (s): how far its clock is ahead; `twin`: the address of another computer with the same name, '' if there is
+    none. `answers` is False if it answered no query at all: announcements are cached for an hour or more. `refused` is
+    the reason why it did not answer over ssh, '' if it did; `known_as` is the name of its host key on this computer.
     """
 
     nodes: int | None = None
@@ -32,7 +32,7 @@ class RobotAnswer:
 
 @dataclass(frozen=True, slots=True)
 class RobotRow:
-    """A robot as it is listed. `address` is empty when it is away; `problem` is empty when there is none."""
+    """A row of the list of robots. `address` is empty if the robot is away; `problem` is empty if there is none."""
 
     name: str
     address: str
@@ -47,12 +47,12 @@ class RobotRow:
 
     @property
     def ros_name(self) -> str:
-        """Its ROS, as far as it is known: a robot that announces a base and no release of ROS 2 has ROS 1."""
+        """Return the version of ROS, if known: a robot that announces a base and no release of ROS 2 has ROS 1."""
         return f"2 {self.ros.capitalize()}" if self.ros else "1" if self.base else ""
 
     @property
     def runs(self) -> str:
-        """The ROS nodes and the boot services there, in a few words."""
+        """Describe the running ROS nodes and boot services in a few words."""
         nodes = self.answer.nodes
         if nodes is None:
             words = ["no ROS master"] if self.answer.services is not None and not self.ros else []
@@ -63,13 +63,13 @@ class RobotRow:
 
     @property
     def clock(self) -> str:
-        """The offset of its clock from this one, or the reason why that is unknown."""
+        """Describe the offset of the robot's clock from the local one, or the reason why it is unknown."""
         if self.answer.offset is None:
             return f"unknown: {self.answer.refused}" if self.answer.refused else ""
         return f"{self.answer.offset:+.3f} s"
 
     def when(self, now: float) -> str:
-        """Since when it is away, and where it was; 'here' for one that is not away."""
+        """Describe since when the robot is away and its last address; 'here' if it is not away."""
         if self.address:
             return "here"
         return f"away, {describe_age(now - self.seen.time)} at {self.seen.address}" if self.seen else "away"
@@ -78,7 +78,7 @@ class RobotRow:
 def is_settled(answer: RobotAnswer) -> bool:
     """Return whether no more answers are expected of a robot: it is away, has refused, or has answered completely.
 
-    A master without nodes is not settled: on a robot that has just booted or was renamed the first node starts later.
+    A master without nodes is not settled: after a boot or a rename, the first node starts later than the master.
     """
     if answer.answers is False or answer.refused:
         return True
@@ -93,7 +93,7 @@ def list_robots(
     answers: Mapping[str, RobotAnswer] | None = None,
     memory: Mapping[str, SeenRobot] | None = None,
 ) -> list[RobotRow]:
-    """The robots that are visible, then those known from earlier that are not; each group by name.
+    """List the visible robots, then known ones that are away; each group by name.
 
     `answers` are by the host name of a sighting, `memory` by the name of a robot.
     """
@@ -120,7 +120,7 @@ def list_robots(
 
 
 def choose_rows(rows: Sequence[RobotRow], names: Collection[str]) -> list[RobotRow]:
-    """The rows of these robots, with an empty one for an unknown robot; all rows where no names are given."""
+    """Return the rows of these robots, with an empty row for an unknown robot; all rows if no names are given."""
     if not names:
         return [*rows]
     chosen = [row for row in rows if row.name in names]

@@ -17,7 +17,7 @@ MOST = 50
 
 @dataclass(frozen=True, slots=True)
 class RobotMaster:
-    """A robot's name, what `ur use` and `ur web` take for it, and the URI of its ROS master."""
+    """A robot's name, its argument for `ur use` and `ur web`, and the URI of its ROS master."""
 
     name: str
     selection: str
@@ -30,7 +30,7 @@ class RobotMaster:
 
 
 def list_masters(environment: Mapping[str, str], own: Selection, stored: Selection) -> tuple[RobotMaster, ...]:
-    """List the simulated robot, and the others by name, at most MOST. Asks nothing of the network.
+    """List the simulated robot, and the others by name, at most MOST. Sends nothing to the network.
 
     `own` is the robot that is shown, which is always listed; `stored` is the selected robot, whose base is kept.
     """
@@ -41,7 +41,7 @@ def list_masters(environment: Mapping[str, str], own: Selection, stored: Selecti
 def choose_masters(
     records: Iterable[str], seen: Iterable[str], own: Selection, stored: Selection
 ) -> tuple[RobotMaster, ...]:
-    """The same from names. What is no host name, and what has the name of the simulated robot, is left out."""
+    """List the masters for these names, without invalid host names and names equal to that of the simulated robot."""
     chosen: dict[str, Selection] = {each.robot.lower(): each for each in (stored, own)}
     kept = {own.robot.lower(): own, SIMULATION: chosen.get(SIMULATION, Selection())}
     for name in (*sorted(records), *sorted(seen)):

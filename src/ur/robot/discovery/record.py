@@ -14,10 +14,10 @@ DEFAULT_USER = "ros"
 
 @dataclass(frozen=True, slots=True)
 class RobotRecord:
-    """A robot that was set up from here, with the user to log in as.
+    """A robot that was set up from this computer, with the user to log in as.
 
-    `robot_login` is whether the user lets it log in to this computer; None where not asked. `ros` is its release
-    of ROS 2, '' where it has ROS 1.
+    `robot_login` is whether the user lets it log in to this computer; None where not asked. `ros` is its release of ROS
+    2, '' for ROS 1.
     """
 
     name: str
@@ -29,12 +29,12 @@ class RobotRecord:
 
 
 def records_folder(environment: Mapping[str, str]) -> Path:
-    """The folder of the records, beside the selection."""
+    """Return the folder of the records, beside the file of the selection."""
     return selection_path(environment).parent / "robots"
 
 
 def render_record(record: RobotRecord) -> str:
-    """The text of a record's file."""
+    """Return the text of a record's file."""
     rows = {"name": record.name, "user": record.user, "base": record.base, "variant": record.variant, "ros": record.ros}
     texts = "".join(f'{key}: "{value}"\n' for key, value in rows.items() if value)
     login = "" if record.robot_login is None else f"robot_login: {str(record.robot_login).lower()}\n"
@@ -42,7 +42,7 @@ def render_record(record: RobotRecord) -> str:
 
 
 def load_records(folder: Path) -> list[RobotRecord]:
-    """All records, by name. Those that cannot be read are left out."""
+    """Load all records, sorted by name. Unreadable ones are skipped."""
     return [record for path in sorted(folder.glob("*.yaml")) if (record := _load_record(path))]
 
 
@@ -59,5 +59,5 @@ def _load_record(path: Path) -> RobotRecord | None:
 
 
 def find_user(name: str, folder: Path) -> str:
-    """The user to log in as on a robot: that of its record, else DEFAULT_USER."""
+    """Return the user to log in as on a robot: that of its record, else DEFAULT_USER."""
     return next((record.user for record in load_records(folder) if record.name == name), DEFAULT_USER)

@@ -1,4 +1,4 @@
-"""Last known addresses of robots, which help when a name no longer resolves."""
+"""Last known addresses of robots, used when a name no longer resolves."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ KEPT = 90 * 86400.0  # s
 
 @dataclass(frozen=True, slots=True)
 class SeenRobot:
-    """A robot's full name without .local, its IPv4 address, and when that was (seconds since 1970)."""
+    """A robot's full name without .local, its IPv4 address, and the time of the sighting (s since 1970)."""
 
     name: str
     address: str
@@ -26,12 +26,12 @@ class SeenRobot:
 
 
 def seen_path(environment: Mapping[str, str]) -> Path:
-    """The file of the memory, below the user's state folder (XDG base directory specification)."""
+    """Return the file of the last known addresses, below the user's state folder (XDG base directory specification)."""
     return Path(user_folder("XDG_STATE_HOME", environment)) / "ubiquity_launches" / "seen.json"
 
 
 def load_seen(path: Path) -> dict[str, SeenRobot]:
-    """Load the last known addresses by name; nothing when the file makes no sense: it is only a memory."""
+    """Load the last known addresses by name; empty if the file is missing or invalid."""
     from ur.source.foreign.json_values import read_json
 
     try:
@@ -42,9 +42,9 @@ def load_seen(path: Path) -> dict[str, SeenRobot]:
 
 
 def note_seen(path: Path, robots: Iterable[SeenRobot]) -> None:
-    """Remember where robots are now, and forget those that were not seen for long.
+    """Store the present addresses of robots, and drop those that were not seen for long.
 
-    A program that reads the file sees the old or the new one; a full disk does no harm.
+    The file is replaced atomically; a full disk is no error.
     """
     latest = {each.name: each for each in robots if each.address}
     if not latest:
@@ -58,7 +58,7 @@ def note_seen(path: Path, robots: Iterable[SeenRobot]) -> None:
 
 @contextmanager
 def _hold(path: Path) -> Iterator[None]:
-    """Let other commands that note something wait. Raises OSError."""
+    """Lock the file against other `ur` commands. Raises OSError."""
     path.parent.mkdir(parents=True, exist_ok=True)
     folder = os.open(path.parent, os.O_RDONLY | os.O_DIRECTORY)
     try:

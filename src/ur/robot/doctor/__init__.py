@@ -1,1 +1,1 @@
-"""Inspect two computers from both ends, and report what keeps ROS from working between them."""
+"""Inspection of two computers from both ends, to report what prevents ROS from working between them."""

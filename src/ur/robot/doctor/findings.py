@@ -1,4 +1,4 @@
-"""Values of the doctor: two computers, findings, and the commands that fix them. Values only."""
+"""Values of the doctor: two computers, findings, and the commands that fix them."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ _SHELL_SIGNS = re.compile(r"[;&|<>$`(){}*?~]")
 
 @dataclass(frozen=True, slots=True)
 class FixCommand:
-    """One line for a POSIX shell that cures, or helps to: on this computer or on the robot, as its user or as root.
+    """One line for a POSIX shell that fixes a finding, or helps to: on this computer or the robot, as user or as root.
 
-    `safe`: it can do no harm, so that `--fix` runs it. What is printed and what `--fix` runs are the same text.
+    `safe` means that it can do no harm, so that `--fix` runs it. The printed text is the one that `--fix` runs.
     """
 
     where: Where
@@ -29,7 +29,7 @@ class FixCommand:
 
     @property
     def typed(self) -> str:
-        """As a person types it: with sudo where root is needed."""
+        """The command as a user types it: with sudo if root is needed."""
         if not self.root:
             return self.line
         return f"sudo sh -c {quote(self.line)}" if _SHELL_SIGNS.search(self.line) else f"sudo {self.line}"
@@ -37,10 +37,7 @@ class FixCommand:
 
 @dataclass(frozen=True, slots=True)
 class Finding:
-    """Something that is wrong: its kind (a stable id), what is the matter, and advice or commands that fix it.
-
-    The commands are meant one after the other.
-    """
+    """A problem: its kind (a stable id), a description, and advice or commands that fix it, to be run in order."""
 
     rule: str
     message: str
@@ -49,13 +46,13 @@ class Finding:
 
     @property
     def fixable(self) -> bool:
-        """Return whether `--fix` does something about it."""
+        """Return whether `--fix` runs a command for it."""
         return any(command.safe for command in self.commands)
 
 
 @dataclass(frozen=True, slots=True)
 class Owner:
-    """The process behind a node: where it runs, its number and command line, and its systemd unit, if it has one."""
+    """The process that runs a node: its computer, its process id and command line, and its systemd unit, if any."""
 
     where: Where
     pid: int
@@ -65,7 +62,7 @@ class Owner:
 
 @dataclass(frozen=True, slots=True)
 class AdvertisedNode:
-    """A node and the host in the address under which it is registered, with what each computer takes that name for."""
+    """A node and the host in its registered address, with the address to which each computer resolves that host."""
 
     node: str
     host: str
@@ -76,14 +73,15 @@ class AdvertisedNode:
 
 @dataclass(frozen=True, slots=True)
 class ComputerPair:
-    """Both computers. `offset` (s): how far the robot's clock is ahead.
+    """Both computers.
 
-    `way_back` is ssh's answer from there to here, '' when it logged in. `reaches_...` are, for each direction, whether
-    a connection to a free port arrives. `key_refused`: the robot wanted a password although we have a key. `known`: the
-    robot was set up from here. `selected`: `ur use` means it. `twins`: by host name, the addresses of a computer to
-    which zeroconf gave the name with -2 since it was taken. `login`: USER@HOST by which the robot was reached.
-    `robot_login` is False where the user did not let the robot log in to this computer. `devices` are the robot's,
-    `expected` those that its base needs.
+    `offset` (s) is how far the robot's clock is ahead. `way_back` is ssh's output of a login from the robot to this
+    computer, '' on success. `reaches_...` tell for each direction whether a connection to a free port succeeds.
+    `key_refused`: the robot requested a password although this computer has a key. `known`: the robot was set up from
+    this computer. `selected`: `ur use` has selected it. `twins`: by host name, the addresses of a computer that
+    zeroconf renamed with -2 after a name conflict. `login`: USER@HOST by which the robot was reached. `robot_login` is
+    False if the user did not allow the robot to log in to this computer. `devices` are the robot's, `expected` those
+    that its base needs.
     """
 
     here: Side
@@ -103,5 +101,5 @@ class ComputerPair:
     expected: tuple[Expected, ...] = ()
 
     def sides(self) -> tuple[tuple[Where, Side, Side], tuple[Where, Side, Side]]:
-        """Both: where each is, itself, and the other."""
+        """Return for both computers: which one it is, its facts, and the facts of the other."""
         return ("here", self.here, self.there), ("there", self.there, self.here)

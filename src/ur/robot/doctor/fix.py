@@ -1,4 +1,4 @@
-"""Fixes of findings: their commands are run, and the computers inspected again until the fixes show."""
+"""Fixes of findings: run their commands, and inspect the computers again until the fixes take effect."""
 
 from __future__ import annotations
 
@@ -16,12 +16,15 @@ ATTEMPTS = 3  # names need a moment until all computers know them
 
 
 def list_safe(findings: Sequence[Finding]) -> list[tuple[str, FixCommand]]:
-    """The commands that can do no harm, each with the rule of its finding."""
+    """List the commands that can do no harm, each with the rule of its finding."""
     return [(finding.rule, each) for finding in findings for each in finding.commands if each.safe]
 
 
 def run_fix(command: FixCommand, here: Shell, there: Shell, lock: Path) -> str:
-    """Run a command where it belongs, and describe its end. Other doctors wait, by the file `lock`, for one here."""
+    """Run a command on its computer, and describe the result.
+
+    A command on this computer holds the file `lock`, so that other doctors wait.
+    """
     shell = here if command.where == "here" else there
     try:
         with _hold(lock) if command.where == "here" else nullcontext():
@@ -35,7 +38,7 @@ def run_fix(command: FixCommand, here: Shell, there: Shell, lock: Path) -> str:
 def inspect_until_fixed(
     before: Sequence[Finding], inspect: Callable[[], list[Finding]], pause: Callable[[], None]
 ) -> list[Finding]:
-    """The findings after fixes; those that could be fixed get some time to disappear, with a `pause` in between."""
+    """Return the findings after fixes; fixable ones are inspected again for some time, with a `pause` in between."""
     fixed = {finding.rule for finding in before if finding.fixable}
     left = inspect()
     for _ in range(ATTEMPTS - 1):

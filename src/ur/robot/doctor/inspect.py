@@ -1,4 +1,4 @@
-"""Inspection of one or two computers for the rules: runs the script of `observe`, and tests the connections."""
+"""Inspection of one or two computers for the rules: run the script of `observe`, and test the connections."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ server.accept()
 
 @dataclass(frozen=True, slots=True)
 class RegisteredNode:
-    """A node as the master knows it: its name, and host and port in its address."""
+    """A node as the master registers it: its name, and the host and port of its address."""
 
     name: str
     host: str
@@ -45,7 +45,7 @@ class RegisteredNode:
 
 
 def inspect_computer(here: Shell) -> Side:
-    """Inspect this computer by itself."""
+    """Inspect this computer without another one."""
     with ThreadPoolExecutor(2) as pool:
         ros2 = pool.submit(inspect_ros2, here, SHELL_FILES)
         side = parse_side(here.run(observe_script("", OBSERVE), timeout=LOOK_SECONDS).out, OBSERVE)
@@ -63,9 +63,10 @@ def inspect_pair(
     robot_login: bool = True,
     expected: tuple[Expected, ...] = (),
 ) -> ComputerPair:
-    """Inspect both computers at once. `selected` is the name of the selected robot; for the rest see Pair.
+    """Inspect both computers at once.
 
-    Raises UserError when the connection is lost.
+    `selected` is the name of the selected robot; the other arguments are those of `ComputerPair`. Raises UserError if
+    the connection breaks.
     """
     mine = socket.gethostname().split(".")[0]
     other = read_name(there)
@@ -106,7 +107,7 @@ def inspect_pair(
 
 
 def read_name(there: Shell) -> str:
-    """The host name of a computer, up to the first dot. Raises UserError: its answer is none."""
+    """Return the host name of a computer, up to the first dot. Raises UserError if the answer is no host name."""
     name = there.run("cat /proc/sys/kernel/hostname").out.strip().split(".")[0]
     if not _NAME.fullmatch(name):
         raise UserError(
@@ -121,7 +122,7 @@ def read_name(there: Shell) -> str:
 
 
 def _with_journals(shell: Shell, side: Side) -> Side:
-    """Add the last log lines of units that failed, as far as the user may read them."""
+    """Add the last log lines of failed units, as far as the user may read them."""
     units = []
     for unit in side.failing:
         # What its processes said; what systemd says of them comes in only where they said nothing.
@@ -153,7 +154,7 @@ def _advertised(here: Shell, there: Shell, nodes: Sequence[RegisteredNode]) -> l
 
 
 def _find_owner(where: Where, shell: Shell, port: int) -> Owner | None:
-    """The process of the user that listens at a port."""
+    """Find the user's process that listens on a port."""
     script = (
         f"p=$(PATH=$PATH:/usr/sbin:/sbin ss -Hltnp 'sport = :{port}' | grep -o 'pid=[0-9]*' | head -n 1); "
         "p=${p#pid=}; "

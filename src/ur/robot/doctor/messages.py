@@ -1,8 +1,8 @@
-"""Message definitions of a computer, to compare two: one script, and the parser of its output. Both are pure.
+"""Message definitions on a computer, for comparison: one script, and the parser of its output. Both are pure.
 
-Nodes connect when the MD5 sums of their messages agree. These are in the Python modules that genpy makes. Definitions
-that were not built yet are compared by their text without comments and blanks, which is what those sums are made of
-(gentools); a message within a message is compared by itself.
+Nodes connect if the MD5 sums of their messages agree. These are in the Python modules that genpy generates. Definitions
+that are not built yet are compared by their text without comments and blanks, from which the sums are computed
+(gentools); a nested message is compared separately.
 """
 
 from __future__ import annotations
@@ -50,6 +50,6 @@ class Message:
 
 
 def parse_messages(text: str) -> dict[str, Message]:
-    """Read what the script printed: by PACKAGE/TYPE of what was built, by PACKAGE/FILE of definitions."""
+    """Parse the output of the script: built messages by PACKAGE/TYPE, definitions by PACKAGE/FILE."""
     rows = (line.split(" ", 2) for line in text.splitlines())
     return {row[0]: Message(row[1], row[2]) for row in rows if len(row) == 3}

@@ -47,9 +47,10 @@ running) [ "$n" -lt 3 ] || [ "$t" -gt 30 ] || echo "$u $n";; esac; done"""
 
 
 def observe_script(other: str, more: Mapping[str, str] | None = None) -> str:
-    """The script to be run on a computer, as the user, about itself and, unless '', the OTHER computer's full name.
+    """Return the script that inspects a computer, as the user, and its view of the `other` one.
 
-    `more` are scripts of rules, by name: what they print is in `Side.observed`.
+    `other` is that computer's full name, '' for none. `more` are scripts of rules, by name; their outputs are in
+    `Side.observed`.
     """
     parts = [
         "mark() { printf '\\036%s\\n' \"$1\"; }; export LC_ALL=C; PATH=$PATH:/usr/sbin:/sbin; cd",
@@ -99,7 +100,7 @@ mark frame; ping -q -n -c 2 -i 0.2 -W 1 -M do -s $((${{m:-1500}} - {HEADERS})) "
 
 
 def parse_side(output: str, names: Iterable[str] = ()) -> Side:
-    """Read what the script printed, with the scripts of rules by `names`; what makes no sense stays unknown."""
+    """Parse the output of the script, with the scripts of rules by `names`; invalid values become unknown."""
     # Repeats in the patterns are bounded, or a long line would take quadratic time.
     output = output.replace("\0", "")  # as a shell does: no command line holds a zero byte
     parts = {name: text for name, _, text in (part.partition("\n") for part in output.split(_MARK)[1:])}
@@ -169,7 +170,7 @@ def _scale(found: re.Match[str] | None, factor: float) -> float | None:
 
 
 def _read_key(text: str) -> str:
-    """A public key as it is reported, '' where that is none: it goes into a file that decides who may log in."""
+    """Return a public key as reported, '' if it is invalid: it is written to a file that decides who may log in."""
     try:
         return str(parse_public_key(text.strip("\n")))
     except ValueError:

@@ -1,4 +1,4 @@
-"""Diagnosis of a failed login: name, ping, port 22, host key, login; the first step that fails, with its fix.
+"""Diagnosis of a failed login: name, ping, port 22, host key, login; the first step that fails, and its fix.
 
 `inspect_route` uses the network; the other functions are pure.
 """
@@ -25,10 +25,11 @@ Port = Literal["open", "refused", "silent", ""]
 
 @dataclass(frozen=True, slots=True)
 class RouteState:
-    """State of each step to a robot. `resolves`: the addresses of the name; `ping`: it answers; `port`: port 22.
+    """The result of each step on the route to a robot.
 
-    `rule` and `reason` are why the login failed; `host_key` is the one that is shown now, where that matters;
-    `twin`: addresses of a computer that zeroconf calls NAME-2.
+    `resolves`: the addresses of the name; `ping`: it answers; `port`: port 22 is open. `rule` and `reason` tell why the
+    login failed; `host_key` is the key that the robot offers now, if relevant; `twin`: addresses of a computer that
+    zeroconf named NAME-2.
     """
 
     resolves: tuple[str, ...]
@@ -42,7 +43,7 @@ class RouteState:
 
 @dataclass(frozen=True, slots=True)
 class RouteStep:
-    """One step of a route: `good` is None after a step that failed."""
+    """One step of a route: `good` is None for steps after a failed one."""
 
     title: str
     good: bool | None
@@ -50,7 +51,7 @@ class RouteStep:
 
 
 def inspect_route(here: Shell, address: Address, rule: str, reason: str) -> RouteState:
-    """Try each step, after a login failed with a diagnostic's `rule` and `reason`."""
+    """Test each step, after a login failed with a diagnostic's `rule` and `reason`."""
     host = quote(address.host)
     found = here.run(f"timeout 8 getent ahostsv4 {host}").out.split("\n")
     resolves = tuple(dict.fromkeys(line.split()[0] for line in found if line.strip()))
@@ -80,7 +81,7 @@ def _knock(address: str) -> Port:
 
 
 def list_steps(address: Address, route: RouteState) -> list[RouteStep]:
-    """The steps from the name to the login; the first that is not good is the one that matters."""
+    """List the steps from the name to the login; the first one that failed is the cause."""
     open_port = route.port == "open"
     wrong_key = route.rule in ("changed-host-key", "unknown-host-key")
     steps = [

@@ -1,4 +1,4 @@
-"""One of two computers as it sees itself and the other. Values only."""
+"""One of two computers: its facts, and its view of the other. Values only."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ ROS_1 = ("python3-roslaunch", "ros-noetic-roslaunch", "ros-one-roslaunch")  # pa
 
 @dataclass(frozen=True, slots=True)
 class Disk:
-    """A file system by the place where it is mounted: what is left (MB) and which part of it is used (0..1)."""
+    """A file system by its mount point: free space (MB) and used fraction (0..1)."""
 
     place: str
     free: float
@@ -24,7 +24,7 @@ class Disk:
 
 @dataclass(frozen=True, slots=True)
 class FailedUnit:
-    """A systemd unit that does not work: how often it was started again, and its last words in the journal."""
+    """A systemd unit that fails: the number of its restarts, and its last lines in the journal."""
 
     name: str
     restarts: int = 0
@@ -33,7 +33,7 @@ class FailedUnit:
 
 @dataclass(frozen=True, slots=True)
 class Setting:
-    """A line of a file that shells read, which sets a variable of ROS. The file is as shells take it: ~/ is home."""
+    """A line of a shell start-up file that sets a ROS variable. The file is written as shells read it: ~/ is home."""
 
     file: str
     variable: str
@@ -41,16 +41,16 @@ class Setting:
 
 @dataclass(frozen=True, slots=True)
 class Side:
-    """One computer. Times in s, sizes in MB; None, or nothing, where nothing could be seen.
+    """One computer. Times in s, sizes in MB; None, or empty, for what could not be observed.
 
-    `resolves` is what the other's full name means here. `ros` is the environment that nodes get which roslaunch starts
-    (on this computer: of the shell that the doctor was called from), `shell` that of a new terminal; `settings` are the
-    lines that make them, `ros_setup` the text of ~/.ros_setup. `modes` are the rights of the files that ssh is strict
-    about, relative to the home folder. `own_login` is ssh's answer when the computer logged in to itself by its full
-    name, '' when that worked. `large` are folders that may be emptied, with their sizes. `packages` are Debian's, with
-    their versions, `workspace` those below ~/catkin_ws/src, which is `built` or not; `ur` is the version that set
-    a robot up. `device` leads to the other
-    computer. `ros2` is its ROS 2, `observed` the output of scripts that rules declare, by name.
+    `resolves` are the addresses to which this computer resolves the other's full name. `ros` is the environment of
+    nodes that roslaunch starts (on this computer: of the shell that called the doctor), `shell` that of a new terminal;
+    `settings` are the lines that define them, `ros_setup` the text of ~/.ros_setup. `modes` are the permissions of the
+    files that ssh is strict about, relative to the home folder. `own_login` is ssh's output when the computer logged in
+    to itself by its full name, '' on success. `large` are folders that may be emptied, with their sizes. `packages` are
+    Debian packages with their versions, `workspace` those below ~/catkin_ws/src, which is `built` or not; `ur` is the
+    version that set the robot up. `device` is the network device towards the other computer. `ros2` is its ROS 2,
+    `observed` the output of scripts that rules declare, by name.
     """
 
     name: str
@@ -91,5 +91,5 @@ class Side:
 
     @property
     def only_ros2(self) -> bool:
-        """Return whether it has ROS 2, and no ROS 1."""
+        """Return whether it has ROS 2 and no ROS 1."""
         return self.ros2.present and not any(name in self.packages for name in ROS_1)

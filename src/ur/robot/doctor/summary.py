@@ -1,4 +1,4 @@
-"""Summary of two computers, side by side, and of the packages that differ. Pure."""
+"""Comparison of two computers side by side, and of packages that differ. Pure."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _ROS = re.compile(
 
 
 def summarize(pair: ComputerPair) -> list[tuple[str, str, str]]:
-    """Rows (property, value here, value there) of everything that was inspected."""
+    """Return rows (property, value on this computer, value on the robot) of everything that was inspected."""
     here, there = pair.here, pair.there
     rows = [(what, left, right) for what, left, right in zip(_TITLES, _cells(here), _cells(there), strict=True)]
     arrives = {True: "yes", False: "no"}
@@ -77,7 +77,7 @@ def _cells(side: Side) -> list[str]:
 
 
 def describe_ros2(ros2: Ros2) -> list[str]:
-    """Lines about ROS 2 on a computer: what is installed, what runs, and where; none where there is no ROS 2."""
+    """Return lines about ROS 2 on a computer: releases, processes and domains; empty without ROS 2."""
     lines = [f"ROS 2 {NAMES.get(each.distro, each.distro)} in {each.folder}" for each in ros2.installations]
     if ros2.processes:
         where = f"domain {domain_of(ros2.variables)}, {middleware_of(ros2.variables)}"
@@ -96,9 +96,9 @@ def _count(number: int, one: str, many: str) -> str:
 
 
 def compare_packages(pair: ComputerPair) -> list[tuple[str, str, str]]:
-    """(package, version here, version there) of what differs: Debian's packages of ROS, and those of workspaces.
+    """Return rows (package, local version, robot's version) of what differs: Debian packages of ROS, and workspaces'.
 
-    A package of a workspace has no version that counts: it is there or not.
+    A workspace package is compared only by its existence.
     """
     left, right = (_ros_packages(side) for side in (pair.here, pair.there))
     return [

@@ -1,4 +1,4 @@
-"""The wireless links of a computer: one script, and its answer read. Both are pure.
+"""The wireless links of a computer: one script, and the parser of its output. Both are pure.
 
 The formats are those of `iw dev DEVICE link`, `iw dev DEVICE get power_save` and of /proc/net/wireless (proc(5)).
 """
@@ -20,7 +20,7 @@ done"""
 
 @dataclass(frozen=True, slots=True)
 class WirelessLink:
-    """A wireless link that is up: frequency (MHz), signal (dBm), rate (Mbit/s) of what it sends; None: not seen."""
+    """A wireless link that is up: frequency (MHz), signal (dBm), transmit rate (Mbit/s); None if not observed."""
 
     device: str
     frequency: float | None = None
@@ -30,14 +30,14 @@ class WirelessLink:
 
     @property
     def band(self) -> str:
-        """The band in people's words; '' when the frequency was not seen."""
+        """The band in GHz as text; '' if the frequency is unknown."""
         if self.frequency is None:
             return ""
         return "2.4 GHz" if self.frequency < 3000 else "5 GHz" if self.frequency < 5925 else "6 GHz"
 
 
 def parse_wifi(text: str) -> tuple[WirelessLink, ...]:
-    """Read what the script printed: the devices that are connected, in its order."""
+    """Parse the output of the script: the connected devices, in its order."""
     parts = re.split(r"^device (\S+)\n", text, flags=re.MULTILINE)[1:]
     found = (_parse_device(device, reported) for device, reported in zip(parts[::2], parts[1::2], strict=True))
     return tuple(wifi for wifi in found if wifi)

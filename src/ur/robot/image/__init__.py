@@ -1,1 +1,1 @@
-"""Images of operating systems: what is in them, and the seed from which a robot's first boot grows."""
+"""Images of operating systems: their content, and the seed for a robot's first boot."""

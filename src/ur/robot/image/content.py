@@ -34,7 +34,7 @@ _OTHERS = (
 
 @dataclass(frozen=True, slots=True)
 class FileSystem:
-    """A file system: its kind, its label, and whether it was left without being unmounted."""
+    """A file system: its kind, its label, and whether it was not unmounted cleanly."""
 
     kind: Literal["fat", "ext", "unknown"]
     label: str = ""
@@ -42,18 +42,18 @@ class FileSystem:
 
 
 def identify_filesystem(read: Read, start: int) -> FileSystem:
-    """The file system that begins at byte `start`."""
+    """Identify the file system that begins at byte `start`."""
     found = _identify_ext(read(start + 1024, 256)) or _identify_fat(read(start, 512))
     return found or FileSystem("unknown")
 
 
 def identify_packing(head: bytes) -> str | None:
-    """Identify the compression by the first bytes: xz, gzip, bzip2, zip or zstd; None when it is not."""
+    """Identify the compression by the first bytes: xz, gzip, bzip2, zip or zstd; None for an uncompressed file."""
     return next((name for mark, name in _PACKED.items() if head.startswith(mark)), None)
 
 
 def describe_other(read: Read) -> str:
-    """Describe a file that has neither partitions nor a file system, in a few words."""
+    """Describe a file with neither partitions nor a file system, in a few words."""
     for offset, mark, name in _OTHERS:
         if read(offset, len(mark)) == mark:
             return name

@@ -1,4 +1,4 @@
-"""Copies of images: unpacked, with holes where there is nothing, and put in their place in one step."""
+"""Copies of images: decompressed, sparse, and renamed to their final path in one step."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ Progress = Callable[[int, int], None]
 
 
 def packing_of(path: Path) -> str | None:
-    """Identify the compression of a file; None when it is not. Raises UserError when it cannot be read."""
+    """Identify the compression of a file; None for an uncompressed one. Raises UserError if it cannot be read."""
     try:
         with path.open("rb") as file:
             return identify_packing(file.read(8))
@@ -35,11 +35,11 @@ def packing_of(path: Path) -> str | None:
 
 @contextmanager
 def copied_image(source: Path, target: Path, progress: Progress) -> Iterator[tuple[Path, Callable[[], None]]]:
-    """A copy of an image beside `target`, unpacked; and what puts it in the place of `target`, once it is complete.
+    """Yield a decompressed copy of an image beside `target`, and a function that moves the complete copy to `target`.
 
-    Only the user may read the copy, from its creation on and independent of the modes of `source` and `target` are.
-    Without that, or when anything fails or ends this process, `target` is as it was. What a killed process left there
-    is removed by the next one. Raises UserError: unreadable, damaged, no room.
+    Only the user may read the copy, from its creation on, independent of the modes of `source` and `target`. If the
+    function is not called, an error occurs or this process ends, `target` stays unchanged. Files of a killed process
+    are removed by the next one. Raises UserError if the source is unreadable or damaged, or the disk is full.
     """
     _remove_unfinished(target)
     beside = target.with_name(f".{target.name}.{os.getpid()}.{_UNFINISHED}")

@@ -1,4 +1,4 @@
-"""Devices that hold a flashed system: which may be written to, and what they are called."""
+"""Devices with a flashed system: their properties, and whether they may be written to."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ class DiskDevice:
 
 
 def is_device(path: Path) -> bool:
-    """Return whether it is a block device."""
+    """Return whether a path is a block device."""
     try:
         return stat.S_ISBLK(path.stat().st_mode)
     except OSError:
@@ -31,9 +31,9 @@ def is_device(path: Path) -> bool:
 
 
 def check_device(path: Path, *, system: Path = Path("/sys"), processes: Path = Path("/proc")) -> DiskDevice:
-    """The disk, when nothing of it is in use and we may write to it.
+    """Return the disk if no part of it is in use and the user may write to it.
 
-    Raises UserError otherwise: a partition, mounted, used by this computer, or not ours to write.
+    Raises UserError for a partition, a mounted disk, one that this computer uses, or one without write permission.
     """
     name = path.resolve().name
     folder = system / "class/block" / name

@@ -1,4 +1,4 @@
-"""Hashes of passwords, which are written in place of them."""
+"""Hashes that are written to an image in place of passwords."""
 
 from __future__ import annotations
 
@@ -13,7 +13,10 @@ _SALT = re.compile(r"\$6\$([./A-Za-z0-9]{1,16})\$[./A-Za-z0-9]{86}")
 
 
 def hash_password(password: Secret, salt: str = "") -> str:
-    """The SHA-512 crypt(3) hash of a login password, with a random salt unless one is given. Raises UserError."""
+    """Return the SHA-512 crypt(3) hash of a login password, with a random salt unless one is given.
+
+    Raises UserError.
+    """
     words = ["openssl", "passwd", "-6", "-stdin", *(["-salt", salt] if salt else [])]
     done = run_tool(words, password.reveal().encode() + b"\n")
     hashed = done.stdout.decode().strip()
@@ -23,16 +26,16 @@ def hash_password(password: Secret, salt: str = "") -> str:
 
 
 def is_hash_of(hashed: str, password: Secret) -> bool:
-    """Return whether a hash that `hash_password` made is this password's."""
+    """Return whether a hash, made by `hash_password`, is that of this password."""
     found = _SALT.fullmatch(hashed)
     return found is not None and hash_password(password, found[1]) == hashed
 
 
 def derive_network_key(password: Secret, network: str) -> str:
-    """The 64 hexadecimal digits by which WPA2 knows a network's password; such digits themselves are taken as they are.
+    """Return the 64 hexadecimal digits of the WPA2 key for a network's password; 64 such digits are returned unchanged.
 
     The formula: IEEE 802.11i-2004, annex H.4 (PBKDF2 with HMAC-SHA1, 4096 rounds); wpa_passphrase computes the same.
-    Raises UserError for what cannot be such a password.
+    Raises UserError for an invalid password.
     """
     text = password.reveal()
     if re.fullmatch(r"[0-9A-Fa-f]{64}", text):

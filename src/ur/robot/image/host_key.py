@@ -1,4 +1,4 @@
-"""The host key of a robot that has not booted yet: made here, brought to it by its seed, known here from then on."""
+"""The host key of a robot that has not booted yet: generated on this computer, and written to the robot's seed."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from ur.source.diagnostic import UserError, error
 
 
 def make_host_key(name: str) -> HostKeyPair:
-    """Make a new host key for the robot of this name. Raises UserError."""
+    """Generate a host key for the robot of this name. Raises UserError."""
     with private_folder() as folder:
         path = folder / "key"
         done = run_tool(["ssh-keygen", "-q", "-t", "ed25519", "-N", "", "-C", f"root@{name}", "-f", str(path)])
@@ -29,7 +29,7 @@ def make_host_key(name: str) -> HostKeyPair:
 
 
 def know_host_key(name: str, pair: HostKeyPair) -> None:
-    """Put the public half into this user's known_hosts, in place of the key that a robot of this name had."""
+    """Add the public key to this user's known_hosts, in place of an earlier key of a robot with this name."""
 
     def make(_: ComputerFacts) -> list[Wanted]:
         return [WantedFolder("ssh folder", "~/.ssh", mode=0o700), known_host(f"host key of {name}", name, pair.public)]

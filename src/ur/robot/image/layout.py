@@ -1,4 +1,4 @@
-"""The operating system of an image, and the location of its first-boot seed, found by content, not by the file's name.
+"""The operating system of an image, and the location of its first-boot seed, found by content.
 
 Sources: cloud-init's data source NoCloud (cloudinit/sources/DataSourceNoCloud.py), Ubuntu's README on system-boot,
 Raspberry Pi OS: pi-gen (stage2/04-cloud-init) and raspberrypi-sys-mods (firstboot, init_config, sshswitch).
@@ -25,7 +25,7 @@ _EXPECTED = "expected an image of Ubuntu (Raspberry Pi or cloud), Debian (cloud)
 
 
 class Scheme(Enum):
-    """The first-boot configuration scheme of a system."""
+    """The first-boot configuration scheme of an operating system."""
 
     BOOT_SEED = "cloud-init reads a seed from the boot partition"
     ROOT_SEED = "cloud-init reads a seed from a folder of the system"
@@ -34,10 +34,11 @@ class Scheme(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Layout:
-    """The content of an image. `boot` or `root` is None where the scheme does not need it.
+    """The content of an image.
 
-    `system` is what it calls itself, `raspberry` whether it is Raspberry Pi OS, `netplan` the version of what sets up
-    its network ('' when that is not known). `os` is None where the system cannot be read.
+    `boot` or `root` is None if the scheme does not need it. `system` is the name that the system gives itself,
+    `raspberry` whether it is Raspberry Pi OS, `netplan` the version of netplan ('' if unknown). `os` is None if the
+    system cannot be read.
     """
 
     scheme: Scheme
@@ -51,7 +52,10 @@ class Layout:
 
 @contextmanager
 def open_reader(path: Path) -> Iterator[tuple[Read, int]]:
-    """Bytes of a file or device, and how many there are. Raises UserError, which does not name it."""
+    """Open a file or device; yield a function that reads bytes of it, and its size.
+
+    Raises UserError without its name.
+    """
     try:
         with path.open("rb") as file:
             size = file.seek(0, 2)
@@ -67,7 +71,7 @@ def open_reader(path: Path) -> Iterator[tuple[Read, int]]:
 
 
 def find_layout(path: Path) -> Layout:
-    """Read an image or device. Raises UserError for one of an unknown kind, and names that."""
+    """Read an image or device. Raises UserError for one of an unknown kind, with a description of its content."""
     try:
         return _find_layout(path)
     except UserError as problem:

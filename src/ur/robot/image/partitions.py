@@ -23,7 +23,7 @@ _LOGICAL_LIMIT = 60
 
 @dataclass(frozen=True, slots=True)
 class Partition:
-    """A stretch of a disk: its number as in the kernel's names (0: the whole disk), first byte and length in bytes."""
+    """A range of a disk: its number as in the kernel's names (0: the whole disk), first byte and length in bytes."""
 
     number: int
     start: int
@@ -31,9 +31,9 @@ class Partition:
 
 
 def read_partitions(read: Read, size: int) -> tuple[Partition, ...]:
-    """The partitions of a disk of `size` bytes, by number; none when there is no table.
+    """Return the partitions of a disk of `size` bytes, by number; empty without a partition table.
 
-    Raises UserError for a table that is damaged, or that lists more than there is.
+    Raises UserError for a table that is damaged, or that exceeds the disk.
     """
     first = read(0, SECTOR)
     if len(first) < SECTOR or first[510:512] != b"\x55\xaa":

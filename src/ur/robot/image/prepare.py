@@ -1,4 +1,4 @@
-"""From a seed to what has to be written into an image; and back again."""
+"""Conversion of a seed to the files to write into an image, and its removal."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _NAMES = ("network-config", "ssh", "meta-data", "user-data")  # user-data last: 
 
 @dataclass(frozen=True, slots=True)
 class Write:
-    """A file of an image that has to become another one: what it holds now, and then. None: it is not there."""
+    """A file to write into an image: its present and its future content; None if the file does not exist."""
 
     volume: Literal["boot", "root"]
     path: str
@@ -27,7 +27,7 @@ class Write:
 
 
 def seed_places(layout: Layout) -> tuple[tuple[Literal["boot", "root"], str], ...]:
-    """Every file that a seed may have in such an image, in the order of writing."""
+    """Return the paths of all files that a seed may have in such an image, in the order of writing."""
     if layout.scheme is Scheme.CUSTOM_TOML:
         return (("root", str(ROBOT_FILE).lstrip("/")), ("boot", "custom.toml"))
     if layout.scheme is Scheme.ROOT_SEED:
@@ -36,7 +36,7 @@ def seed_places(layout: Layout) -> tuple[tuple[Literal["boot", "root"], str], ..
 
 
 def read_seed(layout: Layout) -> dict[tuple[str, str], bytes | None]:
-    """Read the present state: each place of a seed, and beside it the original that an earlier seed put aside."""
+    """Read the present state: each path of a seed, and the original file that an earlier seed saved beside it."""
     found: dict[tuple[str, str], bytes | None] = {}
     for volume, path in seed_places(layout):
         for name in (path, path + ORIGINAL):
@@ -45,7 +45,10 @@ def read_seed(layout: Layout) -> dict[tuple[str, str], bytes | None]:
 
 
 def plan_writes(layout: Layout, present: dict[tuple[str, str], bytes | None], seed: Iterable[SeedFile]) -> list[Write]:
-    """Plan the files to write for this seed; nothing when it is there. What the image brought is kept as NAME.orig."""
+    """Plan the files to write for this seed; empty if the seed is already there.
+
+    Original files are kept as NAME.orig.
+    """
     wanted = {(file.volume, file.path): file.text.encode() for file in seed}
     return list(_plan(layout, present, wanted))
 
@@ -69,12 +72,12 @@ def _plan(
 
 
 def plan_undo(layout: Layout, present: dict[tuple[str, str], bytes | None]) -> list[Write]:
-    """Plan the changes that remove a seed of ours and put the image's own files back."""
+    """Plan the changes that remove this project's seed and restore the image's original files."""
     return list(_plan(layout, present, {}))
 
 
 def write_all(path: Path, writes: Sequence[Write]) -> None:
-    """Write into an image or device. Raises UserError when something is not there afterwards."""
+    """Write files into an image or device. Raises UserError if a file cannot be read back afterwards."""
     layout = find_layout(path)
     for write in writes:
         mode = 0o644 if write.path.endswith(ROBOT_FILE.name) else 0o600  # seeds hold hashes and keys

@@ -1,4 +1,4 @@
-"""The files from which a robot's first boot grows, as texts."""
+"""The text files of a seed, which configure a robot's first boot."""
 
 from __future__ import annotations
 
@@ -65,10 +65,11 @@ class HostKeyPair:
 
 @dataclass(frozen=True, slots=True)
 class SeedOptions:
-    """The wanted state of a robot after its first boot. `password` is a hash of crypt(3); '' for a user who has none.
+    """The desired state of a robot after its first boot.
 
-    A user without a password may use sudo without one: the key opens the whole robot. With one, sudo asks.
-    `host_key` is the one that it will have; None: it makes one itself.
+    `password` is a hash of crypt(3); '' for a user without a password, who may use sudo without one: the ssh key then
+    gives root access. With a password, sudo asks for it. `host_key` is the robot's future host key; None: the robot
+    generates one itself.
     """
 
     robot: WantedRobot
@@ -83,7 +84,7 @@ class SeedOptions:
 
 @dataclass(frozen=True, slots=True)
 class SeedFile:
-    """A file of the seed: on which of the image's file systems, its path there without a slash, its text."""
+    """A file of the seed: its file system in the image, its path there without a leading slash, and its text."""
 
     volume: Literal["boot", "root"]
     path: str
@@ -91,7 +92,7 @@ class SeedFile:
 
 
 def make_seed(options: SeedOptions, layout: Layout) -> tuple[SeedFile, ...]:
-    """The files for an image. Raises UserError when the image cannot do what the options ask for."""
+    """Return the files for an image. Raises UserError if the image does not support the options."""
     if layout.scheme is Scheme.CUSTOM_TOML:
         return (
             SeedFile("boot", "custom.toml", custom_toml(options)),
@@ -112,7 +113,7 @@ def make_seed(options: SeedOptions, layout: Layout) -> tuple[SeedFile, ...]:
 
 
 def user_data_text(options: SeedOptions, *, raspberry: bool = False) -> str:
-    """cloud-init's user-data: who may log in, the name, and the robot's own file."""
+    """Return cloud-init's user-data: the permitted logins, the host name, and the robot file."""
     name = options.robot.name
     user: dict[str, object] = {
         "name": options.user,
@@ -159,7 +160,7 @@ def _first_commands(options: SeedOptions, *, raspberry: bool) -> list[str]:
 
 
 def network_text(wifi: SeedNetwork) -> str:
-    """cloud-init's network-config, version 2, which is netplan's: any wired network, and this wireless one."""
+    """Return cloud-init's network-config, version 2, which is netplan's: any wired network, and this wireless one."""
     point = {"password": wifi.key} if wifi.key else {}
     data = {
         "version": 2,
@@ -177,13 +178,16 @@ def network_text(wifi: SeedNetwork) -> str:
 
 
 def meta_data_text(rest: str) -> str:
-    """cloud-init's meta-data. Another seed is another instance: a robot that has booted takes it at its next boot."""
+    """Return cloud-init's meta-data.
+
+    Another seed is another instance, which a booted robot applies at its next boot.
+    """
     identity = hashlib.sha256(rest.encode()).hexdigest()[:16]
     return f"{MARK}dsmode: local\ninstance-id: ur-{identity}\n"
 
 
 def custom_toml(options: SeedOptions) -> str:
-    """The file that Raspberry Pi OS 12 reads at its first boot (its init_config). The user it creates has sudo."""
+    """Return the file that Raspberry Pi OS 12 reads at its first boot (its init_config). The created user has sudo."""
     sections: list[tuple[str, dict[str, object]]] = [
         ("system", {"hostname": options.robot.name}),
         (
@@ -209,18 +213,18 @@ def custom_toml(options: SeedOptions) -> str:
 
 
 def present_password(texts: Sequence[str]) -> str:
-    """The password's hash in files of an earlier seed; '' when there is none."""
+    """Return the password hash in the files of an earlier seed; '' if there is none."""
     found = (re.search(r"\$6\$[./A-Za-z0-9]{1,16}\$[./A-Za-z0-9]{86}", text) for text in texts)
     return next((match[0] for match in found if match), "")
 
 
 def takes_host_key(layout: Layout) -> bool:
-    """Return whether a system takes the host key of a seed: Raspberry Pi OS 12 makes its own at the first boot."""
+    """Return whether a system uses the host key of a seed: Raspberry Pi OS 12 generates its own at the first boot."""
     return layout.scheme is not Scheme.CUSTOM_TOML
 
 
 def present_host_key(texts: Sequence[str], name: str) -> HostKeyPair | None:
-    """The host key in files of an earlier seed for the robot of this name; None when there is none."""
+    """Return the host key in the files of an earlier seed for the robot of this name; None if there is none."""
     for text in texts:
         if MARK not in text or "ed25519_private" not in text:
             continue
@@ -234,7 +238,7 @@ def present_host_key(texts: Sequence[str], name: str) -> HostKeyPair | None:
 
 
 def hide_secrets(text: str) -> str:
-    """The text without hashes of passwords, keys of networks and private keys of hosts, for a screen."""
+    """Return the text without password hashes, network keys and private host keys, for display."""
     text = re.sub(r"-----BEGIN [A-Z ]*PRIVATE KEY-----.*?-----END [A-Z ]*PRIVATE KEY-----", _HIDDEN, text, flags=re.S)
     text = re.sub(r"\$(?:6|5|y|1|2[aby])\$[./A-Za-z0-9$=,]+", "(hash, not shown)", text)
     text = re.sub(r"\b[0-9a-fA-F]{64}\b", "(key, not shown)", text)
@@ -254,7 +258,7 @@ def _check_netplan(version: str, country: str) -> None:
 
 
 class _Dumper(yaml.SafeDumper):
-    """Texts of several lines are kept as they are, for people."""
+    """A dumper that writes multi-line texts as blocks, for readability."""
 
     def represent_str(self, text: str) -> yaml.ScalarNode:
         return self.represent_scalar("tag:yaml.org,2002:str", text, style="|" if "\n" in text else None)

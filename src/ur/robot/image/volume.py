@@ -1,4 +1,4 @@
-"""Files in file systems of an image or device, without mounting them: mtools for FAT, debugfs for ext4."""
+"""Access to files in file systems of an image or device, without mounting: mtools for FAT, debugfs for ext4."""
 
 from __future__ import annotations
 
@@ -22,20 +22,23 @@ _BESIDE = ".ur-new"
 
 
 def unfinished_names(names: Iterable[str]) -> frozenset[str]:
-    """Names of files, with those that a writing would have had that was cut off before its end."""
+    """Return the names of files, and the names of their temporary files, which an interrupted write leaves behind."""
     return frozenset(name.removesuffix(_BESIDE) for name in names)
 
 
 class Volume(Protocol):
-    """A file system. Paths begin without a slash."""
+    """A file system. Paths have no leading slash."""
 
     def read(self, path: str) -> bytes | None:
-        """The content of a file; None when there is none. Raises UserError when the file system cannot be read."""
+        """Return the content of a file; None if it does not exist.
+
+        Raises UserError if the file system cannot be read.
+        """
 
     def write(self, path: str, content: bytes | None, mode: int = 0o644) -> None:
-        """Make a file have this content, or, with None, not be there. FAT knows no mode.
+        """Write this content to a file, or delete it if `content` is None. FAT ignores the mode.
 
-        Raises UserError when it is not so afterwards.
+        Raises UserError if the file cannot be read back afterwards.
         """
 
 
@@ -47,18 +50,18 @@ class FatVolume:
     start: int
 
     def names(self) -> frozenset[str]:
-        """The names in its root folder, in lower case: FAT takes capital ones for the same."""
+        """The names in the root folder, in lower case, since FAT does not distinguish case."""
         return frozenset(
             line.removeprefix("::/").rstrip("/").lower()
             for line in self._run("mdir", "-b", "::/").decode().splitlines()
         )
 
     def read(self, path: str) -> bytes | None:
-        """The content of a file in the uppermost folder."""
+        """Return the content of a file in the root folder."""
         return self._run("mcopy", "-n", f"::/{path}", "-") if path in self.names() else None
 
     def write(self, path: str, content: bytes | None, mode: int = 0o644) -> None:  # noqa: ARG002 - of the protocol
-        """Written beside it first, then renamed: cut off anywhere, no file is there in part."""
+        """Write a temporary file and rename it, so that an interrupted write leaves no partial file."""
         names = self.names()
         beside = path + _BESIDE
         if beside in names:
@@ -83,23 +86,23 @@ class FatVolume:
 
 @dataclass(frozen=True, slots=True)
 class ExtVolume:
-    """An ext2, ext3 or ext4 file system that begins at byte `start` of a file or device. Not mounted, and clean.
+    """An ext2, ext3 or ext4 file system that begins at byte `start` of a file or device.
 
-    What is written belongs to root.
+    It must not be mounted, and be clean. Written files belong to root.
     """
 
     image: Path
     start: int
 
     def read(self, path: str) -> bytes | None:
-        """The content of a file."""
+        """Return the content of a file."""
         reported = self._run([f"stat {_quote(path)}"]).stderr
         if b"not found" in reported:
             return None
         return self._run([], "-R", f"cat {_quote(path)}").stdout
 
     def write(self, path: str, content: bytes | None, mode: int = 0o644) -> None:
-        """Write or remove a file; folders that it needs are made."""
+        """Write or delete a file; missing parent folders are created."""
         folder, _, name = path.rpartition("/")
         parts = folder.split("/") if folder else []
         commands = (
@@ -129,7 +132,7 @@ class ExtVolume:
 def run_tool(
     argv: Sequence[str], stdin: bytes = b"", *, pass_fds: Sequence[int] = (), settings: Mapping[str, str] | None = None
 ) -> subprocess.CompletedProcess[bytes]:
-    """Run a small program to its end. Raises UserError when it is not installed, or does not end."""
+    """Run a program that ends soon. Raises UserError if it is not installed, or does not end."""
     path = f"{os.environ.get('PATH', '')}{os.pathsep}{_PATH}"
     try:
         return subprocess.run(

@@ -1,1 +1,1 @@
-"""ROS 2 of a computer: its installations, its running processes, and their graph."""
+"""ROS 2 on a computer: its installations, its running processes, and their graph."""

@@ -1,8 +1,8 @@
-"""Finds ROS 2 on a computer: a program of one file that needs the standard library alone.
+"""Program that finds ROS 2 on a computer: one file that uses only the standard library.
 
 It reads a request as JSON from standard input: `variables` to read, `files` that shells read, `graph`, the text of the
 program that reads the graph, and `environment`, variables for that program. It prints the answer as JSON. `ur` sends it
-to robots that have nothing of this project.
+to robots on which this project is not installed.
 """
 
 # A program for small computers, which run it before anything of ours is there.
@@ -37,7 +37,7 @@ SHELL_SECONDS = 10
 
 
 def read(path: str) -> str:
-    """The text of a file, '' where it cannot be read."""
+    """Return the text of a file, '' if it cannot be read."""
     try:
         with open(path, errors="replace") as file:
             return file.read()
@@ -46,7 +46,7 @@ def read(path: str) -> str:
 
 
 def find_installations() -> list[dict[str, Any]]:
-    """Find the releases below /opt/ros. Those of ROS 1 have no ament index."""
+    """Find the releases below /opt/ros. Releases of ROS 1 have no ament index."""
     found = []
     for setup in sorted(glob.glob("/opt/ros/*/setup.bash")):
         folder = os.path.dirname(setup)
@@ -59,7 +59,7 @@ def find_installations() -> list[dict[str, Any]]:
 
 
 def find_processes(variables: list[str]) -> list[dict[str, Any]]:
-    """Find processes that have the client library of ROS 2 loaded, or whose command line shows it."""
+    """Find processes that have loaded a client library of ROS 2, or whose command line refers to ROS 2."""
     found: list[dict[str, Any]] = []
     for entry in sorted(os.listdir("/proc"), key=lambda name: int(name) if name.isdigit() else 0):
         if not entry.isdigit() or int(entry) == os.getpid() or len(found) >= MOST_PROCESSES:
@@ -89,12 +89,12 @@ def find_processes(variables: list[str]) -> list[dict[str, Any]]:
 
 
 def read_release(text: str) -> str:
-    """The name of a release; '' where the text is none."""
+    """Return the name of a release; '' if the text is not one."""
     return text if re.fullmatch("[a-z]{1,20}", text) else ""
 
 
 def owner(entry: str) -> str:
-    """The name of the user of a process."""
+    """Return the user name of a process's owner."""
     try:
         return pwd.getpwuid(os.stat(f"/proc/{entry}").st_uid).pw_name
     except (OSError, KeyError):
@@ -102,7 +102,7 @@ def owner(entry: str) -> str:
 
 
 def read_environment(entry: str) -> dict[str, str] | None:
-    """The variables of a process; None where they may not be read."""
+    """Return the environment variables of a process; None without permission."""
     try:
         with open(f"/proc/{entry}/environ", errors="replace") as file:
             pairs = (each.partition("=") for each in file.read().split("\0"))
@@ -112,13 +112,13 @@ def read_environment(entry: str) -> dict[str, str] | None:
 
 
 def find_unit(entry: str) -> str:
-    """The unit of the system that a process belongs to, '' where it is none."""
+    """Return the systemd system unit of a process, '' if it belongs to none."""
     found = re.search(r"/system\.slice/(?:[^\n]*/)?([A-Za-z0-9@._:\\-]{1,192}\.service)", read(f"/proc/{entry}/cgroup"))
     return found[1] if found else ""
 
 
 def read_unit_environment(unit: str) -> dict[str, str] | None:
-    """The variables that a unit sets."""
+    """Return the environment variables that a unit sets."""
     if not unit:
         return None
     shown = run(["systemctl", "show", "-p", "Environment", "--value", unit], 5)
@@ -127,7 +127,7 @@ def read_unit_environment(unit: str) -> dict[str, str] | None:
 
 
 def run(command: list[str], seconds: float, **more: Any) -> str:
-    """The output of a command, an empty one where it fails."""
+    """Return the output of a command, '' if it fails."""
     try:
         done = subprocess.run(
             command,
@@ -143,7 +143,7 @@ def run(command: list[str], seconds: float, **more: Any) -> str:
 
 
 def read_shell(variables: list[str]) -> dict[str, str]:
-    """The variables in a new terminal."""
+    """Return the environment variables in a new terminal."""
     shell = os.environ.get("SHELL") or pwd.getpwuid(os.getuid()).pw_shell or "/bin/sh"
     clean = {name: os.environ[name] for name in ("HOME", "USER", "LOGNAME", "LANG", "PATH") if name in os.environ}
     shown = run([shell, "-ic", "env"], SHELL_SECONDS, env=clean, start_new_session=True)
@@ -158,7 +158,7 @@ def find_settings(files: list[str], variables: list[str]) -> list[list[str]]:
 
 
 def find_files(environments: list[dict[str, str]]) -> dict[str, bool]:
-    """Find the settings files of middlewares that variables name, and whether they exist."""
+    """Return the settings files of middlewares that variables refer to, and whether they exist."""
     found: dict[str, bool] = {}
     for variables in environments:
         for name in ("FASTRTPS_DEFAULT_PROFILES_FILE", "FASTDDS_DEFAULT_PROFILES_FILE", "CYCLONEDDS_URI"):
@@ -170,7 +170,7 @@ def find_files(environments: list[dict[str, str]]) -> dict[str, bool]:
 
 
 def find_ports() -> list[int]:
-    """Find the ports at which something listens."""
+    """Find the ports on which processes listen."""
     found = set()
     for kind, state in _LISTENING.items():
         for line in (read(f"/proc/net/{kind}") + read(f"/proc/net/{kind}6")).splitlines():
@@ -181,7 +181,7 @@ def find_ports() -> list[int]:
 
 
 def find_no_multicast() -> list[str]:
-    """Find network interfaces that are up, no loopback, and without multicast."""
+    """Find network interfaces that are up, not loopback, and without multicast."""
     found = []
     for folder in sorted(glob.glob("/sys/class/net/*")):
         text = read(f"{folder}/flags").strip()
@@ -192,7 +192,7 @@ def find_no_multicast() -> list[str]:
 
 
 def find_forgotten(processes: list[dict[str, Any]], root: str = "", first: int = FIRST_PERSON) -> list[str]:
-    """Find users whose units lose their shared memory when the last login of that user ends (logind.conf(5))."""
+    """Find users whose units lose their shared memory when the user's last login ends (logind.conf(5))."""
     files = [f"{root}/etc/systemd/logind.conf"]
     for folder in ("usr/lib", "run", "etc"):
         files += glob.glob(f"{root}/{folder}/systemd/logind.conf.d/*.conf")
@@ -205,12 +205,12 @@ def find_forgotten(processes: list[dict[str, Any]], root: str = "", first: int =
 
 
 def lost_memory(entry: str) -> bool:
-    """Return whether the shared memory of Fast DDS that a process owns was removed; no new node reaches it then."""
+    """Return whether a process's shared memory of Fast DDS was removed, so that new nodes cannot reach it."""
     return any(_LOST.fullmatch(read_link(file)) for file in glob.glob(f"/proc/{entry}/fd/*"))
 
 
 def read_link(path: str) -> str:
-    """The target of a symbolic link, '' where there is none."""
+    """Return the target of a symbolic link, '' if it is not one."""
     try:
         return os.readlink(path)
     except OSError:
@@ -218,7 +218,7 @@ def read_link(path: str) -> str:
 
 
 def number_of(user: str) -> int:
-    """The number of a user, -1 where there is none of this name."""
+    """Return the id of a user, -1 for an unknown name."""
     try:
         return pwd.getpwnam(user).pw_uid
     except KeyError:
@@ -226,7 +226,7 @@ def number_of(user: str) -> int:
 
 
 def read_graph(request: dict[str, Any], installations: Any, processes: Any, shell: dict[str, str]) -> Any:
-    """Run the program that reads the graph with the Python of a release, in the domain of its processes."""
+    """Run the program that reads the graph with the Python of a release, in the domain of the found processes."""
     program, variables = request["graph"], request["variables"]
     readable = [each for each in processes if each["readable"]]
     settings = [json.dumps(each["variables"], sort_keys=True) for each in readable]
@@ -264,7 +264,7 @@ def read_graph(request: dict[str, Any], installations: Any, processes: Any, shel
 
 
 def find(request: dict[str, Any]) -> dict[str, Any]:
-    """Find everything; see `ur.robot.ros2.seen_graph.Ros2`."""
+    """Find all facts about ROS 2; see `ur.robot.ros2.seen_graph.Ros2`."""
     variables: list[str] = request["variables"]
     installations = find_installations()
     processes = find_processes(variables)

@@ -1,4 +1,4 @@
-"""Inspection of ROS 2 on a computer: sends the finder there, and reads its answer, which may be anything."""
+"""Inspection of ROS 2 on a computer: send the finder to it, and parse its answer, which is untrusted."""
 
 from __future__ import annotations
 
@@ -47,9 +47,9 @@ def inspect_ros2(
     root: bool = False,
     environment: Mapping[str, str] | None = None,
 ) -> Ros2:
-    """Inspect a computer. Nothing where its answer makes no sense. Raises UserError when the connection is lost.
+    """Inspect ROS 2 on a computer; empty for an invalid answer. Raises UserError if the connection breaks.
 
-    With `graph`, nodes are asked, too, which takes some seconds. With `root`, processes of all users can be read.
+    With `graph`, the nodes are queried too, which takes some seconds. With `root`, processes of all users can be read.
     `environment` are variables for reading the graph; None: those of the processes that can be read.
     """
     program = files("ur.robot.ros2").joinpath("finder.py").read_text("utf-8")
@@ -61,13 +61,13 @@ def inspect_ros2(
 
 
 def receive_from(shell: Shell, own: str, other: str) -> bool | None:
-    """Send multicast packets as `own`, and return whether those of `other` arrive; None: it could not be tried."""
+    """Send multicast packets as `own`, and return whether those of `other` arrive; None if that could not be tested."""
     done = shell.run(f"python3 -I -c {quote(_RECEIVE)} {quote(own, other, str(RECEIVE_SECONDS))}", timeout=30.0)
     return {"heard": True, "silent": False}.get(done.out.strip())
 
 
 def parse_ros2(output: str) -> Ros2:
-    """Read the finder's answer; nothing where it makes no sense."""
+    """Parse the finder's answer; empty if it is invalid."""
     try:
         return read_json(output, Ros2, _LONGEST)
     except BadJsonError:

@@ -1,4 +1,4 @@
-"""Values about ROS 2 on a computer, with the limits of what a robot may answer. Values only."""
+"""Values about ROS 2 on a computer, with limits on the size of a robot's answer. Values only."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ NAMES = {"humble": "Humble", "iron": "Iron", "jazzy": "Jazzy", "kilted": "Kilted
 
 @dataclass(frozen=True, slots=True)
 class Installation:
-    """A release: its name such as jazzy, its folder, and the middlewares that it has."""
+    """A release: its name such as jazzy, its folder, and its installed middlewares."""
 
     distro: Name
     folder: Name
@@ -35,10 +35,10 @@ class Installation:
 
 @dataclass(frozen=True, slots=True)
 class Process:
-    """A process of ROS 2: number, user, command line, release, systemd unit ('': none), and its variables of ROS 2.
+    """A process of ROS 2: process id, user, command line, release, systemd unit ('': none), and its ROS 2 variables.
 
-    `readable` is False where its variables could not be read, since it belongs to another user. `lost`: its shared
-    memory was removed while it ran.
+    `readable` is False if its variables could not be read, since it belongs to another user. `lost`: its shared memory
+    was removed while it ran.
     """
 
     pid: Count
@@ -53,7 +53,7 @@ class Process:
 
 @dataclass(frozen=True, slots=True)
 class Qos:
-    """The qualities of a publisher or subscriber that decide about a match. Times in s."""
+    """The QoS policies of a publisher or subscriber that decide about a match. Times in s."""
 
     reliable: bool = True
     latched: bool = False
@@ -74,7 +74,7 @@ class End:
 
 @dataclass(frozen=True, slots=True)
 class SeenTopic:
-    """A topic and its ends."""
+    """A topic and its publishers and subscribers."""
 
     name: Name
     publishers: tuple[End, ...] = ()
@@ -83,7 +83,7 @@ class SeenTopic:
 
 @dataclass(frozen=True, slots=True)
 class Received:
-    """Number of messages received on a topic while it was listened to, and the least age of their stamps (s)."""
+    """The number of messages received on a topic during the inspection, and the least age of their stamps (s)."""
 
     messages: Count
     age: float | None = None
@@ -91,7 +91,7 @@ class Received:
 
 @dataclass(frozen=True, slots=True)
 class SeenFrame:
-    """A frame of tf: the nodes that send its pose, and the frames in which they send it."""
+    """A frame of tf: the nodes that publish its transform, and its parent frames."""
 
     senders: tuple[Name, ...]
     parents: tuple[Name, ...]
@@ -99,9 +99,9 @@ class SeenFrame:
 
 @dataclass(frozen=True, slots=True)
 class SeenGraph:
-    """The graph as a node on the computer sees it. By node: `simulated` time, and lifecycle `states`.
+    """The graph as a node on the computer sees it.
 
-    By topic: scans that arrived, and the charge of batteries (0..1).
+    By node: `simulated` time, and lifecycle `states`. By topic: received scans, and the charge of batteries (0..1).
     """
 
     nodes: tuple[Name, ...] = ()
@@ -115,13 +115,14 @@ class SeenGraph:
 
 @dataclass(frozen=True, slots=True)
 class Ros2:
-    """ROS 2 on one computer. `shell`: variables of a new terminal; `called`: of the shell that asked.
+    """ROS 2 on one computer.
 
-    `settings` are pairs (file, variable) of lines that set one. `files` are settings files that variables name, and
-    whether they exist. `ports` are the numbers at which a program listens, UDP and TCP. `no_multicast` are network
-    interfaces that are up and do not take part in multicast. `forgotten` are users whose units lose their shared memory
-    when their last login ends. `graph` is None where it could not be read; `problem` is the reason. `receives`:
-    multicast packets of the other computer arrived; None where that was not tried.
+    `shell`: variables of a new terminal; `called`: of the calling shell. `settings` are pairs (file, variable) of lines
+    that set one. `files` are settings files that variables refer to, and whether they exist. `ports` are the numbers on
+    which a program listens, UDP and TCP. `no_multicast` are network interfaces that are up without multicast.
+    `forgotten` are users whose units lose their shared memory when their last login ends. `graph` is None if it could
+    not be read; `problem` is the reason. `receives`: multicast packets of the other computer arrived; None if that was
+    not tested.
     """
 
     installations: tuple[Installation, ...] = ()
@@ -139,18 +140,18 @@ class Ros2:
 
     @property
     def present(self) -> bool:
-        """Return whether ROS 2 is installed or runs there."""
+        """Return whether ROS 2 is installed or runs on the computer."""
         return bool(self.installations or self.processes)
 
     @property
     def variables(self) -> Mapping[str, str]:
-        """The variables that most processes have; those of a new terminal where none can be read."""
+        """The environment variables that most processes have; those of a new terminal if none can be read."""
         known = [tuple(sorted(each.variables.items())) for each in self.processes if each.readable]
         return dict(Counter(known).most_common(1)[0][0]) if known else self.shell
 
     @property
     def distro(self) -> str:
-        """The release that most processes have; else the newest that is installed; '' where none is known."""
+        """The release that most processes use; else the newest installed one; '' if none is known."""
         running = [each.distro for each in self.processes if each.distro]
         if running:
             return Counter(running).most_common(1)[0][0]
@@ -158,22 +159,22 @@ class Ros2:
 
 
 def domain_of(variables: Mapping[str, str]) -> str:
-    """The domain id as its text; ROS 2 takes 0 where there is none."""
+    """Return the domain id as text; the default of ROS 2 is 0."""
     return variables.get("ROS_DOMAIN_ID", "").strip() or "0"
 
 
 def middleware_of(variables: Mapping[str, str]) -> str:
-    """The name of the middleware."""
+    """Return the name of the middleware."""
     return variables.get("RMW_IMPLEMENTATION", "").strip() or DEFAULT_MIDDLEWARE
 
 
 def range_of(variables: Mapping[str, str]) -> str:
-    """The discovery range: SUBNET, LOCALHOST, OFF or SYSTEM_DEFAULT."""
+    """Return the discovery range: SUBNET, LOCALHOST, OFF or SYSTEM_DEFAULT."""
     if variables.get("ROS_LOCALHOST_ONLY", "").strip() == "1":
         return "LOCALHOST"
     return variables.get("ROS_AUTOMATIC_DISCOVERY_RANGE", "").strip().upper() or "SUBNET"
 
 
 def peers_of(variables: Mapping[str, str]) -> tuple[str, ...]:
-    """The computers that are asked without multicast."""
+    """Return the static peers, which are contacted without multicast."""
     return tuple(each.strip() for each in variables.get("ROS_STATIC_PEERS", "").split(";") if each.strip())

@@ -1,1 +1,1 @@
-"""Bringing a computer to a wanted state: what is there (facts), what is wanted, and the changes between the two."""
+"""Bringing a computer to a desired state: its facts, the wanted state, and the changes between the two."""

@@ -1,4 +1,4 @@
-"""A change to a computer: what will be different, and the commands that make it so. Values, made by pure functions."""
+"""A change to a computer: the difference, and the scripts that make it. Values, made by pure functions."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ from ur.robot.ssh.secret import Secret
 
 @dataclass(frozen=True, slots=True)
 class ChangeScript:
-    """One shell script. Run to its end, or killed anywhere, it leaves nothing half written.
+    """One shell script. Run to its end, or killed at any point, it leaves no half-written file.
 
-    With `fetches` it fetches packages: it runs with the variables of a proxy where the computer needs one. `log` is a
-    file there that grows while it runs.
+    With `fetches` it downloads packages: it runs with the variables of a proxy if the computer needs one. `log` is a
+    file on the computer that grows while the script runs.
     """
 
     script: str
@@ -26,9 +26,9 @@ class ChangeScript:
 
 @dataclass(frozen=True, slots=True)
 class Change:
-    """A change of one item to its wanted state. `difference` is for people: a unified diff or a few words.
+    """A change of one item to its wanted state.
 
-    `note` is a word on why it may take long.
+    `difference` is for display: a unified diff or a few words. `note` is a remark about a long duration.
     """
 
     title: str
@@ -38,7 +38,7 @@ class Change:
 
 
 def show_difference(path: str, before: str | None, after: str | None) -> str:
-    """A unified diff, as `diff -u` prints it, without a context larger than two lines."""
+    """Return a unified diff, as `diff -u` prints it, with a context of at most two lines."""
     lines = unified_diff(
         (before or "").splitlines(),
         (after or "").splitlines(),

@@ -1,7 +1,7 @@
 """First contact: the host key of a robot is checked, or confirmed by the user, before anything secret is sent.
 
 A robot whose set-up was interrupted keeps its confirmed host key in a note on this computer, so that the same command
-goes on without a second question.
+continues without asking again.
 """
 
 from __future__ import annotations
@@ -22,11 +22,12 @@ COMPARE = "at the robot itself: ssh-keygen -lf /etc/ssh/ssh_host_ed25519_key.pub
 
 @dataclass(frozen=True, slots=True)
 class OfferedHostKey:
-    """The host key that a robot offers, before any login, and what this computer knows of it.
+    """The host key that a robot offers, before any login, and its relation to the known host keys.
 
-    `known`: the key is the known one of the address. `confirmed`: the address is not known, but the key is that of the
-    robot by its later name, or of an interrupted set-up. `unknown` and `changed`: it was not confirmed. `away`:
-    there is no answer, which the login will explain. `host_key` is None where it was not needed, or without an answer.
+    `known`: the key is the known one of the address. `confirmed`: the address is not known, but the key is known for
+    the robot's later name, or from an interrupted set-up. `unknown` and `changed`: the key was not confirmed. `away`:
+    the robot does not answer; the login will report the reason. `host_key` is None if it was not needed, or without an
+    answer.
     """
 
     state: Literal["known", "confirmed", "unknown", "changed", "away"]
@@ -39,15 +40,15 @@ class OfferedHostKey:
 
     @property
     def pinned(self) -> HostKey | None:
-        """The host key that logins of this set-up insist on; None: those that this computer knows count."""
+        """The host key that logins of this set-up require; None: those known to this computer."""
         return None if self.state in ("known", "away") else self.host_key
 
 
 def meet(address: Address, later: Address, *, with_key: bool = False) -> OfferedHostKey:
-    """Compare the host key that a robot offers with those that this computer knows. Nothing secret is sent.
+    """Compare the host key that a robot offers with those that this computer knows, without sending a secret.
 
-    `later` is its address after the set-up. `with_key`: fetch the key also where it is known. Raises UserError: it has
-    no host key of a kind that is supported.
+    `later` is its address after the set-up. `with_key`: fetch the key also where it is known. Raises UserError if the
+    robot has no host key of a supported type.
     """
     rule = check_known(address)
     if rule == "known":
@@ -63,10 +64,10 @@ def meet(address: Address, later: Address, *, with_key: bool = False) -> Offered
 def needs_answer(
     address: Address, contact: OfferedHostKey, *, fingerprint: str = "", new_host_key: bool = False
 ) -> bool:
-    """Return whether the user has to confirm the host key. Raises UserError where it cannot be the right one.
+    """Return whether the user has to confirm the host key. Raises UserError if the key is certainly wrong.
 
-    `fingerprint` is the one that the user has given, '' for none; with `new_host_key` the user confirms that the known
-    one is of no use any more.
+    `fingerprint` is given by the user, '' for none; with `new_host_key` the user confirms that the known key is
+    obsolete.
     """
     offered = contact.host_key.fingerprint if contact.host_key else ""
     if fingerprint and contact.state != "away" and offered != fingerprint:
@@ -92,7 +93,7 @@ def needs_answer(
 
 
 def note_contact(host_key: HostKey) -> None:
-    """Note that the user has confirmed this host key, and that its computer took the present password."""
+    """Store a note that the user has confirmed this host key, and that its computer accepted the present password."""
     with suppress(OSError):  # without the note, the next run asks again
         path = _note(host_key)
         path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
@@ -100,12 +101,12 @@ def note_contact(host_key: HostKey) -> None:
 
 
 def is_noted(host_key: HostKey) -> bool:
-    """Return whether a host key was noted, and not forgotten."""
+    """Return whether a note about this host key is stored."""
     return _note(host_key).exists()
 
 
 def forget_contact(host_key: HostKey) -> None:
-    """Forget the note: from now on the key is known under the robot's name."""
+    """Remove the note: from now on the key is known under the robot's name."""
     with suppress(OSError):
         _note(host_key).unlink()
 

@@ -1,4 +1,4 @@
-"""From wanted states to done: gather the facts, plan, change, look again."""
+"""Engine of the set-up: gather facts, plan changes, apply them, and check the result."""
 
 from __future__ import annotations
 
@@ -32,31 +32,31 @@ IFS= read -r proxy; IFS= read -r direct
 
 
 def no_proxy() -> Secret:
-    """The two lines that a command which fetches packages reads first: no proxy, and no exceptions from it."""
+    """Return the two lines that a command which downloads packages reads first: no proxy, and no exceptions."""
     return Secret("\n\n")
 
 
 def gather(shell: Shell, request: FactsRequest, *, root: bool = False) -> ComputerFacts:
-    """Ask a computer for facts, in one round trip. `root`: files that only root may read are wanted."""
+    """Gather facts about a computer in one round trip. `root` allows to read files that only root may read."""
     done = shell.run(fact_script(request), root=root)
     return parse_facts(request, done.out)
 
 
 def look(shell: Shell, wanted: Sequence[Wanted], user: str, base: FactsRequest, *, root: bool) -> ComputerFacts:
-    """The facts that these wanted states look at, and those of `base`."""
+    """Gather the facts that these wanted states need, and those of `base`."""
     return gather(shell, reduce(FactsRequest.__or__, [item.request(user) for item in wanted], base), root=root)
 
 
 def plan_changes(wanted: Sequence[Wanted], facts: ComputerFacts) -> list[Change]:
-    """Plan the changes, in order; empty when all is as wanted."""
+    """Plan the changes, in order; empty if the computer is in the wanted state."""
     return [change for item in wanted if (change := item.plan(facts))]
 
 
 def plan_together(wanted: Sequence[Wanted], facts: ComputerFacts, user: str, base: FactsRequest) -> list[Change]:
-    """Plan the first changes, in order, that may follow one another without a new look at the computer.
+    """Plan the first changes, in order, that need no new facts in between.
 
-    They end before one that looks at a file which an earlier one changes, and after one that changes much, as packages
-    do, or something that is asked for in `base`, on which the wanted states themselves depend.
+    The list ends before a change that depends on a file which an earlier one modifies, and after one that modifies many
+    files, as packages do, or a fact in `base`, on which the wanted states themselves depend.
     """
     changes: list[Change] = []
     changed: set[str] = set()
@@ -77,7 +77,7 @@ def plan_together(wanted: Sequence[Wanted], facts: ComputerFacts, user: str, bas
 
 
 def _overlap(path: str, other: str) -> bool:
-    """Return whether one of two paths is the other one, or a folder that it lies in."""
+    """Return whether the paths are equal, or one of them is a parent folder of the other."""
     return path == other or path.startswith(f"{other}/") or other.startswith(f"{path}/")
 
 
@@ -96,8 +96,8 @@ def apply_change(
 ) -> None:
     """Run a change's commands. Raises UserError, which names the command that failed and its output.
 
-    `route` gives the proxy of commands that fetch packages; `progress` gets a change's title, its seconds so far and
-    the last line of its log, every `pause` s.
+    `route` gives the proxy of commands that fetch packages; `progress` is called every `pause` s with a change's title,
+    its duration so far (s) and the last line of its log.
     """
     for command in change.commands:
         script, stdin = command.script, command.stdin
@@ -133,11 +133,11 @@ def bring_about(
         shell, request, root=root
     ),
 ) -> tuple[ComputerFacts, int]:
-    """Make a computer as wanted; the facts afterwards and how many changes it took.
+    """Bring a computer to the wanted state; return its facts afterwards, and the number of changes.
 
-    `make` returns what is wanted for the facts of `base`; `report` is called before each change. They are made in
-    order. The computer is looked at again before a change that an earlier one may have made another one, and at the
-    end; `ask` gathers facts. Raises UserError when a change fails or does not last.
+    `make` returns the wanted states for the facts of `base`; `report` is called before each change. Changes are applied
+    in order. Facts are gathered again, by `ask`, before a change that an earlier one may affect, and at the end. Raises
+    UserError if a change fails or has no lasting effect.
     """
     made: list[Change] = []
     asked = base
@@ -180,7 +180,7 @@ def bring_about(
 def _follow_log(
     shell: Shell, change: Change, command: ChangeScript, progress: Progress | None, pause: float
 ) -> Iterator[None]:
-    """Report now and then while the context lasts how far a command is by what it adds to its log, or the last line."""
+    """Report the progress of a command while the context lasts: what it appends to its log, or its last line."""
     if progress is None or not command.log:
         yield
         return

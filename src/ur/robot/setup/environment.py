@@ -1,4 +1,4 @@
-"""The ROS environment of every shell of a user: ~/.ros_setup, read by the first line of the shells' own files."""
+"""The ROS environment of a user's shells: ~/.ros_setup, sourced by the first line of their start-up files."""
 
 from __future__ import annotations
 
@@ -34,18 +34,18 @@ unset ubiquity
 
 
 def viewer_environment(repository: Path) -> list[Wanted]:
-    """Shells that follow the selection (`ur use`); and `ur` on PATH."""
+    """Return the states for shells that follow the selection (`ur use`), with `ur` on PATH."""
     python = quote(str(repository / ".venv/bin/python"))
     return _shells(_HEAD + f'[ ! -x {python} ] || eval "$({python} -I -m ur env 2>/dev/null)"\n')
 
 
 def robot_environment() -> list[Wanted]:
-    """Shells that use the robot's own master, under the name by which others reach it."""
+    """Return the states for shells that use the robot's own master, under the name by which others reach it."""
     return _shells(robot_setup_text())
 
 
 def robot_setup_text() -> str:
-    """The text of a robot's ~/.ros_setup."""
+    """Return the text of a robot's ~/.ros_setup."""
     return (
         f"{_HEAD}{_LIBRARY}"
         'read -r ROS_HOSTNAME </proc/sys/kernel/hostname\nexport ROS_HOSTNAME="${ROS_HOSTNAME%%.*}.local"\n'

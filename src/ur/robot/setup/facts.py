@@ -21,7 +21,7 @@ APT_USERS = (
 
 @dataclass(frozen=True, slots=True)
 class FileState:
-    """A file or folder. `text` is None when there is none, and '' for a folder; `mode` such as 0o644."""
+    """A file or folder. `text` is None if it does not exist, and '' for a folder; `mode` such as 0o644."""
 
     text: str | None
     mode: int = 0
@@ -34,7 +34,7 @@ ABSENT = FileState(None)
 
 @dataclass(frozen=True, slots=True)
 class ServiceState:
-    """A systemd unit: systemctl's words for ActiveState and UnitFileState; '' when there is no such unit."""
+    """A systemd unit: systemctl's ActiveState and UnitFileState; '' if there is no such unit."""
 
     active: str = ""
     enabled: str = ""
@@ -55,7 +55,7 @@ class FactsRequest:
         )
 
     def covers(self, other: FactsRequest) -> bool:
-        """Return whether the answer to this request holds all facts that the other one asks for."""
+        """Return whether the answer to this request includes all facts of the other one."""
         return (
             self.user == other.user
             and self.files >= other.files
@@ -66,11 +66,11 @@ class FactsRequest:
 
 @dataclass(frozen=True, slots=True)
 class ComputerFacts:
-    """The facts read from a computer. `packages` holds the versions of those that are installed.
+    """The facts read from a computer.
 
-    `system` is the text of its os-release. `addresses` are the computer's own, of scope global. `boot` names this boot:
-    it changes when the computer reboots. `apt_user` is the program that installs packages at this moment, '' when none
-    does.
+    `packages` are the versions of installed packages. `system` is the text of os-release. `addresses` are the
+    computer's own, of scope global. `boot` is the boot id, which changes with each boot. `apt_user` is the program that
+    installs packages at this moment, '' for none.
     """
 
     user: str
@@ -87,16 +87,16 @@ class ComputerFacts:
     apt_user: str = ""
 
     def file(self, path: str) -> FileState:
-        """The state of a file that was asked for."""
+        """Return the state of a requested file."""
         return self.files[path]
 
     def resolve(self, path: str) -> str:
-        """A path with ~/ replaced."""
+        """Return a path with ~/ replaced by the home folder."""
         return self.home + path[1:] if path.startswith("~/") else path
 
 
 def fact_script(request: FactsRequest) -> str:
-    """The script that answers a request, to be run as root (files of others) or as the user (only own files)."""
+    """Return the script that gathers the facts, to be run as root (files of all users) or as the user (own files)."""
     user = quote(request.user)
     parts = [
         f"home=$(getent passwd {user} | cut -d: -f6)",
@@ -132,7 +132,7 @@ def _file_script(path: str) -> str:
 
 
 def parse_facts(request: FactsRequest, output: str) -> ComputerFacts:
-    """Read what the script of this request printed. Raises UserError when it breaks off, or is no answer."""
+    """Parse the output of this request's script. Raises UserError if it is incomplete or invalid."""
     sections: dict[str, str] = {}
     for part in output.split(_MARK)[1:]:
         name, _, text = part.partition("\n")

@@ -1,4 +1,4 @@
-"""Wanted states of ssh: key pairs, and who may log in with them."""
+"""Wanted states of ssh: key pairs, and authorized keys."""
 
 from __future__ import annotations
 
@@ -32,11 +32,11 @@ class WantedKeyPair:
     comment: str
 
     def request(self, user: str) -> FactsRequest:
-        """Both halves."""
+        """Request both key files."""
         return FactsRequest(user, files=frozenset({self.path, self.path + ".pub"}))
 
     def plan(self, facts: ComputerFacts) -> Change | None:
-        """Make it in one step, when there is none; make the public half again when only that is lost."""
+        """Generate the key pair if it is missing; restore the public key if only that is missing."""
         private, public = facts.file(self.path), facts.file(self.path + ".pub")
         path = quote(facts.resolve(self.path))
         if private.text is None:
@@ -57,7 +57,7 @@ class WantedKeyPair:
         return None
 
     def undo(self, facts: ComputerFacts) -> Change | None:  # noqa: ARG002 - of the protocol
-        """Keys stay: other computers may know them."""
+        """Return None: keys stay, since other computers may accept them."""
         return None
 
 
@@ -68,11 +68,11 @@ class WantedOwnLogin:
     title: str
 
     def request(self, user: str) -> FactsRequest:
-        """The key and who may log in."""
+        """Request the key, and the authorized keys."""
         return FactsRequest(user, files=frozenset({KEY + ".pub", AUTHORIZED, RECORD}))
 
     def plan(self, facts: ComputerFacts) -> Change | None:
-        """Add the key, also one that is only being made. Raises UserError: what is there is no key."""
+        """Add the key, also one that is about to be generated. Raises UserError if the present file is not a key."""
         public, authorized = facts.file(KEY + ".pub").text, facts.file(AUTHORIZED).text
         if public and str(_read_key(self.title, KEY + ".pub", public)) in (authorized or "").split("\n"):
             return None
@@ -94,7 +94,7 @@ class WantedOwnLogin:
 
 
 def own_keys(user: str, name: str, host_key: str | None) -> list[Wanted]:
-    """A user's key pair, and the way from a computer to itself by its full name, which roslaunch takes.
+    """Return a user's key pair, and the login of a computer to itself by its full name, which roslaunch uses.
 
     `name` is the computer's host name, `host_key` its public host key when it has one already.
     """
@@ -109,13 +109,16 @@ def own_keys(user: str, name: str, host_key: str | None) -> list[Wanted]:
 
 
 def known_host(title: str, name: str, host_key: str) -> WantedLine:
-    """A computer's public host key in ~/.ssh/known_hosts, as NAME.local and NAME. Raises UserError: it is no key."""
+    """Return a computer's public host key in ~/.ssh/known_hosts, as NAME.local and NAME.
+
+    Raises UserError for an invalid key.
+    """
     key = _read_key(title, HOST_KEY, host_key).key
     return WantedLine(title, KNOWN_HOSTS, f"{name}.local,{name} {key}", mode=0o600, old=(f"{name}.local,",))
 
 
 def allowed_key(title: str, public_key: str) -> WantedLine:
-    """The owner of this key may log in. Raises UserError: it is no key."""
+    """Return the authorization of this key's owner to log in. Raises UserError for an invalid key."""
     return WantedLine(title, AUTHORIZED, str(_read_key(title, KEY + ".pub", public_key)), mode=0o600)
 
 

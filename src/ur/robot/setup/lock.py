@@ -1,4 +1,4 @@
-"""One set-up of a robot at a time, also from two viewers: the robot keeps the lock while its holder is alive."""
+"""Lock for one set-up of a robot at a time, also from two viewers; the robot releases it when the holder ends."""
 
 from __future__ import annotations
 
@@ -32,9 +32,10 @@ truncate $file, 0;
 
 @contextmanager
 def hold_robot(shell: SshShell, who: str, report: Callable[[str], None]) -> Iterator[None]:
-    """While inside, no other set-up of this robot can be. `who` is shown to others; sudo has to work.
+    """Hold the lock against other set-ups of this robot while the context lasts.
 
-    Waits for another one a little, since it may just be ending. Raises UserError, which names who has it.
+    `who` is shown to others; sudo has to work. Waits a little for another holder, which may just be ending. Raises
+    UserError, which names the holder.
     """
     numbers = [str(SILENCE_SECONDS), str(int(WAIT_SECONDS) + 5)]
     keeper = shell.start("exec " + quote("perl", "-e", _HOLD, LOCK_FILE, who, *numbers), root=True)

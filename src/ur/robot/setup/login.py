@@ -1,4 +1,4 @@
-"""The task of a set-up, and the login to its robot: by key, or by a password while the key is not there yet."""
+"""The task of a set-up, and the login to its robot: by key, or by a password as long as the key is not installed."""
 
 from __future__ import annotations
 
@@ -22,14 +22,13 @@ from ur.source.diagnostic import UserError, error_about
 
 @dataclass(frozen=True, slots=True)
 class Task:
-    """One robot to be set up: where it is now, what it shall be, and the passwords that may be needed on the way.
+    """One robot to be set up: its present address, its wanted state, and the passwords that may be needed.
 
-    `current` is None when the user gave none: login by key, sudo without a password. `new` is None: the password stays.
-    `library` is the copy of this project that it gets, and what makes it run; `devices` are those that its base needs.
-
-    `host_key` is the one that logins insist on; None: this computer knows the robot's. At the `first_contact` the user
-    has confirmed it just now, and the robot gets the new password only after it has accepted the present one. With
-    `robot_login` it may log in to this computer.
+    `current` is None if the user gave none: login by key, sudo without a password. `new` None keeps the password.
+    `library` is the copy of this project for the robot, and its environment; `devices` are those that its base needs.
+    `host_key` is the one that logins require; None: this computer knows the robot's. `first_contact` means that the
+    user has just confirmed it, and the robot gets the new password only after it has accepted the present one. With
+    `robot_login` the robot may log in to this computer.
     """
 
     address: Address
@@ -58,7 +57,7 @@ exit((defined $hash && length $hash > 1 && crypt($password, $hash) eq $hash) ? 0
 
 @dataclass(frozen=True, slots=True)
 class _Try:
-    """An attempt to log in. `pinned` is the file of the confirmed host key; None: those that are known count."""
+    """An attempt to log in. `pinned` is the file of the confirmed host key; None: the user's known_hosts."""
 
     address: Address
     pinned: Path | None
@@ -67,9 +66,9 @@ class _Try:
 
 @contextmanager
 def open_robot(task: Task, report: Report) -> Iterator[SshShell]:
-    """Log in to the robot: under its present name, or, where an earlier run was interrupted, under its new one.
+    """Log in to the robot under its present name, or under its new one if an earlier run was interrupted.
 
-    At the first contact the new password goes only to a robot that has accepted the present one. Raises UserError.
+    At the first contact the new password is sent only to a robot that has accepted the present one. Raises UserError.
     """
     with private_folder() as folder:
         silent: dict[str, UserError] = {}
@@ -107,7 +106,7 @@ def open_robot(task: Task, report: Report) -> Iterator[SshShell]:
 
 
 def _explain_refusal(task: Task, failure: UserError) -> UserError:
-    """The error of a login that was refused, where the new password was held back."""
+    """Return the error of a refused login for which the new password was withheld."""
     if failure.diagnostics[0].rule != "refused" or not (task.first_contact and task.current and task.new):
         return failure
     return UserError(
@@ -121,7 +120,10 @@ def _explain_refusal(task: Task, failure: UserError) -> UserError:
 
 
 def _enter_sudo(task: Task, shell: SshShell) -> None:
-    """Find a way to use sudo. Raises UserError: none, or the robot has another password than the given present one."""
+    """Find a working login for sudo.
+
+    Raises UserError if there is none, or the given present password is not the robot's.
+    """
     candidates = find_passwords(task)
     if task.first_contact:
         candidates = [one for one in candidates if one == task.current or one in shell.accepted]
@@ -142,13 +144,13 @@ def _enter_sudo(task: Task, shell: SshShell) -> None:
 
 
 def is_password(shell: SshShell, password: Secret) -> bool:
-    """Return whether a password is that of the user there. It is compared over there, by root."""
+    """Return whether a password is that of the user on the robot. Root compares it on the robot."""
     given = Secret(f"{shell.address.user}\n{password.reveal()}\n")
     return shell.run(_COMPARE, root=True, stdin=given).code == 0
 
 
 def explain_sudo(address: Address, reported: str, *, given: bool) -> UserError:
-    """Explain an error of sudo; `given`: a password was tried."""
+    """Return the error for sudo's output; `given`: a password was tried."""
     user = address.user
     message = "sudo refuses this password" if given else "sudo wants a password"
     help = f"expected the password of {user}, who may use sudo"
@@ -172,5 +174,5 @@ def _list_tries(
 
 
 def find_passwords(task: Task) -> list[Secret]:
-    """The passwords that may be the robot's at this moment."""
+    """Return the passwords that may be valid on the robot at this moment."""
     return [secret for secret in (task.current, task.new) if secret]

@@ -1,7 +1,7 @@
-"""Records of what `ur` made in a home folder, so that it can be undone without a trace.
+"""Record of the files that `ur` created in a home folder, so that it can remove them all.
 
-The record has a line for each file and folder that was not there, and `unended PATH` for files whose last line had no
-end. Files that were replaced lie beside it. It is written before anything is made, by the scripts that make it.
+The record has a line for each file and folder that did not exist before, and `unended PATH` for files whose last line
+had no line end. Replaced files are saved beside the record. The scripts that create files write the record first.
 """
 
 from __future__ import annotations
@@ -17,25 +17,26 @@ RECORD = f"{FOLDER}/made"
 
 
 def kept_path(path: str) -> str:
-    """The path of the kept original of a replaced file."""
+    """Return the path of the saved original of a replaced file."""
     return f"{FOLDER}/before{path.removeprefix('~').replace('/', '%')}"
 
 
 def is_made(facts: ComputerFacts, path: str) -> bool:
-    """Return whether it is known that this file or folder was not there before."""
+    """Return whether the record lists this file or folder as created by `ur`."""
     return facts.resolve(path) in (facts.file(RECORD).text or "").split("\n")
 
 
 def was_unended(facts: ComputerFacts, path: str) -> bool:
-    """Return whether the last line of this file had no end."""
+    """Return whether the last line of this file originally had no line end."""
     return f"unended {facts.resolve(path)}" in (facts.file(RECORD).text or "").split("\n")
 
 
 def note_script(facts: ComputerFacts) -> str:
-    """Shell functions. `own PATH` sets f to what PATH is without symbolic links, for the others.
+    """Return shell functions.
 
-    `note PATH NAME` is to be called before PATH is made or changed; NAME is what its user calls it. `keep PATH PLACE`
-    puts a file of the user away that will be replaced. `prune PATH` removes folders that were made for PATH.
+    `own PATH` sets f to PATH without symbolic links, for the others. `note PATH NAME` is to be called before PATH is
+    created or changed; NAME is its path as the user writes it. `keep PATH PLACE` saves a file of the user that will be
+    replaced. `prune PATH` removes folders that were created for PATH.
     """
     home, record = quote(facts.home), quote(facts.resolve(RECORD))
     return (
@@ -55,20 +56,20 @@ def note_script(facts: ComputerFacts) -> str:
 
 @dataclass(frozen=True, slots=True)
 class WantedRecord:
-    """The record itself: no set-up wants it, and what takes everything back removes it at the end."""
+    """The record itself: no set-up needs it, and the removal of everything deletes it last."""
 
     title: str = "record of what was there"
 
     def request(self, user: str) -> FactsRequest:
-        """The record."""
+        """Request the record."""
         return FactsRequest(user, files=frozenset({RECORD}))
 
     def plan(self, facts: ComputerFacts) -> Change | None:  # noqa: ARG002 - of the protocol
-        """It is written when something is."""
+        """Return None: the record is written together with other files."""
         return None
 
     def undo(self, facts: ComputerFacts) -> Change | None:
-        """Remove it, and the folders that were made for it."""
+        """Remove the record, and the folders that were created for it."""
         if facts.file(RECORD).text is None:
             return None
         folder = quote(facts.resolve(FOLDER))

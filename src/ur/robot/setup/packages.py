@@ -1,4 +1,4 @@
-"""Wanted states of the system: Debian packages and the services that come with them."""
+"""Wanted states of the system: Debian packages and their services."""
 
 from __future__ import annotations
 
@@ -15,21 +15,21 @@ APT_LOG = "/var/log/ubiquity-setup.log"
 
 @dataclass(frozen=True, slots=True)
 class WantedPackages:
-    """Debian packages. A name with | is the first of the alternatives that this release has."""
+    """Debian packages. In a name with |, the first alternative that exists in this release is chosen."""
 
     title: str
     names: tuple[str, ...]
 
     def request(self, user: str) -> FactsRequest:
-        """All alternatives."""
+        """Request all alternatives."""
         return FactsRequest(user, packages=frozenset(name for entry in self.names for name in entry.split("|")))
 
     def missing(self, facts: ComputerFacts) -> list[str]:
-        """The entries of which no alternative is installed."""
+        """Return the entries of which no alternative is installed."""
         return [entry for entry in self.names if not any(name in facts.packages for name in entry.split("|"))]
 
     def plan(self, facts: ComputerFacts) -> Change | None:
-        """Install what is missing, after mending an installation that was interrupted."""
+        """Install missing packages, after repairing an interrupted installation."""
         missing = self.missing(facts)
         if not missing:
             return None
@@ -38,23 +38,23 @@ class WantedPackages:
         return Change(self.title, difference, (install_packages(missing),), note=note)
 
     def undo(self, facts: ComputerFacts) -> Change | None:  # noqa: ARG002 - of the protocol
-        """Packages stay: something else may need them by now."""
+        """Return None: packages stay, since other programs may need them."""
         return None
 
 
 @dataclass(frozen=True, slots=True)
 class WantedService:
-    """A systemd unit that is enabled and runs."""
+    """A systemd unit that is enabled and running."""
 
     title: str
     unit: str
 
     def request(self, user: str) -> FactsRequest:
-        """The unit."""
+        """Request the unit."""
         return FactsRequest(user, services=frozenset({self.unit}))
 
     def plan(self, facts: ComputerFacts) -> Change | None:
-        """Enable and start it."""
+        """Enable and start the unit."""
         state = facts.services[self.unit]
         if state.enabled in ("enabled", "static", "alias") and state.active in ("active", "activating"):
             return None
@@ -64,12 +64,12 @@ class WantedService:
         )
 
     def undo(self, facts: ComputerFacts) -> Change | None:  # noqa: ARG002 - of the protocol
-        """Services stay: something else may need them by now."""
+        """Return None: services stay, since other programs may need them."""
         return None
 
 
 def install_packages(entries: list[str]) -> ChangeScript:
-    """Install packages, in one script that goes on by itself when the connection breaks. Its output goes to APT_LOG."""
+    """Install packages with one script, which continues if the connection breaks. Its output goes to APT_LOG."""
     choose = "".join(
         f'for n in {entry.replace("|", " ")}; do apt-cache show $n >/dev/null 2>&1 && break; done; set -- "$@" "$n"; '
         if "|" in entry

@@ -1,4 +1,4 @@
-"""From a freshly flashed robot to a ready one. Interrupted anywhere, the next run goes on."""
+"""Set-up of a robot from a freshly flashed system. After an interruption, the next run continues."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ rm -rf {LIBRARIES[1]} && echo removed"""
 
 
 def prepare_viewer(shell: Shell, user: str) -> ViewerFacts:
-    """Make sure that this user has keys, and return what a robot has to know."""
+    """Make sure that this user has ssh keys, and return the facts that a robot needs about this computer."""
     base = FactsRequest(user, files=frozenset({HOST_KEY, KEY + ".pub"}))
 
     def make(facts: ComputerFacts) -> list[Wanted]:
@@ -66,9 +66,9 @@ def preview(task: Task, shell: SshShell, viewer: ViewerFacts) -> list[Change]:
 
 
 def take_back(task: Task, viewer: ViewerFacts, report: Report) -> int:
-    """Take back what the set-up wrote on a robot that has ROS 2, and here; the number of changes. Packages stay.
+    """Revert the set-up of a robot with ROS 2, on the robot and this computer; return the number of changes.
 
-    The login by key is the last. Raises UserError.
+    Packages stay. The login by key is removed last. Raises UserError.
     """
     user = task.address.user
     base = base_request(user)
@@ -94,10 +94,10 @@ def _wanted(task: Task, shell: SshShell, viewer: ViewerFacts, facts: ComputerFac
 
 
 def set_up(task: Task, here: Shell, viewer: ViewerFacts, report: Report, progress: Progress | None = None) -> int:
-    """Bring the robot, and what this computer knows of it, to the wanted state; the number of changes it took.
+    """Bring the robot, and this computer's knowledge of it, to the wanted state; return the number of changes.
 
-    `progress` gets what long changes do. Raises UserError, naming what failed, what to do, and leaving a robot that can
-    be reached.
+    `progress` is called during long changes. Raises UserError, which names the failed step and the remedy; the robot
+    stays reachable.
     """
     user = task.address.user
     who = f"{viewer.user}@{viewer.name}"
@@ -133,10 +133,10 @@ def set_up(task: Task, here: Shell, viewer: ViewerFacts, report: Report, progres
 
 
 def update_master(robot: WantedRobot, shell: Shell, report: Report) -> int:
-    """Give a running ROS master the base and variant of the robot file; 1 where it had others, else 0.
+    """Set the base and variant of the robot file on a running ROS master; return 1 if they were different, else 0.
 
-    It is looked at each time, so that an interrupted set-up is completed. A master that does not run gets them at its
-    start.
+    The master is checked each time, so that an interrupted set-up is completed. A master that starts later reads the
+    values at its start.
     """
     done = shell.run(quote("python3", "-I", "-c", set_base_script(seconds=0.0)), timeout=30.0)
     if done.code or "changed" not in done.out:
@@ -147,10 +147,10 @@ def update_master(robot: WantedRobot, shell: Shell, report: Report) -> int:
 
 
 def set_clock(shell: Shell, now: Callable[[], float], report: Report) -> None:
-    """Set a clock that is minutes off, as that of a computer without a battery for it: apt and keys look at dates.
+    """Correct a clock that is minutes off, as without a backup battery, because apt and keys depend on dates.
 
-    `now` is this computer's time (s since 1970). Smaller differences are left to chrony. Nothing happens where the
-    clock cannot be set.
+    `now` returns this computer's time (s since 1970). Smaller differences are left to chrony. A clock that cannot be
+    set is no error.
     """
     reported = shell.run("date +%s").out.strip()
     ahead = int(reported) - now() if re.fullmatch(r"[0-9]{1,12}", reported) else 0.0
@@ -162,10 +162,10 @@ def set_clock(shell: Shell, now: Callable[[], float], report: Report) -> None:
 
 
 def wait_for_boot(task: Task, before: str, at: str, report: Report) -> None:
-    """Wait until the robot has booted again and answers to its new name and our key. Raises UserError.
+    """Wait until the robot has rebooted and answers to its new name and this computer's key. Raises UserError.
 
-    `before` names the boot that shall end, `at` is the robot's address in it. A robot that is still in that boot has
-    not received the request: it is asked again.
+    `before` is the id of the ending boot, `at` is the robot's address in it. If the robot is still in that boot, it has
+    not received the request, which is then repeated.
     """
     # Its new name is that of its host key, which is known, whatever it still calls itself.
     old = ["-o", f"HostKeyAlias={task.later.host}", "-o", f"ConnectTimeout={QUICK_SECONDS}"]
@@ -202,7 +202,7 @@ def wait_for_boot(task: Task, before: str, at: str, report: Report) -> None:
 
 
 def _reboot(shell: SshShell) -> str:
-    """Reboot it; returns the reason if it refuses."""
+    """Reboot the computer; return the reason if it refuses."""
     with suppress(UserError):  # the connection does not outlive it
         done = shell.run("systemctl reboot --no-block", root=True, timeout=20)
         return done.err.strip().splitlines()[0] if done.code and done.err.strip() else ""
@@ -251,7 +251,7 @@ def _remember(task: Task, host: str, here: Shell, viewer: ViewerFacts, facts: Co
 
 @contextmanager
 def _alone_here() -> Iterator[None]:
-    """While inside, no other set-up of this user changes files here, such as one for another robot at the same time."""
+    """Lock out other set-ups of this user on this computer, such as one for another robot at the same time."""
     folder = Path.home() / ".ssh"
     folder.mkdir(mode=0o700, exist_ok=True)
     place = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
@@ -269,7 +269,7 @@ def _password(task: Task, shell: SshShell) -> WantedPassword | None:
 
 
 def _check_robot(task: Task, shell: SshShell) -> None:
-    """Raise UserError where its system cannot have ROS 1, or another computer has the name that it is to have."""
+    """Raise UserError if its system cannot have ROS 1, or another computer has its future name."""
     mine = gather(shell, FactsRequest(task.address.user))
     if not task.robot.ros2:
         check_robot_system(shell.place, parse_os_release(mine.system))

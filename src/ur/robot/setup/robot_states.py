@@ -1,4 +1,4 @@
-"""The wanted state of a robot's computer."""
+"""The wanted state of a robot."""
 
 from __future__ import annotations
 
@@ -43,7 +43,10 @@ KEEP_NAME = "# Written by ur robot setup.\npreserve_hostname: true\nmanage_etc_h
 
 @dataclass(frozen=True, slots=True)
 class ViewerFacts:
-    """The facts that a robot needs about the viewer. `host_key` is None when no ssh server is there."""
+    """The facts that a robot needs about the viewer, the user's computer.
+
+    `host_key` is None if no ssh server is installed.
+    """
 
     user: str
     name: str
@@ -53,10 +56,10 @@ class ViewerFacts:
 
 @dataclass(frozen=True, slots=True)
 class WantedRobot:
-    """The name and base that a robot is to have. With `master`, it keeps a ROS master running from its boot on.
+    """The wanted name and base of a robot.
 
-    With `programs`, everything that programs of this project need is installed there. `ros2` is the ROS 2 that it has;
-    None: it gets ROS 1.
+    With `master`, a ROS master runs from boot on. With `programs`, the requirements of this project's programs are
+    installed. `ros2` is its present ROS 2; None: the set-up installs ROS 1.
     """
 
     name: str
@@ -69,18 +72,18 @@ class WantedRobot:
 
 @dataclass(frozen=True, slots=True)
 class WantedPassword:
-    """A password of the user. Whether it is set already cannot be read: `is_set` was found out by comparing."""
+    """The password of the user. It cannot be read, so `is_set` is determined by comparing."""
 
     password: Secret
     is_set: bool
     title: str = "password"
 
     def request(self, user: str) -> FactsRequest:
-        """No facts."""
+        """Request no facts."""
         return FactsRequest(user)
 
     def plan(self, facts: ComputerFacts) -> Change | None:
-        """Set it, through standard input."""
+        """Set the password, through standard input."""
         if self.is_set:
             return None
         line = Secret(f"{facts.user}:{self.password.reveal()}\n")
@@ -88,17 +91,17 @@ class WantedPassword:
         return Change(self.title, f"new password for {facts.user}", (command,))
 
     def undo(self, facts: ComputerFacts) -> Change | None:  # noqa: ARG002 - of the protocol
-        """It stays."""
+        """Return None: the password stays."""
         return None
 
 
 def is_robot_name(text: str) -> bool:
-    """Return whether a robot may be called so: a host name of one label (RFC 1123), in lower case."""
+    """Return whether a text is a valid robot name: a host name of one label (RFC 1123), in lower case."""
     return re.fullmatch(r"[a-z0-9]([a-z0-9-]{0,61}[a-z0-9])?", text) is not None
 
 
 def base_request(user: str) -> FactsRequest:
-    """The facts that `wanted_there` needs."""
+    """Return the facts that `wanted_there` needs."""
     return FactsRequest(user, files=frozenset({HOST_KEY, KEY + ".pub", CLOUD, AVAHI, str(ROBOT_FILE)}))
 
 
@@ -111,13 +114,11 @@ def wanted_there(
     library: Sequence[Wanted] = (),
     devices: Sequence[Expected] = (),
 ) -> list[Wanted]:
-    """The robot's wanted states, in the order of their making: the way in first, the name last.
+    """Return the robot's wanted states in the order of their application: the login first, the name last.
 
-    `library` is the copy of this project that it is to have, and what makes it run; `devices` are those that its base
-    needs: they get stable names.
-
-    The new name takes effect with the next boot. Until then, wherever this is interrupted, the robot answers to the old
-    one; and from the first change on to the viewer's key.
+    `library` is the copy of this project and its environment; `devices` are those that its base needs, which get stable
+    names. The new name takes effect at the next boot. Until then, after an interruption at any point, the robot has its
+    old name; from the first change on it accepts the viewer's key.
     """
     items: list[Wanted] = [
         WantedFolder("ssh folder", "~/.ssh", mode=0o700),
@@ -163,12 +164,12 @@ def wanted_there(
 
 
 def follow_host_name(settings: str) -> str:
-    """Avahi's settings without a host name of their own, which would be announced in place of the computer's."""
+    """Return Avahi's settings without a separate host name, which would be announced in place of the computer's."""
     return re.sub(r"(?m)^([ \t]*host-name[ \t]*=)", r"#\1", settings)
 
 
 def boot_master(user: str, home: str) -> list[Wanted]:
-    """A ROS master that is kept up from the boot on, so that viewers and programs find one."""
+    """Return the states for a ROS master that runs from boot on, so that viewers and programs find one."""
     unit = master_unit(user, home)
     service = f"{unit.service}.service"
     reload = f"systemctl daemon-reload; systemctl try-restart {service}"
@@ -179,9 +180,9 @@ def boot_master(user: str, home: str) -> list[Wanted]:
 
 
 def robot_file(robot: WantedRobot, present: str | None = None) -> str:
-    """The text of robot.yaml. What else the present one holds, such as devices, stays.
+    """Return the text of robot.yaml. Other entries of the present file, such as devices, stay.
 
-    Names and bases are plain words, which YAML may still take for numbers or truths: they are quoted.
+    Names and bases are plain words, which YAML might read as numbers or booleans: they are quoted.
     """
     head = "# What this robot is; read by ur. Written by ur robot setup.\n"
     rows = {"name": robot.name, "base": robot.base, "variant": robot.variant}
@@ -191,7 +192,7 @@ def robot_file(robot: WantedRobot, present: str | None = None) -> str:
 
 
 def announcement(robot: WantedRobot, user: str) -> str:
-    """The avahi service by which viewers find the robot. `version` is that of `ur`, which set it up."""
+    """Return the Avahi service by which viewers find the robot. `version` is that of the `ur` that set it up."""
     own = {"name": robot.name, "base": robot.base, "variant": robot.variant, "user": user}
     records = {**own, "ros": robot.ros2.distro if robot.ros2 else "", "version": version("ubiquity-launches")}
     texts = "".join(f"    <txt-record>{key}={value}</txt-record>\n" for key, value in records.items() if value)
@@ -203,7 +204,7 @@ def announcement(robot: WantedRobot, user: str) -> str:
 
 
 def time_source(viewer: ViewerFacts) -> str:
-    """Chrony's settings: the viewer counts when there is no better source, as on a robot without internet."""
+    """Return Chrony's settings: the viewer is the time source if there is no better one, as without internet."""
     return (
         "# Written by ur robot setup. The viewer's time, where no server of the internet answers.\n"
         f"server {viewer.name}.local iburst minpoll 3 maxpoll 6\n"

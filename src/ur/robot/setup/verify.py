@@ -1,4 +1,4 @@
-"""Looks at a robot from both ends, as a user and a ROS node would."""
+"""Verification of a robot from both ends, as a user and a ROS node would use it."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ echo "nothing is set up there" >&2; exit 1"""
 
 @dataclass(frozen=True, slots=True)
 class Check:
-    """One point: what was looked at, from where, whether it is as it should be, and what was seen."""
+    """One check: its subject, the computer that made it, whether it passed, and the observation."""
 
     title: str
     place: str
@@ -50,9 +50,9 @@ class Check:
 def verify(
     task: Task, here: Shell, there: SshShell, viewer: ViewerFacts, find_master: Callable[[str], bool]
 ) -> list[Check]:
-    """All points, good or not. Raises UserError only when the connection is lost.
+    """Return all checks, passed or failed. Raises UserError only if the connection breaks.
 
-    `find_master` waits until a host's ROS master answers here; it starts after the network is there.
+    `find_master` waits until a host's ROS master answers this computer; it starts after the network is up.
     """
     if task.robot.ros2:
         return _verify_ros2(task, here, there)

@@ -1,4 +1,4 @@
-"""The wanted state of the viewer, the computer in front of the user."""
+"""The wanted state of the viewer, the user's computer."""
 
 from __future__ import annotations
 
@@ -38,16 +38,17 @@ allow fe80::/10
 
 
 def base_request(user: str) -> FactsRequest:
-    """The facts that `wanted_here` needs."""
+    """Return the facts that `wanted_here` needs."""
     return FactsRequest(user, files=frozenset({HOST_KEY}))
 
 
 def wanted_here(
     facts: ComputerFacts, repository: Path, *, system: bool = True, completion: Mapping[str, str] | None = None
 ) -> list[Wanted]:
-    """The viewer's wanted states, in the order of their making. Without `system`, only those that need no root.
+    """Return the viewer's wanted states in the order of their application.
 
-    `completion` holds what makes a shell complete `ur`, by the name of the shell.
+    Without `system`, only those that need no root. `completion` are the completion scripts of `ur`, by the name of the
+    shell.
     """
     items: list[Wanted] = []
     if system:

@@ -1,6 +1,6 @@
-"""Wanted states, one small kind each: which facts it needs, what it would change, and what takes that back.
+"""Wanted states, one class per kind: the facts it needs, the change that reaches it, and the change that reverts it.
 
-`plan` returns None when the computer is already so. `undo` returns None when there is nothing of ours to take back.
+`plan` returns None if the computer is already in the state. `undo` returns None if there is nothing to revert.
 """
 
 from __future__ import annotations
@@ -16,14 +16,14 @@ from ur.robot.ssh.shell import REPLACE, quote
 
 
 class Wanted(Protocol):
-    """A property that a computer shall have."""
+    """A property that a computer is to have."""
 
     @property
     def title(self) -> str:
-        """A few words that name it."""
+        """A few words that name the state."""
 
     def request(self, user: str) -> FactsRequest:
-        """The facts that `plan` and `undo` look at."""
+        """Return the facts that `plan` and `undo` need."""
 
     def plan(self, facts: ComputerFacts) -> Change | None:
         """Plan the missing changes."""
@@ -34,9 +34,9 @@ class Wanted(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class WantedFile:
-    """A file with exactly this text. Owned by root, unless it lies in the home folder (~/).
+    """A file with exactly this text, owned by root unless it lies in the home folder (~/).
 
-    `then` is a script that runs, as root, in the same breath: a service that is to read the file.
+    `then` is a script that runs in the same command, as root: it makes a service read the file.
     """
 
     title: str
@@ -46,11 +46,11 @@ class WantedFile:
     then: str = ""
 
     def request(self, user: str) -> FactsRequest:
-        """The file, and what is known of the time before it."""
+        """Request the file, and the record of its original."""
         return FactsRequest(user, files=frozenset({self.path, RECORD, kept_path(self.path)}))
 
     def plan(self, facts: ComputerFacts) -> Change | None:
-        """Write it when text or mode differ. A file of the user that was there is put away."""
+        """Write the file if its text or mode differ. An existing file of the user is saved."""
         state = facts.file(self.path)
         if state.text == self.text and state.mode == self.mode:
             return None
@@ -61,7 +61,7 @@ class WantedFile:
         )
 
     def undo(self, facts: ComputerFacts) -> Change | None:
-        """Remove it when it is still ours, unchanged; put back what was there."""
+        """Remove the file if it is unchanged since `ur` wrote it, and restore the original."""
         state, kept = facts.file(self.path), facts.file(kept_path(self.path)).text
         if state.text != self.text:
             return None
@@ -74,9 +74,9 @@ class WantedFile:
 
 @dataclass(frozen=True, slots=True)
 class WantedLine:
-    """A line that a text file of the user holds, first of all or last of all. The user's own lines stay as they are.
+    """A line in a text file of the user, as the first or the last one. The user's own lines stay unchanged.
 
-    `old` are beginnings of lines that it replaces: what an earlier version wrote.
+    `old` are beginnings of lines that it replaces: those of earlier versions.
     """
 
     title: str
@@ -87,11 +87,11 @@ class WantedLine:
     old: tuple[str, ...] = ()
 
     def request(self, user: str) -> FactsRequest:
-        """The file, and what is known of the time before it."""
+        """Request the file, and the record of its original."""
         return FactsRequest(user, files=frozenset({self.path, RECORD}))
 
     def plan(self, facts: ComputerFacts) -> Change | None:
-        """Put it where it belongs; elsewhere in the file it is taken away. A wrong mode is set right only if wider."""
+        """Put the line in its place and remove it elsewhere in the file. A mode is corrected only if it is too wide."""
         state = facts.file(self.path)
         rest = self._rest(state.text)
         if self.first:
@@ -109,7 +109,7 @@ class WantedLine:
         return Change(self.title, difference, (write_file(facts, self.path, text, mode),))
 
     def undo(self, facts: ComputerFacts) -> Change | None:
-        """Take the line away, and the file when it was not there and nothing else is in it."""
+        """Remove the line, and the file if it did not exist before and is empty otherwise."""
         state = facts.file(self.path)
         if state.text is None or self.line not in state.text.split("\n"):
             return None
@@ -138,11 +138,11 @@ class WantedFolder:
     mode: int = 0o755
 
     def request(self, user: str) -> FactsRequest:
-        """The folder, and whether it was there."""
+        """Request the folder, and the record of its origin."""
         return FactsRequest(user, files=frozenset({self.path, RECORD}))
 
     def plan(self, facts: ComputerFacts) -> Change | None:
-        """Make it. One that others shall not enter loses rights that are too wide."""
+        """Create the folder. If others must not enter it, permissions that are too wide are removed."""
         state = facts.file(self.path)
         strict = not self.mode & 0o077
         if state.folder and not (strict and state.mode & ~self.mode):
@@ -157,7 +157,7 @@ class WantedFolder:
         return Change(self.title, f"{self.path}/: new folder", (ChangeScript(script),))
 
     def undo(self, facts: ComputerFacts) -> Change | None:
-        """Remove it when it was made and is empty, which is seen in trying. A strict one stays: it holds keys."""
+        """Remove the folder if `ur` created it and it is empty. A private one stays: it holds keys."""
         if not facts.file(self.path).folder or not self.mode & 0o077 or not is_made(facts, self.path):
             return None
         script = f'{note_script(facts)} own {quote(facts.resolve(self.path))}; prune "$f/."'
@@ -166,17 +166,17 @@ class WantedFolder:
 
 @dataclass(frozen=True, slots=True)
 class WantedGroups:
-    """Groups that the user is in, of those that exist on the computer."""
+    """Groups of the user, of those that exist on the computer."""
 
     title: str
     names: tuple[str, ...]
 
     def request(self, user: str) -> FactsRequest:
-        """The facts to read: the groups."""
+        """Request the groups."""
         return FactsRequest(user, files=frozenset({"/etc/group"}))
 
     def plan(self, facts: ComputerFacts) -> Change | None:
-        """Join those that are missing; it takes effect at the next login."""
+        """Add the user to missing groups, which takes effect at the next login."""
         existing = {line.split(":")[0] for line in (facts.file("/etc/group").text or "").splitlines()}
         missing = [name for name in self.names if name in existing and name not in facts.groups]
         if not missing:
@@ -186,16 +186,16 @@ class WantedGroups:
         return Change(self.title, difference, (ChangeScript(script, root=True),))
 
     def undo(self, facts: ComputerFacts) -> Change | None:  # noqa: ARG002 - of the protocol
-        """Groups stay: something else may need them by now."""
+        """Return None: group memberships stay, since other programs may need them."""
         return None
 
 
 def write_file(
     facts: ComputerFacts, path: str, text: str, mode: int, then: str = "", *, keep: bool = False
 ) -> ChangeScript:
-    """Write a file in one step: who reads it sees the old one or the new one, also when a process is killed.
+    """Write a file atomically: a reader sees the old or the new one, also if a process is killed.
 
-    A file that is a symbolic link stays one: what it points to is written. With `keep`, a file of the user is put away.
+    A file that is a symbolic link stays one: its target is written. With `keep`, an existing file of the user is saved.
     """
     own = path.startswith("~/")
     target = quote(facts.resolve(path))

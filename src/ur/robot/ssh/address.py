@@ -23,7 +23,7 @@ class Address:
 
 
 def parse_address(text: str, default_user: str) -> Address:
-    """Read [USER@]HOST; a HOST without a dot is a zeroconf name: HOST.local. Raises UserError."""
+    """Read [USER@]HOST; a HOST without a dot is the zeroconf name HOST.local. Raises UserError."""
     user, at, host = text.rpartition("@")
     user = user if at else default_user
     if not _USER.fullmatch(user) or not _HOST.fullmatch(host):

@@ -1,8 +1,8 @@
-"""Hands a password to ssh: the program that ssh starts as SSH_ASKPASS, and the socket it is answered on.
+"""Password input for ssh: the program that ssh starts as SSH_ASKPASS, and the socket that answers it.
 
-ssh closes all descriptors but the first three, so the password waits behind a socket in a folder that only its user may
-enter. It answers that user's processes, one password question per permission, and nothing else: a question about a host
-key is never answered. Run as a program: python -I askpass.py PROMPT, with the socket's path in UR_ASKPASS.
+ssh closes all descriptors but the first three, so a socket in a private folder of the user provides the password. It
+answers that user's processes, one password prompt per permission, and nothing else: a prompt about a host key is never
+answered. Run as a program: python -I askpass.py PROMPT, with the socket's path in UR_ASKPASS.
 """
 
 from __future__ import annotations
@@ -33,10 +33,10 @@ def main() -> int:
 
 @contextmanager
 def answer_password(folder: Path, password: str, script: str = __file__) -> Iterator[dict[str, str]]:
-    """While inside, ssh processes with the environment that this yields are given the password, once.
+    """Yield an environment for ssh, which gets the password once while the context lasts.
 
-    `folder` is a private one (mode 0700) that exists; `script` is this module, in any clone. What is
-    put there holds no secret and is removed.
+    `folder` is a private one (mode 0700) that exists; `script` is this module, in any clone. Files in it hold no secret
+    and are removed.
     """
     place = folder / "askpass.socket"
     program = folder / "askpass"

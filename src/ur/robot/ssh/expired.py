@@ -1,4 +1,4 @@
-"""A password that has to be changed at the first login, as Ubuntu's images want it: a talk with passwd over there."""
+"""Password change at the first login, as Ubuntu's images require it: a dialogue with passwd on the remote computer."""
 
 from __future__ import annotations
 
@@ -28,9 +28,10 @@ _DONE = "password updated successfully"
 
 
 def renew_password(address: Address, current: Secret, new: Secret, options: Sequence[str]) -> None:
-    """Log in with the present password and choose the new one, which sshd then asks for. `options` are words for ssh.
+    """Log in with the present password and set the new one, which sshd then requests.
 
-    Raises UserError: the connection broke, or the new password is refused, with passwd's reason.
+    `options` are arguments for ssh. Raises UserError if the connection breaks, or the new password is refused, with
+    passwd's reason.
     """
     with private_folder() as folder, answer_password(folder, current.reveal()) as environment:
         # A terminal over there, for passwd asks nobody else; here there are only pipes.
@@ -52,9 +53,9 @@ def renew_password(address: Address, current: Secret, new: Secret, options: Sequ
 
 
 def _converse(process: subprocess.Popen[bytes], current: Secret, answers: Sequence[Secret]) -> str:
-    """Answer each question for a password; all that was printed.
+    """Answer each password prompt; return all output.
 
-    The present one is given once. Where it is asked for again it was refused, and the new one is not given.
+    The present password is given once. A second prompt for it means that it was refused, and the new one is not given.
     """
     assert process.stdin
     assert process.stdout

@@ -1,4 +1,4 @@
-"""Failures of ssh, explained from its words: logins that fail, and connections that break."""
+"""Failures of ssh, explained from its output: failed logins, and broken connections."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ NOT_STARTED = "not-started"
 
 
 def lost_connection(place: str, reported: str) -> UserError:
-    """The error of a connection that broke."""
+    """Return the error for a broken connection."""
     reason = reported.strip().splitlines()[-1] if reported.strip() else "it closed"
     if reason.startswith("kex_exchange_identification"):  # the shared connection had ended before: see _ONLY_SHARED
         reason = "it closed"
@@ -18,12 +18,12 @@ def lost_connection(place: str, reported: str) -> UserError:
 
 
 def is_expired(reported: str) -> bool:
-    """Return whether sshd refused a command since the user has to choose a new password first."""
+    """Return whether sshd refused a command because the user has to change the password first."""
     return "Password change required but no TTY available" in reported
 
 
 def expired_password(address: Address) -> UserError:
-    """The error of a computer that wants a new password at the first login, as Ubuntu's images do."""
+    """Return the error for a computer that requires a new password at the first login, as Ubuntu's images do."""
     return UserError(
         error_about(
             str(address),

@@ -1,6 +1,7 @@
-"""Folders and programs that end with this process, however it ends: by SIGKILL, too.
+"""Folders and programs that end with this process, even if it is killed by SIGKILL.
 
-A small shell script beside it reads from a pipe into which no program writes: it learns of the end by the pipe's.
+A small shell script beside it reads from a pipe into which no program writes: when the pipe closes, the process has
+ended.
 """
 
 from __future__ import annotations
@@ -35,7 +36,7 @@ kill "$!" 2>/dev/null; wait
 
 @contextmanager
 def private_folder() -> Iterator[Path]:
-    """A new folder that only this user may enter. It goes when the context ends, or this process."""
+    """Yield a new folder that only this user may enter. It is removed when the context or this process ends."""
     base = os.environ.get("TMPDIR", "/tmp")  # noqa: S108 - made by mktemp
     base = base if len(os.fsencode(base)) <= SOCKET_BYTES and os.path.isdir(base) else "/tmp"  # noqa: S108, PTH112
     guard = _spawn(["sh", "-c", _FOLDER, "sh", base])
@@ -58,13 +59,13 @@ def private_folder() -> Iterator[Path]:
 
 @dataclass(slots=True)
 class PipeLines:
-    """The lines of a pipe, by its file descriptor, read with a limit to one's patience."""
+    """The lines of a pipe, by its file descriptor, read with a timeout."""
 
     pipe: int
     _rest: bytes = b""
 
     def read(self, seconds: float) -> str | None:
-        """The next line, without its end. None when `seconds` pass, or when nothing more comes."""
+        """Return the next line, without its end. None after `seconds`, or when no more lines follow."""
         end = time.monotonic() + seconds
         while b"\n" not in self._rest:
             left = end - time.monotonic()
@@ -78,13 +79,13 @@ class PipeLines:
 
 @dataclass(frozen=True, slots=True)
 class Guarded:
-    """A program that runs. Its standard error goes to `log`."""
+    """A running program. Its standard error goes to `log`."""
 
     log: Path
     lines: PipeLines
 
     def wait_for_line(self, line: str, seconds: float) -> bool:
-        """Wait until it prints this line. False when it ends first or `seconds` pass."""
+        """Wait until the program prints this line. False if it ends first or `seconds` pass."""
         end = time.monotonic() + seconds
         while (reported := self.lines.read(end - time.monotonic())) is not None:
             if reported == line:
@@ -94,7 +95,7 @@ class Guarded:
 
 @contextmanager
 def run_guarded(command: Sequence[str], log: Path, environment: dict[str, str] | None = None) -> Iterator[Guarded]:
-    """Run a program in the background. It is ended when the context ends, or this process."""
+    """Run a program in the background. It is ended when the context or this process ends."""
     process = _spawn(["sh", "-c", _PROGRAM, "sh", str(log), *command], environment)
     assert process.stdout
     try:

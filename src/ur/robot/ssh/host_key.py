@@ -1,4 +1,4 @@
-"""Host keys: the one that a computer offers, its fingerprint, and the file by which ssh accepts that one alone."""
+"""Host keys: the one that a computer offers, its fingerprint, and a known_hosts file that accepts only that key."""
 
 from __future__ import annotations
 
@@ -41,24 +41,24 @@ def parse_fingerprint(text: str) -> str:
 
 
 def pin_host_key(folder: Path, host_key: HostKey) -> Path:
-    """Write the known_hosts file that holds this key alone, for any name; `folder` is private."""
+    """Write a known_hosts file with only this key, for any name; `folder` is private."""
     path = folder / "known_hosts"
     path.write_text(f"* {host_key.key}\n")
     return path
 
 
 def find_known_keys(host: str) -> frozenset[HostKey]:
-    """The host keys that this user's known_hosts has for a name."""
+    """Return the host keys that this user's known_hosts has for a name."""
     done = run_process(["ssh-keygen", "-F", host], timeout=20, what="a known host key")
     rows = (line.split() for line in done.out.splitlines() if not line.startswith(("#", "@")))
     return frozenset(HostKey(f"{row[1]} {row[2]}") for row in rows if len(row) >= 3 and row[1] == "ssh-ed25519")
 
 
 def check_known(address: Address) -> str:
-    """Compare a computer's host key with the one that is known, without a login.
+    """Compare a computer's host key with the known one, without a login.
 
     Returns `known`, `unknown-host-key`, `changed-host-key`, or, where no host key was offered, the rule of the failure
-    (see `explain_failure`). No secret and no public key is offered.
+    (see `explain_failure`). No secret and no public key is sent.
     """
     done = _knock(address, ["StrictHostKeyChecking=yes"])
     if done.code == 0:
@@ -68,9 +68,9 @@ def check_known(address: Address) -> str:
 
 
 def fetch_host_key(address: Address) -> HostKey:
-    """Ask a computer for its host key. Nothing of it is trusted, and no secret and no public key is offered.
+    """Ask a computer for its host key, which is not trusted yet. No secret and no public key is sent.
 
-    Raises UserError: it offers none of type ed25519, or does not answer.
+    Raises UserError if it offers no key of type ed25519, or does not answer.
     """
     with private_folder() as folder:
         offered = folder / "offered"
@@ -95,7 +95,7 @@ def fetch_host_key(address: Address) -> HostKey:
 
 
 def _knock(address: Address, settings: list[str]) -> ShellResult:
-    """Connect as far as the host key. Logging in is tried with method `none`, which offers nothing."""
+    """Connect up to the exchange of the host key. The login is tried with method `none`, which sends no credentials."""
     none = ["BatchMode=yes", "PreferredAuthentications=none", "PubkeyAuthentication=no", "PasswordAuthentication=no"]
     none += ["KbdInteractiveAuthentication=no", "GSSAPIAuthentication=no", "HostbasedAuthentication=no"]
     quiet = ["ForwardAgent=no", "ForwardX11=no", "ClearAllForwardings=yes", "PermitLocalCommand=no", "ControlPath=none"]

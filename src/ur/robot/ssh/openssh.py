@@ -1,4 +1,4 @@
-"""One connection to another computer: the OpenSSH client's master mode, so that a command costs one round trip."""
+"""One connection to another computer: the OpenSSH client's master mode, so that a command takes one round trip."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ _ONLY_SHARED = ("-o", "ProxyCommand=false")
 
 
 class SshShell:
-    """Scripts on another computer. Made by `connect`, which also ends it."""
+    """Runs scripts on another computer. Made by `connect`, which also closes it."""
 
     def __init__(
         self,
@@ -60,13 +60,13 @@ class SshShell:
 
     @property
     def words(self) -> list[str]:
-        """The ssh command, up to the address, that uses this connection: for programs that start ssh themselves."""
+        """Return the ssh command of this connection, up to the address, for programs that start ssh themselves."""
         return ["ssh", *_ONLY_SHARED, *self._options]
 
     def run(self, script: str, *, root: bool = False, stdin: str | Secret = "", timeout: float = 60.0) -> ShellResult:
-        """Run a script with sh there. With `root`, by sudo, which reads the password from the connection.
+        """Run a script with sh on the computer. With `root`, by sudo, which reads the password from the connection.
 
-        Raises UserError when the connection has ended.
+        Raises UserError if the connection has ended.
         """
         done = self._run(script, root, stdin, timeout)
         if root and done.code and _SUDO_REFUSED.search(done.err) and self.find_sudo(self._candidates):
@@ -88,7 +88,7 @@ class SshShell:
         return done
 
     def start(self, script: str, *, root: bool = False) -> subprocess.Popen[str]:
-        """Start a script there that talks: its standard input and output are pipes. Its caller ends it."""
+        """Start an interactive script: its standard input and output are pipes. The caller ends it."""
         process = subprocess.Popen(
             self._words(script, root),
             stdin=subprocess.PIPE,
@@ -104,16 +104,16 @@ class SshShell:
         return process
 
     def forward_back(self, port: int) -> int:
-        """Let programs there reach a port of this computer's loopback interface while the connection lasts.
+        """Forward a port of this computer's loopback interface to the remote computer while the connection lasts.
 
-        The port that they use, on their own loopback interface; 0 where the ssh server does not allow it.
+        Return the port on the remote loopback interface; 0 if the ssh server does not allow forwarding.
         """
         done = self._forward("-R", f"127.0.0.1:0:127.0.0.1:{port}")
         port_there = done.out.strip()
         return int(port_there) if done.code == 0 and port_there.isdecimal() else 0
 
     def forward(self, port: int) -> bool:
-        """Let programs of this computer reach the same port of the loopback interface there; whether that works."""
+        """Forward the same port of the remote loopback interface to this computer; return whether that works."""
         return self._forward("-L", f"127.0.0.1:{port}:127.0.0.1:{port}").code == 0
 
     def _forward(self, kind: str, ports: str) -> ShellResult:
@@ -128,7 +128,7 @@ class SshShell:
         return frozenset(one for one in (self._login, self._sudo) if one)
 
     def allow(self, candidates: Sequence[Secret]) -> None:
-        """Use these from now on where sudo refuses the present password, as when a command has changed it."""
+        """Set passwords to try if sudo refuses the present one, as after a command that has changed it."""
         self._candidates = tuple(candidates)
 
     def _words(self, script: str, root: bool) -> list[str]:
@@ -139,11 +139,11 @@ class SshShell:
         return ["ssh", *_ONLY_SHARED, *self._options, "--", self.place, command]
 
     def _preface(self, root: bool) -> str:
-        """The input that sudo reads before the script."""
+        """Return the input that sudo reads before the script."""
         return f"{self._sudo.reveal()}\n" if root and self._sudo else ""
 
     def find_sudo(self, candidates: Sequence[Secret]) -> bool:
-        """Find which way of using sudo works: without a password, or with one of these. Whether there is one."""
+        """Find out how sudo works: without a password, or with one of these. Return whether it works."""
         self._candidates = tuple(candidates)
         self.sudo_reported = ""
         tried = self._run("true" if self.address.user == "root" else "LC_ALL=C sudo -k -n true", False, "", 30)
@@ -173,10 +173,10 @@ def connect(
 ) -> Iterator[SshShell]:
     """Log in, by key or, with `password`, by that alone; the connection ends with the context, or with this process.
 
-    Host keys must be known: in the user's own files, or, where it is given, in the file `known_hosts` alone.
-    `options` are words for ssh that count before our own. `waiting` is opened around each wait for an answer.
-    A computer that is about to start is waited for.
-    Raises UserError, which names which of these failed: name, network, host key, login.
+    Host keys must be known: in the user's own files, or, where it is given, in the file `known_hosts` alone. `options`
+    are arguments for ssh that take precedence over the default ones. `waiting` is entered around each wait for an
+    answer. A computer that is booting is waited for. Raises UserError, which names the failed step: name, network, host
+    key, login.
     """
     with private_folder() as folder:
         common = [*options, *_common(folder / "c"), *host_key_options(known_hosts)]
@@ -187,7 +187,7 @@ def connect(
 
 
 def _enter_once_started(stack: ExitStack, share: Callable[[], AbstractContextManager[None]]) -> None:
-    """Log in; while the computer boots, which closes logins of users, again and again."""
+    """Log in; while the computer boots, which refuses logins of users, try again."""
     deadline = time.monotonic() + START_SECONDS
     while True:
         try:
@@ -205,7 +205,7 @@ def _describe_wait(address: Address) -> str:
 
 
 def host_key_options(known_hosts: Path | None) -> list[str]:
-    """Words for ssh: which host keys are taken. See `connect`."""
+    """Return arguments for ssh that set the accepted host keys. See `connect`."""
     if known_hosts is None:
         return ["-o", "StrictHostKeyChecking=yes"]
     files = ["-o", f"UserKnownHostsFile={known_hosts}", "-o", "GlobalKnownHostsFile=/dev/null"]
@@ -213,7 +213,7 @@ def host_key_options(known_hosts: Path | None) -> list[str]:
 
 
 def password_options() -> list[str]:
-    """Words for ssh: log in by a password alone, and try it once."""
+    """Return arguments for ssh that allow only password logins, with one attempt."""
     once = ["-o", "NumberOfPasswordPrompts=1", "-o", "PubkeyAuthentication=no"]
     return [*once, "-o", "PreferredAuthentications=password,keyboard-interactive"]
 

@@ -1,4 +1,4 @@
-"""Public keys as computers report them: one line, one type, one comment; anything else is refused."""
+"""Public keys as computers report them: one line, one type, one comment; any other text is refused."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ _KEY = re.compile(rf"({PATTERN})(?: ([!-~](?:[ -~]{{0,98}}[!-~])?))?")
 
 @dataclass(frozen=True, slots=True)
 class PublicKey:
-    """A key: its type and its base64 in one text, and the comment of its owner."""
+    """A key: its type and its base64 text in one string, and the comment of its owner."""
 
     key: str
     comment: str
@@ -22,9 +22,9 @@ class PublicKey:
 
 
 def parse_public_key(text: str) -> PublicKey:
-    """Read the text of a public key file. Raises ValueError: more or less than one ed25519 key, or options before it.
+    """Read the text of a public key file. Raises ValueError unless it is a single ed25519 key without options.
 
-    The line becomes part of authorized_keys or known_hosts: a second one would be a login of another user.
+    The line becomes part of authorized_keys or known_hosts: a second line would let another user log in.
     """
     found = _KEY.fullmatch(text.removesuffix("\n"))
     if found is None:

@@ -1,10 +1,10 @@
-"""A text that must not be seen."""
+"""A text that must not be displayed."""
 
 from __future__ import annotations
 
 
 class Secret:
-    """A password. Its text comes out of `reveal` only: not of str, repr, a format or a comparison with a text."""
+    """A password. Only `reveal` returns its text: str, repr, formats and comparisons with a text do not reveal it."""
 
     __slots__ = ("_text",)
 
@@ -12,7 +12,7 @@ class Secret:
         self._text = text
 
     def reveal(self) -> str:
-        """The text itself. Hand it to a pipe or a socket, never to a command line, environment, file or message."""
+        """Return the text. Pass it to a pipe or a socket, never to a command line, environment, file or message."""
         return self._text
 
     def __repr__(self) -> str:

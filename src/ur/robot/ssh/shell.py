@@ -1,4 +1,4 @@
-"""A shell on some computer, as its users see it, and the one of this computer."""
+"""Shells: the protocol of a shell on any computer, and the shell of this computer."""
 
 from __future__ import annotations
 
@@ -37,18 +37,18 @@ REPLACE = (
 
 
 class Shell(Protocol):
-    """Runs POSIX shell scripts on one computer, as one user, or as root by that user's right to use sudo."""
+    """Runs POSIX shell scripts on one computer as one user, or as root by sudo."""
 
     @property
     def place(self) -> str:
         """The name of the computer in messages."""
 
     def run(self, script: str, *, root: bool = False, stdin: str | Secret = "", timeout: float = 60.0) -> ShellResult:
-        """Run a script to its end. Raises UserError when it cannot be run at all, or not within `timeout` seconds."""
+        """Run a script to its end. Raises UserError if it cannot be run, or takes longer than `timeout` seconds."""
 
 
 class LocalShell:
-    """Scripts on this computer. With `terminal`, sudo may ask there for this user's password."""
+    """Runs scripts on this computer. With `terminal`, sudo may ask there for this user's password."""
 
     place = "this computer"
 
@@ -57,7 +57,7 @@ class LocalShell:
         self._terminal, self._most = terminal, most
 
     def run(self, script: str, *, root: bool = False, stdin: str | Secret = "", timeout: float = 60.0) -> ShellResult:
-        """Run a script with sh. With `root`, by sudo, which asks on the terminal when there is one."""
+        """Run a script with sh. With `root`, by sudo, which asks on the terminal if there is one."""
         what = f"a command on {self.place}"
         if not root or os.geteuid() == 0:
             return run_process(["sh", "-c", script], stdin=stdin, timeout=timeout, what=what, most=self._most)
@@ -81,9 +81,11 @@ def run_process(
     own_session: bool = True,
     most: int = MOST_BYTES,
 ) -> ShellResult:
-    """Run a program to its end. When it is late or we are stopped it is killed; with `own_session`, all it started too.
+    """Run a program to its end.
 
-    Raises UserError: not found, not done after `timeout` seconds, or more than `most` bytes of output.
+    After the timeout or an interruption it is killed; with `own_session`, its children too.
+
+    Raises UserError if it is not found, takes longer than `timeout` seconds, or prints more than `most` bytes.
     """
     text = stdin.reveal() if isinstance(stdin, Secret) else stdin
     try:
@@ -133,7 +135,10 @@ def run_process(
 
 
 def _exchange(process: subprocess.Popen[bytes], text: bytes, end: float, most: int) -> tuple[str, str]:
-    """Write the text to a process and read its output to the end. Raises TimeoutError, and OverflowError: too much."""
+    """Write the text to a process and read its output to the end.
+
+    Raises TimeoutError, and OverflowError above `most`.
+    """
     assert process.stdin
     assert process.stdout
     assert process.stderr
@@ -178,5 +183,5 @@ _LATE = "check the network (ur doctor), then run this again: it goes on where it
 
 
 def quote(*words: str) -> str:
-    """Words as part of a shell script."""
+    """Quote arguments for a shell script."""
     return shlex.join(words)

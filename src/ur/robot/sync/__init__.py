@@ -1,1 +1,1 @@
-"""Workspaces here and on a robot, brought in step both ways without losing a change of either."""
+"""Synchronisation of the workspaces on this computer and on a robot, in both directions, without losing a change."""

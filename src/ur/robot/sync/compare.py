@@ -1,4 +1,4 @@
-"""Three-way comparison of two workspaces with what both had at the last sync. Pure."""
+"""Three-way comparison of two workspaces with their common state at the last sync. Pure."""
 
 from __future__ import annotations
 
@@ -22,11 +22,13 @@ def compare(
     take: Side | None = None,
     only: Sequence[str] = (),
 ) -> SyncPlan:
-    """Plan a sync. A path that one side has as both had it follows the other side; where neither has, it is a conflict.
+    """Plan a sync.
 
-    `to` are the sides that may be changed. `only` limits it to these paths and what is below them. `take` decides the
-    conflicts among them for one side; what the other side has there is kept. Paths that either side cannot carry stay
-    out. Without a path left on one side nothing is deleted: that workspace is a new one.
+    A path that is unchanged on one side follows the other side; one changed on both sides is a conflict.
+
+    `to` are the sides that may be changed. `only` limits the sync to these paths and those below them. `take` resolves
+    their conflicts in favour of one side; the other side's files are kept. Paths that either side cannot transfer are
+    skipped. If one side has no path at all, nothing is deleted: that workspace is a new one.
     """
     sides: dict[Side, Mapping[str, File]] = {"here": here.files, "there": there.files}
     skipped = {path: f"there: {why}" for path, why in there.skipped.items()}
@@ -92,7 +94,7 @@ def _reason(mine: Identity | None, yours: Identity | None, old: Identity | None)
 def _part_clashes(
     sides: Mapping[Side, Mapping[str, File]], steps: list[SyncStep]
 ) -> tuple[list[SyncStep], list[Conflict]]:
-    """Take out steps that would put a file where the same side keeps a folder, or the other way round."""
+    """Remove steps that would put a file in place of the same side's folder, or the reverse; return the conflicts."""
     clashes: dict[str, Conflict] = {}
     while True:
         after = {side: dict(sides[side]) for side in SIDES}
@@ -129,7 +131,7 @@ def _is_below(path: str, places: Collection[str]) -> bool:
 
 
 def drop_ignored(manifest: Manifest, patterns: Sequence[str]) -> Manifest:
-    """A side without what the other side ignores."""
+    """Return a side without the paths that the other side ignores."""
 
     def ignored(path: str) -> bool:
         above = any(is_ignored(each, [*patterns], folder=True) for each in _parents(path))
@@ -142,7 +144,7 @@ def drop_ignored(manifest: Manifest, patterns: Sequence[str]) -> Manifest:
 
 
 def agree(plan: SyncPlan, done: Mapping[Side, Mapping[str, File | None]]) -> dict[str, Agreed]:
-    """The common state after the steps in `done`, with the new state of the changed side (None: no file)."""
+    """Return the common state after the steps in `done`, with the new state of the changed side (None: no file)."""
     agreed = dict(plan.same)
     for step in plan.steps:
         if step.path not in done[step.to]:

@@ -1,4 +1,4 @@
-"""The state at the last sync with a robot, kept on this computer."""
+"""The state at the last sync with a robot, stored on this computer."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _LONGEST = 256 << 20  # characters
 
 @dataclass(frozen=True, slots=True)
 class WorkspacePair:
-    """Two workspaces. `machine` names the other computer's system: it changes when that one is flashed again."""
+    """Two workspaces. `machine` identifies the other computer's system, and changes when it is flashed again."""
 
     here: str
     there: str
@@ -41,12 +41,12 @@ class _StoredMemory:
 
 
 def memory_path(robot: str, environment: Mapping[str, str]) -> Path:
-    """The file of a robot, below the user's state folder (XDG base directory specification)."""
+    """Return the file of a robot, below the user's state folder (XDG base directory specification)."""
     return Path(user_folder("XDG_STATE_HOME", environment)) / "ubiquity_launches" / "sync" / f"{robot}.json"
 
 
 def load_memory(path: Path) -> SyncMemory | None:
-    """The last sync; None when there was none. One that cannot be read counts as none: then nothing is deleted."""
+    """Load the last sync; None if there was none or its file is unreadable: then the next sync deletes nothing."""
     try:
         stored = read_json_names(path.read_text(encoding="utf-8"), _StoredMemory, _LONGEST)
     except (OSError, UnicodeError, BadJsonError):
@@ -55,7 +55,7 @@ def load_memory(path: Path) -> SyncMemory | None:
 
 
 def store_memory(path: Path, memory: SyncMemory) -> None:
-    """Write it in one step. Raises UserError."""
+    """Write the file atomically. Raises UserError."""
     try:
         replace_file(path, write_json_names(_StoredMemory(1, memory.pair, memory.agreed)), parents=True)
     except OSError as problem:
@@ -64,6 +64,6 @@ def store_memory(path: Path, memory: SyncMemory) -> None:
 
 
 def known_files(agreed: Mapping[str, Agreed], side: str) -> dict[str, tuple[int, int, str]]:
-    """Size, time and hash of files as a side had them: with the same size and time they need not be read again."""
+    """Return size, time and hash of a side's files: those with the same size and time need not be read again."""
     files = ((path, each.here if side == "here" else each.there) for path, each in agreed.items())
     return {path: (file.size, file.time, file.content) for path, file in files if file.kind == "file"}

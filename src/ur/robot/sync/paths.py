@@ -1,4 +1,4 @@
-"""Paths of a workspace that a sync is limited to, and the lock of a sync."""
+"""Paths to which a sync is limited, and the lock of a sync."""
 
 from __future__ import annotations
 
@@ -14,7 +14,10 @@ from ur.source.diagnostic import UserError, error
 
 
 def workspace_path(path: str, root: Path) -> str:
-    """A PATH relative to the workspace: below the current folder when that lies in the workspace; '' is all of it."""
+    """Return a PATH relative to the workspace, '' for all of it.
+
+    A relative path begins at the current folder if that lies in the workspace.
+    """
     real = root.resolve()
     here = Path.cwd()
     base = here if here.is_relative_to(real) else real
@@ -27,14 +30,14 @@ def workspace_path(path: str, root: Path) -> str:
 
 
 def check_paths(paths: Mapping[str, str], known: Collection[str], root: Path, robot: str) -> None:
-    """Raise UserError for a path, by what was typed, that is neither here nor there."""
+    """Raise UserError for a path, as the user typed it, that exists on neither computer."""
     for typed, path in paths.items():
         if path and path not in known and not any(each.startswith(f"{path}/") for each in known):
             raise refuse_sync(f"{typed}: nothing of this name is in {root}, here or on {robot}", "ur sync --dry-run")
 
 
 def name_this_computer(robot: str) -> str:
-    """The name under which this computer keeps what a sync with a robot replaces."""
+    """Return the name under which this computer keeps files that a sync with a robot replaces."""
     # Each robot has a folder of its own here, since several may be synced at once.
     return f"{socket.gethostname().split('.')[0]}-{getpass.getuser()}-{robot}"
 
@@ -58,5 +61,5 @@ def lock_sync(path: Path) -> Iterator[None]:
 
 
 def refuse_sync(message: str, help: str) -> UserError:
-    """The error of a sync that cannot be done."""
+    """Return the error of a sync that cannot be done."""
     return UserError(error(message, rule="no-sync", help=help))

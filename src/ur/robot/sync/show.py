@@ -1,4 +1,4 @@
-"""A sync's plan in words, for people. Pure."""
+"""Text of a sync's plan for display. Pure."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ MANY = 60  # steps: more are shown by folder
 
 
 def describe_plan(plan: SyncPlan, robot: str, *, zone: tzinfo | None = None) -> Iterator[str]:
-    """Lines that describe what would be done, what is in conflict and why, and what is left out."""
+    """Yield lines that describe the steps, the conflicts with their reasons, and the skipped paths."""
     yield from (f"note: {note}" for note in plan.notes)
     yield from _describe_steps(plan.steps, robot)
     if plan.waiting:
@@ -52,7 +52,7 @@ def _advise(conflicts: Sequence[Conflict], robot: str) -> str:
 
 
 def describe_file(file: File | None, zone: tzinfo | None = None) -> str:
-    """One line: size and time of change, in the time zone of this computer unless another is given."""
+    """Return one line: size and time of change, in the time zone of this computer unless another is given."""
     if file is None:
         return "not there"
     if file.kind == "link":
@@ -64,7 +64,7 @@ def describe_file(file: File | None, zone: tzinfo | None = None) -> str:
 
 
 def describe_size(size: int) -> str:
-    """A number of bytes with two or three digits."""
+    """Format a number of bytes with two or three digits."""
     value, units = float(size), ["B", "kB", "MB", "GB"]
     while value >= 999.5 and len(units) > 1:
         value /= 1000
@@ -73,7 +73,7 @@ def describe_size(size: int) -> str:
 
 
 def summarise(plan: SyncPlan, robot: str) -> str:
-    """One line: how many changes go where, and how many conflicts there are."""
+    """Return one line: the number of changes in each direction, and of conflicts."""
     parts = [
         f"{_count([step for step in plan.steps if step.to == side], 'change')} {where}"
         for side, where in (("there", f"to {robot}"), ("here", f"from {robot}"))

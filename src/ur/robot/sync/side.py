@@ -1,10 +1,9 @@
-"""One side of a sync: lists a workspace's files, makes a place for what arrives, and puts that in its place.
+"""One side of a sync: list a workspace's files, create a folder for arriving files, and move those into place.
 
-It runs on the robot, too, where nothing of this project need be installed: only the standard library, in one file.
-Run as a program it reads a request as JSON from standard input and prints the answer as JSON.
-
-A file is `[kind, size, time of change in ns, executable, content]`; `kind` is `file`, `link` or `folder` (only empty
-ones), `content` the hash of a file, the target of a link, and empty for a folder. Paths are relative to the workspace.
+It also runs on the robot, on which this project need not be installed: one file that uses only the standard library.
+Run as a program it reads a request as JSON from standard input and prints the answer as JSON. A file is `[kind, size,
+time of change in ns, executable, content]`; `kind` is `file`, `link` or `folder` (only empty ones), `content` the hash
+of a file, the target of a link, and empty for a folder. Paths are relative to the workspace.
 """
 
 # A robot's small computer lists thousands of files here, and pathlib would take most of the time.
@@ -35,7 +34,7 @@ File = list[Any]
 
 
 def scan(request: Request) -> Request:
-    """List the files of the workspace `root`. `ignore` are patterns; `known` gives hashes by path, size and time."""
+    """List the files of the workspace `root`. `ignore` are patterns; `known` are hashes by path, size and time."""
     root = os.path.realpath(os.path.expanduser(request["root"]))
     patterns = [*IGNORED, *request["ignore"], *_read_patterns(root)]
     files: dict[str, File] = {}
@@ -91,9 +90,9 @@ def _is_toplevel(entry: os.DirEntry[str]) -> bool:
 
 
 def is_ignored(path: str, patterns: list[str], *, folder: bool = False) -> bool:
-    """Return whether a path fits one of the patterns: of names at any depth, or, with a / inside, of whole paths.
+    """Return whether a path matches one of the patterns: of names at any depth, or, with a / inside, of whole paths.
 
-    A pattern that ends in / is for folders only. What is inside an ignored folder is not asked about here.
+    A pattern that ends in / is for folders only. The caller does not descend into ignored folders.
     """
     for pattern in patterns:
         bare = pattern.rstrip("/")
@@ -119,7 +118,10 @@ def _read(path: str) -> str:
 
 
 def describe(path: str, known: File | None = None) -> File | None:
-    """A file; None for what cannot be carried: sockets, devices. `known` is `[size, time, hash]`. Raises OSError."""
+    """Describe a file; None for one that cannot be transferred: sockets, devices.
+
+    `known` is `[size, time, hash]`. Raises OSError.
+    """
     status = os.lstat(path)
     if stat.S_ISLNK(status.st_mode):
         return ["link", 0, status.st_mtime_ns, False, os.readlink(path)]
@@ -141,7 +143,7 @@ def _hash(path: str) -> str:
 
 
 def prepare(request: Request) -> Request:
-    """Make the workspace `root` and the private folder `arriving`."""
+    """Create the workspace `root` and the private folder `arriving`."""
     os.makedirs(request["root"], exist_ok=True)
     for attempt in range(ATTEMPTS):
         try:
@@ -154,11 +156,11 @@ def prepare(request: Request) -> Request:
 
 
 def apply(request: Request) -> Request:
-    """Bring `steps` about, each `[path, file as listed or null, file to be or null, keep it]`; then empty `arriving`.
+    """Apply `steps`, each `[path, file as listed or null, new file or null, keep it]`; then empty `arriving`.
 
-    A file that is no longer as it was listed stays as it is, and so does one whose new content has not arrived whole.
-    Answers with `done`, what the files are like now (null: deleted), and `left`, why others were left alone.
-    With the fourth set, what is replaced or deleted is kept in the folder `kept`.
+    A file that has changed since the listing stays unchanged, and so does one whose new content is incomplete. The
+    answer has `done`, the new state of the files (null: deleted), and `left`, the reasons for unchanged ones. With the
+    fourth value set, the replaced or deleted file is kept in the folder `kept`.
     """
     os.sync()  # what arrived outlives a loss of power before it replaces anything
     done: Request = {}
@@ -230,7 +232,7 @@ def _apply_one(request: Request, path: str, before: File | None, after: File | N
 
 
 def _compare(target: str, before: File | None) -> str:
-    """The difference of a file from its listing; '' when it is."""
+    """Return the difference of a file from its listing; '' if there is none."""
     try:
         now = describe(target, [before[1], before[2], before[4]] if before else None)
     except (FileNotFoundError, NotADirectoryError):

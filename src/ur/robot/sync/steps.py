@@ -27,7 +27,7 @@ class File(ForeignValue, frozen=True, array_like=True):
 
     @property
     def identity(self) -> Identity:
-        """The identity that it shares with the same file on the other side."""
+        """The properties that are equal for the same file on the other side."""
         return self.kind, self.executable, self.content
 
 
@@ -36,27 +36,33 @@ Identity = tuple[str, bool, str]
 
 @dataclass(frozen=True, slots=True)
 class Manifest:
-    """One side: its files by path, and the paths that cannot be carried, with the reasons."""
+    """One side: its files by path, and the paths that cannot be transferred, with the reasons."""
 
     files: Mapping[str, File] = field(default_factory=dict)
     skipped: Mapping[str, str] = field(default_factory=dict)
 
 
 class Agreed(ForeignValue, frozen=True, array_like=True):
-    """A path that both had alike at the last sync. Size and time show either side whether it was changed since."""
+    """A path that was equal on both sides at the last sync.
+
+    Size and time tell each side whether it was changed since.
+    """
 
     here: File
     there: File
 
     @property
     def identity(self) -> Identity:
-        """The identity of the common version."""
+        """The properties that both sides have in common."""
         return self.here.identity
 
 
 @dataclass(frozen=True, slots=True)
 class SyncStep:
-    """A change of one side. `before` is what it has, `after` what it gets; None: nothing. `keep`: save what it has."""
+    """A change of one side.
+
+    `before` is its present file, `after` its new one; None: no file. `keep`: save the present file.
+    """
 
     path: str
     to: Side
@@ -67,7 +73,7 @@ class SyncStep:
 
 @dataclass(frozen=True, slots=True)
 class Conflict:
-    """A path that stays as it is on both sides."""
+    """A path that stays unchanged on both sides."""
 
     path: str
     here: File | None
@@ -77,9 +83,10 @@ class Conflict:
 
 @dataclass(frozen=True, slots=True)
 class SyncPlan:
-    """The plan of a sync: `steps`, `conflicts`, and `waiting` steps in the direction that was not asked for.
+    """The plan of a sync: `steps`, `conflicts`, and `waiting` steps in the direction that was not requested.
 
-    With the paths in `same`, which both have alike, the next sync begins. `skipped` lists what is left out, and why.
+    The paths in `same` are equal on both sides and are the base of the next sync. `skipped` lists the paths that are
+    left out, with the reasons.
     """
 
     steps: tuple[SyncStep, ...] = ()
@@ -91,7 +98,7 @@ class SyncPlan:
 
 
 def read_files(rows: object) -> dict[str, File]:
-    """Files from their JSON, which another computer may have sent. Raises ValueError for anything else.
+    """Parse files from JSON, which another computer may have sent. Raises ValueError if it is invalid.
 
     A path stays inside of the workspace: it is relative, and no part of it is empty, `.` or `..`.
     """
@@ -99,7 +106,7 @@ def read_files(rows: object) -> dict[str, File]:
 
 
 def check_path(path: str) -> str:
-    """Return a path of a workspace. Raises ValueError for one that leads out of it."""
+    """Return a path of a workspace unchanged. Raises ValueError for one outside of the workspace."""
     if "\0" in path or any(part in ("", ".", "..") for part in path.split("/")):
         raise ValueError(f"{path!r} is no path inside of a workspace")
     return path

@@ -1,4 +1,4 @@
-"""A sync: look at both sides, compare, carry with rsync, put in place, remember."""
+"""A sync: inspect both sides, compare, transfer with rsync, move files into place, store the new state."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ _RSYNC_LOST = {10, 12, 30, 35, 255}  # rsync(1), exit values: socket I/O, protoc
 
 @dataclass(frozen=True, slots=True)
 class SyncSide:
-    """One side: where it is, and how to run something there. `shell` is None here."""
+    """One side: its workspace, and the shell to run commands on it. `shell` is None for this computer."""
 
     side: Side
     shell: Shell | None
@@ -37,7 +37,7 @@ class SyncSide:
 
 @dataclass(frozen=True, slots=True)
 class Look:
-    """The content of both sides without ignored files; the pair, and the last sync's memory if it is of this pair."""
+    """The content of both sides without ignored files; the pair, and its state at the last sync."""
 
     here: Manifest
     there: Manifest
@@ -47,7 +47,7 @@ class Look:
 
 @dataclass(frozen=True, slots=True)
 class SyncOutcome:
-    """The result of a sync: the memory for the next one, and the paths left alone, with the reasons, by side."""
+    """The result of a sync: the state for the next one, and the unchanged paths with the reasons, by side."""
 
     memory: SyncMemory
     left: Mapping[Side, Mapping[str, str]]
@@ -55,7 +55,7 @@ class SyncOutcome:
 
 @dataclass(frozen=True, slots=True)
 class _Scan:
-    """The workspace of a side, as that side describes it."""
+    """The workspace of a side, as that side reports it."""
 
     files: Mapping[str, File]
     skipped: Mapping[str, str]
@@ -66,26 +66,26 @@ class _Scan:
 
     @property
     def paths(self) -> Sequence[str]:
-        """See _ask; '' is the workspace itself."""
+        """The paths of the scan, for `_ask` to check; '' is the workspace itself."""
         return [*self.files, *filter(None, self.skipped)]
 
 
 @dataclass(frozen=True, slots=True)
 class _Applied:
-    """The files that a side has after its steps, None for those that are deleted, and the paths left alone."""
+    """The files of a side after its steps, None for deleted ones, and the unchanged paths."""
 
     done: Mapping[str, File | None]
     left: Mapping[str, str]
 
     @property
     def paths(self) -> Sequence[str]:
-        """See _ask."""
+        """The paths of the answer, for `_ask` to check."""
         return [*self.done, *filter(None, self.left)]
 
 
 @dataclass(frozen=True, slots=True)
 class _Prepared:
-    """The answer of a side that has made its folders."""
+    """The answer of a side that has created its folders."""
 
     paths: tuple[str, ...] = ()
 
@@ -123,9 +123,10 @@ def carry_out(
     progress: bool,
     report: Callable[[str], None],
 ) -> SyncOutcome:
-    """Carry out a plan's steps. `name` marks this viewer's arriving files; `stamp` names the folder of kept ones.
+    """Execute a plan's steps. `name` marks this viewer's arriving files; `stamp` names the folder of kept ones.
 
-    Interrupted anywhere, every file is either as it was or as it shall be. Raises UserError: the connection broke.
+    After an interruption at any point, every file is either in its old or in its new state. Raises UserError if the
+    connection breaks.
     """
     roots = {"here": pair.here, "there": pair.there}
     places = {"here": SyncSide("here", None), "there": SyncSide("there", shell)}
@@ -150,7 +151,7 @@ def carry_out(
 
 
 def _ask(place: SyncSide, request: Mapping[str, object], kind: type[Answer]) -> Answer:
-    """Have a side do something, and read its answer, whose paths stay inside of the workspace. Raises UserError."""
+    """Send a request to a side and parse its answer, whose paths must be inside of the workspace. Raises UserError."""
     text = write_json_names(request)
     if place.shell is None:
         done, out = None, side_program.respond(text)
@@ -175,9 +176,9 @@ def _ask(place: SyncSide, request: Mapping[str, object], kind: type[Answer]) -> 
 def rsync_command(
     ssh: Sequence[str], address: str, to: Side, roots: Mapping[str, str], arriving: str, *, progress: bool
 ) -> list[str]:
-    """The words that bring files, named on standard input, into a folder beside the workspace of side `to`.
+    """Return the rsync command for files, named on standard input, into a folder beside the workspace of side `to`.
 
-    What lies there from an interrupted transfer, and the file that is to be replaced, are built upon.
+    Partial files of an interrupted transfer, and the files to be replaced, are the basis of the delta transfer.
     """
     source = f"{roots['there' if to == 'here' else 'here']}/"
     target = f"{arriving}/"

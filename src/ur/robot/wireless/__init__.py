@@ -1,1 +1,1 @@
-"""Watches the way between this computer and a robot: signal, latency and loss, second by second."""
+"""Monitoring of the link between this computer and a robot: signal, latency and packet loss, second by second."""

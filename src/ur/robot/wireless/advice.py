@@ -14,7 +14,7 @@ LOSS = 0.01  # felt when driving
 
 
 def advise(samples: Sequence[Sample], names: tuple[str, str]) -> str:
-    """One sentence. `names` are those of this computer and of the robot."""
+    """Return one sentence of advice. `names` are the names of this computer and of the robot."""
     recent = samples[-RECENT:]
     if not recent or not any(sample.sent for sample in samples):
         return "measuring ..."

@@ -1,6 +1,6 @@
-"""Measures a link while it is open, with three processes that run all the time: ping(8), and a shell on either end.
+"""Meter of a link, with three processes that run all the time: ping(8), and a shell on either end.
 
-A process that ends, since the robot or the network is away, is started again.
+A process that ends, because the robot or the network is down, is restarted.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ LOOP = f"while :; do ({WIFI_SCRIPT}\n); printf '\\036\\n' || exit; sleep 1; done
 
 
 class ProcessLines:
-    """The lines of a process that is started again when it ends, handed to `read` in another thread."""
+    """Reads the lines of a process in another thread, calls `read` with each, and restarts the process when it ends."""
 
     def __init__(self, command: Callable[[], Sequence[str]], read: Callable[[str], None]) -> None:
         self._command, self._read = command, read
@@ -42,7 +42,7 @@ class ProcessLines:
         self._thread.join()
 
     def renew(self) -> None:
-        """End the process; a new one begins, unless this is closed."""
+        """End the process, and start a new one unless this object is closed."""
         with self._lock:
             if self._process:
                 self._process.kill()
@@ -70,7 +70,10 @@ class ProcessLines:
 
 
 class Radio:
-    """The wireless links of a computer, from the lines of LOOP. `wireless`: None until it reported something."""
+    """The wireless links of a computer, parsed from the lines of LOOP.
+
+    `wireless` is None until the first report.
+    """
 
     def __init__(self, clock: Callable[[], float]) -> None:
         self._clock = clock
@@ -79,7 +82,7 @@ class Radio:
         self.wireless: bool | None = None
 
     def read(self, line: str) -> None:
-        """Take a line in."""
+        """Parse a line."""
         if not line.startswith(_MARK):
             self._part.append(line)
             return
@@ -89,16 +92,17 @@ class Radio:
         self.wireless = bool(self.wireless) or text.startswith("device ")
 
     def link(self) -> WirelessLink | None:
-        """The link as it is now."""
+        """Return the present state of the link."""
         if self._latest is None or self._clock() - self._latest[0] > OLD or not self._latest[1]:
             return None
         return self._latest[1][0]
 
 
 class Meter:
-    """Measures while it is open; use as a context manager, which raises what `resolve` does.
+    """Measures while its context lasts; entering it raises the errors of `resolve`.
 
-    `login` is the user on the robot, `name` its full name, `resolve` gives its address: asked again when it is away.
+    `login` is the user on the robot, `name` its full name, `resolve` returns its address and is called again when the
+    robot is away.
     """
 
     def __init__(
@@ -125,7 +129,7 @@ class Meter:
             lines.close()
 
     def take(self) -> Sample:
-        """Take the samples measured since the last call."""
+        """Return the samples measured since the last call."""
         with self._lock:
             sent, lost, latency = self._echoes.take()
         self._silent = self._silent + 1 if latency is None else 0

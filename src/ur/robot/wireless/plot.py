@@ -1,4 +1,7 @@
-"""Values over time as lines of text: four dots high and two wide to a character (Unicode's braille patterns). Pure."""
+"""Values over time as lines of text: each character is four dots high and two wide (Unicode's braille patterns).
+
+Pure.
+"""
 
 from __future__ import annotations
 
@@ -12,10 +15,10 @@ GAP = "×"  # noqa: RUF001 - a sign for the eye
 
 
 def plot(values: Sequence[float | None], low: float, high: float, width: int, height: int) -> list[str]:
-    """`height` lines of `width` characters: two values to each, the latest at the right.
+    """Return `height` lines of `width` characters: two values per character, the latest at the right.
 
-    Values beyond `low` and `high` are drawn at the edge. Where both values are missing, the bottom line has GAP; where
-    there are no values yet, nothing is.
+    Values beyond `low` and `high` are drawn at the edge. If both values of a character are missing, the bottom line
+    shows GAP; before the first value it is blank.
     """
     rows = 4 * height
     shown = list(values)[-2 * width :]
@@ -35,7 +38,10 @@ def plot(values: Sequence[float | None], low: float, high: float, width: int, he
 
 
 def plot_bars(parts: Sequence[float | None], width: int) -> str:
-    """One line of bars, 0..1, two values to a character: the greater counts. Anything above 0 is seen."""
+    """Return one line of bars, 0..1, two values per character, of which the greater is drawn.
+
+    Any value above 0 is visible.
+    """
     shown = list(parts)[-2 * width :]
     if len(shown) % 2:
         shown.insert(0, None)
@@ -45,5 +51,5 @@ def plot_bars(parts: Sequence[float | None], width: int) -> str:
 
 
 def log_scale(values: Sequence[float | None]) -> list[float | None]:
-    """Decadic logarithms, for a plot over several decades; of 0 and less the one of a microsecond."""
+    """Return decadic logarithms, for a plot over several decades; values below a microsecond count as one."""
     return [None if value is None else math.log10(max(value, 1e-6)) for value in values]

@@ -1,4 +1,4 @@
-"""Measured seconds as a table of comma-separated values (RFC 4180). Pure but for the file."""
+"""Measured seconds as comma-separated values (RFC 4180). Pure but for the file."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ HEADER = ",".join(COLUMNS) + "\n"
 
 
 def render_row(sample: Sample, start: float) -> str:
-    """A second as a line. `start` (s since 1970) is when it began; what was not seen stays empty."""
+    """Format a second as a line. `start` (s since 1970) is its beginning; unknown values are left empty."""
     moment = datetime.fromtimestamp(sample.time, timezone.utc).isoformat(timespec="milliseconds")
     latency = "" if sample.latency is None else f"{sample.latency * 1000:.3f}"
     first = (moment, f"{sample.time - start:.1f}", str(sample.sent), str(sample.lost), latency)
@@ -26,7 +26,7 @@ def render_row(sample: Sample, start: float) -> str:
 
 
 def write_row(file: TextIO, sample: Sample, start: float) -> None:
-    """Write a second, so that a crash cannot lose it."""
+    """Write a second and flush it, so that a crash cannot lose it."""
     file.write(render_row(sample, start))
     file.flush()
 

@@ -17,9 +17,9 @@ _MISSING = re.compile(r"no answer yet for icmp_seq=(\d+)|icmp_seq=(\d+) .*[Uu]nr
 
 @dataclass(frozen=True, slots=True)
 class Sample:
-    """A second: `time` (s since 1970), echoes `sent` and `lost`, and the median `latency` (s) of the others.
+    """One second: `time` (s since 1970), echoes `sent` and `lost`, and the median `latency` (s) of the others.
 
-    `here` and `there` are the wireless links of the two computers; None where there is none, or it did not answer.
+    `here` and `there` are the wireless links of this computer and the robot; None without one, or without an answer.
     """
 
     time: float
@@ -31,24 +31,24 @@ class Sample:
 
     @property
     def gap(self) -> bool:
-        """Return whether nothing was answered in this second."""
+        """Return whether no echo was answered in this second."""
         return self.latency is None
 
     @property
     def loss(self) -> float:
-        """The part (0..1) of the echoes that was lost."""
+        """The fraction (0..1) of echoes that were lost."""
         return self.lost / self.sent if self.sent else 1.0
 
 
 @dataclass(slots=True)
 class Echoes:
-    """Reads the lines of `ping -O`. A line without an echo is left out."""
+    """Parser of the lines of `ping -O`. Lines without an echo are ignored."""
 
     _found: dict[int, float | None] = field(default_factory=dict)
     _taken: int = 0
 
     def read(self, line: str) -> None:
-        """Take a line in. An echo that comes after it was missed still counts, unless a second has passed."""
+        """Parse a line. An echo that arrives after it was reported missing still counts, unless a second has passed."""
         reply = _REPLY.search(line)
         if reply:
             self._found[int(reply[1])] = float(reply[2]) / 1000
@@ -58,7 +58,7 @@ class Echoes:
             self._found.setdefault(int(missing[1] or missing[2]), None)
 
     def take(self) -> tuple[int, int, float | None]:
-        """(sent, lost, median latency in s) of what was settled since the last time."""
+        """Return (sent, lost, median latency in s) since the last call."""
         end = max(self._found, default=0) - SETTLED
         taken = [self._found.pop(number, None) for number in range(self._taken + 1, end + 1)]
         self._taken = max(self._taken, end)
@@ -70,7 +70,7 @@ class Echoes:
 
 @dataclass(frozen=True, slots=True)
 class Summary:
-    """Numbers of several seconds: latencies in s, `loss` 0..1, signals in dBm as (worst, median); None: not seen."""
+    """Statistics of several seconds: latencies in s, `loss` 0..1, signals in dBm as (worst, median); None: unknown."""
 
     seconds: int
     loss: float
@@ -81,7 +81,7 @@ class Summary:
 
 
 def summarize(samples: Sequence[Sample]) -> Summary:
-    """Least, median and greatest latency; loss of all echoes; worst and median signal; how many times it was away."""
+    """Return least, median and greatest latency; loss of all echoes; worst and median signal; number of outages."""
     latencies = sorted(sample.latency for sample in samples if sample.latency is not None)
     sent, lost = sum(sample.sent for sample in samples), sum(sample.lost for sample in samples)
     return Summary(

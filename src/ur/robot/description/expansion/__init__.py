@@ -1,1 +1,1 @@
-"""Expansion of xacro files, in a process that computes and can do nothing else."""
+"""Expansion of xacro files, in a process that can only compute."""

@@ -1,12 +1,12 @@
 """The process in which xacro runs. It imports nothing of `ur`, and is started with `python -I`.
 
-xacro evaluates Python expressions of the description, and its filter does not hold what is written on purpose. So this
-process gives up its rights before it sees the description: the kernel then refuses every system call but those for
-memory, the clock and the pipes to the starter (seccomp). The starter opens files and finds packages for it.
+xacro evaluates Python expressions of the description, and its filter does not stop malicious ones. So this process
+gives up its rights before it reads the description: the kernel then refuses every system call except those for memory,
+the clock and the pipes to the parent process (seccomp). The parent process opens files and finds packages for it.
 
-Lines of JSON come and go. The first from the starter is the order: `library`, `seccomp`, `file`, `folder`,
-`arguments`, `memory`, `seconds`. Each `{"ask": KIND, "of": TEXT}` from here gets a line with `value`, or with `error`.
-The last line from here has `end`.
+The protocol is lines of JSON. The first line from the parent process is the request: `library`, `seccomp`, `file`,
+`folder`, `arguments`, `memory`, `seconds`. Each `{"ask": KIND, "of": TEXT}` from this process is answered by a line
+with `value`, or with `error`. The last line from this process has `end`.
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ _SCMP_CMP_MASKED_EQ = 7
 
 
 class _Comparison(ctypes.Structure):
-    """libseccomp's scmp_arg_cmp."""
+    """The structure scmp_arg_cmp of libseccomp."""
 
     _fields_ = (
         ("argument", ctypes.c_uint),
@@ -56,7 +56,7 @@ class _Comparison(ctypes.Structure):
 
 
 def give_up_rights(library: str) -> None:
-    """Allow this process nothing but to compute, and to use what is open. Raises OSError where that cannot be had."""
+    """Restrict this process to computing and to open file descriptors. Raises OSError if that fails."""
     seccomp = ctypes.CDLL(library, use_errno=True)
     seccomp.seccomp_init.restype = ctypes.c_void_p
     seccomp.seccomp_rule_add_array.argtypes = (
@@ -112,7 +112,7 @@ def _open(path: Any, *_: Any, **__: Any) -> io.StringIO:
 
 
 class _Environment:
-    """The variables of the starter, each asked for by its name."""
+    """The environment variables of the parent process, each requested by its name."""
 
     def __getitem__(self, name: str) -> str:
         value = _ask("variable", name)
@@ -125,7 +125,7 @@ class _Environment:
 
 
 def _prepare(library: str, folder: str) -> tuple[Any, list[str]]:
-    """Import xacro, and let it ask for files and packages; the list is that of the packages which are not there."""
+    """Import xacro and route its requests for files and packages; the list collects packages that are not found."""
     missing: list[str] = []
 
     def find(name: str) -> str:
@@ -182,7 +182,7 @@ def _expand(xacro: Any, words: list[str]) -> dict[str, Any]:
 
 
 def main() -> NoReturn:
-    """Expand one file, by the order on standard input."""
+    """Expand one file as requested on standard input."""
     order = json.loads(sys.stdin.buffer.readline())
     try:
         xacro, missing = _prepare(order["library"], order["folder"])

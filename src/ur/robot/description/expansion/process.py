@@ -1,4 +1,4 @@
-"""The process that expands a xacro file, from outside: it is given limits, and what it asks for within them."""
+"""Parent of the process that expands a xacro file: it sets limits, and answers the requests within them."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _SCRIPT = Path(__file__).with_name("confined.py")
 
 @dataclass(frozen=True, slots=True)
 class ExpansionBounds:
-    """Seconds and questions that an expansion may take, and the library by which the kernel confines it."""
+    """Limits of an expansion in seconds and number of requests, and the library that confines the process (seccomp)."""
 
     seconds: int = SECONDS
     questions: int = MOST_QUESTIONS
@@ -35,10 +35,10 @@ BOUNDS = ExpansionBounds()
 
 @dataclass(frozen=True, slots=True)
 class Expansion:
-    """The end of an expansion: `text` is the URDF, or `problem` is not empty.
+    """The result of an expansion: the URDF `text`, or a `problem` that is not empty.
 
-    `unconfined` is the reason for which the process could not be confined; nothing of the description has run then.
-    `missing` are packages that were asked for and are not there.
+    `unconfined` is the reason why the process could not be confined; then nothing of the description was executed.
+    `missing` are packages that were requested but not found.
     """
 
     text: str = ""
@@ -48,7 +48,7 @@ class Expansion:
 
 
 class QuestionRefused(Exception):  # noqa: N818 - an answer, with its reason
-    """A question of the process that is answered with a reason for not doing it."""
+    """A request of the process that is refused, with the reason."""
 
 
 Answer = Callable[[str], object]
@@ -61,9 +61,9 @@ def expand(
     confined: bool = True,
     bounds: ExpansionBounds = BOUNDS,
 ) -> Expansion:
-    """Run xacro by `order` (`library`, `file`, `folder`, `arguments`), and answer its questions by their kind.
+    """Run xacro as `order` describes (`library`, `file`, `folder`, `arguments`), and answer its requests by their kind.
 
-    An answer raises Refused. Unless it is `confined`, the process has all rights of its starter.
+    An answer raises QuestionRefused. Unless it is `confined`, the process has all rights of its parent.
     """
     child = subprocess.Popen(
         [sys.executable, "-I", str(_SCRIPT)],
@@ -99,7 +99,7 @@ def expand(
 
 @dataclass(frozen=True, slots=True)
 class _Message:
-    """A line of the process: `ask` for the thing `of` a name, or the `end` with a result."""
+    """A line from the process: `ask` requests the thing with the name `of`; `end` has the result."""
 
     ask: str = ""
     of: str = ""

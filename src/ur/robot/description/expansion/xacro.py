@@ -1,7 +1,7 @@
-"""The text of a URDF, which a xacro file is expanded to.
+"""Expansion of a xacro file to the text of a URDF.
 
-xacro runs Python of the file and of the files that it includes. It does so in a process that can only compute; where
-that cannot be had, the user is asked first.
+xacro runs Python of the file and of the files that it includes. It does so in a process that can only compute; if that
+is not possible, the user is asked first.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ Packages = Callable[[], Mapping[str, str]]
 
 @dataclass(frozen=True, slots=True)
 class DescriptionText:
-    """The text of a URDF, and the packages that its xacro file includes files from and that are not here."""
+    """The text of a URDF, and the packages that its xacro file includes but that are not installed."""
 
     text: str
     missing: tuple[str, ...] = ()
@@ -49,8 +49,8 @@ class ExpansionComputer:
     """The parts of this computer that an expansion uses.
 
     `packages` finds the folders of packages by name, and is called for xacro files only. `made` is the folder of the
-    packages that `ur get` makes. `consent` is asked, with what would run, where xacro cannot be confined.
-    `has_own` is whether our own environment has xacro.
+    packages that `ur get` builds. `consent` is called with the command where xacro cannot be confined. `has_own`
+    returns whether the project's environment has xacro.
     """
 
     environment: Mapping[str, str]
@@ -64,7 +64,7 @@ class ExpansionComputer:
 def read_description(
     path: Path, around: Surroundings, computer: ExpansionComputer, arguments: Sequence[str] = ()
 ) -> DescriptionText:
-    """Read a URDF file; a file named `.xacro` is expanded, with the defaults of all but the given arguments.
+    """Read a URDF file; a file named `.xacro` is expanded, with the given arguments and the defaults of all others.
 
     `arguments` are NAME:=VALUE. Raises UserError.
     """
@@ -117,7 +117,7 @@ def _ask(path: Path, why: str, computer: ExpansionComputer, help_: str = "") -> 
 
 
 def _run_program(path: Path, around: Surroundings, computer: ExpansionComputer, arguments: Sequence[str]) -> Expansion:
-    """Run the program xacro, which is not confined, if the user wants it."""
+    """Run the program xacro, which is not confined, if the user consents."""
     program, refused = find_program(computer.environment, around)
     if program is None:
         message = f"cannot expand '{path}': there is no xacro on this computer"
@@ -148,7 +148,7 @@ def _run_program(path: Path, around: Surroundings, computer: ExpansionComputer, 
 
 
 def _list_answers(around: Surroundings, computer: ExpansionComputer) -> Mapping[str, Answer]:
-    """The answers to a confined xacro: files of the description and of packages, packages, variables."""
+    """Return the answers to a confined xacro, by the kind of its request: files, packages, variables."""
     packages = dict(computer.packages())
     left = MOST_READ
 
@@ -179,7 +179,7 @@ def _list_answers(around: Surroundings, computer: ExpansionComputer) -> Mapping[
 
 
 def _match(pattern: str, around: Surroundings, packages: Mapping[str, str]) -> Iterator[str]:
-    """The files that a pattern of an include names, below the last folder that is written out; only readable ones."""
+    """Yield the readable files that match the pattern of an include, below its last folder without wildcards."""
     parts = Path(pattern).parts
     fixed = next((number for number, part in enumerate(parts) if _WILD.search(part)), len(parts) - 1)
     folders = [Path(*parts[:fixed])]
@@ -204,9 +204,9 @@ def _has_own() -> bool:
 
 
 def find_library(made: Path, around: Surroundings, has_own: Callable[[], bool] = _has_own) -> str | None:
-    """The folder to import xacro from: "" for our own environment, or that of the package which `ur get` has made.
+    """Find the folder to import xacro from: "" for the project's environment, or the package that `ur get` has built.
 
-    `made` is the folder of the packages that `ur get` makes. None where there is none.
+    `made` is the folder of the packages that `ur get` builds. None if xacro is not found.
     """
     if has_own():
         return ""
@@ -215,13 +215,13 @@ def find_library(made: Path, around: Surroundings, has_own: Callable[[], bool] =
 
 
 def find_own() -> Path | None:
-    """The folder of xacro in our own environment, if it is there."""
+    """Find the folder of xacro in the project's environment; None if it is not installed."""
     folders = [Path(sysconfig.get_path(kind), "xacro") for kind in ("purelib", "platlib")]
     return next((folder for folder in folders if (folder / "__init__.py").is_file()), None)
 
 
 def find_program(environment: Mapping[str, str], around: Surroundings) -> tuple[str | None, tuple[str, ...]]:
-    """The first program xacro on PATH that may be run, and those before it that may not."""
+    """Return the first program xacro on PATH that is safe to run, and the earlier ones that are not."""
     refused: list[str] = []
     for folder in environment.get("PATH", "").split(os.pathsep):
         program = os.path.join(folder, "xacro")  # noqa: PTH118 - a relative one stays so
@@ -239,6 +239,6 @@ def find_program(environment: Mapping[str, str], around: Surroundings) -> tuple[
 
 
 def clean_path(value: str, around: Surroundings) -> str:
-    """The folders of a variable such as PATH that are absolute and not around the description."""
+    """Return the folders of a variable such as PATH that are absolute and not around the description."""
     folders = [each for each in value.split(os.pathsep) if os.path.isabs(each) and not around.holds(each)]  # noqa: PTH117
     return os.pathsep.join(folders)

@@ -1,4 +1,4 @@
-"""The rules, by subject: what may be wrong with one computer or between two. Pure functions of what was seen."""
+"""Rules of the doctor by subject: problems of one computer, or between two. Pure functions of what was observed."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ __all__ = ["KINDS", "OBSERVE", "RULES", "diagnose", "diagnose_alone"]
 
 
 def diagnose(pair: ComputerPair) -> list[Finding]:
-    """All findings about two computers; empty for a healthy pair."""
+    """Return all findings about two computers; empty if no problem is found."""
     found: list[Finding] = []
     for rule in RULES:
         if rule.ros1 and pair.there.only_ros2:
@@ -55,6 +55,6 @@ def diagnose(pair: ComputerPair) -> list[Finding]:
 
 
 def diagnose_alone(side: Side, *, simulation: bool = False) -> list[Finding]:
-    """All findings about this computer by itself; with `simulation`, those that matter for a simulated robot."""
+    """Return all findings about this computer alone; with `simulation`, those that concern a simulated robot."""
     rules = [rule for rule in RULES if isinstance(rule, SideRule) and (rule.simulation or not simulation)]
     return [finding for rule in rules if not (rule.ros1 and side.only_ros2) for finding in rule.check("here", side)]

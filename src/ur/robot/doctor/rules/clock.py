@@ -1,4 +1,4 @@
-"""Clocks: tf refuses what seems to come from the past or the future."""
+"""Clocks: tf rejects data whose timestamps seem to be in the past or the future."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ STEP = "systemctl restart chrony && { chronyc waitsync 15 0.3 0 1 || chronyc mak
 
 
 def check_offset(pair: ComputerPair) -> Iterator[Finding]:
-    """Clocks that disagree."""
+    """Check whether the clocks disagree."""
     if abs(pair.offset) > CLOCK_SECONDS:
         by = f"{abs(pair.offset):.1f} s {'ahead of' if pair.offset > 0 else 'behind'}"
         yield Finding(

@@ -1,4 +1,4 @@
-"""Rules about the robot's devices: those that its base needs, and known ones that its user may not open."""
+"""Devices of the robot: those that its base needs, and known ones that its user may not open."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ IDS: dict[State, str] = {
 
 
 def check_devices(pair: ComputerPair) -> Iterator[Finding]:
-    """Check the devices of the robot against its base. A container has only those that its host passes on."""
+    """Check the robot's devices against its base. A container has only devices that its host passes through."""
     snapshot, name = pair.devices, pair.there.name
     if snapshot is None:
         return

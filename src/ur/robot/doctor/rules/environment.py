@@ -1,4 +1,4 @@
-"""The variables of ROS in the shells of both computers: where the master is, and the name that nodes announce."""
+"""The ROS variables in the shells of both computers: the address of the master, and the name that nodes announce."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _OWN_FILE = "/.ros_setup"
 
 
 def check_robot(pair: ComputerPair) -> Iterator[Finding]:
-    """The robot's variables: of nodes that roslaunch starts there, and of terminals there."""
+    """Check the robot's variables: of nodes that roslaunch starts on it, and of its terminals."""
     side = pair.there
     for what, variables in _environments(side, ("for nodes that roslaunch starts", "in a terminal")):
         found = list(_check_variables(side, variables, what, f"http://{side.name}.local:11311", side))
@@ -26,7 +26,7 @@ def check_robot(pair: ComputerPair) -> Iterator[Finding]:
 
 
 def check_viewer(pair: ComputerPair) -> Iterator[Finding]:
-    """This computer's, when the robot is the selected one: of the shell that asked, and of a new one."""
+    """Check this computer's variables if the robot is the selected one: of the calling shell, and of a new one."""
     side = pair.here
     if not pair.selected:
         return
@@ -45,7 +45,7 @@ def check_viewer(pair: ComputerPair) -> Iterator[Finding]:
 
 
 def _environments(side: Side, names: tuple[str, str]) -> list[tuple[str, Mapping[str, str]]]:
-    """By its name, each set of variables that was seen; where none was, the first, which is empty."""
+    """Return each observed set of variables by its name; if none was observed, the first name with an empty set."""
     known = list(zip(names, (side.ros, side.shell), strict=True))
     return [(what, variables) for what, variables in known if variables] or known[:1]
 
@@ -53,7 +53,7 @@ def _environments(side: Side, names: tuple[str, str]) -> list[tuple[str, Mapping
 def _check_variables(
     side: Side, variables: Mapping[str, str], what: str, wanted: str, master: Side
 ) -> Iterator[tuple[str, str, str]]:
-    """(rule, variable, message) of each that is wrong on a computer whose master shall be on another, or itself."""
+    """Yield (rule, variable, message) of each wrong variable of a computer whose master shall run on `master`."""
     full = f"{side.name}.local"
     uri = variables.get("ROS_MASTER_URI", "")
     allowed = {f"{master.name}.local", master.name, *master.addresses, *(["localhost"] if side is master else [])}
@@ -80,7 +80,7 @@ def _check_variables(
 
 
 def _files(side: Side, variable: str) -> list[str]:
-    """Files other than our own in which a variable is set."""
+    """Return the files other than this project's own that set a variable."""
     files = [each.file for each in side.settings if each.variable == variable and not each.file.endswith(_OWN_FILE)]
     return list(dict.fromkeys(files))
 

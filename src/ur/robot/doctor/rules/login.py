@@ -1,4 +1,4 @@
-"""Logins in both directions, and of each computer to itself: what roslaunch needs."""
+"""Logins in both directions, and of each computer to itself, as roslaunch needs them."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ XFORWARD = (
 
 
 def check_rights(where: Where, side: Side) -> Iterator[Finding]:
-    """The rights that ssh insists on."""
+    """Check the file permissions that ssh requires."""
     loose = find_loose(side)
     if loose:
         paths = ", ".join("~" if path == "." else f"~/{path}" for path in loose)
@@ -36,12 +36,12 @@ def check_rights(where: Where, side: Side) -> Iterator[Finding]:
 
 
 def find_loose(side: Side) -> list[str]:
-    """The files whose rights are too wide for ssh."""
+    """Return the files whose permissions are too wide for ssh."""
     return [path for path, mode in side.modes.items() if mode & (0o077 if path.endswith("id_ed25519") else 0o022)]
 
 
 def check_server(where: Where, side: Side) -> Iterator[Finding]:
-    """The ssh server, which roslaunch of the other computer logs in to."""
+    """Check the ssh server, to which roslaunch on the other computer logs in."""
     states = {side.active.get("ssh.service"), side.active.get("ssh.socket")}
     if side.active and "active" not in states:
         installed = not side.packages or "openssh-server" in side.packages
@@ -54,7 +54,7 @@ def check_server(where: Where, side: Side) -> Iterator[Finding]:
 
 
 def check_own_login(where: Where, side: Side) -> Iterator[Finding]:
-    """The login of a computer to itself by its full name, as roslaunch does for nodes with a machine of that name."""
+    """Check a computer's login to itself by its full name, as roslaunch does for nodes with a machine of that name."""
     if not side.own_login or find_loose(side) or side.active.get("avahi-daemon.service") != "active":
         return
     full = f"{side.name}.local"
@@ -70,7 +70,7 @@ def check_own_login(where: Where, side: Side) -> Iterator[Finding]:
 
 
 def check_keys(pair: ComputerPair) -> Iterator[Finding]:
-    """The keys of each computer, at the other."""
+    """Check that each computer accepts the other one's key."""
     here, there = pair.here, pair.there
     if find_loose(there) or find_loose(here):
         return  # said already, and ssh would refuse the keys anyway
@@ -111,9 +111,9 @@ def check_keys(pair: ComputerPair) -> Iterator[Finding]:
 
 
 def know_host(name: str, host_key: str, host: str = "") -> str:
-    """The shell command that makes a user know a computer by this host key, and by no other.
+    """Return the shell command that registers this host key of a computer for the user, in place of any other.
 
-    `host` is its full name or address where that is not NAME.local.
+    `host` is the full name or address if that is not NAME.local.
     """
     full = host or f"{name}.local"
     entry = quote(f"{full},{name} {host_key}" if name != full else f"{full} {host_key}")
@@ -121,7 +121,7 @@ def know_host(name: str, host_key: str, host: str = "") -> str:
 
 
 def check_x11(where: Where, side: Side) -> Iterator[Finding]:
-    """Windows of programs on the robot open on this computer."""
+    """Check that windows of programs on the robot open on this computer (X11 forwarding)."""
     if where == "there" and side.x11 is False:
         yield Finding(
             "x11-off",

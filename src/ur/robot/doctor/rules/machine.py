@@ -1,4 +1,4 @@
-"""The computers themselves: disk, memory, voltage."""
+"""The computers themselves: disk space, memory, supply voltage."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ _EMPTY = {
 
 
 def check_disks(where: Where, side: Side) -> Iterator[Finding]:
-    """File systems on which hardly anything is left."""
+    """Check for file systems that are nearly full."""
     for disk in side.disks:
         if disk.free < FULL_FREE and disk.used >= FULL_USED:
             large = _large_on(disk, side)
@@ -49,7 +49,7 @@ def check_disks(where: Where, side: Side) -> Iterator[Finding]:
 
 
 def _large_on(disk: Disk, side: Side) -> list[tuple[str, float]]:
-    """Folders on this file system that may be emptied, the largest first."""
+    """Return folders on this file system that may be emptied, the largest first."""
 
     def mount_of(path: str) -> str:
         places = [each.place for each in side.disks if f"{path}/".startswith(each.place.rstrip("/") + "/")]
@@ -60,7 +60,7 @@ def _large_on(disk: Disk, side: Side) -> list[tuple[str, float]]:
 
 
 def check_memory(where: Where, side: Side) -> Iterator[Finding]:  # noqa: ARG001 - of the protocol
-    """Memory that is left."""
+    """Check the free memory."""
     if side.memory_free is not None and side.memory_free < MEMORY_FREE:
         yield Finding(
             "low-memory",
@@ -70,7 +70,7 @@ def check_memory(where: Where, side: Side) -> Iterator[Finding]:  # noqa: ARG001
 
 
 def check_voltage(where: Where, side: Side) -> Iterator[Finding]:  # noqa: ARG001 - of the protocol
-    """Under-voltage, as a Raspberry Pi notices it."""
+    """Check for under-voltage, as a Raspberry Pi detects it."""
     found = re.search(r"0x([0-9a-fA-F]{1,16})\b", side.observed.get("throttled", ""))
     throttled = int(found[1], 16) if found else 0
     if throttled & (_NOW | _EVER):

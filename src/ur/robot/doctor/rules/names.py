@@ -1,4 +1,4 @@
-"""Names: who makes them, where they lead, and whether two have the same."""
+"""Names: the daemon that publishes them, the addresses they resolve to, and conflicts between them."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ INSTALL = "apt-get install -y avahi-daemon libnss-mdns"
 
 
 def runs_avahi(side: Side) -> bool:
-    """Return whether the daemon that makes .local names runs."""
+    """Return whether the daemon that publishes .local names runs."""
     return side.active.get("avahi-daemon.service") == "active"
 
 
 def check_avahi(where: Where, side: Side) -> Iterator[Finding]:
-    """The daemon that makes .local names."""
+    """Check the daemon that publishes .local names."""
     if not runs_avahi(side):
         installed = not side.packages or "avahi-daemon" in side.packages
         yield Finding(
@@ -30,7 +30,7 @@ def check_avahi(where: Where, side: Side) -> Iterator[Finding]:
 
 
 def check_names(pair: ComputerPair) -> Iterator[Finding]:
-    """Each computer's full name, as the other understands it."""
+    """Check that each computer resolves the other's full name."""
     for where, side, other in pair.sides():
         if not runs_avahi(side) or not runs_avahi(other):
             continue  # said already
@@ -62,7 +62,7 @@ def check_names(pair: ComputerPair) -> Iterator[Finding]:
 
 
 def check_duplicates(pair: ComputerPair) -> Iterator[Finding]:
-    """Two computers with one name: zeroconf gives the second another."""
+    """Check for two computers with one name: zeroconf then renames the second."""
     named = set()
     for _, side, _ in pair.sides():
         if side.announced and side.announced != side.name:
@@ -74,7 +74,7 @@ def check_duplicates(pair: ComputerPair) -> Iterator[Finding]:
 
 
 def duplicate(name: str, answers_to: str, address: str, user: str) -> Finding:
-    """Two computers are called NAME; the second one answers to another name, and that one shall be renamed."""
+    """Return the finding that two computers are called NAME; the one that zeroconf renamed should be renamed."""
     login = quote(f"{user}@{answers_to}.local")
     return Finding(
         "duplicate-name",

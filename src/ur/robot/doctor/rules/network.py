@@ -1,4 +1,4 @@
-"""Rules about the network between the two: ports, full frames, loss, latency."""
+"""The network between the two: ports, full frames, packet loss, latency."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _FIREWALLS = {
 
 
 def check_address(where: Where, side: Side) -> Iterator[Finding]:  # noqa: ARG001 - of the protocol
-    """Check that the computer is in a network."""
+    """Check that the computer is connected to a network."""
     if side.name and not side.addresses:
         yield Finding(
             "no-network", f"{side.name} has no address in any network", "connect it; what there is: nmcli device status"
@@ -32,7 +32,7 @@ def check_address(where: Where, side: Side) -> Iterator[Finding]:  # noqa: ARG00
 
 
 def check_ports(pair: ComputerPair) -> Iterator[Finding]:
-    """ROS nodes listen on ports that the system chooses: all above 1024 must be open both ways."""
+    """Check that the firewalls let ROS nodes connect: nodes listen on ports above 1024, chosen by the system."""
     ways: tuple[tuple[bool, Where, Side, Side], ...] = (
         (pair.reaches_there, "there", pair.there, pair.here),
         (pair.reaches_here, "here", pair.here, pair.there),
@@ -60,7 +60,7 @@ def _open(where: Where, firewall: str, other: Side) -> tuple[FixCommand, ...]:
 
 
 def check_network(pair: ComputerPair) -> Iterator[Finding]:
-    """Loss, latency, and whether full frames get through."""
+    """Check packet loss, latency, and whether full frames arrive."""
     frames = [side for _, side, _ in pair.sides() if side.full_frames is False and (side.loss is None or side.loss < 1)]
     if frames:
         yield _lost_frames(pair, frames[0])

@@ -12,7 +12,7 @@ STUBBORN_SECONDS = 5
 
 
 def check_advertised(pair: ComputerPair) -> Iterator[Finding]:
-    """Each node's name, as both computers understand it."""
+    """Check that both computers resolve the host name of each node."""
     addresses = {*pair.here.addresses, *pair.there.addresses}
     for node in pair.advertised:
         lost = [

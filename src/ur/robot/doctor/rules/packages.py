@@ -1,4 +1,4 @@
-"""Rules about installed packages: those that one of the two lacks, and messages that they define differently."""
+"""Installed packages: those missing on one of the two computers, and messages that they define differently."""
 
 from __future__ import annotations
 
@@ -18,7 +18,10 @@ BUILD = "cd ~/catkin_ws && catkin_make"
 
 
 def check_release(where: Where, side: Side) -> Iterator[Finding]:
-    """A system without packages of ROS 1. Users' computers may get ROS 1 from a root of our own, robots may not."""
+    """Check for a system without ROS 1 packages.
+
+    Users' computers may use this project's Debian root, robots may not.
+    """
     if side.release is None or (where == "here" and find_release(side.release).ros == "brought"):
         return
     if reason := describe_lack(side.release):
@@ -27,7 +30,7 @@ def check_release(where: Where, side: Side) -> Iterator[Finding]:
 
 
 def check_missing(where: Where, side: Side) -> Iterator[Finding]:
-    """Check for the packages that `ur setup` or `ur robot setup` installs."""
+    """Check for packages that `ur setup` or `ur robot setup` installs."""
     wanted = there.PACKAGES if where == "there" else here.PACKAGES
     if side.release and find_release(side.release).ros != "native":
         wanted = tuple(sorted({*wanted} - {*load_ros_packages()}))
@@ -48,7 +51,7 @@ def _install(where: Where, missing: list[list[str]]) -> FixCommand:
 
 
 def check_messages(pair: ComputerPair) -> Iterator[Finding]:
-    """Messages that both know, and not as the same."""
+    """Check for messages that both computers have, but with different definitions."""
     differing: dict[str, list[str]] = {}
     for name, message in pair.here.messages.items():
         other = pair.there.messages.get(name)
@@ -73,7 +76,7 @@ def _version(side: Side, package: str, folder: str) -> str:
 
 
 def _debian(side: Side, package: str) -> list[str]:
-    """Debian's packages of a package of ROS, as far as they are installed."""
+    """Return the installed Debian packages of a ROS package."""
     name = package.replace("_", "-")
     return [each for each in (f"python3-{name}", f"lib{name}-dev", f"ros-{name}") if each in side.packages]
 

@@ -11,11 +11,11 @@ from ur.robot.doctor.side import Side
 
 @dataclass(frozen=True, slots=True)
 class SideRule:
-    """A rule about one computer by itself. `kinds`: the id of each finding, and its description.
+    """A rule about one computer by itself.
 
-    `observe`: what it needs to know beyond the fields of `Side`, as shell scripts by name; each computer runs them, and
-    what they print is in `Side.observed`. `simulation`: it matters for a simulated robot, too; the others are about
-    what a real robot needs. `ros1`: it matters for ROS 1 only.
+    `kinds`: the id of each finding, and its description. `observe`: shell scripts, by name, for facts beyond the fields
+    of `Side`; each computer runs them, and their outputs are in `Side.observed`. `simulation`: the rule also applies to
+    a simulated robot; other rules are about real robots only. `ros1`: the rule applies to ROS 1 only.
     """
 
     kinds: Mapping[str, str]
@@ -27,7 +27,7 @@ class SideRule:
 
 @dataclass(frozen=True, slots=True)
 class PairRule:
-    """A rule about two computers. `kinds`, `ros1` and `observe` as in SideRule."""
+    """A rule about two computers. `kinds`, `ros1` and `observe` are those of SideRule."""
 
     kinds: Mapping[str, str]
     check: Callable[[ComputerPair], Iterable[Finding]]

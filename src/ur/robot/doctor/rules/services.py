@@ -1,4 +1,4 @@
-"""Services that do not work: those that failed, and what a robot starts at boot and that ends again and again."""
+"""Services that fail: failed units, and boot services of a robot that restart again and again."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ KEPT = ("ssh.service", "avahi-daemon.service", "chrony.service")
 
 
 def check_services(where: Where, side: Side) -> Iterator[Finding]:
-    """Each unit that does not work; on this computer, those only that robots need."""
+    """Check for failed units; on this computer, only those that robots need."""
     for unit in side.failing:
         boot = unit.name.removesuffix(".service").removeprefix(PREFIX) if unit.name.startswith(PREFIX) else ""
         if where == "here" and not boot and unit.name not in KEPT:

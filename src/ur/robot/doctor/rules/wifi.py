@@ -1,4 +1,4 @@
-"""Wireless links: signal, rate and power saving; nothing where there are none."""
+"""Wireless links: signal, rate and power saving; no findings without a wireless link."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ SLOW_RATE = 12.0  # Mbit/s; a compressed camera image at 30 Hz needs about that
 
 
 def check_wifi(where: Where, side: Side) -> Iterator[Finding]:
-    """Each link that is up."""
+    """Check each wireless link that is up."""
     for wifi in side.wifi:
         if wifi.signal is not None and wifi.signal < WEAK_SIGNAL:
             yield Finding(

@@ -1,1 +1,1 @@
-"""This computer's connection to package servers, for a robot without internet, while it is being set up."""
+"""Shared internet access: this computer's connection to package servers, for a robot without internet access."""

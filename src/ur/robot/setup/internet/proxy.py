@@ -1,7 +1,7 @@
 """An HTTP proxy on the loopback interface that forwards to a fixed list of servers, as long as its context lasts.
 
-apt sends GET requests with absolute URLs, or CONNECT for https; pip sends CONNECT. Both give a password that is made
-for one set-up. What they fetch is signed (apt) or pinned by hashes (pip), so the proxy checks no content.
+apt sends GET requests with absolute URLs, or CONNECT for https; pip sends CONNECT. Both send a password that is
+generated for one set-up. Their downloads are signed (apt) or pinned by hashes (pip), so the proxy checks no content.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ _HOP_BY_HOP = ("connection:", "proxy-", "keep-alive:", "te:", "upgrade:")
 
 @dataclass(frozen=True, slots=True, order=True)
 class Server:
-    """A server that may be reached: a host name in lower case, and a port."""
+    """A permitted server: a host name in lower case, and a port."""
 
     host: str
     port: int
@@ -42,7 +42,7 @@ class Server:
 
 @dataclass(frozen=True, slots=True)
 class Forward:
-    """A request that is allowed. `head` is sent to the server; it is empty for a tunnel (CONNECT)."""
+    """A permitted request. `head` is sent to the server; it is empty for a tunnel (CONNECT)."""
 
     server: Server
     head: bytes
@@ -50,18 +50,18 @@ class Forward:
 
 @dataclass(frozen=True, slots=True)
 class Refusal:
-    """A request that is not allowed, and the answer to it."""
+    """A refused request, and the response to it."""
 
     status: str
 
     @property
     def answer(self) -> bytes:
-        """The response."""
+        """The bytes of the response."""
         return f"HTTP/1.1 {self.status}\r\nContent-Length: 0\r\nConnection: close\r\n\r\n".encode()
 
 
 def parse_server(url: str) -> Server | None:
-    """The server of an http or https URL; None for any other text."""
+    """Parse the server of an http or https URL; None for any other text."""
     try:
         parts = urlsplit(url.strip())
         host, port = (parts.hostname or "").lower(), parts.port or _PORTS.get(parts.scheme, 0)
@@ -71,7 +71,7 @@ def parse_server(url: str) -> Server | None:
 
 
 def read_request(head: bytes, servers: Collection[Server], password: Secret) -> Forward | Refusal:
-    """Decide on a request by its first lines, up to the empty one."""
+    """Decide on a request by its header, up to the empty line."""
     first, *fields = head.decode("latin-1").split("\r\n")
     words = first.split(" ")
     if len(words) != 3 or not words[2].startswith("HTTP/1."):
@@ -104,14 +104,14 @@ def _is_authorized(fields: Collection[str], password: Secret) -> bool:
 
 
 def is_forbidden(address: str) -> bool:
-    """Return whether an address is this computer's or a special one, which the proxy must not connect a robot to."""
+    """Return whether an address is this computer's or a special one, to which the proxy must not connect a robot."""
     found = ipaddress.ip_address(address.partition("%")[0])
     plain = getattr(found, "ipv4_mapped", None) or found
     return bool(plain.is_loopback or plain.is_link_local or plain.is_multicast or plain.is_unspecified)
 
 
 def find_addresses(server: Server) -> list[str]:
-    """The addresses of a server that may be connected to. Empty when its name is unknown here."""
+    """Return the permitted addresses of a server; empty if its name cannot be resolved."""
     try:
         found = socket.getaddrinfo(server.host, server.port, type=socket.SOCK_STREAM)
     except OSError:
@@ -124,7 +124,10 @@ def find_addresses(server: Server) -> list[str]:
 def run_proxy(
     servers: Collection[Server], password: Secret, find: Callable[[Server], list[str]] = find_addresses
 ) -> Iterator[int]:
-    """Forward requests to these servers while the context lasts; the port, on 127.0.0.1. `find` gives addresses."""
+    """Forward requests to these servers while the context lasts; yield the port on 127.0.0.1.
+
+    `find` returns the addresses of a server.
+    """
     loop = asyncio.new_event_loop()
     tasks: set[asyncio.Task[None]] = set()
 
@@ -201,7 +204,7 @@ async def _answer(reader: asyncio.StreamReader, writer: asyncio.StreamWriter, re
 
 
 async def _copy(source: asyncio.StreamReader, target: asyncio.StreamWriter) -> None:
-    """Copy until the source ends, which is passed on."""
+    """Copy data until the source ends, and pass the end on."""
     while piece := await asyncio.wait_for(source.read(PIECE), IDLE_SECONDS):
         target.write(piece)
         await asyncio.wait_for(target.drain(), IDLE_SECONDS)
@@ -210,7 +213,7 @@ async def _copy(source: asyncio.StreamReader, target: asyncio.StreamWriter) -> N
 
 
 async def _finish(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
-    """End a connection so that the client gets all of the answer: unread input would reset it."""
+    """Close a connection so that the client receives the whole response: unread input would reset it."""
     with suppress(OSError, asyncio.TimeoutError):
         if writer.can_write_eof():
             writer.write_eof()

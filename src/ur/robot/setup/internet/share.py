@@ -1,4 +1,4 @@
-"""A way to the package servers for commands on a robot: its own, or this computer's over the ssh connection."""
+"""Access to package servers for commands on a robot: direct, or by this computer over the ssh connection."""
 
 from __future__ import annotations
 
@@ -31,10 +31,10 @@ Route = Callable[[], Secret]
 
 @contextmanager
 def share_internet(shell: SshShell, report: Callable[[str], None]) -> Iterator[Route]:
-    """Give a function for `Command.stdin` of commands that fetch packages: two lines, a proxy and exceptions from it.
+    """Yield a function that returns the standard input of commands that download packages: a proxy and its exceptions.
 
-    Both are empty where the robot reaches its package servers, or this computer does not reach them either. Nothing is
-    looked at before the function is called, and the proxy ends with the context.
+    Both lines are empty if the robot reaches its package servers, or if this computer does not reach them either.
+    Servers are tested only when the function is called, and the proxy ends with the context.
     """
     found: list[Secret] = []
     with ExitStack() as stack:
@@ -70,12 +70,12 @@ def _find_route(shell: SshShell, stack: ExitStack, report: Callable[[str], None]
 
 
 def find_servers(shell: Shell) -> frozenset[Server]:
-    """The servers that apt and pip use there; none when they have a proxy of their own."""
+    """Return the servers that apt and pip use on the robot; none if they use a proxy already."""
     return parse_servers(shell.run(SCRIPT).out, default_index_servers())
 
 
 def parse_servers(text: str, default_index: Iterable[Server]) -> frozenset[Server]:
-    """Read what SCRIPT printed. `default_index` are the servers of pip where it is given no other index."""
+    """Parse the output of SCRIPT. `default_index` are the servers of pip without a configured index."""
     lines = text.splitlines()
     if "proxy" in lines:
         return frozenset()
@@ -86,7 +86,7 @@ def parse_servers(text: str, default_index: Iterable[Server]) -> frozenset[Serve
 
 
 def default_index_servers() -> frozenset[Server]:
-    """The servers of pip's own index, as the pip of this environment names them."""
+    """Return the servers of pip's default index, as the pip of this environment names them."""
     try:
         index = importlib.import_module("pip._internal.models.index").PyPI
         hosts = (str(index.netloc), str(index.file_storage_domain))
@@ -96,7 +96,7 @@ def default_index_servers() -> frozenset[Server]:
 
 
 def find_unreached(shell: Shell, servers: Iterable[Server]) -> frozenset[Server]:
-    """The servers that do not answer there."""
+    """Return the servers that the robot cannot reach."""
     asked = {f"{server.host}:{server.port}": server for server in servers}
     probes = "".join(
         f"(timeout {PROBE_SECONDS} bash -c {quote(f'exec 3<>/dev/tcp/{each.host}/{each.port}')} 2>/dev/null || "

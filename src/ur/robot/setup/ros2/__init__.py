@@ -1,1 +1,1 @@
-"""The set-up of robots that have ROS 2 already."""
+"""Set-up of robots that already have ROS 2."""

@@ -1,4 +1,4 @@
-"""Inspection of a robot before its set-up: whether it has ROS 2, and where its nodes are."""
+"""Inspection of a robot before its set-up: its ROS 2, if installed, and the settings of its nodes."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ _ROS1 = "command -v roslaunch rosmaster || ls /opt/ros/noetic/bin/roslaunch"
 def find_robot_ros2(shell: Shell) -> tuple[Ros2Robot, dict[str, str]] | None:
     """Find the ROS 2 of a robot, and the velocity topics of its base by their types.
 
-    None where it has none, or has ROS 1 as well. Raises UserError: the connection is lost, the release is too old, or
-    its robot file cannot be used.
+    None without ROS 2, or if ROS 1 is installed as well. Raises UserError if the connection breaks, the release is too
+    old, or its robot file is invalid.
     """
     found = inspect_robot(shell)
     if not found.present or shell.run(f"{{ {_ROS1}; }} >/dev/null 2>&1").code == 0:
@@ -33,8 +33,8 @@ def find_robot_ros2(shell: Shell) -> tuple[Ros2Robot, dict[str, str]] | None:
 def inspect_robot(shell: Shell) -> Ros2:
     """Inspect a robot, and its nodes.
 
-    Processes are read as root, since they may be those of any user; nodes are asked as the user who logs in, whose
-    shared memory they can open. Raises UserError: the connection is lost.
+    Processes are read as root, since they may belong to any user; nodes are queried as the user who logs in, whose
+    shared memory they can open. Raises UserError if the connection breaks.
     """
     found = inspect_ros2(shell, (), graph=False, root=True)
     if not found.processes:
@@ -44,7 +44,7 @@ def inspect_robot(shell: Shell) -> Ros2:
 
 
 def restart_silent_units(shell: Shell, report: Callable[[str], None]) -> int:
-    """Restart units whose shared memory a logout has removed, so that new nodes reach theirs; the number of units."""
+    """Restart units whose shared memory was removed by a logout, so that new nodes reach theirs; return the count."""
     found = inspect_ros2(shell, (), graph=False, root=True)
     units = sorted({each.unit for each in found.processes if each.lost and each.unit})
     for unit in units:

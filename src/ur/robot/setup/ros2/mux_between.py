@@ -1,4 +1,4 @@
-"""The mux between all programs and the base of a robot with ROS 2: made, tried, and taken back."""
+"""The mux between all programs and the base of a robot with ROS 2: installed, tested, and reverted."""
 
 from __future__ import annotations
 
@@ -42,10 +42,10 @@ done
 
 
 def take_over(shell: SshShell, robot: WantedRobot, report: Callable[[str], None]) -> tuple[WantedRobot, int]:
-    """Put the mux between all programs and the base, where its driver can be remapped.
+    """Install the mux between all programs and the base if its driver can be remapped.
 
-    Returns the robot, whose base takes another topic then, and the number of changes. Raises UserError: the driver did
-    not take the other topic; it is as before then.
+    Returns the robot, whose base then subscribes to another topic, and the number of changes. Raises UserError if the
+    driver did not subscribe to the other topic; then the change is reverted.
     """
     assert robot.ros2
     found = inspect_robot(shell)
@@ -92,7 +92,7 @@ def take_over(shell: SshShell, robot: WantedRobot, report: Callable[[str], None]
 
 
 def give_back(shell: SshShell, report: Callable[[str], None]) -> int:
-    """Take back what `take_over` has written; the number of changes."""
+    """Revert the files that `take_over` has written; return the number of changes."""
     texts = _parse_files(shell.run(_LIST).out)
     mux = shell.run(f"cat {FOLDER}/{_MUX} 2>/dev/null").out if texts else ""
     items: list[Wanted] = []
@@ -111,13 +111,13 @@ def give_back(shell: SshShell, report: Callable[[str], None]) -> int:
 
 
 def read_unit(shell: Shell, unit: str) -> dict[str, str]:
-    """The files of a unit by their paths."""
+    """Return the files of a unit by their paths."""
     done = shell.run(f"systemctl show -P FragmentPath -P DropInPaths {quote(unit)}")
     return {path: shell.run(f"cat {quote(path)}").out for path in done.out.split() if path.startswith("/")}
 
 
 def is_remapped(graph: SeenGraph | None, plan: TakeOver) -> bool:
-    """Return whether the base takes the other topics, and none of those that programs publish."""
+    """Return whether the base subscribes to the remapped topics, and to none of those that programs publish."""
     if graph is None:
         return False
     return all(list_topics(graph, name + SUFFIX) and not list_topics(graph, name) for name in plan.topics)

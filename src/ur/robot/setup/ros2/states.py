@@ -1,4 +1,4 @@
-"""Wanted states of a robot that has ROS 2 already: what this project needs there, and nothing else."""
+"""Wanted states of a robot that already has ROS 2: only what this project needs."""
 
 from __future__ import annotations
 
@@ -32,10 +32,10 @@ LINGER = "/var/lib/systemd/linger"
 
 
 def find_ros2(place: str, found: Ros2, present: Ros2Robot | None = None) -> Ros2Robot | None:
-    """Find where the nodes of a robot are, from what was seen there; None: it has no ROS 2.
+    """Determine a robot's ROS 2 settings from an inspection; None if it has no ROS 2.
 
-    Where a base takes the commands that the `present` robot file names, they stay. Raises UserError: its release is too
-    old.
+    If the base subscribes to the command topic in the `present` robot file, that topic stays. Raises UserError if its
+    release is too old.
     """
     if not found.present:
         return None
@@ -64,9 +64,10 @@ def find_ros2(place: str, found: Ros2, present: Ros2Robot | None = None) -> Ros2
 
 
 def find_commands(graph: SeenGraph) -> str:
-    """Find the topic that the base subscribes to; '' where there is none.
+    """Find the velocity topic of the base; '' if there is none.
 
-    The base is the end of the chain: a topic named cmd_vel goes before others, one that is not a mux before a mux.
+    The base is the end of the chain: a topic named cmd_vel comes before others, a subscriber that is not a mux before a
+    mux.
     """
 
     def rank(topic: SeenTopic) -> tuple[bool, bool, int, str]:
@@ -90,7 +91,7 @@ def wanted_on_ros2(
     *,
     library: Sequence[Wanted] = (),
 ) -> list[Wanted]:
-    """List the states in the order of their making. The name is changed only where another one is wanted."""
+    """List the states in the order of their application. The name is changed only if another one is wanted."""
     present = facts.file(str(ROBOT_FILE)).text
     items: list[Wanted] = [
         WantedFolder("ssh folder", "~/.ssh", mode=0o700),

@@ -1,6 +1,6 @@
-"""The remap of a base's driver, so that the mux alone reaches it: what is written for that, and why not. Pure.
+"""The remap of a base's driver, so that only the mux commands it: the files for it, or why it is impossible. Pure.
 
-The driver's unit gets a drop-in: its node, or all nodes of its launch file, take other velocity topics.
+The driver's unit gets a drop-in: its node, or all nodes of its launch file, are remapped to other velocity topics.
 """
 
 from __future__ import annotations
@@ -43,8 +43,8 @@ def generate_launch_description():
 class Driver:
     """The driver of a base: its unit, the processes of that unit, and the velocity topics of the base by their types.
 
-    The topics have the names that programs know, also where the mux has taken them over. `unit` is '' where the driver
-    cannot be remapped; `reason` is why.
+    The topics have the names that programs use, also after the mux has taken them over. `unit` is '' if the driver
+    cannot be remapped; `reason` tells why.
     """
 
     unit: str
@@ -55,7 +55,7 @@ class Driver:
 
 @dataclass(frozen=True, slots=True)
 class TakeOver:
-    """The files of a take-over by their paths; `topics` are those of the base by the names that programs know."""
+    """The files of a take-over by their paths; `topics` are those of the base under the names that programs use."""
 
     unit: str
     topics: tuple[str, ...]
@@ -63,7 +63,7 @@ class TakeOver:
 
 
 def list_topics(graph: SeenGraph, commands: str) -> dict[str, str]:
-    """The velocity topics of the base that takes `commands`, and their types; those that only a mux takes are none."""
+    """Return the velocity topics of the base that subscribes to `commands`, with types; the mux is ignored."""
 
     def takers(topic: SeenTopic) -> set[str]:
         ends = (end for end in topic.subscribers if end.kind in TWISTS)
@@ -78,7 +78,7 @@ def list_topics(graph: SeenGraph, commands: str) -> dict[str, str]:
 
 
 def find_driver(found: Ros2, commands: str) -> Driver:
-    """Find the driver that takes `commands`."""
+    """Find the driver that subscribes to `commands`."""
     graph = found.graph or SeenGraph()
     topics = {name.removesuffix(SUFFIX): kind for name, kind in list_topics(graph, commands).items()}
     names = {
@@ -107,7 +107,10 @@ def find_driver(found: Ros2, commands: str) -> Driver:
 
 
 def plan_take_over(driver: Driver, texts: Mapping[str, str]) -> TakeOver | str:
-    """Plan the files of a take-over; the reason where there is none. `texts` are the unit's files by their paths."""
+    """Plan the files of a take-over; return the reason if it is impossible.
+
+    `texts` are the unit's files by their paths.
+    """
     if not driver.unit:
         return driver.reason
     lines = [line for path, text in texts.items() if not path.endswith(f"/{DROP_IN}") for line in read_starts(text)]
@@ -130,7 +133,7 @@ def plan_take_over(driver: Driver, texts: Mapping[str, str]) -> TakeOver | str:
 
 
 def read_starts(text: str) -> list[str]:
-    """The commands of the lines ExecStart= of a unit file, those before an empty one left out."""
+    """Return the commands of the lines ExecStart= of a unit file, except those before an empty one."""
     starts: list[str] = []
     for line in text.replace("\\\n", " ").splitlines():
         name, _, value = line.strip().partition("=")
@@ -140,13 +143,13 @@ def read_starts(text: str) -> list[str]:
 
 
 def launch_text(package: str, file: str, remaps: Mapping[str, str]) -> str:
-    """A launch file that includes another one, and remaps topics of its nodes."""
+    """Return a launch file that includes another one and remaps topics of its nodes."""
     path = f"get_share_file_path_from_package(package_name={package!r}, file_name={file!r})" if package else repr(file)
     return _LAUNCH_TEXT.format(mark=MARK, remaps=dict(remaps), path=path)
 
 
 def mux_unit(robot: str, base: str, variant: str, ros2: Ros2Robot, user: str, home: str) -> UnitFile:
-    """The unit of the mux that takes over the topic whose base takes `ros2.commands` in its place."""
+    """Return the unit of the mux, which subscribes to `ros2.commands` in place of the base."""
     values = {"robot_base": base, "robot_variant": variant, "cmd_vel": ros2.commands}
     values["takes_over"] = ros2.commands.removesuffix(SUFFIX)
     arguments = [f"{name}:={value}" for name, value in values.items() if value]

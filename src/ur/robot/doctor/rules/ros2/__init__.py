@@ -1,4 +1,4 @@
-"""Rules about ROS 2: how nodes discover one another, whether their topics connect, and what they send."""
+"""ROS 2: discovery between nodes, connections of topics, and the data that nodes send."""
 
 from ur.robot.doctor.rules.registry import Rule
 from ur.robot.doctor.rules.ros2 import discovery, nodes, pairs, topics

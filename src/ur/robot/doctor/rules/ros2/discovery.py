@@ -1,4 +1,4 @@
-"""Discovery among the nodes of one computer: releases, domains, middlewares, and what these need."""
+"""Discovery between the nodes of one computer: releases, domains, middlewares, and their requirements."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ SHOWN = 4
 
 
 def check_processes(where: Where, side: Side) -> Iterator[Finding]:
-    """Processes of one computer that do not discover one another.
+    """Check for processes of one computer that do not discover each other.
 
-    On this computer, those that systemd starts: a person may have a simulated robot in a domain of its own.
+    On this computer, only those that systemd starts: a user may run a simulated robot in a separate domain.
     """
     running = [each for each in side.ros2.processes if each.readable and (where == "there" or each.unit)]
     yield from _differ(where, side, running, "ros2-mixed-domains", "ROS_DOMAIN_ID", "domain", domain_of)
@@ -85,7 +85,7 @@ def _stop(where: Where, processes: list[Process]) -> Iterator[FixCommand]:
 
 
 def check_variables(where: Where, side: Side) -> Iterator[Finding]:  # noqa: ARG001 - of the protocol
-    """Variables whose value cannot work."""
+    """Check for variables with unusable values."""
     ros2 = side.ros2
     if not ros2.present:
         return
@@ -123,7 +123,7 @@ def _check_values(side: Side, variables: Mapping[str, str], what: str) -> Iterat
 
 
 def check_needs(where: Where, side: Side) -> Iterator[Finding]:
-    """Files and servers that the variables refer to."""
+    """Check the files and servers that the variables refer to."""
     for path, present in side.ros2.files.items():
         if not present:
             yield Finding(
@@ -163,7 +163,7 @@ def check_needs(where: Where, side: Side) -> Iterator[Finding]:
 
 
 def check_memory(where: Where, side: Side) -> Iterator[Finding]:
-    """Units whose shared memory systemd removes with the end of a login; Fast DDS sends nothing without it."""
+    """Check for units whose shared memory systemd removes when a login ends; Fast DDS sends nothing without it."""
     for user in side.ros2.forgotten:
         running = [each for each in side.ros2.processes if each.user == user and each.unit]
         running = [each for each in running if middleware_of(each.variables).startswith(_FAST_DDS)]
@@ -179,7 +179,7 @@ def check_memory(where: Where, side: Side) -> Iterator[Finding]:
 
 
 def check_lost_memory(where: Where, side: Side) -> Iterator[Finding]:
-    """Nodes whose shared memory was removed while they ran: nodes of their computer that start later reach none."""
+    """Check for nodes whose shared memory was removed while they ran: later local nodes cannot reach them."""
     lost = [each for each in side.ros2.processes if each.lost]
     if lost:
         units = sorted({each.unit for each in lost if each.unit})

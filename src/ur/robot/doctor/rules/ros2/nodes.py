@@ -1,4 +1,4 @@
-"""Nodes of ROS 2, and what they send: names, time, states, scans, batteries, tf."""
+"""Nodes of ROS 2 and their data: names, time, lifecycle states, scans, batteries, tf."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _TOOLS = ("rviz", "rqt", "foxglove_bridge", "rosbridge_websocket", "ur_")
 
 
 def check_graph(where: Where, side: Side) -> Iterator[Finding]:
-    """Check that the graph can be read, and its nodes."""
+    """Check that the graph can be read, and check its nodes."""
     ros2 = side.ros2
     if ros2.processes and ros2.graph is None and ros2.problem:
         yield Finding(
@@ -89,7 +89,7 @@ def _check_states(where: Where, side: Side, graph: SeenGraph) -> Iterator[Findin
 
 
 def check_data(where: Where, side: Side) -> Iterator[Finding]:
-    """Check what nodes send: scans, batteries, tf."""
+    """Check the data that nodes send: scans, batteries, tf."""
     graph = side.ros2.graph
     if graph is None:
         return

@@ -1,4 +1,4 @@
-"""Topics of ROS 2 whose ends never connect: types, definitions, qualities; and those that move the base."""
+"""Topics of ROS 2 whose publishers and subscribers never connect: types, definitions, QoS; and velocity topics."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ SHOWN = 3
 
 
 def check_types(where: Where, side: Side) -> Iterator[Finding]:  # noqa: ARG001 - of the protocol
-    """Topics whose publishers and subscribers have different types, or different definitions of one type."""
+    """Check for topics whose publishers and subscribers have different types, or different definitions of one type."""
     for topic in _topics(side):
         kinds = {end.kind for end in topic.publishers}
         lost = [end for end in topic.subscribers if kinds and end.kind not in kinds]
@@ -60,7 +60,7 @@ def _check_hashes(side: Side, topic: SeenTopic) -> Iterator[Finding]:
 
 
 def check_qualities(where: Where, side: Side) -> Iterator[Finding]:  # noqa: ARG001 - of the protocol
-    """Publishers and subscribers of one topic that never match, since one asks for more than the other offers."""
+    """Check for publishers and subscribers that never connect, since one requests more QoS than the other offers."""
     for topic in _topics(side):
         for subscriber in topic.subscribers:
             for publisher in topic.publishers:
@@ -74,7 +74,7 @@ def check_qualities(where: Where, side: Side) -> Iterator[Finding]:  # noqa: ARG
 
 
 def explain_mismatch(offered: Qos, requested: Qos) -> tuple[str, str] | None:
-    """Explain why the two never match, and how to change that; None where they match (DDS 1.4, 2.2.3)."""
+    """Explain why two QoS profiles never match, and how to change that; None if they match (DDS 1.4, 2.2.3)."""
     if requested.reliable and not offered.reliable:
         return (
             "it asks for reliable, and best effort is offered",
@@ -106,7 +106,7 @@ def explain_mismatch(offered: Qos, requested: Qos) -> tuple[str, str] | None:
 
 
 def check_commands(where: Where, side: Side) -> Iterator[Finding]:  # noqa: ARG001 - of the protocol
-    """Check who commands the base: no program listens, or a node sends past the mux."""
+    """Check the velocity commands: no node subscribes to them, or a node bypasses the mux."""
     topics = [each for each in _topics(side) if {end.kind for end in _all(each)} & {TWIST, STAMPED}]
     listened = [each for each in topics if any(_base_name(end.node) not in MUXES for end in each.subscribers)]
     for topic in topics:
