@@ -8,7 +8,7 @@ import threading
 import time
 from collections.abc import Callable
 
-REFRESH_PERIOD = 2.0  # s between two look-ups of a name that is known
+REFRESH_PERIOD = 2.0  # s between two look-ups of a known name
 
 
 class AddressCache:
@@ -57,7 +57,7 @@ class AddressCache:
         try:
             self.refresh(host)
         except OSError:
-            return  # the network may be cut: what is known stays
+            return  # the network may be down: the known address stays
 
 
 def _look_up(host: str) -> str:

@@ -9,8 +9,8 @@ from pathlib import Path
 from ur.robot.ssh.address import Address
 
 REMOTE = "catkin_ws/src"
-# A network that drops is noticed within 3 x 2 s; from then on every access fails within ConnectTimeout instead of
-# freezing the program, and works again when the network is back.
+# A broken connection is detected within 3 x 2 s; from then on every access fails within ConnectTimeout instead of
+# blocking the program, and works again when the network is back.
 OPTIONS = (
     *("reconnect", "ServerAliveInterval=2", "ServerAliveCountMax=3", "ConnectTimeout=3", "BatchMode=yes"),
     *("StrictHostKeyChecking=yes", "idmap=user", "auto_cache"),

@@ -19,7 +19,7 @@ exit $code"""
 
 def ask_part(shell: Shell, request: str, timeout: float) -> str:
     """Send a request (JSON) to the project on a robot and return its answer. Raises UserError if it is not ready."""
-    # A login shell, so that nodes get the environment that the robot's user has.
+    # A login shell, so that nodes get the environment of the robot's user.
     done = shell.run(quote("bash", "-lc", _SCRIPT), stdin=request, timeout=timeout)
     lines = done.out.splitlines()
     if done.code or not lines:

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from ur.source.section import Section
 
 ROBOT_FILE = Path("/etc/ubiquity/robot.yaml")
-_TEXTS = {  # by key, the shape of its value; each gets into command lines
+_TEXTS = {  # by key, the pattern of its value; each becomes part of command lines
     "ros": re.compile(r"[a-z]{1,20}"),
     "ros_domain": re.compile(r"[0-9]{1,3}"),
     "ros_middleware": re.compile(r"(rmw_[a-z0-9_]{1,40})?"),
@@ -49,7 +49,7 @@ class Ros2Robot:
             "UR_ROBOT": robot,
             "ROS_DOMAIN_ID": self.domain,
             "RMW_IMPLEMENTATION": self.middleware,
-            "ROS_AUTOMATIC_DISCOVERY_RANGE": "SUBNET",  # as nodes have it that were started without us
+            "ROS_AUTOMATIC_DISCOVERY_RANGE": "SUBNET",  # as in nodes that this project has not started
             "ROS_NAMESPACE": self.namespace,
         }
         return {name: value for name, value in wanted.items() if value}

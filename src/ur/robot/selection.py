@@ -100,7 +100,7 @@ def store_selection(path: Path, selection: Selection) -> None:
 
     The file is replaced atomically, also in case of a power cut. A symbolic link stays one.
     """
-    from ur.source.replace import replace_file  # now: most commands only read the selection
+    from ur.source.replace import replace_file  # imported late, since most commands only read the selection
 
     try:
         replace_file(path, f"{selection}\n", parents=True)

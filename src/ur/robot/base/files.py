@@ -49,7 +49,8 @@ def read_base_section(whole: Section, name: str, variant: str = "") -> Base:
     plain = whole.without("variants")
     variants = dict(whole.section("variants").subsections()) if whole.has("variants") else {}
     for overlay in variants.values():
-        read_whole(plain.merged(overlay), name, "")  # a broken variant is a broken file, whichever variant is asked for
+        # An invalid variant makes the file invalid, whichever variant is requested
+        read_whole(plain.merged(overlay), name, "")
     if variant and variant not in variants:
         near = did_you_mean(variant, variants)
         expected = f"expected one of {', '.join(variants)}" if variants else "this base has no variants"

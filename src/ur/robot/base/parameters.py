@@ -9,7 +9,7 @@ from ur.robot.base.properties import Base
 
 _OUTLINE = re.compile(r"^( *footprint:)\s*\[\[[^#]*?\]\]", re.MULTILINE)
 _SHARE = 0.6  # of the highest speed, at which a person starts to steer
-_EXPECTED = 8.0  # scans a second, at least, where a file says nothing else
+_EXPECTED = 8.0  # scans per second, the minimum unless a file sets another
 
 
 def fit_parameters(text: str, like: str, base: Base) -> str:
@@ -48,7 +48,7 @@ def _list_values(base: Base) -> Mapping[str, float]:
         "accel_lim_w": limits.angular_acceleration,
         "decel_factor": min(2.0, _round(limits.deceleration / limits.acceleration)),
     }
-    if base.lidar and base.lidar.rate < _EXPECTED:  # scans come later than the files expect
+    if base.lidar and base.lidar.rate < _EXPECTED:  # scans arrive less often than the files expect
         values["expected_update_rate"] = _round(4.5 / base.lidar.rate)
     return values
 

@@ -49,7 +49,7 @@ def _chassis(base: Base, mesh: str) -> Iterator[str]:
     middle = (max(xs) + min(xs)) / 2.0, (max(ys) + min(ys)) / 2.0
     mass = max(0.1 * base.mass, base.mass - 2.0 * base.wheels.mass)
     shape = f'<mesh filename="{mesh}"/>'
-    down = (0.0, 0.0, -base.wheels.radius)  # the mesh stands on the ground
+    down = (0.0, 0.0, -base.wheels.radius)  # the mesh's origin is on the ground
     yield from joint("base", (0.0, 0.0, base.wheels.radius), parent="base_footprint", child="base_link")
     yield '  <link name="base_link">'
     yield from visual(shape, "body", down)

@@ -11,7 +11,7 @@ from ur.robot.robot_file import ROBOT_FILE
 from ur.robot.ssh.shell import Shell, quote
 from ur.source.diagnostic import UserError, error
 
-# Python that roslaunch itself rests on; the words are PACKAGE FILE.
+# Code for roslaunch's own Python; the arguments are PACKAGE FILE.
 _FIND = """\
 import base64, os, sys
 import rospkg
@@ -28,7 +28,7 @@ for folder, folders, files in os.walk(top, followlinks=True):
         sys.exit()
 sys.exit(4)
 """
-# The same by this project, for robots without roslaunch.
+# The same with this project's modules, for robots without roslaunch.
 _FIND_BY_OURS = """\
 import base64, os, sys
 from ur.launchfile.address import find_launch_file
@@ -108,7 +108,7 @@ def choose_arguments(
         raise _problem(f"{name} has no argument {unknown[0]!r}, expected one of {known}", f"leave {unknown[0]} out")
     own = {
         "robot_base": facts.get("base", ""),
-        # A variant belongs to its base: with another base given by hand it means nothing.
+        # A variant belongs to its base: with another base given by hand it has no meaning.
         "robot_variant": "" if "robot_base" in values else facts.get("variant", ""),
         "simulate": "false",
         "use_rviz": "false",

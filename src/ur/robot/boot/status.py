@@ -20,7 +20,7 @@ for f in {FOLDER}/{PREFIX}*.service; do
   [ -e "$f" ] || continue
   u=${{f##*/}}; printf '\\036'; systemctl show -p {_PROPERTIES} "$u"
   pause=$(cat "/run/${{u%.service}}/pause" 2>/dev/null); echo "Pause=$pause"
-  # Of one that runs, what it said since it was started; of others, also what they said before they ended.
+  # For a running service, the output since its start; for others, also that from before they ended.
   only=; systemctl -q is-active "$u" && only=_SYSTEMD_INVOCATION_ID=$(systemctl show -P InvocationID "$u")
   journalctl -q -u "$u" $only -n {LAST_LINES} -o cat --no-pager 2>/dev/null | sed 's/^/Said=/'
 done

@@ -13,16 +13,16 @@ from ur.source.project import STATE_FOLDER
 
 PREFIX = "ubiquity-"
 MASTER = "master"
-# Threads in which a master tells nodes of new publishers. Each waits up to two minutes for a node that the network has
-# lost; with rosmaster's 3, three nodes of a viewer keep the robot's own from hearing of each other meanwhile.
+# The number of threads by which a master informs nodes of new publishers. Each waits up to two minutes for a node that
+# the network has lost; with rosmaster's 3, three nodes of a viewer delay all updates of the robot's own nodes.
 MASTER_WORKERS = 32
 FOLDER = "/etc/systemd/system"
-# Where this project may be on a robot: a clone, the copy that `ur robot setup` makes, or what a wheel has made.
+# The folders of this project on a robot: a clone, the copy that `ur robot setup` makes, or one from a wheel.
 LIBRARIES = ("catkin_ws/src/ubiquity_launches", "ubiquity_launches", STATE_FOLDER)
-# Neither "network" nor "online" means that a robot on WiFi has its address: wait until its own full name leads to one.
+# Neither "network" nor "online" ensures that a robot on WiFi has its address: wait until its own full name resolves.
 _WAIT = 'until getent ahostsv4 "$(cat /proc/sys/kernel/hostname).local" >/dev/null; do sleep 1; done'
-# RestartSteps= would do it from systemd 254 on; Debian 12 and Ubuntu 22.04 have older ones. What is started by hand or
-# with a new master does not wait: NRestarts is 0 then.
+# RestartSteps= needs systemd 254; Debian 12 and Ubuntu 22.04 have older ones. A manual start, or one with a new master,
+# does not wait: NRestarts is 0 then.
 _BACK_OFF = """\
 cd "$RUNTIME_DIRECTORY" || exit 0
 now() {{ cut -d. -f1 /proc/uptime; }}
@@ -32,13 +32,14 @@ if [ "${{again:-0}}" -gt 0 ] && [ $(($(now) - ${{began:-0}})) -lt {calm} ]; then
   echo "it ended within {calm} s of its start: the next start is in $pause s"
 else pause=0; fi
 echo $pause >pause; sleep $pause; now >began"""
-# A unit of the system lacks what every login has, where runs of a user find one another's facts.
+# A system unit lacks this variable of logins, by which runs of a user find each other's facts.
 _RUNTIME = 'd=/run/user/$(id -u); [ ! -d "$d" ] || export XDG_RUNTIME_DIR="$d"'
 _MISSING = "echo 'this project is not set up on the robot: ur robot setup' >&2; exit 1"
 CALM_SECONDS = 60
 FIRST_PAUSE, LAST_PAUSE = 2, 60
-# What a program of a robot never needs. It keeps devices, /sys (GPIO), real-time scheduling, its user's processes and
-# /tmp; ProtectClock= and PrivateDevices= would take its serial ports away.
+# Rights that a program of a robot never needs. It keeps devices, /sys (GPIO), real-time scheduling, its user's
+# processes and
+# /tmp; ProtectClock= and PrivateDevices= would revoke access to its serial ports.
 _LIMITS = """\
 NoNewPrivileges=yes
 ProtectSystem=strict
@@ -84,7 +85,7 @@ RestartSec=2
 WantedBy=multi-user.target
 """
 
-# Python as ROS has it: PyYAML comes with rospkg. A master that was just started needs a moment until it answers.
+# Python of ROS: PyYAML is installed with rospkg. A master that was just started needs a moment until it answers.
 _SET_BASE = """\
 import os, socket, sys, time, xmlrpc.client, yaml
 socket.setdefaulttimeout(5.0)
@@ -165,7 +166,7 @@ def source_line(ros2: Ros2Robot, robot: str) -> str:
 def own_line(words: str, last: str = _MISSING) -> str:
     """Return the shell line that runs Python with `words` if this project is set up on the robot, else `last`."""
     places = " ".join(f'"$HOME"/{place}' for place in LIBRARIES)
-    # Not by its script `ur`, which may want to install something first: a unit has no terminal that shows it.
+    # Not by the script `ur`, which may ask to install something first: a unit has no terminal.
     ready = f'"$d/.venv/bin/python" -I {words}'
     return f'for d in {places}; do [ ! -r "$d/.venv/ready-run" ] || exec {ready}; done; {last}'
 
@@ -191,7 +192,7 @@ def is_unit_name(text: str) -> bool:
 
 
 def _unit(name: str, line: str, user: str, home: str, *, master: str = "", then: Sequence[str] = ()) -> UnitFile:
-    # A login shell, so that the environment is the one that the user has, too.
+    # A login shell, so that the environment is that of the user.
     start, after_start = (f"/bin/bash -lc {_quote(each)}" for each in (line, command_line(then)))
     service = f"{PREFIX}{name}"
     back_off = _BACK_OFF.format(service=service, calm=CALM_SECONDS, first=FIRST_PAUSE, last=LAST_PAUSE)

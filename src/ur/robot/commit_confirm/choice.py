@@ -42,10 +42,10 @@ def choose_network(
     known = find_profile(networks, ssid) is not None
     secured = seen.security not in ("", "OWE") if seen else True
     if not known:
-        choose_management(seen, with_password=True)  # no question about a value that cannot be used
+        choose_management(seen, with_password=True)  # do not ask for a password that cannot be used
     if not password and secured:
         password = ask(known)
-    if known and not password:  # its profile knows how, also with a user name
+    if known and not password:  # the stored profile has the credentials, including a user name
         return WirelessNetwork(ssid, None, "", hidden, band)
     if not password and seen and secured:
         raise UserError(

@@ -106,7 +106,7 @@ SyslogIdentifier=ur-change
 [Install]
 WantedBy=multi-user.target
 """
-# One script, so that nothing can come between: it does not end with the connection.
+# One script, so that nothing interrupts it: it does not end with the connection.
 _ARM = f"""\
 trap '' HUP PIPE; set -eu; umask 077; d={FOLDER}; u=/etc/systemd/system
 (umask 022; mkdir -p {FOLDER.rpartition("/")[0]}); mkdir -p -m 700 "$d"

@@ -80,7 +80,7 @@ def pack_order(order: Order, facts: ComputerFacts) -> Secret:
         "early": order.change.early + "\n",
         **dict(_steps(commands)),
         "open": "",
-        "end": "",  # last: without it the archive is not whole
+        "end": "",  # last: without it the archive is incomplete
     }
     buffer = io.BytesIO()
     with tarfile.open(fileobj=buffer, mode="w") as archive:
@@ -96,7 +96,8 @@ def apply_script(commands: Sequence[ChangeScript], facts: ComputerFacts) -> str:
     """Return the script by which the guard applies the change; it stops at the first command that fails."""
     lines = ["set -e", f"cd {FOLDER}/pending"]
     for number, command in enumerate(commands):
-        # A user may not enter the folder: the script becomes a word, which holds no secret, and the input is open.
+        # A user may not enter the folder, so the script is an argument, which holds no secret; standard input stays
+        # free.
         own = f'runuser -u {quote(facts.user)} -- env HOME={quote(facts.home)} sh -c "$(cat step{number})"'
         lines.append(f"{f'sh step{number}' if command.root else own} <step{number}.in")
     return "\n".join([*lines, "sh live", ""])

@@ -18,15 +18,16 @@ from ur.robot.ssh.shell import quote
 from ur.source.diagnostic import UserError, error
 
 PROFILES = "/etc/NetworkManager/system-connections"
-# All that NetworkManager, and netplan behind it, remember of profiles. The state file names wired devices that shall
-# have no profile made for them by itself: where it is not restored, a robot that lived of such a profile is lost.
+# All files in which NetworkManager, and netplan behind it, store profiles. The state file lists wired devices that get
+# no
+# automatic profile: if it is not restored, a robot that depends on such a profile is unreachable.
 KEPT = (
     PROFILES,
     "/run/NetworkManager/system-connections",
     "/etc/netplan",
     "/var/lib/NetworkManager/no-auto-default.state",
 )
-UP_SECONDS = 40  # until a network that answers has given an address
+UP_SECONDS = 40  # until a network has assigned an address
 NAMESPACE = uuid.UUID("6f0e1a3c-52a5-4e0c-9a0e-8d0c3a9b7f14")
 
 
@@ -192,13 +193,13 @@ def _guard(networks: Networks, title: str, wanted: tuple[WantedProfile, ...], li
     used = [
         (each.profile, each.name) for each in networks.devices if each.profile and each.kind in ("wifi", "ethernet")
     ]
-    # A network that is not in reach at the moment must not keep the others from coming up.
+    # A network that is out of range at the moment must not prevent the others from connecting.
     first = [f"{_bring_up(*pair)} || failed=1" for pair in used]
     again = [f"{_bring_up(*pair, wait=5)} || :" for pair in used]
     script = [
         "nmcli connection reload; failed=",
         *first,
-        # A profile that NetworkManager makes by itself comes back with it only.
+        # A profile that NetworkManager creates automatically returns only with this file.
         '[ -n "$failed" ] || exit 0',
         "systemctl restart NetworkManager; nm-online -q -s -t 15",
         *again,

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from ur.source.foreign.numbers import parse_integer
 
 _MARK = "\x1e"
-# Profiles and passwords are for root alone; whoever asks over ssh says which address that leads to.
+# Profiles and passwords are readable by root only; the address of the ssh client shows which device leads to it.
 FACTS_SCRIPT = """\
 mark() { printf '\\036%s\\n' "$1"; }; export LC_ALL=C.UTF-8
 mark running; command -v nmcli >/dev/null && systemctl is-active NetworkManager

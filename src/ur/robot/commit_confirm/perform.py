@@ -30,9 +30,9 @@ from ur.robot.ssh.secret import Secret
 from ur.robot.ssh.shell import Shell, ShellResult
 from ur.source.diagnostic import Note, UserError, error, error_about
 
-GRACE = 90.0  # s after the robot's own limit: it makes the change, goes back, and its network comes up again
+GRACE = 90.0  # s after the robot's own limit: it makes the change, reverts it, and its network starts again
 PAUSE = 1.0
-NEVER = 20.0  # s after which a robot that knows nothing of a change has not been told
+NEVER = 20.0  # s after which a robot without a record of the change has not received it
 CONNECT_SECONDS = 4
 Report = Callable[[str], None]
 

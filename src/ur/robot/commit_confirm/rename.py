@@ -17,7 +17,8 @@ from ur.robot.setup.wanted import Wanted, WantedFile, WantedLine, write_file
 from ur.robot.ssh.shell import quote
 
 ANNOUNCEMENT = "/etc/avahi/services/ubiquity.service"
-# NetworkManager sets the name that systemd-hostnamed told it, which reads /etc/hostname when it starts. Boot services
+# NetworkManager sets the name that it gets from systemd-hostnamed, which reads /etc/hostname at its start. Boot
+# services
 # wait for their name by themselves.
 _FOLLOW = (
     "hostname {name} || exit; systemctl try-restart systemd-hostnamed; "
@@ -59,7 +60,7 @@ def rename_known_host(text: str, old: str, new: str, host_key: str) -> str:
     wanted = f"{new}.local,{new} {kind} {key}"
     removed = {old, f"{old}.local", new, f"{new}.local"}
     lines = text.split("\n")
-    if wanted in lines:  # where it is, it stays: a second run changes nothing
+    if wanted in lines:  # the line stays in its position: a second run changes nothing
         removed -= {new, f"{new}.local"}
     kept = [left for line in lines if (left := _without_names(line, removed)) is not None]
     if wanted not in kept:

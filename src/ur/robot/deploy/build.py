@@ -12,7 +12,7 @@ from ur.source.foreign.numbers import parse_integer
 
 WORKSPACE = "catkin_ws"
 # g++ -O2 takes 333 MB for a node of five lines with ros/ros.h (Debian 12, 64 bits); larger ones take more. With
-# less memory than its compilers need a small computer swaps, and a build of minutes takes hours.
+# less memory than its compilers need, a small computer swaps, and a build of minutes takes hours.
 MB_PER_JOB = 512
 TOOLS = ("catkin_make", "catkin", "cmake", "g++", "make")
 FACTS = f"""\
@@ -36,7 +36,7 @@ class Builder:
     processors: int
     memory: int
     packages: int | None
-    catkin_tools: bool = False  # whether the workspace was made with `catkin build`
+    catkin_tools: bool = False  # whether the workspace was built by `catkin build`
 
 
 def parse_builder(text: str) -> Builder:

@@ -16,13 +16,13 @@ import time
 from contextlib import suppress
 from pathlib import Path
 
-# Not SIGINT: catkin_make would print a traceback. make takes half-made files away at either.
+# Not SIGINT: catkin_make would print a traceback. make deletes incomplete files after either signal.
 STEPS = ((signal.SIGTERM, 5.0), (signal.SIGKILL, 5.0))
 
 
 def main() -> int:
     """Run the command; return its exit code, or 130 if it was ended."""
-    # A group of its own: what it starts is in it, too, and ends with it.
+    # A separate process group: the children of the command are in it too, and end with it.
     process = subprocess.Popen(["bash", "-lc", sys.argv[1]], stdin=subprocess.DEVNULL, start_new_session=True)
     ended = threading.Event()
 
@@ -33,13 +33,13 @@ def main() -> int:
         if not ended.is_set():
             _end(process.pid)
 
-    # What ends us from outside ends the command first.
+    # A signal that ends this program ends the command first.
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
         signal.signal(number, lambda *_: threading.Thread(target=_end, args=(process.pid,), daemon=True).start())
     threading.Thread(target=watch, daemon=True).start()
     code = process.wait()
     ended.set()
-    _end(process.pid)  # what the command left behind
+    _end(process.pid)  # processes that the command left running
     return code if code >= 0 else 128 - code
 
 

@@ -23,13 +23,13 @@ from ur.source.project import list_files, project_file
 COPY = "~/ubiquity_launches"
 WORKSPACE_COPY = "~/catkin_ws/src/ubiquity_launches"
 STAMP = f"{COPY}/{repository_side.STAMP}"
-# What the environment is made from: tools/set_up.bash writes their digest into the second line of its stamp.
+# The sources of the environment: tools/set_up.bash writes their digest to the second line of its stamp.
 SET_UP_FROM = ("requirements/run.lock", "tools/set_up.bash", "src/ur/system/ros_packages.txt", "pyproject.toml")
 READY = ".venv/ready-run"
 SECONDS = 300.0
 SET_UP_SECONDS = 3600.0
-# Only one set-up of a robot runs at a time, so one that is still under way belongs to a viewer that has left: it may
-# wait for a proxy that is gone, too.
+# Only one set-up of a robot runs at a time, so one that is still running belongs to a viewer that has disconnected:
+# it may wait for a proxy that no longer exists.
 _SET_UP = """\
 cd {folder} && mkdir -p .cache || exit
 old=$(cat .cache/set_up.pid 2>/dev/null) && grep -qs set_up.bash "/proc/$old/cmdline" && kill "$old"

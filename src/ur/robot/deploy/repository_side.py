@@ -37,7 +37,7 @@ def put(folder: Path, digest: str, files: dict[str, tuple[int, str]]) -> list[st
             continue
         _prepare(target, content, mode)
         wanted.append((path, now))
-    os.sync()  # once: a robot's card takes long for each file
+    os.sync()  # one sync for all files: a robot's SD card is slow for each single one
     for path, now in wanted:
         if now is not None and now not in (before.get(path), after[path]):
             _keep(folder, path)
@@ -99,7 +99,7 @@ def main() -> None:
     request = json.load(sys.stdin)
     folder = Path(os.path.expanduser(request["folder"]))  # noqa: PTH111 - Path.expanduser raises where HOME is unset
     folder.mkdir(parents=True, exist_ok=True)
-    # From here on it is a copy, and not somebody's own: an interrupted one is finished by the next run.
+    # From here on the folder is a copy, not the user's own: the next run completes an interrupted one.
     if not (folder / STAMP).exists():
         _write(folder / STAMP, b"incomplete\n", 0o644)
     for path in put(folder, request["digest"], request["files"]):

@@ -11,7 +11,7 @@ from ur.robot.description.reading import BRAKING, DescriptionReading
 from ur.robot.description.sensing import FoundSensor
 from ur.source.printable import one_line
 
-_WHOLE_TURN = 2.0 * math.pi + 0.001  # rad; 6.2832 is one, too
+_WHOLE_TURN = 2.0 * math.pi + 0.001  # rad; 6.2832 counts as a full turn
 
 
 def write_base_file(reading: DescriptionReading, summary: str, origin: str) -> str:

@@ -12,11 +12,11 @@ from ur.robot.description.outlines import list_corners
 from ur.robot.description.pose import Pose, Vector
 from ur.robot.description.urdf_parts import Description, Joint, Link, Shape
 
-_UPRIGHT = 0.9  # the vertical part of a unit axis from which it is that of a swivel
+_UPRIGHT = 0.9  # the vertical component of a unit axis above which the axis is a swivel's
 _SAME_AXLE = 0.02  # m
 _SAME_RADIUS = 0.8
-_LEVEL = 0.02  # m above the axles that a support may lie
-_ROUND = 0.8  # the least length across a round mesh, in its greatest
+_LEVEL = 0.02  # m above the axles at which a support may lie
+_ROUND = 0.8  # the least ratio of a round mesh's two lengths across the axis
 _CASTER = re.compile(r"caster|castor|ball|swivel|omni|support", re.IGNORECASE)
 _WHEEL = re.compile(r"wheel|tyre|(^|_)tire", re.IGNORECASE)
 _GROUND_ROOTS = ("base_footprint", "base_footprint_link")
@@ -122,7 +122,7 @@ def _still_wheels(description: Description, places: Mapping[str, Pose]) -> list[
     for joint in description.joints:
         place = places[joint.child]
         if joint.kind == "fixed" and _WHEEL.search(joint.child) and not _names_caster(joint):
-            sideways = replace(joint, axis=place.rotation[1])  # the y axis of the root, as the link sees it
+            sideways = replace(joint, axis=place.rotation[1])  # the y axis of the root in the link's frame
             found.append(_wheel(description, sideways, links[joint.child], place))
     return [wheel for wheel in found if wheel.radius]
 
@@ -161,7 +161,7 @@ def _wheel(description: Description, joint: Joint, link: Link, place: Pose) -> W
     if radius is None and (solid := _solid_wheel(link)):
         (radius, width), source = solid, f"inertia of link {link.name}"
     mass = link.inertia.mass if link.inertia else 0.0
-    if joint.kind != "fixed":  # it turns about the joint, wherever its shape is
+    if joint.kind != "fixed":  # it turns about the joint, independent of the position of its shape
         along = _along(middle, joint.axis)
         middle = (along * joint.axis[0], along * joint.axis[1], along * joint.axis[2])
     return Wheel(joint, *place.apply(middle), radius, width, mass, source)
@@ -225,7 +225,7 @@ def _solid_wheel(link: Link) -> tuple[float, float] | None:
     """Return radius and width of a solid wheel with the inertia of a link: m r^2 / 2 and m (3 r^2 + w^2) / 12."""
     if link.inertia is None or link.inertia.mass <= 0.0:
         return None
-    # The moment about the axle is the odd one out.
+    # The moment about the axle is the one that differs from the other two.
     low, middle, high = sorted(link.inertia.moments)
     axial, radial = (high, (low + middle) / 2.0) if high - middle >= middle - low else (low, (middle + high) / 2.0)
     radius = math.sqrt(max(0.0, 2.0 * axial / link.inertia.mass))

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from ur.robot.description.drive import DriveGeometry
 from ur.robot.description.urdf_parts import Description
 
-HIGHEST_VELOCITY = 0.6  # m/s, and rad/s below: what can be braked in that time without sliding
+HIGHEST_VELOCITY = 0.6  # m/s, and rad/s below: a robot can brake from it in that time without sliding
 HIGHEST_ANGULAR_VELOCITY = 1.5
 
 
@@ -60,7 +60,7 @@ def read_masses(description: Description, drive: DriveGeometry, figures: dict[st
     wheels = {wheel.joint.child for wheel in drive.wheels}
     masses = {link.name: link.inertia.mass for link in description.links if link.inertia}
     body = sum(mass for name, mass in masses.items() if name not in wheels)
-    if body >= 0.01:  # else only its wheels have one
+    if body >= 0.01:  # else only its wheels have a mass
         figures.setdefault("mass", Figure(sum(masses.values()), "sum of all links"))
     if "mass" in figures:
         usual = Figure(figures["mass"].value / 20.0, "usual")

@@ -33,7 +33,7 @@ def load_description(
     `around` are the surroundings of the file; `arguments` are those of xacro. The packages of `computer` are found at
     most once.
     """
-    from ur.robot.description.meshes import measure_meshes  # numpy
+    from ur.robot.description.meshes import measure_meshes  # imports numpy
 
     computer = replace(computer, packages=cache(computer.packages))
     expanded = read_description(path, around, computer, arguments)

@@ -24,8 +24,8 @@ from ur.source.foreign.xml_text import parse_xml
 Points = NDArray[np.float64]  # (n, 3)
 
 LARGEST = 200_000_000  # bytes of a file
-_LARGEST_COLLADA = 32_000_000  # bytes; these are read whole
-# Of a Collada scene, whose nodes may name one another:
+_LARGEST_COLLADA = 32_000_000  # bytes; such files are read as a whole
+# Limits of a Collada scene, whose nodes may refer to each other:
 _DEEPEST, _MOST_NODES, _MOST_POINTS = 32, 10_000, 10_000_000
 _HEADER, _FACET = 84, 50  # bytes of a binary STL
 _PIECE = 1 << 20  # bytes that are read at once
@@ -48,7 +48,7 @@ class _Hull:
     def add(self, points: Points) -> None:
         for start in range(0, len(points), _BLOCK):
             block = points[start : start + _BLOCK]
-            block = block[(np.abs(block) < _FARTHEST).all(axis=1)]  # NaN is not
+            block = block[(np.abs(block) < _FARTHEST).all(axis=1)]  # False for NaN
             if not len(block):
                 continue
             reach = self._directions @ block.T
@@ -196,7 +196,7 @@ def _positions(geometry: Element) -> Points:
 def _read_floats(text: str | None) -> NDArray[np.float64]:
     """Parse numbers separated by whitespace into an array. Raises ValueError."""
     with warnings.catch_warnings():
-        warnings.simplefilter("error", DeprecationWarning)  # of older NumPy, for a text that is no number
+        warnings.simplefilter("error", DeprecationWarning)  # older NumPy warns for a text that is no number
         try:
             numbers: NDArray[np.float64] = np.fromstring((text or "").strip(), dtype=np.float64, sep=" ")
         except DeprecationWarning as problem:

@@ -12,7 +12,7 @@ from ur.robot.description.pose import Vector
 from ur.robot.description.surroundings import Surroundings
 from ur.robot.description.urdf_parts import Description, Link, Mesh, Shape
 
-_SMALLEST, _LARGEST = 0.001, 10.0  # m; a mesh of any other size is in other units
+_SMALLEST, _LARGEST = 0.001, 10.0  # m; a mesh of any other size uses other units
 _MOST_BYTES = 400_000_000  # of all mesh files of a description
 
 

@@ -13,7 +13,7 @@ from ur.robot.description.urdf_parts import Description, Link, Shape
 
 _SIDES = 16  # of the polygon round a circle
 _MOST_POINTS = 24
-_FINEST = 1000.0  # points are rounded to 1 / that, m
+_FINEST = 1000.0  # points are rounded to 1 / this, in m
 
 
 @dataclass(frozen=True, slots=True)

@@ -63,7 +63,7 @@ def _check_counts(path: str, root: Element) -> None:
 
 
 def _fail_without_links(path: str, root: Element) -> NoReturn:
-    # xacro of ROS Indigo and before called macros without their prefix; that of today leaves such a call as it is.
+    # xacro of ROS Indigo and before called macros without their prefix; today's xacro leaves such calls unexpanded.
     calls = [each.tag for each in root if isinstance(each.tag, str) and each.tag not in _ELEMENTS]
     if not calls:
         _fail(path, "no link, expected a tree of links with one root")

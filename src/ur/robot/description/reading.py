@@ -28,7 +28,7 @@ from ur.robot.description.sensing import FoundSensor, find_sensors, list_extra_s
 from ur.robot.description.urdf_parts import Description
 
 BRAKING = 0.13  # s from full speed to rest, so that a robot stops within 0.3 s of its last command
-# The least and the most that a base may have; anything else in a description is taken for a mistake, and asked for.
+# The least and the greatest value of a base; others in a description count as errors, and the user is asked instead.
 QUESTIONS: Mapping[str, tuple[float, float]] = {
     "length": (0.01, 10.0),
     "width": (0.01, 10.0),
@@ -39,7 +39,7 @@ QUESTIONS: Mapping[str, tuple[float, float]] = {
     "velocity": (0.05, HIGHEST_VELOCITY),
     "angular_velocity": (0.1, HIGHEST_ANGULAR_VELOCITY),
 }
-# How a person finds each of them out.
+# Instructions for the user to measure each of them.
 MEASURES: Mapping[str, str] = {
     "length": "from its foremost to its rearmost part, with wheels, bumpers and cables",
     "width": "from its leftmost to its rightmost part, with the wheels",
@@ -51,7 +51,7 @@ MEASURES: Mapping[str, str] = {
     "angular_velocity": "turn it ten times on the spot: 63 divided by the seconds; a lower one if it is to turn slower",
 }
 _SIDEWAYS = re.compile(r"mecanum|omni", re.IGNORECASE)
-_MOST_LENGTH, _MOST_WIDTH = 4.0, 2.2  # of a body, in separations of its wheels
+_MOST_LENGTH, _MOST_WIDTH = 4.0, 2.2  # of a body, in multiples of its wheel separation
 
 
 @dataclass(frozen=True, slots=True)

@@ -16,14 +16,15 @@ Kind = Literal["lidar", "camera", "imu", "sonar"]
 
 _OPTICAL = re.compile(r"optical", re.IGNORECASE)
 _SONAR = re.compile(r"sonar|ultra_?so(und|nic)|(^|_)us_?\d|hc_?sr04", re.IGNORECASE)
-_DOWNWARDS = re.compile(r"cliff|wall|drop|bumper", re.IGNORECASE)  # rays of some centimetres, to the floor or a wall
+# Rays (ultrasonic and infrared rangers of some centimetres, to the floor or a wall)
+_DOWNWARDS = re.compile(r"cliff|wall|drop|bumper", re.IGNORECASE)
 _NAMES: Mapping[Kind, re.Pattern[str]] = {
     "sonar": _SONAR,
     "lidar": re.compile(r"lidar|laser|hokuyo|velodyne|(^|_)(lds|lms|sick|scan|scanner|utm|urg)(_|\d|$)", re.IGNORECASE),
     "camera": re.compile(r"camera|raspicam|realsense|kinect|astra|(^|_)zed|webcam|(^|_)cam(_|\d|$)", re.IGNORECASE),
     "imu": re.compile(r"(^|_)imu|gyro", re.IGNORECASE),
 }
-_FEWEST = 32  # rays of a lidar; what has fewer measures one range
+_FEWEST = 32  # rays of a lidar; a sensor with fewer measures a single range
 _BODY_FRAMES = ("base_footprint", "base_link", "left_wheel", "right_wheel")
 
 
@@ -113,7 +114,7 @@ def _named(description: Description) -> Iterator[FoundSensor]:
             pose = places[name]
             frame = name
             if kind == "camera":
-                if _OPTICAL.search(name):  # z ahead and x right (REP 103): turned back to x ahead
+                if _OPTICAL.search(name):  # z forward and x right (REP 103): rotated back to x forward
                     pose = pose.then(make_pose((0.0, 0.0, 0.0), (0.0, -math.pi / 2.0, math.pi / 2.0)))
                 frame = _optical_child(children, name) or name
             elif kind == "sonar" and _has_ancestor(description, name, set(matching)):

@@ -14,7 +14,7 @@ from itertools import islice, takewhile
 from pathlib import Path
 
 _CUSTOMARY = frozenset({"urdf", "xacro", "robots", "robot", "description"})  # folders beside that of the meshes
-_MOST_BESIDE = 1000  # folders beside a package that are looked at
+_MOST_BESIDE = 1000  # folders beside a package that are searched
 
 
 @dataclass(frozen=True, slots=True)

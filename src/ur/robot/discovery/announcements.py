@@ -16,9 +16,9 @@ if TYPE_CHECKING:
 
 SERVICE_TYPE = "_ubiquity-robot._tcp.local."
 MOST_ADDRESSES = 16
-MOST_SOUGHT = 100  # known robots that are asked for by name
-MOST_STRANGERS = 50  # robots that this computer does not know; a class room has some dozens
-MOST_TWINS = 10  # more robots than are known that have a known name
+MOST_SOUGHT = 100  # known robots that are requested by name
+MOST_STRANGERS = 50  # robots that this computer does not know; a classroom has some dozens
+MOST_TWINS = 10  # announcements with known names, beyond the number of known robots
 MOST_COUNTED = 10_000
 AT_ONCE = 8
 RESOLVE_SECONDS = 1.5
@@ -64,7 +64,7 @@ def parse_sighting(host: str, addresses: Sequence[str], texts: Mapping[str, str]
     messages.
     """
     host = host.rstrip(".").removesuffix(".local")
-    base = re.sub(r"-\d+$", "", host)  # what avahi adds when a name is taken
+    base = re.sub(r"-\d+$", "", host)  # the suffix that avahi adds to a name in use
     known = {key: texts.get(key, "") for key in ("base", "variant", "user", "ros", "version")}
     name = texts.get("name") or base
     good = (
@@ -110,7 +110,7 @@ class Browser:
         self._crowd = Crowd(known)
         self._sought = sorted(filter(_NAME.fullmatch, known))[:MOST_SOUGHT]
         self._lookups: list[Future[bool]] = []
-        self._zeroconf: Zeroconf  # while the block is entered
+        self._zeroconf: Zeroconf  # while the context lasts
         self._pool: ThreadPoolExecutor | None = None
 
     def __enter__(self) -> Browser:
@@ -164,19 +164,19 @@ class Browser:
             self._crowd.add(name, None)
             self._changed()
             return
-        if is_complete:  # all came in one packet, as avahi sends it
+        if is_complete:  # the whole announcement was in one packet, as avahi sends it
             self._take(name, info)
         elif self._pool is not None and self._crowd.may_ask(name):
             with suppress(RuntimeError):  # it is being closed
                 self._pool.submit(self._resolve, zeroconf, name, info)
 
     def _resolve(self, zeroconf: Zeroconf, name: str, info: ServiceInfo) -> None:
-        # A host that announces itself and does not answer costs one of a few threads for this long.
+        # A host that announces itself but does not answer occupies one of a few threads for this long.
         if info.request(zeroconf, RESOLVE_SECONDS * 1000):
             self._take(name, info)
 
     def _look_up(self, name: str) -> None:
-        # In the thread of zeroconf: robots that are away cost no thread each while they are waited for.
+        # In the thread of zeroconf, so that robots that are away do not occupy one thread each.
         import asyncio
 
         from zeroconf import ServiceInfo
@@ -196,7 +196,7 @@ class Browser:
 
     def _take(self, name: str, info: ServiceInfo) -> None:
         found: Announcement | None = None
-        with suppress(Exception):  # whatever the library makes of what anybody may send
+        with suppress(Exception):  # any error of the library from untrusted packets
             found = parse_sighting(info.server or "", info.parsed_addresses(), read_texts(info.properties))
         self._crowd.add(name, found)
         self._changed()

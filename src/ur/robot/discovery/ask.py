@@ -21,7 +21,7 @@ _REFUSALS = (
     ("Connection refused", "no ssh server"),
 )
 END = "end"
-# After END, each line is answered with the time: the connection stands by then, so that an answer takes no time.
+# After END, each line is answered by the time: the connection is established by then, so the answer is fast.
 SCRIPT = (
     f"systemctl list-units --all --plain --no-legend '{PREFIX}*.service' 2>/dev/null; echo {END}; "
     "while read -r x; do date +%s.%N; done"
@@ -78,7 +78,7 @@ def _process(command: list[str], seconds: float, over: threading.Event) -> Itera
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
-        start_new_session=True,  # Ctrl-C is for us
+        start_new_session=True,  # Ctrl-C is for this process only
     )
     done = threading.Event()
 

@@ -111,7 +111,7 @@ def list_robots(
         **{record.name: record for record in records},
     }
     taken = {address for one in there for address in one.addresses}
-    # Who was seen where another robot is now, and was never set up from here, is that robot by its former name.
+    # A robot last seen at the address of a visible one, and never set up from here, is that one by its former name.
     remembered = {name for name, seen in (memory or {}).items() if seen.address not in taken}
     for name in sorted({*known, *remembered} - {*names}):
         record = known.get(name, RobotRecord(name, "", ""))
@@ -135,7 +135,7 @@ def _row(one: Announcement, twice: bool, answer: RobotAnswer, *, is_recorded: bo
     if not twice and one.host != one.name and not re.fullmatch(rf"{re.escape(one.name)}-\d+", one.host):
         name = one.host
         if is_recorded and answer.known_as not in (one.name, one.host):
-            # Anybody may announce the name of a known robot: a stranger is not proposed for a set-up.
+            # Any computer may announce the name of a known robot: an unknown one is not proposed for a set-up.
             problem = f"{name} announces the name of {one.name}, and has not shown the host key of {one.name}"
             help = "is it yours? compare, at its own screen: ssh-keygen -lf /etc/ssh/ssh_host_ed25519_key.pub"
         else:
@@ -143,7 +143,7 @@ def _row(one: Announcement, twice: bool, answer: RobotAnswer, *, is_recorded: bo
             help = f"ur robot setup {name}.local --name {name}"
     elif twice or one.host != one.name:
         problem = f"two computers are called {one.name}: this one ({where}) answers to {one.host}.local"
-        # The one that kept the name may keep it.
+        # The computer with the original name keeps it.
         help = f"ur robot setup {one.host}.local --name ANOTHER" if one.host != one.name else "rename the other one"
     elif answer.twin and answer.twin not in one.addresses:
         problem = f"two computers are called {one.name}: the other one ({answer.twin}) answers to {one.name}-2.local"

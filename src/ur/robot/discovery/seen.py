@@ -50,7 +50,7 @@ def note_seen(path: Path, robots: Iterable[SeenRobot]) -> None:
     if not latest:
         return
     oldest = max(each.time for each in latest.values()) - KEPT
-    with suppress(OSError), _hold(path):  # lost in a power cut, it is gathered again
+    with suppress(OSError), _hold(path):  # no fsync: after a power cut it is gathered again
         entries = {name: each for name, each in load_seen(path).items() if each.time >= oldest} | latest
         text = json.dumps([asdict(each) for _, each in sorted(entries.items())])
         replace_file(path, text, parents=True, lasting=False)

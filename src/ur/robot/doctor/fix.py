@@ -11,8 +11,8 @@ from ur.robot.doctor.findings import Finding, FixCommand
 from ur.robot.ssh.shell import Shell
 from ur.source.diagnostic import UserError
 
-FIX_SECONDS = 600.0  # packages may have to be fetched
-ATTEMPTS = 3  # names need a moment until all computers know them
+FIX_SECONDS = 600.0  # packages may have to be downloaded
+ATTEMPTS = 3  # names need a moment until all computers resolve them
 
 
 def list_safe(findings: Sequence[Finding]) -> list[tuple[str, FixCommand]]:

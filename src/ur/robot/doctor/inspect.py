@@ -24,9 +24,9 @@ from ur.source.printable import printable
 LOOK_SECONDS = 90.0
 JOURNAL_LINES = 5
 _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]{0,63}")
-_PORT = re.compile(r"[0-9]{1,7}")  # or the number of a process
+_PORT = re.compile(r"[0-9]{1,7}")  # or a process id
 _TIME = re.compile(r"[0-9]{1,12}(\.[0-9]{1,9})?")
-TWIN_SECONDS = 2  # zeroconf answers at once or never; nobody is asked after for long
+TWIN_SECONDS = 2  # zeroconf answers at once or not at all, so no name is queried for long
 _LISTEN = """\
 import socket, sys
 server = socket.socket(); server.bind(("", 0)); server.listen(); server.settimeout(8)
@@ -125,7 +125,7 @@ def _with_journals(shell: Shell, side: Side) -> Side:
     """Add the last log lines of failed units, as far as the user may read them."""
     units = []
     for unit in side.failing:
-        # What its processes said; what systemd says of them comes in only where they said nothing.
+        # The output of its processes; systemd's own messages only if there is none.
         for choice in (f"_SYSTEMD_UNIT={unit.name}", f"--unit={unit.name}"):
             show = f"journalctl -q -n {JOURNAL_LINES} -o cat {quote(choice)}"
             reported = shell.run(f"sudo -n {show} 2>/dev/null || {show} 2>/dev/null").out
@@ -198,7 +198,7 @@ def _reaches_there(there: SshShell) -> bool:
     )
     port = there.run(script).out.strip()
     if not _PORT.fullmatch(port) or int(port) > 65535:
-        return True  # nothing listens there, as without Python: that is no matter of ports
+        return True  # no process listens on the remote end, as without Python: this is not a problem of ports
     try:
         socket.create_connection((there.address.host, int(port)), timeout=4).close()
     except OSError:

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-# Python as every robot has it. What lies in the workspace counts before what lies in the system, as it does for ROS.
+# Python of the robot's system. A package in the workspace takes precedence over the system's, as it does in ROS.
 MESSAGES_SCRIPT = r"""
 timeout 20 python3 -I - <<'END' 2>/dev/null
 import glob, hashlib, os, re, sys

@@ -27,15 +27,15 @@ SHELL_FILES = (
 VARIABLES = ("ROS_MASTER_URI", "ROS_HOSTNAME", "ROS_IP")
 STRICT = "ssh -T -o BatchMode=yes -o StrictHostKeyChecking=yes -o ConnectTimeout=5 -o LogLevel=ERROR --"
 HEADERS = 28  # bytes of IP and ICMP
-# What a group of shells prints about itself; each way of starting one is asked.
+# Groups of shells, and the script that prints their environment; each way to start a shell is tested.
 _PRINT_VARIABLES = 'for v in ROS_MASTER_URI ROS_HOSTNAME ROS_IP; do eval "w=\\${$v-}"; echo "$v=$w"; done'
 _SETTING = rf"^[[:space:]]*(export[[:space:]]+)?({'|'.join(VARIABLES)})="
 _FIREWALL = """\
 if grep -qs '^ENABLED=yes' /etc/ufw/ufw.conf; then echo ufw
 elif systemctl is-active --quiet firewalld; then echo firewalld
 elif command -v nft >/dev/null; then echo nft; elif command -v iptables >/dev/null; then echo iptables; fi"""
-# The scope of a login that was over too soon fails, too, and means nothing. A boot service that ends is started again
-# and again, and never counts as failed.
+# The scope of a login that ended too early fails as well, which is harmless. A boot service that ends is restarted
+# again and again, and never counts as failed.
 _FAILING = """\
 systemctl --failed --type=service,mount --plain --no-legend 2>/dev/null | awk '$2 == "loaded" { print $1, 0 }'
 systemctl list-units --all --plain --no-legend 'ubiquity-*.service' 2>/dev/null | cut -d' ' -f1 | while read -r u; do
@@ -102,7 +102,7 @@ mark frame; ping -q -n -c 2 -i 0.2 -W 1 -M do -s $((${{m:-1500}} - {HEADERS})) "
 def parse_side(output: str, names: Iterable[str] = ()) -> Side:
     """Parse the output of the script, with the scripts of rules by `names`; invalid values become unknown."""
     # Repeats in the patterns are bounded, or a long line would take quadratic time.
-    output = output.replace("\0", "")  # as a shell does: no command line holds a zero byte
+    output = output.replace("\0", "")  # as in a shell: no argument contains a null byte
     parts = {name: text for name, _, text in (part.partition("\n") for part in output.split(_MARK)[1:])}
     name, user = [*parts.get("name", "").split(), "", ""][:2]
     ping = parts.get("ping", "")

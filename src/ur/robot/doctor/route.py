@@ -86,7 +86,7 @@ def list_steps(address: Address, route: RouteState) -> list[RouteStep]:
     wrong_key = route.rule in ("changed-host-key", "unknown-host-key")
     steps = [
         RouteStep(f"name {address.host}", bool(route.resolves), ", ".join(route.resolves) or "not resolved"),
-        # Some networks let no ping through: what answers at its port is there all the same.
+        # Some networks block ping: a computer that answers on its port exists nevertheless.
         RouteStep("answer to ping", route.ping or open_port, "" if route.ping else "none"),
         RouteStep("port 22", open_port, {"silent": "no answer"}.get(route.port, route.port)),
         RouteStep(
@@ -145,7 +145,7 @@ def _explain_login(address: Address, route: RouteState, record: RobotRecord | No
         f" --name {quote(record.name)} --base {quote(record.base)}" if record else ""
     )
     shown = f"; its key now: {route.host_key.fingerprint}" if route.host_key else ""
-    # The line holds the very key whose fingerprint is shown: what answers later has to be the same computer.
+    # The line has the key whose fingerprint is displayed: a later answer has to come from the same computer.
     renew = (FixCommand("here", know_host(name, route.host_key.key, host)),) if route.host_key else ()
     compare = "compare with the robot's own (ssh-keygen -lf /etc/ssh/ssh_host_ed25519_key.pub)"
     if route.rule == "changed-host-key":

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 from ur.source.foreign.numbers import parse_decimal
 
-# What belongs to each wireless device, after a line that names it; nothing where there is none.
+# Prints the facts of each wireless device after a line with its name; nothing without one.
 WIFI_SCRIPT = """\
 PATH=$PATH:/usr/sbin:/sbin; for p in /sys/class/net/*/wireless; do
 [ -e "$p" ] || continue; d=${p%/wireless}; d=${d##*/}; echo "device $d"
@@ -47,7 +47,7 @@ def _parse_device(device: str, reported: str) -> WirelessLink | None:
     if re.search(r"^Not connected", reported, re.MULTILINE):
         return None
     signal = _number(r"^\s*signal: (-?[\d.]+) dBm", reported)
-    # Without iw: status, link quality, level. A level is in dBm where it is below 0.
+    # Without iw: status, link quality, level. A level is in dBm if it is below 0.
     level = _number(rf"^ *{re.escape(device)}: +\S+ +\S+ +(-[\d.]+)", reported)
     save = re.search(r"^\s*Power save: (on|off)", reported, re.MULTILINE)
     frequency = _number(r"^\s*freq: ([\d.]+)", reported)

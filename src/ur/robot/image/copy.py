@@ -20,7 +20,7 @@ from ur.source.replace import sync_folder
 CHUNK = 1 << 20
 _DAMAGE = (lzma.LZMAError, zlib.error, gzip.BadGzipFile, zipfile.BadZipFile, EOFError, ValueError, NotImplementedError)
 _UNFINISHED = "ur-unfinished"
-# How many bytes of how many have been read.
+# Called with the number of bytes read, and of all bytes.
 Progress = Callable[[int, int], None]
 
 
@@ -70,7 +70,7 @@ def _copy(source: Path, beside: Path, progress: Progress) -> None:
 
 
 def _create_private(path: str, flags: int) -> int:
-    # The copy gets a private host key and hashes of passwords. The image that it is made of was a public download.
+    # The copy gets a private host key and password hashes, while its source was a public download.
     return os.open(path, flags, 0o600)
 
 

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 from ur.source.diagnostic import UserError, error
 
-# Bytes from an offset on: (offset, count). Fewer come back where the disk ends.
+# A function (offset, count) that reads bytes. It returns fewer at the end of the disk.
 Read = Callable[[int, int], bytes]
 SECTOR = 512
 _EXTENDED = (0x05, 0x0F, 0x85)
@@ -40,7 +40,7 @@ def read_partitions(read: Read, size: int) -> tuple[Partition, ...]:
         return ()
     entries = [_parse_entry(first, slot) for slot in range(4)]
     if any(entry.status not in (0x00, 0x80) for entry in entries):
-        return ()  # the boot sector of a file system ends with the same mark
+        return ()  # the boot sector of a file system ends with the same signature
     found = _read_gpt(read) if any(entry.kind == _PROTECTIVE for entry in entries) else list(_read_mbr(read, entries))
     for partition in found:
         if partition.start + partition.size > size:

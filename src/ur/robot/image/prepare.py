@@ -13,7 +13,7 @@ from ur.robot.image.volume import Volume
 from ur.robot.robot_file import ROBOT_FILE
 
 ORIGINAL = ".orig"
-_NAMES = ("network-config", "ssh", "meta-data", "user-data")  # user-data last: without it, a seed is none
+_NAMES = ("network-config", "ssh", "meta-data", "user-data")  # user-data last: a seed without it is ignored
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,7 +61,7 @@ def _plan(
     for place in seed_places(layout):
         volume, path = place
         before, original = present[volume, path], present[volume, path + ORIGINAL]
-        # Of an earlier seed of ours that this one does not have: back to what the image brought.
+        # A file of an earlier seed that this one lacks: restore the image's original.
         after = wanted.get(place, original if _is_ours(path, before) else before)
         if place in wanted and before not in (None, original) and not _is_ours(path, before):
             yield Write(volume, path + ORIGINAL, original, before)

@@ -22,7 +22,7 @@ MARK = "# Written by ur image prepare.\n"
 _HIDDEN = "(private key, not shown)"
 _GROUPS = ("adm", "sudo", "dialout", "video", "plugdev", "input")
 _UNIT = "/etc/systemd/system/ubiquity-names.service"
-# What cloud-init's `packages` cannot: a first boot without internet is not held up, and it is tried until there is.
+# Replaces cloud-init's `packages`: it does not delay a first boot without internet, and retries until there is one.
 _NAMES = """\
 # Written by ur image prepare: makes the robot answer to its name, as soon as it has internet to fetch what that needs.
 [Unit]
@@ -108,7 +108,7 @@ def make_seed(options: SeedOptions, layout: Layout) -> tuple[SeedFile, ...]:
     if layout.scheme is Scheme.ROOT_SEED:
         return tuple(SeedFile("root", f"{SEED_FOLDER}/{name}", text) for name, text in texts.items())
     if layout.raspberry:
-        texts["ssh"] = MARK  # its mere presence starts the ssh server
+        texts["ssh"] = MARK  # its existence starts the ssh server
     return tuple(SeedFile("boot", name, text) for name, text in texts.items())
 
 
@@ -133,7 +133,7 @@ def user_data_text(options: SeedOptions, *, raspberry: bool = False) -> str:
     pair = options.host_key
     data: dict[str, object] = {
         "hostname": name,
-        "preserve_hostname": False,  # for this one boot; the file below keeps the name afterwards
+        "preserve_hostname": False,  # for this boot only; the file below keeps the name afterwards
         "manage_etc_hosts": False,
         "ssh_pwauth": False,
         "users": [user],
@@ -153,7 +153,7 @@ def _first_commands(options: SeedOptions, *, raspberry: bool) -> list[str]:
         "systemctl daemon-reload; systemctl enable --now --no-block ubiquity-names",
         "systemctl enable --now --no-block ssh; systemctl --no-block try-restart avahi-daemon",
     ]
-    if raspberry and options.wifi:  # the radio is off until its country is known; NetworkManager does not tell it
+    if raspberry and options.wifi:  # the radio is off until its country is set; NetworkManager does not set it
         country = quote(options.wifi.country)
         lines.append(f"raspi-config nonint do_wifi_country {country}; rfkill unblock wifi; nmcli radio wifi on")
     return lines
@@ -204,7 +204,7 @@ def custom_toml(options: SeedOptions) -> str:
         sections.append(("wlan", {"ssid": options.wifi.network, **key, "country": options.wifi.country}))
     if options.timezone:
         sections.append(("locale", {"timezone": options.timezone}))
-    # Strings, lists and truths are written alike in TOML and JSON.
+    # Strings, lists and booleans have the same syntax in TOML and JSON.
     parts = (
         f"\n[{name}]\n" + "".join(f"{key} = {json.dumps(value)}\n" for key, value in rows.items())
         for name, rows in sections

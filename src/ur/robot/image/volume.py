@@ -14,7 +14,7 @@ from ur.source.diagnostic import UserError, error, error_about
 
 _SECONDS = 120.0
 _TOOLS = {"debugfs": "e2fsprogs", "openssl": "openssl"}
-# The administrator's tools are not on everybody's PATH.
+# The administrator's tools are not on every user's PATH.
 _PATH = os.pathsep.join((os.defpath, "/usr/local/sbin", "/usr/sbin", "/sbin"))
 
 
@@ -75,7 +75,8 @@ class FatVolume:
         _compare(path, self.read(path), content)
 
     def _run(self, tool: str, *arguments: str, stdin: bytes = b"") -> bytes:
-        with self.image.open("rb") as file:  # its number stands for it: a path may hold what mtools takes for its own
+        # By its descriptor number: a path may contain characters that mtools interprets
+        with self.image.open("rb") as file:
             place = f"/proc/self/fd/{file.fileno()}@@{self.start}"
             settings = {"MTOOLSRC": os.devnull, "MTOOLS_SKIP_CHECK": "1"}
             done = run_tool([tool, "-i", place, *arguments], stdin, pass_fds=[file.fileno()], settings=settings)
@@ -144,7 +145,7 @@ def run_tool(
             timeout=_SECONDS,
             check=False,
         )
-    except (FileNotFoundError, PermissionError):  # the latter where a folder of PATH is of another owner
+    except (FileNotFoundError, PermissionError):  # the latter if a folder of PATH belongs to another user
         package = _TOOLS.get(argv[0], "mtools")
         raise UserError(
             error(

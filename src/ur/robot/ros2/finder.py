@@ -5,7 +5,7 @@ program that reads the graph, and `environment`, variables for that program. It 
 to robots on which this project is not installed.
 """
 
-# A program for small computers, which run it before anything of ours is there.
+# A program for small computers, which run it before this project is installed.
 # ruff: noqa: PTH110, PTH111, PTH112, PTH113, PTH115, PTH116, PTH119, PTH120, PTH123, PTH207, PTH208
 
 from __future__ import annotations
@@ -21,13 +21,13 @@ import sys
 from typing import Any
 
 MOST_PROCESSES = 200
-FIRST_PERSON = 1000  # the number of the first user who is none of the system
+FIRST_PERSON = 1000  # the first user id that is not a system user's
 _IFF_UP, _IFF_LOOPBACK, _IFF_MULTICAST = 0x1, 0x8, 0x1000
 _LISTENING = {"tcp": "0A", "udp": "07"}
 _KEPT = ("AMENT_PREFIX_PATH", "PYTHONPATH", "LD_LIBRARY_PATH", "_ROS_WHEELS_BOOTSTRAP_COMPLETE")
 _LOST = re.compile(r"/dev/shm/fastrtps_\w+_el \(deleted\)")  # noqa: S108 - the lock of its owner
 _RELEASE = re.compile(r"/opt/ros/([a-z]{1,20})/")
-# Nothing of the current folder is imported: of PYTHONPATH, which ROS 2 needs, only whole paths are taken.
+# Nothing is imported from the current folder: of PYTHONPATH, which ROS 2 needs, only absolute paths are kept.
 _READ_PROGRAM = (
     "import os, sys; sys.path[:0] = [each for each in os.environ.get('PYTHONPATH', '').split(':')"
     " if os.path.isabs(each)]; exec(sys.stdin.read())"
@@ -233,7 +233,7 @@ def read_graph(request: dict[str, Any], installations: Any, processes: Any, shel
     chosen = max(settings, key=settings.count) if settings else ""
     leader = readable[settings.index(chosen)] if settings else None
     base = {name: os.environ[name] for name in ("HOME", "PATH", "LANG", "USER") if name in os.environ}
-    # A shell of its own user sets these, too, where no process is there to be asked.
+    # The shell of the unit's user sets these, too, if no process exists to read them from.
     base.update(leader["variables"] if leader else {name: shell[name] for name in variables if name in shell})
     base.update(request["environment"])
     folders = [each["folder"] for each in installations]

@@ -18,13 +18,13 @@ from ur.robot.ssh.secret import Secret
 from ur.robot.ssh.shell import Shell, quote
 from ur.source.diagnostic import UserError, error_about
 
-MOST_CHANGES = 300  # of one set-up, which has some dozens: a computer that says something else each time ends it
+MOST_CHANGES = 300  # rounds of one set-up, which has some dozens: a computer whose facts differ each time ends it
 Make = Callable[[ComputerFacts], Sequence[Wanted]]
 Progress = Callable[[str, float, str], None]
 LOOK_SECONDS = 2.0
 _MOST_DIGITS = 16  # of the size of a log
 _PROGRESS = Path(ur.system.__path__[0], "progress.awk")
-# The proxy comes in through standard input, since it names a password.
+# The proxy is read from standard input, since it contains a password.
 _READ_ROUTE = """\
 IFS= read -r proxy; IFS= read -r direct
 [ -z "$proxy" ] || export http_proxy="$proxy" https_proxy="$proxy" no_proxy="$direct"
@@ -150,7 +150,7 @@ def bring_about(
             facts = ask(shell, asked, root)
         changes = plan_together(wanted, facts, user, base)
         if not changes:
-            if made:  # what was enabled or removed lasts, too
+            if made:  # sync to the disk, so that enabled and removed files last
                 shell.run('sync -f / /etc /var "$HOME" 2>/dev/null || sync')
             return facts, len(made)
         for change in changes:
@@ -187,7 +187,8 @@ def _follow_log(
     show, begin, done = progress, time.monotonic(), threading.Event()
     log = quote(command.log)
     size = shell.run(f"wc -c <{log} 2>/dev/null", timeout=10.0).out.strip()
-    begins = int(size) + 1 if size.isdecimal() and len(size) < _MOST_DIGITS else 1  # another computer says it
+    # The text is that of another computer
+    begins = int(size) + 1 if size.isdecimal() and len(size) < _MOST_DIGITS else 1
     script = f"tail -c +{begins} {log} 2>/dev/null | awk {quote(_PROGRESS.read_text('utf-8'))}"
 
     def follow() -> None:

@@ -56,7 +56,7 @@ def robot_setup_text() -> str:
 def _shells(text: str) -> list[Wanted]:
     return [
         WantedFile("ROS environment", "~/.ros_setup", text),
-        # First of all: what comes later in Debian's .bashrc is skipped for shells that are not interactive.
+        # First in the file: Debian's .bashrc skips later lines in shells that are not interactive.
         WantedLine("bash reads it", "~/.bashrc", SETUP_LINE, first=True),
         WantedLine("login shells read it", "~/.profile", SETUP_LINE, first=True),
         WantedLine("zsh reads it", "~/.zshenv", SETUP_LINE, first=True),

@@ -11,7 +11,7 @@ from ur.robot.ssh.shell import quote
 from ur.source.diagnostic import UserError, error
 
 _MARK = "\x1e"
-# Prints who holds a lock of dpkg or apt: proc_locks(5) has the process in column 5, the file's inode at the end of 6.
+# Prints the process that holds a lock of dpkg or apt: proc_locks(5) has its id in column 5, the inode at the end of 6.
 APT_USERS = (
     "for i in $(stat -c %i /var/lib/dpkg/lock-frontend /var/lib/dpkg/lock /var/lib/apt/lists/lock 2>/dev/null); do "
     """awk -v i="$i" '{ split($6, a, ":"); if (a[3] == i) print $5 }' /proc/locks; done | """

@@ -13,9 +13,9 @@ from ur.robot.ssh.shell import quote
 from ur.source.diagnostic import UserError, error, error_about
 
 LOCK_FILE = "/run/ubiquity-setup.lock"  # for root alone, and gone after a reboot
-WAIT_SECONDS = 30.0  # longer than SILENCE_SECONDS: the lock of somebody who was cut off is free by then
+WAIT_SECONDS = 30.0  # longer than SILENCE_SECONDS: the lock of a disconnected holder is released by then
 SILENCE_SECONDS = 12
-# Whoever holds it sends a line now and then. After a silence the alarm ends this, and with it the lock.
+# The holder sends a line now and then. After a silence the alarm ends this script, which releases the lock.
 _HOLD = """\
 use strict; use Fcntl qw(:flock); $| = 1;
 my ($path, $who, $silence, $wait) = @ARGV;
@@ -45,7 +45,7 @@ def hold_robot(shell: SshShell, who: str, report: Callable[[str], None]) -> Iter
 
     def beat() -> None:
         assert keeper.stdin
-        with suppress(OSError, ValueError):  # the connection has ended: the next use of it reports that
+        with suppress(OSError, ValueError):  # the connection has ended: the next command reports that
             while not done.wait(ALIVE_SECONDS):
                 keeper.stdin.write("\n")
                 keeper.stdin.flush()

@@ -48,7 +48,7 @@ class Task:
 
 
 Report = Callable[[str], None]
-# The shadow hash and the password go in through standard input; crypt(3) knows every method of this system.
+# The shadow hash and the password are on standard input; crypt(3) supports every method of this system.
 _COMPARE = """\
 perl -e 'chomp(my ($user, $password) = <STDIN>); my $hash = (getpwnam $user)[1];
 exit((defined $hash && length $hash > 1 && crypt($password, $hash) eq $hash) ? 0 : 1)'
@@ -129,7 +129,7 @@ def _enter_sudo(task: Task, shell: SshShell) -> None:
         candidates = [one for one in candidates if one == task.current or one in shell.accepted]
     if not shell.find_sudo(candidates):
         raise explain_sudo(shell.address, shell.sudo_reported, given=bool(candidates))
-    # It may have let our key in and asked for no password, so that it has not accepted any.
+    # The login may have used this computer's key, and sudo no password, so that no password was verified.
     unproven = task.first_contact and task.current and task.new and not shell.accepted
     if unproven and task.current and not is_password(shell, task.current):
         raise UserError(
@@ -168,7 +168,8 @@ def _list_tries(
     for password in find_passwords(task):
         if password == task.current or not task.first_contact:
             yield _Try(task.address, pinned, password)
-    # A confirmed host key means that somebody answers to the present name: who has the later one is another robot then.
+    # With a confirmed host key, a computer answers to the present name, so the owner of the later name is another
+    # robot.
     if pinned is None and task.later != task.address and find(task.later.host):
         yield _Try(task.later, None)
 

@@ -40,7 +40,7 @@ def note_script(facts: ComputerFacts) -> str:
     """
     home, record = quote(facts.home), quote(facts.resolve(RECORD))
     return (
-        # The home folder may be reached through a link: paths are as its user writes them.
+        # The home folder may be a symbolic link: paths are as its user writes them.
         f'{REPLACE}h={home}; own() {{ f=$(readlink -m "$1"); H=$(readlink -m "$h"); '
         'case $f in "$H"/*) f=$h${f#"$H"};; esac; }; '
         f'r={record}; made() {{ grep -qxF -- "$1" "$r" 2>/dev/null; }}; '

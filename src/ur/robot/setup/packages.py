@@ -76,7 +76,7 @@ def install_packages(entries: list[str]) -> ChangeScript:
         else f'set -- "$@" {quote(entry)}; '
         for entry in entries
     )
-    # apt waits for dpkg's lock when it is instructed to, and for that of the lists not at all.
+    # apt waits for dpkg's lock if configured to, but never for the lock of the package lists.
     wait = f'n=0; while [ -n "$({APT_USERS})" ] && [ $n -lt {LOCK_SECONDS // 2} ]; do sleep 2; n=$((n + 1)); done'
     # The proxy of a set-up closes its connection after each file.
     apt = f"apt-get -q -o APT::Status-Fd=1 -o DPkg::Lock::Timeout={LOCK_SECONDS}"
@@ -91,9 +91,9 @@ def install_packages(entries: list[str]) -> ChangeScript:
     return ChangeScript(script, root=True, timeout=APT_SECONDS, fetches=True, log=APT_LOG)
 
 
-# A package that was killed while it was unpacked keeps itself and all that need it from being configured.
+# A package whose unpacking was killed blocks the configuration of itself and of all that depend on it.
 _FIND_BROKEN = "broken=$(dpkg-query -W -f='${db:Status-Eflag} ${binary:Package}\\n' | sed -n 's/^reinstreq //p'); "
-# Without a network apt names a file that it cannot fetch; why, it says before.
+# Without a network, apt names a file that it cannot download; the reason is in an earlier line.
 _EXPLAIN = (
     'echo "$said" | grep -m 1 -oE \'(Temporary failure resolving|Could not resolve|Could not connect to|'
     "Unable to connect to|Cannot initiate the connection to|Connection timed out).*' | "

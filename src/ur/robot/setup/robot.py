@@ -36,7 +36,7 @@ AGAIN_SECONDS = 15.0
 QUICK_SECONDS = 3
 PAUSE_SECONDS = 0.5
 CLOCK_SECONDS = 120.0
-# A copy of this project, and no clone of the user's own, which nothing that starts at boot needs.
+# Removes a copy of this project that no boot service needs, never a clone of the user's own.
 _NOTES = "~/.local/state/ubiquity_launches"
 _NO_EMPTY = "rmdir ~/.local/state ~/.local 2>/dev/null"
 _REMOVE_COPY = f"""\
@@ -116,7 +116,7 @@ def set_up(task: Task, here: Shell, viewer: ViewerFacts, report: Report, progres
             route=route,
             progress=progress,
         )
-        # Before the reboot: from then on the robot is known under its new name, strictly.
+        # Before the reboot: from then on only the new name is accepted for the robot.
         count += _remember(task, shell.address.host, here, viewer, facts, report)
         if task.host_key:
             forget_contact(task.host_key)
@@ -124,7 +124,7 @@ def set_up(task: Task, here: Shell, viewer: ViewerFacts, report: Report, progres
             last = restart_silent_units(shell, report) if task.robot.ros2 else update_master(task.robot, shell, report)
             return count + last
         at = shell.run('set -- $SSH_CONNECTION; echo "$3"').out.strip()
-        at = shell.address.host if "%" in at else at  # an address that means something over there only
+        at = shell.address.host if "%" in at else at  # an address that is valid on the remote computer only
         report(f"reboot as {task.later.host}")
         _reboot(shell)
     report(f"waiting for {task.later.host}")
@@ -167,7 +167,7 @@ def wait_for_boot(task: Task, before: str, at: str, report: Report) -> None:
     `before` is the id of the ending boot, `at` is the robot's address in it. If the robot is still in that boot, it has
     not received the request, which is then repeated.
     """
-    # Its new name is that of its host key, which is known, whatever it still calls itself.
+    # The known host key is stored under the new name, even while the robot still has its old one.
     old = ["-o", f"HostKeyAlias={task.later.host}", "-o", f"ConnectTimeout={QUICK_SECONDS}"]
     ways = [(task.later, list[str]()), *([(Address(task.address.user, at), old)] if at else [])]
     end, patience = time.monotonic() + BOOT_SECONDS, time.monotonic() + AGAIN_SECONDS
@@ -203,7 +203,7 @@ def wait_for_boot(task: Task, before: str, at: str, report: Report) -> None:
 
 def _reboot(shell: SshShell) -> str:
     """Reboot the computer; return the reason if it refuses."""
-    with suppress(UserError):  # the connection does not outlive it
+    with suppress(UserError):  # the connection ends with the boot
         done = shell.run("systemctl reboot --no-block", root=True, timeout=20)
         return done.err.strip().splitlines()[0] if done.code and done.err.strip() else ""
     return ""
@@ -216,7 +216,7 @@ def _remember(task: Task, host: str, here: Shell, viewer: ViewerFacts, facts: Co
             error_about(task.address, "it has no ssh keys after the set-up", rule="failed-change", help="ur doctor")
         )
 
-    # What it reports becomes what this computer knows it by: the key with which it has answered, and no other.
+    # This computer stores the key with which the robot has answered, and no other that it reports.
     shown = frozenset([task.host_key]) if task.host_key else find_known_keys(host)
     if shown and HostKey(" ".join(host_key.split()[:2])) not in shown:
         raise UserError(

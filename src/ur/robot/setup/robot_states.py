@@ -28,7 +28,7 @@ PACKAGES = (
     *("python3-rosbag", "python3-rosclean", "python3-roswtf", "rosout", "topic-tools", "libtopic-tools-dev"),
     *("ros-robot-state-publisher|robot-state-publisher", "iw", "catkin", "cmake", "g++", "make"),
 )
-# What programs of this project need beside these: the packages of tools/set_up.bash.
+# Required by programs of this project in addition: the packages of tools/set_up.bash.
 PROGRAM_PACKAGES = (
     *("python3-venv", "ca-certificates", "rosbash", "python3-tf2-ros", "python3-actionlib", "python3-geometry-msgs"),
     *("python3-nav-msgs", "python3-sensor-msgs", "python3-move-base-msgs", "python3-visualization-msgs"),
@@ -139,7 +139,7 @@ def wanted_there(
         ),
         WantedService("time", "chrony.service"),
         WantedGroups("groups", GROUPS),
-        # Without udev, as in a container, the rules wait for nobody.
+        # Without udev, as in a container, the rules have no effect, which is no error.
         WantedFile("names of devices", RULES_FILE, write_rules(devices), then=f"{{ {RELOAD}; }} 2>/dev/null || :"),
         *robot_environment(),
         *own_keys(facts.user, robot.name, facts.file(HOST_KEY).text),

@@ -15,7 +15,7 @@ from ur.robot.ssh.shell import Shell, quote
 
 STRICT = "ssh -T -o BatchMode=yes -o StrictHostKeyChecking=yes -o ConnectTimeout=10 -o LogLevel=ERROR --"
 CLOCK_SECONDS = 0.5
-# The modules are a program's: ROS, its messages, the simulator, the nodes.
+# The modules of a typical program: ROS, its messages, the simulator, the nodes.
 _PROGRAMS = f"""\
 for d in {" ".join(f'"$HOME"/{place}' for place in LIBRARIES)}; do
   [ -r "$d/.venv/ready-run" ] || continue

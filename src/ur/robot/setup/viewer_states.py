@@ -15,11 +15,12 @@ from ur.robot.setup.wanted import Wanted, WantedFile, WantedGroups, WantedLine
 PACKAGES = (
     *("openssh-client", "openssh-server", "avahi-daemon", "libnss-mdns", "chrony"),
     *("sshfs", "rsync", "xauth", "x11-apps", "bash-completion", "iw", "catkin", "cmake", "g++", "make"),
-    "mtools",  # ur image prepare
-    *("gdb", "xterm", "python3-pudb", "python3-debugpy|python3-pudb"),  # ur launch --debug; some lack the last
+    "mtools",  # for ur image prepare
+    # For ur launch --debug; some releases lack the last one
+    *("gdb", "xterm", "python3-pudb", "python3-debugpy|python3-pudb"),
 )
 GROUPS = ("dialout", "video", "plugdev", "input")
-# Where bash-completion and fish look by themselves; zsh is told.
+# Folders that bash-completion and fish search by themselves; zsh needs a setting.
 COMPLETIONS = {
     "bash": "~/.local/share/bash-completion/completions/ur",
     "fish": "~/.config/fish/completions/ur.fish",

@@ -207,7 +207,7 @@ def write_file(
     script = (
         f'set -e; {find}d=${{f%/*}}; [ -d "$d" ] || {{ (umask 022; mkdir -p "$d"); sync -f "$d"; }}; umask 077; '
         'new=$(mktemp "$f.XXXXXX"); trap \'rm -f "$new"\' EXIT HUP INT TERM; cat >"$new"; '
-        # A transmission that was cut off must not pass for the whole.
+        # An interrupted transmission must not count as complete.
         f'[ "$(wc -c <"$new")" -eq {len(text.encode(errors="surrogateescape"))} ]; '
         f'chmod {mode:o} "$new"; replace "$new" "$f"'
     )

@@ -53,7 +53,7 @@ def answer_password(folder: Path, password: str, script: str = __file__) -> Iter
                 "UR_ASKPASS": str(place),
                 "SSH_ASKPASS": str(program),
                 "SSH_ASKPASS_REQUIRE": "force",
-                "DISPLAY": os.environ.get("DISPLAY", ":"),  # ssh before 8.4 asks no program without it
+                "DISPLAY": os.environ.get("DISPLAY", ":"),  # ssh before 8.4 starts no askpass program without it
                 "LC_ALL": "C",
             }
         finally:

@@ -19,8 +19,8 @@ from ur.robot.ssh.secret import Secret
 from ur.source.diagnostic import UserError, error_about
 
 PATIENCE = 60.0
-MOST_BYTES = 1 << 16  # of such a talk, which has some lines
-# passwd asks for the present one once, and for the new one twice; in these words since PAM 1.1, in the C locale.
+MOST_BYTES = 1 << 16  # of the output of such a dialogue, which has some lines
+# passwd asks once for the present password, and twice for the new one; in these words since PAM 1.1, in the C locale.
 _QUESTION = re.compile(rb"password: ?$", re.IGNORECASE)
 _NEW = re.compile(rb"\bnew\b[^\r\n]*password: ?$", re.IGNORECASE)
 _ALONE = [word for name in ("ForwardAgent", "ForwardX11", "PermitLocalCommand") for word in ("-o", f"{name}=no")]
@@ -34,7 +34,7 @@ def renew_password(address: Address, current: Secret, new: Secret, options: Sequ
     passwd's reason.
     """
     with private_folder() as folder, answer_password(folder, current.reveal()) as environment:
-        # A terminal over there, for passwd asks nobody else; here there are only pipes.
+        # A remote terminal, which passwd requires; the local ends are pipes.
         process = subprocess.Popen(
             ["ssh", "-tt", *password_options(), *_ALONE, *options, "--", str(address)],
             stdin=subprocess.PIPE,
@@ -70,7 +70,7 @@ def _converse(process: subprocess.Popen[bytes], current: Secret, answers: Sequen
         reported, part = reported + more, part + more
         if _QUESTION.search(part):
             wanted = waiting if _NEW.search(part) else old
-            if not wanted or (wanted is waiting and old):  # it refuses what it got, or did not ask for the present one
+            if not wanted or (wanted is waiting and old):  # it refuses the password, or did not ask for the present one
                 break
             with suppress(BrokenPipeError):
                 process.stdin.write(wanted.pop(0).reveal().encode() + b"\n")

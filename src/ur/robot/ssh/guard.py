@@ -17,14 +17,14 @@ from pathlib import Path
 
 from ur.source.diagnostic import UserError, error_about
 
-SOCKET_BYTES = 60  # of a folder's path, so that a socket inside still has an address, unix(7)
+SOCKET_BYTES = 60  # of a folder's path, so that a socket in it still has a valid address, unix(7)
 _FOLDER = """\
 d=$(mktemp -d "$1/ur-XXXXXXXX") || exit
 echo "$d"; exec >&-
 read -r _; rm -rf "$d"
 """
-# The program reads from the same pipe, so that it, too, learns of the end; its words go to a file, since whoever reads
-# them may be gone first.
+# The program reads from the same pipe, so that it detects the end as well; its output goes to a file, because the
+# reader may end first.
 _PROGRAM = """\
 exec 3<&0; log=$1; shift
 "$@" <&3 2>"$log" &
@@ -112,7 +112,7 @@ def _spawn(command: Sequence[str], environment: dict[str, str] | None = None) ->
         stderr=subprocess.DEVNULL,
         text=True,
         env=environment,
-        start_new_session=True,  # Ctrl-C is for us
+        start_new_session=True,  # Ctrl-C is for this process only
     )
 
 

@@ -75,7 +75,7 @@ def fetch_host_key(address: Address) -> HostKey:
     with private_folder() as folder:
         offered = folder / "offered"
         files = [f"UserKnownHostsFile={offered}", "GlobalKnownHostsFile=/dev/null", "HashKnownHosts=no"]
-        # The file is private and goes with this call: what is written there is only looked at.
+        # The file is private and removed at the end of this call: its content is only read.
         done = _knock(address, [*files, "StrictHostKeyChecking=accept-new", "HostKeyAlgorithms=ssh-ed25519"])
         text = offered.read_text(errors="replace") if offered.exists() else ""
     with_names = text.splitlines()[:1]

@@ -26,12 +26,12 @@ from ur.source.diagnostic import UserError
 from ur.source.progress import Waiting, no_waiting
 
 CONNECT_SECONDS = 10
-START_SECONDS = 60  # for a computer that boots, from its ssh server to the first login
+START_SECONDS = 60  # for a booting computer, from the start of its ssh server to the first permitted login
 ALIVE_SECONDS = 3
 STRICT = ("-o", "StrictHostKeyChecking=yes", "-o", "ConnectTimeout=10")  # an unknown host key is an error
 _READY = "ubiquity: logged in"
 _SUDO_REFUSED = re.compile(r"^sudo: (\d+ incorrect|no password|a password is required)", re.MULTILINE)
-# Where the shared connection is gone, ssh would make one of its own: ten seconds of silence, and without the password.
+# Without the shared connection, ssh would open a separate one: ten seconds without output, and without the password.
 _ONLY_SHARED = ("-o", "ProxyCommand=false")
 
 
@@ -70,12 +70,13 @@ class SshShell:
         """
         done = self._run(script, root, stdin, timeout)
         if root and done.code and _SUDO_REFUSED.search(done.err) and self.find_sudo(self._candidates):
-            done = self._run(script, root, stdin, timeout)  # it had not begun: the password is another one by now
+            # The script has not started: the password was changed meanwhile
+            done = self._run(script, root, stdin, timeout)
         return done
 
     def _run(self, script: str, root: bool, stdin: str | Secret, timeout: float) -> ShellResult:
         text = stdin.reveal() if isinstance(stdin, Secret) else stdin
-        # 255 is what ssh itself says when the connection breaks, so no script may.
+        # 255 is ssh's exit code for a broken connection, so a script must not use it.
         words = self._words(f"({script}\n); code=$?; [ $code -ne 255 ] || code=254; exit $code", root)
         with self._waiting(_describe_wait(self.address)):
             done = run_process(
@@ -117,7 +118,7 @@ class SshShell:
         return self._forward("-L", f"127.0.0.1:{port}:127.0.0.1:{port}").code == 0
 
     def _forward(self, kind: str, ports: str) -> ShellResult:
-        # Options other than the shared connection's socket are of no use here, and one of them forbids forwarding.
+        # Options other than the shared connection's socket have no effect here, and one of them forbids forwarding.
         shared = next(word for word in self._options if word.startswith("ControlPath="))
         words = ["ssh", "-F", "none", "-o", shared, "-O", "forward", kind, ports, "--", self.place]
         return run_process(words, timeout=CONNECT_SECONDS, what=f"forwarding to {self.place}")
@@ -150,7 +151,7 @@ class SshShell:
         if tried.code == 0:
             self._sudo = None
             return True
-        # A wrong one takes sudo seconds: that which logged in comes first, that which was refused just now last.
+        # sudo takes seconds to refuse a password: try the login password first, and the one just refused last.
         refused = self._sudo
         for candidate in sorted(candidates, key=lambda one: (one == refused, one != self._login)):
             self._sudo = candidate
@@ -222,7 +223,7 @@ def _common(socket: Path) -> list[str]:
     settings = (
         f"ControlPath={socket}",
         f"ConnectTimeout={CONNECT_SECONDS}",
-        f"ServerAliveInterval={ALIVE_SECONDS}",  # with the count: a connection that is cut is given up after 12 s
+        f"ServerAliveInterval={ALIVE_SECONDS}",  # with the count: a broken connection is closed after 12 s
         "ServerAliveCountMax=3",
         "ForwardX11=no",
         "ForwardAgent=no",
@@ -235,13 +236,13 @@ def _common(socket: Path) -> list[str]:
 
 @contextmanager
 def _share_connection(address: Address, common: Sequence[str], folder: Path, password: Secret | None) -> Iterator[None]:
-    # The first setting of an option counts. Below INFO, ssh does not tell that the other side closed the connection.
+    # The first setting of an option counts. Below INFO, ssh does not report that the server closed the connection.
     master = ["ssh", "-o", "LogLevel=INFO", "-o", "ControlMaster=yes", "-o", "ControlPersist=no", *common]
     master += ["-o", "BatchMode=yes"] if password is None else password_options()
     answering = (
         nullcontext(dict(os.environ, LC_ALL="C")) if password is None else answer_password(folder, password.reveal())
     )
-    # Something has to run there as long as the connection shall last: cat, which ends by itself when that breaks.
+    # A remote process has to run as long as the connection: cat, which ends by itself when the connection breaks.
     script = quote("sh", "-c", f"echo; echo {_READY}; exec cat >/dev/null")
     master += ["--", str(address), script]
     with ExitStack() as stack:

@@ -16,7 +16,7 @@ from typing import Protocol
 from ur.robot.ssh.secret import Secret
 from ur.source.diagnostic import UserError, error, error_about
 
-MOST_BYTES = 1 << 26  # of what a command prints: a list of all packages has some hundred kilobytes
+MOST_BYTES = 1 << 26  # of a command's output: a list of all packages has some hundred kilobytes
 _CHUNK = 1 << 16
 
 
@@ -29,8 +29,8 @@ class ShellResult:
     err: str
 
 
-# Shell functions. `last PATH...` brings files, or the names in folders, to the disk. `replace NEW FILE` puts a file in
-# the place of another one: after a power cut it is the old or the new one, completely.
+# Shell functions. `last PATH...` syncs files, or folder entries, to the disk. `replace NEW FILE` renames NEW to FILE:
+# after a power cut the file has its old or its new content, completely.
 REPLACE = (
     'last() { sync -- "$@" 2>/dev/null || sync; }; replace() { last "$1" && mv -f -- "$1" "$2" && last "${2%/*}"; }; '
 )
@@ -63,7 +63,7 @@ class LocalShell:
             return run_process(["sh", "-c", script], stdin=stdin, timeout=timeout, what=what, most=self._most)
         if self._terminal:
             subprocess.run(["sudo", "-v"], check=False)
-        # In our own session: sudo's leave to go on without asking again belongs to the terminal.
+        # In the session of this process: sudo caches its authentication per terminal.
         command = ["sudo", "-n", "--", "sh", "-c", script]
         done = run_process(command, stdin=stdin, timeout=timeout, what=what, own_session=False)
         if done.code and done.err.startswith("sudo:"):
@@ -157,7 +157,7 @@ def _exchange(process: subprocess.Popen[bytes], text: bytes, end: float, most: i
                     with suppress(BlockingIOError):
                         try:
                             rest = rest[os.write(key.fd, rest[:_CHUNK]) if rest else 0 :]
-                        except BrokenPipeError:  # it does not want to know
+                        except BrokenPipeError:  # the process does not read it
                             rest = rest[len(rest) :]
                     if not rest:
                         waiting.unregister(process.stdin)

@@ -38,7 +38,7 @@ def check_paths(paths: Mapping[str, str], known: Collection[str], root: Path, ro
 
 def name_this_computer(robot: str) -> str:
     """Return the name under which this computer keeps files that a sync with a robot replaces."""
-    # Each robot has a folder of its own here, since several may be synced at once.
+    # One folder per robot, since several may be synced at once.
     return f"{socket.gethostname().split('.')[0]}-{getpass.getuser()}-{robot}"
 
 

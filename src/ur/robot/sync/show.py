@@ -9,7 +9,7 @@ from datetime import datetime, timezone, tzinfo
 from ur.robot.sync.compare import CLASH
 from ur.robot.sync.steps import Conflict, File, Side, SyncPlan, SyncStep
 
-MANY = 60  # steps: more are shown by folder
+MANY = 60  # steps: above that number, they are displayed by folder
 
 
 def describe_plan(plan: SyncPlan, robot: str, *, zone: tzinfo | None = None) -> Iterator[str]:

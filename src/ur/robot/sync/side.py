@@ -6,7 +6,7 @@ time of change in ns, executable, content]`; `kind` is `file`, `link` or `folder
 of a file, the target of a link, and empty for a folder. Paths are relative to the workspace.
 """
 
-# A robot's small computer lists thousands of files here, and pathlib would take most of the time.
+# A robot's small computer lists thousands of files here; pathlib would take most of the time.
 # ruff: noqa: PTH101, PTH103, PTH105, PTH106, PTH108, PTH111, PTH113, PTH115, PTH116, PTH118, PTH120, PTH123, PTH208, PTH211
 
 from __future__ import annotations
@@ -22,8 +22,8 @@ from contextlib import suppress
 from typing import Any
 
 IGNORE_FILE = ".ursyncignore"
-# Version control has its own way of carrying history, and half of a changing .git is a broken one. The rest is made
-# again by whoever makes it.
+# Version control transfers history by itself, and a copy of a changing .git may be corrupt. The others are
+# generated files.
 IGNORED = (
     *(".git", ".hg", ".svn", "build/", "devel/", ".catkin_tools/", "__pycache__/", "*.pyc", "*.pyo"),
     *(".venv/", ".cache/", ".mypy_cache/", ".pytest_cache/", ".ruff_cache/", "*~", ".*.sw?", ".#*"),
@@ -78,14 +78,14 @@ def _walk(
                 skipped[path] = "another file system is mounted here"
             else:
                 _walk(root, path, device, patterns, known, files, skipped)
-        except FileNotFoundError:  # deleted meanwhile
+        except FileNotFoundError:  # the file was deleted meanwhile
             continue
         except OSError as problem:
             skipped[path] = _reason(problem)
 
 
 def _is_toplevel(entry: os.DirEntry[str]) -> bool:
-    # Made by catkin for its own computer: it leads to where catkin is installed there.
+    # A link that catkin made for its own computer: it points to the local installation of catkin.
     return entry.name == "CMakeLists.txt" and entry.is_symlink()
 
 
@@ -149,7 +149,7 @@ def prepare(request: Request) -> Request:
         try:
             os.makedirs(request["arriving"], mode=0o700, exist_ok=True)
             break
-        except FileNotFoundError:  # a sync with another robot has just removed the folder that both lie in
+        except FileNotFoundError:  # a sync with another robot has just removed the parent folder
             if attempt == ATTEMPTS - 1:
                 raise
     return {}
@@ -162,11 +162,11 @@ def apply(request: Request) -> Request:
     answer has `done`, the new state of the files (null: deleted), and `left`, the reasons for unchanged ones. With the
     fourth value set, the replaced or deleted file is kept in the folder `kept`.
     """
-    os.sync()  # what arrived outlives a loss of power before it replaces anything
+    os.sync()  # arrived content is on the disk before it replaces any file
     done: Request = {}
     left: dict[str, str] = {}
     steps = request["steps"]
-    # What goes makes place for what comes; what lies deepest goes first.
+    # Deletions make space for new files; the deepest paths are deleted first.
     for step in [*sorted((s for s in steps if s[2] is None), reverse=True), *(s for s in steps if s[2] is not None)]:
         path = step[0]
         try:
@@ -177,7 +177,7 @@ def apply(request: Request) -> Request:
             left[path] = reason
         else:
             done[path] = step[2] and _look_again(os.path.join(request["root"], path), step[2])
-    os.sync()  # and what was replaced, before the other side remembers that it was
+    os.sync()  # and the changes are on the disk before the other side records them
     shutil.rmtree(request["arriving"], ignore_errors=True)
     with suppress(OSError):
         os.rmdir(os.path.dirname(request["arriving"]))
@@ -198,7 +198,7 @@ def _apply_one(request: Request, path: str, before: File | None, after: File | N
         return reason
     if after is None:
         if before and before[0] == "folder":
-            with suppress(OSError):  # no longer empty: what is in it has a path of its own
+            with suppress(OSError):  # not empty: its content has separate paths
                 os.rmdir(target)
             return ""
         _keep(request, path, keep)

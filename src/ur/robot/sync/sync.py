@@ -23,7 +23,7 @@ from ur.source.foreign.json_values import read_json_names, write_json_names
 
 WORKSPACE = "catkin_ws/src"
 _LONGEST = 256 << 20  # characters of an answer
-_SECONDS = 1800.0  # a first look reads every file
+_SECONDS = 1800.0  # the first listing reads every file
 _RSYNC_LOST = {10, 12, 30, 35, 255}  # rsync(1), exit values: socket I/O, protocol stream, two timeouts; and ssh's own
 
 
@@ -212,7 +212,7 @@ def _run_rsync(
             raise
     if process.returncode in _RSYNC_LOST:
         raise lost_connection(shell.place, reported.decode(errors="replace"))
-    # 23 and 24: some files changed or vanished meanwhile. They are missed when the rest is put in its place.
+    # 23 and 24: some files changed or vanished meanwhile. `apply` then reports them as incomplete.
     if process.returncode not in (0, 23, 24):
         lines = reported.decode(errors="replace").strip().splitlines() or [f"exit code {process.returncode}"]
         raise UserError(error_about(shell.place, f"rsync: {lines[0]}", rule="failed-sync", help="ur doctor"))

@@ -10,7 +10,7 @@ from ur.robot.doctor.wifi import WirelessLink
 from ur.robot.wireless.sample import Sample, summarize
 
 RECENT = 10  # s
-LOSS = 0.01  # felt when driving
+LOSS = 0.01  # noticeable when driving
 
 
 def advise(samples: Sequence[Sample], names: tuple[str, str]) -> str:

@@ -16,10 +16,10 @@ from ur.robot.doctor.wifi import WIFI_SCRIPT, WirelessLink, parse_wifi
 from ur.robot.ssh.shell import quote
 from ur.robot.wireless.sample import Echoes, Sample
 
-INTERVAL = 0.2  # s between echoes: what ping allows to everybody
-AGAIN = 1.0  # s until a process that ended is started again
-OLD = 3.5  # s after which a link of which nothing more was heard is unknown
-PATIENCE = 15  # seconds without an answer after which the robot's address is asked for again
+INTERVAL = 0.2  # s between echoes: the minimum that ping allows without root
+AGAIN = 1.0  # s until an ended process is restarted
+OLD = 3.5  # s without a report after which a link is unknown
+PATIENCE = 15  # s without an answer after which the robot's address is looked up again
 _MARK = "\x1e"
 LOOP = f"while :; do ({WIFI_SCRIPT}\n); printf '\\036\\n' || exit; sleep 1; done"
 
@@ -60,7 +60,7 @@ class ProcessLines:
                     stderr=subprocess.DEVNULL,
                     text=True,
                     errors="replace",
-                    start_new_session=True,  # Ctrl-C is for us
+                    start_new_session=True,  # Ctrl-C is for this process only
                 )
             with self._process as process:
                 assert process.stdout is not None
@@ -143,7 +143,7 @@ class Meter:
 
     def _ping(self) -> Sequence[str]:
         with self._lock:
-            self._echoes = Echoes()  # the next one counts from 1 again
+            self._echoes = Echoes()  # the new process counts from 1 again
         return ["ping", "-n", "-O", "-i", str(INTERVAL), self._address()]
 
     def _ssh(self) -> Sequence[str]:

@@ -10,7 +10,7 @@ from statistics import median
 
 from ur.robot.doctor.wifi import WirelessLink
 
-SETTLED = 5  # echoes after which one that is missing counts as lost: a second, at five a second
+SETTLED = 5  # number of later echoes after which a missing one counts as lost: a second, at five per second
 _REPLY = re.compile(r"icmp_seq=(\d+).* time=([\d.]+) ms")
 _MISSING = re.compile(r"no answer yet for icmp_seq=(\d+)|icmp_seq=(\d+) .*[Uu]nreachable")
 

@@ -36,7 +36,7 @@ _LATER = (
     "encodings.utf_16",
     "xml.dom.expatbuilder",
     "yaml",
-)  # are imported late
+)  # imported lazily by other modules
 _PROTECTED = ("mmap", "mmap2", "mprotect")  # the third argument holds PROT_EXEC
 _PROT_EXEC = 4
 _SCMP_ACT_ALLOW = 0x7FFF0000
@@ -70,7 +70,7 @@ def give_up_rights(library: str) -> None:
     not_code = _Comparison(2, _SCMP_CMP_MASKED_EQ, _PROT_EXEC, 0)
     for name in (*_ALLOWED, *_PROTECTED):
         number = seccomp.seccomp_syscall_resolve_name(name.encode())
-        if number < 0:  # this processor has no such call
+        if number < 0:  # this processor has no such system call
             continue
         rule = (1, ctypes.byref(not_code)) if name in _PROTECTED else (0, None)
         _check(seccomp.seccomp_rule_add_array(context, _SCMP_ACT_ALLOW, number, *rule))
@@ -149,7 +149,7 @@ def _prepare(library: str, folder: str) -> tuple[Any, list[str]]:
 
     included = xacro.get_include_files
 
-    # Many accessories are included and never used: a file of a package that is not there is left out.
+    # Many accessories are included and never used: a file of a missing package is left out.
     def include(*words: Any) -> Iterator[Any]:
         before = len(missing)
         try:

@@ -12,7 +12,7 @@ from pathlib import Path
 from threading import Timer
 from typing import IO, Literal
 
-SECONDS = 60  # of computing, and in all; xacro files may call themselves without end
+SECONDS = 60  # s of processor time, and in all; xacro files may be recursive without end
 MEMORY = 1 << 30  # bytes of address space
 MOST_SENT = 20_000_000  # bytes of one message of the process
 MOST_READ = 100_000_000  # bytes of all files that one description includes
@@ -67,7 +67,7 @@ def expand(
     """
     child = subprocess.Popen(
         [sys.executable, "-I", str(_SCRIPT)],
-        env={"LC_ALL": "C.UTF-8", "HOME": "/"},  # of the user, nothing
+        env={"LC_ALL": "C.UTF-8", "HOME": "/"},  # no environment variables of the user
         cwd="/",
         stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,
@@ -90,7 +90,7 @@ def expand(
         child.kill()
         child.wait()
         child.stdout.close()
-        with suppress(BrokenPipeError):  # it ended before it read the last answer
+        with suppress(BrokenPipeError):  # the process ended before it read the last answer
             child.stdin.close()
     if report:
         return _read_report(report)
@@ -113,7 +113,7 @@ class _Message:
 def _converse(
     to: IO[bytes], of: IO[bytes], order: Mapping[str, object], answers: Mapping[str, Answer], most: int
 ) -> _Message:
-    from ur.source.foreign.json_values import read_json  # for those who expand
+    from ur.source.foreign.json_values import read_json  # imported late: only expansions need it
 
     _send(to, order)
     for _ in range(most):

@@ -30,7 +30,7 @@ from ur.robot.description.surroundings import Surroundings, is_safe_program
 from ur.source.diagnostic import UserError, error
 from ur.source.read import read_source
 
-_MOST_FILES = 1000  # that one pattern of an include may find
+_MOST_FILES = 1000  # of files that match one pattern of an include
 _WILD = re.compile(r"[*?\[]")
 
 Packages = Callable[[], Mapping[str, str]]

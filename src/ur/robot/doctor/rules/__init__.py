@@ -20,7 +20,7 @@ from ur.robot.doctor.rules import (
 from ur.robot.doctor.rules.registry import Rule, SideRule
 from ur.robot.doctor.side import Side
 
-# The most fundamental first: what comes later often follows from it.
+# The most fundamental rules first: later findings often follow from earlier ones.
 RULES: tuple[Rule, ...] = (
     *names.RULES,
     *login.RULES,

@@ -8,8 +8,8 @@ from ur.robot.doctor.findings import ComputerPair, Finding, FixCommand, Where
 from ur.robot.doctor.rules.registry import PairRule, Rule, SideRule
 from ur.robot.doctor.side import Side
 
-CLOCK_SECONDS = 0.5  # tf's usual patience is about that
-# Fresh after its start, chrony steps the clock by itself (makestep 1 3); otherwise it is instructed to.
+CLOCK_SECONDS = 0.5  # the typical tolerance of tf
+# Just after its start, chrony steps the clock by itself (makestep 1 3); later it needs a command.
 STEP = "systemctl restart chrony && { chronyc waitsync 15 0.3 0 1 || chronyc makestep; }"
 
 
@@ -29,7 +29,7 @@ def check_daemon(where: Where, side: Side) -> Iterator[Finding]:
     """Check for a running clock synchronisation."""
     state = side.active.get("chrony.service")
     if side.only_ros2 and side.active.get("systemd-timesyncd.service") == "active":
-        return  # as Ubuntu has it
+        return  # as in Ubuntu
     if state not in ("active", None) and not any(unit.name == "chrony.service" for unit in side.failing):
         installed = not side.packages or "chrony" in side.packages
         line = "systemctl enable --now chrony" if installed else "apt-get install -y chrony"

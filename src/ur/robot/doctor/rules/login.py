@@ -11,7 +11,7 @@ from ur.robot.ssh.public_key import PATTERN
 from ur.robot.ssh.shell import quote
 
 _ALLOW = ">>~/.ssh/authorized_keys; chmod 600 ~/.ssh/authorized_keys"
-# Whatever else the other computer says becomes no login.
+# Any other output of the remote computer does not become a login.
 _ONE_KEY = f"| LC_ALL=C grep -m 1 -xE '{PATTERN}( [!-~]{{1,100}})?'"
 NEW_KEY = "[ -e ~/.ssh/id_ed25519 ] || { mkdir -p -m 700 ~/.ssh; ssh-keygen -q -t ed25519 -N '' -f ~/.ssh/id_ed25519; }"
 XFORWARD = (
@@ -73,7 +73,7 @@ def check_keys(pair: ComputerPair) -> Iterator[Finding]:
     """Check that each computer accepts the other one's key."""
     here, there = pair.here, pair.there
     if find_loose(there) or find_loose(here):
-        return  # said already, and ssh would refuse the keys anyway
+        return  # already reported, and ssh would refuse the keys anyway
     if pair.key_refused:
         add = f"mkdir -p -m 700 ~/.ssh; echo {quote(here.public_key)} {_ALLOW}"
         yield Finding(
@@ -85,7 +85,7 @@ def check_keys(pair: ComputerPair) -> Iterator[Finding]:
     if (
         not pair.way_back
         or not pair.robot_login
-        or pair.there.only_ros2  # nothing of ROS 2 logs in
+        or pair.there.only_ros2  # no part of ROS 2 logs in
         or not there.resolves
         or "active" not in (here.active.get("ssh.service"), here.active.get("ssh.socket"))
     ):

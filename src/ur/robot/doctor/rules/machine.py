@@ -10,17 +10,17 @@ from ur.robot.doctor.rules.registry import Rule, SideRule
 from ur.robot.doctor.side import Disk, Side
 
 FULL_FREE = 200.0  # MB
-FULL_USED = 0.9  # a small file system that is hardly used is not full
+FULL_USED = 0.9  # a small file system with little use is not full
 MEMORY_FREE = 100.0  # MB
-LARGE = 5.0  # MB that are worth the trouble
-_NOW, _EVER = 0x1, 0x10000  # of the firmware's word: under-voltage now, and since boot
-# Of Raspberry Pi: its own program, or what the kernel shows.
+LARGE = 5.0  # MB; a smaller folder is not worth emptying
+_NOW, _EVER = 0x1, 0x10000  # bits of the firmware's status: under-voltage now, and since boot
+# On a Raspberry Pi: its own program, or the kernel's attribute.
 _THROTTLED = """\
 vcgencmd get_throttled 2>/dev/null || \
 sed 's/^/0x/' /sys/devices/platform/soc/soc:firmware/get_throttled 2>/dev/null || \
 for d in /sys/class/hwmon/hwmon*; do [ "$(cat "$d/name" 2>/dev/null)" != rpi_volt ] || \
 sed 's/^/0x/' "$d/in0_lcrit_alarm"; done"""
-# By folder: the command that empties it, as root or not, and whether nothing is lost by that.
+# By folder: the command that empties it, as root or not, and whether that loses no data.
 _EMPTY = {
     "/var/cache/apt": ("apt-get clean", True, True),
     "/var/log/journal": ("journalctl --rotate --vacuum-size=20M", True, True),

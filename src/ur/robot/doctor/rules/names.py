@@ -33,7 +33,7 @@ def check_names(pair: ComputerPair) -> Iterator[Finding]:
     """Check that each computer resolves the other's full name."""
     for where, side, other in pair.sides():
         if not runs_avahi(side) or not runs_avahi(other):
-            continue  # said already
+            continue  # already reported
         wrong = side.resolves - set(other.addresses)
         if not side.resolves:
             missing = bool(side.packages) and "libnss-mdns" not in side.packages

@@ -10,7 +10,7 @@ from ur.robot.doctor.side import Side
 from ur.robot.ssh.shell import quote
 
 LATENCY_SECONDS = 0.1
-# Into every chain that may drop what arrives, since each of them must let it pass.
+# Insert into every chain that may drop incoming packets, since each of them must accept them.
 _NFT = (
     'nft list chains | awk -v a={address} \'$1=="table"{{t=$2" "$3}} $1=="chain"{{c=$2}} '
     '/hook input/&&t~/^(ip|inet) /{{print "insert rule",t,c,"ip saddr",a,"accept"}}\' | nft -f -'
@@ -85,7 +85,7 @@ def _lost_frames(pair: ComputerPair, side: Side) -> Finding:
     message = f"full frames from {side.name} to {other.name} are lost, and large messages with them"
     if not (side.mtu and other.mtu and side.mtu != other.mtu):
         return Finding("mtu", message, "something between the two takes only smaller ones: set a lower MTU on both")
-    # Both in one network: the one with the smaller frames is the odd one out.
+    # Both in one network: the one with the smaller frames is the one to change.
     where, odd = min(((where, side) for where, side, _ in pair.sides()), key=lambda each: each[1].mtu or 0)
     mtu = max(side.mtu, other.mtu)
     return Finding(

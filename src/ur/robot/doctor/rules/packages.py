@@ -60,7 +60,7 @@ def check_messages(pair: ComputerPair) -> Iterator[Finding]:
     for package, found in sorted(differing.items()):
         types = sorted({name.partition("/")[2].partition(".")[0] for name in found})
         shown = ", ".join(types[:SHOWN]) + (" ..." if len(types) > SHOWN else "")
-        # Of a definition and what was built from it, the definition is what can be copied.
+        # Of a definition and the modules built from it, the definition can be copied.
         name = max(found, key=lambda each: "." in each)
         places = [f"{side.name}: {_version(side, package, side.messages[name].folder)}" for _, side, _ in pair.sides()]
         yield Finding(

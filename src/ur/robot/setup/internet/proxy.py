@@ -141,7 +141,7 @@ def run_proxy(
         try:
             await _serve(reader, writer, servers, password, find)
         except (OSError, TimeoutError, asyncio.TimeoutError, asyncio.IncompleteReadError, asyncio.LimitOverrunError):
-            pass  # the client sees that the connection ends
+            pass  # the client detects the end of the connection
         finally:
             tasks.discard(task)
             writer.close()

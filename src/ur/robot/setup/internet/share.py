@@ -16,7 +16,7 @@ from ur.robot.ssh.secret import Secret
 from ur.robot.ssh.shell import Shell, quote
 
 PROBE_SECONDS = 4
-# A line for each: `apt URL`, `pip URL`, `index` when pip has an index of its own, `proxy` when there is one.
+# A line for each: `apt URL`, `pip URL`, `index` if pip has a configured index, `proxy` if there is one.
 SCRIPT = """\
 apt-get indextargets --format 'apt $(REPO_URI)' 2>/dev/null | sort -u
 apt-config dump 2>/dev/null | grep -qiE '^Acquire::(http|https)::Proxy(::[^ ]+)? "[^"]' && echo proxy

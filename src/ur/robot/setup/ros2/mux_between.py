@@ -32,7 +32,7 @@ from ur.robot.ssh.openssh import SshShell
 from ur.robot.ssh.shell import Shell, quote
 from ur.source.diagnostic import UserError, error_about
 
-PATIENCE = 60.0  # s: for a driver to start again
+PATIENCE = 60.0  # s for a driver to restart
 _MUX = f"{PREFIX}{MUX_NODE}.service"
 _LIST = f"""\
 for f in {FOLDER}/*.service.d/{DROP_IN} {LAUNCH_FILE}; do

@@ -24,7 +24,7 @@ from ur.robot.setup.ros2.take_over import MUX_NODE, list_topics
 from ur.robot.setup.wanted import Wanted, WantedFile, WantedFolder, WantedLine
 from ur.source.diagnostic import UserError, error_about
 
-# ROS 2 itself, its domain, middleware, discovery and units stay as they are.
+# ROS 2 itself, its domain, middleware, discovery and units stay unchanged.
 PACKAGES = (
     *("openssh-server", "avahi-daemon", "libnss-mdns", "xauth", "x11-apps", "rsync", "python3", "python3-venv"),
 )
@@ -98,7 +98,7 @@ def wanted_on_ros2(
         allowed_key("login from the viewer", viewer.public_key),
         WantedFile("robot file", str(ROBOT_FILE), robot_file(robot, present)),
         WantedPackages("packages", PACKAGES),
-        # Else the end of the user's last login removes what her units have in shared memory, and DDS falls silent.
+        # Else the end of the user's last login removes the shared memory of the user's units, and DDS sends nothing.
         WantedFile("shared memory outlives logins", f"{LINGER}/{facts.user}", ""),
         WantedService("names ending in .local", "avahi-daemon.service"),
         WantedFile("announcement", "/etc/avahi/services/ubiquity.service", announcement(robot, facts.user)),

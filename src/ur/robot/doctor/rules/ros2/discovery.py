@@ -12,7 +12,7 @@ from ur.robot.ros2.seen_graph import NAMES, OLD_RELEASES, Process, domain_of, mi
 from ur.robot.ssh.shell import quote
 from ur.source.foreign.numbers import parse_integer
 
-HIGHEST_DOMAIN = 101  # above, ports of DDS lie among those that Linux gives to any program
+HIGHEST_DOMAIN = 101  # above, ports of DDS are in the range that Linux assigns to any program
 _FAST_DDS = "rmw_fastrtps"
 ZENOH, ZENOH_PORT, SERVER_PORT = "rmw_zenoh_cpp", 7447, 11811
 SHOWN = 4

@@ -15,7 +15,7 @@ OLD_SECONDS = 0.5  # as for clocks: tf refuses older data
 SHOWN = 3
 SCAN = "sensor_msgs/msg/LaserScan"
 _STATES = {"unconfigured": "configure", "inactive": "activate"}
-# Tools, which have no use for simulated time.
+# Tools, which do not need simulated time.
 _TOOLS = ("rviz", "rqt", "foxglove_bridge", "rosbridge_websocket", "ur_")
 
 

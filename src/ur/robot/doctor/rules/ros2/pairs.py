@@ -30,7 +30,7 @@ def check_both(pair: ComputerPair) -> Iterator[Finding]:
         package = f"ros-{here.ros2.distro}-{other.replace('_', '-')}"
         lack = f"; first: sudo apt-get install {package}" if installed and other not in installed else ""
         yield _set_here("ros2-middleware", message + lack, here, "RMW_IMPLEMENTATION", other)
-        return  # what follows is about one middleware
+        return  # the following checks concern a single middleware
     yield from _check_servers(pair, mine, theirs)
     yield from _check_range(pair, mine, theirs)
 
