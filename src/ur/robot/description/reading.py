@@ -83,7 +83,7 @@ class DescriptionReading:
 
     @property
     def has_lidar(self) -> bool:
-        """Whether the robot has a lidar."""
+        """True if the robot has a lidar."""
         return any(sensor.kind == "lidar" for sensor in self.sensors)
 
 
