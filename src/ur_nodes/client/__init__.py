@@ -1,7 +1,7 @@
-"""Drive and show a robot: what the terminal, the page, scripts and users' programs share.
+"""Clients that drive and show a robot, shared by the terminal, the page and users' programs.
 
-Programs of users begin with `from ur_nodes.client import Robot`. For the rest: reads give frozen values and may come
-from any thread; requests are made on the node's thread, unless their docstrings allow any thread.
+Users' programs begin with `from ur_nodes.client import Robot`. In the other modules reads return frozen values and may
+come from any thread; requests are made on the node's thread, unless their docstrings allow any thread.
 """
 
 from __future__ import annotations

@@ -16,14 +16,14 @@ _HINT = "d: take over, a: ask"
 
 @dataclass(frozen=True, slots=True)
 class DriverLine:
-    """The line for a screen, empty for none, and whether the keys drive nothing for that reason."""
+    """The line for a screen ('' for none), and whether the keys have no effect for that reason."""
 
     text: str = ""
     blocked: bool = False
 
 
 def line_of(view: LeaseView | None, conduct: Conduct = "drive") -> DriverLine:
-    """The line for who drives; without a lease there is none."""
+    """Return the line about the driver; without a lease it is empty."""
     if view is None:
         return DriverLine()
     return DriverLine(describe_driver(view, conduct), view.out_of_reach or not may_command(view, conduct))
@@ -40,7 +40,7 @@ def describe_silence(who: str, seconds: float) -> str:
 
 
 def describe_driver(view: LeaseView, conduct: Conduct = "drive", robot: str = "the robot", hint: str = _HINT) -> str:
-    """The line for a screen; empty while this client drives or may. `hint` names the keys that change it."""
+    """Return the line about the driver; empty while this client drives or may. `hint` names the keys that change it."""
     if view.out_of_reach:
         return describe_silence(robot, view.link_age)
     if view.mine:
@@ -58,13 +58,13 @@ def describe_driver(view: LeaseView, conduct: Conduct = "drive", robot: str = "t
 
 
 def describe_lost(view: LeaseView, robot: str = "") -> str:
-    """Describe the client that drove and is not received any more."""
+    """Describe the client that drove last and is out of reach."""
     until = f" until {clock_time(view.until)}" if view.until else ""
     return f"{name_holder(view)} drove{f' {robot}' if robot else ''}{until} and is out of reach"
 
 
 def name_holder(view: LeaseView) -> str:
-    """The computer that drives, and its program where that is known."""
+    """Return the name of the driving computer, with its program if that is known."""
     return f"{view.holder or 'another client'} ({view.program})" if view.program else view.holder or "another client"
 
 

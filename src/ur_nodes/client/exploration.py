@@ -34,7 +34,7 @@ class ExplorationStatus:
         self._statuses = node.subscribe(topic, str, self._take, Quality.LATCHED)
 
     def shown(self) -> ExploreStatus | None:
-        """The newest status; None while nothing explores."""
+        """Return the newest status; None without an exploration."""
         there = self._received and (self.newest.ended or self._statuses.publishers())
         return self.newest if there else None
 
@@ -55,7 +55,7 @@ class ExplorationTopics:
         node.subscribe("current_goal", PlacedPose, self._take_goal, Quality.LATCHED)
 
     def add(self, snapshot: RobotSnapshot) -> RobotSnapshot:
-        """The snapshot with goal and path."""
+        """Return the snapshot with goal and path."""
         return replace(snapshot, goal=self._seen.goal, path=self._seen.path)
 
     def _take_frontiers(self, markers: Markers) -> None:

@@ -43,7 +43,7 @@ class Hold:
 
 @dataclass(frozen=True, slots=True)
 class GoalTracker:
-    """The goal that is followed. `goal_id` is '' while it belongs to another client and its id is not known yet.
+    """The tracked goal. `goal_id` is '' while it is another client's and its id is unknown.
 
     `known`: move_base has listed it as active, or sent its result. `received_at` is when it was sent or mentioned last,
     `listed_at` when the last status list arrived, `absent_since` since when lists arrive without the goal.
@@ -59,14 +59,14 @@ class GoalTracker:
 
 
 def track_sent(tracker: GoalTracker, goal_id: str, place: Pose2, now: float, number: int = 0) -> GoalTracker:
-    """Start to track a goal that is sent from here, with a number of its sender's or (0) the next one."""
+    """Start to track a goal of this client, with the sender's number or (0) the next one."""
     any_heading = has_any_heading(goal_id)
     report = GoalReport(number or tracker.report.number + 1, place, LastGoalState.WAITING, any_heading=any_heading)
     return GoalTracker(report, goal_id, now, listed_at=now, hold=tracker.hold)
 
 
 def track_current(tracker: GoalTracker, place: Pose2, now: float) -> GoalTracker:
-    """Take the goal that move_base drives to; another one than ours was sent by another client.
+    """Take the goal that move_base drives to; one that is not ours is another client's.
 
     move_base keeps its last goal on the topic, so that one is reported only once it is known to be active, or ends.
     """
@@ -80,7 +80,7 @@ def track_current(tracker: GoalTracker, place: Pose2, now: float) -> GoalTracker
 
 
 def track_status(tracker: GoalTracker, statuses: tuple[actions.GoalState, ...], now: float) -> GoalTracker:
-    """Note a status list. A followed goal that is in no list for `ANSWER_LIMIT` has failed; silence proves nothing."""
+    """Take a status list. A goal that is in no list for `ANSWER_LIMIT` has failed; missing lists prove nothing."""
     if tracker.report.over:
         return tracker
     for status in statuses:
@@ -116,7 +116,7 @@ def track_hold(tracker: GoalTracker, hold: Hold) -> GoalTracker:
 
 
 def report_at(tracker: GoalTracker, now: float) -> GoalReport:
-    """The report at this moment: a goal that is not over is unknown while move_base is silent."""
+    """Return the report at `now`: an open goal is unknown while move_base is silent."""
     report = tracker.report
     if report.over:
         return report

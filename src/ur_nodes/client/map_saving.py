@@ -27,7 +27,7 @@ class MapSaving:
         """The number of calls that have ended."""
 
     def ask(self) -> None:
-        """Begin to save, unless a call is under way."""
+        """Start to save, unless a call is in progress."""
         self._node.post(self._ask)
 
     def take_news(self) -> str:
@@ -54,7 +54,7 @@ class MapSaving:
 
 
 def read_saved(result: Result) -> tuple[str, str]:
-    """The name of the map in the answer of a service that saves it, or '' and the reason."""
+    """Return the name of the map from the answer of the service that saves it, or '' and the reason."""
     if not result.success:
         return "", result.text
     return (result.text, "") if is_map_name(result.text) else ("", "the service answers no name of a map")

@@ -1,4 +1,4 @@
-"""The emergency stop of a mux, its obstacle stop, and the source that drives, as user interfaces see them."""
+"""A mux for user interfaces: its emergency stop, its obstacle stop, and the active source."""
 
 from __future__ import annotations
 
@@ -43,13 +43,13 @@ class MuxView:
 
 
 class EmergencyStop(Protocol):
-    """A mux that can be asked to stop. No call blocks; its result is in later views."""
+    """A mux with an emergency stop. No call blocks; the result is in later views."""
 
     def view(self) -> MuxView:
         """Return the newest state."""
 
     def ask(self, request: MuxRequest) -> None:
-        """Stop everything that drives, release the emergency stop, or turn the obstacle stop on or off."""
+        """Request an emergency stop, its release, or the obstacle stop on or off."""
 
 
 class MuxLink:
@@ -71,7 +71,7 @@ class MuxLink:
         return view if self._stopped.publishers() else MuxView(asked=view.asked, problem=view.problem)
 
     def ask(self, request: MuxRequest) -> None:
-        """Stop everything that drives, release the emergency stop, or turn the obstacle stop on or off."""
+        """Request an emergency stop, its release, or the obstacle stop on or off."""
         self._node.post(lambda: self._ask(request))
 
     def _ask(self, request: MuxRequest) -> None:

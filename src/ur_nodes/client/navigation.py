@@ -49,7 +49,7 @@ class Names:
 
 
 class RobotState:
-    """The robot as its transforms and its lidar show it. Reads may come from any thread."""
+    """The state of the robot from its transforms and its lidar. Reads may come from any thread."""
 
     def __init__(self, node: Node, map_frame: str, base_frame: str) -> None:
         self._node, self._map_frame, self._base_frame = node, map_frame, base_frame
@@ -103,7 +103,7 @@ class RobotState:
         return place.transform_points(points) if place else None
 
     def _base(self) -> str:
-        """The base frame; `base_link` where the robot publishes no other one."""
+        """Return the base frame; `base_link` if the robot publishes no other one."""
         known = self._tree.parent(self._base_frame) or not self._tree.parent(BASE_LINK)
         return self._base_frame if known else BASE_LINK
 
@@ -142,7 +142,7 @@ class NavigationTopics:
         node.subscribe("move_base/hold", str, self._take_hold, Quality.LATCHED)
 
     def snapshot(self) -> RobotSnapshot:
-        """The newest state, without mux, lease and silence."""
+        """Return the newest state, without mux, lease and silence."""
         seen, goal, pose = self._seen, self.goal(), self.robot.pose()
         speed, turn = self.robot.velocity()
         return replace(
@@ -157,7 +157,7 @@ class NavigationTopics:
         )
 
     def goal(self) -> GoalReport:
-        """The last goal."""
+        """Return the last goal."""
         return report_at(self._tracker, self._node.steady())
 
     def status_age(self) -> float:
@@ -172,7 +172,7 @@ class NavigationTopics:
         return self._tracker.report.number
 
     def continue_goal(self, answer: int) -> None:
-        """Let the goal that is held go on; `answer` is the challenge (ns) that this request answers."""
+        """Continue the held goal; `answer` is the challenge (ns) that this request answers."""
         self._continues.send(GoalId(self._tracker.hold.goal_id, answer))
 
     def cancel_goals(self) -> None:

@@ -1,4 +1,4 @@
-"""A `Navigator`: the topics of navigation, the mux, the patrol, and this program's part in the lease."""
+"""A `Navigator`: the topics of navigation, the mux, the patrol, and this program's lease."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ _SILENT = 1.0  # s without a message, after which a sender counts as silent
 class RobotNavigator:
     """See `Navigator`. Made before the node's callbacks begin; then used by one other thread.
 
-    What has not come yet is in `RobotSnapshot.missing`. The lease is released at the end of the node.
+    Missing data is listed in `RobotSnapshot.missing`. The lease is released at the end of the node.
     """
 
     def __init__(
@@ -84,13 +84,13 @@ class RobotNavigator:
         return number
 
     def resume(self) -> None:
-        """Let the goal that is held go on, if this arrives in time."""
+        """Continue the held goal, if the request arrives in time."""
         answer = self.lease.link.newest(REQUEST_FRESHNESS / 2.0)
         if answer is not None:
             self._node.post(lambda: self.topics.continue_goal(answer))
 
     def request_lease(self, request: DriverRequest) -> None:
-        """Ask to drive, or let another drive."""
+        """Request the lease, or release it."""
         self._node.post(lambda: self.lease.request(request))
 
     def ask_patrol(self, action: PatrolAction, route: PatrolRoute) -> str:
@@ -115,7 +115,7 @@ class RobotNavigator:
         self._node.post(self.topics.cancel_goals)
 
     def ask_mux(self, request: MuxRequest) -> None:
-        """Stop everything that drives, or release the emergency stop."""
+        """Request an emergency stop or its release."""
         self.mux.ask(request)
 
     def set_pose(self, place: Pose2) -> None:

@@ -1,4 +1,4 @@
-"""The patrol of the robot, as user interfaces see it: its status, and requests with the answers to them."""
+"""The patrol of the robot for user interfaces: its status, and requests with their answers."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ class PatrolLink:
         self._statuses = node.subscribe(f"{patrol}/status", str, self._take, Quality.LATCHED)
 
     def status(self) -> PatrolStatus | None:
-        """Return the newest status; None where no node drives patrols."""
+        """Return the newest status; None without a patrol node."""
         return self._status if self._statuses.publishers() else None
 
     def served(self) -> bool:
@@ -32,7 +32,7 @@ class PatrolLink:
         return self._requests.listeners() > 0
 
     def request(self, request: PatrolRequest, done: Callable[[str], None] | None = None) -> bool:
-        """Publish a request; `done` is called with why it was refused, or ''. Return False: no node takes it."""
+        """Publish a request; `done` is called with the refusal, or ''. Return False without a patrol node."""
         if not self.served():
             return False
         if done is not None:

@@ -79,7 +79,7 @@ class PatrolStatus:
 
     @property
     def stop(self) -> PatrolStop:
-        """The stop that is driven to, or waited at."""
+        """Return the stop to which the robot drives, or at which it waits."""
         stops = self.route.stops
         return stops[self.index] if self.index < len(stops) else PatrolStop()
 
@@ -102,7 +102,7 @@ class _WireRoute(PrintableValue, frozen=True, forbid_unknown_fields=False):
     wait: Annotated[float, Meta(ge=0.0, le=LONGEST_WAIT, description=f"seconds from 0 to {LONGEST_WAIT:g}")] = 1.0
 
     def route(self) -> PatrolRoute:
-        """The route. Raises BadJsonError."""
+        """Return the route. Raises BadJsonError."""
         stops = tuple(PatrolStop(each) if isinstance(each, str) else each for each in self.places)
         if not stops or any(not each.name and each.x is None for each in stops):
             raise BadJsonError(f"places: expected {_PLACES}")
@@ -126,7 +126,7 @@ class _WireStatus(_WireRoute, frozen=True, kw_only=True):
 
 
 def write_request(request: PatrolRequest) -> str:
-    """The request as JSON."""
+    """Return the request as JSON."""
     route, client = request.route, request.client if request.answers is not None else ""
     return write_json(
         _WireRequest(
@@ -137,7 +137,7 @@ def write_request(request: PatrolRequest) -> str:
 
 
 def read_request(text: object) -> PatrolRequest:
-    """The request that a text is. Raises BadJsonError."""
+    """Parse a request. Raises BadJsonError."""
     found = read_json(text, _WireRequest, _LONGEST)
     route = found.route() if found.do == "start" else PatrolRoute()
     if found.answers is None:
@@ -148,7 +148,7 @@ def read_request(text: object) -> PatrolRequest:
 
 
 def write_status(status: PatrolStatus) -> str:
-    """The status as JSON, one object."""
+    """Return the status as JSON, one object."""
     route = status.route
     return write_json(
         _WireStatus(
@@ -159,7 +159,7 @@ def write_status(status: PatrolStatus) -> str:
 
 
 def read_status(text: object) -> PatrolStatus | None:
-    """The status in a message; None when it is not one."""
+    """Parse the status of a message; None if it is malformed."""
     try:
         found = read_json(text, _WireStatus, _LONGEST)
         route = found.route() if found.places else PatrolRoute()
@@ -169,7 +169,7 @@ def read_status(text: object) -> PatrolStatus | None:
 
 
 def describe_patrol(status: PatrolStatus) -> str:
-    """One line about a patrol; '' while there is none."""
+    """Describe a patrol in one line; '' while there is none."""
     stops = status.route.stops
     name = name_stop(status.stop)
     where = f" ({status.index + 1} of {len(stops)}{f', round {status.rounds + 1}' if status.route.loop else ''})"
@@ -185,5 +185,5 @@ def describe_patrol(status: PatrolStatus) -> str:
 
 
 def name_stop(stop: PatrolStop) -> str:
-    """A name for people: that of the place, else its coordinates."""
+    """Return the name of the place, or else its coordinates, for users."""
     return stop.name or f"({stop.x or 0.0:.2f}, {stop.y:.2f})"

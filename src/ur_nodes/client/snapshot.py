@@ -1,4 +1,4 @@
-"""The interface between user interfaces and a robot that navigates: snapshots and requests."""
+"""The interface between user interfaces and a navigating robot: snapshots and requests."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ class GoalReport:
 
 
 def describe_recoveries(report: GoalReport) -> str:
-    """The recoveries on the way to a goal that is driven to; '' for none."""
+    """Describe the recoveries of an active goal; '' for none."""
     count = 0 if report.over else report.recoveries
     return f"{count} {'recovery' if count == 1 else 'recoveries'}" if count else ""
 
@@ -98,13 +98,13 @@ class RobotSnapshot:
 
 
 class NavigationClient(Protocol):
-    """A robot that can be sent to places. No call blocks; its result is in later snapshots."""
+    """A robot that drives to goals. No call blocks; the result is in later snapshots."""
 
     def snapshot(self) -> RobotSnapshot:
         """Return the newest state."""
 
     def go(self, place: Pose2, *, any_heading: bool = False) -> int:
-        """Drive there, instead of where it drove so far. Returns the goal's number in `GoalReport`.
+        """Drive to a place, which replaces the last goal. Returns the goal's number in `GoalReport`.
 
         Raises UserError when it cannot be sent in time.
         """
@@ -113,19 +113,19 @@ class NavigationClient(Protocol):
         """Continue the goal that is held."""
 
     def request_lease(self, request: DriverRequest) -> None:
-        """Ask to drive, or let another drive."""
+        """Request the lease, or release it."""
 
     def ask_patrol(self, action: PatrolAction, route: PatrolRoute) -> str:
         """Ask the robot to start, pause, resume or end a patrol; return the request's id, which the answer names.
 
-        Raises UserError: no node drives patrols.
+        Raises UserError without a patrol node.
         """
 
     def stop(self) -> None:
         """Cancel the goal of any client."""
 
     def ask_mux(self, request: MuxRequest) -> None:
-        """Stop everything that drives, or release the emergency stop."""
+        """Request an emergency stop or its release."""
 
     def set_pose(self, place: Pose2) -> None:
         """Set the estimated pose of the robot."""
@@ -135,7 +135,7 @@ class NavigationClient(Protocol):
 
 
 def distance_left(snapshot: RobotSnapshot) -> float | None:
-    """Along the path from the robot to the goal, in m; the straight line when there is no path to this goal."""
+    """Return the distance from the robot to the goal along the path, m; straight if there is no path to this goal."""
     goal, pose, path = snapshot.goal.place, snapshot.pose, snapshot.path
     if goal is None or pose is None:
         return None
@@ -156,11 +156,11 @@ def heading_there(pose: Pose2 | None, x: float, y: float) -> float:
 
 
 def format_place(place: Pose2, *, any_heading: bool = False) -> str:
-    """A pose for people: `1.20 3.40 90`, as `g` takes it; with `any_heading` without the angle."""
+    """Format a pose as the command `g` takes it, `1.20 3.40 90`; with `any_heading` without the angle."""
     x, y = format_number(place.x, 2), format_number(place.y, 2)
     return f"{x} {y}" if any_heading else f"{x} {y} {format_number(math.degrees(place.yaw), 0)}"
 
 
 def format_number(value: float, digits: int) -> str:
-    """A number with so many digits after the point; never a negative zero."""
+    """Format a number with `digits` decimals, never as negative zero."""
     return f"{round(value, digits) + 0.0:.{digits}f}"

@@ -1,4 +1,4 @@
-"""Waiting of a thread that is not the node's, and what it asks the node for meanwhile."""
+"""Waiting of threads other than the node's."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def wait_in_real_time(condition: Callable[[], bool], seconds: float) -> bool:
 
 
 class WatchedWait:
-    """A `Wait` of a thread that others watch."""
+    """A `Wait` of a thread that other threads monitor."""
 
     def __init__(self, node: Node, wait: Wait) -> None:
         self._node, self._wait = node, wait
@@ -45,12 +45,12 @@ class WatchedWait:
         return self._wait(look, seconds)
 
     def hangs(self, after: float = _HUNG_AFTER) -> bool:
-        """Return whether the thread has not looked after its condition for so long (s). From any thread."""
+        """Return whether the thread has not checked its condition for `after` s. For any thread."""
         return self._node.steady() - self._seen_at > after
 
 
 def call_and_wait(node: Node, wait: Wait, service: str, request: object, within: float = 5.0) -> Result:
-    """Ask a service, and wait for the answer. Not from the node's thread."""
+    """Call a service and wait for the answer. Not for the node's thread."""
     answers: list[Result] = []
     node.post(lambda: node.call(service, request, answers.append, within))
     wait(lambda: bool(answers), within + 1.0)

@@ -1,4 +1,4 @@
-"""Places with names, kept per map in a small YAML file that people may edit."""
+"""Named places, kept per map in a small YAML file that users may edit."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ class PlaceSettings:
 
 
 def read_settings(value: object) -> PlaceSettings:
-    """The settings in the parameters of a node; those of a missing one, or of another type, are empty."""
+    """Read the settings from the parameters of a node; missing ones, or ones of another type, are empty."""
     if not isinstance(value, Mapping):
         return PlaceSettings()
     name, file, service = (value.get(each, "") for each in ("map_name", "waypoints_file", "save_service"))
@@ -66,7 +66,7 @@ def read_settings(value: object) -> PlaceSettings:
 
 
 def choose_file(settings: PlaceSettings, grid: Grid | None, environment: Mapping[str, str]) -> Path | None:
-    """The file of the places; None while there is no map, or it has no name yet."""
+    """Return the file of the places; None while there is no map, or it has no name."""
     if settings.file:
         return Path(settings.file).expanduser()
     if settings.map_name:
@@ -75,13 +75,13 @@ def choose_file(settings: PlaceSettings, grid: Grid | None, environment: Mapping
 
 
 class WaypointStore:
-    """The waypoints of one map. Every call reads the file anew, so several programs may share it."""
+    """The waypoints of one map. Every call reads the file, so several programs may share it."""
 
     def __init__(self, path: Path, sync: Callable[[int], object] = os.fsync) -> None:
         self.path, self._sync = path, sync
 
     def places(self) -> dict[str, Pose2]:
-        """All of them, sorted by name. Raises UserError, with the line, when the file cannot be used."""
+        """Return all waypoints, sorted by name. Raises UserError, with the line, when the file cannot be used."""
         if not self.path.exists():
             return {}
         section = read_section(self.path, "a waypoint file")

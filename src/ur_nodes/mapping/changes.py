@@ -1,4 +1,4 @@
-"""Requests to change the map that is served: text that may come from anywhere, and what becomes of it."""
+"""Requests to change the served map, as untrusted text, and their results."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _LONGEST = 20_000  # characters
 
 
 def read_change(text: str) -> dict[str, object] | None:
-    """The request that a text is, a JSON object with an `id`; None: it is none."""
+    """Parse a request, a JSON object with an `id`; None if it is malformed."""
     try:
         value = read_json(text, dict[str, object], _LONGEST)
     except BadJsonError:
@@ -31,7 +31,7 @@ def read_change(text: str) -> dict[str, object] | None:
 
 
 def take_changes(node: Node, topic: str, take: Callable[[Mapping[str, object]], None]) -> None:
-    """Have the requests of a topic given to `take`; what is none is reported."""
+    """Pass the requests of a topic to `take`; malformed ones are reported."""
 
     def read(text: str) -> None:
         request = read_change(text)
@@ -44,7 +44,7 @@ def take_changes(node: Node, topic: str, take: Callable[[Mapping[str, object]], 
 
 
 def attempt(change: Callable[[], Outcome], what: str) -> tuple[Outcome | None, str]:
-    """Make a change of a file, `what`; return its outcome, and what is wrong, '' where it was made."""
+    """Change a file, described by `what`; return the result, and the error, '' for none."""
     try:
         return change(), ""
     except UserError as found:

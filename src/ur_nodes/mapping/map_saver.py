@@ -1,4 +1,4 @@
-"""Saves maps that arrive, as files."""
+"""Saves received maps as files."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ class MapSaver:
         self._node.work(lambda: self._save(given), self._finish)
 
     def _save(self, given: Map | str) -> tuple[str, str]:
-        """Write a map; what to print of it, and what is wrong, '' when nothing is."""
+        """Write a map; return the line to print, and the error, '' for none."""
         if isinstance(given, str):
             return "", f"error: {given}\n"
         try:

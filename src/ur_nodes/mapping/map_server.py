@@ -18,7 +18,7 @@ from ur_nodes.ports.values import Map, MapInfo, Result
 
 
 class MapServer:
-    """Offers one grid in the frame `~frame_id` (default `map`), and the zones and walls of its file."""
+    """Serves one grid in the frame `~frame_id` (default `map`), and the zones and walls of its file."""
 
     def __init__(self, node: Node, grid: Grid, file: Path) -> None:
         self._node = node
@@ -56,7 +56,7 @@ class MapServer:
 
 
 def read_grid(file: Path) -> Grid | Result:
-    """Read a map file; a result without success where it cannot be used."""
+    """Read a map file; a result without success if it cannot be used."""
     if not file.is_absolute():
         return Result(False, f"file {str(file)!r}, expected an absolute path", MapProblem.UNUSABLE)
     if not file.is_file():

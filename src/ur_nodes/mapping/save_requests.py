@@ -1,4 +1,4 @@
-"""Saves maps of topics as files, for those who ask for it."""
+"""Requests to save maps of topics as files."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _ENDINGS = (".pgm", ".yaml")
 
 
 class SaveRequests:
-    """Offers to save the map of a topic, and with `own` the one of this node. One map is saved at a time."""
+    """Serves requests to save the map of a topic, and with `own` that of this node. One map is saved at a time."""
 
     def __init__(self, node: Node, *, own: str = "") -> None:
         self._node = node
@@ -62,7 +62,7 @@ class SaveRequests:
 
 
 def write(request: SaveTopicMap, given: Map | str) -> str:
-    """Write a map, or take the reason why it cannot be read. Returns the problem, '' when there is none."""
+    """Write a map, unless it could not be read. Returns the problem, '' for none."""
     if isinstance(given, str):
         return given
     try:
@@ -75,7 +75,7 @@ def write(request: SaveTopicMap, given: Map | str) -> str:
 
 
 def place_of(name: str, home: Path) -> Path:
-    """The path of a map by the name in a request, without its ending. No folder is made, and no file replaced.
+    """Return the path, without suffix, of a map by the name in a request. No folder is made, and no file replaced.
 
     Names without a folder are below `home`. Raises UserError.
     """

@@ -32,7 +32,7 @@ class WallServer:
         take_changes(node, "wall_request", self._change)
 
     def use(self, map_file: Path, grid: Grid) -> None:
-        """Change the walls of this map from now on."""
+        """Serve changes of the walls of this map from now on."""
         self._store, name = find_home(map_file, os.environ)
         self._name, self._grid = name if self._store == own_store(os.environ) else "", grid
         self._publish(self._is_restorable(), None)

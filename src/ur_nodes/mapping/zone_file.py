@@ -44,7 +44,7 @@ class ZoneFile:
         self._grid = grid
 
     def read(self, before: Zones | None) -> Zones:
-        """Read the zones, `before` itself where the file is the same."""
+        """Read the zones; return `before` itself if the file is unchanged."""
         stamp = self._stamp()
         if before and stamp == before.stamp:
             return before
@@ -57,7 +57,7 @@ class ZoneFile:
         return Zones(stamp, zones, masks)
 
     def change(self, request: Mapping[str, object]) -> None:
-        """Change the zones. Raises UserError, ValueError, TypeError or OSError: they are as before."""
+        """Change the zones. After UserError, ValueError, TypeError or OSError they are unchanged."""
         if request.get("do") == "put":
             zone = read_zone(request.get("zone"))
             zone = make_zone(zone.name, zone.kind, zone.points, zone.percent)
@@ -80,5 +80,5 @@ class ZoneFile:
 
 
 def empty_mask(resolution: float) -> Grid:
-    """The mask in place of one whose last zone was deleted."""
+    """Return the mask that replaces one whose last zone was deleted."""
     return Grid(np.zeros((1, 1), np.int8), resolution, Pose2(0.0, 0.0, 0.0))

@@ -1,1 +1,1 @@
-"""Nodes in one process without any middleware: a bus, a clock that jumps from event to event, and no chance."""
+"""Nodes in one process without any middleware: a deterministic bus, and a clock that jumps from event to event."""

@@ -1,4 +1,4 @@
-"""The bus that nodes are made on."""
+"""The bus of nodes."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ class Bus(Carrier):
     node_class: ClassVar[type[MemoryNode]] = MemoryNode
 
     def node(self, name: str, remaps: dict[str, str] | None = None) -> MemoryNode:
-        """A new node; one of the same name ends, as with a master."""
+        """Make a node; an existing one of the same name ends, as with a master."""
         node = self.node_class(self, name, remaps or {})
         if node.name in self.nodes:
             self.nodes[node.name].end(REPLACED)

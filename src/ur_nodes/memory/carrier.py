@@ -1,4 +1,4 @@
-"""Time, events in their order, topics and services of a bus. The same calls give the same run to the last bit."""
+"""Time, ordered events, topics and services of a bus. The same calls give the same run to the last bit."""
 
 from __future__ import annotations
 
@@ -65,7 +65,7 @@ class Offer:
 
 @dataclass(eq=False, slots=True)
 class BusTopic:
-    """Both ends of a topic."""
+    """The publishers and subscriptions of a topic."""
 
     offers: list[Offer] = field(default_factory=list)
     listeners: list[BusListener] = field(default_factory=list)
@@ -73,7 +73,7 @@ class BusTopic:
 
 @dataclass(frozen=True, slots=True)
 class Service:
-    """A service of a node: `take` gets a request, and what to call with the answer."""
+    """A service of a node: `take` gets a request, and a function to call with the answer."""
 
     node: str
     kind: type
@@ -105,7 +105,7 @@ class Carrier:
 
     @property
     def now(self) -> int:
-        """The time, ns."""
+        """Return the time, ns."""
         return self._time
 
     def load_parameters(self, namespace: str, values: dict[str, object]) -> None:
@@ -117,14 +117,14 @@ class Carrier:
                 self.parameters[f"{namespace}/{name}"] = value
 
     def run(self, seconds: float) -> None:
-        """Let so much time pass."""
+        """Let time pass."""
         end = self.now + round(seconds * 1e9)
         while self._next_time() <= end:
             self._take_event()
         self._time = end
 
     def run_until(self, condition: Callable[[], bool], seconds: float) -> bool:
-        """Let time pass until a condition is true after an event, at most so long. Return whether it is."""
+        """Let time pass until a condition is true after an event, at most `seconds`. Return whether it is."""
         end = self.now + round(seconds * 1e9)
         while not condition():
             if self._next_time() > end:
@@ -134,7 +134,7 @@ class Carrier:
         return True
 
     def graph(self) -> Graph:
-        """The ends of all topics and services."""
+        """Return the graph of all topics and services."""
         topics = self.topics.items()
         return make_graph(
             {name: tuple(each.sender for each in topic.offers) for name, topic in topics if topic.offers},
@@ -145,14 +145,14 @@ class Carrier:
         )
 
     def at(self, time: int, call: Callable[[], None]) -> None:
-        """Call at a time (ns), after all that is due at that time already. From any thread."""
+        """Call at a time (ns), after earlier calls for that time. For any thread."""
         if time <= self.now:
             self._due.append(call)
         else:
             heapq.heappush(self._events, (time, next(self._numbers), call))
 
     def offer(self, topic: str, offer: Offer) -> None:
-        """Begin to send on a topic."""
+        """Add a publisher of a topic."""
         entry = self.topics.setdefault(topic, BusTopic())
         entry.offers.append(offer)
         if entry.listeners and offer.greet is not None:
@@ -167,7 +167,7 @@ class Carrier:
         deliver: Deliver,
         unreadable: Callable[[str], None],
     ) -> BusListener:
-        """Begin to listen to a topic."""
+        """Add a subscription of a topic."""
         latched = None if kind is object else quality in _LATCHED
         listener = BusListener(node, kind, latched, _DEPTHS.get(quality, DEPTH), deliver, unreadable)
         entry = self.topics.setdefault(topic, BusTopic())
@@ -180,7 +180,7 @@ class Carrier:
         return listener
 
     def send(self, topic: str, offer: Offer, value: object) -> None:
-        """Send a value of an offer to all who listen. Raises TypeError: it is not of the offer's kind."""
+        """Send a value of a publisher to all subscribers. Raises TypeError if it is of another kind."""
         if not isinstance(value, offer.kind):
             raise TypeError(
                 f"{topic}: {type(value).__name__} {value!r}, expected {getattr(offer.kind, '__name__', offer.kind)}"
@@ -192,7 +192,7 @@ class Carrier:
                 self._carry(topic, listener, (value, offer.sender, False))
 
     def spoil(self, topic: str, reason: str) -> None:
-        """Have an unreadable value arrive, as from a program that makes a mistake."""
+        """Deliver an unreadable value, as from a faulty program."""
         for listener in self.topics[topic].listeners:
             self.at(self.now, partial(listener.unreadable, reason))
 
@@ -232,5 +232,5 @@ class Carrier:
 
 
 def type_name_of(kind: type) -> str:
-    """The name of a kind as a middleware's type: `type_name`, where it has one, or its own."""
+    """Return the name of a kind as a middleware's type: its `type_name`, or else its own name."""
     return str(getattr(kind, "type_name", kind.__name__))

@@ -1,4 +1,4 @@
-"""The ends of topics on a bus, and timers."""
+"""Publishers, subscriptions and timers of a bus."""
 
 from __future__ import annotations
 

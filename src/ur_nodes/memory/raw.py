@@ -1,4 +1,4 @@
-"""Messages of any type on a bus: bytes and fields travel as they are, values of a kind as their text."""
+"""Messages of any type on a bus: bytes and fields are sent unchanged, values of a kind as their text."""
 
 from __future__ import annotations
 

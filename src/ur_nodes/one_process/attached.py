@@ -1,4 +1,4 @@
-"""A node in the process of all nodes, beside a user interface that has the main thread."""
+"""A node in the process of all nodes, for a user interface that has the main thread."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A bus in real time: its events happen on one thread, jobs of nodes beside it."""
+"""A bus in real time: its events happen on one thread, jobs of nodes on workers."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ class LiveNode(MemoryNode):
         self._lanes = Lanes()
 
     def work(self, job: Callable[[], Value], take: Callable[[Value], None], lane: str = "") -> None:
-        """See Node. What the end asks for is done at once."""
+        """See Node. Jobs that start at the end of the node run at once."""
         if self._late is not None:
             super().work(job, take, lane)
         else:
@@ -67,7 +67,7 @@ class LiveNode(MemoryNode):
         self.at_over()
 
     def join(self) -> None:
-        """Wait for jobs that still run, for a while."""
+        """Wait a limited time for running jobs."""
         self._lanes.join()
 
 
@@ -93,17 +93,17 @@ class LiveBus(Bus):
         self._thread = threading.Thread(target=self._spin, name="bus", daemon=True)
 
     def make_log(self, node: str) -> ThrottledLog:
-        """The log of a node; lines for its authors are not kept."""
+        """Return the log of a node, without debug lines."""
         info, warn, error = (partial(self.write_line, level, node) for level in ("INFO", "WARN", "ERROR"))
         return ThrottledLog(lambda _text: None, info, warn, error, time.monotonic)
 
     @property
     def now(self) -> int:
-        """The time, ns since the epoch."""
+        """Return the time, ns since the epoch."""
         return time.monotonic_ns() + self._offset
 
     def begin(self) -> None:
-        """Let events happen from now on."""
+        """Start to run events."""
         self._thread.start()
 
     def at(self, time: int, call: Callable[[], None]) -> None:
@@ -113,7 +113,7 @@ class LiveBus(Bus):
             self._woken.set()
 
     def do(self, call: Callable[[], Value]) -> Value:
-        """Make a call on the thread of the bus, and return its result. Raises what it raises.
+        """Call on the thread of the bus, and return the result. Raises its exceptions.
 
         RuntimeError: the bus has failed or is closed.
         """
@@ -140,7 +140,7 @@ class LiveBus(Bus):
             return cast("Value", value)
 
     def close(self) -> None:
-        """Let nothing happen any more."""
+        """Stop running events."""
         self._closed = True
         self._woken.set()
         if self._thread.ident and threading.current_thread() is not self._thread:

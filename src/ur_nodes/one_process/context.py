@@ -31,11 +31,11 @@ class NodeContext:
     wired: Callable[[LiveNode], None] = lambda _node: None
 
     def enter(self) -> None:
-        """Make this the context of what this thread starts."""
+        """Make this the context of this thread."""
         _CONTEXT.set(self)
 
     def wire(self, name: str, start: Callable[[Node], Wired]) -> tuple[Wired, LiveNode]:
-        """Make a node, and call `start` with it on the thread of the bus. Raises what that raises."""
+        """Make a node, and call `start` with it on the thread of the bus. Raises the exceptions of `start`."""
 
         def make() -> tuple[Wired, LiveNode]:
             node = self.bus.node(self.name or self._free_name(name), self.remaps)
@@ -57,7 +57,7 @@ class NodeContext:
 
 
 def current_context(name: str) -> NodeContext:
-    """The context of what this thread starts. Raises UserError: it is a process of its own."""
+    """Return the context of this thread. Raises UserError in a process of its own."""
     try:
         return _CONTEXT.get()
     except LookupError:

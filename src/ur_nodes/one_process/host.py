@@ -27,7 +27,7 @@ _NODE_LIMIT = 5.0  # s for the end of a node
 
 
 class Host:
-    """Starts the nodes of a plan, and ends them."""
+    """Starts and ends the nodes of a plan."""
 
     def __init__(self, plan: ProcessPlan) -> None:
         self._plan = plan
@@ -89,7 +89,7 @@ class Host:
             started.wait()
 
     def _keep(self, start: NodeStart, started: Callable[[], None]) -> None:
-        """Run a node, again and again where it is to be."""
+        """Run a node, and restart it as the plan requires."""
         while not self._over.is_set():
             code = self._run_module(start, started)
             started()
@@ -138,7 +138,7 @@ class Host:
         return 0
 
     def _end_nodes(self) -> None:
-        """End all nodes, the last first: what drives before what moves."""
+        """End all nodes in reverse order, so that nodes that drive end before the base."""
         self._over.set()
         for node in reversed(self._nodes):
             with suppress(RuntimeError):  # the bus has failed

@@ -1,4 +1,4 @@
-"""Output of a process of many nodes: the lines of their logs, and what their threads print."""
+"""Output of a process of many nodes: the lines of their logs, and the output of their threads."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ class NodeOutput:
         stream.flush()
 
     def divert_threads(self) -> None:
-        """Have all but the main thread print into the log from now on, where there is a file."""
+        """Divert the output of all threads except the main one to the log, if it is a file."""
         if self._kept:
             sys.stdout = _ThreadStream(sys.stdout, self)
             sys.stderr = _ThreadStream(sys.stderr, self)

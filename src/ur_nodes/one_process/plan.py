@@ -38,10 +38,10 @@ class ProcessPlan:
 
 
 def read_plan(path: str) -> ProcessPlan:
-    """Read the file. Raises OSError, and ValueError: it is none."""
+    """Read the file. Raises OSError, and ValueError for an invalid file."""
     return read_json(Path(path).read_bytes(), ProcessPlan, _MOST)
 
 
 def read_parameters(path: str) -> dict[str, object]:
-    """Parameters by their full names. Raises OSError, and ValueError: it is no such file."""
+    """Read parameters by their full names. Raises OSError, and ValueError for an invalid file."""
     return read_json(Path(path).read_bytes(), dict[str, object], _MOST)

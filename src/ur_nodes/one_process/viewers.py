@@ -1,4 +1,4 @@
-"""The socket at which viewers on this computer, as the page's server, ask for nodes beside those of the run."""
+"""The socket at which viewers on this computer, such as the page's server, request additional nodes."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ class ViewerSocket:
         threading.Thread(target=self._serve, name="viewers", daemon=True).start()
 
     def close(self) -> None:
-        """Take no more requests."""
+        """Stop taking requests."""
         with suppress(OSError):
             self._listener.shutdown(socket.SHUT_RDWR)
         self._listener.close()
@@ -52,7 +52,7 @@ class ViewerSocket:
             threading.Thread(target=self._attend, args=(connection,), name="viewer", daemon=True).start()
 
     def _attend(self, connection: socket.socket) -> None:
-        """Run what is asked for. The connection is closed when it has ended."""
+        """Run the requested node, and close the connection when it has ended."""
         with connection:
             connection.settimeout(_LIMIT)
             try:
@@ -74,7 +74,7 @@ class ViewerSocket:
 
 
 def read_module(data: bytes) -> str:
-    """The module that a request names; '' where it names none that may run here."""
+    """Return the module that a request names; '' if it may not run here."""
     with suppress(ValueError):
         name = read_json(data, dict[str, str], _MOST).get("module", "")
         if name.startswith(MODULES) and name.replace(".", "").replace("_", "").isalnum():
@@ -83,7 +83,7 @@ def read_module(data: bytes) -> str:
 
 
 def ask(path: str, module: str, sockets: Sequence[int]) -> socket.socket:
-    """Ask for a node. The connection that is returned is closed by the other side when it ends. Raises OSError."""
+    """Request a node; return a connection that the host closes when the node ends. Raises OSError."""
     connection = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
     try:
         connection.connect(path)

@@ -1,4 +1,4 @@
-"""The robot of `Robot` for programs that are written with asyncio."""
+"""`Robot` for programs that use asyncio."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Velocities of a client: sent while they are wanted, and no longer than was asked for when they began."""
+"""Velocities of a client, sent until they are ended, and at most for the time that was requested."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ STILL = Twist(0.0, 0.0)
 
 
 class VelocityCommands:
-    """Answers challenges of the mux with the velocity that is wanted. Works on the node's thread, but for `renew`.
+    """Answers challenges of the mux with the requested velocity. Works on the node's thread, except `renew`.
 
     The thread that asked for the velocity answers each challenge itself, by `renew`: the age of a command is also that
     of the thread's last sign of life, so a program that hangs drives no longer than one that is killed. A velocity
@@ -30,21 +30,21 @@ class VelocityCommands:
         self._answered: int | None = None
 
     def connect(self, lease: LeaseClient) -> None:
-        """Send as this client of the lease."""
+        """Send as a client of this lease."""
         self._lease = lease
         self._publisher = FreshPublisher(self._topic, lease.link, lease.client)
 
     def listeners(self) -> int:
-        """The number of nodes that take the velocities."""
+        """Return the number of subscribers of the velocities."""
         return self._publisher.listeners()
 
     @property
     def on(self) -> bool:
-        """Return whether a velocity is sent."""
+        """Return whether a velocity is being sent."""
         return self._twist is not None
 
     def begin(self, twist: Twist, seconds: float) -> None:
-        """Drive at a velocity for so long, in place of the one before."""
+        """Drive at a velocity for `seconds`; it replaces the last one."""
         self.end(stop=False)
         if not self._lease.view().mine:
             self._lease.acquire()
@@ -53,7 +53,7 @@ class VelocityCommands:
         self._answer()
 
     def end(self, *, stop: bool = True) -> None:
-        """Drive no more; with `stop` at once, where this client drives."""
+        """End the velocity; with `stop` send zero at once if this client drives."""
         if self._end is not None:
             self._end.cancel()
         if stop and self._twist is not None and self._lease.view().mine:
@@ -61,14 +61,14 @@ class VelocityCommands:
         self._twist = self._end = None
 
     def renew(self) -> None:
-        """Have the newest challenge answered. From the thread that asked for the velocity, again and again."""
+        """Answer the newest challenge. Called repeatedly by the thread that requested the velocity."""
         newest = self._lease.link.newest()
         if self._twist is not None and newest is not None and newest != self._answered:
             self._answered = newest
             self._node.post(self._answer)
 
     def check(self) -> None:
-        """End the velocity of a thread that hangs: a challenge has arrived."""
+        """End the velocity of a thread that hangs; called when a challenge has arrived."""
         if self._twist is not None and self._hangs():
             self.hung = True
             self.end()

@@ -9,7 +9,7 @@ from ur_nodes.client.snapshot import LastGoalState, RobotSnapshot
 
 
 def find_hindrance(snapshot: RobotSnapshot, *, started: bool = True) -> Lost | Refused | TakenOver | None:
-    """The reason that keeps a program from driving. `started`: it drives already."""
+    """Return the reason that keeps a program from driving. `started`: it drives already."""
     lease = snapshot.lease
     if snapshot.silence is not None:
         return Lost(describe_silence(snapshot.silence.who, snapshot.silence.seconds))
@@ -22,7 +22,7 @@ def find_hindrance(snapshot: RobotSnapshot, *, started: bool = True) -> Lost | R
 
 
 def is_settled(snapshot: RobotSnapshot, goal: int, patience: float) -> bool:
-    """Return whether there is nothing more to wait for: the goal of this number is over, held, or replaced.
+    """Return whether to stop waiting: the goal of this number is over, held, or replaced.
 
     A robot that is silent for longer than `patience` (s) is not waited for either.
     """
@@ -32,7 +32,7 @@ def is_settled(snapshot: RobotSnapshot, goal: int, patience: float) -> bool:
 
 
 def judge_goal(snapshot: RobotSnapshot, goal: int) -> Lost | Refused | TakenOver | None:
-    """None for a goal of this number that was reached, else the error for what became of it."""
+    """Return None if the goal of this number was reached, else the error that describes its end."""
     report = snapshot.goal
     if report.number == goal and report.state is LastGoalState.REACHED:
         return None
@@ -45,7 +45,7 @@ def judge_goal(snapshot: RobotSnapshot, goal: int) -> Lost | Refused | TakenOver
 
 
 def list_events(snapshot: RobotSnapshot) -> tuple[str, ...]:
-    """The reasons for which the robot does not drive for this program now, as lines for people."""
+    """Return the reasons that keep this program from driving now, as lines for users."""
     silence = describe_silence(snapshot.silence.who, snapshot.silence.seconds) if snapshot.silence else ""
     emergency = describe_emergency(snapshot.mux, "it is to be released first")
     driver = describe_driver(snapshot.lease, snapshot.conduct, hint="it has to let go first")

@@ -1,4 +1,4 @@
-"""Calls of a program's thread on the thread of its node, and the waiting for what becomes of them."""
+"""Calls from a program's thread on the thread of its node, and waiting for their results."""
 
 from __future__ import annotations
 
@@ -20,15 +20,15 @@ class NodeCalls:
         self._ended = self._interrupted = False
 
     def note_end(self) -> None:
-        """Take that the node has ended: nothing is waited for any more."""
+        """Note that the node has ended, which ends all waiting."""
         self._ended = True
 
     def interrupt(self) -> None:
-        """Have the call that waits, or the next one that does, raise Interrupted."""
+        """Let the waiting call, or the next one that waits, raise Interrupted."""
         self._interrupted = True
 
     def on_node(self, call: Callable[[], None]) -> None:
-        """Make a call on the node's thread, and wait until it is made; after the end of the node it is not."""
+        """Call on the node's thread, and wait until the call has returned; no effect after the end of the node."""
         done: list[bool] = []
 
         def make() -> None:
@@ -41,7 +41,7 @@ class NodeCalls:
         self._wait(lambda: bool(done) or self._ended, _CALL_LIMIT)
 
     def until(self, condition: Callable[[], bool], seconds: float) -> bool:
-        """Wait for a condition, and return whether it is true. Raises Lost: the node has ended; Interrupted."""
+        """Wait for a condition, and return whether it is true. Raises Lost when the node has ended, and Interrupted."""
         found = self._wait(lambda: self._ended or self._interrupted or condition(), seconds)
         if self._interrupted:
             self._interrupted = False
@@ -51,5 +51,5 @@ class NodeCalls:
         return found
 
     def settle(self, condition: Callable[[], bool], seconds: float) -> None:
-        """Wait for the end of something, also after the node has ended; never raises."""
+        """Wait for a condition, also after the node has ended; never raises."""
         self._wait(lambda: self._ended or condition(), seconds)

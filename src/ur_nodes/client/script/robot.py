@@ -41,8 +41,8 @@ _HESITATION = 0.1  # s: a thread that is silent for longer renews no lease while
 class Robot:
     """The robot that the environment selects (`ur env`), for `with Robot() as robot:`; a program has one.
 
-    The program takes part in the lease as every other: it drives while no other client does, commands prove their age,
-    and mux and navigation keep their limits. The lease goes back when the context is left, also by an exception and
+    The program uses the lease as every other client: it drives while no other client does, commands prove their age,
+    and mux and navigation keep their limits. The lease is released when the context is left, also by an exception and
     Ctrl-C: then goals of this program are cancelled, and velocities end. While the program hangs it drives nothing: a
     velocity ends within 0.3 s, and its goal is held as that of a program that is killed, 3 s later.
 
@@ -85,7 +85,7 @@ class Robot:
     # -- what the robot senses -------------------------------------------------------------------------------------
 
     def pose(self) -> Pose2:
-        """The pose of the robot in the map: `x` and `y` in m, `yaw` in rad, to the left of the x axis.
+        """Return the pose of the robot in the map: `x` and `y` in m, `yaw` in rad, to the left of the x axis.
 
         Raises Lost: nothing localises it, or not for 3 s.
         """
@@ -98,31 +98,31 @@ class Robot:
         return pose
 
     def scan(self) -> Scan:
-        """The newest scan of the lidar, at most 2 s old: ranges in m, angles in rad in its own frame. Raises Lost."""
+        """Return the lidar's newest scan, at most 2 s old: ranges in m, angles in rad in its frame. Raises Lost."""
         return self._senses.newest("scan", Scan, FRESH)
 
     def nearest(self, width: float = 360.0, direction: float = 0.0) -> float:
-        """The distance (m) from the lidar to what is nearest within `width` degrees about a direction.
+        """Return the distance (m) from the lidar to the nearest obstacle within `width` degrees about a direction.
 
-        `direction` is in degrees to the left of ahead. inf where nothing is in reach. Raises Lost.
+        `direction` is in degrees to the left of ahead. inf if nothing is in range. Raises Lost.
         """
         check_finite(width=width, direction=direction)
         return find_nearest(self.scan(), width, direction)
 
     def map(self) -> Map:
-        """The newest map; its grid has the resolution in m, and 0 to 100 for free to occupied. Raises Lost."""
+        """Return the newest map; its grid has the resolution in m, and 0 to 100 for free to occupied. Raises Lost."""
         return self._senses.newest("map", Map, FOREVER, Quality.LATCHED)
 
     def battery(self) -> Battery:
-        """The newest state of the battery: V, A, Ah, a fraction of 0 to 1; NaN where not measured. Raises Lost."""
+        """Return the newest state of the battery: V, A, Ah, a fraction of 0 to 1; NaN if not measured. Raises Lost."""
         return self._senses.newest("battery_state", Battery, FOREVER)
 
     def picture(self, topic: str = CAMERA) -> PackedPicture:
-        """A picture of a camera, at most 2 s old; `data` is a JPEG or PNG file. Raises Lost."""
+        """Return a picture of a camera, at most 2 s old; `data` is a JPEG or PNG file. Raises Lost."""
         return self._senses.newest(topic, PackedPicture, FRESH)
 
     def events(self) -> tuple[str, ...]:
-        """The reasons, as lines for people, for which the robot does not drive for this program now; () when it may."""
+        """Return the reasons that keep the robot from driving for this program now, as lines for users; () if none."""
         return list_events(self._navigator.snapshot())
 
     # -- driving ---------------------------------------------------------------------------------------------------
@@ -160,7 +160,7 @@ class Robot:
         return [self.go_to(*waypoint) for waypoint in waypoints]
 
     def drive(self, forward: float, turn: float, seconds: float) -> None:
-        """Drive at a velocity (m/s, rad/s to the left) for so long (s, at most 60), then stop.
+        """Drive at a velocity (m/s, rad/s to the left) for `seconds` (at most 60), then stop.
 
         The mux keeps the limits of the base on speed and acceleration, and its obstacle stop. Raises Refused,
         TakenOver, and Lost, also when this program hung meanwhile.
@@ -183,7 +183,7 @@ class Robot:
             self._calls.on_node(commands.end)
 
     def stop(self) -> None:
-        """Stop what this program has begun: its velocity, and its goal."""
+        """Stop the velocity and cancel the goal of this program."""
         self._calls.on_node(self._stop)
         if self._goal:
             self._calls.settle(lambda: self._navigator.snapshot().goal.over, 2.0)
@@ -203,7 +203,7 @@ class Robot:
         return status
 
     def interrupt(self) -> None:
-        """Have the call that waits, or the next one that does, stop what it has begun and raise Interrupted.
+        """Let the waiting call, or the next one that waits, stop its motion and raise Interrupted.
 
         May be called from any thread.
         """
@@ -224,7 +224,7 @@ class Robot:
         self._exploration = ExplorationStatus(node, "explore/status")
 
     def _require_permission(self) -> None:
-        """Raise what keeps this program from driving; wait while the state of the lease is not settled."""
+        """Wait until the lease is settled, and raise the reason if this program may not drive."""
         snapshot = self._navigator.snapshot
         self._calls.until(lambda: not snapshot().lease.pending or find_hindrance(snapshot()) is None, PATIENCE)
         if (problem := find_hindrance(snapshot(), started=False)) is not None:

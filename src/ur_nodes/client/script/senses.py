@@ -1,4 +1,4 @@
-"""The newest values of a robot's sensors, for a thread that is not the node's."""
+"""The newest values of a robot's sensors, for other threads than the node's."""
 
 from __future__ import annotations
 
@@ -25,14 +25,14 @@ FOREVER = 1e9  # s
 
 
 class SensorValues:
-    """Subscribes to topics when they are asked for, and keeps the newest value of each."""
+    """Subscribes to topics on first use, and keeps the newest value of each."""
 
     def __init__(self, calls: NodeCalls) -> None:
         self._calls, self._node = calls, calls.node
         self._values: dict[str, tuple[object, float]] = {}
 
     def newest(self, topic: str, kind: type[Value], fresh: float, quality: Quality = Quality.NEWEST) -> Value:
-        """The newest value of a topic, at most `fresh` s old; subscribes from the first time on. Raises Lost."""
+        """Return the newest value of a topic, at most `fresh` s old; the first call subscribes. Raises Lost."""
         if topic not in self._values:
             self._values[topic] = (None, -math.inf)
             self._calls.on_node(lambda: self._subscribe(topic, kind, quality))
@@ -48,7 +48,7 @@ class SensorValues:
 
 
 def find_nearest(scan: Scan, width: float, direction: float) -> float:
-    """The shortest range (m) of a scan within `width` degrees about `direction` (degrees to the left); inf for none."""
+    """Return the shortest range (m) within `width` degrees about `direction` (degrees to the left); inf for none."""
     angles = angles_of_beams(len(scan.ranges), scan.angle_min, scan.angle_increment) - math.radians(direction)
     about = np.abs((angles + math.pi) % (2.0 * math.pi) - math.pi) <= math.radians(width) / 2.0
     hits = classify_ranges(scan.ranges, (scan.range_min, scan.range_max)).hits & about

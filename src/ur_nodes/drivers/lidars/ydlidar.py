@@ -36,7 +36,7 @@ class Ydlidar:
         return _STOP + _START
 
     def leave(self) -> bytes:
-        """Stop to scan."""
+        """Stop scanning."""
         return _STOP
 
     def take(self, data: bytes) -> Iterator[Reading]:

@@ -101,7 +101,7 @@ class MapView(Widget, can_focus=False):
         self._move(columns * self.view.width, rows * self.view.height)
 
     def toggle_follow(self) -> bool:
-        """Start or stop to follow the robot; return whether it is followed now."""
+        """Start or stop following the robot; return whether it is followed now."""
         self.following = not self.following
         pose = self._snapshot.pose
         if self.following and pose is not None:

@@ -109,7 +109,7 @@ class Help:
 
 @dataclass(frozen=True, slots=True)
 class Follow:
-    """Start or stop to keep the robot in view."""
+    """Start or stop following the robot."""
 
 
 @dataclass(frozen=True, slots=True)
