@@ -4,24 +4,22 @@ from __future__ import annotations
 
 import re
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import partial
 from pathlib import Path
 
 from ur_nodes.black_box.recording_file import RecordingError, write_recording
 from ur_nodes.black_box.ring import Ring
-from ur_nodes.black_box.tape import Tape, TapeTopic, read_tape
+from ur_nodes.black_box.selection import MOST_TOPICS, select_topics
+from ur_nodes.black_box.tape import LARGE_BYTES, Tape, TapeTopic, read_tape
 from ur_nodes.black_box.triggers import Triggers
 from ur_nodes.ports.graph import Graph
-from ur_nodes.ports.node import Node, Subscription
-from ur_nodes.ports.qualities import Quality
-from ur_nodes.ports.raw import RawMessage
+from ur_nodes.ports.node import Node
+from ur_nodes.ports.raw import Recorded, RecordedType
 from ur_nodes.ports.services import Trigger
 from ur_nodes.ports.values import Result
 
 _BUMPER = re.compile(r"/(?:\w+/)*(bumper|cliff)/\w+", re.ASCII)
-_MOST_TOPICS = 500
 _LOOK = 1.0  # s between two looks at the graph
 _MOST_REASONS = 50
 
@@ -30,7 +28,8 @@ _MOST_REASONS = 50
 class BlackBoxSettings:
     """`folder` gets the files, of which the newest `kept` stay; `after` s pass between an event and its file.
 
-    `mux`, `navigation` and `localiser` are names of nodes, whose topics report what happens.
+    `mux`, `navigation` and `localiser` are names of nodes, whose topics report what happens. With `cameras`, pictures
+    are taken also where no other node subscribes to them.
     """
 
     folder: Path
@@ -40,6 +39,7 @@ class BlackBoxSettings:
     mux: str = "cmd_vel_mux"
     navigation: str = "move_base"
     localiser: str = "amcl"
+    cameras: bool = True
 
 
 class BlackBox:
@@ -56,14 +56,17 @@ class BlackBox:
         self._node, self._settings, self._ring = node, settings, ring
         self._steady, self._unix = steady_ns, unix_ns
         self._tape = Tape(ring, settings.seconds)
-        self._topics: dict[str, tuple[str, Subscription]] = {}
-        self._kinds: dict[tuple[str, str], TapeTopic] = {}
+        self._types: dict[RecordedType, TapeTopic] = {}
+        self._large: set[str] = set()
+        self._bumpers: set[str] = set()
         self._reasons: list[str] = []
         self._full_reported = False
-        self._triggers = Triggers(self.happened)
+        self._triggers = Triggers(self.happened, steady_ns)
         self._triggers.subscribe(node, settings.mux, settings.navigation, settings.localiser)
         node.serve("~write", Trigger, self._write_on_request)
         node.on_end(self._end, within=10.0)
+        self._recorder = node.raw.record(self._take, steady_ns)
+        node.on_end(self._recorder.close)
         node.read_graph(self._compare)
 
     def happened(self, text: str) -> None:
@@ -84,31 +87,27 @@ class BlackBox:
         self._node.after(_LOOK, lambda: self._node.read_graph(self._compare), steady=True)
         if graph is None:
             return
-        found = dict(graph.without(self._node.name).published())
-        for name in [name for name, (kind, _) in self._topics.items() if found.get(name, kind) != kind]:
-            self._topics.pop(name)[1].close()  # its type has changed
-        for name, kind in found.items():
-            if name in self._topics:
-                continue
-            if len(self._topics) >= _MOST_TOPICS:
-                self._report_full(name)
-                break
-            subscription = self._node.raw.subscribe(name, partial(self._take, name), Quality.EVERY)
-            self._topics[name] = (kind, subscription)
-            if _BUMPER.fullmatch(name):
-                self._triggers.listen_to_bumper(self._node, name)
+        topics = select_topics(graph.without(self._node.name), self._settings.cameras, frozenset(self._large))
+        if len(topics) > MOST_TOPICS:
+            self._report_full(topics[MOST_TOPICS].name)
+        self._recorder.record(topics[:MOST_TOPICS])
+        for name in (each.name for each in topics if each.name not in self._bumpers and _BUMPER.fullmatch(each.name)):
+            self._bumpers.add(name)
+            self._triggers.listen_to_bumper(self._node, name)
 
     def _report_full(self, name: str) -> None:
         if not self._full_reported:
             self._full_reported = True
-            self._node.log.warn(f"{name} and later topics are not recorded: the limit is {_MOST_TOPICS} topics")
+            self._node.log.warn(f"{name} and later topics are not recorded: the limit is {MOST_TOPICS} topics")
 
-    def _take(self, name: str, message: RawMessage) -> None:
-        key = (name, message.type_name)
-        topic = self._kinds.get(key)
-        if topic is None or topic.schema != message.schema:
-            topic = self._kinds[key] = TapeTopic(name, message.type_name, message.schema)
-        self._tape.note(topic, self._steady(), message.data)
+    def _take(self, batch: Sequence[Recorded]) -> None:
+        for kind, moment, data in batch:
+            topic = self._types.get(kind)
+            if topic is None:
+                topic = self._types[kind] = TapeTopic(kind.topic, kind.type_name, kind.schema)
+            if len(data) > LARGE_BYTES:
+                self._large.add(kind.topic)
+            self._tape.note(topic, moment, data)
 
     def _write(self) -> None:
         reasons, self._reasons = self._reasons, []

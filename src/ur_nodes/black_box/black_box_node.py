@@ -27,8 +27,9 @@ def read_settings(parameters: Parameters) -> tuple[BlackBoxSettings, int]:
         parameters.text("~mux", "cmd_vel_mux"),
         parameters.text("~navigation", "move_base"),
         parameters.text("~localiser", "amcl"),
+        parameters.boolean("~cameras", True),
     )
-    return settings, int(parameters.number("~megabytes", 48.0, minimum=1.0) * 1e6)
+    return settings, int(parameters.number("~megabytes", 20.0, minimum=1.0) * 1e6)
 
 
 def start(node: Node) -> BlackBox:

@@ -11,7 +11,6 @@ from __future__ import annotations
 import mmap
 import os
 import signal
-import subprocess
 import sys
 import time
 from contextlib import suppress
@@ -24,6 +23,8 @@ class GuardProcess:
     """A guard that runs, and the memory that it shares with this process."""
 
     def __init__(self, size: int, folder: Path, kept: int) -> None:
+        import subprocess  # not in the guard itself, which waits in little memory
+
         memory = os.memfd_create("ur_black_box")
         os.ftruncate(memory, size)
         self.block = mmap.mmap(memory, size)

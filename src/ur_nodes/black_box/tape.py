@@ -18,7 +18,9 @@ _RECORD = struct.Struct("<BHQQ")
 _TOPIC, _MESSAGE, _EVENT = 1, 2, 3
 _MOST_TOPICS = 60_000
 _KEPT_SHARE = 8  # the newest message of a topic is kept while it has at most this fraction of the ring
-_LARGE_BYTES = 200_000
+LARGE_BYTES = 200_000
+"""Bytes of a message from which on its topic is taken once a second."""
+
 _LARGE_TYPES = frozenset({"Image", "CompressedImage", "PointCloud", "PointCloud2", "DisparityImage", "Packet"})
 _LARGE_PERIOD = SECOND
 
@@ -71,7 +73,7 @@ class Tape:
         number = self._numbers.get(topic)
         if number is None:
             number = self._add_topic(topic, time)
-        if len(data) > _LARGE_BYTES or topic.type_name.rpartition("/")[2] in _LARGE_TYPES:
+        if len(data) > LARGE_BYTES or topic.type_name.rpartition("/")[2] in _LARGE_TYPES:
             last = self._large.get(number)
             if last is not None and 0 <= time - last < _LARGE_PERIOD:
                 return

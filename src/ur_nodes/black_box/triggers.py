@@ -12,41 +12,56 @@ from ur_nodes.ports.qualities import Quality
 
 _MOST_GOALS = 200
 _LONGEST = 200  # characters of a text of others
+_IN_FORCE = 5_000_000_000  # ns after the subscription in which a first value may be one of before it
 
 
 @dataclass(slots=True)
 class Triggers:
-    """Calls `happened` with a text for each thing that has happened since the start; repetitions are left out."""
+    """Calls `happened` with a text for each thing that has happened since the start; repetitions are left out.
+
+    `clock` is in ns. What a topic brings first, soon after the subscription, was in force before it.
+    """
 
     happened: Callable[[str], None]
+    clock: Callable[[], int]
     _on: dict[str, bool] = field(default_factory=dict)
     _goals: dict[str, None] = field(default_factory=dict)
-    _lost: str = ""
+    _lost: str | None = None
     _driver: str = ""
+    _since: dict[str, int] = field(default_factory=dict)
 
     def subscribe(self, node: Node, mux: str, navigation: str, localiser: str) -> None:
         """Listen to the mux, navigation and localisation, by the names of their nodes."""
-        node.subscribe(f"{mux}/stopped", bool, lambda on: self.switch("the emergency stop was pressed", on), _LATCHED)
+        self._listen_to_switch(node, f"{mux}/stopped", "the emergency stop was pressed")
         node.subscribe(f"{mux}/lease", str, self.take_lease, _LATCHED)
+        self._since[_LOST] = self.clock()
         node.subscribe(f"{localiser}/lost", str, self.take_lost, _LATCHED)
         node.follow_goals(navigation, self)
 
     def listen_to_bumper(self, node: Node, topic: str) -> None:
         """Listen to a bumper or cliff sensor."""
         name = topic.strip("/").replace("/", " ")
-        node.subscribe(topic, bool, lambda on: self.switch(f"{name} was touched", on), _LATCHED)
+        self._listen_to_switch(node, topic, f"{name} was touched")
+
+    def _listen_to_switch(self, node: Node, topic: str, text: str) -> None:
+        self._since[text] = self.clock()
+        node.subscribe(topic, bool, lambda on: self.switch(text, on), _LATCHED)
 
     def switch(self, text: str, on: bool) -> None:
         """Take the state of a switch: it happens when it goes on."""
-        before, self._on[text] = self._on.get(text, False), on
+        before, self._on[text] = self._on.get(text, self._is_early(text)), on
         if on and not before:
             self.happened(text)
 
     def take_lost(self, text: str) -> None:
         """Take the reason why localisation is lost; empty while it is not."""
-        before, self._lost = self._lost, text
+        before = self._is_early(_LOST) if self._lost is None else bool(self._lost)
+        self._lost = text
         if text and not before:
             self.happened(f"localisation is lost: {text[:_LONGEST]}")
+
+    def _is_early(self, text: str) -> bool:
+        return self.clock() - self._since.get(text, 0) < _IN_FORCE
 
     def take_states(self, states: tuple[GoalState, ...]) -> None:
         """Nothing: only ends count."""
@@ -70,4 +85,5 @@ class Triggers:
             self.happened("another client has taken over")
 
 
+_LOST = "lost"
 _LATCHED = Quality.LATCHED

@@ -5,9 +5,9 @@ Nodes of our own exchange the values of `ports.values` instead.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.topics import Publisher, Sender, Subscription
@@ -43,6 +43,42 @@ class ServiceAnswer:
     fields: Fields
 
 
+@dataclass(frozen=True, slots=True)
+class RecordedTopic:
+    """A topic to record: the nodes that publish it, and the time (s) between two messages; 0 for all."""
+
+    name: str
+    publishers: tuple[str, ...] = ()
+    period: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class RecordedType:
+    """The type of the messages of a topic; `schema` is as in RawMessage."""
+
+    topic: str
+    type_name: str
+    schema: str
+
+
+class Recorded(NamedTuple):
+    """A message, and the time at which it arrived by the clock of its recorder."""
+
+    type: RecordedType
+    time: int
+    data: bytes
+
+
+class Recorder(Protocol):
+    """Records topics, as `Raw.record` made it."""
+
+    def record(self, topics: Sequence[RecordedTopic]) -> None:
+        """Record these topics, and no others. Called about once a second: what has failed is then tried again."""
+
+    def close(self) -> None:
+        """Record nothing any more."""
+
+
 class Raw(Protocol):
     """Sends and receives messages of any type."""
 
@@ -53,6 +89,9 @@ class Raw(Protocol):
         self, topic: str, take: Callable[[RawMessage], None], quality: Quality = Quality.NEWEST
     ) -> Subscription:
         """Subscribe to a topic of any type."""
+
+    def record(self, take: Callable[[Sequence[Recorded]], None], clock: Callable[[], int]) -> Recorder:
+        """Record topics at little cost: `take` gets messages in batches, with the times of `clock`, in ns."""
 
     def publish(self, topic: str, type_name: str, quality: Quality = Quality.EVERY) -> Publisher[Fields | bytes]:
         """Publish on a topic messages from fields, or from bytes. A header without a stamp gets the present time.

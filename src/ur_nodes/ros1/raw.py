@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import io
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any, Literal
 
 import genpy
@@ -14,7 +14,7 @@ from rosservice import get_service_type
 from ur_nodes.codecs import Codec
 from ur_nodes.loop import Loop, run_aside
 from ur_nodes.ports.qualities import Quality
-from ur_nodes.ports.raw import Fields, RawMessage, ServiceAnswer, ServiceType
+from ur_nodes.ports.raw import Fields, RawMessage, Recorded, Recorder, ServiceAnswer, ServiceType
 from ur_nodes.ports.values import Result
 from ur_nodes.ros1.installed import has_generated
 from ur_nodes.ros1.topics import RosPublisher, RosSubscription, header_of, sender_of
@@ -40,6 +40,12 @@ class RosRaw:
         """See Raw."""
         codec = Codec(rospy.AnyMsg, lambda _message, _value: None, _raw_of, _BUFFER)
         return RosSubscription(topic, codec, quality, self._loop, lambda value, _: take(value), _MOST_WAITING)
+
+    def record(self, take: Callable[[Sequence[Recorded]], None], clock: Callable[[], int]) -> Recorder:
+        """See Raw."""
+        from ur_nodes.ros1.recorder.recorder import RosRecorder
+
+        return RosRecorder(self._loop, str(rospy.get_name()), take, clock)
 
     def publish(self, topic: str, type_name: str, quality: Quality = Quality.EVERY) -> RosPublisher[Fields | bytes]:
         """See Raw."""

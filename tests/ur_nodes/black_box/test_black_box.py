@@ -13,6 +13,7 @@ from ur_nodes.black_box.black_box import BlackBox, BlackBoxSettings
 from ur_nodes.black_box.event_socket import EventSocket
 from ur_nodes.black_box.recording_file import list_recordings
 from ur_nodes.black_box.ring import Ring
+from ur_nodes.black_box.triggers import Triggers
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.memory.bus import Bus
 from ur_nodes.motion.lease.text import Lease, write_lease
@@ -85,7 +86,7 @@ def press(world: World) -> None:
 
 def touch(world: World) -> None:
     bumper = world.robot.publish("bumper/left", bool, Quality.LATCHED)
-    world.bus.run(2.0)
+    world.bus.run(7.0)
     bumper.send(True)
 
 
@@ -142,15 +143,34 @@ def take_over(world: World) -> None:
 )
 def test_event_of_the_robot_is_written_once(tmp_path: Path, happen: Callable[[World], None], reason: str) -> None:
     world = World(tmp_path)
-    world.bus.run(3.0)
+    world.bus.run(6.0)
     happen(world)
     world.bus.run(20.0)
     assert [reasons for reasons, _ in world.recordings()] == [[reason]]
 
 
+def test_what_was_in_force_before_is_no_event() -> None:
+    bus = Bus()
+    robot = bus.node("robot")
+    stopped = robot.publish("cmd_vel_mux/stopped", bool, Quality.LATCHED)
+    lost = robot.publish("amcl/lost", str, Quality.LATCHED)
+    stopped.send(True)
+    lost.send("the scan fits nowhere")
+    happened: list[str] = []
+    triggers = Triggers(happened.append, lambda: bus.now)
+    triggers.subscribe(bus.node("black_box"), "cmd_vel_mux", "move_base", "amcl")
+    bus.run(8.0)
+    assert happened == []
+    stopped.send(False)
+    bus.run(1.0)
+    stopped.send(True)
+    bus.run(1.0)
+    assert happened == ["the emergency stop was pressed"]
+
+
 def test_events_that_follow_each_other_are_one_recording(tmp_path: Path) -> None:
     world = World(tmp_path)
-    world.bus.run(3.0)
+    world.bus.run(6.0)
     press(world)
     world.bus.run(1.0)
     lose(world)
@@ -160,7 +180,7 @@ def test_events_that_follow_each_other_are_one_recording(tmp_path: Path) -> None
 
 def test_event_just_before_the_end_is_written_at_the_end(tmp_path: Path) -> None:
     world = World(tmp_path)
-    world.bus.run(3.0)
+    world.bus.run(6.0)
     press(world)
     world.bus.run(0.1)
     world.node.end("the run ends")
@@ -171,6 +191,7 @@ def test_event_just_before_the_end_is_written_at_the_end(tmp_path: Path) -> None
 def test_folder_that_cannot_be_written_is_reported(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("")
     world = World(tmp_path / "file/folder")
+    world.bus.run(6.0)
     press(world)
     world.bus.run(10.0)
     assert any("not a directory" in line for line in (text for _, text in world.node.lines))

@@ -16,21 +16,22 @@ class FrameCount:
         self._rate = rate
         self._window = window
         self._begin = self._last = -math.inf
-        self._made = 0
+        self._due = self._made = 0
         self._warm = False
         self._warned = False
 
     def note(self, time: float, *, made: bool) -> str | None:
         """A picture is due at a time (s), and is made or left out. Return a warning, once, when too few are made."""
         if not 0.0 <= time - self._last <= PAUSE:
-            self._begin, self._made = time, 0  # no subscriber for a while, or time was reset
+            self._begin, self._due, self._made = time, 0, 0  # no subscriber for a while, or time was reset
         self._last = time
+        self._due += 1
         self._made += made
         passed = time - self._begin
         if passed < self._window:
             return None
-        reached, warm = self._made / passed, self._warm
-        self._begin, self._made, self._warm = time, 0, True
+        reached, warm = self._rate * self._made / self._due, self._warm  # few are due while subscribers come and go
+        self._begin, self._due, self._made, self._warm = time, 0, 0, True
         if self._warned or not warm or reached >= ENOUGH * self._rate:
             return None
         self._warned = True

@@ -1,0 +1,133 @@
+"""The thread that reads the connections of a recorder."""
+
+from __future__ import annotations
+
+import os
+import queue
+import select
+import socket
+import struct
+import threading
+import time
+from collections.abc import Callable, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, field
+
+from ur_nodes.ports.raw import Recorded, RecordedType
+from ur_nodes.ros1.recorder.frames import FrameError, Frames
+from ur_nodes.ros1.recorder.topic_connection import read_stamp
+
+PAUSE = 0.04  # s between two readings, in which the kernel keeps what arrives
+_BUFFER = 1 << 20
+_MOST_BEHIND = 1_000_000_000  # ns that a message waits at most: more means that the computer's clock was set
+_AT_ONCE = struct.pack("ii", 1, 0)
+
+
+@dataclass(slots=True, eq=False)
+class Link:
+    """A connection; one that is taken `once` ends with its first message. `end` is called once, on any thread."""
+
+    socket: socket.socket
+    type: RecordedType
+    once: bool
+    end: Callable[[], None]
+    frames: Frames = field(default_factory=Frames)
+    unwanted: bool = False
+
+
+class Receiver:
+    """Reads links, and gives what arrives to `take`, on a thread of its own, from the first link to `close`."""
+
+    def __init__(self, take: Callable[[Sequence[Recorded]], None], clock: Callable[[], int]) -> None:
+        self._take, self._clock = take, clock
+        self._new: queue.SimpleQueue[Link | None] = queue.SimpleQueue()
+        self._links: dict[int, Link] = {}
+        self._buffer = memoryview(bytearray(_BUFFER))
+        self._wake_read, self._wake = os.pipe()
+        self._poll = select.epoll()
+        self._poll.register(self._wake_read, select.EPOLLIN)
+        self._thread = threading.Thread(target=self._run, name="recorder", daemon=True)
+        self._thread.start()
+
+    def add(self, link: Link) -> None:
+        """Read from a link. May come from any thread."""
+        self._new.put(link)
+        os.write(self._wake, b"+")
+
+    def drop(self, link: Link) -> None:
+        """End a link."""
+        link.unwanted = True
+        self.add(link)
+
+    def close(self) -> None:
+        """End all links and the thread."""
+        self._new.put(None)
+        os.write(self._wake, b"-")
+        self._thread.join(1.0)
+
+    def _run(self) -> None:
+        while True:
+            batch: list[Recorded] = []
+            more = False
+            for number, _ in self._poll.poll():
+                link = self._links.get(number)
+                if link is not None:
+                    more |= self._read(link, batch)
+                elif number == self._wake_read and not self._take_new():
+                    return
+            if batch:
+                self._take(batch)
+            if not more:
+                time.sleep(PAUSE)
+
+    def _take_new(self) -> bool:
+        os.read(self._wake_read, 4096)
+        with suppress(queue.Empty):
+            while True:
+                link = self._new.get_nowait()
+                if link is None:
+                    for each in tuple(self._links.values()):
+                        self._end(each)
+                    return False
+                number = link.socket.fileno()  # -1: it has ended
+                if not link.unwanted:
+                    self._links[number] = link
+                    self._poll.register(number, select.EPOLLIN)
+                elif number in self._links:
+                    self._end(link)
+        return True
+
+    def _read(self, link: Link, batch: list[Recorded]) -> bool:
+        """Read what a link has; return whether there may be more."""
+        try:
+            size, extra, _, _ = link.socket.recvmsg_into([self._buffer], 64)
+            if not size:
+                raise ConnectionResetError
+            found = link.frames.feed(self._buffer[:size])
+        except BlockingIOError:
+            return False
+        except (OSError, FrameError):
+            self._end(link)
+            return False
+        if not found:
+            return size == _BUFFER
+        now = self._clock()
+        stamp = read_stamp(extra)
+        behind = 0 if stamp is None else time.time_ns() - stamp
+        if 0 < behind < _MOST_BEHIND:
+            now -= behind
+        if link.once:
+            batch.append(Recorded(link.type, now, found[0]))
+            self._end(link)
+            return False
+        batch.extend(Recorded(link.type, now, each) for each in found)
+        return size == _BUFFER
+
+    def _end(self, link: Link) -> None:
+        number = link.socket.fileno()
+        del self._links[number]
+        self._poll.unregister(number)
+        with suppress(OSError):  # so that the publisher notices it with its next message, not the one after that
+            link.socket.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, _AT_ONCE)
+        link.socket.close()
+        link.end()
