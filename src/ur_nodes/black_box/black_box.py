@@ -15,7 +15,7 @@ from ur_nodes.black_box.tape import LARGE_BYTES, Tape, TapeTopic, read_tape
 from ur_nodes.black_box.triggers import Triggers
 from ur_nodes.ports.graph import Graph
 from ur_nodes.ports.node import Node
-from ur_nodes.ports.raw import Recorded, RecordedType
+from ur_nodes.ports.raw import RecordedMessage, RecordedType
 from ur_nodes.ports.services import Trigger
 from ur_nodes.ports.values import Result
 
@@ -100,7 +100,7 @@ class BlackBox:
             self._full_reported = True
             self._node.log.warn(f"{name} and later topics are not recorded: the limit is {MOST_TOPICS} topics")
 
-    def _take(self, batch: Sequence[Recorded]) -> None:
+    def _take(self, batch: Sequence[RecordedMessage]) -> None:
         for kind, moment, data in batch:
             topic = self._types.get(kind)
             if topic is None:

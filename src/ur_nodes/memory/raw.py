@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import asdict, replace
 from typing import Protocol
 
 from ur_nodes.memory.carrier import Carrier, type_name_of
 from ur_nodes.ports.node import Publisher, Sender, Subscription, Timer
 from ur_nodes.ports.qualities import Quality
-from ur_nodes.ports.raw import Fields, RawMessage, Recorded, Recorder, ServiceAnswer, ServiceType
-from ur_nodes.ports.subscribed_recorder import SubscribedRecorder
+from ur_nodes.ports.raw import Fields, RawMessage, RecordingRaw, ServiceAnswer, ServiceType
 from ur_nodes.ports.values import Result
 
 
@@ -41,7 +40,7 @@ class TypedFields(dict[str, object]):
     type_name = ""
 
 
-class MemoryRaw:
+class MemoryRaw(RecordingRaw):
     """See `ports.raw.Raw`. Types are those of the bus's `schemas`."""
 
     def __init__(self, node: RawNode, bus: Carrier) -> None:
@@ -58,10 +57,6 @@ class MemoryRaw:
         return self._node.subscribe_from(
             topic, object, lambda value, sender: take(self._raw_of(value, sender)), quality
         )
-
-    def record(self, take: Callable[[Sequence[Recorded]], None], clock: Callable[[], int]) -> Recorder:
-        """See Raw."""
-        return SubscribedRecorder(self, take, clock)
 
     def publish(self, topic: str, type_name: str, quality: Quality = Quality.EVERY) -> MemoryRawPublisher:
         """See Raw."""

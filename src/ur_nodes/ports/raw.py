@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import NamedTuple, Protocol
 
 from ur_nodes.ports.qualities import Quality
@@ -61,7 +62,7 @@ class RecordedType:
     schema: str
 
 
-class Recorded(NamedTuple):
+class RecordedMessage(NamedTuple):
     """A message, and the time at which it arrived by the clock of its recorder."""
 
     type: RecordedType
@@ -69,7 +70,7 @@ class Recorded(NamedTuple):
     data: bytes
 
 
-class Recorder(Protocol):
+class TopicRecorder(Protocol):
     """Records topics, as `Raw.record` made it."""
 
     def record(self, topics: Sequence[RecordedTopic]) -> None:
@@ -90,7 +91,7 @@ class Raw(Protocol):
     ) -> Subscription:
         """Subscribe to a topic of any type."""
 
-    def record(self, take: Callable[[Sequence[Recorded]], None], clock: Callable[[], int]) -> Recorder:
+    def record(self, take: Callable[[Sequence[RecordedMessage]], None], clock: Callable[[], int]) -> TopicRecorder:
         """Record topics at little cost: `take` gets messages in batches, with the times of `clock`, in ns."""
 
     def publish(self, topic: str, type_name: str, quality: Quality = Quality.EVERY) -> Publisher[Fields | bytes]:
@@ -104,3 +105,60 @@ class Raw(Protocol):
 
     def call(self, service: str, fields: Fields, take: Callable[[Result], None]) -> None:
         """Call a service without a timeout; `take` gets a result with its ServiceAnswer, as lines in the text."""
+
+
+class RawSubscriber(Protocol):
+    """The part of `Raw` that a recorder needs."""
+
+    def subscribe(
+        self, topic: str, take: Callable[[RawMessage], None], quality: Quality = Quality.NEWEST
+    ) -> Subscription:
+        """See Raw."""
+
+
+class SubscribedRecorder:
+    """A TopicRecorder by subscriptions, for middleware that has no cheaper one; it receives what it leaves out, too."""
+
+    def __init__(
+        self, raw: RawSubscriber, take: Callable[[Sequence[RecordedMessage]], None], clock: Callable[[], int]
+    ) -> None:
+        self._raw, self._take, self._clock = raw, take, clock
+        self._open: dict[str, Subscription] = {}
+        self._periods: dict[str, float] = {}
+        self._last: dict[str, int] = {}
+        self._types: dict[str, RecordedType] = {}
+
+    def record(self, topics: Sequence[RecordedTopic]) -> None:
+        """See TopicRecorder."""
+        self._periods = {each.name: each.period for each in topics}
+        for name in [name for name in self._open if name not in self._periods]:
+            self._open.pop(name).close()
+        for name in self._periods:
+            if name not in self._open:
+                self._open[name] = self._raw.subscribe(name, partial(self._receive, name), Quality.EVERY)
+
+    def close(self) -> None:
+        """See TopicRecorder."""
+        self.record(())
+
+    def _receive(self, name: str, message: RawMessage) -> None:
+        now = self._clock()
+        period = self._periods.get(name, 0.0)
+        if period > 0.0:
+            if 0.0 <= (now - self._last.get(name, -(10**18))) * 1e-9 < period:
+                return
+            self._last[name] = now
+        found = self._types.get(name)
+        if found is None or found.type_name != message.type_name or found.schema != message.schema:
+            found = self._types[name] = RecordedType(name, message.type_name, message.schema)
+        self._take((RecordedMessage(found, now, message.data),))
+
+
+class RecordingRaw:
+    """The part of `Raw` that records by subscriptions."""
+
+    def record(
+        self: RawSubscriber, take: Callable[[Sequence[RecordedMessage]], None], clock: Callable[[], int]
+    ) -> TopicRecorder:
+        """See Raw."""
+        return SubscribedRecorder(self, take, clock)

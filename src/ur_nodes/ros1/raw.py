@@ -14,7 +14,7 @@ from rosservice import get_service_type
 from ur_nodes.codecs import Codec
 from ur_nodes.loop import Loop, run_aside
 from ur_nodes.ports.qualities import Quality
-from ur_nodes.ports.raw import Fields, RawMessage, Recorded, Recorder, ServiceAnswer, ServiceType
+from ur_nodes.ports.raw import Fields, RawMessage, RecordedMessage, ServiceAnswer, ServiceType, TopicRecorder
 from ur_nodes.ports.values import Result
 from ur_nodes.ros1.installed import has_generated
 from ur_nodes.ros1.topics import RosPublisher, RosSubscription, header_of, sender_of
@@ -41,7 +41,7 @@ class RosRaw:
         codec = Codec(rospy.AnyMsg, lambda _message, _value: None, _raw_of, _BUFFER)
         return RosSubscription(topic, codec, quality, self._loop, lambda value, _: take(value), _MOST_WAITING)
 
-    def record(self, take: Callable[[Sequence[Recorded]], None], clock: Callable[[], int]) -> Recorder:
+    def record(self, take: Callable[[Sequence[RecordedMessage]], None], clock: Callable[[], int]) -> TopicRecorder:
         """See Raw."""
         from ur_nodes.ros1.recorder.recorder import RosRecorder
 

@@ -6,7 +6,7 @@ A type that is not installed is received all the same: its publisher gives its n
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping
 from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
@@ -18,8 +18,7 @@ from rclpy.serialization import serialize_message
 
 from ur_nodes.loop import Loop
 from ur_nodes.ports.qualities import Quality
-from ur_nodes.ports.raw import Fields, RawMessage, Recorded, Recorder, ServiceAnswer, ServiceType
-from ur_nodes.ports.subscribed_recorder import SubscribedRecorder
+from ur_nodes.ports.raw import Fields, RawMessage, RecordingRaw, ServiceAnswer, ServiceType
 from ur_nodes.ports.values import Result
 from ur_nodes.ros2 import ends
 from ur_nodes.ros2.messages.bare_type import bare_class, reset_error
@@ -37,7 +36,7 @@ _DEEPEST = 20  # types within types
 _SEPARATOR = "\n" + "=" * 80 + "\n"
 
 
-class RosRaw:
+class RosRaw(RecordingRaw):
     """See `ports.raw.Raw`."""
 
     def __init__(self, node: Node, loop: Loop) -> None:
@@ -52,10 +51,6 @@ class RosRaw:
     ) -> RawSubscription:
         """See Raw."""
         return RawSubscription(self._node, self._loop, topic, take, quality)
-
-    def record(self, take: Callable[[Sequence[Recorded]], None], clock: Callable[[], int]) -> Recorder:
-        """See Raw."""
-        return SubscribedRecorder(self, take, clock)
 
     def publish(self, topic: str, type_name: str, quality: Quality = Quality.EVERY) -> RawPublisher:
         """See Raw."""

@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 import os
-import queue
 import select
 import socket
 import struct
-import threading
 import time
+from collections import deque
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
 
-from ur_nodes.ports.raw import Recorded, RecordedType
+from ur_nodes.loop import run_aside
+from ur_nodes.ports.raw import RecordedMessage, RecordedType
 from ur_nodes.ros1.recorder.frames import FrameError, Frames
 from ur_nodes.ros1.recorder.topic_connection import read_stamp
 
@@ -24,7 +24,7 @@ _AT_ONCE = struct.pack("ii", 1, 0)
 
 
 @dataclass(slots=True, eq=False)
-class Link:
+class TopicLink:
     """A connection; one that is taken `once` ends with its first message. `end` is called once, on any thread."""
 
     socket: socket.socket
@@ -35,39 +35,37 @@ class Link:
     unwanted: bool = False
 
 
-class Receiver:
+class LinkReceiver:
     """Reads links, and gives what arrives to `take`, on a thread of its own, from the first link to `close`."""
 
-    def __init__(self, take: Callable[[Sequence[Recorded]], None], clock: Callable[[], int]) -> None:
+    def __init__(self, take: Callable[[Sequence[RecordedMessage]], None], clock: Callable[[], int]) -> None:
         self._take, self._clock = take, clock
-        self._new: queue.SimpleQueue[Link | None] = queue.SimpleQueue()
-        self._links: dict[int, Link] = {}
+        self._new: deque[TopicLink | None] = deque()
+        self._links: dict[int, TopicLink] = {}
         self._buffer = memoryview(bytearray(_BUFFER))
         self._wake_read, self._wake = os.pipe()
         self._poll = select.epoll()
         self._poll.register(self._wake_read, select.EPOLLIN)
-        self._thread = threading.Thread(target=self._run, name="recorder", daemon=True)
-        self._thread.start()
+        run_aside(self._run)
 
-    def add(self, link: Link) -> None:
+    def add(self, link: TopicLink) -> None:
         """Read from a link. May come from any thread."""
-        self._new.put(link)
+        self._new.append(link)
         os.write(self._wake, b"+")
 
-    def drop(self, link: Link) -> None:
+    def drop(self, link: TopicLink) -> None:
         """End a link."""
         link.unwanted = True
         self.add(link)
 
     def close(self) -> None:
         """End all links and the thread."""
-        self._new.put(None)
+        self._new.append(None)
         os.write(self._wake, b"-")
-        self._thread.join(1.0)
 
     def _run(self) -> None:
         while True:
-            batch: list[Recorded] = []
+            batch: list[RecordedMessage] = []
             more = False
             for number, _ in self._poll.poll():
                 link = self._links.get(number)
@@ -82,9 +80,9 @@ class Receiver:
 
     def _take_new(self) -> bool:
         os.read(self._wake_read, 4096)
-        with suppress(queue.Empty):
+        with suppress(IndexError):
             while True:
-                link = self._new.get_nowait()
+                link = self._new.popleft()
                 if link is None:
                     for each in tuple(self._links.values()):
                         self._end(each)
@@ -97,7 +95,7 @@ class Receiver:
                     self._end(link)
         return True
 
-    def _read(self, link: Link, batch: list[Recorded]) -> bool:
+    def _read(self, link: TopicLink, batch: list[RecordedMessage]) -> bool:
         """Read what a link has; return whether there may be more."""
         try:
             size, extra, _, _ = link.socket.recvmsg_into([self._buffer], 64)
@@ -117,13 +115,13 @@ class Receiver:
         if 0 < behind < _MOST_BEHIND:
             now -= behind
         if link.once:
-            batch.append(Recorded(link.type, now, found[0]))
+            batch.append(RecordedMessage(link.type, now, found[0]))
             self._end(link)
             return False
-        batch.extend(Recorded(link.type, now, each) for each in found)
+        batch.extend(RecordedMessage(link.type, now, each) for each in found)
         return size == _BUFFER
 
-    def _end(self, link: Link) -> None:
+    def _end(self, link: TopicLink) -> None:
         number = link.socket.fileno()
         del self._links[number]
         self._poll.unregister(number)

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 from functools import partial
 
 from ur_nodes.loop import Loop, run_aside
-from ur_nodes.ports.raw import Recorded, RecordedTopic, RecordedType
-from ur_nodes.ros1.recorder.receiver import Link, Receiver
+from ur_nodes.ports.raw import RecordedMessage, RecordedTopic, RecordedType
+from ur_nodes.ros1.recorder.receiver import LinkReceiver, TopicLink
 from ur_nodes.ros1.recorder.topic_connection import Address, TopicConnectionError, connect_topic, find_publisher
 
 _RETRY = 2.0  # s after a failure
@@ -22,21 +22,21 @@ _log = logging.getLogger("rosout")
 
 @dataclass(slots=True)
 class _State:
-    """What is known of a publisher of a topic; `link` is None while there is no connection."""
+    """The state of a publisher of a topic; `link` is None while there is no connection."""
 
     busy: bool = False
-    link: Link | None = None
+    link: TopicLink | None = None
     next: float = 0.0
 
 
 class RosRecorder:
-    """See `ports.raw.Recorder`. A topic with a period is connected for one message at a time."""
+    """See `ports.raw.TopicRecorder`. A topic with a period is connected for one message at a time."""
 
     def __init__(
         self,
         loop: Loop,
         name: str,
-        take: Callable[[Sequence[Recorded]], None],
+        take: Callable[[Sequence[RecordedMessage]], None],
         clock: Callable[[], int],
         find: Callable[[str, str, str], Address] = find_publisher,
     ) -> None:
@@ -46,10 +46,10 @@ class RosRecorder:
         self._caller = f"{name}_recorder"  # publishers keep one connection for a name
         self._states: dict[_Key, _State] = {}
         self._addresses: dict[str, Address] = {}
-        self._receiver = Receiver(lambda batch: loop.post(lambda: take(batch)), clock)
+        self._receiver = LinkReceiver(lambda batch: loop.post(lambda: take(batch)), clock)
 
     def record(self, topics: Sequence[RecordedTopic]) -> None:
-        """See Recorder."""
+        """See TopicRecorder."""
         now = time.monotonic()
         wanted = {(each.name, node): each.period for each in topics for node in each.publishers}
         for key in [key for key in self._states if key not in wanted]:
@@ -70,7 +70,7 @@ class RosRecorder:
             run_aside(partial(self._connect, node, each))
 
     def close(self) -> None:
-        """See Recorder."""
+        """See TopicRecorder."""
         self._states.clear()
         self._receiver.close()
 
@@ -89,7 +89,7 @@ class RosRecorder:
         else:
             self._loop.post(partial(self._begin, key, link))
 
-    def _open(self, key: _Key, *, once: bool) -> Link:
+    def _open(self, key: _Key, *, once: bool) -> TopicLink:
         topic, node = key
         known = self._addresses.get(node)
         try:
@@ -102,11 +102,11 @@ class RosRecorder:
             sock, header = connect_topic(self._caller, address, topic)
         self._addresses[node] = sock.getpeername()[:2]
         found = RecordedType(topic, header["type"], header.get("message_definition", ""))
-        link = Link(sock, found, once and header.get("latching") != "1", lambda: None)
+        link = TopicLink(sock, found, once and header.get("latching") != "1", lambda: None)
         link.end = lambda: self._loop.post(partial(self._ended, key, link))
         return link
 
-    def _begin(self, key: _Key, link: Link) -> None:
+    def _begin(self, key: _Key, link: TopicLink) -> None:
         state = self._states.get(key)
         if state is None or state.link is not None:
             link.socket.close()  # it is not wanted any more, or was wanted twice
@@ -114,7 +114,7 @@ class RosRecorder:
         state.link = link
         self._receiver.add(link)
 
-    def _ended(self, key: _Key, link: Link | None, *, failed: bool = False) -> None:
+    def _ended(self, key: _Key, link: TopicLink | None, *, failed: bool = False) -> None:
         state = self._states.get(key)
         if state is not None and state.link is link:
             state.link, state.busy = None, False

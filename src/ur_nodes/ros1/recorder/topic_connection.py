@@ -6,7 +6,6 @@ import socket
 import struct
 import xmlrpc.client
 from collections.abc import Mapping
-from typing import Any
 
 import rosgraph
 import rosgraph.network
@@ -30,13 +29,13 @@ def find_publisher(caller: str, node: str, topic: str) -> Address:
     try:
         uri = rosgraph.Master(caller).lookupNode(node)
         with xmlrpc.client.ServerProxy(uri) as proxy:
-            answer: Any = proxy.requestTopic(caller, topic, [["TCPROS"]])
-        code, text, (protocol, host, port) = answer
+            answer: object = proxy.requestTopic(caller, topic, [["TCPROS"]])
     except Exception as problem:  # master and node are programs of others, which answer anything
         raise TopicConnectionError(f"{node}: {problem}") from None
-    if code != 1 or protocol != "TCPROS":
-        raise TopicConnectionError(f"{node}: {text}")
-    return str(host), int(port)
+    match answer:
+        case [1, _, ["TCPROS", str(host), int(port)]]:
+            return host, port
+    raise TopicConnectionError(f"{node} does not publish {topic}: {answer}")
 
 
 def connect_topic(caller: str, address: Address, topic: str) -> tuple[socket.socket, Mapping[str, str]]:

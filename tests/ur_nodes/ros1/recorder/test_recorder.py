@@ -13,7 +13,7 @@ import pytest
 import rosgraph.network
 
 from ur_nodes.loop import Loop
-from ur_nodes.ports.raw import Recorded, RecordedTopic
+from ur_nodes.ports.raw import RecordedMessage, RecordedTopic
 from ur_nodes.ros1.recorder.recorder import RosRecorder
 from ur_nodes.ros1.recorder.topic_connection import TopicConnectionError, connect_topic, read_stamp
 
@@ -43,6 +43,10 @@ class Publisher:
             sock.sendall(rosgraph.network.encode_ros_handshake_header(self.header))
             self.connections.put((sock, asked))
 
+    def stop(self) -> None:
+        self.listener.shutdown(socket.SHUT_RDWR)  # wakes the thread; otherwise it would accept one more
+        self.listener.close()
+
     def connection(self) -> socket.socket:
         return self.connections.get(timeout=LIMIT)[0]
 
@@ -51,13 +55,13 @@ def send(sock: socket.socket, *texts: bytes) -> None:
     sock.sendall(b"".join(struct.pack("<I", len(each)) + each for each in texts))
 
 
-class Session:
+class RecorderSession:
     """A recorder, what it has taken, and publishers by the names of their nodes."""
 
     def __init__(self) -> None:
         self.loop = Loop(time.monotonic, steady=True)
         self.loop.start()
-        self.taken: queue.Queue[Recorded] = queue.Queue()
+        self.taken: queue.Queue[RecordedMessage] = queue.Queue()
         self.publishers: dict[str, Publisher] = {}
         self.searches: list[str] = []
         self.recorder = RosRecorder(self.loop, "/box", self.take, time.monotonic_ns, self.find)
@@ -68,7 +72,7 @@ class Session:
             raise TopicConnectionError(f"{node}: unknown")
         return self.publishers[node].address
 
-    def take(self, batch: Sequence[Recorded]) -> None:
+    def take(self, batch: Sequence[RecordedMessage]) -> None:
         for each in batch:
             self.taken.put(each)
 
@@ -80,19 +84,19 @@ class Session:
 
 
 @pytest.fixture
-def session() -> Iterator[Session]:
-    session = Session()
+def session() -> Iterator[RecorderSession]:
+    session = RecorderSession()
     yield session
     session.recorder.close()
     for each in session.publishers.values():
-        each.listener.close()
+        each.stop()
     session.loop.end(lambda: None, LIMIT)
 
 
 TOPIC = RecordedTopic("/words", ("/robot",))
 
 
-def test_all_messages_of_a_topic_are_taken_in_order(session: Session) -> None:
+def test_all_messages_of_a_topic_are_taken_in_order(session: RecorderSession) -> None:
     session.publishers["/robot"] = publisher = Publisher()
     session.record(TOPIC)
     sock, asked = publisher.connections.get(timeout=LIMIT)
@@ -108,7 +112,7 @@ def test_all_messages_of_a_topic_are_taken_in_order(session: Session) -> None:
     assert [session.next(), session.next()] == [b"two", b"three"]
 
 
-def test_topic_with_a_period_is_connected_for_one_message(session: Session) -> None:
+def test_topic_with_a_period_is_connected_for_one_message(session: RecorderSession) -> None:
     session.publishers["/robot"] = publisher = Publisher()
     topic = RecordedTopic("/words", ("/robot",), 0.001)
     for number in range(3):
@@ -124,7 +128,7 @@ def test_topic_with_a_period_is_connected_for_one_message(session: Session) -> N
     assert session.taken.empty()
 
 
-def test_latched_topic_is_not_asked_for_again_and_again(session: Session) -> None:
+def test_latched_topic_is_not_asked_for_again_and_again(session: RecorderSession) -> None:
     session.publishers["/robot"] = publisher = Publisher(latching="1")
     topic = RecordedTopic("/words", ("/robot",), 0.001)
     session.record(topic)
@@ -136,11 +140,11 @@ def test_latched_topic_is_not_asked_for_again_and_again(session: Session) -> Non
     assert session.next() == b"newer"
 
 
-def test_publisher_that_was_started_again_is_found(session: Session) -> None:
+def test_publisher_that_was_started_again_is_found(session: RecorderSession) -> None:
     session.publishers["/robot"] = first = Publisher()
     session.record(TOPIC)
     sock = first.connection()
-    first.listener.close()
+    first.stop()
     session.publishers["/robot"] = second = Publisher()
     sock.close()
     while second.connections.empty():
@@ -149,7 +153,7 @@ def test_publisher_that_was_started_again_is_found(session: Session) -> None:
     assert session.next() == b"again"
 
 
-def test_topic_that_is_no_longer_wanted_ends(session: Session) -> None:
+def test_topic_that_is_no_longer_wanted_ends(session: RecorderSession) -> None:
     session.publishers["/robot"] = publisher = Publisher()
     session.record(TOPIC)
     sock = publisher.connection()
@@ -160,7 +164,7 @@ def test_topic_that_is_no_longer_wanted_ends(session: Session) -> None:
         sock.recv(1)
 
 
-def test_node_that_cannot_be_reached_is_tried_again_later(session: Session) -> None:
+def test_node_that_cannot_be_reached_is_tried_again_later(session: RecorderSession) -> None:
     session.record(TOPIC)
     while not session.searches:
         session.loop.ask(lambda: None, LIMIT)
@@ -177,7 +181,7 @@ def test_publisher_that_refuses_is_named(header: dict[str, str], text: str) -> N
         del publisher.header["type"]
     with pytest.raises(TopicConnectionError, match=text):
         connect_topic("/box", publisher.address, "/words")
-    publisher.listener.close()
+    publisher.stop()
 
 
 def test_address_without_a_publisher_is_a_problem() -> None:
