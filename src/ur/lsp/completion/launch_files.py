@@ -13,9 +13,12 @@ from ur.launchfile.query.vocabulary import ATTRIBUTES, CONDITIONS, DOCUMENTS, IN
 from ur.launchfile.syntax.substitution import COMMANDS
 from ur.launchfile.world.protocol import PackageNotFound
 from ur.lsp.completion.candidate import Candidate
-from ur.lsp.completion.other_files import complete_heading, complete_yaml, is_yaml
+from ur.lsp.completion.other_files import complete_heading, complete_yaml
 from ur.lsp.documents import document_of
 from ur.lsp.names import expand_everywhere, find_files
+from ur.lsp.parameters.documents import know_parameters
+from ur.lsp.parameters.programs import programs_of_tag
+from ur.lsp.parameters.yaml_keys import is_yaml
 from ur.lsp.place import CursorPlace, OpenTag, find_place
 from ur.lsp.workspace import Workspace
 
@@ -87,6 +90,8 @@ def _values(place: CursorPlace, tag: OpenTag, view: LaunchView, workspace: Works
         name = view.tree.source.text[slice(*tag.values.get("name", (0, 0)))]
         if name in view.declared:
             yield Candidate(f"$(arg {name})", "argument", f"$(arg {name})", place.start, place.end, "of this file")
+    elif tag.name == "param" and place.inside in ("node", "test"):
+        yield from _parameters(place, tag, view, workspace)
     elif place.attribute == "machine":
         machines = {each.name for _, plan, _ in workspace.cases(view) for each in plan.machines}
         yield from (Candidate(each, "value", each, place.start, place.end) for each in sorted(machines))
@@ -145,6 +150,20 @@ def _passed(place: CursorPlace, view: LaunchView, workspace: Workspace) -> Itera
                 default = elements[0].attributes.get("default")
                 help_ = "required" if default is None else f"default {default!r}"
                 yield Candidate(name, "argument", name, place.start, place.end, help_, document_of(name, included))
+
+
+def _parameters(place: CursorPlace, tag: OpenTag, view: LaunchView, workspace: Workspace) -> Iterator[Candidate]:
+    node, text = place.parents[-1], view.tree.source.text
+    written = text[slice(*tag.values.get("name", (0, 0)))].lstrip("~")
+    given = set(re.findall(r"""<param[^>]*?\bname=["']~?([^"'<>]*)""", text[node.start : tag.start]))
+    known = know_parameters(programs_of_tag(node, view, workspace), workspace)
+    for name, found in known.items():
+        values = [each for each in found.values if "$" not in each]
+        if place.attribute == "name" and name.startswith(place.begin) and name not in given:
+            yield Candidate(name, "attribute", name, place.start, place.end, ", ".join(values[:1]), found.document)
+        elif place.attribute == "value" and name == written:
+            fitting = (each for each in values if each.startswith(place.begin))
+            yield from (Candidate(each, "value", each, place.start, place.end, "", found.document) for each in fitting)
 
 
 def _files(place: CursorPlace, view: LaunchView, workspace: Workspace) -> Iterator[Candidate]:
