@@ -8,40 +8,48 @@ from contextlib import suppress
 from ur.check.rule import LaunchView
 from ur.launchfile.world.protocol import PackageNotFound
 from ur.lsp.names import NamedThing, expand_everywhere, find_files, find_name_at, find_thing
+from ur.lsp.programs.parameters import KnownParameter, know_parameters
+from ur.lsp.programs.places import define_elsewhere, find_named, order, refer_elsewhere, starts_of, top_of
+from ur.lsp.programs.starts import programs_of_tag
 from ur.lsp.workspace import Workspace
 from ur.source.file import SourceFile, Span
 from ur.tools.find.arguments import find_argument
 from ur.tools.find.occurrences import Kind, Occurrence, WantedName
-from ur.tools.find.search import find_resolved
+from ur.tools.find.programs import NodeProgram, program_files
+
+LAUNCH_FILES = (".launch", ".xml", ".test")
+"""Endings of the names of launch files."""
 
 _SAME_KIND: dict[str, Kind] = {"node": "node", "param": "param", "topic": "topic"}
 
 
 def find_definitions(workspace: Workspace, path: str, offset: int) -> list[Span]:
     """The definitions of the thing at a place."""
-    here = find_thing(workspace, path, offset)
+    here = find_thing(workspace, path, offset) if path.endswith(LAUNCH_FILES) else None
     if here is None:
-        return []
+        return [] if path.endswith(LAUNCH_FILES) else define_elsewhere(workspace, path, offset)
     view, thing = here
     if thing.kind == "arg":
         return [element.value_span("name") for element in view.declared.get(thing.name, ())]
     if thing.kind == "passed":
-        found = (workspace.view(each) for each in included_by(thing, view, workspace))
-        return [e.value_span("name") for each in found if each is not None for e in each.declared.get(thing.name, ())]
+        views = (workspace.view(each) for each in included_by(thing, view, workspace))
+        return [e.value_span("name") for each in views if each is not None for e in each.declared.get(thing.name, ())]
     if thing.kind == "file":
-        return [_top_of(each) for each in find_files(thing.name, view, thing.span.start, workspace)]
+        return [top_of(each) for each in find_files(thing.name, view, thing.span.start, workspace)]
     if thing.kind == "package":
-        return [_top_of(f"{folder}/package.xml") for folder in find_packages(thing, view, workspace)]
+        return [top_of(f"{folder}/package.xml") for folder in find_packages(thing, view, workspace)]
     if thing.kind == "program":
-        return [_top_of(each) for each in find_programs(thing, view, workspace)]
-    return [each.span for each in _others(thing, view, workspace) if each.defines]
+        return [top_of(each) for each in find_programs(thing, view, workspace)]
+    found = order(each for each in _others(thing, view, workspace) if each.defines)
+    known = find_parameter(thing, view, workspace) if thing.kind == "param" else None
+    return [*found, *known.reads] if known is not None else found
 
 
 def find_references(workspace: Workspace, path: str, offset: int) -> list[Span]:
     """Every place that speaks of the thing at a place, in the whole workspace, definitions first."""
-    here = find_thing(workspace, path, offset)
+    here = find_thing(workspace, path, offset) if path.endswith(LAUNCH_FILES) else None
     if here is None:
-        return []
+        return [] if path.endswith(LAUNCH_FILES) else refer_elsewhere(workspace, path, offset)
     view, thing = here
     if thing.kind in ("arg", "passed"):
         files = [path] if thing.kind == "arg" else included_by(thing, view, workspace)
@@ -51,10 +59,11 @@ def find_references(workspace: Workspace, path: str, offset: int) -> list[Span]:
         found = [each for each in _file_uses(workspace) if each.name in wanted]
     elif thing.kind == "package":
         found = list(_package_uses(thing.name, workspace))
+    elif thing.kind == "program":
+        return [each for program in programs_around(thing, view, workspace) for each in starts_of(program, workspace)]
     else:
         found = list(_others(thing, view, workspace))
-    ordered = sorted(found, key=lambda each: (not each.defines, each.span.file.path, each.span.start))
-    return list({(each.span.file.path, each.span.start): each.span for each in ordered}.values())
+    return order(found)
 
 
 def find_argument_in(path: str, name: str, workspace: Workspace) -> list[Occurrence]:
@@ -82,28 +91,42 @@ def find_packages(thing: NamedThing, view: LaunchView, workspace: Workspace) -> 
 
 
 def find_programs(thing: NamedThing, view: LaunchView, workspace: Workspace) -> list[str]:
-    """The files that a node's `type` may start."""
-    tag = thing.place.tag
-    start, end = tag.values.get("pkg", (0, 0)) if tag is not None else (0, 0)
-    found: dict[str, None] = {}
-    for package in expand_everywhere(view.tree.source.text[start:end], view, start, workspace):
-        for name in expand_everywhere(thing.name, view, thing.span.start, workspace):
-            with suppress(PackageNotFound, OSError, ValueError):
-                found.update(dict.fromkeys(workspace.world.find_executables(package, name)))
-    return list(found)
+    """The files that the node at a place may run."""
+    return [
+        each for program in programs_around(thing, view, workspace) for each in program_files(program, workspace.world)
+    ]
+
+
+def programs_around(thing: NamedThing, view: LaunchView, workspace: Workspace) -> list[NodeProgram]:
+    """The programs of the `<node>` that holds a place."""
+    tags = (thing.place.tag, *reversed(thing.place.parents))
+    node = next((each for each in tags if each is not None and each.name in ("node", "test")), None)
+    return programs_of_tag(node, view, workspace) if node is not None else []
+
+
+def find_parameter(thing: NamedThing, view: LaunchView, workspace: Workspace) -> KnownParameter | None:
+    """The parameter at a place, as its program's documents describe it."""
+    return know_parameters(programs_around(thing, view, workspace), workspace).get(thing.name.lstrip("~"))
 
 
 def _others(thing: NamedThing, view: LaunchView, workspace: Workspace) -> Iterator[Occurrence]:
     kind = _SAME_KIND.get(thing.kind)
     if kind is None:
         return
-    names = {WantedName(name.lstrip("~")) for name in expand_everywhere(thing.name, view, thing.span.start, workspace)}
-    for other in workspace.views.values():
-        if not any(name.name.rpartition("/")[2] in other.tree.source.text for name in names):
-            continue  # which may be included by what resolves it
-        for each in find_resolved(other, workspace.world, frozenset({kind}), follow=False):
-            if any(name.matches(each.name) for name in names):
-                yield each
+    names = {WantedName(name) for name in _full_names(thing, view, workspace)}
+    yield from find_named(kind, names, workspace)
+
+
+def _full_names(thing: NamedThing, view: LaunchView, workspace: Workspace) -> set[str]:
+    # A parameter's, as the tag that sets it is resolved; else what is written.
+    tag = thing.place.tag
+    if thing.kind == "param" and tag is not None:
+        params = (param for _, plan, _ in workspace.cases(view) for param in plan.params)
+        spans = ((param.name, param.origin) for param in params)
+        found = {name for name, at in spans if at.span.file.path == view.path and at.span.start == tag.start}
+        if found:
+            return found
+    return {name.lstrip("~") for name in expand_everywhere(thing.name, view, thing.span.start, workspace)}
 
 
 def list_programs(workspace: Workspace) -> list[SourceFile]:
@@ -132,7 +155,3 @@ def _package_uses(name: str, workspace: Workspace) -> Iterator[Occurrence]:
             if thing is not None and thing.kind == "package" and thing.name == name:
                 yield Occurrence("file", name, False, thing.span)
             start = text.find(name, start + len(name))
-
-
-def _top_of(path: str) -> Span:
-    return Span(SourceFile(path, ""), 0, 0)

@@ -4,21 +4,34 @@ from __future__ import annotations
 
 from ur.check.rule import LaunchView
 from ur.check.worlds import has_marker
+from ur.complete.yaml_keys import find_key, plain_parents
 from ur.launchfile.plan.specs import NodeSpec
 from ur.launchfile.query.topics import find_name_uses
 from ur.launchfile.query.vocabulary import DOCUMENTS, find_choices
-from ur.lsp.definitions import find_packages, find_programs, included_by
+from ur.lsp.definitions import (
+    LAUNCH_FILES,
+    find_packages,
+    find_parameter,
+    find_programs,
+    included_by,
+    programs_around,
+)
 from ur.lsp.documents import document_of, summary_of
 from ur.lsp.names import NamedThing, arguments_before, expand_everywhere, find_files, find_thing
+from ur.lsp.programs.parameters import describe_parameter, know_parameters
+from ur.lsp.programs.yaml_keys import is_yaml, know_keys, programs_of_yaml
 from ur.lsp.workspace import Workspace
 from ur.source.file import Span
+from ur.tools.find.programs import read_program
 
 _MOST = 8  # cases, topics
 
 
 def describe_place(workspace: Workspace, path: str, offset: int) -> tuple[str, Span] | None:
     """Markdown about the thing at a place, and the text that it is about; None where there is nothing to show."""
-    here = find_thing(workspace, path, offset)
+    if is_yaml(path):
+        return _describe_key(workspace, path, offset)
+    here = find_thing(workspace, path, offset) if path.endswith(LAUNCH_FILES) else None
     if here is None:
         return None
     view, thing = here
@@ -47,7 +60,23 @@ def _describe(thing: NamedThing, view: LaunchView, workspace: Workspace) -> str:
         )
     if thing.kind == "node":
         return _describe_node(thing, view, workspace)
-    return ""
+    parameter = find_parameter(thing, view, workspace) if thing.kind == "param" else None
+    return describe_parameter(parameter, programs_around(thing, view, workspace)) if parameter is not None else ""
+
+
+def _describe_key(workspace: Workspace, path: str, offset: int) -> tuple[str, Span] | None:
+    source = read_program(path, workspace.world)
+    found = find_key(source, offset) if source is not None else None
+    if source is None or found is None:
+        return None
+    parents, span = found
+    programs = programs_of_yaml(workspace, path)
+    parameter = know_parameters(programs, workspace).get("/".join((*parents, span.text)))
+    if parameter is not None:
+        return describe_parameter(parameter, programs), span
+    known = know_keys(workspace, path, source.text).get(plain_parents(parents), {}).get(span.text)
+    document = known.document if known is not None else ""
+    return (f"**{span.text}**\n\n{document}", span) if document else None
 
 
 def _describe_argument(name: str, view: LaunchView, workspace: Workspace) -> str:

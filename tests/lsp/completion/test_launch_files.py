@@ -106,7 +106,7 @@ def test_hover_describes_a_thing(tmp_path: Path, text: str, words: str) -> None:
 @pytest.mark.parametrize(
     ("text", "files", "references"),
     [
-        ('<launch><node pkg="my_robot" type="ta|lk" name="c"/></launch>', ["talk"], []),
+        ('<launch><node pkg="my_robot" type="ta|lk" name="c"/></launch>', ["talk"], ["top.launch"]),
         ('<launch><node pkg="my_rob|ot" type="talk" name="c"/></launch>', ["package.xml"], ["top.launch"]),
         ('<launch><include file="$(dirname)/part.la|unch.xml"/></launch>', ["part.launch.xml"], ["top.launch"]),
         ('<launch><node pkg="my_robot" type="talk" name="c|"/></launch>', ["top.launch"], ["top.launch"]),

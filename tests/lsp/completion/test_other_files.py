@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 
 from ur.check.computer import make_world
+from ur.complete.yaml_keys import find_parents
 from ur.lsp.completion.launch_files import complete
-from ur.lsp.parameters.yaml_keys import find_parents
 from ur.lsp.workspace import Workspace
 
 ROOT = Path(__file__).parents[3]

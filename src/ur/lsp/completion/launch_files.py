@@ -16,10 +16,10 @@ from ur.lsp.completion.candidate import Candidate
 from ur.lsp.completion.other_files import complete_heading, complete_yaml
 from ur.lsp.documents import document_of
 from ur.lsp.names import expand_everywhere, find_files
-from ur.lsp.parameters.documents import know_parameters
-from ur.lsp.parameters.programs import programs_of_tag
-from ur.lsp.parameters.yaml_keys import is_yaml
 from ur.lsp.place import CursorPlace, OpenTag, find_place
+from ur.lsp.programs.parameters import know_parameters
+from ur.lsp.programs.starts import programs_of_tag
+from ur.lsp.programs.yaml_keys import is_yaml
 from ur.lsp.workspace import Workspace
 
 _OPEN = re.compile(r"\$\((\w*)(?:\s+([^)\s]*))?\Z")

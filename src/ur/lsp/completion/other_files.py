@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import re
 
+from ur.complete.yaml_keys import find_parents, plain_parents
 from ur.lsp.completion.candidate import Candidate
-from ur.lsp.parameters.yaml_keys import find_parents, know_keys, plain_parents
+from ur.lsp.programs.yaml_keys import know_keys
 from ur.lsp.workspace import Workspace
 
 _HEADINGS = {

@@ -11,7 +11,7 @@ from ur.check.collect import Targets, collect_targets
 from ur.check.rule import LaunchView, survey_launch_file
 from ur.check.survey import find_uses, walk_elements
 from ur.check.worlds import CachedWorld, has_marker
-from ur.launchfile.plan.specs import ParamSpec, Plan, RemapStep, TraceStep
+from ur.launchfile.plan.specs import NodeSpec, Origin, ParamSpec, RemapStep, TraceStep
 from ur.launchfile.world import World
 from ur.source.diagnostic import UserError
 from ur.source.file import SourceFile, Span
@@ -117,29 +117,33 @@ def _files(view: LaunchView, files: Sequence[str]) -> Iterator[Occurrence]:
 def find_resolved(
     view: LaunchView, world: CachedWorld, kinds: frozenset[Kind], *, follow: bool = True
 ) -> Iterator[Occurrence]:
-    """Nodes, topics and parameters of a launch file in every case. Without `follow`, only those of the file itself."""
-    for each in _resolved(view, world, kinds):
-        if follow or each.span.file.path == view.path:
+    """Nodes, topics and parameters of a launch file in every case.
+
+    Without `follow`, only those of the file itself and of the YAML files that it loads.
+    """
+    for each, origin in _resolved(view, world, kinds):
+        if follow or not origin.includes:
             yield each
 
 
-def _resolved(view: LaunchView, world: CachedWorld, kinds: frozenset[Kind]) -> Iterator[Occurrence]:
+def _resolved(view: LaunchView, world: CachedWorld, kinds: frozenset[Kind]) -> Iterator[tuple[Occurrence, Origin]]:
     trace: list[TraceStep] = []
     for resolved in resolve_cases(view, world, trace=trace):
-        if "node" in kinds:
-            yield from (Occurrence("node", node.full_name, True, node.origin.span) for node in resolved.plan.nodes)
-        if "topic" in kinds:
-            yield from _waited_for(resolved.plan)
+        for node in resolved.plan.nodes:
+            if "node" in kinds:
+                yield Occurrence("node", node.full_name, True, node.origin.span), node.origin
+            if "topic" in kinds:
+                yield from ((each, node.origin) for each in _waited_for(node))
     for step in trace:
+        origin, span = step.origin, step.origin.span
         if isinstance(step, ParamSpec) and "param" in kinds:
-            yield Occurrence("param", step.name, True, step.origin.span)
+            yield Occurrence("param", step.name, True, span), origin
         elif isinstance(step, RemapStep) and "topic" in kinds:
-            yield Occurrence("topic", step.target, True, step.origin.span, f"remapped from {step.source}")
-            yield Occurrence("topic", step.source, False, step.origin.span, f"remapped to {step.target}")
+            yield Occurrence("topic", step.target, True, span, f"remapped from {step.source}"), origin
+            yield Occurrence("topic", step.source, False, span, f"remapped to {step.target}"), origin
 
 
-def _waited_for(plan: Plan) -> Iterator[Occurrence]:
-    for node in plan.nodes:
-        for condition in node.ready:
-            if condition.kind == "topic":
-                yield Occurrence("topic", condition.name, False, node.origin.span, "the node waits for it")
+def _waited_for(node: NodeSpec) -> Iterator[Occurrence]:
+    for condition in node.ready:
+        if condition.kind == "topic":
+            yield Occurrence("topic", condition.name, False, node.origin.span, "the node waits for it")

@@ -3,22 +3,27 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
+from functools import lru_cache
 
 from ur.check.rule import LaunchView
 from ur.check.survey import walk_elements
+from ur.complete.yaml_keys import comment_on_line
 from ur.launchfile.plan.specs import ParamSpec, ParamValue
 from ur.lsp.documents import document_of
-from ur.lsp.parameters.programs import NodeProgram, find_starters, read_program, source_files
+from ur.lsp.programs.starts import find_starters
 from ur.lsp.workspace import Workspace
 from ur.source.file import SourceFile, Span
+from ur.tools.find.programs import NodeProgram, read_program, source_files
 from ur.tools.new.node_defaults import read_defaults
 
 _LONGEST_VALUE = 60
 _MOST_VALUES = 8
 _ARGUMENT = re.compile(r"\$\(arg (\w+)\)")
+_READ = re.compile(r"""\(\s*f?["']~?([\w/]+)["']""")
 _AFTER_TAG = re.compile(r"[^\n]*?>[ \t]*<!--(?!ur:)\s*(.*?)\s*-->")
+_read_defaults = lru_cache(maxsize=128)(read_defaults)
 
 
 @dataclass(slots=True)
@@ -45,17 +50,15 @@ def know_parameters(programs: Iterable[NodeProgram], workspace: Workspace) -> di
             prefix = f"{node.full_name}/"
             for param in plan.params:
                 if param.name.startswith(prefix) and not param.origin.includes:
-                    _note_given(param, param.name[len(prefix) :], view, workspace, known)
-        for path in source_files(program, workspace):
-            source = read_program(path, workspace)
+                    _note_given(param, param.name[len(prefix) :], view, known)
+        for path in source_files(program, workspace.world):
+            source = read_program(path, workspace.world)
             if source is not None:
                 _note_source(source, known)
     return known
 
 
-def _note_given(
-    param: ParamSpec, name: str, view: LaunchView, workspace: Workspace, known: dict[str, KnownParameter]
-) -> None:
+def _note_given(param: ParamSpec, name: str, view: LaunchView, known: dict[str, KnownParameter]) -> None:
     found = known.setdefault(name, KnownParameter(name))
     span = param.origin.span
     found.note_value(write_value(param.value), span.file.path.rpartition("/")[2])
@@ -75,12 +78,11 @@ def _document(span: Span, view: LaunchView) -> str:
 
 
 def _note_source(source: SourceFile, known: dict[str, KnownParameter]) -> None:
-    defaults = read_defaults(source.text)
-    for name, value in defaults.items():
+    for name, value in _read_defaults(source.text).items():
         known.setdefault(name, KnownParameter(name)).note_value(write_value(value), "its source")
-    for name, found in known.items():
-        for match in re.finditer(rf"""\(\s*f?["']~?({re.escape(name)})["']""", source.text):
-            found.reads.append(Span(source, *match.span(1)))
+    for match in _READ.finditer(source.text):
+        if match[1] in known:
+            known[match[1]].reads.append(Span(source, *match.span(1)))
 
 
 def write_value(value: ParamValue | object) -> str:
@@ -92,21 +94,6 @@ def write_value(value: ParamValue | object) -> str:
     if isinstance(value, list) and all(isinstance(each, int | float | str) for each in value):
         return f"[{', '.join(map(write_value, value))}]"
     return ""
-
-
-def comment_on_line(lines: Sequence[str], number: int) -> str:
-    """The comment behind a line of YAML, counted from 0, else the one above its paragraph."""
-    behind = lines[number].partition(" # ")[2].strip() if number < len(lines) else ""
-    if behind:
-        return behind
-    above = number - 1
-    while above >= 0 and lines[above].strip() and not lines[above].lstrip().startswith("#"):
-        above -= 1
-    block: list[str] = []
-    while above >= 0 and lines[above].lstrip().startswith("#"):
-        block.insert(0, lines[above].lstrip("# ").strip())
-        above -= 1
-    return " ".join(block)
 
 
 def describe_parameter(found: KnownParameter, programs: Iterable[NodeProgram]) -> str:

@@ -1,36 +1,21 @@
-"""Keys of YAML files, known from files of their kind and from the programs that read them.
-
-Keys and values of a YAML file are those of files of its kind: base, world and map files of the launch library, and
-files beside it. A comment at a key there is its documentation. The keys of a parameter file are also the parameters
-of the nodes that load it.
-"""
+"""Keys of YAML files: the one at a place, and those of other files with their documentation and values."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
-from pathlib import Path
 
 import yaml
 
-from ur.launchfile.world.protocol import PackageNotFound
-from ur.lsp.parameters.documents import comment_on_line, know_parameters
-from ur.lsp.parameters.programs import NodeProgram, find_loaders, node_of
-from ur.lsp.workspace import Workspace
 from ur.source.file import SourceFile, Span
 from ur.source.foreign.yaml_text import compose_yaml
 
-_LIBRARY = "ubiquity_launches"
-_MOST_FILES = 40
-_MOST_TEXT = 200_000  # characters of a file
 _MOST_VALUES = 12
 _LONGEST_VALUE = 60
 _IN_KEY = re.compile(r"[\w./~-]")
 _KEY = re.compile(r"""^(?P<indent> *)(?P<dashes>(?:- +)*)(?P<key>[\w./~-]+|"[^"]*"|'[^']*')[ ]*:(?=[ \n]|$)""")
-_OF_WORLD = re.compile(r"^(floor_plan|boxes|obstacles|fiducials|drops):", re.MULTILINE)
-_OF_MAP = re.compile(r"^(image|resolution):", re.MULTILINE)
 
 
 @dataclass(slots=True)
@@ -40,31 +25,6 @@ class KnownKey:
     document: str = ""
     values: dict[str, None] = field(default_factory=dict)
     nested: bool = False
-
-
-def is_yaml(path: str) -> bool:
-    """Return whether a path is that of a YAML file."""
-    return path.endswith((".yaml", ".yml"))
-
-
-def know_keys(workspace: Workspace, path: str, text: str) -> dict[tuple[str, ...], dict[str, KnownKey]]:
-    """The keys of files of a kind, by the keys around them."""
-    known: dict[tuple[str, ...], dict[str, KnownKey]] = {}
-    for source in _samples(workspace, path, text):
-        _survey(source, known)
-    programs = programs_of_yaml(workspace, path)
-    for parameter in know_parameters(programs, workspace).values():
-        *parents, name = parameter.name.split("/")
-        found = known.setdefault((*parents,), {}).setdefault(name, KnownKey())
-        found.document = found.document or parameter.document
-        found.values.update(dict.fromkeys(parameter.values))
-    return known
-
-
-def programs_of_yaml(workspace: Workspace, path: str) -> list[NodeProgram]:
-    """The programs of the nodes that load a YAML file as their private parameters."""
-    nodes = (node_of(param.name, plan) for plan, param in find_loaders(path, workspace))
-    return list(dict.fromkeys(NodeProgram(node.package, node.type) for node in nodes if node is not None))
 
 
 def find_key(source: SourceFile, offset: int) -> tuple[tuple[str, ...], Span] | None:
@@ -121,42 +81,23 @@ def plain_parents(parents: tuple[str, ...]) -> tuple[str, ...]:
     return parents[2:] if parents[:1] == ("variants",) else parents
 
 
-def _samples(workspace: Workspace, path: str, text: str) -> Iterator[str]:
-    """The texts of other files of the same kind."""
-    folder = Path(path).parent
-    with suppress(PackageNotFound):
-        library = Path(workspace.world.find_package(_LIBRARY))
-        if Path(path).name == "base.yaml":
-            yield from _read(workspace, path, sorted(library.glob("bases/*/base.yaml")))
-        elif (
-            re.search(r"^(floor_plan|boxes|obstacles|fiducials|drops):", text, re.MULTILINE) or folder.name == "worlds"
-        ):
-            yield from _read(workspace, path, sorted(library.glob("n_simulator/worlds/*.yaml")))
-        elif folder.name == "maps" or _OF_MAP.search(text):
-            yield _MAP
-    if Path(path).name == "base.yaml":
-        yield from _read(workspace, path, sorted(folder.parent.glob("*/base.yaml")))
-    yield from _read(workspace, path, sorted({*folder.glob("*.yaml"), *folder.glob("*.yml")}))
+def comment_on_line(lines: Sequence[str], number: int) -> str:
+    """The comment behind a line of YAML, counted from 0, else the one above its paragraph; not that of the file."""
+    behind = lines[number].partition(" # ")[2].strip() if number < len(lines) else ""
+    if behind:
+        return behind
+    above = number - 1
+    while above >= 0 and lines[above].strip() and not lines[above].lstrip().startswith("#"):
+        above -= 1
+    block: list[str] = []
+    while above >= 0 and lines[above].lstrip().startswith("#"):
+        block.insert(0, lines[above].lstrip("# ").strip())
+        above -= 1
+    return " ".join(block) if above >= 0 else ""
 
 
-def _read(workspace: Workspace, path: str, files: Sequence[Path]) -> Iterator[str]:
-    for each in files[:_MOST_FILES]:
-        if str(each) != path:
-            with suppress(OSError):
-                yield workspace.source(str(each)).text[:_MOST_TEXT]
-
-
-_MAP = """image: map.pgm # relative to this file
-resolution: 0.05 # m per pixel
-origin: [0.0, 0.0, 0.0] # x, y (m) and yaw of the lower left corner
-negate: 0 # 1: white is occupied
-occupied_thresh: 0.65 # probability from which a pixel is occupied
-free_thresh: 0.196 # probability up to which a pixel is free
-mode: trinary # or scale, raw
-"""
-
-
-def _survey(text: str, known: dict[tuple[str, ...], dict[str, KnownKey]]) -> None:
+def survey_keys(text: str, known: dict[tuple[str, ...], dict[str, KnownKey]]) -> None:
+    """Add the keys of a YAML text to those that are known, by the keys around them."""
     with suppress(yaml.YAMLError, ValueError, RecursionError):
         node = compose_yaml(text)
         if node is not None:

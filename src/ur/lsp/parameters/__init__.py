@@ -1,1 +1,0 @@
-"""Parameters of programs, as launch files, YAML files and Python sources document them."""

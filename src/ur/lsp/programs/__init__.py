@@ -1,0 +1,1 @@
+"""Programs of nodes, their parameters and YAML files: documentation, values and places."""

@@ -1,0 +1,109 @@
+"""Definitions and uses in files beside launch files: keys of YAML files, and programs."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator, Set
+
+from ur.check.survey import walk_elements
+from ur.complete.yaml_keys import find_key
+from ur.lsp.programs.parameters import know_parameters
+from ur.lsp.programs.starts import find_loaders, find_starters, program_of_file
+from ur.lsp.programs.yaml_keys import is_yaml, programs_of_yaml
+from ur.lsp.workspace import Workspace
+from ur.source.file import SourceFile, Span
+from ur.tools.find.occurrences import Kind, Occurrence, WantedName
+from ur.tools.find.programs import NodeProgram, head_span, program_files, read_program
+from ur.tools.find.search import find_resolved
+
+_LAUNCH_FILE = re.compile(r"[\w.-]+\.launch(?:\.xml)?")
+_GIVEN = re.compile(r"(?<![\w$])(\w+):=")
+
+
+def define_elsewhere(workspace: Workspace, path: str, offset: int) -> list[Span]:
+    """The definitions of the thing at a place of a YAML file or program."""
+    source = read_program(path, workspace.world)
+    if source is None:
+        return []
+    if is_yaml(path):
+        return [*_read_places(source, offset, workspace)]
+    launch_files = _launched(source, offset, workspace)
+    for match in _GIVEN.finditer(source.text):
+        if match.start() <= offset <= match.end(1):
+            declared = (workspace.views[each].declared.get(match[1], ()) for each in launch_files)
+            return [element.value_span("name") for elements in declared for element in elements]
+    if launch_files:
+        return [top_of(each) for each in launch_files]
+    own = program_of_file(path, workspace) if offset <= head_span(source).end else []
+    return [top_of(each) for program in own for each in program_files(program, workspace.world)]
+
+
+def refer_elsewhere(workspace: Workspace, path: str, offset: int) -> list[Span]:
+    """The uses of the thing at a place of a YAML file or program: what is set or started, and by which file."""
+    source = read_program(path, workspace.world)
+    if source is None:
+        return []
+    if is_yaml(path):
+        names = {
+            WantedName(param.name)
+            for _, param in find_loaders(path, workspace)
+            if param.origin.span.start <= offset <= param.origin.span.end
+        }
+        found = order(find_named("param", names, workspace)) if names else []
+        return [*found, *_read_places(source, offset, workspace)]
+    own = program_of_file(path, workspace) if offset <= head_span(source).end else []
+    return [span for program in own for span in starts_of(program, workspace)]
+
+
+def _read_places(source: SourceFile, offset: int, workspace: Workspace) -> Iterator[Span]:
+    key = find_key(source, offset)
+    if key is not None:
+        name = "/".join((*key[0], key[1].text))
+        known = know_parameters(programs_of_yaml(workspace, source.path), workspace)
+        yield from known[name].reads if name in known else ()
+
+
+def _launched(source: SourceFile, offset: int, workspace: Workspace) -> list[str]:
+    """The launch files that the command around an offset names."""
+    start = source.text.rfind("\n", 0, offset) + 1
+    while start > 1 and source.text[:start].endswith("\\\n"):  # the command goes on in the next line
+        start = source.text.rfind("\n", 0, start - 1) + 1
+    end = source.text.find("\n", offset)
+    line = source.text[start : end if end >= 0 else None]
+    names = set(_LAUNCH_FILE.findall(line)) if not line.startswith("#") else set()
+    return [path for path in workspace.views if path.rpartition("/")[2] in names]
+
+
+def starts_of(program: NodeProgram, workspace: Workspace) -> list[Span]:
+    """The `type` of each `<node>` that runs a program."""
+    found: dict[tuple[str, int], Span] = {}
+    for view, _, node in find_starters(program, workspace):
+        elements = (each for each, _ in walk_elements(view.tree.launch))
+        element = next((each for each in elements if each.start == node.origin.span.start), None)
+        span = element.value_span("type") if element is not None else node.origin.span
+        found.setdefault((view.path, span.start), span)
+    return list(found.values())
+
+
+def find_named(kind: Kind, names: Set[WantedName], workspace: Workspace) -> Iterator[Occurrence]:
+    """The nodes, parameters or topics with these full names in the launch files of the workspace, and in their YAML."""
+    for view in workspace.views.values():
+        text = view.tree.source.text
+        if not any(name.name.rpartition("/")[2] in text for name in names) and (
+            kind != "param" or "<rosparam" not in text
+        ):
+            continue  # which may be included by what resolves it
+        for each in find_resolved(view, workspace.world, frozenset({kind}), follow=False):
+            if any(name.matches(each.name) for name in names):
+                yield each
+
+
+def order(found: Iterable[Occurrence]) -> list[Span]:
+    """The places of occurrences, definitions first, each once."""
+    ordered = sorted(found, key=lambda each: (not each.defines, each.span.file.path, each.span.start))
+    return list({(each.span.file.path, each.span.start): each.span for each in ordered}.values())
+
+
+def top_of(path: str) -> Span:
+    """The start of a file."""
+    return Span(SourceFile(path, ""), 0, 0)
