@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
+from os.path import normpath
 from pathlib import Path
 from urllib.parse import unquote, urlsplit
 
@@ -23,7 +24,7 @@ def path_of(uri: str) -> str | None:
 
 def uri_of(path: str) -> str:
     """The address of an absolute path."""
-    return Path(path).as_uri()
+    return Path(normpath(path)).as_uri()
 
 
 class Units:

@@ -19,7 +19,8 @@ from ur.lsp.definitions import (
 from ur.lsp.documents import document_of, summary_of
 from ur.lsp.names import NamedThing, arguments_before, expand_everywhere, find_files, find_thing
 from ur.lsp.programs.parameters import describe_parameter, know_parameters
-from ur.lsp.programs.yaml_keys import is_yaml, know_keys, programs_of_yaml
+from ur.lsp.programs.starts import programs_of_yaml
+from ur.lsp.programs.yaml_keys import is_yaml, know_keys
 from ur.lsp.workspace import Workspace
 from ur.source.file import Span
 from ur.tools.find.programs import read_program
@@ -70,7 +71,7 @@ def _describe_key(workspace: Workspace, path: str, offset: int) -> tuple[str, Sp
     if source is None or found is None:
         return None
     parents, span = found
-    programs = programs_of_yaml(workspace, path)
+    programs = programs_of_yaml(path, workspace)
     parameter = know_parameters(programs, workspace).get("/".join((*parents, span.text)))
     if parameter is not None:
         return describe_parameter(parameter, programs), span

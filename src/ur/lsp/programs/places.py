@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Iterator, Set
+from os.path import normpath
 
 from ur.check.survey import walk_elements
 from ur.complete.yaml_keys import find_key
 from ur.lsp.programs.parameters import know_parameters
-from ur.lsp.programs.starts import find_loaders, find_starters, program_of_file
-from ur.lsp.programs.yaml_keys import is_yaml, programs_of_yaml
+from ur.lsp.programs.starts import find_loaders, find_starters, program_of_file, programs_of_yaml
+from ur.lsp.programs.yaml_keys import is_yaml
 from ur.lsp.workspace import Workspace
 from ur.source.file import SourceFile, Span
 from ur.tools.find.occurrences import Kind, Occurrence, WantedName
@@ -59,7 +60,7 @@ def _read_places(source: SourceFile, offset: int, workspace: Workspace) -> Itera
     key = find_key(source, offset)
     if key is not None:
         name = "/".join((*key[0], key[1].text))
-        known = know_parameters(programs_of_yaml(workspace, source.path), workspace)
+        known = know_parameters(programs_of_yaml(source.path, workspace), workspace)
         yield from known[name].reads if name in known else ()
 
 
@@ -101,7 +102,7 @@ def find_named(kind: Kind, names: Set[WantedName], workspace: Workspace) -> Iter
 def order(found: Iterable[Occurrence]) -> list[Span]:
     """The places of occurrences, definitions first, each once."""
     ordered = sorted(found, key=lambda each: (not each.defines, each.span.file.path, each.span.start))
-    return list({(each.span.file.path, each.span.start): each.span for each in ordered}.values())
+    return list({(normpath(each.span.file.path), each.span.start): each.span for each in ordered}.values())
 
 
 def top_of(path: str) -> Span:

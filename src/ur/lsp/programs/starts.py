@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import suppress
+from os.path import normpath
 
 from ur.check.collect import collect_targets
 from ur.check.rule import LaunchView, survey_launch_file
@@ -11,7 +12,7 @@ from ur.check.survey import walk_elements
 from ur.launchfile.plan.specs import NodeSpec, ParamSpec, Plan
 from ur.launchfile.syntax import Element
 from ur.launchfile.world.protocol import PackageNotFound
-from ur.lsp.names import expand_everywhere
+from ur.lsp.names import expand_everywhere, find_files
 from ur.lsp.place import OpenTag
 from ur.lsp.workspace import Workspace
 from ur.source.diagnostic import UserError
@@ -23,11 +24,27 @@ _MOST_FILES = 60  # launch files of a package outside of the workspace
 def programs_of_tag(tag: OpenTag, view: LaunchView, workspace: Workspace) -> list[NodeProgram]:
     """The programs that a `<node>` may run, in any case."""
     text = view.tree.source.text
-    names = [
-        expand_everywhere(text[slice(*tag.values.get(attribute, (0, 0)))], view, tag.start, workspace)
-        for attribute in ("pkg", "type")
-    ]
-    return [NodeProgram(package, name) for package in names[0] for name in names[1] if package and name]
+    written = [text[slice(*tag.values.get(attribute, (0, 0)))] for attribute in ("pkg", "type")]
+    return _programs(written, tag.start, view, workspace)
+
+
+def _programs(written: Sequence[str], start: int, view: LaunchView, workspace: Workspace) -> list[NodeProgram]:
+    packages, names = (expand_everywhere(each, view, start, workspace) for each in written)
+    return [NodeProgram(package, name) for package in packages for name in names if package and name]
+
+
+def programs_of_yaml(path: str, workspace: Workspace) -> list[NodeProgram]:
+    """The programs of the nodes that load a YAML file, which may be broken, as their private parameters."""
+    found: dict[NodeProgram, None] = {}
+    for view in workspace.views.values():
+        for tag, node in walk_elements(view.tree.launch):
+            file = tag.attributes.get("file", "")
+            if tag.name != "rosparam" or node is None or node.name not in ("node", "test") or not may_name(file, path):
+                continue
+            if path in map(normpath, find_files(file, view, tag.start, workspace)):
+                written = [node.attributes.get(attribute, "") for attribute in ("pkg", "type")]
+                found.update(dict.fromkeys(_programs(written, node.start, view, workspace)))
+    return list(found)
 
 
 def find_starters(program: NodeProgram, workspace: Workspace) -> Iterator[tuple[LaunchView, Plan, NodeSpec]]:
@@ -59,7 +76,7 @@ def find_loaders(path: str, workspace: Workspace) -> Iterator[tuple[Plan, ParamS
         if any(may_name(element.attributes.get("file", ""), path) for element in _elements(view, "rosparam")):
             for _, plan, _ in workspace.cases(view):
                 for param in plan.params:
-                    if param.origin.span.file.path == path and not param.origin.includes:
+                    if normpath(param.origin.span.file.path) == path and not param.origin.includes:
                         yield plan, param
 
 

@@ -15,9 +15,8 @@ from pathlib import Path
 from ur.complete.yaml_keys import KnownKey, survey_keys
 from ur.launchfile.world.protocol import PackageNotFound
 from ur.lsp.programs.parameters import know_parameters
-from ur.lsp.programs.starts import find_loaders
+from ur.lsp.programs.starts import programs_of_yaml
 from ur.lsp.workspace import Workspace
-from ur.tools.find.programs import NodeProgram, node_of
 
 _LIBRARY = "ubiquity_launches"
 _MOST_FILES = 40
@@ -36,19 +35,13 @@ def know_keys(workspace: Workspace, path: str, text: str) -> dict[tuple[str, ...
     known: dict[tuple[str, ...], dict[str, KnownKey]] = {}
     for source in _samples(workspace, path, text):
         survey_keys(source, known)
-    programs = programs_of_yaml(workspace, path)
+    programs = programs_of_yaml(path, workspace)
     for parameter in know_parameters(programs, workspace).values():
         *parents, name = parameter.name.split("/")
         found = known.setdefault((*parents,), {}).setdefault(name, KnownKey())
         found.document = found.document or parameter.document
         found.values.update(dict.fromkeys(parameter.values))
     return known
-
-
-def programs_of_yaml(workspace: Workspace, path: str) -> list[NodeProgram]:
-    """The programs of the nodes that load a YAML file as their private parameters."""
-    nodes = (node_of(param.name, plan) for plan, param in find_loaders(path, workspace))
-    return list(dict.fromkeys(NodeProgram(node.package, node.type) for node in nodes if node is not None))
 
 
 def _samples(workspace: Workspace, path: str, text: str) -> Iterator[str]:

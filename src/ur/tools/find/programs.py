@@ -7,7 +7,6 @@ from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import dataclass
 
-from ur.launchfile.plan.specs import NodeSpec, Plan
 from ur.launchfile.world import World
 from ur.launchfile.world.protocol import PackageNotFound
 from ur.source.file import SourceFile, Span
@@ -74,10 +73,5 @@ def head_span(source: SourceFile) -> Span:
 
 def may_name(written: str, path: str) -> bool:
     """Return whether a value with `$(...)`, which may be anything, can be a path."""
-    pieces = _PIECE.split(written)
+    pieces = _PIECE.split(written.rpartition("../")[2])
     return any(pieces) and re.search(".*".join(map(re.escape, pieces)) + r"\Z", path) is not None
-
-
-def node_of(name: str, plan: Plan) -> NodeSpec | None:
-    """The node that a private parameter belongs to."""
-    return next((node for node in plan.all_nodes() if name.startswith(f"{node.full_name}/")), None)
