@@ -9,10 +9,19 @@ from ur.check.rule import LaunchView
 from ur.launchfile.world.protocol import PackageNotFound
 from ur.lsp.names import NamedThing, expand_everywhere, find_files, find_name_at, find_thing
 from ur.lsp.programs.parameters import KnownParameter, know_parameters
-from ur.lsp.programs.places import define_elsewhere, find_named, order, refer_elsewhere, starts_of, top_of
+from ur.lsp.programs.places import (
+    define_elsewhere,
+    find_named,
+    list_programs,
+    order,
+    refer_elsewhere,
+    starts_of,
+    starts_of_file,
+    top_of,
+)
 from ur.lsp.programs.starts import programs_of_tag
 from ur.lsp.workspace import Workspace
-from ur.source.file import SourceFile, Span
+from ur.source.file import Span
 from ur.tools.find.arguments import find_argument
 from ur.tools.find.occurrences import Kind, Occurrence, WantedName
 from ur.tools.find.programs import NodeProgram, program_files
@@ -57,6 +66,7 @@ def find_references(workspace: Workspace, path: str, offset: int) -> list[Span]:
     elif thing.kind == "file":
         wanted = set(find_files(thing.name, view, thing.span.start, workspace))
         found = [each for each in _file_uses(workspace) if each.name in wanted]
+        found += [Occurrence("file", file, False, span) for file in wanted for span in starts_of_file(file, workspace)]
     elif thing.kind == "package":
         found = list(_package_uses(thing.name, workspace))
     elif thing.kind == "program":
@@ -127,15 +137,6 @@ def _full_names(thing: NamedThing, view: LaunchView, workspace: Workspace) -> se
         if found:
             return found
     return {name.lstrip("~") for name in expand_everywhere(thing.name, view, thing.span.start, workspace)}
-
-
-def list_programs(workspace: Workspace) -> list[SourceFile]:
-    """The programs of the workspace's packages, which may start launch files with arguments."""
-    session = workspace.session
-    if session is None:
-        return []
-    paths = session.sources.targets.programs
-    return [text for path in paths if (text := session.sources.read_text(path)) is not None]
 
 
 def _file_uses(workspace: Workspace) -> Iterator[Occurrence]:

@@ -17,7 +17,9 @@ from ur.source.file import Span
 WordKind = Literal["macro", "parameter", "namespace", "function", "string", "keyword"]
 WORD_KINDS: tuple[WordKind, ...] = ("macro", "parameter", "namespace", "function", "string", "keyword")
 _PIECE = re.compile(r"\$\((\w+)\s*([^)]*)\)")
+_PLAIN_PATH = re.compile(r"\$\((?:find [\w.-]+|dirname)\)/[^$]*")  # its result would only repeat it
 _LONG = 40
+_EMPTY = "''"
 _NAMES: dict[tuple[str, str], WordKind] = {
     ("arg", "name"): "parameter",
     ("node", "name"): "function",
@@ -82,13 +84,13 @@ def list_hints(workspace: Workspace, view: LaunchView, start: int, end: int) -> 
     found = []
     for element, _ in walk_elements(view.tree.launch):
         for attribute, value in element.attributes.items():
-            if "$(" not in value or not start <= element.start < end:
+            if "$(" not in value or _PLAIN_PATH.fullmatch(value) or not start <= element.start < end:
                 continue
             span = element.value_span(attribute)
             results = {_result(value, case, view, element, workspace) for case in cases}
             if len(results) == 1 and (result := results.pop()) is not None and result != value:
                 shown = result if len(result) <= _LONG else f"...{result[3 - _LONG :]}"
-                found.append(Hint(Span(span.file, span.end + 1, span.end + 1), f" = {shown}"))
+                found.append(Hint(Span(span.file, span.end + 1, span.end + 1), f" = {shown or _EMPTY}"))
     return found
 
 
@@ -106,6 +108,7 @@ def list_lenses(workspace: Workspace, view: LaunchView) -> list[Lens]:
     state = "no findings" if not found else "1 finding" if found == 1 else f"{found} findings"
     title = f"Check for all {bases} bases: {state}" if bases else f"Check: {state}"
     lenses = [Lens(launch.span, title, "ur.check"), Lens(launch.span, "Show graph", "ur.graph")]
-    if view.path.endswith(".launch"):
+    session = workspace.session
+    if view.path.endswith(".launch") or (session is not None and not session.sources.inclusions.tags.get(view.path)):
         lenses.append(Lens(launch.span, "Launch", "ur.launch"))
     return lenses

@@ -10,9 +10,10 @@ from pygls.exceptions import JsonRpcInvalidParams
 
 from ur.check.rule import TextEdit
 from ur.lsp.convert import path_of, uri_of
-from ur.lsp.definitions import included_by, list_programs
+from ur.lsp.definitions import included_by
 from ur.lsp.marks import WORD_KINDS, list_hints, list_lenses, list_words
 from ur.lsp.names import NamedThing, find_name_at
+from ur.lsp.programs.places import list_programs
 from ur.lsp.symbols import IncludeStep, find_included, find_including
 from ur.source.diagnostic import UserError
 from ur.source.file import SourceFile, Span

@@ -9,7 +9,7 @@ from typing import Literal
 from ur.check.rule import LaunchView
 from ur.check.survey import walk_elements
 from ur.launchfile.syntax import Comment, Element
-from ur.lsp.programs.places import starts_of
+from ur.lsp.programs.places import starts_of, starts_of_file
 from ur.lsp.programs.starts import program_of_file
 from ur.lsp.workspace import Workspace
 from ur.source.file import Span
@@ -143,15 +143,16 @@ def find_included(workspace: Workspace, path: str) -> list[IncludeStep]:
 
 
 def find_including(workspace: Workspace, path: str) -> list[IncludeStep]:
-    """The files of the workspace that include a launch file, or start a program, in any case."""
+    """The files of the workspace that include or start a launch file, or start a program, in any case."""
     session = workspace.session
     if session is None:
         return []
-    if path not in workspace.views:
-        starts: dict[str, list[Span]] = {}
-        for span in (span for program in program_of_file(path, workspace) for span in starts_of(program, workspace)):
-            starts.setdefault(span.file.path, []).append(span)
-        return [IncludeStep(file, tuple(spans)) for file, spans in sorted(starts.items())]
+    starts = [span for program in program_of_file(path, workspace) for span in starts_of(program, workspace)]
+    starts += starts_of_file(path, workspace) if path in workspace.views else []
+    found: dict[str, list[Span]] = {}
+    for span in starts:
+        found.setdefault(span.file.path, []).append(span)
     files = {span.file.path for span in session.sources.inclusions.tags.get(path, ())}
     steps = ((file, step) for file in sorted(files) for step in find_included(workspace, file))
-    return [IncludeStep(file, step.tags) for file, step in steps if step.path == path]
+    including = [IncludeStep(file, step.tags) for file, step in steps if step.path == path]
+    return [*including, *(IncludeStep(file, tuple(spans)) for file, spans in sorted(found.items()))]

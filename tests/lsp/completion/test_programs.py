@@ -143,8 +143,12 @@ def test_definitions_and_uses_cross_files(
 
 
 def test_program_knows_the_launch_files_that_start_it(workspace: Workspace) -> None:
-    (step,) = find_including(workspace, f"{workspace.folders[0]}/scripts/follow_wall")
-    assert step.path == f"{workspace.folders[0]}/launch/first.launch"
+    folder = workspace.folders[0]
+    assert [each.path for each in find_including(workspace, f"{folder}/scripts/follow_wall")] == [
+        f"{folder}/launch/first.launch"
+    ]
+    (step,) = find_including(workspace, f"{folder}/launch/first.launch")
+    assert names_of(workspace, [*step.tags]) == ["bin/ur_follow:4:25"]
 
 
 @pytest.mark.usefixtures("workspace")

@@ -86,6 +86,22 @@ def starts_of(program: NodeProgram, workspace: Workspace) -> list[Span]:
     return list(found.values())
 
 
+def starts_of_file(path: str, workspace: Workspace) -> list[Span]:
+    """The places in programs of the workspace that name a launch file, outside of comments."""
+    name = re.compile(rf"(?<![\w.-]){re.escape(path.rpartition('/')[2])}(?![\w.-])")
+    found = (Span(source, *match.span()) for source in list_programs(workspace) for match in name.finditer(source.text))
+    return [span for span in found if not span.file.line(span.position.line).lstrip().startswith("#")]
+
+
+def list_programs(workspace: Workspace) -> list[SourceFile]:
+    """The programs of the workspace's packages, which may start launch files with arguments."""
+    session = workspace.session
+    if session is None:
+        return []
+    paths = session.sources.targets.programs
+    return [text for path in paths if (text := session.sources.read_text(path)) is not None]
+
+
 def find_named(kind: Kind, names: Set[WantedName], workspace: Workspace) -> Iterator[Occurrence]:
     """The nodes, parameters or topics with these full names in the launch files of the workspace, and in their YAML."""
     for view in workspace.views.values():
