@@ -37,6 +37,8 @@ report(0)
 local params = { textDocument = { uri = vim.uri_from_bufnr(0) }, position = { line = 2, character = 34 } }
 local answers = vim.lsp.buf_request_sync(0, "textDocument/definition", params, 60000)
 for _, answer in pairs(answers) do print("definition line " .. answer.result[1].range.start.line) end
+vim.cmd("silent write | silent edit " .. vim.fn.fnamemodify(FILE, ":h:h") .. "/params/speed.yaml")
+report(1)
 vim.cmd("qa!")
 """
 EMACS = """
@@ -72,6 +74,8 @@ def launch_file(tmp_path: Path) -> Path:
     (tmp_path / "demo/package.xml").write_text("<package><name>demo</name></package>")
     path = tmp_path / "demo/launch/wrong.launch"
     path.write_text(WRONG)
+    (tmp_path / "demo/params").mkdir()
+    (tmp_path / "demo/params/speed.yaml").write_text("speed: [1.0\n")
     command = tmp_path / "bin/ur"
     command.parent.mkdir()
     command.write_text(f'#!/bin/sh\nexec "{sys.executable}" -I -m ur "$@"\n')
@@ -99,7 +103,18 @@ def test_neovim_shows_findings_while_a_file_is_edited(launch_file: Path) -> None
     script = write(NEOVIM, launch_file, "session.lua", "neovim.lua")
     printed = run(["nvim", "--headless", "-u", "NONE", "-c", f"luafile {script}", "-c", "qa!"], launch_file)
     lines = [line for line in printed.splitlines() if line.startswith(("findings", "definition"))]
-    assert lines == ["findings [undeclared-argument:2]", "findings []", "definition line 1"], printed
+    expected = ["findings [undeclared-argument:2]", "findings []", "definition line 1", "findings [bad-yaml:1]"]
+    assert lines == expected, printed
+
+
+def test_set_up_of_helix_starts_the_server_for_each_kind_of_file() -> None:
+    described = pytest.importorskip("tomllib").loads((ROOT / "editors/helix.toml").read_text())
+    assert described["language-server"]["ur"] == {"command": "ur", "args": ["lsp"]}
+    assert {each["name"] for each in described["language"] if "ur" in each["language-servers"]} == {
+        "xml",
+        "yaml",
+        "bash",
+    }
 
 
 def build_extension() -> Path:
