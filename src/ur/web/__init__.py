@@ -1,1 +1,1 @@
-"""The page: a server on this computer that shows the robot in a browser and passes on what drives it."""
+"""The web page: a server on this computer that shows the robot in a browser and forwards driving commands."""

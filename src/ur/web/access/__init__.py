@@ -1,1 +1,1 @@
-"""Decisions about who may do what: roles, tokens, sessions, hosts and origins, rates. No I/O."""
+"""Access control: roles, tokens, sessions, hosts and origins, rate limits. No I/O."""

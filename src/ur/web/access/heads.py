@@ -1,6 +1,6 @@
-"""Heads of HTTP requests, read as far as is needed to distinguish logged-in clients from others. No I/O.
+"""Heads of HTTP requests, parsed as far as needed to distinguish logged-in clients from others. No I/O.
 
-The HTTP server reads them again. What is decided here is only how much of the server's time a connection gets.
+The HTTP server parses them again. This module only decides how much of the server's time a connection gets.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ _MOST_SECRETS = 4
 
 @dataclass(frozen=True, slots=True)
 class Head:
-    """A request line with its headers, and the bytes of body that they announce; None: an unknown number."""
+    """A request line with its headers, and the number of body bytes that they announce; None if unknown."""
 
     data: bytes
     body: int | None
@@ -33,7 +33,7 @@ class Head:
 
 
 def find_head(buffer: bytes | bytearray, before: int = 0) -> Head | None:
-    """The head at the beginning of a buffer of which `before` bytes held no end; None: it is not complete."""
+    """Parse the head at the beginning of a buffer whose first `before` bytes held no end; None if it is incomplete."""
     end = buffer.find(_END, max(0, before - len(_END) + 1))
     if end < 0:
         return None
@@ -45,7 +45,7 @@ def find_head(buffer: bytes | bytearray, before: int = 0) -> Head | None:
 
 
 def find_cookies(head: Head, name: str) -> list[str]:
-    """The values of the cookies of a name, the first few."""
+    """Return the values of the first few cookies with this name."""
     pattern = re.compile(
         rb"(?:^|;)[ \t]*" + re.escape(name.encode()) + rb'="?([\w-]{1,128})"?(?=[ \t]*(?:;|$))', re.ASCII
     )

@@ -1,7 +1,7 @@
 """Hosts and origins that requests may name: the defence against DNS rebinding and against pages of other sites.
 
-A browser that another site has led here sends that site's name as Host (DNS rebinding) or as Origin (a request across
-sites). Programs may send no Origin, so it is demanded where something changes or a web socket is opened.
+A browser that shows another site sends that site's name as Host (DNS rebinding) or as Origin (cross-site request).
+Programs may send no Origin, so it is required only for changes and for opening a web socket.
 """
 
 from __future__ import annotations
@@ -18,9 +18,9 @@ VIEWER_ORIGINS = frozenset({"https://app.foxglove.dev", "file://"})
 
 @dataclass(frozen=True, slots=True)
 class Origins:
-    """`names`: host names and addresses that this computer is called by, in lower case; `port`: that of the server.
+    """`names`: host names and addresses of this computer, in lower case; `port`: that of the server.
 
-    The names of the loopback interface are good with every port: `ssh -L` may have chosen another.
+    The names of the loopback interface are valid with every port: `ssh -L` may have chosen another.
     """
 
     names: frozenset[str]
@@ -28,14 +28,14 @@ class Origins:
 
 
 def make_origins(names: Iterable[str], port: int) -> Origins:
-    """The origins of a server that is reached by these names and addresses besides those of the loopback interface."""
+    """Return the origins of a server with these names and addresses, besides those of the loopback interface."""
     return Origins(LOOPBACK | {_bracket(each.lower().rstrip(".")) for each in names if each}, port)
 
 
 def allows_host(origins: Origins, host: str | None, address: str = "") -> bool:
     """Return whether a Host header names this server.
 
-    `address` is the one that the request was sent to: as a Host it is good, because no other site can take it.
+    `address` is the one that the request was sent to: it is valid as Host, because no other site can have it.
     """
     found = _HOST.fullmatch(host or "")
     if found is None:
@@ -46,14 +46,14 @@ def allows_host(origins: Origins, host: str | None, address: str = "") -> bool:
 
 
 def allows_origin(host: str | None, origin: str | None) -> bool:
-    """Return whether an Origin header is that of our own page, which was loaded from this Host, which is allowed."""
+    """Return whether an Origin header is that of the server's page, loaded from this permitted Host."""
     return host is not None and origin is not None and origin == f"http://{host}"
 
 
 def allows_viewer(host: str | None, origin: str | None, others: Collection[str] = ()) -> bool:
-    """Return whether an Origin header is that of a viewer: our own page, a known one, `others`, or of this computer.
+    """Return whether an Origin header is that of a viewer: this page, a known one, `others`, or of this computer.
 
-    Programs that are no browser send none. The secret of the link is demanded besides, of all of them.
+    Programs other than browsers send none. The secret of the link is also required of all of them.
     """
     if origin is None or allows_origin(host, origin) or origin in VIEWER_ORIGINS or origin in others:
         return True
@@ -62,7 +62,7 @@ def allows_viewer(host: str | None, origin: str | None, others: Collection[str] 
 
 
 def read_origin(text: str) -> str | None:
-    """An origin as browsers send it, from what a person wrote; None for what is none."""
+    """Parse an origin as a user writes it to the form that browsers send; None if it is invalid."""
     scheme, _, rest = text.strip().lower().rstrip("/").partition("://")
     return f"{scheme}://{rest}" if scheme in ("http", "https") and _HOST.fullmatch(rest) else None
 

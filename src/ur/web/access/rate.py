@@ -1,4 +1,4 @@
-"""Limits on how often something may be done: token buckets, without a clock."""
+"""Rate limits for events: token buckets, without a clock."""
 
 from __future__ import annotations
 
@@ -7,7 +7,10 @@ from dataclasses import dataclass, field, replace
 
 @dataclass(frozen=True, slots=True)
 class Bucket:
-    """Allows `rate` events a second on average, and `burst` at once. `level`: those that are left at the time `at`."""
+    """A token bucket: `rate` events per second on average, and `burst` at once.
+
+    `level` is the number of remaining tokens at the time `at`.
+    """
 
     rate: float
     burst: float
@@ -16,12 +19,12 @@ class Bucket:
 
 
 def make_bucket(rate: float, burst: float, now: float) -> Bucket:
-    """A full bucket."""
+    """Return a full bucket."""
     return Bucket(rate, burst, burst, now)
 
 
 def draw(bucket: Bucket, now: float) -> tuple[Bucket, bool]:
-    """Take one event out; whether it is allowed."""
+    """Take a token; return the new bucket, and whether the event is allowed."""
     level = min(bucket.burst, bucket.level + bucket.rate * max(0.0, now - bucket.at))
     allowed = level >= 1.0
     return replace(bucket, level=level - 1.0 if allowed else level, at=now), allowed
@@ -29,7 +32,7 @@ def draw(bucket: Bucket, now: float) -> tuple[Bucket, bool]:
 
 @dataclass(slots=True)
 class Buckets:
-    """A bucket for each client, such as an address or a session, at most `most` of the latest."""
+    """A bucket for each client, such as an address or a session; only the `most` latest clients are kept."""
 
     rate: float
     burst: float
@@ -37,7 +40,7 @@ class Buckets:
     _buckets: dict[str, Bucket] = field(default_factory=dict)
 
     def allows(self, client: str, now: float) -> bool:
-        """Take one event out of a client's bucket; whether it is allowed."""
+        """Take a token from a client's bucket; return whether the event is allowed."""
         bucket = self._buckets.pop(client, None) or make_bucket(self.rate, self.burst, now)
         self._buckets[client], allowed = draw(bucket, now)
         while len(self._buckets) > self.most:

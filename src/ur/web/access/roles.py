@@ -1,9 +1,9 @@
-"""Roles, tokens and sessions: who may look, who may drive.
+"""Roles, tokens and sessions: the right to view, and the right to drive.
 
-A *token* is what a link carries: it is good for one login within its lifetime. A login makes a *session*, whose secret
-is the page's cookie. Viewers that keep no cookie (Foxglove, Lichtblick) connect again and again with one address: it
-carries the secret of a *viewer link*, which ends with the server. Of all three only a hash is kept. All times are
-seconds since 1970.
+A *token* is part of a link and valid for one login within its lifetime. A login creates a *session*, whose secret is
+the page's cookie. Viewers without cookies (Foxglove, Lichtblick) connect repeatedly with one address, which contains
+the secret of a *viewer link*; the link ends with the server. Only hashes of all three are stored. All times are seconds
+since 1970.
 """
 
 from __future__ import annotations
@@ -30,12 +30,12 @@ SESSION_LIFE = 30 * DAY
 
 _MOST_SESSIONS = 100
 _MOST_TOKENS = 100
-_NOTED_EVERY = 60.0  # s: how exactly the last use is known
+_NOTED_EVERY = 60.0  # s: the precision of the last use
 _LONGEST_SECRET = 128
 
 
 class Role(str, Enum):
-    """LOOK: see everything, and stop the robot in an emergency. DRIVE: everything."""
+    """LOOK: view everything, and trigger the emergency stop. DRIVE: all rights."""
 
     LOOK = "look"
     DRIVE = "drive"
@@ -43,9 +43,9 @@ class Role(str, Enum):
 
 @dataclass(frozen=True, slots=True)
 class Grant:
-    """A right that a secret gives: its role, when it ends, and the name of a session for people.
+    """The rights of a secret: its role, its end, and the display name of a session.
 
-    `address` is that of the login, at the time `first`; `last` is the time of the last use; 0 where it is not known.
+    `address` is that of the login, at the time `first`; `last` is the time of the last use; 0 if unknown.
     """
 
     role: Role
@@ -58,7 +58,7 @@ class Grant:
 
 @dataclass(frozen=True, slots=True)
 class LoginDevice:
-    """A device that logs in: the name of its kind for people, its address, and the `life` of the login in s."""
+    """A device that logs in: the display name of its kind, its address, and the `life` of the login in s."""
 
     name: str
     address: str = ""
@@ -67,7 +67,7 @@ class LoginDevice:
 
 @dataclass(frozen=True, slots=True)
 class Ledger:
-    """The tokens, sessions and viewer links that are valid, by the hash of their secret, oldest first."""
+    """The valid tokens, sessions and viewer links, by the hash of their secret, oldest first."""
 
     tokens: dict[str, Grant] = field(default_factory=dict)
     sessions: dict[str, Grant] = field(default_factory=dict)
@@ -75,14 +75,14 @@ class Ledger:
 
 
 def add_token(ledger: Ledger, role: Role, now: float) -> tuple[Ledger, str]:
-    """A ledger with a new token, and the token."""
+    """Return a ledger with a new token, and the token."""
     secret = secrets.token_urlsafe(18)
     tokens = {**_valid(ledger.tokens, now), hash_secret(secret): Grant(role, now + TOKEN_LIFE)}
     return replace(ledger, tokens=dict(list(tokens.items())[-_MOST_TOKENS:])), secret
 
 
 def use_token(ledger: Ledger, token: object, device: LoginDevice, now: float) -> tuple[Ledger, str | None]:
-    """Use a token up: the ledger with a new session, and the session's secret; None for a token that is not valid."""
+    """Consume a token: return the ledger with a new session, and the session's secret; None for an invalid token."""
     key = _key(token)
     grant = ledger.tokens.get(key) if key else None
     if grant is None or now > grant.until:
@@ -92,7 +92,7 @@ def use_token(ledger: Ledger, token: object, device: LoginDevice, now: float) ->
 
 
 def open_session(ledger: Ledger, role: Role, device: LoginDevice, now: float) -> tuple[Ledger, str]:
-    """The ledger with a new session, whose name no other one has, and the session's secret."""
+    """Return the ledger with a new session under a unique name, and the session's secret."""
     secret = secrets.token_urlsafe(32)
     sessions = _valid(ledger.sessions, now)
     name = choose_name(device.name, (each.name for each in sessions.values()))
@@ -102,27 +102,27 @@ def open_session(ledger: Ledger, role: Role, device: LoginDevice, now: float) ->
 
 
 def add_viewer(ledger: Ledger, role: Role) -> tuple[Ledger, str]:
-    """A ledger with a new viewer link, and its secret. The link does not end by itself."""
+    """Return a ledger with a new viewer link, which has no expiry, and its secret."""
     secret = secrets.token_urlsafe(18)
     return replace(ledger, viewers={**ledger.viewers, hash_secret(secret): Grant(role, math.inf, "Foxglove")}), secret
 
 
 def find_viewer(ledger: Ledger, secret: object) -> tuple[str, Grant] | None:
-    """The id of a viewer link, which is no secret, and what it grants; None for a secret that is not valid."""
+    """Return the id of a viewer link, which is not secret, and its rights; None for an invalid secret."""
     key = _key(secret)
     grant = ledger.viewers.get(key) if key else None
     return (session_id(key), grant) if grant is not None else None
 
 
 def find_session(ledger: Ledger, secret: object, now: float) -> tuple[str, Grant] | None:
-    """The id of a session, which is no secret, and what it grants; None for a secret that is not valid."""
+    """Return the id of a session, which is not secret, and its rights; None for an invalid secret."""
     key = _key(secret)
     grant = ledger.sessions.get(key) if key else None
     return (session_id(key), grant) if grant is not None and now <= grant.until else None
 
 
 def note_use(ledger: Ledger, secret: str, now: float) -> Ledger:
-    """A session was used, which does not prolong it. The same ledger if that was noted lately."""
+    """Record the use of a session, which does not prolong it; return the same ledger if a use was recorded recently."""
     key = _key(secret)
     grant = ledger.sessions.get(key)
     if grant is None or abs(now - grant.last) < _NOTED_EVERY:
@@ -131,7 +131,7 @@ def note_use(ledger: Ledger, secret: str, now: float) -> Ledger:
 
 
 def list_sessions(ledger: Ledger, now: float) -> dict[str, Grant]:
-    """The sessions that are valid, by their ids, oldest first."""
+    """Return the valid sessions by their ids, oldest first."""
     return {session_id(key): grant for key, grant in _valid(ledger.sessions, now).items()}
 
 
@@ -142,7 +142,7 @@ def end_sessions(ledger: Ledger, ids: Collection[str]) -> Ledger:
 
 
 def name_session(ledger: Ledger, number: str, name: str) -> Ledger:
-    """Give the session with an id another name, to which a number is added where another session has it."""
+    """Rename the session with an id; a number is appended to a name that another session has."""
     others = [grant.name for key, grant in ledger.sessions.items() if session_id(key) != number]
     chosen = choose_name(name, others)
     return replace(
@@ -155,7 +155,7 @@ def name_session(ledger: Ledger, number: str, name: str) -> Ledger:
 
 
 def choose_name(name: str, others: Iterable[str]) -> str:
-    """A name as it may be shown that is none of `others`: `Linux`, `Linux 2`, `Linux 3`."""
+    """Return a printable name that is none of `others`: `Linux`, `Linux 2`, `Linux 3`."""
     taken = {each.casefold() for each in others}
     plain = clean_name(name) or "a browser"
     names = itertools.chain([plain], (f"{plain[:35]} {number}" for number in itertools.count(2)))
@@ -163,29 +163,29 @@ def choose_name(name: str, others: Iterable[str]) -> str:
 
 
 def session_id(key: str) -> str:
-    """The id of a session from the hash of its secret."""
+    """Return the id of a session from the hash of its secret."""
     return hashlib.sha256(b"id " + key.encode()).hexdigest()[:16]
 
 
 def hash_secret(secret: str) -> str:
-    """The hash that is kept of a secret. Secrets are random, so that the hash needs no salt."""
+    """Return the hash under which a secret is stored. Secrets are random, so the hash needs no salt."""
     return hashlib.sha256(secret.encode()).hexdigest()
 
 
 def clean_name(text: object) -> str:
-    """A name as it may be shown: printable, on one line, at most 40 characters."""
+    """Return a name in displayable form: printable, on one line, at most 40 characters."""
     if not isinstance(text, str):
         return ""
     return "".join(each for each in text[:200] if each.isprintable()).strip()[:40]
 
 
 def write_sessions(ledger: Ledger) -> str:
-    """The sessions as JSON; tokens end with the server."""
+    """Return the sessions as JSON; tokens are not stored."""
     return json.dumps({key: asdict(grant) for key, grant in ledger.sessions.items()}, indent=1) + "\n"
 
 
 def read_sessions(text: str) -> Ledger:
-    """The ledger of such a text; without what is malformed."""
+    """Parse the ledger from such a text, without malformed entries."""
     try:
         found = read_json(text, dict[str, object])
     except BadJsonError:

@@ -1,4 +1,4 @@
-"""Commands of `ur` in processes of their own: they take seconds, and must not delay what drives the robot."""
+"""Commands of `ur` in separate processes: they take seconds, and must not delay driving."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from dataclasses import dataclass
 MOST_OUTPUT = 1 << 21
 """Bytes of output that are kept of a command."""
 
-_AT_ONCE = 2  # commands that run side by side
+_AT_ONCE = 2  # commands that run at once
 _PATIENCE = 5.0  # s between SIGINT and SIGKILL
 _REST = 1.0  # s for output after the end: a process that has detached itself may hold the pipe
 
 
 @dataclass(frozen=True, slots=True)
 class EndedCommand:
-    """A command that has ended: its exit code, and what it printed. `late`: it was ended for taking too long."""
+    """A command that has ended: its exit code, and its output. `late`: it was ended after its time limit."""
 
     code: int
     out: str
@@ -29,7 +29,7 @@ class EndedCommand:
 
 
 class CommandQueue:
-    """Runs commands, two side by side at most. They get no input and no terminal."""
+    """Runs commands, at most two at once. They get no input and no terminal."""
 
     def __init__(self, environment: Mapping[str, str]) -> None:
         kept = {name: value for name, value in environment.items() if name not in ("DISPLAY", "WAYLAND_DISPLAY")}
@@ -37,7 +37,7 @@ class CommandQueue:
         self._turns = asyncio.Semaphore(_AT_ONCE)
 
     async def run(self, *arguments: str, limit: float) -> EndedCommand:
-        """Run `ur` with these arguments for at most `limit` s. When cancelled, the command is interrupted."""
+        """Run `ur` with these arguments for at most `limit` s. On cancellation, the command is interrupted."""
         async with self._turns:
             process = await asyncio.create_subprocess_exec(
                 *(sys.executable, "-I", "-m", "ur", *arguments),
@@ -77,7 +77,7 @@ async def _read(stream: asyncio.StreamReader, into: bytearray) -> None:
 
 
 async def _end(process: asyncio.subprocess.Process) -> None:
-    """Interrupt a command and all that it has started in its session; kill what does not end."""
+    """Interrupt a command and all processes of its session; kill them if it does not end."""
     for number in (signal.SIGINT, signal.SIGKILL):
         with suppress(ProcessLookupError):
             os.killpg(process.pid, number)

@@ -1,4 +1,4 @@
-"""The last lines that the nodes of a run have printed, numbered, so that each page continues where it was."""
+"""The last output lines of a run's nodes, numbered, so that each page continues after the last line it has."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _LONGEST = 1000  # characters of a line
 
 @dataclass(frozen=True, slots=True)
 class RunLogLine:
-    """A line: the node that has printed it, or "" for the run itself, and its severity, "" where it has none."""
+    """A line: the node that printed it, or "" for the run itself, and its severity, or "" if unknown."""
 
     node: str
     severity: str
@@ -33,7 +33,7 @@ class LogLines:
         self._next = 0
 
     def add(self, node: str, severity: str, text: str) -> None:
-        """Take a line; what is not text in it is removed or shown as an escape."""
+        """Add a line; characters that are not printable are removed or shown as escapes."""
         clean = printable(strip_styles(text).replace("\t", "    "))
         self._lines.append(RunLogLine(node, severity, clean[:_LONGEST]))
         self._next += 1
@@ -44,7 +44,7 @@ class LogLines:
         return self._next
 
     def since(self, number: int, most: int) -> tuple[int, list[RunLogLine]]:
-        """At most `most` lines from a number on, and the number of the first of them: later where lines are lost."""
+        """Return at most `most` lines from a number on, and the number of the first: higher if lines were lost."""
         first = min(max(number, self._next - len(self._lines)), self._next)
         skipped = first - (self._next - len(self._lines))
         return first, [self._lines[skipped + index] for index in range(min(most, self._next - first))]
@@ -53,13 +53,13 @@ class LogLines:
 def read_lines(path: str, offset: int = 0) -> tuple[list[str], int]:
     """Return the whole lines of a log file from an offset on, and the offset at which they end.
 
-    At most the last 16 KiB, from a whole line on; none where the file cannot be read.
+    At most the last 16 KiB are read, from a whole line on; the list is empty if the file cannot be read.
     """
     try:
         descriptor = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)
         try:
             size = os.fstat(descriptor).st_size
-            begin = offset if 0 < offset <= size else 0  # a file that has become shorter begins anew
+            begin = offset if 0 < offset <= size else 0  # a file that has become shorter is read from its beginning
             cut = size - begin > _TAIL
             begin = size - _TAIL if cut else begin
             data = os.pread(descriptor, _TAIL, begin)

@@ -1,4 +1,4 @@
-"""Programs for the page: their list, the start of one, and what their launch files do, by commands of `ur`."""
+"""Programs for the page: their list, their start, and the content of their launch files, by commands of `ur`."""
 
 from __future__ import annotations
 
@@ -12,19 +12,19 @@ from ur.source.printable import printable_lines
 from ur.web.runs.commands import CommandQueue, EndedCommand
 from ur.web.wire.run_requests import StartProgram
 
-_FRESH = 20.0  # s for which a list is taken for current
-_READING = 60.0  # s that a command gets that reads files only
+_FRESH = 20.0  # s for which a list is considered current
+_READING = 60.0  # time limit (s) of a command that only reads files
 _STARTING = 120.0
 _DIAGNOSING = 120.0
 
 
-_LONGEST = 32 << 20  # characters of what a command prints
+_LONGEST = 32 << 20  # characters of a command's output
 Kind = TypeVar("Kind")
 
 
 @dataclass(frozen=True, slots=True)
 class ListedValue:
-    """A value that an argument can have."""
+    """A permitted value of an argument."""
 
     text: str
     help: str
@@ -32,7 +32,7 @@ class ListedValue:
 
 @dataclass(frozen=True, slots=True)
 class ListedArgument:
-    """An argument; one without default has to be given."""
+    """An argument; one without default is required."""
 
     name: str
     doc: str
@@ -54,11 +54,11 @@ class ListedProgram:
 
 
 class ProgramsError(Exception):
-    """A command failed; the text is the reason, for people."""
+    """A command failed; the text is the reason, for users."""
 
 
 class Programs:
-    """Answers questions about programs. Each raises ProgramsError."""
+    """Answers questions about programs. Each method raises ProgramsError."""
 
     def __init__(self, commands: CommandQueue) -> None:
         self._commands = commands
@@ -74,7 +74,7 @@ class Programs:
         ]
 
     async def start(self, request: StartProgram) -> str:
-        """Start a program that runs on without this server; returns the id of its run."""
+        """Start a program that continues without this server; return the id of its run."""
         program = await self._find(request.program)
         arguments = _check_arguments(program, request.arguments)
         done = await self._commands.run("run", program.name, "--detach", "--no-terminal", *arguments, limit=_STARTING)
@@ -84,7 +84,7 @@ class Programs:
         return run
 
     async def draw(self, program: str, arguments: Mapping[str, str]) -> str:
-        """Draw what the launch file of a program includes and starts, as SVG."""
+        """Draw the includes and nodes of a program's launch file, as SVG."""
         found = await self._find(program)
         done = await self._commands.run(
             "graph", *_address(found), *_check_arguments(found, arguments), "--as", "svg", limit=_READING
@@ -112,7 +112,7 @@ class Programs:
         return printable_lines(done.out)
 
     async def diagnose(self) -> dict[str, object]:
-        """The findings of the doctor about this computer and the selected robot; nothing is changed."""
+        """Return the doctor's findings about this computer and the selected robot; nothing is changed."""
         if self._finding is not None and time.monotonic() - self._finding[0] < _FRESH:
             return self._finding[1]
         done = await self._commands.run("doctor", "--json", limit=_DIAGNOSING)
@@ -141,7 +141,7 @@ def _address(program: ListedProgram) -> Sequence[str]:
 
 
 def _check_arguments(program: ListedProgram, given: Mapping[str, str]) -> list[str]:
-    """Arguments as words `NAME:=VALUE`. Raises ProgramsError: one that the program does not have, or one is missing."""
+    """Return arguments in the form `NAME:=VALUE`. Raises ProgramsError for an unknown argument, or a missing one."""
     known = {each.name: each for each in program.arguments}
     unknown = [name for name in given if name not in known]
     if unknown:
@@ -153,7 +153,7 @@ def _check_arguments(program: ListedProgram, given: Mapping[str, str]) -> list[s
 
 
 def parse_output(done: EndedCommand, kind: type[Kind], otherwise: str) -> Kind:
-    """Parse the JSON that a command printed. Raises ProgramsError."""
+    """Parse the JSON output of a command. Raises ProgramsError."""
     try:
         return read_json(done.out, kind, _LONGEST)
     except BadJsonError:
@@ -161,7 +161,7 @@ def parse_output(done: EndedCommand, kind: type[Kind], otherwise: str) -> Kind:
 
 
 def explain_failure(done: EndedCommand, otherwise: str) -> str:
-    """The reason for people: the first error that a command printed with its help, or `otherwise`."""
+    """Return the reason of a failure for users: the first error of a command with its help, or `otherwise`."""
     if done.late:
         return f"{otherwise}: it took too long"
     lines = printable_lines(done.err).splitlines()

@@ -25,7 +25,7 @@ _LAST_LINES = 12
 
 @dataclass(frozen=True, slots=True)
 class ShownNode:
-    """A node: its last change, its readiness, and its use of processor (cores) and memory (bytes); None: unknown."""
+    """A node: its last change, its readiness, and its use of processor (cores) and memory (bytes); None if unknown."""
 
     changed: NodeChanged
     ready: bool = False
@@ -36,9 +36,10 @@ class ShownNode:
 
 @dataclass(frozen=True, slots=True)
 class RunView:
-    """A run that is active. `stopping` is the reason why it ends, None while it goes on; `lost` seconds without robot.
+    """An active run.
 
-    `known`: all its nodes have been described.
+    `stopping` is the reason why it ends, None while it continues; `lost` is the time (s) without the robot. `known`:
+    all its nodes have been described.
     """
 
     entry: RunEntry
@@ -49,12 +50,12 @@ class RunView:
 
 
 def begin_view(entry: RunEntry) -> RunView:
-    """A run of which nothing is known yet."""
+    """Return the view of a run without any information yet."""
     return RunView(entry, {})
 
 
 def take_event(view: RunView, event: RunEvent) -> RunView:
-    """The run after an event; the same value for one that changes nothing here."""
+    """Return the view after an event; the same value if the event changes nothing in it."""
     match event:
         case NodeChanged():
             before = view.nodes.get(event.name, ShownNode(event))
@@ -85,7 +86,7 @@ def take_event(view: RunView, event: RunEvent) -> RunView:
 
 
 def describe_runs(views: Sequence[RunView], ended: Sequence[EndedRun]) -> dict[str, object]:
-    """The runs that a page shows: active ones, oldest first, and those that have ended, latest first."""
+    """Return the runs for display: active ones, oldest first, then ended ones, latest first."""
     return {
         "t": "runs",
         "runs": [_describe_run(view) for view in views],
@@ -109,7 +110,7 @@ def _describe_run(view: RunView) -> dict[str, object]:
 
 
 def _describe_node(node: ShownNode) -> dict[str, object]:
-    hidden = ("log", "program", "folder")  # paths of this computer: of no use in a browser
+    hidden = ("log", "program", "folder")  # paths of this computer, which a browser cannot use
     fields = {name: value for name, value in asdict(node.changed).items() if name not in hidden}
     restart_in = None if node.changed.restart_in is None else round(node.changed.restart_in)
     measured = {"ready": node.ready, "missing": list(node.missing), "cpu": node.cpu, "memory": node.memory}

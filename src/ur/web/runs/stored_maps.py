@@ -11,14 +11,14 @@ from ur.source.diagnostic import UserError
 from ur.web.runs.commands import CommandQueue
 from ur.web.runs.programs import ProgramsError, explain_failure, parse_output
 
-_READING = 60.0  # s that a command gets
+_READING = 60.0  # time limit (s) of a command
 _CHANGING = 20.0
 _MOST_MAPS = 200
 _SHOWN = ("name", "changed", "width", "height", "places", "latest", "problem", "picture")
 
 
 class StoredMaps:
-    """Answers questions about stored maps, and changes them. Each method raises ProgramsError."""
+    """Lists and changes stored maps. Each method raises ProgramsError."""
 
     def __init__(self, commands: CommandQueue) -> None:
         self._commands = commands
@@ -27,10 +27,10 @@ class StoredMaps:
         self._listed: list[dict[str, object]] = []
 
     async def list_all(self) -> list[dict[str, object]]:
-        """List the maps with a small picture of each, as `ur maps --json --pictures` does, without paths."""
+        """List the maps with a small picture each, as `ur maps --json --pictures` does, without paths."""
         asked = time.monotonic()
         async with self._reading:
-            if self._read_at < asked:  # those that have waited share the answer to the first of them
+            if self._read_at < asked:  # waiting callers share the answer of the first one
                 began = time.monotonic()
                 done = await self._commands.run("maps", "--json", "--pictures", limit=_READING)
                 found = parse_output(done, list[dict[str, object]], "the maps cannot be listed")
@@ -39,12 +39,12 @@ class StoredMaps:
             return self._listed
 
     async def rename(self, before: object, after: object) -> None:
-        """Give a map another name; its places keep it company."""
+        """Rename a map; its places stay with it."""
         words = read_name(before), read_name(after)
         await self._change(f"map {words[0]!r} was not renamed", "rename", *words)
 
     async def delete(self, name: object) -> None:
-        """Delete a map for good."""
+        """Delete a map permanently."""
         word = read_name(name)
         await self._change(f"map {word!r} was not deleted", "delete", word, "--yes")
 
@@ -55,7 +55,7 @@ class StoredMaps:
 
 
 def read_name(value: object) -> str:
-    """The name of a map that a request holds: never a path or an option. Raises ProgramsError."""
+    """Return the name of a map in a request, which cannot be a path or an option. Raises ProgramsError."""
     if not isinstance(value, str):
         raise ProgramsError("name: expected the name of a map")
     try:

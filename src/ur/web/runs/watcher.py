@@ -1,4 +1,4 @@
-"""The runs of this computer, watched over their sockets while a page shows them."""
+"""Monitor of this computer's runs over their sockets, while a page displays them."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ from ur.web.wire.run_requests import ChangeNode
 
 Show = Callable[[str, str, str], None]
 
-_PERIOD = 1.0  # s between two looks for runs
+_PERIOD = 1.0  # s between two searches for runs
 _COMMANDS: Mapping[str, Callable[[str], RunCommand]] = {"start": StartNode, "stop": StopNode, "restart": RestartNode}
 
 
@@ -45,12 +45,12 @@ class _Watched:
         self.read_back = ReadBack(self.lines.add)
 
     def logs(self) -> dict[str, str]:
-        """The log files of the nodes, by node."""
+        """The log files by node."""
         return {name: node.changed.log for name, node in self.view.nodes.items() if node.changed.log}
 
 
 class RunWatcher:
-    """Follows every run while `hold` is in effect. `changed` is called when there is something new."""
+    """Follows every run while a page holds it. `changed` is called after every change."""
 
     def __init__(self, environment: Mapping[str, str], changed: Callable[[], None]) -> None:
         self._environment, self._changed = environment, changed
@@ -60,19 +60,19 @@ class RunWatcher:
         self._ended: tuple[EndedRun, ...] = ()
 
     def hold(self) -> None:
-        """Another page shows runs."""
+        """Register a page that displays runs."""
         self._holders += 1
         if self._task is None:
             self._task = asyncio.create_task(self._run())
 
     def let_go(self) -> None:
-        """A page shows them no more; without any, all connections are closed."""
+        """Unregister a page; without any page, all connections are closed."""
         self._holders -= 1
         if self._holders == 0:
             self.close()
 
     def close(self) -> None:
-        """Close all connections; the runs go on."""
+        """Close all connections; the runs continue."""
         if self._task is not None:
             self._task.cancel()
             self._task = None
@@ -80,17 +80,17 @@ class RunWatcher:
             self._drop(run)
 
     def describe(self) -> dict[str, object]:
-        """The state of all runs for a page."""
+        """Return the state of all runs for a page."""
         return describe_runs(
             sorted((each.view for each in self._watched.values()), key=lambda view: view.entry.started), self._ended
         )
 
     def lines(self) -> Mapping[str, LogLines]:
-        """The last lines of each run."""
+        """Return the last lines of each run."""
         return {run: each.lines for run, each in self._watched.items()}
 
     def end_run(self, run: str, who: str) -> str:
-        """Have a run ended; returns why that is not possible, or ""."""
+        """Request the end of a run; return the reason why that is impossible, or ""."""
         watched = self._watched.get(run)
         if watched is None:
             return f"run {run} has ended"
@@ -98,7 +98,7 @@ class RunWatcher:
         return ""
 
     def change_node(self, request: ChangeNode) -> str:
-        """Have a node started, stopped or restarted; returns why that is not possible, or ""."""
+        """Request the start, stop or restart of a node; return the reason why that is impossible, or ""."""
         watched = self._watched.get(request.run)
         if watched is None:
             return f"run {request.run} has ended"
@@ -153,7 +153,7 @@ class RunWatcher:
                 if isinstance(event, Synchronised):
                     watched.read_back.begin(watched.logs())
                     watched.client.send(Watch(output=True, stats=True, readiness=True))
-                elif isinstance(event, StatsSampled):  # sent to whom `Watch` has reached
+                elif isinstance(event, StatsSampled):  # the run sends lines to clients whose `Watch` has arrived
                     watched.read_back.confirm(watched.logs())
         self._changed()
 
@@ -166,7 +166,7 @@ class RunWatcher:
 
 
 class ReadBack:
-    """Calls `show` with the node, severity and text of each line of one run."""
+    """Combines the log files and new lines of one run: calls `show` once per line."""
 
     def __init__(self, show: Show) -> None:
         self._show = show
@@ -175,19 +175,19 @@ class ReadBack:
         self._twice: dict[str, deque[str]] = {}
 
     def begin(self, logs: Mapping[str, str]) -> None:
-        """Show what the log files hold, by node. The run is asked for new lines next."""
+        """Show the content of the log files, by node. The run's new lines are requested next."""
         for node, path in logs.items():
             self._read(node, path)
 
     def take(self, node: str, severity: str, text: str) -> None:
-        """Take a line that the run has sent."""
+        """Process a line that the run has sent."""
         if self._held is not None:
             self._held.append((node, severity, text))
         elif not self._is_shown(node, text):
             self._show(node, severity, text)
 
     def confirm(self, logs: Mapping[str, str]) -> None:
-        """The run sends lines by now: show what was printed before. Nothing after the first call."""
+        """Show the lines printed before the run began to send new ones. Later calls have no effect."""
         if self._held is None:
             return
         for node, path in logs.items():
@@ -203,7 +203,7 @@ class ReadBack:
         return lines
 
     def _is_shown(self, node: str, text: str) -> bool:
-        """Return whether a line that arrives was read in the file; those before it were not sent."""
+        """Return whether a received line was already read from the file; those before it were not sent."""
         waiting = self._twice.get(node)
         if not waiting:
             return False

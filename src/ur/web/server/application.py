@@ -1,4 +1,4 @@
-"""Routes of the page: files, login, the two web sockets, and the few requests beside them."""
+"""Routes of the page: files, login, the two web sockets, and a few other requests."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ from ur.web.wire.view_request import read_view, read_view_message
 _LONGEST_BODY = 2048
 _HEARTBEAT = 5.0  # s between pings of a web socket
 _STATUS_EVERY = 0.5  # s
-_CLOSE_LIMIT = 0.5  # s for pages to take leave
+_CLOSE_LIMIT = 0.5  # s for pages to disconnect
 _CANCEL_AGAIN = 1.0  # s
 _MOST_BAD = 20  # malformed messages of one page
 _RATE, _BURST = 150.0, 150.0  # messages of one page, a second
@@ -49,7 +49,7 @@ _TAB = re.compile(r"[0-9a-z]{8,32}", re.ASCII)
 
 
 class Application:
-    """Joins gate, files, pages and the robot's end."""
+    """Joins the login gate, the static files, the pages and the robot's process."""
 
     def __init__(
         self,
@@ -65,9 +65,10 @@ class Application:
         recordings: RecordingPages | None = None,
         commands: CommandQueue | None = None,
     ) -> None:
-        """`robot` is the name of the robot that is shown; `log` takes a line about who does what.
+        """Create the application.
 
-        `robots` are those that pages may change to; only that one unless given.
+        `robot` is the name of the displayed robot; `log` is called with a line about each action of a client. `robots`
+        are those that pages may change to; by default only that one.
         """
         self._gate, self._files, self._robot, self._log = gate, files, robot, log
         self._viewers = Viewers()
@@ -86,7 +87,7 @@ class Application:
         return self.robot_end.state == "up"
 
     def build(self) -> web.Application:
-        """The aiohttp application."""
+        """Return the aiohttp application."""
         app = web.Application(middlewares=[self._gate.middleware()], client_max_size=_LONGEST_BODY)
         app.add_routes(
             [
@@ -117,7 +118,7 @@ class Application:
         tasks = [asyncio.create_task(self.robot_end.run()), asyncio.create_task(self._announce_often())]
         yield
         pending = set(tasks)
-        while pending:  # before Python 3.12 wait_for loses a cancellation at the moment when what it waits for fails
+        while pending:  # before Python 3.12 wait_for loses a cancellation at the moment when its awaitable fails
             for task in pending:
                 task.cancel()
             _, pending = await asyncio.wait(pending, timeout=_CANCEL_AGAIN)
@@ -125,7 +126,7 @@ class Application:
         self._gate.sessions.save()
 
     async def _close(self, _app: web.Application) -> None:
-        """End all web sockets, so that the end of the server waits for none."""
+        """Close all web sockets, so that the server ends without waiting for them."""
         sockets = [
             *self._viewers.sockets(),
             *self._drivers.sockets(),
@@ -154,7 +155,7 @@ class Application:
         self._viewers.announce(status)
 
     def show(self, frame: bytes) -> None:
-        """Pass a frame on to all pages. Raises ValueError: it is none."""
+        """Forward a frame to all pages. Raises ValueError for an invalid frame."""
         if key_of(frame)[0] == Kind.CAMERA:
             self._cameras.put(frame)
         else:
@@ -233,7 +234,7 @@ class Application:
         return socket
 
     async def _change_view(self, viewer: ViewingPage) -> None:
-        """Show a page what it asks for until it disconnects, asks too often, or sends anything else."""
+        """Change the displayed layers on request, until the page disconnects, exceeds the rate or sends other data."""
         bucket = make_bucket(_VIEW_RATE, _VIEW_BURST, time.monotonic())
         async for message in viewer.socket:
             bucket, allowed = draw(bucket, time.monotonic())
@@ -274,7 +275,7 @@ class Application:
         return socket
 
     async def _receive(self, socket: web.WebSocketResponse, client: str, who: str) -> None:
-        """Pass requests on until the page disconnects, or sends too many or too many that are malformed."""
+        """Forward requests until the page disconnects, exceeds the rate, or sends too many malformed ones."""
         bad, bucket, hold = 0, make_bucket(_RATE, _BURST, time.monotonic()), 0
         async for message in socket:
             bucket, allowed = draw(bucket, time.monotonic())

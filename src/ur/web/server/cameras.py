@@ -1,4 +1,4 @@
-"""Pages that show the camera: a web socket each, so that pictures never delay map or motion."""
+"""Pages that show the camera: a separate web socket each, so that pictures never delay map or motion."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ class _Page:
 
 
 class Cameras:
-    """All pages that show the camera. Each gets the newest picture when it has shown the ones before."""
+    """All pages that show the camera. Each gets the newest picture once it has displayed the previous ones."""
 
     def __init__(self) -> None:
         self._pages: set[_Page] = set()
@@ -49,7 +49,7 @@ class Cameras:
         return bool(self._pages)
 
     def put(self, frame: bytes) -> None:
-        """Have a picture sent, in place of an older one."""
+        """Send a picture, in place of an older unsent one."""
         for page in self._pages:
             page.newest = frame
             page.due.set()
@@ -59,10 +59,10 @@ class Cameras:
         return [each.socket for each in self._pages]
 
     async def serve(self, socket: web.WebSocketResponse, on_change: Callable[[], None], *, may_choose: bool) -> None:
-        """Send pictures until the page disconnects, or sends more or other texts than a page does.
+        """Send pictures until the page disconnects, exceeds the rate or sends an invalid text.
 
-        A text confirms a picture, or is the topic of a camera that all pages show from now on, where the page
-        `may_choose`. `on_change` is called when the page has connected, has chosen, and has disconnected.
+        A text confirms a picture, or, if the page `may_choose`, selects the camera topic for all pages. `on_change` is
+        called when the page has connected, has chosen, and has disconnected.
         """
         page = _Page(socket)
         self._pages.add(page)

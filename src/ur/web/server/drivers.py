@@ -1,4 +1,4 @@
-"""Pages that may drive: a web socket each, for small messages only, so that motion never waits behind a map."""
+"""Pages that may drive: a separate web socket each, for small messages, so that commands never wait behind a map."""
 
 from __future__ import annotations
 
@@ -38,14 +38,14 @@ class DriverPage(Protocol):
     socket: web.WebSocketResponse
 
     def challenge(self, text: str) -> None:
-        """Take a challenge, in place of an older one."""
+        """Queue a challenge, in place of an older one."""
 
     def answer(self, value: Mapping[str, object]) -> None:
-        """Take an answer of the robot's end."""
+        """Process an answer of the robot's process."""
 
 
 class DrivingPage:
-    """One page. Of the challenges that it has not taken yet, only the newest is sent."""
+    """One page. Only the newest unsent challenge is sent to it."""
 
     def __init__(self, client: str, socket: web.WebSocketResponse) -> None:
         self.client, self.socket = client, socket
@@ -54,12 +54,12 @@ class DrivingPage:
         self._due = asyncio.Event()
 
     def challenge(self, text: str) -> None:
-        """Have a challenge sent, in place of an older one."""
+        """Queue a challenge, in place of an older one."""
         self._challenge = text
         self._due.set()
 
     def answer(self, value: Mapping[str, object]) -> None:
-        """Have an answer sent; of more than a hundred that wait, the oldest are dropped."""
+        """Queue an answer; if more than a hundred wait, the oldest are dropped."""
         self._answers = [*self._answers[-99:], json.dumps(value)]
         self._due.set()
 
@@ -78,7 +78,7 @@ class DrivingPage:
 
 
 class DrivingPages:
-    """All pages that may drive, by client id. `send` passes a message on to the robot's end."""
+    """All pages that may drive, by client id. `send` forwards a message to the robot's process."""
 
     def __init__(self, send: Callable[[Mapping[str, object]], None]) -> None:
         self._send = send
@@ -87,10 +87,10 @@ class DrivingPages:
         self._numbers: dict[str, int] = {}  # of the pages of a browser, by client id
 
     async def add(self, driver: DriverPage, name: str, computer: str, *, once: bool = False) -> str:
-        """A page has come; an older connection of the same page is closed. `computer` identifies its browser.
+        """Register a page and close an older connection of the same page; return the page's name.
 
-        `once`: it does not return as the same client, so its lease is not kept for it when it ends. Returns the name
-        of the page, which has a number where the browser has several.
+        `computer` identifies its browser. `once`: it does not return as the same client, so its lease is not kept after
+        it ends. The name has a number if the browser has several pages.
         """
         client = driver.client
         before = self._drivers.pop(client, None)
@@ -105,14 +105,14 @@ class DrivingPages:
         return name
 
     def rename(self, computer: str, name: str) -> None:
-        """The browser of these pages has got another name."""
+        """Rename the pages of a browser."""
         for client, arrival in self._arrivals.items():
             if arrival["computer"] == computer:
                 arrival["name"] = _number_name(name, self._numbers[client])
                 self._send({"do": "name", "page": client, "name": arrival["name"]})
 
     def _choose_number(self, client: str, computer: str) -> int:
-        """The number that a page had before, or the lowest that no other page of its browser has at the moment."""
+        """Return the previous number of a page, or the lowest one that no other page of its browser has."""
         others = (each for each, arrival in self._arrivals.items() if arrival["computer"] == computer)
         taken = {self._numbers[each] for each in others if each != client}
         number = self._numbers.pop(client, 1)
@@ -128,19 +128,19 @@ class DrivingPages:
         return [each.socket for each in self._drivers.values()]
 
     def remove(self, driver: DriverPage) -> None:
-        """A page has disconnected."""
+        """Unregister a page that has disconnected."""
         if self._drivers.get(driver.client) is driver:
             del self._drivers[driver.client]
             self._arrivals.pop(driver.client, None)
             self._send({"do": "leave", "page": driver.client})
 
     def come_again(self) -> None:
-        """Send the present drivers to a new robot's end."""
+        """Send the present drivers to a new robot process."""
         for arrival in self._arrivals.values():
             self._send(arrival)
 
     def take(self, message: Mapping[str, Any]) -> None:
-        """Take a message of the robot's end: a challenge for all, or an answer for one."""
+        """Process a message of the robot's process: a challenge for all pages, or an answer for one."""
         if "n" in message:
             text = json.dumps({"n": message["n"]}, separators=(",", ":"))
             for driver in self._drivers.values():
@@ -156,7 +156,10 @@ def _number_name(name: str, number: int) -> str:
 
 
 def describe_request(request: Request, text: str, hold: int) -> str:
-    """A request of a page for the log; '' if it is not logged. `hold` is the press of the stick before it."""
+    """Describe a request of a page for the log; '' if it is not logged.
+
+    `hold` is the number of the page's previous press of the stick.
+    """
     match request:
         case Stick():
             return "" if request.hold == hold else "stick"

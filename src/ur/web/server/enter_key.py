@@ -1,4 +1,4 @@
-"""The Enter key of the terminal that a server runs on."""
+"""The Enter key of the terminal that runs a server."""
 
 from __future__ import annotations
 
@@ -8,12 +8,12 @@ import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 
-_PAUSE = 0.5  # s between looks at a terminal that belongs to another program
+_PAUSE = 0.5  # s between checks of a terminal that belongs to another program
 
 
 @contextmanager
 def call_on_enter(act: Callable[[], object]) -> Iterator[bool]:
-    """Call `act` for each Enter while this lasts. Yields whether there is a terminal that it can be pressed on.
+    """Call `act` for each press of Enter while the context lasts; yield whether a terminal is available.
 
     In the background the terminal belongs to the shell: nothing is read then, which would stop this process.
     """
@@ -48,5 +48,5 @@ def call_on_enter(act: Callable[[], object]) -> Iterator[bool]:
 def _is_in_background(descriptor: int) -> bool:
     try:
         return os.tcgetpgrp(descriptor) != os.getpgrp()
-    except OSError:  # not the terminal that controls this process
+    except OSError:  # not the controlling terminal of this process
         return False

@@ -1,7 +1,7 @@
-"""Links to a page that runs as a service: made elsewhere, and admitted by a private file that the server reads.
+"""Links to a page that runs as a service: other commands make them, and a private file admits each.
 
-The file has the hash of the link's token as its name, and a role as its content. The token itself is in no file, and
-on no command line.
+The file has the hash of the link's token as its name, and a role as its content. The token itself is never in a file or
+on a command line.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from ur.web.access.roles import TOKEN_LIFE, Role, hash_secret
 _FOLDER = "links"
 _NAME = re.compile(r"[0-9a-f]{64}", re.ASCII)
 _LONGEST_TOKEN = 128
-_CLEAR_EVERY = 60.0  # s: an attempt to log in costs no walk over the folder
+_CLEAR_EVERY = 60.0  # s: a login attempt does not scan the folder more often
 _ADMIT = """\
 umask 077
 folder="${{XDG_STATE_HOME:-$HOME/.local/state}}/ubiquity_launches/web/{folder}"
@@ -29,28 +29,28 @@ mkdir -p "$folder" && printf '%s\\n' {role} >"$folder/new-$$" && mv -f "$folder/
 
 
 def make_token() -> str:
-    """A new token of a link."""
+    """Return a new token for a link."""
     return secrets.token_urlsafe(18)
 
 
 def admit_script(token: str, role: Role) -> str:
-    """The shell script that has the server of the user who runs it admit a token, once, within an hour."""
+    """Return the shell script that admits a token at the server of its user, for one login within an hour."""
     script = _ADMIT.format(folder=_FOLDER, role=role.value, name=hash_secret(token))
     return f"bash -lc {shlex.quote(script)}"  # a login shell: the server has its variables, too
 
 
 class LinkFiles:
-    """The links in a folder, each good for one login within `TOKEN_LIFE` of its making by this computer's clock."""
+    """The links in a folder, each valid for one login within `TOKEN_LIFE` of its creation by this computer's clock."""
 
     def __init__(self, state: Path) -> None:
-        """`state` is the folder of sessions and log."""
+        """Open the links below `state`, the folder of sessions and log."""
         self._folder = state / _FOLDER
         self._cleared = -math.inf
 
     def use(self, token: object, now: float | None = None) -> Role | None:
-        """Use a link up: return its role; None for one that was not made, was used, or is too old.
+        """Use a link up: return its role; None if it is unknown, used, or too old.
 
-        `now` is in seconds since 1970, the present unless given.
+        `now` is in seconds since 1970, by default the present time.
         """
         now = time.time() if now is None else now
         if abs(now - self._cleared) > _CLEAR_EVERY:
@@ -63,7 +63,7 @@ class LinkFiles:
             with path.open(encoding="ascii") as file:
                 text = file.read(16).strip()
                 made = os.fstat(file.fileno()).st_mtime
-            path.unlink()  # whoever removes it has it: it is good once
+            path.unlink()  # the process that removes the file has used the link, which is valid once
         except (OSError, UnicodeDecodeError):
             return None
         if now - made > TOKEN_LIFE:

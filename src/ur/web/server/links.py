@@ -14,20 +14,20 @@ LISTENERS = "everybody in this network can read what the page and the robot say:
 
 
 def make_link(host: str, port: int, token: str) -> str:
-    """The address that logs in with a token. It follows the `#`, so browsers do not send it."""
+    """Return the address that logs in with a token, which follows the `#`, so that browsers do not send it."""
     return link_to(f"{host}:{port}", token)
 
 
 def link_to(address: str, token: str) -> str:
-    """The same for an address of the form HOST:PORT."""
+    """Return the same for an address of the form HOST:PORT."""
     return f"http://{address}/login#{token}"
 
 
 def find_address() -> str:
-    """The address that others of the network know this computer by. Raises UserError: there is no network."""
+    """Return this computer's address in the network. Raises UserError without a network."""
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
         try:
-            probe.connect(("192.0.2.1", 9))  # sends nothing: the route names the address
+            probe.connect(("192.0.2.1", 9))  # sends nothing: the route determines the address
         except OSError:
             message = "this computer is in no network, expected one that the phone is in, too"
             help_ = "connect to a network, or leave out --phone"
@@ -36,7 +36,7 @@ def find_address() -> str:
 
 
 def draw_code(link: str, *, colours: bool) -> str:
-    """The QR code of a link, for a terminal; with `colours` black on white in a terminal of any colours."""
+    """Return the QR code of a link for a terminal; with `colours`, black on white in a terminal of any colours."""
     import segno
 
     drawing = io.StringIO()
@@ -46,7 +46,7 @@ def draw_code(link: str, *, colours: bool) -> str:
 
 
 def draw_picture(link: str) -> str:
-    """The QR code of a link as SVG, black on white."""
+    """Return the QR code of a link as SVG, black on white."""
     import segno
 
     drawing = io.BytesIO()

@@ -1,4 +1,4 @@
-"""Stored maps over the web: the list for every login, another name and deletion for those that may drive."""
+"""Stored maps over the web: the list for every login; renaming and deletion with the right to drive."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ from ur.web.server.logins.gate import SESSION, demand_drive, read_body
 
 
 class MapPages:
-    """The routes, and what they need. `log` takes a line about who does what."""
+    """The routes and their dependencies. `log` is called with a line about each action."""
 
     def __init__(self, commands: CommandQueue, log: Callable[[str], None]) -> None:
         self._log = log
         self._maps = StoredMaps(commands)
 
     def routes(self) -> list[web.RouteDef]:
-        """The routes."""
+        """Return the routes."""
         return [
             web.get("/api/maps", self._list),
             web.post("/api/maps/rename", self._rename),
@@ -30,7 +30,7 @@ class MapPages:
         ]
 
     async def _list(self, request: web.Request) -> web.Response:
-        """The maps; without pictures for a login that may look."""
+        """List the maps; without pictures for a login that may only view."""
         rows = await answer_command(self._maps.list_all())
         if request[SESSION][1].role is not Role.DRIVE:
             rows = [{**row, "picture": []} for row in rows]
@@ -58,7 +58,7 @@ Result = TypeVar("Result")
 
 
 async def answer_command(work: Awaitable[Result]) -> Result:
-    """The result of a command of `ur`. Raises HTTPConflict with its error."""
+    """Return the result of a command of `ur`. Raises HTTPConflict with its error."""
     try:
         return await work
     except ProgramsError as problem:

@@ -1,4 +1,4 @@
-"""The process that talks to ROS: started while a master answers, started again when it has ended."""
+"""The process that talks to ROS: started when a master answers, and restarted when it has ended."""
 
 from __future__ import annotations
 
@@ -33,9 +33,9 @@ _LONGEST_ERROR = 300  # characters
 
 
 class RobotProcess:
-    """Keeps the process running until `run` is cancelled. Frames and messages of it are passed to callbacks.
+    """Keeps the process running until `run` is cancelled. Its frames and messages are passed to callbacks.
 
-    `on_start` is called after each start, before its first frame; `on_state` when `state` has changed.
+    `on_start` is called after each start, before its first frame; `on_state` after `state` has changed.
     """
 
     def __init__(
@@ -64,7 +64,7 @@ class RobotProcess:
         return graph_address(self._environment)
 
     def send(self, message: Mapping[str, object]) -> None:
-        """Pass a message of a page on; it is dropped where there is no process."""
+        """Forward a message of a page; it is dropped while the process is not running."""
         if self._drive is not None:
             self._drive.write(json.dumps(message, separators=(",", ":")).encode() + b"\n")
 
@@ -76,18 +76,18 @@ class RobotProcess:
         self._note_pages(viewers)
 
     def _note_pages(self, viewers: int) -> None:
-        """Let the runs of this computer with which the robot ends know whether pages show it."""
+        """Inform the runs of this computer that end with the robot's loss whether pages show it."""
         for run in list_runs(self._environment, os.getuid(), read_computer()):
             if run.master_uri.rstrip("/") != self.master.rstrip("/") or not read_claims(run.folder).base:
                 continue
             if not viewers:
                 forget_user(run.folder, PAGE)
                 continue
-            with suppress(OSError):  # it ends
+            with suppress(OSError):  # the process is ending
                 note_user(run.folder, PAGE)
 
     async def run(self) -> None:
-        """Start the process whenever a master answers and it does not run."""
+        """Start the process whenever a master answers and it is not running."""
         while True:
             if await self._master_answers():
                 self._enter("starting")
@@ -177,7 +177,7 @@ class RobotProcess:
 
 
 def find_error(lines: Iterable[str]) -> str:
-    """The error among the last lines of a process, with its help; else its last line. At most 300 characters."""
+    """Return the error in the last lines of a process, with its help; else its last line. At most 300 characters."""
     found = ""
     for line in map(one_line, lines):
         if line.startswith("error: ") or not found.startswith("error: "):
@@ -188,7 +188,7 @@ def find_error(lines: Iterable[str]) -> str:
 
 
 async def wait_or_kill(process: asyncio.subprocess.Process) -> None:
-    """Wait for a process that is about to end, and kill it when it takes too long."""
+    """Wait for a process that is about to end, and kill it after a timeout."""
     try:
         await asyncio.wait_for(process.wait(), _END_LIMIT)
     except asyncio.TimeoutError:
@@ -198,6 +198,6 @@ async def wait_or_kill(process: asyncio.subprocess.Process) -> None:
 
 
 def robot_environment() -> dict[str, str]:
-    """The environment of the process: that of this one, without what would name another node."""
+    """Return the environment of the process: that of this one, without variables that would rename its node."""
     left_out = ("ROS_NAMESPACE", "ROSCONSOLE_CONFIG_FILE")
     return {name: value for name, value in os.environ.items() if name not in left_out}

@@ -1,4 +1,4 @@
-"""Programs and runs over the web: a web socket of its own for state, log and requests, and documents by GET."""
+"""Programs and runs over the web: a separate web socket for state, log and requests; documents by GET."""
 
 from __future__ import annotations
 
@@ -38,14 +38,14 @@ OLDEST = 5.0
 """Seconds after which a beat is no proof that a request is fresh."""
 
 _HEARTBEAT = 5.0  # s between pings of a web socket
-_STATE_PERIOD = 0.25  # s: a page gets the state not more often
+_STATE_PERIOD = 0.25  # s: the minimum between two states sent to a page
 _MOST_LINES = 200  # of a log in one message
 _RATE, _BURST = 5.0, 20.0  # requests of one page, a second
 _MOST_BAD = 20
 
 
 class _Viewer:
-    """A page that shows runs: what it has received."""
+    """A page that shows runs, and the data it has received."""
 
     def __init__(self, socket: web.WebSocketResponse, oldest: float) -> None:
         self.socket, self._oldest = socket, oldest
@@ -58,16 +58,16 @@ class _Viewer:
         self._state = ""
 
     def is_fresh(self, beat: int) -> bool:
-        """Return whether a request with this beat was made a moment ago."""
+        """Return whether the server sent this beat to the page a moment ago."""
         return time.monotonic() - self.beats.get(beat, -math.inf) < self._oldest
 
     def answer(self, number: int, text: str, *, ok: bool) -> None:
-        """Have an answer sent."""
+        """Queue an answer."""
         self.answers.append({"t": "answer", "id": number, "ok": ok, "text": text})
         self.due.set()
 
     async def run(self, watcher: RunWatcher) -> None:
-        """Send beats, answers, state and log until the page disconnects: always what is newest, never a queue."""
+        """Send beats, answers, state and log until the page disconnects: always the newest state, never a queue."""
         beaten = 0.0
         with suppress(ConnectionError):
             while not self.socket.closed:
@@ -113,7 +113,7 @@ class _Viewer:
 
 
 class RunPages:
-    """The routes, and what they need. `log` takes a line about who does what."""
+    """The routes and their dependencies. `log` is called with a line about each action."""
 
     def __init__(
         self,
@@ -123,7 +123,7 @@ class RunPages:
         oldest: float = OLDEST,
         pace: tuple[float, float] = (_RATE, _BURST),
     ) -> None:
-        """A beat is proof for `oldest` s; `pace` is a page's rate of requests, 1/s, and how many may come at once."""
+        """Create the pages. A beat is valid for `oldest` s; `pace` is a page's rate of requests, 1/s, and its burst."""
         self._log, self._oldest, self._pace = log, oldest, pace
         self._viewers: set[_Viewer] = set()
         self._watcher = RunWatcher(environment, self._wake)
@@ -131,7 +131,7 @@ class RunPages:
         self._working: set[asyncio.Task[None]] = set()
 
     def routes(self) -> list[web.RouteDef]:
-        """The routes."""
+        """Return the routes."""
         return [
             web.get("/ws/runs", self._serve_runs),
             web.get("/api/programs", self._list),
@@ -146,7 +146,7 @@ class RunPages:
         return [each.socket for each in self._viewers]
 
     async def close(self) -> None:
-        """End what is under way: commands are interrupted, runs go on."""
+        """End commands in progress by an interrupt; runs continue."""
         for task in self._working:
             task.cancel()
         await asyncio.gather(*self._working, return_exceptions=True)
@@ -239,7 +239,7 @@ class RunPages:
 
 
 def _read_query(request: web.Request) -> tuple[str, Mapping[str, str]]:
-    """The program and the arguments (JSON) of a query; a login that may look has no arguments, only the defaults.
+    """Return the program and the arguments (JSON) of a query; without the right to drive, only default arguments.
 
     An argument may name any file, and a message about that file shows a part of it. Raises HTTPBadRequest,
     HTTPForbidden.

@@ -1,4 +1,4 @@
-"""Start and end of the server: its port, its links, its log, and the browser on this computer."""
+"""Start and end of the server: its port, links and log, and the browser on this computer."""
 
 from __future__ import annotations
 
@@ -42,19 +42,20 @@ from ur.web.server.static_files import load_files
 _PORTS = range(FIRST_PORT, 8100)
 _CHILD_PORTS = range(8100, 8200)
 _LONGEST_LOG = 1 << 20  # bytes
-_MOST_LINES = 1000  # that wait for the disk
+_MOST_LINES = 1000  # lines that wait for the disk
 _LOG_LIMIT = 5.0  # s for the last lines
 
 
 @dataclass(frozen=True, slots=True)
 class ServerOptions:
-    """`robot`: its name for people. `port`: 0 for the first free one of 8090 to 8099. `role`: of the first link.
+    """Options of the server.
 
-    `phone`: other computers of the network reach the page, too. `service`: they do, and links are made by
-    `ur boot link`: none is printed, since what a service prints is kept in a log. `foxglove`: print an address for
-    viewers; `origins`: of viewers besides the known ones. `days` for which a login is good. `own`: the robot's name in
-    the list that `known` reads, of robots that pages may change to. `child`: the descriptor of a socket to the server
-    that has started this one, which makes its links and ends it.
+    `robot`: its display name. `port`: 0 for the first free one of 8090 to 8099. `role`: of the first link. `phone`:
+    other computers of the network reach the page, too. `service`: they do, and links are made by `ur boot link`: none
+    is printed, since the output of a service is stored in a log. `foxglove`: print an address for viewers; `origins`:
+    additional origins of viewers. `days`: validity of a login. `own`: the robot's name in the list that `known` reads,
+    of robots that pages may change to. `child`: the descriptor of a socket to the parent server, which makes its links
+    and ends it.
     """
 
     robot: str
@@ -74,9 +75,9 @@ class ServerOptions:
 async def serve(
     options: ServerOptions, report: Callable[[str], None], until: Callable[[], Awaitable[object]] | None = None
 ) -> None:
-    """Serve until SIGINT, SIGTERM or SIGHUP, or until what `until` makes is done. `report` prints lines for the user.
+    """Serve until SIGINT, SIGTERM or SIGHUP, or until the awaitable of `until` is done.
 
-    Raises UserError: no port is free, or a page for phones is wanted and there is no network.
+    `report` prints lines for the user. Raises UserError if no port is free, or `phone` is set without a network.
     """
     parent = take_connection(options.child) if options.child is not None else None
     address = find_address() if options.phone and parent is None else "localhost"
@@ -93,7 +94,7 @@ async def serve(
     links = LinkFiles(folder) if options.service else None
     path, life = folder / f"sessions-{port}.json", options.days * DAY
     quiet = options.service or parent is not None
-    if parent is not None:  # a login is for this robot, and the port may have been another one's
+    if parent is not None:  # a login is for this robot, and another robot's server may have used the port
         path.unlink(missing_ok=True)
     gate = LoginGate(origins, path, log, links, options.origins, discard_line if quiet else report, life)
     above = ParentServer(options.own, parent, gate.invite) if parent is not None else None
@@ -159,7 +160,7 @@ async def _wait_first(*waits: Callable[[], Awaitable[object]]) -> None:
 
 
 class _Log:
-    """A file of lines with the time; when it is long, the older half goes to another file.
+    """A log file of lines with the time; when it is long, the older half is moved to another file.
 
     A thread writes it: a slow disk delays no request.
     """
@@ -175,7 +176,7 @@ class _Log:
             self._lines.put(f"{time.strftime('%Y-%m-%d %H:%M:%S')} {printable(line)[:500]}\n")
 
     def close(self) -> None:
-        """Write what is left."""
+        """Write the remaining lines."""
         self._lines.put(None)
         self._thread.join(_LOG_LIMIT)
 
@@ -220,7 +221,7 @@ def _has_browser() -> bool:
 
 
 def _open(path: Path, link: str) -> Path:
-    """Have the desktop open a private file that leads to the link: a command line would show the token to all."""
+    """Open the link in the desktop's browser by a private file: a command line would expose the token."""
     page = f'<!doctype html><meta charset="utf-8"><meta http-equiv="refresh" content="0;url={html.escape(link)}">\n'
     replace_file(path, page, mode=PRIVATE)
     with suppress(OSError):

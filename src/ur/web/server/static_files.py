@@ -1,4 +1,4 @@
-"""The files of the page: read once, compressed once, served by name from a list that is made at the start."""
+"""The files of the page: read and compressed once, and served by name from a list made at the start."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ TYPES = {
 
 @dataclass(frozen=True, slots=True)
 class StaticFile:
-    """A file as it is sent: its type, its bytes, the same compressed, and a tag that changes with them."""
+    """A file as it is sent: its type, its bytes, its compressed bytes, and a tag that changes with the content."""
 
     kind: str
     plain: bytes
@@ -30,7 +30,7 @@ class StaticFile:
 
 
 def load_files(folder: Path = FOLDER) -> Mapping[str, StaticFile]:
-    """Read the files of a folder and its subfolders that have a type of the page's, by path. Links are left out."""
+    """Load the files of a folder and its subfolders that have a known type, by path. Symbolic links are ignored."""
     files = {}
     for path in sorted((*folder.glob("*"), *folder.glob("*/*"))):
         if path.suffix in TYPES and path.is_file() and not path.is_symlink():

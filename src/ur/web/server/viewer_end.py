@@ -26,11 +26,11 @@ class _Address:
 
 
 class ViewerProcessError(Exception):
-    """The process does not start; the text is the reason, in a line."""
+    """The process does not start; the text is the reason, in one line."""
 
 
 class ViewerProcess:
-    """Keeps the process running while a client holds it. `log` takes what it prints."""
+    """Keeps the process running while a client holds it. `log` is called with its output."""
 
     def __init__(self, environment: Mapping[str, str], log: Callable[[str], None]) -> None:
         self._environment, self._log = environment, log
@@ -43,7 +43,10 @@ class ViewerProcess:
 
     @asynccontextmanager
     async def hold(self) -> AsyncIterator[tuple[str, int]]:
-        """Have the process run, and yield the loopback address of its server. Raises ViewerProcessError."""
+        """Keep the process running while the context lasts, and yield its loopback address.
+
+        Raises ViewerProcessError.
+        """
         self._holders += 1
         try:
             async with self._lock:
@@ -80,7 +83,7 @@ class ViewerProcess:
         self._address = address.host, address.port
 
     async def _end(self) -> None:
-        """End the process, which ends when its socket is closed."""
+        """End the process by closing its socket."""
         process, self._process = self._process, None
         if self._link is not None:
             self._link.close()

@@ -1,9 +1,9 @@
-"""Foxglove and Lichtblick: their web sockets, joined to the server of foxglove-sdk behind the gate.
+"""Web sockets of Foxglove and Lichtblick, connected to the server of foxglove-sdk behind the login gate.
 
-That server takes any client and any origin, so it listens on the loopback interface only and offers topics only: what a
-client publishes never reaches it. Goals and initial poses become requests of a page. A viewer knows nothing of the
-challenges of the mux, but every web socket answers pings in the order of its messages: each ping carries a challenge,
-and a goal proves the newest whose pong arrived before it.
+That server accepts any client and any origin, so it listens on the loopback interface only and offers topics only:
+messages that a client publishes never reach it. Goals and initial poses become requests of a page. A viewer does not
+implement the challenges of the mux, but every web socket answers pings in the order of its messages: each ping carries
+a challenge, and a goal proves the newest one whose pong arrived before it.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ _MOST_VIEWERS = 8
 _MOST_TOPICS = 100  # that a viewer advertises
 _PING_EVERY = 0.2  # s
 _HELD = 3.0  # s that a request waits for the first challenge of the mux
-_MOST_PINGS = 50  # that are not answered: the viewer has disconnected
+_MOST_PINGS = 50  # unanswered pings: the viewer has disconnected
 _RATE, _BURST = 50.0, 500.0  # messages of one viewer, a second
 _MOST_BAD = 20
 _EXPECTED = f"expected {' or '.join(SCHEMAS)}; drive by hand on the page of 'ur web', whose commands prove their age"
@@ -65,7 +65,7 @@ class _Challenge:
 
 
 class _Viewer:
-    """One viewer that may publish; a driver as a page is one."""
+    """One viewer with the right to publish; it is a driver like a page."""
 
     def __init__(self, socket: web.WebSocketResponse) -> None:
         self.socket = socket
@@ -78,11 +78,11 @@ class _Viewer:
         self._answers: set[asyncio.Task[None]] = set()
 
     def challenge(self, text: str) -> None:
-        """Note the newest challenge."""
+        """Store the newest challenge."""
         self._newest = read_json(text, _Challenge).n
 
     def answer(self, value: Mapping[str, object]) -> None:
-        """Show a refusal of the robot's end to the user of the viewer."""
+        """Show a refusal of the robot's process to the user of the viewer."""
         if value.get("t") == "refused":
             reason = str(value.get("why"))
             self.show(f"{value.get('what')} refused: {_REASONS.get(reason, reason)}")
@@ -107,11 +107,11 @@ class _Viewer:
                 await asyncio.sleep(_PING_EVERY)
 
     def take_pong(self, mark: bytes) -> bool:
-        """Take the answer to a ping. Return whether it proves another challenge."""
+        """Process the answer to a ping. Return whether it proves a newer challenge."""
         if mark not in self._pings:
             return False
         stamp = self._pings[mark]
-        while next(iter(self._pings)) != mark:  # those before are answered, too, or never will be
+        while next(iter(self._pings)) != mark:  # earlier ones are answered as well, or never will be
             del self._pings[next(iter(self._pings))]
         del self._pings[mark]
         if stamp is None or stamp == self.proved:
@@ -121,7 +121,7 @@ class _Viewer:
 
 
 class ViewerGate:
-    """All viewers. `send` passes a request on to the robot's end, `is_up` is whether there is one."""
+    """All viewers. `send` forwards a request to the robot's process, `is_up` returns whether that is running."""
 
     def __init__(
         self,
@@ -141,7 +141,7 @@ class ViewerGate:
         return list(self._sockets)
 
     async def serve(self, request: web.Request) -> web.StreamResponse:
-        """Answer a viewer, whose session has been checked, until it disconnects."""
+        """Serve a viewer, whose session has been checked, until it disconnects."""
         offered = {each.strip() for each in request.headers.get("Sec-WebSocket-Protocol", "").split(",")}
         if not offered & set(SUBPROTOCOLS):
             raise web.HTTPBadRequest(text=f"expected a web socket with the protocol {' or '.join(SUBPROTOCOLS)}\n")
@@ -192,7 +192,7 @@ class ViewerGate:
         return socket
 
     async def _receive(self, viewer: _Viewer, topics: Topics, who: str, *, publish: bool) -> None:
-        """Take messages until the viewer disconnects, or sends too many or too many that are malformed."""
+        """Process messages until the viewer disconnects, exceeds the rate, or sends too many malformed ones."""
         bad, bucket = 0, make_bucket(_RATE, _BURST, time.monotonic())
         async for message in viewer.socket:
             if message.type is WSMsgType.PONG:
@@ -214,7 +214,7 @@ class ViewerGate:
                 return
 
     async def _take(self, viewer: _Viewer, topics: Topics, data: object, who: str, *, publish: bool) -> None:
-        """Do what a message of a viewer asks for. Raises BadRequestError."""
+        """Execute the request in a viewer's message. Raises BadRequestError."""
         found = read_message(data)
         if isinstance(found, SubscriptionMessage):
             await topics.send_str(found.text)
@@ -230,7 +230,7 @@ class ViewerGate:
             self._publish(viewer, found, who, publish=publish)
 
     def _publish(self, viewer: _Viewer, publication: Publication, who: str, *, publish: bool) -> None:
-        """Make a request of what a viewer publishes. Raises BadRequestError: it may not, or it is malformed."""
+        """Convert a published message to a request. Raises BadRequestError if it is malformed or not permitted."""
         if not publish:
             raise BadRequestError("this address may look, expected one of 'ur web --foxglove' without --look")
         channel = viewer.topics.get(publication.number)
@@ -244,7 +244,7 @@ class ViewerGate:
         self._release(viewer)
 
     def _release(self, viewer: _Viewer) -> None:
-        """Send the request that waits, with the newest proof; a viewer that has just come has none yet."""
+        """Send the pending request with the newest proof, which a viewer that has just connected does not have yet."""
         if viewer.held is None:
             return
         asked, until = viewer.held
@@ -258,7 +258,7 @@ class ViewerGate:
 
 
 async def _pass_topics(topics: Topics, socket: web.WebSocketResponse, *, publish: bool) -> None:
-    """Pass on what the server of topics sends. It drops the oldest messages of a viewer that is slow."""
+    """Forward messages of the topic server, which drops the oldest messages of a slow viewer."""
     with suppress(ConnectionError):
         async for message in topics:
             if message.type is WSMsgType.BINARY:

@@ -1,4 +1,4 @@
-"""Pages that look: each gets the newest frame of every key, at the rate that its connection bears."""
+"""Pages that view: each gets the newest frame of every key, at the rate that its connection supports."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from aiohttp import web
 from ur.web.wire.frames import Key, Kind, Layer, generation_of, json_frame, key_of
 from ur.web.wire.view_request import ViewRequest
 
-_BUFFER = 1 << 15  # bytes that wait in this process beyond what the kernel holds
+_BUFFER = 1 << 15  # bytes buffered in this process in addition to the kernel's buffer
 
 
 class ViewingPage:
-    """One page, and what it shows. Frames that it has not taken yet are replaced by newer ones."""
+    """One page and its displayed layers. Unsent frames are replaced by newer ones."""
 
     def __init__(self, socket: web.WebSocketResponse, shows: ViewRequest) -> None:
         self.socket, self.shows = socket, shows
@@ -23,7 +23,7 @@ class ViewingPage:
         self._due = asyncio.Event()
 
     def put(self, frame: bytes) -> None:
-        """Have a frame sent, unless it is of another layer."""
+        """Queue a frame, unless the page does not show its layer."""
         if key_of(frame)[1] not in self.shows.layers:
             return
         self._pending.put(frame)
@@ -42,7 +42,7 @@ class ViewingPage:
 
 
 class Viewers:
-    """All pages that look, and the frames that a new one begins with."""
+    """All pages that view, and the frames that a new page starts with."""
 
     def __init__(self) -> None:
         self._frames = FrameQueue()
@@ -52,19 +52,19 @@ class Viewers:
         return len(self._viewers)
 
     def put(self, frame: bytes) -> None:
-        """Pass a frame on to all pages. Raises ValueError: it is none."""
+        """Forward a frame to all pages. Raises ValueError for an invalid frame."""
         self._frames.put(frame)
         for viewer in self._viewers:
             viewer.put(frame)
 
     def announce(self, status: Mapping[str, object]) -> None:
-        """Send all pages the state of the server; its frames also show that the connection lives."""
+        """Send the state of the server to all pages; its frames also show that the connection works."""
         frame = json_frame(Kind.SERVER, status)
         for viewer in self._viewers:
             viewer.put(frame)
 
     def forget(self) -> None:
-        """Forget the frames: another robot's end begins anew."""
+        """Discard the frames, when another process of the robot starts."""
         self._frames.clear()
 
     def sockets(self) -> list[web.WebSocketResponse]:
@@ -80,7 +80,7 @@ class Viewers:
         return frozenset(plot for each in self._viewers for plot in each.shows.plots)
 
     def add(self, socket: web.WebSocketResponse, shows: ViewRequest) -> ViewingPage:
-        """A page has come."""
+        """Register a page."""
         viewer = ViewingPage(socket, shows)
         for frame in self._frames:
             viewer.put(frame)
@@ -88,19 +88,19 @@ class Viewers:
         return viewer
 
     def change(self, viewer: ViewingPage, shows: ViewRequest) -> None:
-        """A page shows something else: it gets the newest frames of the layers that are new to it."""
+        """Change the view of a page: it gets the newest frames of the layers that it did not show before."""
         before, viewer.shows = viewer.shows, shows
         for frame in self._frames:
             if key_of(frame)[1] not in before.layers:
                 viewer.put(frame)
 
     def remove(self, viewer: ViewingPage) -> None:
-        """A page has disconnected."""
+        """Unregister a page that has disconnected."""
         self._viewers.discard(viewer)
 
 
 def limit_buffer(request: web.Request, size: int = _BUFFER) -> None:
-    """Bound what waits for a slow page: beyond that, only the newest frames are sent."""
+    """Limit the send buffer of a slow page: beyond it, only the newest frames are sent."""
     import socket
 
     transport = request.transport
@@ -125,7 +125,7 @@ class FrameQueue:
         return iter(list(self._frames.values()))
 
     def put(self, frame: bytes) -> None:
-        """Take a frame, in place of the one with the same key. Raises ValueError: it is none."""
+        """Add a frame, in place of the one with the same key. Raises ValueError for an invalid frame."""
         key = key_of(frame)
         if key[0] == Kind.GRID:
             generation = generation_of(frame)
@@ -139,12 +139,12 @@ class FrameQueue:
         self._frames[key] = frame
 
     def take(self) -> bytes | None:
-        """Remove and return the most urgent frame: the lowest kind, the oldest key first; None when there is none."""
+        """Remove and return the most urgent frame: the lowest kind, the oldest key first; None if empty."""
         if not self._frames:
             return None
         key = min(self._frames, key=lambda each: each[0])
         return self._frames.pop(key)
 
     def clear(self) -> None:
-        """Forget all frames."""
+        """Remove all frames."""
         self._frames.clear()

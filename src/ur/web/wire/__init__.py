@@ -1,1 +1,1 @@
-"""Messages between the robot's end, the server and the page: binary frames to look at, JSON for requests."""
+"""Messages between the robot's process, the server and the page: binary frames for display, JSON for requests."""

@@ -1,7 +1,7 @@
-"""Frames of data between the robot's end and the server: for one page, or for all, by a key.
+"""Frames of data between the robot's process and the server: for one page, or for all, by a key.
 
-A newer frame of a key replaces one that a page has not taken yet, so that a slow page gets what is newest. Answers have
-no key and are all delivered.
+A newer frame of a key replaces an unsent one, so that a slow page gets the newest data. Answers have no key and are all
+delivered.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ ALL = 0
 
 @dataclass(frozen=True, slots=True)
 class DataFrame:
-    """A frame for the page with a number, or for `ALL`; `body` is sent to the page as it is."""
+    """A data frame for the page with a number, or for `ALL`; `body` is sent to the page unchanged."""
 
     page: int
     key: str
@@ -27,18 +27,18 @@ class DataFrame:
 
 
 def pack_frame(page: int, key: str, body: bytes) -> bytes:
-    """The bytes of a frame; `key` has at most 255 bytes."""
+    """Encode a frame; `key` has at most 255 bytes."""
     name = key.encode()[:255]
     return _HEAD.pack(page, len(name)) + name + body
 
 
 def pack_json(page: int, key: str, value: Mapping[str, object]) -> bytes:
-    """The bytes of a frame with a JSON object, which holds finite numbers only. Raises ValueError."""
+    """Encode a frame with a JSON object, which contains finite numbers only. Raises ValueError."""
     return pack_frame(page, key, json.dumps(value, separators=(",", ":"), allow_nan=False).encode())
 
 
 def unpack_frame(data: bytes) -> DataFrame:
-    """The frame that bytes are. Raises ValueError: they are none."""
+    """Decode a frame. Raises ValueError for invalid bytes."""
     if len(data) < _HEAD.size or len(data) < _HEAD.size + data[_HEAD.size - 1]:
         raise ValueError(f"frame of {len(data)} bytes")
     page, length = _HEAD.unpack_from(data)

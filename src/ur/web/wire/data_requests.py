@@ -1,8 +1,8 @@
-"""Requests of pages about data of the robot, as JSON: topics, services, parameters. Hostile until they are read here.
+"""Requests of pages about data of the robot, as JSON: topics, services, parameters. Untrusted until decoded here.
 
-A `Show` names what a page shows now, in place of what it showed before; the robot's end measures and sends only that.
-A question has a number, `id`, by which the page knows the answer. What changes something carries `n` besides, the
-newest beat of the server that the page has received: a request that waited in a connection is recognised by an old one.
+A `Show` names the displayed data, in place of the previous request; the robot's process measures and sends only that. A
+question has a number, `id`, which its answer repeats. A change also has `n`, the newest beat of the server that the
+page has received: an old beat reveals a request that was delayed in a connection.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ _Json = Annotated[str, Meta(max_length=LONGEST_VALUE, description=f"JSON of at m
 
 
 class Show(ForeignValue, frozen=True, tag_field="t", tag="show"):
-    """The contents of a page: `topics` lists all topics and measures those named; `echo` is one that is printed.
+    """The content of a page: `topics` lists all topics and measures the named ones; `echo` is one to print.
 
     `status`: diagnostics and the computer. `scene`: frames, and the clouds and markers of these topics.
     """
@@ -68,29 +68,29 @@ class GetParameter(ForeignValue, frozen=True, tag_field="t", tag="parameter"):
 
 
 class DescribeMessage(ForeignValue, frozen=True, tag_field="t", tag="describe"):
-    """Describe an empty message of a type."""
+    """Return a message of a type with default values."""
 
     kind: _Kind
 
 
 class DescribeService(ForeignValue, frozen=True, tag_field="t", tag="describe_service"):
-    """Describe an empty request of a service."""
+    """Return a request of a service with default values."""
 
     service: _Name
 
 
 class DescribeModel(ForeignValue, frozen=True, tag_field="t", tag="model"):
-    """Describe the shapes of the robot."""
+    """Return the shapes of the robot."""
 
 
 class DescribeMesh(ForeignValue, frozen=True, tag_field="t", tag="mesh", rename={"address": "mesh"}):
-    """Describe a mesh by the address that the robot's description names."""
+    """Return a mesh by its address in the robot's description."""
 
     address: _Mesh
 
 
 class Publish(ForeignValue, frozen=True, tag_field="t", tag="publish"):
-    """Publish a message: `value` holds its fields as JSON."""
+    """Publish a message whose fields `value` holds as JSON."""
 
     topic: _Name
     kind: _Kind
@@ -98,14 +98,14 @@ class Publish(ForeignValue, frozen=True, tag_field="t", tag="publish"):
 
 
 class Call(ForeignValue, frozen=True, tag_field="t", tag="call"):
-    """Call a service: `value` holds the fields of the request as JSON."""
+    """Call a service with the request fields that `value` holds as JSON."""
 
     service: _Name
     value: _Json
 
 
 class SetParameter(ForeignValue, frozen=True, tag_field="t", tag="set"):
-    """Set a parameter to a value, which is JSON."""
+    """Set a parameter to a JSON value."""
 
     name: _Name
     value: _Json
@@ -130,7 +130,7 @@ class _ChangeHead(ForeignValue, frozen=True):
 
 @dataclass(frozen=True, slots=True)
 class DataEnvelope:
-    """A request, its number (0 for `Show`), and the beat that it answers (0 where it changes nothing)."""
+    """A request, its number (0 for `Show`), and the beat that it answers (0 if it changes nothing)."""
 
     number: int
     beat: int
@@ -138,7 +138,7 @@ class DataEnvelope:
 
 
 def read_data_request(text: object) -> DataEnvelope:
-    """The request that a text is. Raises BadRequestError."""
+    """Decode a request. Raises BadRequestError."""
     request, fields = read_numbered(text, DataRequest, LONGEST)
     if isinstance(request, Show):
         return DataEnvelope(0, 0, request)
@@ -149,7 +149,7 @@ def read_data_request(text: object) -> DataEnvelope:
 
 
 def find_number(text: object) -> int:
-    """The number of a request that is malformed, so that its page learns why; 0 where it has none."""
+    """Return the number of a malformed request for its error message; 0 if it has none."""
     try:
         number: int = convert_json(read_json(text, dict[str, object], LONGEST).get("id"), Count)
     except BadJsonError:

@@ -1,7 +1,7 @@
-"""Binary frames that show the robot: encoded once at the robot's end, passed on as they are, decoded by the page.
+"""Binary frames of the robot's state: encoded once by the robot's process, forwarded unchanged, decoded by the page.
 
 A frame begins with its key (kind, layer, column, row; little endian), and a newer frame of a key replaces the older
-one. So a viewer that is slow gets the newest state, not a queue. `static/wire.js` decodes them.
+one. So a slow viewer gets the newest state, not a queue. `static/wire.js` decodes them.
 """
 
 from __future__ import annotations
@@ -60,9 +60,9 @@ Key = tuple[int, int, int, int]
 
 @dataclass(frozen=True, slots=True)
 class PoseSample:
-    """The robot at one moment in the map frame: m, rad, m/s, rad/s; `nan` where it is not known.
+    """The robot at one moment in the map frame: m, rad, m/s, rad/s; `nan` if unknown.
 
-    `age` is the time since the last transform, `link_age` that since the robot's last sign of life, both in s.
+    `age` is the time since the last transform, `link_age` that of the newest challenge of the mux, both in s.
     """
 
     x: float = math.nan
@@ -78,7 +78,7 @@ class PoseSample:
 class GridFrame:
     """Extent of a grid on a lattice of cells: `origin` (m, m, rad) is the corner of the lattice's cell (0, 0).
 
-    The grid covers `width` x `height` cells from (`column`, `row`) on. Tiles of another `generation` are void.
+    The grid covers `width` x `height` cells from (`column`, `row`) on. Tiles of another `generation` are invalid.
     """
 
     generation: int
@@ -91,7 +91,7 @@ class GridFrame:
 
 
 def key_of(frame: bytes) -> Key:
-    """The key of a frame. Raises ValueError: it is too short."""
+    """Return the key of a frame. Raises ValueError if it is too short."""
     if len(frame) < _KEY.size:
         raise ValueError(f"frame of {len(frame)} bytes, expected at least {_KEY.size}")
     kind, layer, x, y = _KEY.unpack_from(frame)
@@ -99,23 +99,23 @@ def key_of(frame: bytes) -> Key:
 
 
 def json_frame(kind: Kind, value: Mapping[str, object], layer: Layer = Layer.NONE) -> bytes:
-    """A frame of a JSON object."""
+    """Encode a JSON object as a frame."""
     return _KEY.pack(kind, layer, 0, 0) + json.dumps(value, separators=(",", ":"), ensure_ascii=False).encode()
 
 
 def pose_frame(sample: PoseSample) -> bytes:
-    """The frame of a pose. Numbers beyond 32 bits become the largest ones."""
+    """Encode a pose as a frame. Numbers beyond 32 bits become the largest ones."""
     numbers = (sample.x, sample.y, sample.yaw, sample.speed, sample.turn, sample.age, sample.link_age)
     return _KEY.pack(Kind.POSE, 0, 0, 0) + _POSE.pack(*map(_single, numbers))
 
 
 def camera_frame(stamp: float, jpeg: bytes) -> bytes:
-    """The frame of a picture that was taken at `stamp`, seconds since 1970."""
+    """Encode a picture, taken at `stamp` (s since 1970), as a frame."""
     return _KEY.pack(Kind.CAMERA, Layer.CAMERA, 0, 0) + _STAMP.pack(stamp) + jpeg
 
 
 def points_frame(layer: Layer, points: Sequence[Sequence[float]]) -> bytes:
-    """The frame of points (n, 2) in m: 16 bits each in units of `UNIT` from the first, so within 163 m of it."""
+    """Encode points (n, 2) in m: 16 bits each in units of `UNIT` from the first, so within 163 m of it."""
     key = _KEY.pack(Kind.POINTS, layer, 0, 0)
     good = [(x, y) for x, y in points if math.isfinite(x) and math.isfinite(y)]
     if not good:
@@ -126,21 +126,21 @@ def points_frame(layer: Layer, points: Sequence[Sequence[float]]) -> bytes:
 
 
 def grid_frame(layer: Layer, grid: GridFrame) -> bytes:
-    """The frame of a grid's extent. Numbers beyond 32 bits become the largest ones."""
+    """Encode a grid's extent as a frame. Numbers beyond 32 bits become the largest ones."""
     corner = (max(-_WHOLE, min(_WHOLE, each)) for each in (grid.column, grid.row))
     lengths = map(_single, (grid.resolution, *grid.origin))
     return _KEY.pack(Kind.GRID, layer, 0, 0) + _GRID.pack(grid.generation, *lengths, *corner, grid.width, grid.height)
 
 
 def tile_frame(layer: Layer, generation: int, column: int, row: int, cells: bytes) -> bytes:
-    """The frame of one tile, `TILE` x `TILE` cells row by row from the lower left: int8, -1 unknown, 0 to 100."""
+    """Encode a tile, `TILE` x `TILE` cells row by row from the lower left: int8, -1 unknown, 0 to 100."""
     if len(cells) != TILE * TILE:
         raise ValueError(f"tile of {len(cells)} cells, expected {TILE * TILE}")
     return _KEY.pack(Kind.TILE, layer, column, row) + _GENERATION.pack(generation) + zlib.compress(cells, 3)
 
 
 def generation_of(frame: bytes) -> int:
-    """The generation of a grid or a tile."""
+    """Return the generation of a grid or a tile."""
     number: int = _GENERATION.unpack_from(frame, _KEY.size)[0]
     return number
 
@@ -150,5 +150,5 @@ def _steps(metres: float) -> int:
 
 
 def _single(number: float) -> float:
-    """Bound a finite number to 32 bits, which `struct` refuses to do."""
+    """Limit a finite number to the range of 32-bit floats, which `struct` requires."""
     return max(-_MOST, min(_MOST, number)) if math.isfinite(number) else number

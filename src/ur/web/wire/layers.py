@@ -1,6 +1,7 @@
-"""The layers over the map, and the camera, that a page asks for by name. What no page shows is not computed.
+"""The layers over the map, and the camera, which a page requests by name.
 
-`SHOWN` is their one table: `tools/make_wire_numbers.py` makes `static/wire_numbers.js` and `static/layers.css` of it.
+Layers that no page shows are not computed. `SHOWN` is their only table: `tools/make_wire_numbers.py` makes
+`static/wire_numbers.js` and `static/layers.css` of it.
 """
 
 from __future__ import annotations
@@ -34,7 +35,7 @@ class Layer(IntEnum):
 
 @dataclass(frozen=True, slots=True)
 class MapLayer:
-    """A layer that a page can switch: its label there, its colours on a light and on a dark page."""
+    """A layer that a page can switch on: its label, and its colours on a light and on a dark page."""
 
     layer: Layer
     label: str
@@ -45,7 +46,7 @@ class MapLayer:
 
     @property
     def name(self) -> str:
-        """Its name in requests, addresses and style sheets."""
+        """The name of the layer in requests, addresses and style sheets."""
         return self.layer.name.lower()
 
 
@@ -71,7 +72,7 @@ _TOPIC = re.compile(r"/[A-Za-z0-9_/]{1,200}", re.ASCII)
 
 
 def read_layers(text: str | None) -> frozenset[Layer]:
-    """The layers that a list of names, separated by commas, asks for; `DEFAULT` for None. Raises BadRequestError."""
+    """Decode a list of layer names separated by commas; `DEFAULT` for None. Raises BadRequestError."""
     if text is None:
         return DEFAULT | _ALWAYS
     names = text[:_LONGEST].split(",") if text else []
@@ -81,5 +82,5 @@ def read_layers(text: str | None) -> frozenset[Layer]:
 
 
 def is_camera_topic(text: str) -> bool:
-    """Return whether a text may be the full name of a camera's topic."""
+    """Return whether a text is a valid full name of a camera's topic."""
     return _TOPIC.fullmatch(text) is not None

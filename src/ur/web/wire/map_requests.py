@@ -1,4 +1,4 @@
-"""Requests of pages that change the map and what belongs to it: places, zones and walls."""
+"""Requests of pages that change the map and its annotations: places, zones and walls."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _STROKES = f"1 to {MOST_STROKES}, each 0 or 1, a width, and x, y, x, y, ... of 2
 
 
 class NamePlace(PageRequest, frozen=True, tag="name_place"):
-    """Name a pose in the map frame, or move the place that has the name."""
+    """Name a pose in the map frame, or move the place with this name."""
 
     place: Name
     x: Coordinate
@@ -40,9 +40,9 @@ class ForgetPlace(PageRequest, frozen=True, tag="forget_place"):
 
 @dataclass(frozen=True, slots=True)
 class PutZone:
-    """Make a zone, or change the one that has the name. `percent` of the highest speed; 0 for a keep-out zone.
+    """Create a zone, or change the one with this name.
 
-    `corners` are x, y in m in the map frame.
+    `percent` of the highest speed; 0 for a keep-out zone. `corners` are x, y in m in the map frame.
     """
 
     zone: str
@@ -57,7 +57,7 @@ class DeleteZone(PageRequest, frozen=True, tag="delete_zone"):
 
 
 class SaveMap(PageRequest, frozen=True, tag="save_map"):
-    """Save the map that is being made."""
+    """Save the map under construction."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,7 +69,7 @@ class DrawWalls:
 
 
 class RestoreWalls(PageRequest, frozen=True, tag="restore_walls"):
-    """Restore the map in use as it was before the last DrawWalls."""
+    """Restore the map in use to its state before the last DrawWalls."""
 
     map: _MapName
 
@@ -78,7 +78,7 @@ class RestoreWalls(PageRequest, frozen=True, tag="restore_walls"):
 
 
 class PackedZone(PageRequest, frozen=True, tag="put_zone"):
-    """A PutZone as the page packs it: x, y, x, y, ... of the corners."""
+    """A PutZone as the page encodes it: x, y, x, y, ... of the corners."""
 
     zone: Name
     percent: Annotated[int, Meta(ge=0, le=99)]
@@ -89,12 +89,12 @@ class PackedZone(PageRequest, frozen=True, tag="put_zone"):
             raise ValueError(f"corners: expected {_CORNERS}")
 
     def unpack(self) -> PutZone:
-        """The request."""
+        """Return the decoded request."""
         return PutZone(self.zone, self.percent, _pair(self.corners))
 
 
 class PackedWalls(PageRequest, frozen=True, tag="draw_walls"):
-    """A DrawWalls as the page packs it: a stroke is 1 to erase or 0, the width, and x, y, x, y, ... of its points."""
+    """A DrawWalls as the page encodes it: a stroke is 1 to erase or 0, the width, and x, y, x, y, ... of its points."""
 
     map: _MapName
     strokes: Annotated[
@@ -110,7 +110,7 @@ class PackedWalls(PageRequest, frozen=True, tag="draw_walls"):
             raise ValueError(f"strokes: expected a width from {LEAST_WIDTH:g} to {WIDEST_STROKE:g} m")
 
     def unpack(self) -> DrawWalls:
-        """The request."""
+        """Return the decoded request."""
         edits = (MapEdit("erase" if erase else "wall", _pair(flat), width) for erase, width, *flat in self.strokes)
         return DrawWalls(self.map, tuple(edits))
 

@@ -14,7 +14,7 @@ PLOT = re.compile(r"/[A-Za-z0-9_/]{1,100}:[A-Za-z0-9_]{1,40}(\.[A-Za-z0-9_]{1,40
 
 
 def read_plots(text: str | None) -> frozenset[str] | None:
-    """The plots that a list separated by commas asks for; None, as given, without a list. Raises BadRequestError."""
+    """Decode a list of plots separated by commas; None without a list. Raises BadRequestError."""
     if text is None:
         return None
     plots = text.split(",") if text else []
@@ -24,6 +24,6 @@ def read_plots(text: str | None) -> frozenset[str] | None:
 
 
 def split_plot(plot: str) -> tuple[str, str]:
-    """The topic and the path of the field."""
+    """Split a plot into its topic and the path of its field."""
     topic, _, path = plot.partition(":")
     return topic, path

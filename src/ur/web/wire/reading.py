@@ -1,4 +1,4 @@
-"""Types that requests of pages have in common: numbers, names and poses from a browser, with their limits."""
+"""Types that requests of pages share: numbers, names and poses from a browser, with their limits."""
 
 from __future__ import annotations
 
@@ -25,14 +25,14 @@ Heading = Annotated[float, Meta(ge=-7.0, le=7.0)]
 
 
 class PageRequest(PrintableValue, frozen=True, forbid_unknown_fields=False, tag_field="t", tag=""):
-    """A request of a page that drives. Unknown fields are ignored: a stop is not refused since a page is newer."""
+    """A request of a driving page. Unknown fields are ignored, so that a newer page can always stop the robot."""
 
 
 _HEAD: tuple[str, ...] = ("n", "id")
 
 
 def read_numbered(text: object, kind: object, longest: int) -> tuple[Any, dict[str, object]]:
-    """The request of a type that a text is, and its fields `n` and `id` as given. Raises BadRequestError."""
+    """Decode a request of a type, and its fields `n` and `id` as given. Raises BadRequestError."""
     value = read_json(text, dict[str, object], longest)
     head = {name: value.pop(name) for name in _HEAD if name in value}
     return convert_json(value, kind), head

@@ -1,6 +1,6 @@
-"""Requests of pages, as JSON: what comes from a browser is hostile until it is read here.
+"""Requests of pages, as JSON. Data from a browser is untrusted until decoded here.
 
-A request that sets something in motion carries `n`, the newest challenge of the mux that the page has received.
+A request that causes motion has `n`, the newest challenge of the mux that the page has received.
 """
 
 from __future__ import annotations
@@ -27,23 +27,23 @@ LEAST_LIMIT = 10
 
 _Hold = Annotated[int, Meta(ge=1, lt=2**32, description="a whole number from 1 to 2^32 - 1")]
 _Velocity = Annotated[float, Meta(ge=-100.0, le=100.0)]
-# Not tuple[Coordinate, Coordinate]: msgspec 0.22 crashes with a union of a text that has limits and such a tuple.
+# Not tuple[Coordinate, Coordinate]: msgspec 0.22 crashes on a union of a text with limits and such a tuple.
 _Point = Annotated[tuple[Coordinate, ...], Meta(min_length=2, max_length=2)]
 _STOPS = f"1 to {MOST_STOPS} names or [x, y]"
 
 
 class _Stamped(PageRequest, frozen=True, tag="", rename={"answers": "n"}):
-    """A request that sets something in motion."""
+    """A request that causes motion."""
 
     answers: Stamp
 
 
 class Alive(_Stamped, frozen=True, tag="alive"):
-    """The page is there, and has received the challenge `answers`."""
+    """A heartbeat: the page is connected, and has received the challenge `answers`."""
 
 
 class Stick(_Stamped, frozen=True, tag="stick"):
-    """A velocity (m/s, rad/s) while the user holds the stick; each press begins a `hold` with a higher number."""
+    """A velocity (m/s, rad/s) while the user holds the stick; each press increments `hold`."""
 
     hold: _Hold
     forward: _Velocity
@@ -51,13 +51,13 @@ class Stick(_Stamped, frozen=True, tag="stick"):
 
 
 class LetGo(PageRequest, frozen=True, tag="let_go"):
-    """The user has let go of the stick, or the page takes it so."""
+    """Release of the stick, by the user or detected by the page."""
 
     hold: _Hold
 
 
 class GoalRequest(_Stamped, frozen=True, tag="goal"):
-    """Drive to a place in the map frame; any heading counts there where `yaw` is None."""
+    """Drive to a position in the map frame, with any final heading if `yaw` is None."""
 
     x: Coordinate
     y: Coordinate
@@ -71,7 +71,7 @@ class GoTo(_Stamped, frozen=True, tag="go_to"):
 
 
 class InitialPose(_Stamped, frozen=True, tag="pose"):
-    """The robot is here, in the map frame."""
+    """Set the robot's pose in the map frame."""
 
     x: Coordinate
     y: Coordinate
@@ -83,7 +83,7 @@ class Cancel(PageRequest, frozen=True, tag="cancel"):
 
 
 class Resume(_Stamped, frozen=True, tag="resume"):
-    """Continue the goal that is held."""
+    """Resume the goal that is held."""
 
 
 class AskForLease(_Stamped, frozen=True, tag="lease", rename={"action": "do", "answers": "n"}):
@@ -93,7 +93,7 @@ class AskForLease(_Stamped, frozen=True, tag="lease", rename={"action": "do", "a
 
 
 class StopAll(PageRequest, frozen=True, tag="stop"):
-    """Stop everything that drives."""
+    """Trigger the emergency stop, which stops all commands."""
 
 
 class ReleaseAll(PageRequest, frozen=True, tag="release"):
@@ -101,9 +101,9 @@ class ReleaseAll(PageRequest, frozen=True, tag="release"):
 
 
 class AskPatrol(_Stamped, frozen=True, tag="patrol", rename={"action": "do", "answers": "n", "stops": "places"}):
-    """Have the robot start a patrol, or pause, resume or end the one that it drives.
+    """Start a patrol, or pause, resume or end the active one.
 
-    `stops` are names of places, or x, y in m in the map frame, where any heading counts. `wait` s at each.
+    `stops` are names of places, or x, y in m in the map frame with any final heading. The robot waits `wait` s at each.
     """
 
     action: PatrolAction
@@ -117,13 +117,13 @@ class AskPatrol(_Stamped, frozen=True, tag="patrol", rename={"action": "do", "an
 
 
 class LimitSpeed(PageRequest, frozen=True, tag="limit"):
-    """Let nothing drive faster than this percentage of the base's highest speeds."""
+    """Limit all motion to this percentage of the base's highest speeds."""
 
     percent: Annotated[int, Meta(ge=LEAST_LIMIT, le=100)]
 
 
 class SwitchObstacleStop(PageRequest, frozen=True, tag="obstacles"):
-    """Let the mux stop commands of people before obstacles, or follow them."""
+    """Switch the mux's obstacle stop for manual commands on or off."""
 
     on: bool
 
@@ -148,6 +148,6 @@ Request = _DriveRequest | MapRequest
 
 
 def read_request(text: object) -> Request:
-    """The request that a text is. Raises BadRequestError."""
+    """Decode a request. Raises BadRequestError."""
     found: _DriveRequest | PackedMapRequest = read_json(text, _DriveRequest | PackedMapRequest, LONGEST)
     return found.unpack() if isinstance(found, PackedZone | PackedWalls) else found

@@ -1,7 +1,7 @@
-"""Requests of pages about programs and runs, as JSON: hostile until they are read here.
+"""Requests of pages about programs and runs, as JSON. Untrusted until decoded here.
 
-Each carries `n`, the newest beat of the server that the page has received: a request that waited in a connection
-is recognised by an old one. `id` is the page's number of the request, by which it knows the answer.
+Each has `n`, the newest beat of the server that the page has received: an old beat reveals a request that was delayed
+in a connection. `id` is the page's number of the request, which the answer repeats.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ class StartProgram(ForeignValue, frozen=True, tag_field="t", tag="start"):
     arguments: _Arguments = msgspec.field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        # Nothing of a value is to be substituted.
+        # No part of a value is to be substituted.
         if not all(text.isprintable() and "$(" not in text for text in self.arguments.values()):
             raise ValueError(f"arguments: expected {_ARGUMENTS}")
 
@@ -86,18 +86,18 @@ class Envelope:
 
 
 def read_run_request(text: object) -> Envelope:
-    """The request that a text is. Raises BadRequestError."""
+    """Decode a request. Raises BadRequestError."""
     request, fields = read_numbered(text, RunRequest, LONGEST)
     head = convert_json(fields, _Head)
     return Envelope(head.n, head.id, request)
 
 
 def read_program(program: object, arguments: str) -> StartProgram:
-    """The program and arguments, as JSON, of a query. Raises BadRequestError."""
+    """Decode the program and its arguments, as JSON, of a query. Raises BadRequestError."""
     return convert_json({"t": "start", "program": program, "arguments": read_json(arguments, dict)}, StartProgram)
 
 
 def read_node_name(value: object) -> str:
-    """A full name of a node. Raises BadRequestError."""
+    """Return a value that is a full node name. Raises BadRequestError."""
     name: str = convert_json(value, _NodeName)
     return name

@@ -1,4 +1,4 @@
-"""Requests of pages that look: in the address of the web socket, and in messages when what they show changes."""
+"""Requests of pages that view: in the address of the web socket, and in messages when the view changes."""
 
 from __future__ import annotations
 
@@ -23,18 +23,18 @@ _Texts = Annotated[
 
 @dataclass(frozen=True, slots=True)
 class ViewRequest:
-    """The layers that a page shows, `Layer.PLOTS` among them while its plots are open, and the plots."""
+    """The layers that a page shows, with `Layer.PLOTS` while its plots are open, and the plots."""
 
     layers: frozenset[Layer]
     plots: frozenset[str] = frozenset()
 
 
 def read_view(values: Mapping[str, str]) -> ViewRequest:
-    """The request that `layers` and `plots` of a query make. Raises BadRequestError."""
+    """Decode the `layers` and `plots` of a query. Raises BadRequestError."""
     layers, plots = read_layers(values.get("layers")), read_plots(values.get("plots"))
     return ViewRequest(layers) if plots is None else ViewRequest(layers | {Layer.PLOTS}, plots)
 
 
 def read_view_message(data: object) -> ViewRequest:
-    """The request of a message: a JSON object of the same texts. Raises BadRequestError."""
+    """Decode a message: a JSON object with the same texts as the query. Raises BadRequestError."""
     return read_view(read_json(data if isinstance(data, str) else None, _Texts, LONGEST))

@@ -1,8 +1,8 @@
-"""The protocol of Foxglove's WebSocket connections, as far as clients may use it: hostile until it is read here.
+"""The protocol of Foxglove's WebSocket connections, as far as clients may use it. Untrusted until decoded here.
 
-A client subscribes, which is passed on to the server of foxglove-sdk as it has been read; and it publishes goals and
-initial poses, which become requests as a page makes them and never reach that server. Published messages are in the
-form of ROS 1. The protocol is described at https://github.com/foxglove/ws-protocol/blob/main/docs/spec.md.
+Subscriptions of a client are forwarded to the server of foxglove-sdk in decoded form. Goals and initial poses that it
+publishes become requests like those of a page, and never reach that server. Published messages are in the form of ROS
+1. The protocol is described at https://github.com/foxglove/ws-protocol/blob/main/docs/spec.md.
 """
 
 from __future__ import annotations
@@ -61,7 +61,7 @@ class _Unsubscribe(msgspec.Struct, frozen=True, tag_field="op", tag="unsubscribe
 
 
 class AdvertisedTopic(msgspec.Struct, frozen=True, rename={"number": "id", "schema": "schemaName"}):
-    """A topic on which the client is going to publish, with the number that it gives it."""
+    """A topic on which the client is going to publish, with its channel number."""
 
     number: _Number
     topic: _Name
@@ -76,14 +76,14 @@ class Advertisement(msgspec.Struct, frozen=True, tag_field="op", tag="advertise"
 
 
 class Withdrawal(msgspec.Struct, frozen=True, tag_field="op", tag="unadvertise", rename={"numbers": "channelIds"}):
-    """Topics on which the client publishes no more, by their numbers."""
+    """Topics on which the client stops publishing, by their numbers."""
 
     numbers: _Numbers
 
 
 @dataclass(frozen=True, slots=True)
 class SubscriptionMessage:
-    """A message about subscriptions; `text` holds its known fields only."""
+    """A message about subscriptions; `text` contains its known fields only."""
 
     text: str
 
@@ -103,7 +103,7 @@ _KINDS: dict[Any, type[Any]] = {
 
 
 def read_message(data: object) -> Message | None:
-    """The message of a client; None for one that asks for what this server does not offer. Raises BadRequestError."""
+    """Decode the message of a client; None for a request that this server does not support. Raises BadRequestError."""
     if isinstance(data, bytes):
         if len(data) < _PUBLISHED.size or data[0] != _MESSAGE_DATA:
             return None
@@ -122,9 +122,9 @@ def read_message(data: object) -> Message | None:
 
 
 def read_request_of(topic: str, data: bytes) -> dict[str, object]:
-    """The request of a page that a message on a topic of SCHEMAS is, but for the challenge that the client proves.
+    """Convert a message on a topic of SCHEMAS to a page's request, without the challenge.
 
-    Raises BadRequestError: it is malformed, or not in the map frame.
+    Raises BadRequestError if it is malformed, or not in the map frame.
     """
     rest = _COVARIANCE if topic == POSE else 0
     try:
@@ -146,7 +146,7 @@ def read_request_of(topic: str, data: bytes) -> dict[str, object]:
 
 
 def complete_server_info(text: str, *, publish: bool) -> str:
-    """The first message of foxglove-sdk, with what the gate offers besides: to `publish`, and that this is ROS 1."""
+    """Return the first message of foxglove-sdk, extended by the gate: the capability to `publish`, and ROS 1."""
     value = read_json(text, dict[str, Any], len(text))
     if value.get("op") != "serverInfo":
         return text
@@ -157,5 +157,5 @@ def complete_server_info(text: str, *, publish: bool) -> str:
 
 
 def write_status(level: Literal["info", "warning", "error"], text: str) -> str:
-    """A line that the client shows to its user."""
+    """Return a message whose text the client shows to its user."""
     return write_json({"op": "status", "level": ("info", "warning", "error").index(level), "message": text})

@@ -1,1 +1,1 @@
-"""Connections before the HTTP server: accepted, distinguished, limited, and handed on."""
+"""Connections before the HTTP server: accepted, classified, limited, and handed over."""

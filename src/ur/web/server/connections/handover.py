@@ -1,4 +1,4 @@
-"""Connections that the HTTP server gets, with what has been read of them already."""
+"""Handover of connections to the HTTP server, with the data that was already read from them."""
 
 from __future__ import annotations
 
@@ -8,20 +8,20 @@ from collections.abc import Callable
 from contextlib import suppress
 from typing import cast
 
-_MOST_LEFT = 1 << 16  # bytes that a client may send behind its only request
+_MOST_LEFT = 1 << 16  # bytes that a client may send after its only request
 
 Handlers = Callable[[], asyncio.Protocol]
 """Makes the protocol that serves a connection."""
 
 
 async def serve_all(handlers: Handlers, sock: socket.socket, data: bytes) -> None:
-    """Have a connection served whose first bytes are `data`. Returns when it has begun."""
+    """Serve a connection whose first bytes are `data`. Returns once the service has begun."""
     with suppress(OSError):
         await asyncio.get_running_loop().connect_accepted_socket(lambda: _Continued(handlers(), data), sock)
 
 
 async def serve_one(handlers: Handlers, sock: socket.socket, request: bytes, limit: float) -> None:
-    """Have one request served, which is complete, for at most `limit` s. Returns when the connection is closed."""
+    """Serve one complete request, for at most `limit` s. Returns when the connection is closed."""
     protocol = _OneRequest(handlers(), request)
     with suppress(OSError):
         await asyncio.get_running_loop().connect_accepted_socket(lambda: protocol, sock)
@@ -31,20 +31,20 @@ async def serve_one(handlers: Handlers, sock: socket.socket, request: bytes, lim
 
 
 class _Continued(asyncio.Protocol):
-    """Leaves the connection to another protocol, and hands it what has been read."""
+    """Protocol that passes a connection, and the data already read, to another protocol."""
 
     def __init__(self, handler: asyncio.Protocol, data: bytes) -> None:
         self._handler, self._data = handler, data
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
-        """Hand over."""
+        """Pass the connection on."""
         transport.set_protocol(self._handler)
         self._handler.connection_made(transport)
         self._handler.data_received(self._data)
 
 
 class _OneRequest(asyncio.Protocol):
-    """Passes one request to another protocol, and nothing that follows."""
+    """Protocol that passes a single request to another protocol, and drops all later data."""
 
     def __init__(self, handler: asyncio.Protocol, request: bytes) -> None:
         self._handler, self._request = handler, request
@@ -59,25 +59,25 @@ class _OneRequest(asyncio.Protocol):
         self._handler.data_received(self._request)
 
     def data_received(self, data: bytes) -> None:
-        """Drop what follows, and the connection when it is much."""
+        """Drop the data, and close the connection if there is much of it."""
         self._left -= len(data)
         if self._left < 0:
             self.abort()
 
     def eof_received(self) -> bool:
-        """Keep the connection for the answer."""
+        """Keep the connection open for the response."""
         return True
 
     def pause_writing(self) -> None:
-        """Pass on."""
+        """Forward the call."""
         self._handler.pause_writing()
 
     def resume_writing(self) -> None:
-        """Pass on."""
+        """Forward the call."""
         self._handler.resume_writing()
 
     def connection_lost(self, problem: Exception | None) -> None:
-        """Pass on."""
+        """Forward the call."""
         self.closed.set()
         self._handler.connection_lost(problem)
 

@@ -1,4 +1,4 @@
-"""The HTTP server behind the listener, and what it logs of its own errors."""
+"""The HTTP server behind the listener, and the log of its errors."""
 
 from __future__ import annotations
 
@@ -25,9 +25,9 @@ _LOGGED_EVERY = 60.0  # s
 async def open_server(
     application: web.Application, gate: LoginGate, host: str, port: int, log: Callable[[str], None], **bounds: Any
 ) -> AsyncIterator[ConnectionListener]:
-    """Serve an application on a port until the block is left. Raises OSError: the port cannot be listened on.
+    """Serve an application on a port while the context lasts. Raises OSError if the port cannot be opened.
 
-    `log` gets a line a minute at most about connections that fail. `bounds` are those of a Listener.
+    `log` is called at most once a minute about failed connections. `bounds` are those of ConnectionListener.
     """
     rarely = Rarely(log)
     logging.getLogger("aiohttp").addHandler(logging.NullHandler())
@@ -39,7 +39,7 @@ async def open_server(
         application,
         access_log=None,
         handle_signals=False,
-        # Bodies are not unpacked, and what follows a refusal is not read: both would delay all other requests.
+        # Bodies are not decompressed, and data after a refusal is not read: both would delay all other requests.
         auto_decompress=False,
         lingering_time=0.0,
         keepalive_timeout=_KEEP_ALIVE,
@@ -58,14 +58,14 @@ async def open_server(
 
 
 class Rarely:
-    """A log that takes one line a minute, with the number of those that it has left out."""
+    """A log of at most one line per minute, which includes the number of omitted lines."""
 
     def __init__(self, log: Callable[[str], None], clock: Callable[[], float] = time.monotonic) -> None:
         self._clock = clock
         self._log, self._next, self._left_out = log, 0.0, 0
 
     def __call__(self, line: str) -> None:
-        """Take a line."""
+        """Log a line, or count it as omitted."""
         now = self._clock()
         if now < self._next:
             self._left_out += 1
@@ -75,13 +75,13 @@ class Rarely:
         self._log(line + more)
 
     def report(self, _loop: asyncio.AbstractEventLoop, context: Mapping[str, object]) -> None:
-        """Take an error of the event loop."""
+        """Log an error of the event loop."""
         self(f"{context.get('message')}: {context.get('exception')!r}")
 
 
 @cache
 def _answer(status: int, text: str) -> bytes:
-    """A refusal before a request is read."""
+    """Return a response that refuses a connection before its request is read."""
     headers = {**HEADERS, "Cache-Control": "no-store", "Connection": "close", "Content-Type": "text/plain"}
     lines = [f"HTTP/1.1 {status} {HTTPStatus(status).phrase}", *(f"{name}: {value}" for name, value in headers.items())]
     return ("\r\n".join([*lines, f"Content-Length: {len(text)}", "", ""]) + text).encode("ascii")

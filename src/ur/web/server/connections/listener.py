@@ -1,10 +1,10 @@
-"""Connections, accepted and distinguished before the HTTP server sees them.
+"""Listener that accepts and classifies connections before the HTTP server gets them.
 
-A connection waits here until the head of its first request is complete. One whose head holds the secret of a session
-is handed on at once and without limits. All others have limits: on their number, on their rate, on the size of head and
-body, on time; and each of them is good for one request. Where there are too many, those go that have waited longest at
-the address with the most: a new connection of a session always finds room, and has time until hundreds of others have
-arrived from its address.
+A connection waits here until the head of its first request is complete. One whose head contains the secret of a session
+is handed over at once and without limits. All others are limited in number, rate, size of head and body, and time; and
+each of them serves one request. If there are too many, the oldest ones of the address with the most connections are
+dropped: so a new connection of a session is always accepted, and has time until hundreds of others have arrived from
+its address.
 """
 
 from __future__ import annotations
@@ -28,10 +28,10 @@ LONGEST_BODY = 2048
 """Bytes of the longest body of a request without a session."""
 
 MOST_WAITING = 512  # connections whose first head is not complete
-_MOST_SERVED = 32  # connections without a session, of which the HTTP server works on a request
-_MOST_CLOSING, _CLOSE_LIMIT = 64, 1.0  # connections that have got a refusal and may still send, s
+_MOST_SERVED = 32  # connections without a session whose request the HTTP server is processing
+_MOST_CLOSING, _CLOSE_LIMIT = 64, 1.0  # s for which a refused connection may still send
 _MOST_READS = 64  # pieces of a head
-_AT_ONCE = 64  # connections accepted before others get a turn
+_AT_ONCE = 64  # connections accepted in one go before others are served
 _BACKLOG = 1024
 _RATE, _BURST = 50.0, 200.0  # requests of an address without a session, a second
 _RATE_OF_ALL, _BURST_OF_ALL = 100.0, 400.0
@@ -41,7 +41,7 @@ _NO_ROOM = (errno.EMFILE, errno.ENFILE, errno.ENOBUFS, errno.ENOMEM)
 
 
 class _Waiting:
-    """A connection whose first request is not complete."""
+    """A connection whose first request is incomplete."""
 
     __slots__ = ("address", "buffer", "head", "reads", "sock", "until")
 
@@ -52,7 +52,7 @@ class _Waiting:
 
     @property
     def is_read(self) -> bool:
-        """Return whether all of the request has been read."""
+        """Return whether the whole request has been read."""
         head = self.head
         return head is not None and head.body is not None and len(self.buffer) == len(head.data) + head.body
 
@@ -60,8 +60,8 @@ class _Waiting:
 class ConnectionListener:
     """Accepts connections and has `handlers` make the protocol that serves each.
 
-    `recognise` is whether a head holds the secret of a session; it must be quick. `answer` makes the bytes of a
-    refusal from a status and a text. `log` takes a line.
+    `recognise` returns whether a head contains the secret of a session; it must be fast. `answer` returns the bytes of
+    a refusal from a status and a text. `log` is called with a line.
     """
 
     def __init__(
@@ -88,7 +88,7 @@ class ConnectionListener:
         self._sweeping: asyncio.TimerHandle | None = None
 
     def open(self, host: str, port: int) -> None:
-        """Listen on all addresses of a host that this computer has. Raises OSError."""
+        """Listen on all addresses of a host name that this computer has. Raises OSError."""
         found = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE)
         opened = [
             _listen(family, kind, protocol, address) for family, kind, protocol, _, address in dict.fromkeys(found)
@@ -101,7 +101,7 @@ class ConnectionListener:
         self._sweep()
 
     def close(self) -> None:
-        """Stop listening, and drop what waits. Requests that are being served go on."""
+        """Stop listening, and drop waiting connections. Requests in progress continue."""
         for sock in self._listening:
             self._loop.remove_reader(sock)
             sock.close()
@@ -132,14 +132,14 @@ class ConnectionListener:
             waiting = _Waiting(sock, str(address[0]), self._loop.time() + self._head_limit)
             self._count += 1
             self._waiting.setdefault(waiting.address, {})[sock] = waiting
-            self._read(waiting)  # most have their head: no reader is needed
+            self._read(waiting)  # the head has usually arrived: no reader is needed
             if sock in self._waiting.get(waiting.address, ()):
                 self._loop.add_reader(sock, self._read, waiting)
             if self._count > self._most_waiting:
                 self._drop(next(iter(max(self._waiting.values(), key=len).values())))
 
     def _make_room(self, listening: socket.socket, problem: OSError) -> None:
-        """Drop all that waits, and accept again a moment later."""
+        """Drop all waiting connections, and accept new ones a moment later."""
         for waiting in [each for group in self._waiting.values() for each in group.values()]:
             self._drop(waiting)
         self._log(f"connections cannot be accepted: {(problem.strerror or str(problem)).lower()}")
@@ -152,7 +152,7 @@ class ConnectionListener:
         self._loop.call_later(_RETRY, go_on)
 
     def _read(self, waiting: _Waiting) -> None:
-        """Take what has arrived; go on where the head, or the request of a client without a session, is complete."""
+        """Read available data; continue once the head, or the request of a client without a session, is complete."""
         try:
             data = waiting.sock.recv(LONGEST)
         except (BlockingIOError, InterruptedError):
@@ -173,7 +173,7 @@ class ConnectionListener:
             self._drop(waiting)
 
     def _judge(self, waiting: _Waiting, head: Head) -> None:
-        """Decide what a connection gets, by the head of its first request."""
+        """Decide on a connection by the head of its first request."""
         if self._recognise(head):
             self._forget(waiting)
             self._start(serve_all(self._handlers, waiting.sock, bytes(waiting.buffer)))
@@ -190,7 +190,7 @@ class ConnectionListener:
             self._complete(waiting, head)
 
     def _complete(self, waiting: _Waiting, head: Head) -> None:
-        """Hand one request on when its body has arrived."""
+        """Hand over a single request when its body is complete."""
         size = len(head.data) + (head.body or 0)
         if len(waiting.buffer) < size:
             return
@@ -214,7 +214,7 @@ class ConnectionListener:
         task.add_done_callback(self._tasks.discard)
 
     def _refuse(self, waiting: _Waiting, status: int, text: str) -> None:
-        """Send a refusal, and read what still arrives for a moment: a closed socket would take the refusal back."""
+        """Send a refusal, and read for a moment: closing a socket with unread data would discard the refusal."""
         self._forget(waiting)
         sock = waiting.sock
         with suppress(OSError):
@@ -247,7 +247,7 @@ class ConnectionListener:
         sock.close()
 
     def _forget(self, waiting: _Waiting) -> None:
-        """Take a connection out of those that wait. Its socket stays open."""
+        """Remove a connection from the waiting ones. Its socket stays open."""
         self._loop.remove_reader(waiting.sock)
         group = self._waiting[waiting.address]
         del group[waiting.sock]
@@ -260,7 +260,7 @@ class ConnectionListener:
         waiting.sock.close()
 
     def _sweep(self) -> None:
-        """End what takes too long, from time to time."""
+        """Periodically close connections that exceed their time limit."""
         now = self._loop.time()
         late = [
             each for group in self._waiting.values() for each in takewhile(lambda one: one.until < now, group.values())
@@ -273,7 +273,7 @@ class ConnectionListener:
 
 
 def _listen(family: int, kind: int, protocol: int, address: tuple[str | int | bytes, ...]) -> socket.socket | None:
-    """Listen on an address; None: this computer has no such one. Raises OSError."""
+    """Listen on an address; None if this computer does not have it. Raises OSError."""
     try:
         sock = socket.socket(family, kind, protocol)
     except OSError:  # no IPv6

@@ -1,1 +1,1 @@
-"""Data of the robot for pages: web sockets, and the process that reads it."""
+"""Data of the robot for pages: web sockets, and the process that reads the data."""

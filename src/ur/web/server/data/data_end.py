@@ -1,4 +1,4 @@
-"""The process that reads data of the robot: it runs while a page shows any, apart from the one that drives."""
+"""The process that reads data of the robot: it runs while a page shows data, separate from the driving process."""
 
 from __future__ import annotations
 
@@ -16,15 +16,16 @@ from ur.web.wire.frames import LENGTH, LONGEST
 
 _MODULE = "ur_nodes.web.data.data_end_node"
 _PAUSE = 1.0  # s before it is started again
-_WAITING = 1 << 20  # bytes of requests that the process has not taken
+_WAITING = 1 << 20  # bytes of requests that the process has not read
 
 State = Literal["off", "starting", "up"]
 
 
 class DataProcess:
-    """Keeps the process running from `open` to `close`. `on_start` is called before its first frame.
+    """Keeps the process running between `open` and `close`.
 
-    `is_up` returns whether the robot is connected: without a master the process would not start.
+    `on_start` is called before its first frame. `is_up` returns whether the robot is connected: without a master the
+    process would not start.
     """
 
     def __init__(
@@ -43,7 +44,7 @@ class DataProcess:
         self.pid = 0
 
     def open(self) -> None:
-        """Have the process run."""
+        """Keep the process running from now on."""
         if self._task is None:
             self.state = "starting"
             self._task = asyncio.create_task(self._run())
@@ -58,7 +59,7 @@ class DataProcess:
             self.state = "off"
 
     def send(self, page: int, text: str) -> bool:
-        """Pass a request of a page on, "" when the page has disconnected. Return whether the process can take it."""
+        """Forward a request of a page, or "" when the page has disconnected. Return whether the process accepts it."""
         if self._link is None or self._link.transport.get_write_buffer_size() > _WAITING:
             return False
         self._link.write(json.dumps({"page": page, "m": text}).encode() + b"\n")

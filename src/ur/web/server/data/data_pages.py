@@ -1,4 +1,4 @@
-"""Web sockets of pages that show data of the robot: requests are checked here, and answered at the robot's end."""
+"""Web sockets of pages that show data of the robot: requests are checked here, and answered by the robot's process."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ OLDEST = 5.0
 
 _HEARTBEAT = 5.0  # s between pings of a web socket
 _RATE, _BURST = 10.0, 40.0  # requests of one page, a second
-_CHANGE_RATE, _CHANGE_BURST = 5.0, 10.0  # of these, what changes something
+_CHANGE_RATE, _CHANGE_BURST = 5.0, 10.0  # of these, changes
 _MOST_BAD = 20
 _MOST_ANSWERS = 100
 _MOST_PAGES = 20
@@ -39,7 +39,7 @@ _UNUSED = 3.0  # s without a page after which the process ends
 
 
 class _Page:
-    """A page: what it shows, and what it has not taken yet."""
+    """A page: its request, and the frames that are not yet sent to it."""
 
     def __init__(self, number: int, socket: web.WebSocketResponse) -> None:
         self.number, self.socket = number, socket
@@ -51,7 +51,7 @@ class _Page:
         self._numbers = itertools.count(1)
 
     def put(self, frame: DataFrame) -> None:
-        """Have a frame sent: in place of the one with its key, or after all others without a key."""
+        """Queue a frame: in place of the one with the same key, or, without a key, after all others."""
         if frame.key:
             self._newest[frame.key] = frame.body
         else:
@@ -59,12 +59,12 @@ class _Page:
         self.due.set()
 
     def answer(self, number: int, text: str) -> None:
-        """Have a refusal sent."""
+        """Queue a refusal."""
         value = {"t": "answer", "id": number, "ok": False, "text": text}
         self.put(DataFrame(self.number, "", json.dumps(value).encode()))
 
     def is_fresh(self, beat: int) -> bool:
-        """Return whether a request with this beat was made a moment ago."""
+        """Return whether the server sent this beat to the page at most OLDEST seconds ago."""
         return time.monotonic() - self._beats.get(beat, -math.inf) < OLDEST
 
     async def run(self, describe: Callable[[], Mapping[str, object]]) -> None:
@@ -94,7 +94,7 @@ class _Page:
 
 
 class DataPages:
-    """The route, and what it needs. `is_up` returns whether the robot is connected; `log` takes a line."""
+    """The route and its dependencies. `is_up` returns whether the robot is connected; `log` is called with a line."""
 
     def __init__(self, environment: Mapping[str, str], is_up: Callable[[], bool], log: Callable[[str], None]) -> None:
         self._log = log
@@ -105,7 +105,7 @@ class DataPages:
         self._three = ThreeScript(CommandQueue(environment))
 
     def routes(self) -> list[web.RouteDef]:
-        """The routes."""
+        """Return the routes."""
         return [web.get("/ws/data", self._serve), web.get("/three.js", self._three.serve)]
 
     def sockets(self) -> list[web.WebSocketResponse]:
@@ -124,7 +124,7 @@ class DataPages:
             page.put(frame)
 
     def _show_again(self) -> None:
-        """Send what pages show to a new process."""
+        """Send the requests of all pages to a new process."""
         for page in self._pages.values():
             if page.shows:
                 self._end.send(page.number, page.shows)
@@ -157,7 +157,7 @@ class DataPages:
         await asyncio.sleep(_UNUSED)
         if not self._pages:
             await self._end.close()
-            if self._pages:  # one that has come meanwhile
+            if self._pages:  # a page that has connected meanwhile
                 self._end.open()
 
     async def _receive(self, page: _Page, role: Role, who: str) -> None:
@@ -192,7 +192,7 @@ class DataPages:
 
 
 def _refuse(role: Role, *, fresh: bool, allowed: bool) -> str:
-    """The reason why a page may not change something; "" if it may."""
+    """Return the reason why a page must not make a change; "" if it may."""
     if role is not Role.DRIVE:
         return "this login may look, expected one that may drive"
     if not allowed:

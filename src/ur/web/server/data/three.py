@@ -1,4 +1,4 @@
-"""The script of three.js, out of a Python package that holds it: installed when a page opens its 3D view first."""
+"""The script of three.js from a Python package, which is installed when a page first opens its 3D view."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _HEADERS = {"Content-Type": "text/javascript; charset=utf-8", "Cache-Control": "
 
 
 def find_script() -> Path | None:
-    """The file of three.js; None where its package is not installed."""
+    """Find the file of three.js; None if its package is not installed."""
     importlib.invalidate_caches()  # it may have been installed since
     found = find_spec(_PACKAGE)
     folders = found.submodule_search_locations if found is not None else None
@@ -29,7 +29,7 @@ def find_script() -> Path | None:
 
 
 class ThreeScript:
-    """Serves the script; `commands` runs the one that installs it."""
+    """Serves the script; `commands` runs the command that installs it."""
 
     def __init__(self, commands: CommandQueue, find: Callable[[], Path | None] = find_script) -> None:
         self._commands, self._find = commands, find
@@ -37,7 +37,7 @@ class ThreeScript:
         self._packed: bytes | None = None
 
     async def serve(self, request: web.Request) -> web.Response:
-        """Answer with the script. Raises HTTPServiceUnavailable: it cannot be installed."""
+        """Respond with the script. Raises HTTPServiceUnavailable if it cannot be installed."""
         async with self._lock:
             if self._packed is None:
                 path = self._find() or await self._install()

@@ -1,1 +1,1 @@
-"""Devices that log in: sessions, their file, their list, and the routes for them."""
+"""Logins of devices: sessions, their file, their list, and their routes."""

@@ -1,4 +1,4 @@
-"""The gate before every request: host, origin, session and role; and the headers of every answer."""
+"""Login gate for every request: it checks host, origin, session and role, and sets the headers of every response."""
 
 from __future__ import annotations
 
@@ -50,13 +50,13 @@ VIEWER_PATH = "/foxglove"
 _OPEN = frozenset({"/login", "/login.js", "/style.css", "/texts.js", "/icon.svg"})
 _LOGIN_RATE, _LOGIN_BURST = 0.2, 10.0
 _REQUEST_RATE, _REQUEST_BURST = 50.0, 200.0  # of a session
-_FILE_RATE, _FILE_BURST = 500.0, 1500.0  # of a session, for files of the page: a load of it asks for dozens
+_FILE_RATE, _FILE_BURST = 500.0, 1500.0  # of a session, for files of the page: loading it requests dozens
 _LONGEST_QUERY = 500  # characters
 _UNLIMITED = frozenset({"/api/stop", "/ws/drive"})
 
 
 class LoginGate:
-    """Lets requests in. Sessions are kept in a file that only the user can read, so that they outlive the server."""
+    """Checks requests. Sessions are stored in a file that only the user can read, so that they survive a restart."""
 
     def __init__(
         self,
@@ -71,21 +71,21 @@ class LoginGate:
         pace: tuple[float, float] = (_REQUEST_RATE, _REQUEST_BURST),
         clock: Callable[[], float] = time.time,
     ) -> None:
-        """`links` are those that others have made for this server; `viewer_origins` of viewers besides the known.
+        """Load the sessions. `links` were made by other commands; `viewer_origins` are additional origins of viewers.
 
-        `report` takes a line about each login, which is good for `life` s. `pace` is a
-        session's rate of requests, 1/s, and how many may come at once.
+        `report` is called with a line about each login, which is valid for `life` s. `pace` is a session's rate of
+        requests, 1/s, and its burst.
         """
         self._origins, self._log = origins, log
         self._viewer_origins = frozenset(viewer_origins)
         self.sessions = Sessions(sessions, log, links, report, life, clock)
-        self._logins = Buckets(_LOGIN_RATE, _LOGIN_BURST)  # that fail, by address
+        self._logins = Buckets(_LOGIN_RATE, _LOGIN_BURST)  # failed ones, by address
         self._requests = Buckets(*pace)  # by session
         self._files = Buckets(_FILE_RATE, _FILE_BURST)  # by session
 
     @property
     def cookie(self) -> str:
-        """The name of the cookie: servers on several ports of one host share its cookies."""
+        """The name of the cookie, which contains the port: servers on several ports of one host share their cookies."""
         return f"ur_web_{self._origins.port}"
 
     @property
@@ -95,15 +95,15 @@ class LoginGate:
 
     @property
     def is_local(self) -> bool:
-        """True where only this computer reaches the server."""
+        """True if only this computer reaches the server."""
         return self._origins.names <= LOOPBACK
 
     def invite(self, role: Role) -> str:
-        """Make a token for one login."""
+        """Create a token for one login."""
         return self.sessions.invite(role)
 
     def log_in(self, request: web.Request, token: object) -> web.Response:
-        """Answer a login: a cookie for a token that is valid. Only those that are not are limited."""
+        """Respond to a login: a cookie for a valid token. Only attempts with invalid tokens are rate-limited."""
         name = name_device(request.headers.get("User-Agent"))
         before = self.sessions.find(request.cookies.get(self.cookie))
         secret = self.sessions.log_in(token, name, request.remote or "", before[0] if before else "")
@@ -125,7 +125,7 @@ class LoginGate:
         return answer
 
     def middleware(self) -> Middleware:
-        """The check of every request."""
+        """The middleware that checks every request."""
 
         @web.middleware
         async def check(request: web.Request, handler: Handler) -> web.StreamResponse:
@@ -166,7 +166,7 @@ class LoginGate:
         session = self.sessions.find(secret)
         if session is None or secret is None:
             if request.method == "GET" and "text/html" in request.headers.get("Accept", ""):
-                raise web.HTTPSeeOther("/login")  # which tells a person what to do
+                raise web.HTTPSeeOther("/login")  # the message tells the user what to do
             raise web.HTTPForbidden(text="log in first: open the link that 'ur web' has printed\n")
         self.sessions.note_use(secret)
         request[SESSION] = session
@@ -174,19 +174,19 @@ class LoginGate:
             self._limit(request)
 
     def _hold(self, request: web.Request) -> AbstractContextManager[None]:
-        """Have a web socket closed when its session ends. That of a viewer ends with the server."""
+        """Close a web socket when its session ends. That of a viewer ends with the server."""
         if SESSION not in request or not request.path.startswith("/ws/"):
             return nullcontext()
         return self.sessions.hold(request[SESSION][0], request.transport)
 
     def _limit(self, request: web.Request) -> None:
-        """Refuse a request of a session that sends too many; others do not notice. Raises HTTPTooManyRequests."""
+        """Refuse a request of a session that exceeds its rate, without effect on others. Raises HTTPTooManyRequests."""
         buckets = self._requests if request.path.startswith(("/api/", "/ws/", VIEWER_PATH)) else self._files
         if not buckets.allows(request[SESSION][0], time.monotonic()):
             raise web.HTTPTooManyRequests(text="too many requests\n")
 
     def recognise(self, head: Head) -> bool:
-        """Return whether the head of a request holds the secret of a session or of a viewer link, which is quick."""
+        """Return whether a request's head contains the secret of a session or of a viewer link. It is fast."""
         if any(self.sessions.find(each) for each in find_cookies(head, self.cookie)):
             return True
         path, _, query = head.target.decode("latin-1").partition("?")
@@ -195,7 +195,7 @@ class LoginGate:
         return any(self.sessions.find_viewer(each) for each in parse_qs(query).get("token", ())[:1])
 
     def _check_viewer(self, request: web.Request) -> None:
-        """The check of a viewer, which has no cookie. Its address holds the secret."""
+        """Check a viewer's request, which has no cookie: its address contains the secret."""
         found = self.sessions.find_viewer(request.query.get("token"))
         if found is None:
             text = "expected the address that 'ur web --foxglove' has printed; it ends with the server\n"
@@ -208,13 +208,13 @@ class LoginGate:
 
 
 def demand_drive(request: web.Request) -> None:
-    """Refuse a request of a session that may only look. Raises HTTPForbidden."""
+    """Refuse a request of a session without the right to drive. Raises HTTPForbidden."""
     if request[SESSION][1].role is not Role.DRIVE:
         raise web.HTTPForbidden(text="this login may look, expected one that may drive\n")
 
 
 async def read_body(request: web.Request, kind: type[Body]) -> Body:
-    """The value of a type that a request has as its body, which is JSON. Raises HTTPBadRequest."""
+    """Parse the JSON body of a request to a type. Raises HTTPBadRequest."""
     try:
         return read_json(await request.read(), kind)
     except BadJsonError as problem:
@@ -222,18 +222,18 @@ async def read_body(request: web.Request, kind: type[Body]) -> Body:
 
 
 def _is_embedded(request: web.Request) -> bool:
-    """Return whether a browser sends a request for a page of another origin, its link to ours excepted."""
+    """Return whether a page of another origin caused the browser's request, other than by a link to this page."""
     site, mode = request.headers.get("Sec-Fetch-Site", "none"), request.headers.get("Sec-Fetch-Mode", "")
     return site not in ("none", "same-origin") and mode != "navigate"
 
 
 def _own_address(request: web.Request) -> str:
-    """The address of this computer that the request was sent to."""
+    """Return the address of this computer to which the request was sent."""
     name = request.transport.get_extra_info("sockname") if request.transport else None
     return str(name[0]) if name else ""
 
 
 def name_device(user_agent: str | None) -> str:
-    """The device that a User-Agent header names; `a browser` where it names none."""
+    """Return the device that a User-Agent header names; `a browser` if it names none."""
     text = (user_agent or "")[:1000].lower()
     return next((name for mark, name in _NAMES if mark in text), "a browser")

@@ -1,4 +1,4 @@
-"""The file of a server's sessions, which another process may shorten while the server runs: that ends them."""
+"""The file of a server's sessions; another process may remove entries while the server runs, which ends them."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ _LONGEST = 1 << 20  # bytes
 
 
 def state_folder() -> Path:
-    """The folder of sessions and log."""
+    """Return the folder of sessions and log."""
     return Path(user_folder("XDG_STATE_HOME", os.environ), "ubiquity_launches", "web")
 
 
 class SessionFile:
-    """The sessions of one server, in a file that only the user can read, so that they outlive the server."""
+    """The sessions of one server, in a file that only the user can read, so that they survive a restart."""
 
     def __init__(self, path: Path) -> None:
         self._path = path
@@ -29,14 +29,17 @@ class SessionFile:
         self._seen: tuple[int, int, int] | None = None
 
     def load(self) -> Ledger:
-        """Read the file; what is missing or malformed holds no sessions."""
+        """Read the file; a missing or malformed one has no sessions."""
         self._seen = self._look()
         ledger = self._read()
         self._stored = frozenset(map(session_id, ledger.sessions))
         return ledger
 
     def store(self, ledger: Ledger, *, lasting: bool = True) -> Ledger:
-        """Write the sessions, less those that another process has ended, and return what is left. Raises OSError."""
+        """Write the sessions except those that another process has ended, and return the remaining ones.
+
+        Raises OSError.
+        """
         with self._lock():
             ledger = end_sessions(ledger, self._list_ended())
             replace_file(self._path, write_sessions(ledger), mode=PRIVATE, parents=True, lasting=lasting)
@@ -49,11 +52,11 @@ class SessionFile:
         return self._list_ended() if self._look() != self._seen else ()
 
     def read(self) -> Ledger:
-        """Read the file for another process than the server."""
+        """Read the file in a process other than the server."""
         return self._read()
 
     def end(self, ids: Collection[str]) -> None:
-        """End sessions in the file; its server notices. Raises OSError."""
+        """Remove sessions from the file, which the server notices. Raises OSError."""
         with self._lock():
             replace_file(self._path, write_sessions(end_sessions(self._read(), ids)), mode=PRIVATE)
 

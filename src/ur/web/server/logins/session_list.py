@@ -1,4 +1,4 @@
-"""The logins of all servers of this user, for a terminal. Needs nothing that a server needs."""
+"""The logins of all servers of this user, for a terminal. It imports nothing of the server."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _HEAD = ("NAME", "MAY", "FROM", "PORT", "LOGGED IN", "LAST SEEN", "GOOD UNTIL")
 
 @dataclass(frozen=True, slots=True)
 class Login:
-    """A session: the file that it is in, the port of its server, its id, and what it grants."""
+    """A session: its file, the port of its server, its id, and its rights."""
 
     path: Path
     port: int
@@ -32,13 +32,13 @@ class Login:
 
 
 def find_logins(folder: Path, now: float) -> list[Login]:
-    """The logins that are valid at a time in seconds since 1970, those that were seen last first."""
+    """Return the logins that are valid at a time in seconds since 1970, the last used first."""
     found = [login for path in folder.glob("sessions-*.json") for login in _read(path, now)]
     return sorted(found, key=lambda each: (-each.grant.last, each.grant.name, each.number))
 
 
 def draw_logins(logins: list[Login]) -> list[str]:
-    """A table of logins, as lines."""
+    """Return a table of logins, as lines."""
     if not logins:
         return ["no device is logged in"]
     rows = [_HEAD, *map(_describe, logins)]
@@ -47,9 +47,9 @@ def draw_logins(logins: list[Login]) -> list[str]:
 
 
 def end_logins(logins: list[Login], name: str) -> int:
-    """End the logins with a name, or all; a server that runs notices at once. Return their number.
+    """End the logins with a name, or all; return their number. A running server notices at once.
 
-    Raises UserError: there is none of this name, or a file cannot be written.
+    Raises UserError if none has this name, or a file cannot be written.
     """
     chosen = [each for each in logins if name == ALL or each.grant.name.casefold() == name.casefold()]
     if not chosen and name != ALL:

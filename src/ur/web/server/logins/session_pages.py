@@ -1,4 +1,4 @@
-"""Devices that have logged in: their list, their names, their end, and links for others."""
+"""Pages about logged-in devices: list, names, logout, and links for other devices."""
 
 from __future__ import annotations
 
@@ -24,14 +24,14 @@ class _Invitation(ForeignValue, frozen=True):
 
 
 class SessionPages:
-    """The routes. `rename` passes on that a session has another name; `log` takes a line about who does what."""
+    """The routes. `rename` is called with a session's new name; `log` is called with a line about each action."""
 
     def __init__(self, gate: LoginGate, rename: Callable[[str, str], None], log: Callable[[str], None]) -> None:
         self._gate, self._rename, self._log = gate, rename, log
         self._invitations = Buckets(_INVITE_RATE, _INVITE_BURST)
 
     def routes(self) -> list[web.RouteDef]:
-        """The routes."""
+        """Return the routes."""
         return [
             web.get("/api/sessions", self._list),
             web.post("/api/sessions/end", self._end),
@@ -40,7 +40,7 @@ class SessionPages:
         ]
 
     async def _list(self, request: web.Request) -> web.Response:
-        """List the sessions, the own one first."""
+        """List the sessions, that of the request first."""
         demand_drive(request)
         own, sessions = request[SESSION][0], self._gate.sessions
         rows = [self._describe(number, grant, own=number == own) for number, grant in sessions.list().items()]
@@ -60,7 +60,7 @@ class SessionPages:
         }
 
     async def _end(self, request: web.Request) -> web.Response:
-        """End one session, by its id, or all but the own one."""
+        """End one session by its id, or all except that of the request."""
         demand_drive(request)
         asked = str((await read_body(request, dict)).get("id"))
         own, sessions = request[SESSION][0], self._gate.sessions
@@ -72,7 +72,7 @@ class SessionPages:
         return web.json_response({"ended": len(ids)})
 
     async def _name(self, request: web.Request) -> web.Response:
-        """Give a session a name, by its id: the own one, or any for those who may drive."""
+        """Rename a session by its id: that of the request, or any with the right to drive."""
         value = await read_body(request, dict)
         own = request[SESSION][0]
         asked = str(value.get("id", own))
@@ -100,7 +100,7 @@ class SessionPages:
         return web.json_response({"link": link, "code": draw_picture(link), "local": self._gate.is_local})
 
     def _find_address(self, request: web.Request) -> str:
-        """The address that another device finds this server by: that of the request, unless it is of this computer."""
+        """Return the address of this server for another device: that of the request, unless it is this computer's."""
         host = request.headers["Host"]
         if self._gate.is_local or host.lower().removesuffix(f":{self._gate.port}") not in LOOPBACK:
             return host

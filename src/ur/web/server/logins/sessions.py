@@ -28,15 +28,15 @@ from ur.web.access.roles import (
 from ur.web.server.link_files import LinkFiles
 from ur.web.server.logins.session_file import SessionFile
 
-_SAVED_EVERY = 3600.0  # s: how exactly the last use is known after the server was killed
+_SAVED_EVERY = 3600.0  # s: the precision of the last use after the server was killed
 
 
 def discard_line(_line: str) -> None:
-    """For servers whose logins only the log has."""
+    """Discard a line, for servers that report logins only to the log."""
 
 
 class Sessions:
-    """Tokens, sessions and viewer links of a server. The end of a session closes its open connections."""
+    """Tokens, sessions and viewer links of a server. When a session ends, its open connections are closed."""
 
     def __init__(
         self,
@@ -47,9 +47,9 @@ class Sessions:
         life: float = SESSION_LIFE,
         clock: Callable[[], float] = time.time,
     ) -> None:
-        """`links` are those that others have made for this server. `report` takes a line about each login.
+        """Load the sessions. `links` were made by other commands; `report` is called with a line about each login.
 
-        `life` is the time in s for which a login is good.
+        `life` is the validity of a login in s.
         """
         self._file, self._path, self._log, self._links = SessionFile(path), path, log, links
         self._report, self._life = report, life
@@ -60,23 +60,23 @@ class Sessions:
 
     @property
     def life(self) -> float:
-        """The seconds for which a login is good."""
+        """The validity of a login in s."""
         return self._life
 
     def invite(self, role: Role) -> str:
-        """Make a token for one login."""
+        """Create a token for one login."""
         self._ledger, token = add_token(self._ledger, role, self._clock())
         return token
 
     def invite_viewer(self, role: Role) -> str:
-        """Make the secret of a viewer link."""
+        """Create the secret of a viewer link."""
         self._ledger, secret = add_viewer(self._ledger, role)
         return secret
 
     def log_in(self, token: object, name: str, address: str, before: str = "") -> str | None:
-        """Use a token up: return the secret of a new session; None for a token that is not valid.
+        """Consume a token: return the secret of a new session; None for an invalid token.
 
-        `before` is the id of the session that the browser has had: the new one takes its place, and its name.
+        `before` is the id of the browser's previous session, which the new one replaces under the same name.
         """
         now, former = self._clock(), self.list().get(before)
         device = LoginDevice(former.name if former else name, address, self._life)
@@ -99,32 +99,32 @@ class Sessions:
         return secret
 
     def find(self, secret: object) -> tuple[str, Grant] | None:
-        """The id of a session, which is no secret, and what it grants; None for a secret that is not valid."""
+        """Return the id of a session, which is not secret, and its rights; None for an invalid secret."""
         return find_session(self._ledger, secret, self._clock())
 
     def find_viewer(self, secret: object) -> tuple[str, Grant] | None:
-        """The same of a viewer link."""
+        """Return the same for a viewer link."""
         return find_viewer(self._ledger, secret)
 
     def note_use(self, secret: str) -> None:
-        """A session was used. The file has that when it is written next, or within an hour."""
+        """Record the use of a session. The file is updated with the next change, or within an hour."""
         self._ledger = note_use(self._ledger, secret, self._clock())
 
     def list(self) -> dict[str, Grant]:
-        """List the sessions that are valid, by their ids, oldest first."""
+        """Return the valid sessions by their ids, oldest first."""
         return list_sessions(self._ledger, self._clock())
 
     def count_open(self, number: str) -> int:
-        """Count the web sockets that a session has open."""
+        """Count the open web sockets of a session."""
         return len(self._open.get(number, ()))
 
     @property
     def any_open(self) -> bool:
-        """Return whether a session has a web socket open."""
+        """Return whether any session has an open web socket."""
         return bool(self._open)
 
     def rename(self, number: str, name: str) -> str:
-        """Give a session another name, and return the one that it has got."""
+        """Rename a session, and return its new name, which may have a number."""
         self._ledger = name_session(self._ledger, number, name)
         self.save()
         grant = self.list().get(number)
@@ -142,7 +142,7 @@ class Sessions:
                 transport.close()
 
     def poll(self) -> None:
-        """End the sessions that another process has taken out of the file, and those whose time is over."""
+        """End the sessions that another process has removed from the file, and expired ones."""
         valid = self.list().keys()
         ended = {*self._file.list_ended(), *(number for number in self._open if number not in valid)}
         ended = {each for each in ended if each in valid or each in self._open}
@@ -153,7 +153,7 @@ class Sessions:
 
     @contextmanager
     def hold(self, number: str, transport: asyncio.Transport | None) -> Iterator[None]:
-        """Have a connection closed when its session ends while this lasts."""
+        """Close a connection if its session ends while the context lasts."""
         if transport is None:
             yield
             return
@@ -166,7 +166,7 @@ class Sessions:
                 del self._open[number]
 
     def save(self, *, lasting: bool = True) -> None:
-        """Write the file; `lasting`: it is on the disk when this returns."""
+        """Write the file; with `lasting`, it is on the disk when this returns."""
         self._saved_at = time.monotonic()
         try:
             self._ledger = self._file.store(self._ledger, lasting=lasting)

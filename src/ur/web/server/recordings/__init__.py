@@ -1,1 +1,1 @@
-"""Recordings of topics that pages start: one process, its limits, and the files that it leaves."""
+"""Recordings of topics that pages start: one process, its limits, and its files."""

@@ -1,4 +1,4 @@
-"""The one process that records: started, watched, ended at a limit, and at the latest with the server."""
+"""The one process that records: started, monitored, ended at a limit, and at the latest with the server."""
 
 from __future__ import annotations
 
@@ -16,18 +16,18 @@ from ur.web.server.recordings.store import RecordingBusyError, Store
 from ur.web.server.recordings.topics import TopicSelection
 from ur.web.server.recordings.writer import NoWriterError, RecordingWriter
 
-_PERIOD = 0.5  # s between two looks at the limits
-_MOST_ERRORS = 2000  # bytes that are kept of what the process prints
+_PERIOD = 0.5  # s between two checks of the limits
+_MOST_ERRORS = 2000  # bytes of the process's output that are kept
 _WITH_US = ("setpriv", "--pdeathsig", "INT", "--")  # it ends when the server is killed
 
 
 class RecorderError(Exception):
-    """The recording cannot start; the text is the reason, in a line."""
+    """The recording cannot start; the text is the reason, in one line."""
 
 
 @dataclass(frozen=True, slots=True)
 class RecordingLimits:
-    """Bytes of `all` recordings, bytes that stay `free` on the disk, and `seconds` of one recording.
+    """Limits: bytes of `all` recordings, bytes left `free` on the disk, and `seconds` of one recording.
 
     `patience` is the time in s between SIGINT and SIGKILL.
     """
@@ -40,9 +40,9 @@ class RecordingLimits:
 
 @dataclass(frozen=True, slots=True)
 class Running:
-    """The recording that is under way: names of its files begin with `stem`; `size` in bytes, `seconds` so far.
+    """The recording in progress: names of its files begin with `stem`; `size` in bytes, `seconds` so far.
 
-    `topics` that were chosen, 0 for all.
+    `topics` is the number of chosen topics, 0 for all.
     """
 
     stem: str
@@ -52,7 +52,7 @@ class Running:
 
 
 def find_reason(limits: RecordingLimits, used: int, free: int, seconds: float) -> str:
-    """The reason why a recording has to end, or must not begin; "" if it may go on."""
+    """Return the reason why a recording has to end, or must not begin; "" if there is none."""
     if used >= limits.all:
         return f"all recordings have {limits.all / 1e9:g} GB: delete some"
     if free < limits.free:
@@ -63,7 +63,7 @@ def find_reason(limits: RecordingLimits, used: int, free: int, seconds: float) -
 
 
 class Recorder:
-    """Runs at most one process. `end` is the reason why the last recording has ended, "" before."""
+    """Runs at most one process. `end` is the reason why the last recording ended, "" before."""
 
     def __init__(
         self,
@@ -84,13 +84,13 @@ class Recorder:
 
     @property
     def running(self) -> Running | None:
-        """The recording that is under way."""
+        """The recording in progress."""
         if self._task is None:
             return None
         return Running(self._stem, self._store.measure(self._stem), time.monotonic() - self._started, self._topics)
 
     def start(self, selection: TopicSelection) -> None:
-        """Start to record. Raises RecorderError."""
+        """Start recording. Raises RecorderError."""
         if self._task is not None:
             raise RecorderError("a recording is under way: stop it first")
         if self._closed:
@@ -115,7 +115,7 @@ class Recorder:
             self._task = asyncio.create_task(self._run(command, stack.pop_all()))
 
     async def stop(self, reason: str) -> bool:
-        """End the recording, and wait until its files are finished. Return whether there was one."""
+        """End the recording, and wait until its files are complete. Return whether there was one."""
         task = self._task
         if task is None:
             return False
@@ -125,7 +125,7 @@ class Recorder:
         return True
 
     async def close(self) -> None:
-        """End the recording for good."""
+        """End the recording permanently."""
         self._closed = True
         await self.stop("the server has ended")
 
@@ -142,7 +142,7 @@ class Recorder:
             self._log(f"recording {self._stem} has ended: {self.end}")
 
     async def _record(self, command: list[str]) -> str:
-        """Run the process; the reason of its end."""
+        """Run the process; return the reason of its end."""
         process = await asyncio.create_subprocess_exec(
             *(*(_WITH_US if shutil.which(_WITH_US[0]) else ()), *command),
             stdin=asyncio.subprocess.DEVNULL,
@@ -187,7 +187,7 @@ def _last_line(errors: bytearray) -> str:
 
 
 async def _end(process: asyncio.subprocess.Process, patience: float) -> None:
-    """Interrupt a process, so that it finishes its files, and kill it when it takes too long."""
+    """Interrupt a process, so that it completes its files, and kill it after `patience` s."""
     for number in (signal.SIGINT, signal.SIGKILL):
         if process.returncode is not None:
             return

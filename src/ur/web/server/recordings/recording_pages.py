@@ -21,7 +21,7 @@ from ur.web.server.recordings.writer import RecordingWriter, Rosbag
 
 
 class RecordingPages:
-    """The routes, and what they need. `log` takes a line about who does what."""
+    """The routes and their dependencies. `log` is called with a line about each action."""
 
     def __init__(
         self,
@@ -38,7 +38,7 @@ class RecordingPages:
         self._recorder = Recorder(self._store, writer, environment, log, limits)
 
     def routes(self) -> list[web.RouteDef]:
-        """The routes."""
+        """Return the routes."""
         return [
             web.get("/api/recordings", self._describe),
             web.get("/api/recordings/topics", self._list_topics),
@@ -49,11 +49,11 @@ class RecordingPages:
         ]
 
     async def close(self) -> None:
-        """End the recording that is under way."""
+        """End the recording in progress."""
         await self._recorder.close()
 
     async def _describe(self, request: web.Request) -> web.Response:
-        """The recording that is under way, the reason why the last one has ended, and the files for who may drive."""
+        """Return the recording in progress, why the last one ended, and, with the right to drive, the files."""
         running = self._recorder.running
         value: dict[str, object] = {"running": asdict(running) if running else None, "end": self._recorder.end}
         if request[SESSION][1].role is Role.DRIVE:
@@ -68,7 +68,7 @@ class RecordingPages:
         return web.json_response([asdict(each) for each in await self._ask_topics()])
 
     async def _start(self, request: web.Request) -> web.Response:
-        """Start to record: all topics but what is large, or those that the request names."""
+        """Start recording all topics except large ones, or those that the request names."""
         demand_drive(request)
         chosen = (await read_body(request, ChosenTopics)).names
         selection = select(chosen, await self._ask_topics())
@@ -87,7 +87,7 @@ class RecordingPages:
         return web.json_response({"ok": True})
 
     async def _download(self, request: web.Request) -> web.StreamResponse:
-        """Send a file, part by part as the page takes it."""
+        """Send a file in chunks, as fast as the page receives it."""
         demand_drive(request)
         path = self._store.find(request.query.get("id"))
         if path is None:
@@ -111,7 +111,7 @@ class RecordingPages:
         return web.json_response({"ok": True})
 
     async def _ask_topics(self) -> tuple[PublishedTopic, ...]:
-        """List the topics. Raises HTTPConflict: no master answers."""
+        """List the topics. Raises HTTPConflict if no master answers."""
         try:
             return await asyncio.get_running_loop().run_in_executor(None, self._ask_master, self._master)
         except (Unanswered, CallRefused, UserError):

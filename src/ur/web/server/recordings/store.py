@@ -1,6 +1,6 @@
-"""The folder of recordings: names of files, their list, their removal, and the lock of the one that records.
+"""The folder of recordings: names of files, their list, their removal, and the recorder's lock.
 
-Files have names of ours, made of the local time at which the recording began, and the number of the part:
+File names consist of the local time at which the recording began, and the number of the part:
 `2026-03-01_14-05-31_0.bag`. One whose recorder was killed is incomplete: `2026-03-01_14-05-31_0_cut.bag`.
 """
 
@@ -25,12 +25,12 @@ _LOCK = "lock"
 
 
 class RecordingBusyError(Exception):
-    """Another process records."""
+    """Another process is recording."""
 
 
 @dataclass(frozen=True, slots=True)
 class Recorded:
-    """A file that is finished. `size` in bytes, `started` in seconds since 1970. `cut`: its end is missing."""
+    """A complete file. `size` in bytes, `started` in seconds since 1970. `cut`: its end is missing."""
 
     name: str
     size: int
@@ -40,53 +40,53 @@ class Recorded:
 
 
 def recordings_folder(environment: Mapping[str, str]) -> Path:
-    """The folder of recordings of the user whose environment this is. It need not exist."""
+    """Return the folder of recordings of the user with this environment. It may not exist."""
     return Path(user_folder("XDG_STATE_HOME", environment), "ubiquity_launches", "web", "recordings")
 
 
 def choose_stem(now: float, names: Collection[str]) -> str:
-    """The beginning of the names of a new recording, which no file has yet."""
+    """Return the stem for the file names of a new recording, which no file has yet."""
     while any(name.startswith(_format(now)) for name in names):
         now += 1.0
     return _format(now)
 
 
 class Store:
-    """Files with an ending, such as `.bag`; those that are not finished have another one, such as `.bag.active`."""
+    """Files with an ending, such as `.bag`; incomplete ones have another ending, such as `.bag.active`."""
 
     def __init__(self, folder: Path, ending: str, unfinished: str) -> None:
         self.folder, self._ending, self._unfinished = folder, ending, unfinished
 
     def list(self) -> tuple[Recorded, ...]:
-        """List the finished files, the newest first."""
+        """List the complete files, the newest first."""
         found = [_describe(name.removesuffix(self._ending), name, size) for name, size in self._sizes().items()]
         return tuple(sorted((each for each in found if each), key=lambda each: each.name, reverse=True))
 
     def find(self, name: object) -> Path | None:
-        """The path of a finished file that is in the list; None for any other name."""
+        """Return the path of a listed file; None for any other name."""
         return next((self.folder / each.name for each in self.list() if each.name == name), None)
 
     def measure(self, stem: str = "") -> int:
-        """The bytes of all files, or of those whose names begin with `stem`, finished or not."""
+        """Return the bytes of all files, or of those whose names begin with `stem`, complete or not."""
         return sum(size for name, size in self._sizes().items() if name.startswith(stem))
 
     def free(self) -> int:
-        """The bytes that are free on the disk for a user."""
+        """Return the bytes that are free on the disk for a user."""
         found = os.statvfs(self.folder)
         return found.f_bavail * found.f_frsize
 
     def prepare(self) -> None:
-        """Make the folder, for its user only. Raises OSError."""
+        """Create the folder with access for its user only. Raises OSError."""
         self.folder.mkdir(mode=0o700, parents=True, exist_ok=True)
         self.folder.chmod(0o700)
 
     def new_stem(self) -> str:
-        """The beginning of the names of a recording that begins now."""
+        """Return the stem for the file names of a recording that begins now."""
         return choose_stem(time.time(), self._sizes())
 
     @contextmanager
     def lock(self) -> Iterator[None]:
-        """Hold the right to record. Raises RecordingBusyError while another process has it, or OSError."""
+        """Hold the lock for recording. Raises RecordingBusyError while another process holds it, or OSError."""
         descriptor = os.open(self.folder / _LOCK, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, PRIVATE)
         try:
             fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
@@ -97,7 +97,7 @@ class Store:
             os.close(descriptor)
 
     def adopt(self) -> None:
-        """Put files that a killed recorder has left into the list. Only with the lock."""
+        """Add files that a killed recorder has left to the list. The caller must hold the lock."""
         for name in self._sizes():
             stem = name.removesuffix(self._unfinished)
             if name.endswith(self._unfinished) and _NAME.fullmatch(stem):
@@ -105,7 +105,7 @@ class Store:
                     (self.folder / name).rename(self.folder / f"{stem}{_CUT}{self._ending}")
 
     def _sizes(self) -> dict[str, int]:
-        """The sizes of the files that are recordings, by name. Links are none."""
+        """Return the sizes of recordings by name. Symbolic links are ignored."""
         sizes: dict[str, int] = {}
         with suppress(OSError), os.scandir(self.folder) as entries:
             for entry in entries:

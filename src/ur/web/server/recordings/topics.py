@@ -1,4 +1,4 @@
-"""Topics of a recording: those that a page has chosen, or all but pictures and point clouds."""
+"""Topics of a recording: those that a page has chosen, or all except images and point clouds."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ _LARGE_BY_NAME = r"(/.*)?/(image|points|cloud)[^/]*(/.*)?|/.*/(compressed|compre
 
 @dataclass(frozen=True, slots=True)
 class PublishedTopic:
-    """A topic that is published, and its type."""
+    """A published topic and its type."""
 
     name: str
     kind: str
@@ -39,7 +39,7 @@ class PublishedTopic:
 
 @dataclass(frozen=True, slots=True)
 class TopicSelection:
-    """The `topics` that are recorded. Without any: all, but those whose whole name matches the pattern `left_out`."""
+    """The recorded `topics`. If empty: all except those whose whole name matches the pattern `left_out`."""
 
     topics: tuple[str, ...] = ()
     left_out: str = ""
@@ -58,17 +58,17 @@ class ChosenTopics(ForeignValue, frozen=True):
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Each topic once."""
+        """Return each topic once."""
         return tuple(dict.fromkeys(self.topics or ()))
 
 
 def is_topic(name: object) -> bool:
-    """Return whether a value is the full name of a topic, which has no character with a meaning elsewhere."""
+    """Return whether a value is a full topic name without characters that have a special meaning elsewhere."""
     return isinstance(name, str) and re.search(_NAME, name) is not None
 
 
 def select(chosen: tuple[str, ...], published: Iterable[PublishedTopic]) -> TopicSelection:
-    """The selection for what a page has chosen: without a choice, all but what is large, also what starts later."""
+    """Return the selection for the chosen topics; if there are none, all except large ones, also later ones."""
     if chosen:
         return TopicSelection(chosen)
     large = [each.name for each in published if each.kind in _LARGE][:_MOST_LEFT_OUT]
@@ -76,9 +76,9 @@ def select(chosen: tuple[str, ...], published: Iterable[PublishedTopic]) -> Topi
 
 
 def list_topics(master: str) -> tuple[PublishedTopic, ...]:
-    """List the topics that are published at a master; this waits for its answer.
+    """List the topics that are published at a master; this blocks.
 
-    Raises Unanswered, Refused or UserError: there is no answer of a master.
+    Raises Unanswered, Refused or UserError if there is no answer of a master.
     """
     found = parse_master_uri(master).call("getPublishedTopics", "")
     if not isinstance(found, list):

@@ -1,4 +1,4 @@
-"""Programs that write topics into files: `rosbag record`. Another format is another `RecordingWriter`."""
+"""Programs that write topics into files: `rosbag record`. Another format needs another `RecordingWriter`."""
 
 from __future__ import annotations
 
@@ -14,22 +14,22 @@ _BUFFER = 64  # MB that wait for the disk
 
 
 class NoWriterError(Exception):
-    """The program is not installed; the text names what is missing."""
+    """The program is not installed; the text names the missing part."""
 
 
 class RecordingWriter(Protocol):
-    """A program that writes until it gets SIGINT, and then finishes its files."""
+    """A program that writes until it gets SIGINT, and then completes its files."""
 
     @property
     def ending(self) -> str:
-        """The ending of the names of its files."""
+        """The ending of its file names."""
 
     @property
     def unfinished(self) -> str:
-        """The ending of the names of files that are not finished."""
+        """The ending of the names of incomplete files."""
 
     def make_command(self, stem: Path, selection: TopicSelection) -> list[str]:
-        """The command that writes files whose paths begin with `stem`. Raises NoWriterError."""
+        """Return the command that writes files whose paths begin with `stem`. Raises NoWriterError."""
 
 
 class Rosbag:
@@ -42,7 +42,7 @@ class Rosbag:
         self._path = environment.get("PATH")
 
     def make_command(self, stem: Path, selection: TopicSelection) -> list[str]:
-        """The program behind `rosbag record`, without the command in front of it, which would be a second process."""
+        """Return the program behind `rosbag record`, without its wrapper, which would be a second process."""
         command = shutil.which("rosbag", path=self._path)
         program = Path(command).resolve().parents[1] / "lib" / "rosbag" / "record" if command else None
         if program is None or not program.is_file():

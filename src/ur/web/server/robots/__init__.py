@@ -1,1 +1,1 @@
-"""Several robots in one page: a server of its own for each, started by the first one."""
+"""Several robots in one page: a separate server for each, started by the first one."""

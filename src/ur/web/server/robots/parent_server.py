@@ -1,4 +1,4 @@
-"""The server that has started this one: it lists and opens the robots, and this one ends with it."""
+"""The parent server, which has started this one: it lists and opens the robots, and this server ends with it."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _CHECKED_EVERY = 2.0  # s
 
 
 class ParentServer:
-    """The other end of the socket. `own` is the name of the robot that this server shows."""
+    """The parent's end of the socket. `own` is the name of the robot that this server shows."""
 
     def __init__(self, own: str, connection: socket.socket, invite: Callable[[Role], str]) -> None:
         self.own = own
@@ -29,7 +29,7 @@ class ParentServer:
         self._idle = Idle(time.monotonic())
 
     async def run(self, port: int, is_connected: Callable[[], bool]) -> None:
-        """Report the port, and serve until the other server has ended, or no page was connected for IDLE_LIMIT."""
+        """Report the port, and serve until the parent server has ended, or no page was connected for IDLE_LIMIT."""
         reader, writer = await asyncio.open_connection(sock=self._connection, limit=LONGEST_LINE)
         self._peer = Peer(reader, writer, self._answer)
         serving = asyncio.create_task(self._peer.run())
@@ -37,7 +37,7 @@ class ParentServer:
             await self._peer.ask({"ready": port})
             while not serving.done() and not self._idle.is_over(time.monotonic(), connected=is_connected()):
                 await asyncio.wait({serving}, timeout=_CHECKED_EVERY)
-        except PeerError:  # it ends just now
+        except PeerError:  # the connection is just ending
             pass
         finally:
             serving.cancel()
@@ -48,13 +48,13 @@ class ParentServer:
         return convert_json(await self._ask({"list": True}), list[RobotEntry])
 
     async def invite(self, name: str, role: Role) -> ServerLogin:
-        """Have a server run for a robot of the list, and make a token of a role there. Raises PeerError."""
+        """Start a server for a listed robot if necessary, and create a token of a role for it. Raises PeerError."""
         if name == self.own:
             raise PeerError("this page shows this robot")
         return convert_json(await self._ask({"open": name, "role": role.value}), ServerLogin)
 
     async def close(self) -> None:
-        """End nothing: the other server has started all servers."""
+        """Do nothing: the parent server has started all servers."""
 
     async def _ask(self, request: Mapping[str, object]) -> object:
         if self._peer is None:
@@ -62,19 +62,19 @@ class ParentServer:
         return await self._peer.ask(request)
 
     async def _answer(self, request: Mapping[str, object]) -> object:
-        """Make a token for one login."""
+        """Create a token for one login."""
         self._idle.note(time.monotonic())
         return self._invite(Role(request["invite"]))
 
 
 class Idle:
-    """The time since a page was connected, or one was invited. All times are in s."""
+    """The time since a page was connected or invited. All times are in s."""
 
     def __init__(self, now: float) -> None:
         self._last = now
 
     def note(self, now: float) -> None:
-        """A page was connected or invited."""
+        """Record that a page was connected or invited."""
         self._last = now
 
     def is_over(self, now: float, *, connected: bool) -> bool:
@@ -85,7 +85,7 @@ class Idle:
 
 
 def take_connection(descriptor: int) -> socket.socket:
-    """Take over the socket that the other server has passed. Raises UserError: it is none."""
+    """Take over the socket that the parent server has passed. Raises UserError if it is not a socket."""
     try:
         connection = socket.socket(fileno=descriptor)
         if connection.family != socket.AF_UNIX:

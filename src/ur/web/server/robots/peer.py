@@ -1,4 +1,4 @@
-"""Requests and answers between two servers of this computer, as lines of JSON over a socket that only they have."""
+"""Requests and answers between two servers of this computer, as lines of JSON over a private socket pair."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class PeerError(Exception):
 
 
 class Peer:
-    """One end. `handle` answers requests of the other one; a PeerError that it raises is raised there.
+    """One end of the connection. `handle` answers requests of the other end, which receives any PeerError it raises.
 
     `ended` is true when the other end has ended.
     """
@@ -44,7 +44,7 @@ class Peer:
         self.ended = False
 
     async def run(self) -> None:
-        """Serve until the other end has ended. All requests that wait then fail."""
+        """Serve until the other end has ended. All pending requests then fail."""
         try:
             with suppress(ConnectionError, ValueError):  # ValueError: a line that is too long, or no JSON
                 while line := await self._reader.readline():
@@ -59,7 +59,7 @@ class Peer:
             self._writer.close()
 
     async def ask(self, request: Mapping[str, object]) -> object:
-        """Return the answer to a request, a value of JSON. Raises PeerError."""
+        """Return the answer to a request, a JSON value. Raises PeerError."""
         if self.ended:
             raise PeerError("the server of this robot has ended")
         self._number += 1
@@ -74,7 +74,7 @@ class Peer:
             del self._answers[number]
 
     def close(self) -> None:
-        """Have `run` return on both ends."""
+        """Make `run` return on both ends."""
         self._writer.close()
 
     def _write(self, message: Mapping[str, object]) -> None:

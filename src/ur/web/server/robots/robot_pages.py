@@ -1,4 +1,4 @@
-"""The list of robots for pages, and links to the pages of others."""
+"""The list of robots for pages, and links to the pages of other robots."""
 
 from __future__ import annotations
 
@@ -26,14 +26,14 @@ class _Robot(ForeignValue, frozen=True, forbid_unknown_fields=False):
 
 
 class RobotPages:
-    """The routes. `log` takes a line about who does what."""
+    """The routes. `log` is called with a line about each action."""
 
     def __init__(self, robots: Robots, log: Callable[[str], None]) -> None:
         self._robots, self._log = robots, log
         self._opened = Buckets(_OPEN_RATE, _OPEN_BURST)
 
     def routes(self) -> list[web.RouteDef]:
-        """The routes."""
+        """Return the routes."""
         return [web.get("/api/robots", self._list), web.post("/api/robots", self._open)]
 
     async def close(self) -> None:
@@ -48,7 +48,7 @@ class RobotPages:
         return web.json_response([{**asdict(each), "shown": each.name == self._robots.own} for each in rows])
 
     async def _open(self, request: web.Request) -> web.Response:
-        """Make a link to the page of a robot of the list, for one login of the role that the session has."""
+        """Create a link to the page of a listed robot, for one login with the role of the session."""
         name = (await read_body(request, _Robot)).name
         if name == self._robots.own:
             raise web.HTTPConflict(text="this page shows this robot\n")

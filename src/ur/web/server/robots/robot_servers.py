@@ -1,4 +1,4 @@
-"""Servers for other robots: started when a page asks for one, and ended with this server."""
+"""Servers for other robots: started when a page requests one, and ended with this server."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from ur.web.server.robots.peer import LONGEST_LINE, Handler, Peer, PeerError
 from ur.web.server.robots.robots import RobotEntry, ServerLogin, write_rows
 
 LIMIT = 1.0
-_FRESH = 3.0  # s for which a result is good
+_FRESH = 3.0  # s for which a result is valid
 _THREADS = 8  # a name may take longer to resolve than the limit
 
 MOST = 8
@@ -32,7 +32,7 @@ _OLD_VARIABLES = ("ROS_NAMESPACE",)
 
 
 class RobotServers:
-    """The robots that this computer knows. `own` is the one that this server shows: it needs no other server."""
+    """The robots that this computer knows. `own` is the one that this server shows, so it needs no other server."""
 
     def __init__(
         self,
@@ -43,7 +43,10 @@ class RobotServers:
         environment: Mapping[str, str],
         log: Callable[[str], None],
     ) -> None:
-        """`known` reads the list; `options` of `ur web` are those of every server: they hold no secret."""
+        """Manage servers for the robots that `known` lists.
+
+        `options` of `ur web` are those of every server: they contain no secret.
+        """
         self.own = own
         self._known, self._own_place, self._options = known, own_place, options
         self._environment, self._log = environment, log
@@ -63,7 +66,7 @@ class RobotServers:
         ]
 
     async def invite(self, name: str, role: Role) -> ServerLogin:
-        """Have a server run for a robot of the list, and make a token of a role there. Raises PeerError."""
+        """Start a server for a listed robot if necessary, and create a token of a role for it. Raises PeerError."""
         if name == self.own:
             return self._own_place(role)
         robot = next((each for each in await self._read() if each.name == name), None)
@@ -87,7 +90,7 @@ class RobotServers:
         return await asyncio.get_running_loop().run_in_executor(None, self._known)
 
     def _master_of(self, robot: RobotMaster) -> str:
-        """The robot's master; for the own one that of the environment, which the user may have set."""
+        """Return the robot's master; for the own robot that of the environment, which the user may have set."""
         own = {"ROS_MASTER_URI": robot.master, **self._environment}
         return graph_address(own) if robot.name == self.own else robot.master
 
@@ -99,7 +102,7 @@ class RobotServers:
             server = self._servers.get(robot.name)
             if server is not None and not server.peer.ended:
                 return server
-            if server is not None:  # its last page has been closed for long
+            if server is not None:  # its last page was closed long ago
                 await server.ended
             if self._closed:
                 raise PeerError("this server ends")
@@ -146,14 +149,14 @@ class RobotServers:
         return server
 
     async def _handle(self, request: Mapping[str, object]) -> object:
-        """Answer a server that was started here: the list, and the place of another robot."""
+        """Answer a child server: the list, or the login to another robot."""
         if "open" in request:
             return asdict(await self.invite(str(request["open"]), Role(request["role"])))
         return write_rows(await self.list())
 
 
 class _Server:
-    """A server that was started, until its process has ended."""
+    """A child server, until its process has ended."""
 
     def __init__(
         self,
@@ -197,7 +200,7 @@ class _Server:
 
 
 def label_of(robot: RobotMaster) -> str:
-    """The name of a robot for people."""
+    """Return the display name of a robot."""
     return "simulated robot" if robot.simulated else robot.name
 
 
@@ -205,7 +208,7 @@ def label_of(robot: RobotMaster) -> str:
 
 
 class MastersCheck:
-    """The results, by the masters' URIs. Nothing is asked between calls of `check`."""
+    """Checks whether masters answer, by their URIs. Nothing is sent between calls of `check`."""
 
     def __init__(self, ask: Callable[[str], bool] | None = None, limit: float = LIMIT) -> None:
         self._ask, self._limit = ask or answers, limit
@@ -214,7 +217,7 @@ class MastersCheck:
         self._running: dict[str, asyncio.Future[None]] = {}
 
     async def check(self, masters: Collection[str]) -> frozenset[str]:
-        """Return the masters that answer. One that has not within the limit is not waited for."""
+        """Return the masters that answered within the limit."""
         for master in masters:
             at = self._found.get(master, (float("-inf"), False))[0]
             if master not in self._running and time.monotonic() - at > _FRESH:
@@ -241,7 +244,7 @@ class MastersCheck:
 
 
 def answers(master: str) -> bool:
-    """Return whether the port of a master takes a connection within the limit."""
+    """Return whether the port of a master accepts a connection within the limit."""
     try:
         address = urlsplit(master)
         with socket.create_connection((address.hostname or "", address.port or 11311), LIMIT):

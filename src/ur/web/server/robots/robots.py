@@ -1,4 +1,4 @@
-"""The interface to the robots that a page can change to, and the robot of a server that knows no other."""
+"""The interface to the robots that a page can change to, and its implementation for a single robot."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from ur.web.server.robots.peer import PeerError
 
 @dataclass(frozen=True, slots=True)
 class RobotEntry:
-    """A robot in the list: `label` is its name for people; `open` whether a server for it runs."""
+    """A robot in the list: `label` is its display name; `open` means that a server for it is running."""
 
     name: str
     label: str
@@ -22,14 +22,14 @@ class RobotEntry:
 
 @dataclass(frozen=True, slots=True)
 class ServerLogin:
-    """The port of a robot's server, and a token for one login there."""
+    """The port of a robot's server, and a token for one login to it."""
 
     port: int
     token: str
 
 
 class Robots(Protocol):
-    """The robots, and their servers. Raises PeerError where one cannot be listed or opened."""
+    """The robots, and their servers. Raises PeerError if one cannot be listed or opened."""
 
     @property
     def own(self) -> str:
@@ -39,14 +39,14 @@ class Robots(Protocol):
         """List the robots."""
 
     async def invite(self, name: str, role: Role) -> ServerLogin:
-        """Have a server run for a robot of the list, and make a token of a role there."""
+        """Start a server for a listed robot if necessary, and create a token of a role for it."""
 
     async def close(self) -> None:
         """End the servers that were started."""
 
 
 class OneRobot:
-    """The robot of a server that knows no other, such as the one on a robot itself."""
+    """The robot of a server that knows no other one, such as the server on a robot itself."""
 
     def __init__(self, own: str, is_up: Callable[[], bool]) -> None:
         self.own, self._is_up = own, is_up
@@ -56,13 +56,13 @@ class OneRobot:
         return [RobotEntry(self.own, self.own, self._is_up(), open=True)]
 
     async def invite(self, name: str, role: Role) -> ServerLogin:  # noqa: ARG002 - there is none
-        """Refuse. Raises PeerError."""
+        """Refuse the request. Raises PeerError."""
         raise PeerError("this robot is not in the list")
 
     async def close(self) -> None:
-        """End nothing."""
+        """Do nothing."""
 
 
 def write_rows(rows: list[RobotEntry]) -> list[dict[str, object]]:
-    """Rows as JSON."""
+    """Return the rows as JSON."""
     return [asdict(each) for each in rows]
