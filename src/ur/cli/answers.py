@@ -1,4 +1,4 @@
-"""Answers that several commands take: names of robots, passwords from a file descriptor."""
+"""Input that several commands share: names of robots, passwords from a file descriptor."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ from ur.source.diagnostic import UserError, error
 
 
 def read_lines(descriptor: int | None, option: str, count: int, *, close: bool = True) -> list[str]:
-    """The first lines of a file descriptor, '' where there are fewer. Raises UserError.
+    """Read the first lines of a file descriptor, '' for missing ones. Raises UserError.
 
-    `close` false leaves it open: otherwise a file that is opened next may become number 0.
+    With `close` false it stays open: otherwise a file opened later may get number 0.
     """
     if descriptor is None:
         return [""] * count
@@ -24,7 +24,7 @@ def read_lines(descriptor: int | None, option: str, count: int, *, close: bool =
 
 
 def check_name(name: str) -> None:
-    """Raise UserError when a name is no name for a computer, or that of this one."""
+    """Raise UserError if a name is not a valid robot name, or is that of this computer."""
     from ur.robot.setup.robot_states import is_robot_name
 
     if not is_robot_name(name):
@@ -40,5 +40,5 @@ def check_name(name: str) -> None:
 
 
 def taken_error(name: str) -> UserError:
-    """The error about a name that another computer has."""
+    """Return the error about a name that another computer has."""
     return UserError(error(f"name {name!r} is taken, expected a name of its own for each computer", rule="taken-name"))

@@ -1,4 +1,4 @@
-"""Lines about changes to a computer: what will change, and how far a long change is."""
+"""Output about changes to a computer: the differences, and the progress of a long change."""
 
 from __future__ import annotations
 
@@ -28,7 +28,10 @@ def show_changes(changes: Sequence[Change]) -> None:
 
 
 class ChangeReporter:
-    """Print lines about one robot, behind its name unless that is empty. With `live`, progress is one line."""
+    """Prints lines about one robot, each with its name as a prefix unless that is empty.
+
+    With `live`, progress is one line.
+    """
 
     def __init__(self, name: str, *, live: bool = False) -> None:
         self._prefix, self._live = f"{printable(name)}: " if name else "", live
@@ -42,7 +45,7 @@ class ChangeReporter:
             sys.stdout.flush()
 
     def show_progress(self, title: str, seconds: float, line: str) -> None:
-        """Print how far a long change is: its last line of output, which is another computer's."""
+        """Print the progress of a long change with its last line of output, which comes from the other computer."""
         text = f"{self._prefix}{title}, {seconds:.0f} s: {printable(line)}"
         with self._lock:
             if self._live:

@@ -1,6 +1,6 @@
-"""`ur launch` for command lines without options, or with one that asks for nodes, files or a command line.
+"""Fast path of `ur launch`: no options, or one that queries nodes, files or a command line.
 
-It is the code of `ur.cli.launch.launch` without click, whose import takes longer than to read a large launch file.
+It is the code of `ur.cli.launch.launch` without click, whose import takes longer than reading a large launch file.
 """
 
 from __future__ import annotations

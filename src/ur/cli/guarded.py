@@ -36,9 +36,9 @@ PASSWORD_FROM = click.option(
 
 
 def become_root(shell: SshShell, given: str) -> list[Secret]:
-    """Become root on the robot with the given password, or one that is typed; return the passwords for sudo.
+    """Become root on the robot with the given password, or one that the user enters; return the passwords for sudo.
 
-    Raises UserError: that is not possible, or another change is pending there.
+    Raises UserError if root access fails, or another change is pending there.
     """
     from ur.robot.commit_confirm.begin import become_root as become
     from ur.robot.ssh.secret import Secret
@@ -61,7 +61,7 @@ def show_plan(change: GuardedChange, facts: ComputerFacts) -> None:
 
 
 def begin(shell: SshShell, change: GuardedChange, facts: ComputerFacts, wait: int) -> str:
-    """Hand the change to the robot; the identity of the attempt. Raises UserError when it did not begin."""
+    """Send the change to the robot; return the id of the attempt. Raises UserError if it did not start."""
     from ur.robot.commit_confirm.begin import begin_change
 
     requester = f"{getpass.getuser()}@{socket.gethostname()}"
@@ -71,7 +71,7 @@ def begin(shell: SshShell, change: GuardedChange, facts: ComputerFacts, wait: in
 def finish(
     identity: str, change: GuardedChange, addresses: ChangeAddresses, wait: int, sudo: Sequence[Secret], known_as: str
 ) -> Address:
-    """Connect to the robot again and confirm; returns its address. Raises UserError: reverted, or not reached again."""
+    """Connect to the robot again and confirm; return its address. Raises UserError: reverted, or not reached again."""
     from ur.robot.commit_confirm.perform import come_back, open_as
     from ur.source.progress_line import show_progress
 
@@ -84,6 +84,6 @@ def finish(
 
 
 def print_line(text: str) -> None:
-    """A line that is seen at once, also in a file."""
+    """Print a line and flush it, so that it is visible at once in a file, too."""
     sys.stdout.write(f"{text}\n")
     sys.stdout.flush()

@@ -1,4 +1,4 @@
-"""Help pages. Only imported to show one: rich is expensive."""
+"""Help pages. Imported only to show one, because importing rich is slow."""
 
 from __future__ import annotations
 
@@ -74,7 +74,7 @@ def _show_program(name: str, *, known_verb: bool) -> None:
 
 
 def _list_arguments(verb: click.Command, about: Verb | Below) -> Iterator[tuple[str, str]]:
-    """The metavariable of a positional argument, and its description."""
+    """Yield the metavariable and the description of each positional argument."""
     positional = [each for each in verb.params if isinstance(each, click.Argument)]
     context = click.Context(verb)
     for each, text in zip(positional, about.descriptions, strict=True):
@@ -121,7 +121,7 @@ def _print(
 
 
 def _write_end(arguments: Sequence[tuple[str, str]], examples: Sequence[tuple[str, str]]) -> Iterator[str]:
-    """Arguments with their descriptions, then examples, each with its meaning before it."""
+    """Yield arguments with their descriptions, then examples, each preceded by its meaning."""
     width = min(100, shutil.get_terminal_size().columns) - 1
     if arguments:
         yield " Arguments:\n"

@@ -1,4 +1,4 @@
-"""The `ur` command: finds the verb, runs it, and turns each failure into one clear line."""
+"""The `ur` command: find the verb, run it, and turn each failure into one clear line."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ from ur.source.render import render_human, shows_colour
 
 
 class VerbGroup(click.Group):
-    """The verbs, each imported when it is used."""
+    """The verbs, each imported on first use."""
 
     def __init__(self, load: Callable[[str], click.Command]) -> None:
         super().__init__("ur", params=[_version_option()], help=HELP)
         self._load = load
 
     def list_commands(self, ctx: click.Context) -> list[str]:  # noqa: ARG002 - click's signature
-        """The names, in the order of the help."""
+        """Return the names, in the order of the help."""
         return list(VERBS)
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:  # noqa: ARG002 - click's signature
@@ -34,7 +34,7 @@ class VerbGroup(click.Group):
 
 
 def main(arguments: Sequence[str] | None = None, load: Callable[[str], click.Command] = load_verb) -> int:
-    """Run `ur` with its arguments (default: of this process) and return the exit code. Raises nothing."""
+    """Run `ur` with its arguments (default: those of this process) and return the exit code. Raises nothing."""
     argv = list(sys.argv[1:] if arguments is None else arguments)
     open_closed_streams()
     with guard_output():
@@ -113,7 +113,7 @@ _REFUSALS = {  # of the system, which are no defect of this program
 
 
 def explain_exception(problem: Exception, argv: list[str]) -> int:
-    """Report in one line that output, the current folder or a file cannot be used; anything else is a defect.
+    """Report in one line that output, the current folder or a file is unusable; other exceptions are internal errors.
 
     Returns the exit code.
     """
@@ -145,7 +145,7 @@ def _has_folder() -> bool:
 
 
 def report_defect(problem: Exception, argv: list[str]) -> int:
-    """Write the traceback into a file, and print its path; returns the exit code."""
+    """Write the traceback to a file, and print its path; return the exit code."""
     from pathlib import Path
 
     from ur.source.crash import write_crash_report

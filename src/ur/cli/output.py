@@ -1,4 +1,4 @@
-"""Output of foreign texts: table cells without markup, exact bytes, and files."""
+"""Output of untrusted texts: table cells without markup, exact bytes, and files."""
 
 from __future__ import annotations
 
@@ -13,23 +13,23 @@ if TYPE_CHECKING:
 
 
 def plain_text(text: str, style: str = "") -> Text:
-    """Make a cell of a rich table: `[red]` in it is text, and nothing in it acts on the terminal."""
+    """Return a cell of a rich table in which `[red]` is text, without control sequences for the terminal."""
     from rich.text import Text
 
     return Text(printable(text), style)
 
 
 def write_exactly(text: str) -> None:
-    """Write a text that another program reads, byte for byte; bytes that are not UTF-8 are those of the file."""
+    """Write a text for another program, byte for byte; invalid UTF-8 is written as in its file."""
     sys.stdout.flush()
     sys.stdout.buffer.write(text.encode("utf-8", "surrogateescape"))
     sys.stdout.flush()
 
 
 def replace_file(path: str, text: str, doing: str = "written") -> None:
-    """Give a file another content; its permissions stay. Raises UserError; then it is as it was.
+    """Replace the content of a file; its permissions stay. Raises UserError, with the file unchanged.
 
-    `doing` completes "cannot be ...".
+    `doing` completes the message "cannot be ...".
     """
     from ur.source.replace import replace_file as replace
 

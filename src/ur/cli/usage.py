@@ -1,4 +1,4 @@
-"""Messages about command lines that cannot be used, made of the attributes of click's exceptions."""
+"""Messages about invalid command lines, derived from the attributes of click's exceptions."""
 
 from __future__ import annotations
 
@@ -72,9 +72,9 @@ _MAPS = (
 
 
 def describe_usage_error(problem: click.UsageError, argv: Sequence[str]) -> str:
-    """One line with the mistake of a command line, and one that helps. `argv` follows `ur`.
+    """Return one line with the mistake of a command line, and one with help. `argv` are the arguments after `ur`.
 
-    Words of a command line are foreign text: the shell makes them of the names of files.
+    Arguments are untrusted text: the shell may derive them from file names.
     """
     message, help_line = _describe(problem, argv)
     return f"error: {printable(message)}\n  help: {printable(help_line)}"
@@ -110,7 +110,7 @@ def _describe(problem: click.UsageError, argv: Sequence[str]) -> tuple[str, str]
 
 
 def _suggest_argument(option: str, argv: Sequence[str]) -> str:
-    """The argument of the launch file of `ur launch` that was written as an option: 'world:=office'; '' if none was."""
+    """Return the launch argument that was written as an option of `ur launch`: 'world:=office'; '' if none was."""
     if argv[:1] != ["launch"]:
         return ""
     from ur.launchfile.address import resolve_addresses
@@ -143,7 +143,7 @@ def _describe_unknown_command(problem: click.exceptions.NoSuchCommand, where: st
 
 
 def _describe_value(problem: click.BadParameter, argv: Sequence[str]) -> str:
-    """The value that a parameter refuses, as it was typed: 'invalid value '0' for --port'."""
+    """Describe the value that a parameter refuses, as typed: 'invalid value '0' for --port'."""
     param, context = problem.param, problem.ctx
     assert param is not None
     target = f" for {max(param.opts, key=len)}" if isinstance(param, click.Option) else ""
@@ -194,7 +194,7 @@ def _suggest_command(word: str) -> str | None:
 
 
 def _name_command(argv: Sequence[str]) -> str:
-    """The command that a command line calls: 'ur robot setup'."""
+    """Return the command that a command line calls: 'ur robot setup'."""
     command = load_verb(argv[0])
     inner = getattr(command, "commands", {})
     name = next((word for word in argv[1:] if word in inner), "")
@@ -202,7 +202,7 @@ def _name_command(argv: Sequence[str]) -> str:
 
 
 def _describe_values(param: click.Parameter | None) -> str:
-    """The values that an option takes: 'a whole number from 1 to 65535', 'bash, fish or zsh'; '' for any text."""
+    """Describe the values of an option: 'a whole number from 1 to 65535', 'bash, fish or zsh'; '' for any text."""
     kind = param.type if param is not None else None
     if isinstance(kind, click.Choice):
         *some, last = map(str, kind.choices)
@@ -223,7 +223,7 @@ def _describe_values(param: click.Parameter | None) -> str:
 
 
 def suggest_for(where: str, word: str) -> str | None:
-    """Text of a help line for a word after `where` (`ur`, `ur maps`) that other tools know; None for other words."""
+    """Return a help line for an argument of other tools after `where` (`ur`, `ur maps`); None for other arguments."""
     if where == "ur maps":
         if word in ("list", "ls"):
             return "'ur maps' alone lists the maps"

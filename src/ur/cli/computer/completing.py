@@ -1,9 +1,8 @@
 """Answers of `ur __complete SHELL LINE [REPLACED]`: a line for each candidate, `open|done<TAB>text<TAB>help`.
 
-For bash, `text` is quoted and takes the place of REPLACED, the end of LINE; zsh and fish quote by themselves. Names
-that hold control characters are not offered: no shell inserts them without surprises.
-
-It does without click: most answers need only names of files, and the user is waiting.
+For bash, `text` is quoted and replaces REPLACED, the end of LINE; zsh and fish quote by themselves. Names with control
+characters are not offered, since shells insert them incorrectly. It does not import click: most answers need only file
+names, and the user is waiting.
 """
 
 from __future__ import annotations
@@ -30,7 +29,7 @@ _RUN_COMMANDS = {
 
 
 def answer_completion(words: Sequence[str]) -> int:
-    """Print the candidates for a command line up to the cursor; none when anything fails."""
+    """Print the candidates for a command line up to the cursor; none if an error occurs."""
     gc.disable()  # nothing lives long enough to be worth collecting
     with suppress(Exception):
         from ur.launchfile.world.system import SystemWorld
@@ -52,7 +51,7 @@ def _row(candidate: Completion, shell: str, line: str = "", replaced: str | None
 
 
 def make_known(environment: Mapping[str, str]) -> NameSources:
-    """The sources of names on this computer."""
+    """Return the sources of names on this computer."""
     return NameSources(
         {
             "verb": _verbs,

@@ -1,4 +1,4 @@
-"""`ur completion`: what makes a shell complete `ur` with Tab."""
+"""`ur completion`: the lines that make a shell complete `ur` with Tab."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""`ur debian`: the Debian root in which ROS runs where a release has none."""
+"""`ur debian`: the Debian root for ROS, where this computer's release has no ROS packages."""
 
 from __future__ import annotations
 

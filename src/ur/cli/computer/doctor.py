@@ -1,4 +1,4 @@
-"""`ur doctor`: what keeps this computer and a robot from working together."""
+"""`ur doctor`: problems between this computer and a robot."""
 
 from __future__ import annotations
 
@@ -138,9 +138,9 @@ def _examine_alone(here: LocalShell, *, fix: bool, as_json: bool) -> int:
 
 
 def _conclude(report: DoctorReport, apply: Apply | None, *, as_json: bool) -> int:
-    """Run the commands that are safe, print what is left after them, and return the exit code.
+    """Run the safe commands, print the remaining findings, and return the exit code.
 
-    `apply` runs commands, each with its rule, and returns the findings after them; None leaves everything as it is.
+    `apply` runs commands, each with its rule, and returns the findings after them; None changes nothing.
     """
     commands = list_safe(report.findings)
     if apply and commands:
@@ -154,7 +154,7 @@ def _conclude(report: DoctorReport, apply: Apply | None, *, as_json: bool) -> in
 
 
 def _explain_route(here: LocalShell, address: Address, problem: UserError, *, as_json: bool) -> int:
-    """Report the step towards a robot that fails, and the findings about this computer."""
+    """Report the step of the route to a robot that fails, and the findings about this computer."""
     found = problem.diagnostics[0]
     if found.rule in ("missing-program", "bad-address"):
         raise problem
@@ -218,7 +218,7 @@ def _seen(pair: ComputerPair) -> list[SeenRobot]:
 
 
 def _expected(record: RobotRecord | None) -> tuple[Expected, ...]:
-    """The devices that the robot's base needs, as far as this computer has a description of it."""
+    """Return the devices that the robot's base needs, if this computer has a description of the base."""
     try:
         return expected_devices(load_base(PACKAGE, record.base, record.variant)) if record and record.base else ()
     except UserError:

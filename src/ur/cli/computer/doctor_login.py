@@ -1,4 +1,4 @@
-"""Logins of the doctor: by key, by password, or at the address where the robot was seen last."""
+"""Logins of the doctor: by key, by password, or at the robot's last known address."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from ur.source.diagnostic import UserError
 
 
 def enter_robot(stack: ExitStack, address: Address, password_from: int | None) -> tuple[SshShell, Secret | None, bool]:
-    """Log in: by key, by password, or, where the name cannot be resolved, at the address where the robot was seen last.
+    """Log in: by key, by password, or, if the name cannot be resolved, at the robot's last known address.
 
     Returns the shell, the password if one was needed, and whether the key was refused. Raises UserError.
     """
@@ -50,7 +50,7 @@ def _log_in(
 
 
 def _password(address: Address, descriptor: int | None) -> Secret | None:
-    """The password for a robot that refuses the key: asked for, or read from a descriptor; None without either."""
+    """Return the password for a robot that refuses the key: from the terminal, or a descriptor; None without either."""
     if descriptor is not None:
         with os.fdopen(descriptor, encoding="utf-8") as stream:
             text = stream.readline().rstrip("\n")
@@ -62,12 +62,12 @@ def _password(address: Address, descriptor: int | None) -> Secret | None:
 
 
 def find_sudo(there: SshShell, password: Secret | None) -> None:
-    """Find a way to be root there: with the password of the login, or one that is asked for."""
+    """Find out how to become root on the robot: with the password of the login, or one that the user enters."""
     if not there.find_sudo([password] if password else []) and sys.stdin.isatty():
         there.find_sudo([Secret(getpass.getpass(f"password of {there.place}: "))])
 
 
 def short_name(address: Address) -> str:
-    """The name of a computer without its domain."""
+    """Return the name of a computer without its domain."""
     name = address.host.removesuffix(".local")
     return socket.gethostname().split(".")[0] if name == "localhost" else name

@@ -22,9 +22,10 @@ MARKS = {True: ("ok", "green"), False: ("NO", "red"), None: ("-", "bright_black"
 
 @dataclass(slots=True)
 class DoctorReport:
-    """One run of the doctor. `names`: what the two computers are called in front of a command.
+    """The result of one run of the doctor.
 
-    `for_robot` are findings that are no problem before the first real robot is set up from here.
+    `names`: the names of the two computers, as printed before a command. `for_robot` are findings that matter only
+    after the first real robot is set up from this computer.
     """
 
     names: Mapping[str, str]
@@ -35,7 +36,7 @@ class DoctorReport:
 
 
 def print_alone(side: Side, ros1: str) -> None:
-    """The computer that is examined, and its ROS; `ros1` describes its ROS 1."""
+    """Print the inspected computer, and its ROS; `ros1` describes its ROS 1."""
     click.echo(f"a simulated robot is selected: this computer alone ({side.name})")
     click.echo(ros1)
     for line in describe_ros2(side.ros2):
@@ -43,7 +44,10 @@ def print_alone(side: Side, ros1: str) -> None:
 
 
 def print_report(report: DoctorReport, *, fixable: str = "") -> None:
-    """The steps that were taken, when the robot was not reached; each finding with what to do. `fixable`: how to."""
+    """Print the steps of the route, if the robot was not reached, and each finding with its fix.
+
+    `fixable` is the advice for findings that `--fix` handles.
+    """
     for step in report.steps:
         mark, colour = MARKS[step.good]
         text = f"{step.title}: {step.seen}" if step.seen else step.title
@@ -67,7 +71,7 @@ def print_report(report: DoctorReport, *, fixable: str = "") -> None:
 
 
 def print_json(report: DoctorReport) -> None:
-    """The same for programs."""
+    """Print the report as JSON."""
     findings, for_robot = (
         [
             {
@@ -94,7 +98,7 @@ def print_json(report: DoctorReport) -> None:
 
 
 def print_seen(pair: ComputerPair) -> None:
-    """Everything that was looked at, side by side."""
+    """Print all inspected properties of both computers side by side."""
     from rich.console import Console
     from rich.table import Table
 

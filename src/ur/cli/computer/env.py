@@ -1,4 +1,4 @@
-"""`ur env`: what makes a shell follow the selection."""
+"""`ur env`: the variables that make a shell follow the selection."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def command(graph: bool) -> int:
 
 
 def guest_changes(selection: Selection, version: str, read: Callable[[str], Ros2Robot] | None = None) -> dict[str, str]:
-    """The variables with which ROS of this `version` is in the graph of the selected robot. Raises UserError."""
+    """Return the variables with which ROS of this `version` joins the selected robot's graph. Raises UserError."""
     if version != "2":
         message = "--graph is for ROS 2, which this computer does not use"
         raise UserError(error(message, rule="bad-options", help=f"ur use {selection.robot} --ros 2"))

@@ -1,4 +1,4 @@
-"""`ur setup`: this computer becomes a viewer."""
+"""`ur setup`: set up this computer as a viewer."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""`ur new base --from`: questions about what a URDF or xacro file does not give."""
+"""`ur new base --from`: questions about properties that a URDF or xacro file does not define."""
 
 from __future__ import annotations
 
@@ -20,10 +20,10 @@ def describe_base(
     source: Path, summary: str | None, figures: Mapping[str, float | None], arguments: Sequence[str], *,
     lidar: bool | None, raspicam: bool,
 ) -> str:  # fmt: skip
-    """The text of the base.yaml that follows from a description. Raises UserError.
+    """Return the text of a base.yaml for a description. Raises UserError.
 
-    Prints what was read; asks once for everything else. `lidar` is whether it has one; None if the file defines it.
-    `arguments` are those of a xacro file.
+    Prints the properties that were read; asks once for the others. `lidar` tells whether the robot has one; None if the
+    file defines it. `arguments` are those of a xacro file.
     """
     from ur.robot.description.base_text import write_base_file
     from ur.robot.description.reading import read_base_figures
@@ -51,7 +51,7 @@ def describe_base(
 
 
 def _ask_for_lidar(reading: DescriptionReading) -> bool | None:
-    """The answer of a person; None without a terminal, and then the robot has none."""
+    """Ask the user about a lidar; None without a terminal, and then the robot has none."""
     while sys.stdin.isatty():
         question = "the file has no lidar, which the way to a goal needs: add a usual one on top? [Y/n]"
         answer = click.prompt(question, default="y", show_default=False, type=str).strip().lower()
@@ -64,7 +64,7 @@ def _ask_for_lidar(reading: DescriptionReading) -> bool | None:
 
 
 def _ask_to_run(what: str) -> bool:
-    """Ask whether Python of a description may run with all rights; without a terminal the answer is no."""
+    """Ask whether Python code of a description may run with all rights; without a terminal the answer is no."""
     if not sys.stdin.isatty():
         return False
     click.echo(f"warning: {what}", err=True)
@@ -73,7 +73,7 @@ def _ask_to_run(what: str) -> bool:
 
 
 def _ask_for(source: Path, reading: DescriptionReading, lidar: bool | None) -> dict[str, float]:
-    """The open figures, from a person; without a terminal all of them are named in one error."""
+    """Ask the user for the open properties; without a terminal one error names all of them."""
     if sys.stdin.isatty():
         return {key: _prompt(key) for key in reading.open}
     raise files.missing_figures(source, reading, lidar)

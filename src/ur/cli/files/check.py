@@ -1,4 +1,4 @@
-"""`ur check`: what is wrong with launch files, YAML files and programs."""
+"""`ur check`: problems in launch files, YAML files and programs."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""`ur docs`: documents of a launch repository, made from its launch files."""
+"""`ur docs`: documents of a launch repository, generated from its launch files."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""`ur find`: where a name of launch files is defined and used."""
+"""`ur find`: definitions and uses of a name in launch files."""
 
 from __future__ import annotations
 

@@ -23,7 +23,7 @@ _ROUNDS = 5  # what was installed may name more
 
 @dataclass(slots=True)
 class _Choices:
-    """The choices of the user, by options or by answers; each question is asked once."""
+    """The choices of the user, from options or answers; each question is asked once."""
 
     missing: bool = False
     yes: bool = False
@@ -32,7 +32,7 @@ class _Choices:
     ask_servers: bool | None = None
 
     def may_ask(self, addresses: Sequence[str]) -> bool:
-        """Return whether these addresses may be sent to servers. Without a terminal they are not."""
+        """Return whether these addresses may be queried on servers. Without a terminal they may not."""
         if self.ask_servers is None:
             click.echo("packages that no index has; their names would be sent to these servers:", err=True)
             for address in addresses[:_SHOWN]:
@@ -43,7 +43,7 @@ class _Choices:
         return self.ask_servers
 
     def may_install(self, names: Sequence[str]) -> bool:
-        """Return whether these packages, which are not of ROS, may be installed."""
+        """Return whether these packages, which do not belong to ROS, may be installed."""
         if self.others is None:
             self.others = self._confirm(f"also install {', '.join(names)}, which are not packages of ROS?")
         return self.others
@@ -101,7 +101,7 @@ def command(
 
 
 def get_packages(names: Sequence[str]) -> int:
-    """Do what `ur get NAME...` does, and return its exit code. Raises UserError."""
+    """Install packages as `ur get NAME...` does, and return the exit code. Raises UserError."""
     return _get(names, (), _Choices())
 
 
@@ -155,7 +155,7 @@ def _find_plan(words: Sequence[str], index: Sequence[str], choices: _Choices) ->
 
 
 def _take_others(plan: GetPlan, choices: _Choices) -> GetPlan:
-    """The plan with its other Debian packages among those to install, where the user wants them."""
+    """Return the plan with its other Debian packages among those to install, if the user agrees."""
     others = plan.steps_by("other")
     if not others or not choices.may_install([name for step in others for name in step.names]):
         return plan

@@ -1,4 +1,4 @@
-"""`ur graph`: a picture of a launch file, or of what runs."""
+"""`ur graph`: a picture of a launch file, or of running nodes."""
 
 from __future__ import annotations
 
@@ -141,7 +141,7 @@ def _show_domain(nodes: Sequence[str], form: str) -> str:
 
 
 def _find_nodes(nodes: Sequence[str], state: Sequence[Iterable[tuple[str, Sequence[str]]]], where: str) -> list[str]:
-    """The full names of nodes. Raises UserError: one of them is not there."""
+    """Return the full names of nodes. Raises UserError if one does not exist."""
     known = {node for part in state for _, names in part for node in names}
     wanted = [name if name.startswith("/") else f"/{name}" for name in nodes]
     for name in wanted:

@@ -1,4 +1,4 @@
-"""`ur lsp`: launch files in an editor."""
+"""`ur lsp`: the language server for launch files."""
 
 from __future__ import annotations
 

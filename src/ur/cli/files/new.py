@@ -50,7 +50,7 @@ def command(context: click.Context) -> int:
 
 
 def _list_kinds() -> str:
-    """List what can be made: the first example of each, as the help pages have it."""
+    """List the kinds of new files: the first example of each, as on the help pages."""
     from ur.cli.verbs import VERBS
 
     lines = ["error: 'ur new' needs to know what to write, expected one of:"]

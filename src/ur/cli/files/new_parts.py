@@ -19,7 +19,7 @@ in_package = click.option(
 
 
 class _Done:
-    """Write files, and print their names and the next steps."""
+    """Writes files, and prints their names and the next steps."""
 
     def __call__(self, target: TargetPackage, files: Sequence[NewFile], then: str) -> int:
         from ur.tools.new.write import write_files
@@ -33,12 +33,12 @@ class _Done:
 
     @staticmethod
     def target(place: str | None) -> TargetPackage:
-        """The package of a name or folder, or the one around the current folder. Raises UserError."""
+        """Return the package with a name or folder, or the one around the current folder. Raises UserError."""
         return find_target(place)
 
     @staticmethod
     def folder(name: str) -> TargetPackage:
-        """The target of a new package. Raises UserError when the folder exists."""
+        """Return the target of a new package. Raises UserError if the folder exists."""
         folder = Path.cwd() / name
         if folder.exists():
             raise UserError(error(f"{name} is there already, expected a new name", rule="file-exists", subject=name))

@@ -1,4 +1,4 @@
-"""`ur new script`: a program in Python that drives the selected robot."""
+"""`ur new script`: a Python program that drives the selected robot."""
 
 from __future__ import annotations
 

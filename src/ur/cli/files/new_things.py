@@ -1,4 +1,4 @@
-"""Facts that `ur new` gets from people and from this computer."""
+"""Input of `ur new` from the user and from this computer."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 
 def ask(value: str | None, option: str, question: str, default: str | None = None) -> str:
-    """A value that was given, else what a person answers, else the default. Raises UserError where there is none."""
+    """Return the given value, else the user's answer, else the default. Raises UserError if there is none."""
     if value:
         return value
     if not sys.stdin.isatty():
@@ -46,7 +46,7 @@ def node_request(
     name: str, package: str, kind: str, summary: str, target: TargetPackage, seconds: float | None, per_base: bool,
     arguments: Sequence[str],
 ) -> NodeRequest:  # fmt: skip
-    """The facts about a node; it is started and observed unless `seconds` is None."""
+    """Return the facts about a node; it is started and observed unless `seconds` is None."""
     from ur.robot.base import list_bases
 
     observed = Observed()
@@ -64,7 +64,7 @@ def node_request(
 
 
 def _source(program: str) -> str:
-    """The text of a program, empty if it is not text."""
+    """Return the text of a program, '' if it is not text."""
     try:
         return read_source(program).text
     except UserError:
@@ -72,7 +72,7 @@ def _source(program: str) -> str:
 
 
 def describe_observed(observed: Observed) -> str:
-    """Describe how much was seen of a node: 'seen: 2 topics, 1 service, 1 parameter'."""
+    """Describe the observed interface of a node: 'seen: 2 topics, 1 service, 1 parameter'."""
     return (
         f"seen: {_count(observed.topics, 'topic')}, {_count(observed.services, 'service')}, "
         f"{_count(observed.parameters, 'parameter')}"
@@ -84,7 +84,7 @@ def _count(things: Sized, noun: str) -> str:
 
 
 def find_program(package: str, kind: str) -> str:
-    """The executable of a package. Raises UserError, did you mean."""
+    """Find the executable of a package. Raises UserError, with a suggestion of a similar name."""
     from ur.launchfile.world.protocol import PackageNotFound
     from ur.launchfile.world.system import SystemWorld
     from ur.request.environment import apply_selection, current_selection
@@ -110,7 +110,10 @@ def find_program(package: str, kind: str) -> str:
 
 
 def find_parts(names: Sequence[str], target: TargetPackage) -> list[IncludedPart]:
-    """The launch files to include: `n_joy`, `m_robot_base`, `PACKAGE/n_x`. Raises UserError, did you mean."""
+    """Find the launch files to include: `n_joy`, `m_robot_base`, `PACKAGE/n_x`.
+
+    Raises UserError, with a suggestion of a similar name.
+    """
     from ur.launchfile.query.arguments import read_arguments
     from ur.launchfile.world.protocol import PackageNotFound
     from ur.request.environment import apply_selection, current_selection
@@ -149,7 +152,7 @@ def _ours(find: object) -> set[str]:
 def base_request(
     name: str, summary: str, figures: Mapping[str, float | None], *, lidar: bool, raspicam: bool
 ) -> BaseRequest:
-    """The figures of a base: those given, else those a person answers, else ordinary ones. Raises UserError."""
+    """Return the properties of a base: given ones, else the user's answers, else defaults. Raises UserError."""
     for key, given in figures.items():
         check_figure(key, given)
     answers = {}
@@ -162,7 +165,7 @@ def base_request(
 
 
 def check_like(library: Path, name: str, like: str | None) -> str | None:
-    """The base whose parameter files are copied: without a choice `stage`, if the package has it. Raises UserError."""
+    """Return the base whose parameter files are copied: by default `stage`, if the package has it. Raises UserError."""
     from ur.robot.base import list_bases
 
     known = list_bases(library)
@@ -179,14 +182,14 @@ def check_like(library: Path, name: str, like: str | None) -> str | None:
 
 
 def check_launch_file(target: TargetPackage, launch: str) -> None:
-    """Refuse a launch file that the package does not have. Raises UserError, did you mean."""
+    """Raise UserError for a launch file that the package does not have, with a suggestion of a similar name."""
     from ur.launchfile.address import find_launch_file
 
     find_launch_file(target.name, launch, _world_of(target))
 
 
 def read_topics(topics: Sequence[str]) -> list[tuple[str, str]]:
-    """Names and message types from `NAME:TYPE`. Raises UserError for a type that no display of RViz shows."""
+    """Parse names and message types from `NAME:TYPE`. Raises UserError for a type that no display of RViz supports."""
     from ur.tools.new.group import DISPLAYS
 
     read = []
@@ -206,7 +209,7 @@ def read_topics(topics: Sequence[str]) -> list[tuple[str, str]]:
 
 
 def _world_of(target: TargetPackage) -> World:
-    """The packages of this computer, and before them the one that gets new files."""
+    """Return the packages of this computer, after the target package of the new files."""
     from ur.launchfile.world.system import SystemWorld
 
     return SystemWorld({**os.environ, "ROS_PACKAGE_PATH": f"{target.folder}:{os.environ.get('ROS_PACKAGE_PATH', '')}"})
@@ -215,9 +218,9 @@ def _world_of(target: TargetPackage) -> World:
 def urdf_files(
     target: TargetPackage, name: str, text: str, like: str | None, library: Path, url: str = ""
 ) -> list[NewFile]:
-    """The files of a new base beside its base.yaml: a parameter file wherever base `like` has one, and its URDF.
+    """Return the files of a new base besides its base.yaml: its URDF, and the parameter files that base `like` has.
 
-    `library` is the package of `like`; `url` is that of the folder of the files, unless it is a package.
+    `library` is the package of `like`; `url` is the URL of the files' folder, unless it is a package.
     """
     from ur.robot.base import read_base
     from ur.robot.base.body_mesh import make_body, write_stl
@@ -245,7 +248,7 @@ def urdf_files(
 
 
 def know_person() -> tuple[str, str]:
-    """Name and address of the user, as git knows them."""
+    """Return name and e-mail address of the user, as configured in git."""
 
     def git(key: str) -> str:
         try:

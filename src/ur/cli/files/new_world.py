@@ -1,4 +1,4 @@
-"""`ur new world`: a world of one's own, from a picture or a size."""
+"""`ur new world`: a new world, from a picture or a size."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""`ur package`: package.xml and CMakeLists.txt, compared with what the launch files use."""
+"""`ur package`: package.xml and CMakeLists.txt, compared with the packages that launch files use."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""`ur launch` once its command line is parsed: answer a question, describe the commands, or run."""
+"""Execution of `ur launch` after its command line is parsed: answer a query, print commands, or run."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _OF_FILES = frozenset({"nodes", "files", "find-node", "args"})
 
 
 def ask(argv: Sequence[str], query: Query) -> int:
-    """Answer a question about the launch file that `argv` names, and return the exit code. Raises UserError."""
+    """Answer a query about the launch file that `argv` names, and return the exit code. Raises UserError."""
     from ur.request.questions import answer
 
     shell = dict(os.environ)
@@ -85,7 +85,7 @@ def _start(argv: Sequence[str], selection: Selection, options: LaunchOptions, re
 
 
 def explain_problem(problem: UserError, report: str | None = None) -> int:
-    """Print errors about what a person gave, and write them to `report` too; returns the exit code."""
+    """Print errors about the user's input, and write them to `report` too; return the exit code."""
     if report is not None:
         from ur.request.launch import write_report
 

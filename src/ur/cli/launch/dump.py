@@ -18,9 +18,9 @@ from ur.source.diagnostic import UserError
 def print_dump(
     argv: Sequence[str], shell: Mapping[str, str], *, with_origins: bool = False, no_commands: bool = False
 ) -> int:
-    """Print the plan behind `[PACKAGE] FILE [ARG:=VALUE]...` as JSON with sorted keys; 1 if roslaunch refuses it.
+    """Print the plan of `[PACKAGE] FILE [ARG:=VALUE]...` as JSON with sorted keys; return 1 if roslaunch refuses it.
 
-    Nothing is taken from the selection: the same arguments and the same shell mean what they mean to roslaunch.
+    The selection is ignored: the same arguments and environment have the meaning that they have for roslaunch.
     `no_commands` refuses files with `<param command=...>` instead of running the programs.
     """
     world = make_world(shell, anonymous=True)

@@ -47,7 +47,7 @@ def command(as_json: bool) -> int:
 
 
 def render_list(programs: Sequence[Program], base: Base | None, *, colour: bool) -> str:
-    """A line for each program: those of FIRST, then the others, by package where there are several packages."""
+    """Return a line for each program: those of FIRST, then the others, by package if there are several packages."""
     width = max((len(program.name) for program in programs), default=0) + 2  # indented
     dim = (_DIM, _PLAIN) if colour else ("", "")
 
@@ -71,7 +71,7 @@ def render_list(programs: Sequence[Program], base: Base | None, *, colour: bool)
 
 
 def _selected_base() -> Base | None:
-    """The base of the selected robot; None where it is not known."""
+    """Return the base of the selected robot; None if it is unknown."""
     from ur.request.bases.robot_facts import know_base
     from ur.robot.base import load_base
     from ur.robot.base.search import find_base_package

@@ -1,4 +1,4 @@
-"""Installation of packages that a launch file lacks: xacro at once, the others after a question."""
+"""Installation of packages that a launch file lacks: xacro at once, others after a question."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from ur.request.options import LaunchOptions
 
 
 def make_xacro() -> None:
-    """Make the ROS package xacro. Raises UserError."""
+    """Build the ROS package xacro. Raises UserError."""
     from ur.get.offer import install_xacro_package
 
     sys.stderr.write("installing xacro, once ...\n")
@@ -18,7 +18,7 @@ def make_xacro() -> None:
 
 
 def offer(options: LaunchOptions, names: Iterable[str]) -> bool:
-    """Ask whether `ur get` should look for packages, and run it; True once one has been installed."""
+    """Ask whether `ur get` may search for packages, and run it; return True once one has been installed."""
     from ur.get.offer import make_offer
 
     offered = make_offer(names)

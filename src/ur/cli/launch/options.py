@@ -1,4 +1,4 @@
-"""The options of `ur launch`: roslaunch's, each with its meaning or the reason for a refusal, and our own."""
+"""The options of `ur launch`: roslaunch's, each with its meaning or the reason for a refusal, and additional ones."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ def _refuse(ctx: click.Context, param: click.Parameter, value: object) -> None:
 
 
 def make_lease_options() -> tuple[click.Option, ...]:
-    """Options for the conduct where another client drives the robot; `ur run` passes them on."""
+    """Return the options for a robot that another client drives; `ur run` passes them on."""
     return (
         _flag("--watch", help="If another client drives the robot, watch."),
         _flag("--ask", help="If another client drives the robot, ask to drive."),
@@ -139,14 +139,14 @@ PARAMETERS: tuple[click.Parameter, ...] = (
 
 
 def list_groups() -> dict[str, list[str]]:
-    """The titles of the groups, each with a name of each of its options."""
+    """Return the titles of the groups, each with a name of each of its options."""
     groups = {title: [option.opts[-1] for option in options] for title, options in GROUPS.items()}
     groups["Process"].append("--help")
     return groups
 
 
 class LaunchCommand(click.Command):
-    """Takes the beginnings of roslaunch's long options too, where only one begins so: optparse does."""
+    """A command that also accepts unambiguous prefixes of roslaunch's long options, as optparse does."""
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
         """Parse a command line."""

@@ -97,7 +97,7 @@ def _prose(text: str, width: int) -> list[str]:
 
 
 def _plain(text: str) -> str:
-    """Markdown as plain text: code of several words gets quotes, other code none."""
+    """Convert Markdown to plain text: code of several words gets quotes, other code none."""
     return " ".join(_CODE.sub(lambda found: f"'{found[1]}'" if " " in found[1] else found[1], text).split())
 
 

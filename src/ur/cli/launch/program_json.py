@@ -1,4 +1,4 @@
-"""Programs as JSON: what each does, what the selected robot lacks for it, and the arguments of its launch file."""
+"""Programs as JSON: their description, the robot's missing features, and the arguments of their launch files."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ def describe_programs(
 ) -> list[dict[str, object]]:
     """Describe programs as objects for `ur list --json`.
 
-    `name` is what `ur run` takes, `launch_file` its path or "" for a program that reads its arguments itself, `lack`
-    what the selected robot lacks, `problem` why its arguments are not known. Each of `arguments` has `name`, `doc`,
-    `default` (null: it has to be given) and `values`, those that are known, each with `text` and `help`.
+    `name` is the argument for `ur run`, `launch_file` its path or "" for a program that reads its arguments itself,
+    `lack` the features that the selected robot lacks, `problem` the reason why its arguments are unknown. Each of
+    `arguments` has `name`, `doc`, `default` (null: required) and the known `values`, each with `text` and `help`.
     """
     names = [program.name for program in programs]
     return [_describe(program, names.count(program.name) > 1, environment, lack(program)) for program in programs]

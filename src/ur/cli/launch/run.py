@@ -77,7 +77,7 @@ def command(
 
 
 def _launch(argv: list[str], options: LaunchOptions) -> int:
-    """Launch in this process, as the program would in one more of bash and one more of Python."""
+    """Launch in this process, as the program would with two more processes, of bash and Python."""
     from ur.cli.launch.act import act_on, explain_problem
 
     check_options(argv, options)

@@ -1,4 +1,4 @@
-"""`ur run FILE.py`: a script of the user's, beside the nodes of the selected robot."""
+"""`ur run FILE.py`: a user's script, in the environment of the selected robot."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from ur.source.project import launch_library
 
 
 def is_script(program: str) -> bool:
-    """Return whether the name of a program is a Python file."""
+    """Return whether a program's name is that of a Python file."""
     return program.endswith(".py") and Path(program).is_file()
 
 

@@ -19,10 +19,10 @@ _PATIENCE = 60.0  # s that the program gets to end
 
 
 def run_with_page(program: str, words: Sequence[str], *, foxglove: bool = False) -> int:
-    """Serve the page while a program runs with these words, and return the exit code of the program.
+    """Serve the page while a program runs with these arguments, and return the exit code of the program.
 
-    Nodes that need the terminal are left out: the page takes their place. Ctrl-C ends both, and so does the end of
-    the program. With `foxglove` an address for viewers is printed, too. Raises UserError: no port is free.
+    Nodes that need the terminal are left out: the page replaces them. Ctrl-C ends both, and so does the end of the
+    program. With `foxglove` an address for viewers is printed, too. Raises UserError if no port is free.
     """
     need_all(["aiohttp", "segno"], "web.lock", "what the page needs (2 MB to download)")
     if foxglove:

@@ -1,4 +1,4 @@
-"""A run of `ur launch`: its host, its plan, its interface, its end."""
+"""A run of `ur launch`: its host, plan, interface and end."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 
 def describe_finding(finding: Diagnostic) -> tuple[EventSeverity, str]:
-    """A finding in a launch file as severity and text for the interface's log."""
+    """Return severity and text of a finding in a launch file, for the interface's log."""
     from ur.source.render import render_human
 
     severity: EventSeverity = "warning" if finding.severity is Severity.WARNING else "info"
@@ -31,7 +31,7 @@ def describe_finding(finding: Diagnostic) -> tuple[EventSeverity, str]:
 def run_launch(
     argv: Sequence[str], selection: Selection, options: LaunchOptions, reporter: StartReporter, detach: Detach | None
 ) -> int:
-    """Start what a command line asks for, and return the exit code once it has ended. Raises UserError."""
+    """Run the launch file of a command line, and return the exit code once it has ended. Raises UserError."""
     from ur.run.process.host_client import start_host  # now, not before: help and completion need none of it
 
     with ExitStack() as stack, closing(start_host()) as host:  # its start overlaps with the reading of the launch file
@@ -52,7 +52,7 @@ def run_launch(
 
 
 def _call_started(console: Console, detach: Detach | None) -> Callable[[RunEntry], None] | None:
-    """The call that lets the terminal of a detached run go; None for a run that keeps it."""
+    """Return the callback that detaches a run from its terminal; None for a run that keeps it."""
     if detach is None:
         return None
 
@@ -65,7 +65,7 @@ def _call_started(console: Console, detach: Detach | None) -> Callable[[RunEntry
 
 
 def _make_console(viewer: InterfaceProcess | None) -> Console:
-    """The console; what it prints before the interface opens is the beginning of the interface's log too."""
+    """Return the console; its output before the interface opens is also the beginning of the interface's log."""
     from ur.run.output.console import Console
 
     if viewer is None:
@@ -89,7 +89,7 @@ def _make_console(viewer: InterfaceProcess | None) -> Console:
 
 @contextmanager
 def _viewer(plan: Plan, options: LaunchOptions, reporter: StartReporter) -> Iterator[InterfaceProcess | None]:
-    """Open the interface, on a terminal that no node needs. Its log begins with what was reported so far."""
+    """Open the interface, on a terminal that no node needs. Its log begins with earlier reports."""
     if options.plain or options.json or options.detach or any(node.terminal for node in plan.nodes):
         yield None
         return
@@ -106,7 +106,7 @@ def _viewer(plan: Plan, options: LaunchOptions, reporter: StartReporter) -> Iter
 
 
 class _pid_file:  # noqa: N801 - used like a function: with _pid_file(path)
-    """A file with our process id, for as long as we run."""
+    """Context in which a file with the id of this process exists."""
 
     def __init__(self, path: str | None) -> None:
         self._path = path

@@ -1,4 +1,4 @@
-"""Maps on robots: listed, fetched and sent over ssh. What arrives is checked before it becomes a map."""
+"""Transfer of maps between this computer and robots over ssh. A received map is checked before it is stored."""
 
 from __future__ import annotations
 
@@ -20,13 +20,13 @@ _LIST = f'cd {_FOLDER} 2>/dev/null || exit 0; for f in */map.yaml; do [ -f "$f" 
 
 
 def list_remote(robot: str) -> list[str]:
-    """The names of the maps on a robot, sorted. Raises UserError: there is no connection."""
+    """Return the sorted names of the maps on a robot. Raises UserError if there is no connection."""
     with connect_robot(robot_address(robot)) as shell:
         return sorted({name for name in shell.run(_LIST).out.splitlines() if is_map_name(name)})
 
 
 def fetch_map(store: MapStore, name: str, robot: str, new_name: str) -> str:
-    """Copy a map from a robot; returns the robot's address. Raises UserError; then nothing has changed here."""
+    """Copy a map from a robot; return the robot's address. Raises UserError, without a change on this computer."""
     check_map_name(name)
     address = robot_address(robot)
     with store.arriving(new_name) as folder, connect_robot(address) as shell:
@@ -48,7 +48,7 @@ def fetch_map(store: MapStore, name: str, robot: str, new_name: str) -> str:
 
 
 def send_map(store: MapStore, name: str, robot: str, new_name: str) -> str:
-    """Copy a map to a robot; returns the robot's address. Raises UserError; then nothing has changed there."""
+    """Copy a map to a robot; return the robot's address. Raises UserError, without a change on the robot."""
     store.resolve(name)
     target = quote(check_map_name(new_name))
     address = robot_address(robot)

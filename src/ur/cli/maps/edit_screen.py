@@ -53,7 +53,7 @@ class MapCanvas(Widget, can_focus=False):
         self.cursor = ((left + right) / 2, (bottom + top) / 2)
 
     def read(self) -> None:
-        """Read the map again, after a change."""
+        """Read the map again after a change."""
         self._image, self._places, self._zones = self._session.image(), self._session.places(), self._session.zones()
         self.draw()
 
@@ -69,7 +69,7 @@ class MapCanvas(Widget, can_focus=False):
             self.draw()
 
     def move(self, columns: int, rows: int) -> None:
-        """Move the cursor by pixels, right and down; the view goes with it."""
+        """Move the cursor by pixels, right and down; the view follows it."""
         if self.view:
             x, y = self.cursor
             self.cursor = (x + columns * self.view.scale, y - rows * self.view.scale)
@@ -77,11 +77,11 @@ class MapCanvas(Widget, can_focus=False):
             self.draw()
 
     def on_resize(self) -> None:
-        """Show the whole map on the new size."""
+        """Show the whole map at the new size."""
         self.fit()
 
     def on_click(self, event: events.Click) -> None:
-        """Put the cursor where the mouse is."""
+        """Move the cursor to the mouse position."""
         if self.view:
             self.cursor = self.view.to_map(event.x + 0.5, 2 * event.y + 1.0)
             self.draw()
@@ -108,7 +108,7 @@ class MapCanvas(Widget, can_focus=False):
         self.refresh()
 
     def render_line(self, y: int) -> Strip:
-        """A line of the widget."""
+        """Return a line of the widget."""
         if y >= len(self._strips):
             return Strip([Segment(" " * self.size.width, Style.null())])
         return self._strips[y]
@@ -136,7 +136,7 @@ class MapCanvas(Widget, can_focus=False):
 
 
 class EditApp(FullScreenApp[None]):
-    """Obeys keys. Every change is stored at once."""
+    """The editor, which handles keys. Every change is stored at once."""
 
     CSS = """
     #head { height: 1; background: $primary; color: $text; padding: 0 1; }
@@ -153,7 +153,7 @@ class EditApp(FullScreenApp[None]):
         self.canvas = MapCanvas(session, light=light)
 
     def compose(self) -> ComposeResult:
-        """Head, map, message, the name of a place, help."""
+        """Arrange header, map, message, the input for the name of a place, and help."""
         yield Static(id="head")
         yield self.canvas
         yield Static(id="message")
@@ -161,12 +161,12 @@ class EditApp(FullScreenApp[None]):
         yield Static(_HELP, id="help")
 
     def on_mount(self) -> None:
-        """Set the colours and show where the cursor is."""
+        """Set the colours and show the cursor."""
         self.use_theme(light=self._light)
         self._show("")
 
     def on_key(self, event: events.Key) -> None:
-        """Act on a key, unless a name is typed."""
+        """Handle a key, unless a name is being typed."""
         name = self.query_one("#name", Input)
         if name.display:
             if event.key == "escape":
@@ -220,7 +220,7 @@ class EditApp(FullScreenApp[None]):
 
 
 def run_editor(session: EditSession) -> int:
-    """Show the screen until it is left; returns the exit code."""
+    """Show the screen until the user leaves it; return the exit code."""
     app = EditApp(session, light=is_light(os.environ, ask_background(0, 1)))
     app.run()
     if app.problem is not None:

@@ -1,4 +1,4 @@
-"""List of stored maps for a terminal or a script: a small picture of each, its size, age, robot and contents."""
+"""List of stored maps for a terminal or a script: a small picture of each, its size, age, robot and content."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _NARROW = 70  # columns: without pictures
 
 
 def describe_map(store: MapStore, name: str) -> str:
-    """The size of a map, when it was changed, which robot has made it, and what it can be used for."""
+    """Describe a map: its size, time of change, the robot that made it, and its uses."""
     from ur.worlds.map_file import read_map
 
     try:
@@ -37,7 +37,7 @@ def describe_map(store: MapStore, name: str) -> str:
 
 
 def list_maps(store: MapStore, columns: int, *, colour: bool) -> list[str]:
-    """Lines for a terminal: the picture of each map, and its facts beside it."""
+    """Return lines for a terminal: the picture of each map, and its properties beside it."""
     from ur.maps.drawing import draw_lines
     from ur.worlds.map_file import read_map
 
@@ -60,9 +60,10 @@ def list_maps(store: MapStore, columns: int, *, colour: bool) -> list[str]:
 
 
 def list_facts(store: MapStore, name: str, environment: Mapping[str, str], *, picture: bool) -> dict[str, object]:
-    """Facts of a map for a script: `width` and `height` in m, `places` by number, and `problem` where it is damaged.
+    """Return the properties of a map for a script.
 
-    `picture` is a list of lines as `draw_lines` draws them without colours.
+    `width` and `height` are in m, `places` is the number of places, and `problem` is set if the map is damaged.
+    `picture` is a list of lines from `draw_lines` without colours.
     """
     from ur.maps.change import read_places
     from ur.maps.drawing import draw_lines

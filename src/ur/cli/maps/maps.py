@@ -1,4 +1,4 @@
-"""`ur maps`: the maps that robots have made, listed, shown, renamed, deleted and exchanged."""
+"""`ur maps`: list, show, rename, delete and exchange the maps that robots have made."""
 
 from __future__ import annotations
 
@@ -187,7 +187,7 @@ def _store() -> MapStore:
 
 
 def _guard(action: Callable[[], Result]) -> Result:
-    """Run an action on files. Raises UserError where they cannot be used."""
+    """Run an action on files. Raises UserError if they cannot be used."""
     try:
         return action()
     except OSError as problem:

@@ -1,4 +1,4 @@
-"""`ur maps merge`: two stored maps become a third one, computed by a process of the mapping node's package."""
+"""`ur maps merge`: merge two stored maps into a third one, by a process of the mapping node's package."""
 
 from __future__ import annotations
 
@@ -20,10 +20,10 @@ _SECONDS = 1800.0
 
 
 def merge_maps(store: MapStore, first: str, second: str, name: str) -> str:
-    """Merge two maps of the user's store into a third one, with the waypoints of both; returns what it has become.
+    """Merge two maps of the user's store into a third one, with the waypoints of both; return its description.
 
-    Raises UserError, or OSError; then there is no new map. Diagnostics of the process are on standard error already
-    when `MergeFailed` is raised.
+    Raises UserError or OSError, without a new map. If `MergeFailed` is raised, the process has already printed its
+    diagnostics to standard error.
     """
     first, second = store.resolve(first), store.resolve(second)
     check_map_name(name)
@@ -52,7 +52,7 @@ def merge_maps(store: MapStore, first: str, second: str, name: str) -> str:
 
 @dataclass(frozen=True, slots=True)
 class MergedMap:
-    """The output of `ur_nodes.slam.storage.merging`: the place of the second map on the first, and its figures."""
+    """The output of `ur_nodes.slam.storage.merging`: the pose of the second map in the first, and statistics."""
 
     place: tuple[float, float, float]
     keyframes: int

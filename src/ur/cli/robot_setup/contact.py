@@ -1,4 +1,4 @@
-"""First contact of `ur robot setup`: the host key that the user confirms, and the robot's rights on this computer."""
+"""First contact of `ur robot setup`: host keys confirmed by the user, and the robot's login to this computer."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from ur.source.diagnostic import UserError, error_about
 
 
 def read_fingerprint(text: str) -> str:
-    """A fingerprint that the user has given. Raises UserError."""
+    """Parse a fingerprint from the user. Raises UserError."""
     try:
         return parse_fingerprint(text)
     except ValueError as problem:
@@ -35,10 +35,10 @@ def confirm_host_key(
     terminal: SetupTerminal = TERMINAL,
     greet: Callable[..., OfferedHostKey] = meet,
 ) -> Task:
-    """Compare the robot's host key with the known one; ask for a new one. The task with the key that counts.
+    """Compare the robot's host key with the known one, and ask about a new one; return the task with the key.
 
-    `fingerprint` is the one that the user gave, `yes` confirms any. Nothing secret is sent. Raises UserError: it is
-    another one, the user says no, or there is no terminal to ask on.
+    `fingerprint` was given by the user, `yes` confirms any key. No secret is sent. Raises UserError if the key differs,
+    the user refuses it, or there is no terminal.
     """
     contact = greet(task.address, task.later, with_key=bool(fingerprint))
     if needs_answer(task.address, contact, fingerprint=fingerprint, new_host_key=new_host_key):
@@ -88,10 +88,10 @@ def _ask(task: Task, contact: OfferedHostKey, terminal: SetupTerminal) -> None:
 
 
 def decide_robot_login(tasks: Sequence[Task], wanted: bool | None, terminal: SetupTerminal = TERMINAL) -> list[Task]:
-    """The tasks with the decision whether the robots may log in to this computer.
+    """Return the tasks with the decision whether the robots may log in to this computer.
 
-    `wanted` is what the user gave; else what was decided for a robot before; else a question, or, without a terminal,
-    no.
+    The decision is `wanted`, from an option; else the earlier one for a robot; else the user's answer, or, without a
+    terminal, no.
     """
     before = {record.name: record.robot_login for record in load_records(records_folder(os.environ))}
     open_ = [task.robot.name for task in tasks if wanted is None and before.get(task.robot.name) is None]

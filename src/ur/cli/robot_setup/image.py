@@ -1,4 +1,4 @@
-"""`ur image`: images from which a robot's first boot makes a robot that can be reached."""
+"""`ur image`: images whose first boot makes the robot reachable."""
 
 from __future__ import annotations
 
@@ -114,7 +114,7 @@ def _write_seed(
     dry_run: bool,
     yes: bool,
 ) -> tuple[SeedOptions, Passwords]:
-    """Write one robot's seed. Returns what it holds, and the passwords, which are asked for once."""
+    """Write one robot's seed. Returns its options, and the passwords, which are asked for only once."""
     with _opened(source, target) as (path, commit, device):
         layout = find_layout(path)
         if layout.os:
@@ -170,7 +170,7 @@ Commit = Callable[[Sequence[Write]], None]
 
 @contextmanager
 def _opened(source: Path, target: Path | None) -> Iterator[tuple[Path, Commit, DiskDevice | None]]:
-    """The path to read, the function that writes to it, and the device if it is one. Raises UserError."""
+    """Yield the path to read, the function that writes to it, and the device if it is one. Raises UserError."""
     if is_device(source):
         if target:
             raise click.UsageError("--output is for images: a device is written itself")

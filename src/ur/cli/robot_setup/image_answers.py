@@ -1,4 +1,4 @@
-"""Values that `ur image prepare` needs, from options, a file or questions, and checks of them."""
+"""Settings of `ur image prepare`, from options, a file or questions, and their validation."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ _ZONES = Path("/usr/share/zoneinfo")
 
 @dataclass(frozen=True, slots=True)
 class Given:
-    """The values of options; None where one is not given."""
+    """The values of options; None for those that are not given."""
 
     name: str | None
     base: str | None
@@ -45,14 +45,14 @@ class Given:
 
 @dataclass(frozen=True, slots=True)
 class Passwords:
-    """The user's and that of the WiFi; None is none."""
+    """The passwords of the user and of the WiFi; None for none."""
 
     user: Secret | None
     wifi: Secret | None
 
 
 def read_robots(path: Path, given: Given) -> list[tuple[Given, Path | None]]:
-    """The robots of a file, each with where its image is to be written. Raises UserError."""
+    """Read the robots of a file, each with the path of its image. Raises UserError."""
     top = read_section(path, "a file of robots")
     found: list[tuple[Given, Path | None]] = []
     for item in top.sections("robots"):
@@ -76,9 +76,9 @@ def read_robots(path: Path, given: Given) -> list[tuple[Given, Path | None]]:
 
 
 def make_options(given: Given) -> SeedOptions:
-    """The settings of the robot, without its passwords.
+    """Return the settings of the robot, without its passwords.
 
-    Asks for name, base and country where they are not given and there is a terminal. Raises UserError.
+    Asks for name, base and country if they are not given and there is a terminal. Raises UserError.
     """
     name = given.name or _ask("name", "name of the robot")
     user = given.user or DEFAULT_USER
@@ -101,7 +101,7 @@ def make_options(given: Given) -> SeedOptions:
 
 
 def read_passwords(options: SeedOptions, descriptor: int | None) -> Passwords:
-    """Read passwords from a descriptor, or ask without an echo on a terminal. Raises UserError."""
+    """Read passwords from a descriptor, or without echo from a terminal. Raises UserError."""
     user = wifi = ""
     if descriptor is not None:
         user, wifi = read_lines(descriptor, "--passwords-from", 2, close=False)
@@ -115,9 +115,9 @@ def read_passwords(options: SeedOptions, descriptor: int | None) -> Passwords:
 
 
 def add_passwords(options: SeedOptions, passwords: Passwords, present: str) -> SeedOptions:
-    """The settings with hashes in place of passwords. Raises UserError for one that cannot be.
+    """Return the settings with hashes in place of passwords. Raises UserError for an invalid one.
 
-    `present` is the hash of an earlier seed: kept when it is of the same password, since each new one differs.
+    `present` is the hash of an earlier seed: kept if it is of the same password, since each new hash differs.
     """
     password, wifi = "", options.wifi
     if passwords.user:

@@ -1,4 +1,4 @@
-"""`ur robot network`: a robot's network devices, and their addresses, changed without losing the robot."""
+"""`ur robot network`: a robot's network devices and their addresses, changed without losing the robot."""
 
 from __future__ import annotations
 
@@ -97,7 +97,7 @@ def change_network(
     scan: bool = False,
     literal: str | None = None,
 ) -> int:
-    """Look at a robot's networks, plan a change of them, make it and come back; None as a plan is no change.
+    """Read a robot's networks, plan a change, apply it and reconnect; without a change if the plan is None.
 
     `literal` is an address that the robot has after the change. Raises UserError.
     """
@@ -129,7 +129,7 @@ def change_network(
 
 
 def _find_device(shell: SshShell, networks: Networks, name: str | None) -> NetworkDevice:
-    """The device that is meant: by its name, or the one that carries this connection. Raises UserError."""
+    """Return the device with this name, or the one that carries this connection. Raises UserError."""
     if name is None:
         fields = shell.run('echo "$SSH_CONNECTION"').out.split()
         found = networks.device_with(fields[2]) if len(fields) > 2 else None
@@ -153,7 +153,7 @@ def _find_device(shell: SshShell, networks: Networks, name: str | None) -> Netwo
 
 
 def _show_devices(networks: Networks) -> None:
-    """All devices and what they use."""
+    """Print all devices and their profiles."""
     rows = []
     for each in networks.devices:
         profile = networks.profile(each.profile)

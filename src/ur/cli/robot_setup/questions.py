@@ -31,10 +31,10 @@ PLAIN = "plain"
 def ask_task(
     host: str, name: str | None, base: str | None, variant: str | None, terminal: SetupTerminal = TERMINAL
 ) -> Task:
-    """A task for one robot. What is not given is asked for; the default is what is known of a robot of that name.
+    """Return the task for one robot. Missing values are asked for; the defaults are those of its record.
 
-    Without a terminal, a variant that is not given is the known one, else the plain one. Raises UserError: no answer,
-    or no such base or variant.
+    Without a terminal, a missing variant is the recorded one, else the plain one. Raises UserError if a value is
+    missing, or the base or variant does not exist.
     """
     address = parse_address(host, DEFAULT_USER)
     if name is None:
@@ -52,7 +52,10 @@ def ask_task(
 
 
 def list_known_tasks() -> list[Task]:
-    """A task for each robot that was set up from this computer, as it was set up. Raises UserError: there is none."""
+    """Return a task for each robot that was set up from this computer, with its recorded values.
+
+    Raises UserError if there is none.
+    """
     known = {record.name: record for record in load_records(records_folder(os.environ))}
     records = [known[name] for name in choose_robots([], every=True)]
     for record in records:
@@ -84,7 +87,7 @@ def _ask(what: str, default: str | None, terminal: SetupTerminal) -> str:
 
 
 def read_tasks(path: Path) -> tuple[list[Task], dict[str, str]]:
-    """The tasks of a file that names robots, and the fingerprints of host keys, by robot's name. Raises UserError."""
+    """Read the tasks in a file of robots, and the fingerprints of host keys, by robot's name. Raises UserError."""
     top = read_section(path, "a file of robots")
     items = list(top.sections("robots"))
     fingerprints = {item.text("name"): _read_fingerprint(item) for item in items if item.has("host_key")}
@@ -117,7 +120,7 @@ def _read_task(item: Section) -> Task:
 
 
 def check_names(tasks: Sequence[Task]) -> None:
-    """Raise UserError when a name is no name for a computer, or is taken."""
+    """Raise UserError if a name is invalid for a computer, or is taken."""
     names = [task.robot.name for task in tasks]
     for name in names:
         check_name(name)
@@ -128,7 +131,7 @@ def check_names(tasks: Sequence[Task]) -> None:
 def read_passwords(
     tasks: Sequence[Task], descriptor: int | None, *, dry_run: bool
 ) -> tuple[Secret | None, Secret | None]:
-    """The present and the new password: from a descriptor, or asked without an echo; None for an empty one."""
+    """Read the present and the new password: from a descriptor, or without echo; None for an empty one."""
     if descriptor is not None:
         current, new = read_lines(descriptor, "--passwords-from", 2)
     elif sys.stdin.isatty():

@@ -101,7 +101,7 @@ def _begin(
 
 
 def _check_free(there: Shell, here: Shell, name: str, facts: ComputerFacts) -> None:
-    """Raises UserError where another computer answers to the name, for the robot or for us."""
+    """Raise UserError if another computer answers to the name, for the robot or for this computer."""
     from concurrent.futures import ThreadPoolExecutor
 
     from ur.source.progress_line import show_progress
@@ -126,9 +126,9 @@ def _check_free(there: Shell, here: Shell, name: str, facts: ComputerFacts) -> N
 
 
 def _is_there(later: Address, before: Address) -> bool:
-    """Return whether a known robot has the new name: an earlier run ended after its success.
+    """Return whether a known robot has the new name, because an earlier run ended after its success.
 
-    Raises UserError where that is not decided yet.
+    Raises UserError if that is undecided.
     """
     from ur.robot.commit_confirm.guard import BOOT_UNIT
     from ur.robot.commit_confirm.perform import open_as
@@ -156,7 +156,7 @@ def _is_there(later: Address, before: Address) -> bool:
 
 
 def remember(old: str, new: str) -> None:
-    """Bring what this computer knows of the robot to its new name; a second time changes nothing."""
+    """Rename the robot in the records of this computer; a second call changes nothing."""
     from dataclasses import replace
 
     from ur.request.environment import current_selection
@@ -200,7 +200,7 @@ def remember(old: str, new: str) -> None:
 
 
 def _host_key(names: Sequence[str]) -> str | None:
-    """The robot's public host key, of the kind that a set-up writes down, as known here under any of its names."""
+    """Return the robot's public host key of the type that a set-up records, as known here under any of its names."""
     from ur.robot.ssh.shell import run_process
 
     for name in names:

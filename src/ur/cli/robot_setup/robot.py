@@ -1,4 +1,4 @@
-"""`ur robot setup`: freshly flashed robots become ready ones."""
+"""`ur robot setup`: set up freshly flashed robots."""
 
 from __future__ import annotations
 
@@ -157,7 +157,7 @@ def setup(
 def _meet(
     tasks: Iterable[Task], fingerprints: Mapping[str, str], *, yes: bool, new_host_key: bool
 ) -> tuple[list[Task], int]:
-    """The tasks whose robots have a host key that is known or confirmed, and an exit code for the others."""
+    """Return the tasks whose robots have a known or confirmed host key, and an exit code for the others."""
     met: list[Task] = []
 
     def meet(task: Task) -> int:
@@ -171,7 +171,7 @@ def _meet(
 
 
 def _equip(tasks: Iterable[Task], *, master: bool, programs: bool) -> list[Task]:
-    """The tasks with what is sent to their robots, and the devices of their bases."""
+    """Return the tasks with the files for their robots, and the devices of their bases."""
     library, environment = read_repository(), read_programs()
     return [
         replace(
@@ -187,7 +187,7 @@ def _equip(tasks: Iterable[Task], *, master: bool, programs: bool) -> list[Task]
 def _check_robots(
     hosts: Sequence[str], file: str | None, *, every: bool, described: bool, name: str | None, host_key: str | None
 ) -> None:
-    """Raise UsageError where options do not go together. `described`: name, base or variant is given."""
+    """Raise UsageError for options that exclude each other. `described`: name, base or variant is given."""
     if every and (hosts or file or described):
         message = "--all sets up every robot as it was: expected no HOST, --name, --base, --variant or --from beside it"
         raise click.UsageError(message)
@@ -227,7 +227,7 @@ def _set_up(task: Task, here: LocalShell, viewer: ViewerFacts, *, alone: bool, b
 
 
 def select_robot(task: Task) -> bool:
-    """Select a robot that was set up, unless the user has selected another one. Whether it is selected."""
+    """Select a robot that was set up, unless the user has selected another one; return whether it is selected."""
     path = selection_path(os.environ)
     try:
         selected = current_selection(os.environ)
@@ -243,7 +243,7 @@ def select_robot(task: Task) -> bool:
 
 
 def wait_for_master(host: str) -> bool:
-    """Return whether the ROS master of a robot answers, which may take a while after the boot."""
+    """Return whether the ROS master of a robot answers; wait for it as long as a boot takes."""
     from ur.request.remote.master_nodes import list_node_names
 
     end = time.monotonic() + MASTER_SECONDS

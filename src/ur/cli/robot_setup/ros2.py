@@ -1,4 +1,4 @@
-"""The share of `ur robot setup` that is about robots with ROS 2."""
+"""The part of `ur robot setup` for robots with ROS 2."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ from ur.source.diagnostic import UserError, error
 
 
 def find_ros2(task: Task, report: ChangeReporter) -> Task:
-    """The task with the ROS 2 that the robot has, which then stays as it is.
+    """Return the task with the robot's ROS 2, which stays unchanged.
 
-    Where this first login had to change the password, the robot has the new one, and later logins may use it.
+    If this first login had to change the password, the robot has the new one, and later logins may use it.
     """
     with open_robot(task, report) as shell:
         found = find_robot_ros2(shell)
@@ -37,9 +37,10 @@ def find_ros2(task: Task, report: ChangeReporter) -> Task:
 
 
 def put_mux_between(task: Task, report: ChangeReporter) -> tuple[Task, int]:
-    """Have the mux take over the commands of a robot with ROS 2; the task with the base's topic, and how many changes.
+    """Install the mux before the base of a robot with ROS 2; return the task and the number of changes.
 
-    Raises UserError: it has no ROS 2, or its driver did not take the other topic.
+    The task has the base's topic. Raises UserError if the robot has no ROS 2, or its driver did not subscribe to the
+    other topic.
     """
     if task.robot.ros2 is None:
         message = f"{task.robot.name} has no ROS 2, expected a robot with ROS 2 and --take-over"
@@ -50,7 +51,7 @@ def put_mux_between(task: Task, report: ChangeReporter) -> tuple[Task, int]:
 
 
 def take_back_ros2(task: Task, viewer: ViewerFacts) -> int:
-    """Take back what the set-up wrote; the exit code. Raises UserError: the robot has no ROS 2."""
+    """Revert the set-up; return the exit code. Raises UserError if the robot has no ROS 2."""
     report = ChangeReporter(task.robot.name)
     task = find_ros2(task, report)
     if task.robot.ros2 is None:

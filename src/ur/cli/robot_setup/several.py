@@ -1,4 +1,4 @@
-"""`ur robot setup` of several robots: a process for each, side by side, which has nothing to ask any more."""
+"""`ur robot setup` of several robots: one process for each, side by side, after all questions are answered."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ from ur.robot.ssh.secret import Secret
 
 
 def set_up_each(tasks: Sequence[Task], make: Callable[[Task], list[str]], passwords: Secret) -> int:
-    """Set several robots up; return the highest exit code.
+    """Set up several robots; return the highest exit code.
 
-    `make` makes the arguments of `ur` for one of them. `passwords` are the present and the new one, a line each, which
-    go to the standard input of each process. Raises KeyboardInterrupt after all of them were ended.
+    `make` returns the arguments of `ur` for one of them. `passwords` are the present and the new one, a line each,
+    which go to the standard input of each process. Raises KeyboardInterrupt after all of them were ended.
     """
     by_name = {task.robot.name: task for task in tasks}
     try:
@@ -31,7 +31,7 @@ def set_up_each(tasks: Sequence[Task], make: Callable[[Task], list[str]], passwo
 
 
 def make_argv(task: Task, *, master: bool, programs: bool, new_host_key: bool, between: bool = False) -> list[str]:
-    """Make the arguments of `ur` that set up this robot alone, with all that was answered for it.
+    """Return the arguments of `ur` that set up this robot alone, with all answers for it.
 
     A host key that the user has confirmed is given by its fingerprint: the process accepts no other one.
     """

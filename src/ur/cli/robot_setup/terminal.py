@@ -1,4 +1,4 @@
-"""The terminal at which `ur robot setup` asks."""
+"""The terminal for questions of `ur robot setup`."""
 
 from __future__ import annotations
 
@@ -9,13 +9,13 @@ import click
 
 
 class SetupTerminal(Protocol):
-    """Asks a person. `ask` and `confirm` are called only where it `is_there`."""
+    """Asks the user. `ask` and `confirm` may be called only if `is_there` returns true."""
 
     def is_there(self) -> bool:
-        """Return whether a person can be asked."""
+        """Return whether a terminal is available for questions."""
 
     def ask(self, question: str, default: str | None, *, show_default: bool = True) -> str:
-        """Ask for a text; an empty answer is the default, where there is one."""
+        """Ask for a text; an empty answer is the default, if there is one."""
 
     def confirm(self, question: str) -> bool:
         """Ask for yes or no; an empty answer is no."""

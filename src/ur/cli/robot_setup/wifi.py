@@ -85,7 +85,7 @@ def _ask_password(ssid: str, known: bool) -> str:
 
 
 def _show(networks: Networks, device: NetworkDevice) -> None:
-    """Print the network that the robot uses, and those that it sees."""
+    """Print the network that the robot uses, and those in range."""
     profile = networks.profile(device.profile)
     using = f"uses {profile.ssid or profile.name}" if profile else f"uses no network ({device.state})"
     print_line(f"{device.name} {using}{''.join(f', {address}' for address in device.addresses if ':' not in address)}")

@@ -1,4 +1,4 @@
-"""`ur boot`: what a robot starts by itself."""
+"""`ur boot`: services that a robot starts when it boots."""
 
 from __future__ import annotations
 
@@ -195,7 +195,7 @@ def _change_each(
 
 
 def _show_link(shell: SshShell, host: str, *, look: bool = False) -> None:
-    """Have the robot's page admit a new link, and print it. The robot gets the hash of its token only."""
+    """Have the robot's page admit a new link, and print it. Only the hash of its token is sent to the robot."""
     from ur.web.access.roles import Role
     from ur.web.server.link_files import admit_script, make_token
     from ur.web.server.links import FIRST_PORT, LISTENERS, draw_code, make_link

@@ -1,4 +1,4 @@
-"""`ur devices`: what is plugged into this computer or a robot, and who may open it and has it open."""
+"""`ur devices`: devices connected to this computer or a robot, their permissions, and the programs that use them."""
 
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ def command(robot: str | None, probe: bool, base: str | None, variant: str, rule
 
 
 def _find_expected(robot: str | None, base: str | None, variant: str) -> tuple[Expected, ...]:
-    """Expected devices of the base that is given, else of the robot's as recorded here, else of this computer's."""
+    """Return the expected devices of the given base, else of the robot's recorded one, else of this computer's."""
     if base is None and robot is None:
         file = load_robot_file()
         base, variant = (file.base, file.variant) if file else ("", "")

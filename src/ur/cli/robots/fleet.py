@@ -1,4 +1,4 @@
-"""Commands for several robots: which robots, their passwords, and a process for each, with one line each."""
+"""Commands for several robots: selection, passwords, and a process for each, with one line each."""
 
 from __future__ import annotations
 
@@ -40,9 +40,9 @@ ALL = click.option("--all", "every", is_flag=True, help="All robots that were se
 
 
 def choose_robots(named: Sequence[str], *, every: bool) -> tuple[str, ...]:
-    """The robots of a command line, which may be joined by commas; with `every`, all that were set up from here.
+    """Return the robots of a command line, which may be joined by commas; with `every`, all known to be set up.
 
-    No robot is named twice. Raises UserError: `--all` beside a name, no such robots, or something that is no address.
+    Each robot is returned once. Raises UserError for `--all` beside a name, unknown robots, or an invalid address.
     """
     names = [name for text in named for name in text.split(",") if name]
     if every and names:
@@ -56,12 +56,15 @@ def choose_robots(named: Sequence[str], *, every: bool) -> tuple[str, ...]:
 
 
 def read_names(named: Sequence[str]) -> frozenset[str]:
-    """The names of robots on a command line, without user and .local. Raises UserError: no address."""
+    """Return the names of robots on a command line, without user and .local.
+
+    Raises UserError for an invalid address.
+    """
     return frozenset(robot_address(name).host.removesuffix(".local") for name in choose_robots(named, every=False))
 
 
 def is_fleet(robots: Sequence[str], *, every: bool) -> bool:
-    """Return whether a command line is about several robots, or all, however many that are."""
+    """Return whether a command line names several robots, or all, however many those are."""
     return every or len(robots) > 1
 
 
@@ -77,9 +80,10 @@ def run_for_each(
 ) -> int:
     """Run `ur` once for each robot, side by side, and print a line for each; return the highest exit code.
 
-    `make_argv` makes the arguments of `ur`; a password goes to the standard input of its process. Output follows after
-    the table: of those that failed, or of `all`. With a `question`, the commands stop before they change anything and
-    ask (`answer_confirmed`); then their output is printed, and the question asked for all, unless it is `confirmed`.
+    `make_argv` returns the arguments of `ur`; a password is passed to the standard input of its process. Output is
+    printed after the table: of processes that failed, or of `all`. With a `question`, the commands stop before they
+    change anything and ask (`answer_confirmed`); then their output is printed, and the question asked for all, unless
+    it is `confirmed`.
     """
     jobs = [_make_job(name, make_argv(name), (passwords or {}).get(name), asks=bool(question)) for name in robots]
     signal.signal(signal.SIGTERM, signal.default_int_handler)
@@ -108,7 +112,7 @@ def print_json_of_each(
     make_argv: Callable[[str], Sequence[str]],
     passwords: Mapping[str, Secret | None] | None = None,
 ) -> int:
-    """The same for commands that print JSON: one list, an object for each robot with its name and exit code."""
+    """Run commands that print JSON, and print one list: an object for each robot with its name and exit code."""
     jobs = [_make_job(name, make_argv(name), (passwords or {}).get(name)) for name in robots]
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     with _open_processes(jobs, verb, errors_apart=True) as processes, show_progress(f"{verb}: {len(jobs)} robots"):
@@ -119,10 +123,10 @@ def print_json_of_each(
 
 
 def ask_passwords(robots: Sequence[str], descriptor: int | None, *, root: bool) -> dict[str, Secret | None]:
-    """The password of each robot; None for one that needs none, or where no user can be asked.
+    """Return the password of each robot; None for one that needs none, or if no user can be asked.
 
-    It is read from `descriptor`, one for all; else, on a terminal, it is asked for once, for those robots that refuse
-    the key, or, with `root`, let sudo ask. Raises UserError: the descriptor cannot be read.
+    One password for all is read from `descriptor`; else, on a terminal, it is asked for once, for those robots that
+    refuse the key, or, with `root`, whose sudo requires a password. Raises UserError if the descriptor cannot be read.
     """
     if descriptor is not None:
         line = read_lines(descriptor, "--password-from", 1)[0]
@@ -138,7 +142,7 @@ def ask_passwords(robots: Sequence[str], descriptor: int | None, *, root: bool) 
 
 
 def _find_needing(robots: Sequence[str], *, root: bool) -> list[str]:
-    """The robots that refuse the key, or whose sudo wants a password."""
+    """Return the robots that refuse the key, or whose sudo requires a password."""
     script = "sudo -k -n true" if root else "true"
     jobs = [
         Job(name, ("ssh", *STRICT, "-o", "BatchMode=yes", "-T", "--", str(robot_address(name)), script))
@@ -184,7 +188,7 @@ def _agree(question: str) -> bool:
 
 
 def _print_outputs(fleet: Fleet, outputs: Sequence[Output], show: Literal["failed", "all"]) -> None:
-    """Print what the robots' commands have printed, one after the other, each under the name of its robot."""
+    """Print the output of the robots' commands one after the other, each under the name of its robot."""
     for status, output in zip(fleet, outputs, strict=True):
         text = output.log.read_all().rstrip()
         if not text or (show == "failed" and not status.code):
@@ -208,7 +212,7 @@ def _as_dict(status: JobStatus, output: Output) -> dict[str, object]:
 
 
 class _Table:
-    """The lines of all robots: drawn again and again on a terminal; else a line when one is done."""
+    """The lines of all robots: redrawn repeatedly on a terminal; else one line per robot when it is done."""
 
     def __init__(self) -> None:
         self._live: Live | None = None
@@ -243,7 +247,7 @@ class _Table:
                 sys.stdout.flush()
 
     def paused(self) -> AbstractContextManager[object]:
-        """Leave the terminal to something else inside; the table is drawn anew below it."""
+        """Release the terminal for other output while the context lasts; the table is drawn again below it."""
         return _Pause(self) if self._live else nullcontext()
 
 

@@ -1,4 +1,4 @@
-"""Programs and the page of a robot with ROS 2: they run on the robot, and this terminal is theirs."""
+"""Programs and the page of a robot with ROS 2: they run on the robot, with this terminal."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def is_over_ssh(selection: Selection) -> bool:
 def run_there(selection: Selection, program: Program, options: Sequence[str], argv: Sequence[str]) -> int:
     """Run a program on the robot, with this terminal; return its exit code. Raises UserError.
 
-    Keys drive only while the connection is proved, see `guard_link`.
+    Keys drive only while the connection is verified, see `guard_link`.
     """
     from ur.launchfile.world.system import SystemWorld
 

@@ -1,4 +1,4 @@
-"""`ur robots`: who is on the network."""
+"""`ur robots`: robots on the network."""
 
 from __future__ import annotations
 
@@ -118,9 +118,9 @@ def _listen(
     settled: Callable[[], bool],
     complete: Callable[[], bool],
 ) -> list[RobotRow]:
-    """The robots after as long as the user wants to listen, and until those that are there have answered.
+    """Return the robots after `seconds` of listening, and after the visible ones have answered.
 
-    A robot that announces itself is asked at once. Nothing is waited for once the list is `complete`.
+    A robot is queried as soon as it announces itself. The function returns early when the list is `complete`.
     """
     end = time.monotonic() + seconds
     last = end + SETTLE_SECONDS

@@ -33,9 +33,9 @@ def command(robot: str | None, argv: tuple[str, ...]) -> int:
 
 
 def run_ssh(address: Address, options: Sequence[str], argv: Sequence[str]) -> int:
-    """Run ssh with this terminal and return its exit code. Raises UserError when there was no connection.
+    """Run ssh with this terminal and return its exit code. Raises UserError if there was no connection.
 
-    One word is a line for the shell there, several words arrive as they are.
+    A single argument is a shell line on the robot; several arguments are passed unchanged.
     """
     script = [argv[0] if len(argv) == 1 else quote(*argv)] if argv else []
     sys.stdout.flush()
@@ -51,7 +51,10 @@ def run_ssh(address: Address, options: Sequence[str], argv: Sequence[str]) -> in
 
 
 def run_in_front(command: Sequence[str]) -> int:
-    """Run a program with this terminal; what ends us ends it, and Ctrl-C is its own business. Its exit code."""
+    """Run a program with this terminal; return its exit code.
+
+    Signals that end this process end it too, and it handles Ctrl-C itself.
+    """
     running: list[subprocess.Popen[bytes]] = []
     early: list[int] = []
 

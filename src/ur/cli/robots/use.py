@@ -1,4 +1,4 @@
-"""`ur use`: which robot is meant."""
+"""`ur use`: the selected robot."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ def command(selection: str | None, away: bool, ros: str | None) -> int:
 def choose_version(chosen: Selection, ros: str | None) -> Selection:
     """The selection with the version of ROS that an option names, else with that of the last simulated robot.
 
-    Raises UserError: an option for a real robot, which has its own.
+    Raises UserError for a real robot, whose version cannot be chosen.
     """
     if not chosen.simulated:
         if ros is not None:
@@ -68,7 +68,7 @@ def choose_version(chosen: Selection, ros: str | None) -> Selection:
 
 
 def install_ros(version: str) -> None:
-    """Install a version of ROS unless it is there. Raises UserError."""
+    """Install a version of ROS unless it is installed. Raises UserError."""
     try:
         find_ros(version, os.environ, str(state_folder()))
     except UserError as problem:
@@ -95,7 +95,7 @@ def _show(selection: Selection) -> None:
 def check_robot(chosen: Selection, *, away: bool) -> str:
     """Raise UserError for an unknown robot, unless it may be `away`.
 
-    Return the note about one that is not set up from this computer: it may belong to other people.
+    Returns a note if the robot was not set up from this computer, since it may belong to other people; '' otherwise.
     """
     from ur.robot.discovery.known import look_up_robot
     from ur.source.progress_line import show_progress
@@ -141,7 +141,7 @@ def _list_bases() -> tuple[str, ...]:
 
 
 def check_base(chosen: Selection) -> None:
-    """Raise UserError when the base or its variant is not one that we have."""
+    """Raise UserError if the base or its variant does not exist."""
     if chosen.base:
         from ur.robot.base import load_base  # YAML is only needed here
         from ur.robot.base.search import find_base_package

@@ -101,7 +101,7 @@ def command(
 
 
 def _choose(robot: str | None, stored: Selection) -> Selection:
-    """The robot that is named, else the selected one. Raises UserError: it is none, or has no such base."""
+    """Return the named robot, else the selected one. Raises UserError for an invalid name or an unknown base."""
     if not robot or (chosen := parse_selection(robot)) == stored:
         return stored
     from ur.cli.robots.use import check_base, check_robot
@@ -113,7 +113,7 @@ def _choose(robot: str | None, stored: Selection) -> Selection:
 
 
 def _manage_logins(end: str | None) -> int:
-    """List the devices that are logged in, after the end of some."""
+    """List the logged-in devices, after ending the logins of `end`."""
     import time
 
     from ur.web.server.logins.session_file import state_folder

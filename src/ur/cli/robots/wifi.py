@@ -1,4 +1,4 @@
-"""`ur wifi`: signal, latency and loss between this computer and a robot, once or while you walk."""
+"""`ur wifi`: signal, latency and loss between this computer and a robot, once or continuously."""
 
 from __future__ import annotations
 
@@ -84,7 +84,7 @@ def _measure(
     seconds: int | None,
     clock: Callable[[], float] = time.monotonic,
 ) -> Iterator[Sample]:
-    """A sample each second, kept in `samples` and written to `file`."""
+    """Yield a sample each second, which is also appended to `samples` and written to `file`."""
     due = clock() + SETTLE
     while seconds is None or len(samples) < seconds:
         time.sleep(max(0.0, due - clock()))
@@ -98,7 +98,7 @@ def _measure(
 
 
 def resolve(address: Address) -> str:
-    """The robot's IPv4 address: by its name, else where it was seen last. Raises OSError."""
+    """Return the robot's IPv4 address: by its name, else the last known one. Raises OSError."""
     try:
         found = socket.getaddrinfo(address.host, None, socket.AF_INET, socket.SOCK_STREAM)
         return str(found[0][4][0])

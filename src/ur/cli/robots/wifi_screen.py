@@ -1,4 +1,4 @@
-"""The output of `ur wifi`: moving plots, lines, and a table at the end."""
+"""The output of `ur wifi`: live plots, lines, and a table at the end."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ TALL = 24  # lines of a terminal from which plots get more than three lines
 
 
 def describe_sample(sample: Sample, names: Names) -> str:
-    """A second in one line."""
+    """Describe a second in one line."""
     latency = "no answer" if sample.latency is None else f"{sample.latency * 1000:.1f} ms"
     links = [f"{name} {_link(link)}" for name, link in zip(names, (sample.here, sample.there), strict=True) if link]
     parts = [f"latency {latency}", f"loss {sample.loss:.0%}", *links]
@@ -36,7 +36,7 @@ def describe_sample(sample: Sample, names: Names) -> str:
 
 
 def draw_screen(ticks: Iterable[Sample], samples: Sequence[Sample], names: Names, meter: Meter) -> None:
-    """Plots over the whole terminal, new with each tick, as long as there are any."""
+    """Draw plots over the whole terminal, updated with each tick."""
     from rich.console import Console
     from rich.live import Live
     from rich.text import Text
@@ -50,7 +50,7 @@ def draw_screen(ticks: Iterable[Sample], samples: Sequence[Sample], names: Names
 
 
 def render_screen(samples: Sequence[Sample], names: Names, note: str, width: int, height: int) -> Text:
-    """The whole screen as a text of at most `width` by `height` characters."""
+    """Return the whole screen as a text of at most `width` by `height` characters."""
     from rich.text import Text
 
     wide = max(10, width - EDGE - 1)
@@ -85,7 +85,7 @@ def render_screen(samples: Sequence[Sample], names: Names, note: str, width: int
 
 
 def meter_note(meter: Meter, names: Names) -> str:
-    """A note about signals that cannot be shown, with the reason; '' when all can."""
+    """Return a note about signals that cannot be shown, with the reason; '' if all can."""
     radios = list(zip(names, (meter.here, meter.there), strict=True))
     without = [name for name, radio in radios if radio.wireless is False]
     silent = [name for name, radio in radios if radio.wireless is None]
@@ -95,7 +95,7 @@ def meter_note(meter: Meter, names: Names) -> str:
 
 
 def print_summary(samples: Sequence[Sample], names: Names, meter: Meter, log: Path | None) -> None:
-    """A table of all that was measured, with the advice."""
+    """Print a table of all measurements, with the advice."""
     from rich.console import Console
     from rich.table import Table
 

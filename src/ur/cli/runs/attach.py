@@ -1,4 +1,4 @@
-"""`ur attach`: see what a run prints, from any terminal."""
+"""`ur attach`: show the output of a run, from any terminal."""
 
 from __future__ import annotations
 
@@ -63,9 +63,9 @@ def command(run: str | None, as_json: bool, plain: bool, calm: bool) -> int:
 
 
 def end_with_reader(descriptor: int) -> None:
-    """End this process once its output has no reader: the ssh connection that asked for it has ended, for instance.
+    """End this process once its output has no reader, for instance when its ssh connection has ended.
 
-    Without output it would not notice, and a robot would take its laptop for present (see `ur.run.remote.signs`).
+    Without output it would not notice, and a robot would consider its laptop connected (see `ur.run.remote.signs`).
     """
 
     def wait() -> None:
@@ -98,7 +98,7 @@ def show_json(event: RunEvent) -> None:
 
 
 def make_printer(*, colour: bool) -> Callable[[RunEvent], None]:
-    """Make a printer of events as `ur launch` prints them: output of nodes on standard output, the rest on error."""
+    """Return a printer of events as `ur launch` prints them: output of nodes on standard output, the rest on error."""
     nodes: list[NodeChanged] = []
     live = False
 

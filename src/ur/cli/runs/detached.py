@@ -1,4 +1,4 @@
-"""Functions that verbs about runs share: finding one, and following it."""
+"""Functions that verbs about runs share: find a run, and follow it."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ from ur.source.suggest import did_you_mean
 
 
 def list_own_runs() -> list[RunEntry]:
-    """The runs of this user on this computer, oldest first."""
+    """Return the runs of this user on this computer, oldest first."""
     return list_runs(os.environ, os.getuid(), read_computer())
 
 
 def choose_run(name: str | None) -> RunEntry:
-    """The run of a name, or of its beginning; without a name the only one that has not joined another.
+    """Return the run with this name or prefix; without a name the only one that has not joined another.
 
-    Raises UserError: there is none, or several; for one that has ended with how it ended.
+    Raises UserError if there is none, or several; for one that has ended with the reason of its end.
     """
     runs = list_own_runs()
     try:
@@ -47,13 +47,13 @@ def choose_run(name: str | None) -> RunEntry:
 
 
 def leave_out_joined(runs: list[RunEntry]) -> list[RunEntry]:
-    """The runs that have not joined another one of these."""
+    """Return the runs that have not joined another one of these."""
     names = {entry.run for entry in runs}
     return [entry for entry in runs if not names.intersection(read_claims(entry.folder).joined)]
 
 
 def list_own_ended() -> list[EndedRun]:
-    """The runs of this user on this computer that have ended, latest last."""
+    """Return the ended runs of this user on this computer, latest last."""
     list_own_runs()  # turns those that were killed into ended ones
     return list_ended(os.environ, os.getuid(), read_computer())
 
@@ -74,7 +74,7 @@ def describe_reason(run: EndedRun) -> str:
 
 
 def describe_age(seconds: float) -> str:
-    """A time in its two largest units: `3 min 20 s`."""
+    """Format a time in its two largest units: `3 min 20 s`."""
     left = int(max(0.0, seconds))
     units = (("d", 86400), ("h", 3600), ("min", 60), ("s", 1))
     parts = []
@@ -86,7 +86,7 @@ def describe_age(seconds: float) -> str:
 
 
 def connect(entry: RunEntry) -> RunClient:
-    """Connect to a run. Raises UserError when it has ended meanwhile."""
+    """Connect to a run. Raises UserError if it has ended meanwhile."""
     try:
         return connect_run(entry.folder)
     except RunUnreachable:
@@ -96,7 +96,7 @@ def connect(entry: RunEntry) -> RunClient:
 
 
 def find_node_name(name: str, names: list[str]) -> str:
-    """The full name of a node, given with or without leading slash. Raises UserError."""
+    """Return the full name of a node, given with or without leading slash. Raises UserError."""
     full = name if name.startswith("/") or name in names else "/" + name
     if full in names:
         return full

@@ -1,4 +1,4 @@
-"""`ur logs`: what a node has printed."""
+"""`ur logs`: the output of a node."""
 
 from __future__ import annotations
 
@@ -72,7 +72,7 @@ def _read_state(client: RunClient) -> list[NodeChanged]:
 
 
 def _describe_silence(node: str | None, entry: RunEntry, path: str) -> str:
-    """Report that a node, or a run itself, has printed nothing, and for how long it could have."""
+    """Report that a node, or a run itself, has printed nothing, and for how long it has been running."""
     try:
         began = Path(path).stat().st_ctime if node is not None else entry.started
     except OSError:
@@ -111,7 +111,7 @@ def _show(path: Path, client: RunClient, lines: int | None, silent: str, *, foll
 
 
 def find_ended_run(name: str | None) -> EndedRun | None:
-    """The run of a name that has ended, where none that runs fits; without a name: where nothing runs."""
+    """Find the ended run with this name, if no running one matches; without a name: if no run is active."""
     runs = list_own_runs()
     if name is None and runs:
         return None
@@ -127,7 +127,7 @@ def find_ended_run(name: str | None) -> EndedRun | None:
 
 
 def show_ended(run: EndedRun, node: str | None, lines: int | None, *, only_path: bool) -> int:
-    """Print the log of a node of a run that has ended, or how the run ended and its last lines. Raises UserError."""
+    """Print the log of a node of an ended run, or the run's end and its last lines. Raises UserError."""
     if node is None:
         path = f"{run.entry.log_folder}/{run.entry.run}.log"
     else:

@@ -89,22 +89,22 @@ def describe_place(run: RunEntry) -> str:
 
 
 def describe_ended(run: EndedRun) -> dict[str, object]:
-    """A run that has ended as a JSON object, likewise without the machine-id(5)."""
+    """Describe an ended run as a JSON object, without the machine-id(5), which is confidential."""
     entry = {name: value for name, value in asdict(run.entry).items() if name not in ("machine", "boot", "folder")}
     return {**entry, "ended": run.ended, "exit_code": run.exit_code, "cause": run.cause, "lines": run.lines}
 
 
 def list_joined(run: RunEntry, runs: Sequence[RunEntry]) -> list[str]:
-    """The ids of those of these runs that have joined a run."""
+    """Return the ids of the runs, among these, that have joined a run."""
     return [each.run for each in runs if run.run in read_claims(each.folder).joined]
 
 
 def describe_run(run: RunEntry) -> dict[str, object]:
-    """A run as a JSON object, without the machine-id(5), which is confidential."""
+    """Describe a run as a JSON object, without the machine-id(5), which is confidential."""
     fields = {name: value for name, value in asdict(run).items() if name not in ("machine", "boot")}
     return {**fields, "clients": list_clients(run), "joined": list(read_claims(run.folder).joined)}
 
 
 def list_clients(run: RunEntry) -> list[str]:
-    """The names of the other computers that use a run."""
+    """Return the names of the other computers that use a run."""
     return list(dict.fromkeys(client.name for client in read_clients(run.folder)))

@@ -1,4 +1,4 @@
-"""`ur wait`: until every node of a run is up; and runs that are detached once they are."""
+"""`ur wait`: wait until every node of a run is ready; and the start of detached runs."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def command(run: str | None, timeout: float) -> int:
 
 
 def wait_ready(entry: RunEntry, timeout: float) -> int:
-    """Wait until every node is up, for so many s at most; print what is missing, and return the exit code."""
+    """Wait at most `timeout` s until every node is ready; print the missing ones, and return the exit code."""
     end = time.monotonic() + timeout
     view = ReadinessView()
     with connect(entry) as client, show_progress(f"waiting for the nodes of {entry.run}") as progress:
@@ -62,7 +62,7 @@ def wait_ready(entry: RunEntry, timeout: float) -> int:
 
 
 def start_detached(run: Callable[[Detach], int], wait: float | None) -> int:
-    """Start a run that is detached, print how to reach it, and with `wait` (s) wait until every node is up."""
+    """Start a detached run, print how to connect to it, and with `wait` (s) wait until every node is ready."""
 
     def print_name(name: str) -> int:
         sys.stdout.write(f"{name}\n")

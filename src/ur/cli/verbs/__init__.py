@@ -1,4 +1,4 @@
-"""The verbs of `ur`: a row for each, in the order of the help. Their modules are imported when they are used."""
+"""The verbs of `ur`: a row for each, in the order of the help. Their modules are imported on use."""
 
 from __future__ import annotations
 
@@ -23,13 +23,13 @@ VERBS = {verb.name: verb for verb in (*DRIVING, *LAUNCHING, *WRITING, *COMPUTER,
 
 
 def load_verb(name: str) -> click.Command:
-    """The command behind a verb's name: `command` of its module."""
+    """Load the command of a verb: `command` of its module."""
     command: click.Command = import_module(VERBS[name].module).command
     return command
 
 
 def list_sections() -> dict[str, list[Verb]]:
-    """The verbs of each section of the help."""
+    """Return the verbs of each section of the help."""
     found: dict[str, list[Verb]] = {}
     for verb in VERBS.values():
         found.setdefault(verb.section, []).append(verb)
@@ -37,14 +37,14 @@ def list_sections() -> dict[str, list[Verb]]:
 
 
 def list_pages() -> Iterator[tuple[str, Verb | Below]]:
-    """The declaration of each verb, and of each command below one (`maps show`)."""
+    """Yield the declaration of each verb, and of each command below one (`maps show`)."""
     for verb in VERBS.values():
         yield verb.name, verb
         yield from ((f"{verb.name} {name}", below) for name, below in verb.below.items())
 
 
 def list_trust() -> Iterator[tuple[str, Trust]]:
-    """The trust of each verb, and of each command below one that declares its own."""
+    """Yield the trust of each verb, and of each command below one that declares its own."""
     for verb in VERBS.values():
         yield verb.name, verb.trust
         yield from ((f"{verb.name} {name}", below.trust) for name, below in verb.below.items() if below.trust)

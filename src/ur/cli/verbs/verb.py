@@ -1,4 +1,4 @@
-"""The declaration of a verb of `ur`: where it is, its help, what completes its arguments, and what it trusts."""
+"""The declaration of a verb of `ur`: its module, its help, the completion of its arguments, and its trust."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ NOTHING = "nothing"
 class Trust(NamedTuple):
     """Input, started programs, sent data with its receiver, and written files of a command; each a phrase, or NOTHING.
 
-    `starts` are programs that are not parts of `ur`.
+    `starts` are programs other than parts of `ur`.
     """
 
     reads: str
@@ -21,7 +21,7 @@ class Trust(NamedTuple):
 
 
 class Below(NamedTuple):
-    """A command below a verb. Without `trust` it trusts what the verb does."""
+    """A command below a verb. Without `trust` it has that of the verb."""
 
     examples: tuple[tuple[str, str], ...]
     descriptions: tuple[str, ...] = ()
@@ -32,8 +32,9 @@ class Verb(NamedTuple):
     """A verb: `command` of its module, the first line of its help, and its section there.
 
     `descriptions` are those of its positional arguments, `examples` commands with their meaning. `arguments` has the
-    kind of each positional argument for Tab (`ur.complete.verbs`); the last one of a list with an ellipsis is repeated.
-    A verb that needs neither ROS nor the locked packages runs in the environment that pipx or uv has made of a wheel.
+    kind of each positional argument for completion (`ur.complete.verbs`); the last one of a list with an ellipsis is
+    repeated. A verb that needs neither ROS nor the locked packages runs in the environment that pipx or uv has created
+    from a wheel.
     """
 
     name: str

@@ -1,1 +1,1 @@
-"""Commands on workspaces of robots: synchronised, built, and mounted here."""
+"""Commands on workspaces of robots: synchronise, build, and mount."""

@@ -87,7 +87,10 @@ def _prepare(builder: Builder, names: Sequence[str], jobs: int | None) -> str:
 
 
 def run_attached(argv: Sequence[str]) -> int:
-    """Run a program that ends with its standard input; return its exit code. Ctrl-C ends it, and shows its output."""
+    """Run a program that ends when its standard input closes; return its exit code.
+
+    Ctrl-C ends it, and shows its output.
+    """
     sys.stdout.flush()
     process = subprocess.Popen(argv, stdin=subprocess.PIPE, start_new_session=True)
     try:

@@ -72,7 +72,7 @@ def command(robot: str | None, at: Path | None, over: bool, folder: str) -> int:
 
 
 def read_mounts() -> list[MountedFolder]:
-    """The folders that sshfs has mounted on this computer."""
+    """Return the folders that sshfs has mounted on this computer."""
     return parse_mounts(Path("/proc/self/mounts").read_text(encoding="utf-8"))
 
 
@@ -81,7 +81,7 @@ def _mounts_at(target: Path) -> list[MountedFolder]:
 
 
 def _is_dead(target: Path) -> bool:
-    """Return whether the sshfs of a mount was killed: every access fails until it is unmounted."""
+    """Return whether the sshfs of a mount was killed, so that every access fails until it is unmounted."""
     try:
         target.stat()
     except OSError as problem:
@@ -105,7 +105,10 @@ def _unmount(target: Path) -> None:
 
 
 def _make_folder(target: Path, *, hide: bool) -> bool:
-    """Make sure of a place to mount at; whether it had to be made. Raises UserError: it cannot be used."""
+    """Create the folder to mount at, if necessary; return whether it was created.
+
+    Raises UserError if it is unusable.
+    """
     made = not target.exists()
     try:
         target.mkdir(parents=True, exist_ok=True)

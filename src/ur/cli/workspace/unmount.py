@@ -1,4 +1,4 @@
-"""`ur unmount`: what `ur mount` did, undone."""
+"""`ur unmount`: unmount folders that `ur mount` has mounted."""
 
 from __future__ import annotations
 
