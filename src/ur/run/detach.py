@@ -14,10 +14,11 @@ Detach = Callable[[RunEntry], None]
 
 
 def run_detached(run: Callable[[Detach], int], report: Callable[[str], int]) -> int:
-    """Run in a process of its own that outlives this one once it calls what it is given; until then it speaks here.
+    """Call `run` in a new process, which survives this one once it calls the passed `Detach`.
 
-    Returns twice, as fork does: in the new process what `run` returned, in this one what `report` makes of the id,
-    or the exit code of a run that ended before it was let go. Ctrl-C reaches the new process until then.
+    Until then its output appears on this terminal, and Ctrl-C reaches it. Returns twice, as fork does: in the new
+    process the result of `run`, in this one the result of `report` for the id, or the exit code of a run that ended
+    before it detached.
     """
     reader, writer = os.pipe2(os.O_CLOEXEC)
     sys.stdout.flush()

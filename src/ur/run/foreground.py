@@ -11,7 +11,7 @@ from ur.run.process.terminal import Terminal
 
 
 class Foreground:
-    """Lends keyboard and screen to the one unit (if any) that needs them, and keeps the console quiet meanwhile."""
+    """Lends keyboard and screen to the unit (if any) that needs them, and keeps the console quiet meanwhile."""
 
     def __init__(self, name: str | None, terminal: Terminal | None, console: Console, host: ProcessHost) -> None:
         """`name` is the unit that needs the terminal."""
@@ -21,7 +21,7 @@ class Foreground:
         self._host = host
 
     def lend(self) -> str:
-        """Release the terminal for the unit, which is about to start; returns the process group kind to start it in."""
+        """Release the terminal for the unit, which is about to start; return the process group kind for its start."""
         self._console.hold()
         if self._terminal is None or not self._terminal.in_foreground():
             return GROUP
@@ -29,13 +29,13 @@ class Foreground:
         return FOREGROUND
 
     def take_back(self, *, reset: bool) -> None:
-        """The unit has ended; `reset` after one that was killed and may have left the screen in disorder."""
+        """Take the terminal back after the unit has ended; `reset` it after one that was killed."""
         if self._terminal is not None:
             self._terminal.take_back(reset=reset)
         self._console.release()
 
     def suspend(self, name: str, pid: int | None) -> None:
-        """A unit was stopped (Ctrl-Z). Stop with it, and go on with it (`pid`, if it is still there)."""
+        """Stop this process with a unit that was stopped (Ctrl-Z), and continue with it (`pid`, if it still exists)."""
         if self._terminal is None or name != self._name:
             return
         self._terminal.take_back(reset=False)

@@ -14,10 +14,10 @@ SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)  # those that ask a run
 
 
 class Inbox:
-    """Readable (`fileno`) when there is something to `take`. Takes SIGNALS over until it is closed."""
+    """A queue of tasks, readable (`fileno`) while it is not empty. Handles SIGNALS until it is closed."""
 
     def __init__(self, take_signal: Callable[[int], None]) -> None:
-        """Take what is done, later and in the loop's thread, with a signal."""
+        """Create the inbox; `take_signal` is called later, in the loop's thread, with a signal."""
         self._tasks: deque[Task] = deque()
         self._open = threading.Lock()  # held while the pipe is written to or closed
         self._closed = False
@@ -29,11 +29,11 @@ class Inbox:
         }
 
     def fileno(self) -> int:
-        """For poll."""
+        """Return the descriptor for poll."""
         return self._reader
 
     def post(self, task: Task) -> None:
-        """Have something done by the loop. May be called from any thread. After `close` it does nothing."""
+        """Queue a task for the loop. May be called from any thread. No effect after `close`."""
         with self._open:
             if self._closed:  # the number of the pipe may be another file's by now
                 return
@@ -42,7 +42,7 @@ class Inbox:
                 os.write(self._writer, b"\0")
 
     def clear(self) -> None:
-        """Not readable any more, until something new comes."""
+        """Make the descriptor unreadable until the next task arrives."""
         try:
             while os.read(self._reader, 4096):
                 pass
@@ -55,7 +55,7 @@ class Inbox:
             yield self._tasks.popleft()
 
     def close(self) -> None:
-        """Give the signals back."""
+        """Restore the previous signal handlers."""
         signal.set_wakeup_fd(self._old_writer)
         for signum, handler in self._handlers.items():
             signal.signal(signum, handler)

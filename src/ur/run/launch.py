@@ -1,4 +1,4 @@
-"""Start a plan: leave out nodes, find programs, find or start the master, and enter the loop."""
+"""Start of a plan: leave out nodes, find programs, find or start the master, and enter the loop."""
 
 from __future__ import annotations
 
@@ -32,8 +32,8 @@ __all__ = ["RunOptions", "run_plan"]
 def run_plan(plan: Plan, world: World, host: ProcessHost, console: Console, options: RunOptions) -> int:
     """Run a plan without errors to its end and return the exit code.
 
-    Raises UserError before anything is started: an executable that is missing, a node for another computer, a value
-    that no parameter can hold, no master on the selected robot, no place for log files, a bad bound of their size.
+    Raises UserError before anything is started, for a missing executable, a node for another computer, an invalid
+    parameter value, no master on the selected robot, no folder for log files, or an invalid limit of their size.
     """
     environment = {**world.environment, **options.environment}
     bounds = read_bounds(environment)
@@ -105,7 +105,7 @@ def _begin(host: ProcessHost, environment: Mapping[str, str], entry: RunEntry, *
 def _find_nodes(
     plan: Plan, world: World, console: Console, options: RunOptions
 ) -> tuple[tuple[NodeSpec, ...], tuple[UnitProgram, ...]]:
-    """The nodes that run, and their programs; everything that is wrong with them at once."""
+    """Return the nodes that run, and their programs. Raises UserError with all errors at once."""
     shown, notes = leave_out_viewers(plan.nodes, world, world.environment)
     for note in notes:
         console.warn(note)

@@ -1,4 +1,4 @@
-"""The shell around the supervisor: carries out its actions and feeds it events."""
+"""The shell around the supervisor: executes its actions and passes events to it."""
 
 from __future__ import annotations
 
@@ -49,9 +49,9 @@ from ur.run.supervisor.supervisor import begin_state, next_deadline, step
 
 
 def run_loop(run: Run, host: ProcessHost, console: Console, terminal: Terminal | None) -> int:
-    """Run to the end and return the exit code. Nothing is left behind, however it ends.
+    """Run to the end and return the exit code. No process is left behind, however it ends.
 
-    Takes over SIGINT, SIGTERM and SIGHUP, which ask for the end, for as long as it runs.
+    Handles SIGINT, SIGTERM and SIGHUP, which request the end, while it runs.
     """
     loop = _Loop(run, host, console, terminal)
     try:
@@ -138,7 +138,7 @@ class _Loop:
         self._reporter.fail(text)
 
     def close(self) -> None:
-        """Give back what was taken: signals, the terminal, open files."""
+        """Restore signals and the terminal, and close open files."""
         owner = self._run.terminal_program
         each = None if owner is None else self._state.find(owner.unit.name)
         if each is not None and each.pid is not None:
@@ -155,7 +155,7 @@ class _Loop:
         self._inbox.close()
 
     def _wait(self) -> None:
-        """Until something can be read or written, or is due; and serve it."""
+        """Wait until a descriptor is ready or a task is due, and handle it."""
         unwritten = self._console.waiting()
         for descriptor in unwritten:
             self._poll.register(descriptor, select.POLLOUT)

@@ -16,9 +16,9 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class RunOptions:
-    """Options of the command line beside the launch file. `base` and `variant` describe the selected robot.
+    """Options of the command line besides the launch file.
 
-    `environment` is laid over that of the nodes.
+    `base` and `variant` are those of the selected robot. `environment` overrides that of the nodes.
     """
 
     limits: TimeLimits = field(default_factory=TimeLimits)

@@ -1,4 +1,4 @@
-"""Folders of runs, and whether an address is this computer: as roslaunch and rospkg decide it."""
+"""Folders of runs, and the test for an address of this computer, as roslaunch and rospkg define them."""
 
 from __future__ import annotations
 
@@ -10,17 +10,17 @@ from ur.source.diagnostic import UserError, error
 
 
 def ros_home(environment: Mapping[str, str]) -> str:
-    """The folder in which nodes start: ROS_HOME, else ~/.ros."""
+    """Return the working directory of nodes: ROS_HOME, else ~/.ros."""
     return environment.get("ROS_HOME") or str(Path(environment.get("HOME") or Path.home()) / ".ros")
 
 
 def log_root(environment: Mapping[str, str]) -> str:
-    """The folder that holds one folder per run: ROS_LOG_DIR, else `log` in ROS_HOME."""
+    """Return the folder that has one folder per run: ROS_LOG_DIR, else `log` in ROS_HOME."""
     return environment.get("ROS_LOG_DIR") or ros_home(environment) + "/log"
 
 
 def make_run_folder(environment: Mapping[str, str], run_id: str) -> str:
-    """Make the log folder of a run, which only the user can open, and `latest` beside it. Raises UserError."""
+    """Create the log folder of a run, which only the user can open, and `latest` beside it. Raises UserError."""
     root = Path(log_root(environment))
     folder = root / run_id
     try:
@@ -47,7 +47,7 @@ def make_run_folder(environment: Mapping[str, str], run_id: str) -> str:
 
 
 def make_home(environment: Mapping[str, str]) -> str:
-    """Make the folder in which nodes start. Raises UserError."""
+    """Create the working directory of nodes. Raises UserError."""
     home = Path(ros_home(environment))
     try:
         home.mkdir(parents=True, exist_ok=True)
@@ -65,7 +65,7 @@ def make_home(environment: Mapping[str, str]) -> str:
 
 
 def new_run_id() -> str:
-    """An id that no other run has."""
+    """Return a unique run id."""
     try:
         return Path("/proc/sys/kernel/random/uuid").read_text(encoding="ascii").strip()
     except OSError:
@@ -75,7 +75,7 @@ def new_run_id() -> str:
 
 
 def is_local_address(address: str) -> bool:
-    """Test a host name or address for this computer; False for an unknown name."""
+    """Return whether a host name or address is that of this computer; False for an unknown name."""
     if address in ("", "localhost", "127.0.0.1", "::1"):
         return True
     try:

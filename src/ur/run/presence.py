@@ -28,7 +28,7 @@ Registered = tuple[RunEntry, socket.socket | None]
 def register(
     plan: Plan, address: str, folder: str, environment: Mapping[str, str], console: Console, *, detached: bool
 ) -> Registered:
-    """Enter a run in the registry; the socket is None where that cannot be done. Raises UserError if it is detached."""
+    """Enter a run in the registry. The socket is None if that fails, which raises UserError for a detached run."""
     pid = os.getpid()
     title, name = make_run_name(plan.files, pid)
     computer = read_computer()
@@ -65,7 +65,7 @@ def register(
 
 
 def claim(entry: RunEntry, nodes: Sequence[NodeSpec], plan: Plan, options: RunOptions) -> None:
-    """Let other launches see which nodes a run starts, and which runs it has joined; and those runs, that it has."""
+    """Publish the nodes that a run starts and the runs it has joined to other launches, and to the joined runs."""
     if entry.folder:
         from ur.run.join.claims import make_claims, write_claims
 
@@ -79,7 +79,7 @@ def claim(entry: RunEntry, nodes: Sequence[NodeSpec], plan: Plan, options: RunOp
 
 
 def list_joined_runs(entry: RunEntry) -> Sequence[str]:
-    """The ids of the runs that have joined a run."""
+    """Return the ids of the runs that have joined a run."""
     from ur.run.join.owner import list_joined
 
     return list_joined(entry.run, os.environ, os.getuid())

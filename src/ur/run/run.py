@@ -1,4 +1,4 @@
-"""A run: programs, limits, clients; everything that the loop needs to know beforehand."""
+"""A run: programs, limits, clients; all settings that the loop needs."""
 
 from __future__ import annotations
 
@@ -23,11 +23,12 @@ Job = Callable[[], Event]
 
 @dataclass(frozen=True, slots=True)
 class RunClients:
-    """Clients and outputs of a run's events. `call_started` is called once every node was started.
+    """Clients and outputs of a run's events.
 
-    `record_end` is called at the end: exit code, cause, last lines of the run itself, log files of its nodes.
-    `viewer` is our end of a pair whose other end shows the run on our terminal: while it is open the console is silent.
-    `events` is an open file that gets every event, in place of the console. `unattended`: no user sees our console.
+    `call_started` is called when every node has been started. `record_end` is called at the end: exit code, cause, last
+    lines of the run itself, log files of its nodes. `viewer` is the run's end of a socket pair whose other end displays
+    the run on this terminal: while it is open the console is silent. `events` is an open file that gets every event, in
+    place of the console. `unattended`: no user sees the console.
     """
 
     describe: Callable[[], RunStarted] | None = None
@@ -41,10 +42,11 @@ class RunClients:
 
 @dataclass(frozen=True, slots=True)
 class Run:
-    """Programs to run and their settings. `folder` takes the log files, `home` is the nodes' working directory.
+    """Programs to run and their settings.
 
-    `await_master`, `set_parameters` and `unregister` talk to the middleware and return the event that follows; they are
-    called in a thread of their own, so that a slow network holds nothing up.
+    `folder` is for the log files, `home` is the nodes' working directory. `await_master`, `set_parameters` and
+    `unregister` communicate with the middleware and return the event that follows; they are called in a separate
+    thread, so that a slow network does not delay the loop.
     """
 
     programs: tuple[UnitProgram, ...]
@@ -66,5 +68,5 @@ class Run:
 
     @property
     def terminal_program(self) -> UnitProgram | None:
-        """The program that owns the keyboard and the screen."""
+        """Return the program that owns the keyboard and the screen."""
         return next((each for each in self.programs if each.unit.terminal), None)

@@ -29,11 +29,12 @@ class _Start(NamedTuple):
 class Starts:
     """Starts of the processes of a run.
 
-    Everything for a burst is made before any of it is sent: the first nodes take processor time from what comes later.
+    All of a burst is prepared before any of it is sent: started nodes take processor time from the preparation of later
+    ones.
     """
 
     def __init__(self, run: Run, host: ProcessHost, outputs: NodeOutputs, foreground: Foreground) -> None:
-        """Allow this process the open files that the programs of the run need."""
+        """Create the starts, and raise this process's limit of open files for the programs of the run."""
         self._run = run
         self._host = host
         self._outputs = outputs
@@ -43,7 +44,7 @@ class Starts:
         allow_open_files(100 + FILES_KEPT * len(run.programs) + FILES_SENT * MOST_STARTS)
 
     def prepare(self, program: UnitProgram) -> None:
-        """Open the files of a process, and send the burst when it is full."""
+        """Open the files of a process, and send the burst if it is complete."""
         unit = program.unit
         self._outputs.open(program)
         prefix = self.prefixes.pop(unit.name, ())
@@ -59,7 +60,7 @@ class Starts:
             self.send()
 
     def send(self) -> None:
-        """Send what is prepared to the host."""
+        """Send the prepared starts to the host."""
         for each in self._prepared:
             program = each.program
             cwd = program.cwd or self._run.home
@@ -72,7 +73,7 @@ class Starts:
 
 
 def allow_open_files(count: int) -> None:
-    """Raise this process's own limit of open files where it is lower; nodes are not its children and keep theirs."""
+    """Raise this process's own limit of open files if it is lower; nodes are not its children and keep theirs."""
     soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
     if soft != resource.RLIM_INFINITY and soft < count:
         most = count if hard == resource.RLIM_INFINITY else min(count, hard)

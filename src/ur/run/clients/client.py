@@ -13,10 +13,10 @@ from ur.run.clients.protocol import BadLineError, RunCommand, RunEnded, RunEvent
 
 
 class RunControl(Protocol):
-    """A run from the view of a client. `fileno` is readable when `receive` has events."""
+    """A run as a client sees it. `fileno` is readable when `receive` has events."""
 
     def fileno(self) -> int:
-        """For select, poll and event loops."""
+        """Return the descriptor for select, poll and event loops."""
 
     def receive(self) -> list[RunEvent] | None:
         """Return events since the last call, without blocking; None once the run has ended or its socket has closed."""
@@ -42,7 +42,7 @@ class RunClient:
         link.setblocking(False)
 
     def fileno(self) -> int:
-        """For select, poll and event loops."""
+        """Return the descriptor for select, poll and event loops."""
         return self._link.fileno()
 
     def receive(self) -> list[RunEvent] | None:
@@ -89,7 +89,7 @@ class RunClient:
 
 
 def connect_run(folder: str) -> RunClient:
-    """Connect to the run whose control folder this is (see `ur.run.record.registry`). Raises RunGone."""
+    """Connect to the run with this control folder (see `ur.run.record.registry`). Raises RunUnreachable."""
     link = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
     try:
         place = os.open(folder, os.O_PATH | os.O_DIRECTORY | os.O_CLOEXEC)
@@ -104,7 +104,7 @@ def connect_run(folder: str) -> RunClient:
 
 
 def iterate_events(control: RunControl, timeout: float | None = None) -> Iterator[RunEvent]:
-    """Every event until the run ends, or until nothing has happened for `timeout` s."""
+    """Yield every event until the run ends, or until no event arrives for `timeout` s."""
     while True:
         deadline = None if timeout is None else time.monotonic() + timeout
         while not select.select([control], [], [], None if deadline is None else deadline - time.monotonic())[0]:

@@ -1,4 +1,4 @@
-"""Clients of a run, served by its loop. Nothing for them is made, or imported, before the first one connects."""
+"""Clients of a run, served by its loop. Their modules are imported when the first one connects."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 class Monitor:
-    """Subscribers over the run's socket, the interface on our own terminal, and an open file that takes every event."""
+    """Subscribers over the run's socket, the interface on the run's terminal, and a file that gets every event."""
 
     def __init__(self, plan: RunClients, poll: select.poll, console: Console, terminal: Terminal | None) -> None:
         self._plan = plan
@@ -33,7 +33,7 @@ class Monitor:
             poll.register(plan.listener, select.POLLIN)
 
     def open(self, run: Run, state: State, outputs: NodeOutputs, now: float) -> None:
-        """Add the clients that are connected from the beginning."""
+        """Add the clients that are connected from the start."""
         self._run, self._state, self._outputs = run, state, outputs
         if self._plan.events is None and self._plan.viewer is None:
             return
@@ -56,7 +56,7 @@ class Monitor:
 
     @property
     def due(self) -> float | None:
-        """The time at which `work` is due next; None: only on events."""
+        """Return the time at which `work` is due next; None: only on events."""
         return None if self._publisher is None else self._publisher.due
 
     def serves(self, descriptor: int) -> bool:
@@ -90,7 +90,7 @@ class Monitor:
             self._publisher.publish_link(robot, seconds, lost=lost)
 
     def attend(self, descriptor: int, now: float) -> list[Event]:
-        """Serve who is ready; returns what they want."""
+        """Serve the client that is ready; return the events for the supervisor."""
         publisher = self._publisher or self._begin(now)
         wanted = [translate_command(command) for command in publisher.attend(descriptor, now)]
         if self._viewer is not None and not publisher.subscribers.holds(self._viewer):
@@ -101,12 +101,12 @@ class Monitor:
         return wanted
 
     def work(self, now: float) -> None:
-        """Sample and read back what is due."""
+        """Sample statistics and read logs back if they are due."""
         if self._publisher is not None:
             self._publisher.work(now)
 
     def flush(self) -> None:
-        """Write as much as is taken now, and poll for what subscribers may do next."""
+        """Write pending data without blocking, and update the poll events of subscribers."""
         if self._publisher is None:
             return
         self._publisher.subscribers.flush()

@@ -1,4 +1,4 @@
-"""The nodes of a run as its events report them: their states in words, and what they still lack. Pure."""
+"""The nodes of a run as its events report them: their states as text, and their unmet conditions. Pure."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ from ur.run.supervisor.state import ExitStatus
 
 @dataclass(slots=True)
 class ReadinessView:
-    """The nodes of a run, and what each still lacks. `cause` is set once the run ends."""
+    """The nodes of a run, and the unmet conditions of each. `cause` is set when the run ends."""
 
     cause: str | None = None
     nodes: dict[str, NodeChanged] = field(default_factory=dict)
     _lacks: dict[str, tuple[str, ...]] = field(default_factory=dict)
 
     def take(self, event: RunEvent) -> None:
-        """Take one event."""
+        """Process one event."""
         if isinstance(event, NodeChanged) and not event.core:
             self.nodes[event.name] = event
             self._lacks.setdefault(event.name, ("it is not looked at yet",))
@@ -31,9 +31,9 @@ class ReadinessView:
             self.cause = event.cause
 
     def list_missing(self) -> dict[str, tuple[str, ...]]:
-        """List the nodes that are not up, each with what it lacks.
+        """List the nodes that are not ready, each with its unmet conditions.
 
-        A program that did its work and ended well is no longer waited for.
+        A program that has ended successfully is no longer waited for.
         """
         return {
             name: self._lacks[name]

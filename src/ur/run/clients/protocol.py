@@ -1,7 +1,8 @@
-"""Events of a run for its clients, and commands that clients may send: values, and each as one line of JSON.
+"""Events of a run for its clients, and commands from clients: values, and each as one line of JSON.
 
-A subscriber first gets `RunStarted`, then one `NodeChanged` and one `NodeReadiness` for each node as it is now, then
-`Synchronised`; from there on every event. Output lines and statistics come only after `Watch` asked for them.
+A subscriber first gets `RunStarted`, then one `NodeChanged` and one `NodeReadiness` with the present state of each
+node, then `Synchronised`; from there on every event. Output lines and statistics are sent only after a `Watch` has
+requested them.
 """
 
 from __future__ import annotations
@@ -15,12 +16,12 @@ OutputSource = Literal["out", "err", "log"]
 
 
 class BadLineError(ValueError):
-    """A line that is no event or command of this protocol. The text is the reason."""
+    """A line that is not a valid event or command. The text is the reason."""
 
 
 @dataclass(frozen=True, slots=True)
 class RunStarted:
-    """The run: its id, the supervisor's process, the launch file's name, and where it is connected and writes to.
+    """The run: its id, the supervisor's process, the launch file's name, its address and its log folder.
 
     `started` is in s since the epoch. `terminal` names the node that owns the terminal, '' when there is none.
     """
@@ -39,11 +40,11 @@ class RunStarted:
 class NodeChanged:
     """The current status of a node.
 
-    `waiting`: not started yet, or due again in `restart_in` s. `ended`: not started again by itself; then `exit_code`
-    or `signal` are those of its last end (both None: it could not be started, or was never asked to), `reason` is for
-    people: why it could not be started, or why it is not started again. `held`: a person stopped it. `core`: the master
-    and rosout, which take no commands. `log` is the file with what it prints, `program` its executable, `folder` where
-    it is started.
+    `waiting`: not started yet, or restarted in `restart_in` s. `ended`: not restarted automatically; then `exit_code`
+    or `signal` describe its last end (both None: it could not be started, or its start was never requested), and
+    `reason` tells the user why it could not be started, or is not restarted. `held`: the user stopped it. `core`: the
+    master and rosout, which accept no commands. `log` is the file with its output, `program` its executable, `folder`
+    its working directory.
     """
 
     name: str
@@ -76,7 +77,10 @@ class NodeReadiness:
 
 @dataclass(frozen=True, slots=True)
 class OutputLine:
-    """A line that a node printed, colours kept, made safe for a terminal. `stream` is "log" when it was read back."""
+    """A line that a node printed, with colours, safe for a terminal.
+
+    `stream` is "log" for a line read back from a log.
+    """
 
     name: str
     stream: OutputSource
@@ -86,7 +90,7 @@ class OutputLine:
 
 @dataclass(frozen=True, slots=True)
 class NodeStats:
-    """Resource usage of a node, child processes included: `cpu` in cores (1.0 is one), `memory` (resident) in bytes."""
+    """Resource usage of a node and its child processes: `cpu` in cores (1.0 is one), `memory` (resident) in bytes."""
 
     name: str
     cpu: float
@@ -95,14 +99,14 @@ class NodeStats:
 
 @dataclass(frozen=True, slots=True)
 class StatsSampled:
-    """One sample of every node that runs."""
+    """One sample of every running node."""
 
     nodes: tuple[NodeStats, ...]
 
 
 @dataclass(frozen=True, slots=True)
 class Notice:
-    """A message of the run itself for people: a crash report, the reason why it stops. May hold several lines."""
+    """A message of the run itself for the user: a crash report, the reason why it stops. May have several lines."""
 
     severity: Severity
     text: str
@@ -110,7 +114,7 @@ class Notice:
 
 @dataclass(frozen=True, slots=True)
 class LinkChanged:
-    """The link to the robot: `lost` for so long (s) by now, sent twice a second; or restored after so long."""
+    """The state of the link to the robot: `lost` for `seconds` so far, sent twice a second; or restored after them."""
 
     robot: str
     lost: bool
@@ -124,14 +128,14 @@ class Synchronised:
 
 @dataclass(frozen=True, slots=True)
 class RunStopping:
-    """The run ends; `cause` is text for people, '' without one."""
+    """The run starts to end; `cause` is a text for the user, '' without one."""
 
     cause: str
 
 
 @dataclass(frozen=True, slots=True)
 class RunEnded:
-    """Nothing is left; this is the last event. `exit_code` is that of the run."""
+    """All processes have ended; this is the last event. `exit_code` is that of the run."""
 
     exit_code: int
 
@@ -152,7 +156,7 @@ RunEvent = (
 
 @dataclass(frozen=True, slots=True)
 class Watch:
-    """Subscription beyond changes: output lines, statistics, readiness. Replaces an earlier one."""
+    """A subscription beyond changes: output lines, statistics, readiness. It replaces an earlier one."""
 
     output: bool = False
     stats: bool = False
@@ -161,21 +165,21 @@ class Watch:
 
 @dataclass(frozen=True, slots=True)
 class StartNode:
-    """Start a node that has ended or waits. Nothing when it runs."""
+    """Start a node that has ended or waits. No effect on a running node."""
 
     name: str
 
 
 @dataclass(frozen=True, slots=True)
 class StopNode:
-    """Stop a node and keep it stopped: SIGINT, SIGTERM, SIGKILL. The run goes on, also when the node is required."""
+    """Stop a node and keep it stopped: SIGINT, SIGTERM, SIGKILL. The run continues, even if the node is required."""
 
     name: str
 
 
 @dataclass(frozen=True, slots=True)
 class RestartNode:
-    """Stop a node and start it again; this once with `prefix` in front of its program, in place of its own prefix."""
+    """Stop a node and start it again; once with `prefix` in front of its program, in place of its own prefix."""
 
     name: str
     prefix: tuple[str, ...] = ()
@@ -190,7 +194,7 @@ class KillNode:
 
 @dataclass(frozen=True, slots=True)
 class StopRun:
-    """End the run, as Ctrl-C does; again is faster. `reason` is for people."""
+    """End the run, as Ctrl-C does; repeated commands end it faster. `reason` is a text for the user."""
 
     reason: str = "asked to stop"
 
@@ -218,20 +222,20 @@ _COMMANDS: dict[str, Any] = {
 
 
 def dump_line(item: RunEvent | RunCommand) -> bytes:
-    """An event or command as one line of JSON: its fields, and `kind` first."""
+    """Encode an event or command as one line of JSON: `kind` first, then its fields."""
     import json  # only for those who watch
 
     return json.dumps({"kind": type(item).__name__, **asdict(item)}, ensure_ascii=False).encode("utf-8") + b"\n"
 
 
 def parse_event(line: bytes) -> RunEvent:
-    """The event in a line. Fields that this version does not know are left out. Raises BadLine."""
+    """Decode an event from a line. Unknown fields are ignored. Raises BadLineError."""
     event: RunEvent = _parse(line, _EVENTS)
     return event
 
 
 def parse_command(line: bytes) -> RunCommand:
-    """The command in a line. Raises BadLine."""
+    """Decode a command from a line. Raises BadLineError."""
     command: RunCommand = _parse(line, _COMMANDS)
     return command
 

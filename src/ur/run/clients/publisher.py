@@ -49,7 +49,7 @@ class NodeConstants:
 
 
 class RunPublisher:
-    """The subscribers of one run, and what they know."""
+    """The subscribers of one run, and the state that they have received."""
 
     def __init__(
         self,
@@ -60,7 +60,7 @@ class RunPublisher:
         state: State,
         now: float,
     ) -> None:
-        """`facts` are by the names of units; `read_back(anew)` publishes new lines of logs, or begins to."""
+        """Create the publisher. `facts` are by unit name; `read_back(anew)` publishes new log lines, or starts to."""
         self._started = started
         self._facts = facts
         self._read_back = read_back
@@ -81,7 +81,7 @@ class RunPublisher:
 
     @property
     def due(self) -> float | None:
-        """The time at which `work` is due next; None: only on events."""
+        """Return the time at which `work` is due next; None: only on events."""
         return min((time for time in (self._next_sample, self._next_tail) if time is not None), default=None)
 
     def note_state(self, state: State, now: float) -> None:
@@ -94,7 +94,7 @@ class RunPublisher:
             self.subscribers.publish(RunStopping(state.cause or ""))
 
     def note_readiness(self, name: str, missing: tuple[str, ...]) -> None:
-        """Publish a node's readiness (ready: nothing missing) where it has changed."""
+        """Publish a node's readiness (no unmet conditions: ready) if it has changed."""
         if self._readiness.get(name) == missing:
             return
         self._readiness[name] = missing
@@ -122,7 +122,7 @@ class RunPublisher:
         return asked
 
     def update_subscriptions(self, now: float) -> None:
-        """Begin and end the work that is only done for subscribers."""
+        """Start and end the work that is only done for subscribers."""
         before, self._wanted = self._wanted, self.subscribers.wanted()
         if self._wanted.output != before.output:
             self._next_tail = now if self._wanted.output else None
@@ -133,7 +133,7 @@ class RunPublisher:
             self._usage = (now, {})
 
     def work(self, now: float) -> None:
-        """Sample and read back what is due."""
+        """Sample statistics and read logs back if they are due."""
         if self._next_tail is not None and now >= self._next_tail:
             self._read_back(False)
             self._next_tail = now + TAIL_PERIOD

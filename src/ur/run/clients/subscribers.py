@@ -1,4 +1,4 @@
-"""Subscribers to a run, over its socket or an open file: each gets its events, none can delay the run."""
+"""Subscribers to a run, over its socket or an open file: each gets its events, and none can delay the run."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ MOST_BACKLOG = 20_000  # events; who does not read for so long is let go
 
 
 class Subscribers:
-    """All subscribers. `descriptors` are to be polled; `attend` handles an event on one of them."""
+    """All subscribers. `descriptors` are for polling; `attend` handles an event on one of them."""
 
     def __init__(self, listener: socket.socket | None, describe_state: Callable[[], Iterable[RunEvent]]) -> None:
         """Take a listening socket, and a source of the events that describe the current state to a new subscriber."""
@@ -36,12 +36,12 @@ class Subscribers:
         self.on_removed: Callable[[int], None] | None = None  # before a descriptor is closed
 
     def add_socket(self, link: socket.socket) -> int:
-        """A client that may also give commands. Returns the descriptor that identifies them."""
+        """Add a client that may also send commands; return its descriptor, which identifies it."""
         link.setblocking(False)
         return self._add(_Subscriber(link.fileno(), link, Watch()))
 
     def add_output(self, descriptor: int, watch: Watch) -> int:
-        """An open file that events are written to, and that nothing is read from."""
+        """Add an open file that events are written to, and that is never read; return its descriptor."""
         return self._add(_Subscriber(descriptor, None, watch))
 
     def descriptors(self) -> dict[int, int]:
@@ -83,7 +83,7 @@ class Subscribers:
                 self._drop(descriptor)
 
     def attend(self, descriptor: int) -> list[RunCommand]:
-        """Accept, read and write what is possible there; returns what was asked for."""
+        """Accept, read and write without blocking; return the received commands."""
         if self._listener is not None and descriptor == self._listener.fileno():
             try:
                 self.add_socket(self._listener.accept()[0])
@@ -106,12 +106,12 @@ class Subscribers:
         return asked
 
     def flush(self) -> None:
-        """Write as much as is taken now."""
+        """Write pending data without blocking."""
         for subscriber in self._subscribers.values():
             subscriber.sink.flush()
 
     def close(self, limit: float) -> None:
-        """Write what is left, or as much as is taken within a time limit (s) each, and disconnect all."""
+        """Write the pending data within a time limit (s) for each subscriber, and disconnect all."""
         for descriptor, subscriber in list(self._subscribers.items()):
             subscriber.sink.finish(limit)
             self._drop(descriptor)
@@ -147,7 +147,7 @@ class _Subscriber:
         return self.watch.stats if isinstance(event, StatsSampled) else True
 
     def read(self) -> tuple[list[RunCommand], bool]:
-        """Commands, and whether the other end is still there."""
+        """Return the received commands, and whether the client is still connected."""
         if self.link is None:
             return [], True
         try:

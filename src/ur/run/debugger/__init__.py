@@ -1,1 +1,1 @@
-"""Debuggers for nodes: which one, in which terminal, core dumps, and attaching to a running node."""
+"""Debuggers for nodes: selection, terminals, core dumps, and attaching to a running node."""

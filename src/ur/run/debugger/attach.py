@@ -1,4 +1,4 @@
-"""Methods to debug a node that runs, or ran, from outside its run. Pure."""
+"""Methods to debug a running or ended node from outside its run. Pure."""
 
 from __future__ import annotations
 
@@ -10,9 +10,10 @@ from ur.system.debian_root import install_command
 
 @dataclass(frozen=True, slots=True)
 class DebuggedNode:
-    """Facts about a node. `program` is its executable, `process` the one that its process runs ('' when there is none).
+    """Facts about a node.
 
-    `core_dump` is the command that opens its core file in gdb; where it is empty, `no_core_dump` is the reason.
+    `program` is its executable, `process` the executable of its process ('' without a process). `core_dump` is the
+    command that opens its core file in gdb; if it is empty, `no_core_dump` is the reason.
     """
 
     target: DebugTarget
@@ -24,7 +25,7 @@ class DebuggedNode:
 
     @property
     def python(self) -> bool:
-        """True for a node that Python runs, or would run."""
+        """Return whether the node is, or would be, run by Python."""
         if self.process:
             return self.process.rpartition("/")[2].startswith("python")
         return self.target.kind in ("python", "module")
@@ -34,7 +35,7 @@ class DebuggedNode:
 class DebugMethod:
     """One method to debug a node: its key, its label, and its command.
 
-    `here`: the command needs this terminal meanwhile. `prefix`: the node is started again with this in front.
+    `here`: the command occupies this terminal. `prefix`: the node is restarted with this prefix.
     """
 
     key: str
@@ -46,16 +47,16 @@ class DebugMethod:
 
 @dataclass(frozen=True, slots=True)
 class DebugMethods:
-    """Methods to debug a node, best first, and a note for the person who chooses."""
+    """Methods to debug a node, best first, and a note for the user who chooses."""
 
     methods: tuple[DebugMethod, ...]
     note: str = ""
 
 
 def list_debug_methods(facts: DebuggedNode, tools: DebugTools, address: str) -> DebugMethods | str:
-    """List the methods to debug a node, best first; return an explanation as text where there is none.
+    """List the methods to debug a node, best first; return the reason as text if there is none.
 
-    `address` is where a new Unix socket may be made, for a node that is started again.
+    `address` is the path for a new Unix socket, for a node that is restarted.
     """
     name = facts.target.name
     running = facts.pid is not None

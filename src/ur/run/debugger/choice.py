@@ -1,4 +1,4 @@
-"""Choose a debugger, its terminal, and its command line from what is installed. Pure."""
+"""Selection of a debugger, its terminal, and its command line from the installed tools. Pure."""
 
 from __future__ import annotations
 
@@ -21,8 +21,8 @@ _TRACE = ("-q", "-batch", "-ex", "run", "-ex", "thread apply all backtrace", "--
 class DebugTools:
     """Debugging tools and terminals on this computer. `installed` are names of PACKAGES.
 
-    `python` runs our own programs.
-    `may_attach`: the system lets this user trace processes that are not its own children (or it is root).
+    `python` is the interpreter of this project's programs. `may_attach`: the user may trace processes other than its
+    own children (or is root).
     """
 
     terminal: bool = False
@@ -38,7 +38,7 @@ class DebugTools:
 class DebugTarget:
     """A node to debug. `module`: a shell script of this project that runs one of its Python modules.
 
-    `interpreter` runs a `python` one.
+    `interpreter` is that of a `python` node.
     """
 
     name: str
@@ -48,7 +48,7 @@ class DebugTarget:
 
 @dataclass(frozen=True, slots=True)
 class Debugging:
-    """The prefix of a node's command, the terminal of its debugger, and notes for people."""
+    """The prefix of a node's command, the terminal of its debugger, and notes for the user."""
 
     prefix: tuple[str, ...]
     terminal: DebugTerminal
@@ -56,7 +56,7 @@ class Debugging:
 
 
 def find_kind(head: bytes) -> tuple[Kind, str]:
-    """Determine a program's kind from its first bytes (4 kB are enough), and its interpreter where that is Python."""
+    """Determine a program's kind from its first bytes (4 kB are enough), and its interpreter if that is Python."""
     if head.startswith(b"\x7fELF"):
         return "binary", ""
     first = head.partition(b"\n")[0].decode("utf-8", "replace")
@@ -71,12 +71,15 @@ def find_kind(head: bytes) -> tuple[Kind, str]:
 
 
 def choose_tool(kind: Kind) -> Tool:
-    """The debugger for a program, where people name none."""
+    """Return the default debugger for a kind of program."""
     return "gdb" if kind == "binary" else "pudb"
 
 
 def plan_debugging(target: DebugTarget, tool: Tool, tools: DebugTools, port: int) -> Debugging:
-    """Plan the start of a node under a debugger. `port` is a free one. Raises UserError: impossible, with a remedy."""
+    """Plan the start of a node under a debugger.
+
+    `port` is a free port. Raises UserError, with a remedy, if impossible.
+    """
     _check_kind(target, tool)
     _check_installed(target.name, tool, tools)
     if tool == "debugpy":
@@ -103,7 +106,7 @@ def plan_debugging(target: DebugTarget, tool: Tool, tools: DebugTools, port: int
 
 
 def choose_terminal(tools: DebugTools) -> DebugTerminal:
-    """Choose the terminal of a debugger: a pane, a window, this terminal; else its output only goes to the log."""
+    """Choose the terminal of a debugger: a pane, a window, or this terminal; else its output goes to the log only."""
     if tools.tmux:
         return "pane"
     if tools.display and "xterm" in tools.installed:
@@ -112,12 +115,12 @@ def choose_terminal(tools: DebugTools) -> DebugTerminal:
 
 
 def gdb_prefix(target: DebugTarget) -> tuple[str, ...]:
-    """Build the arguments before a program that runs in gdb."""
+    """Return the arguments before a program that run it in gdb."""
     return ("gdb", *_RUN, *((target.interpreter,) if target.kind == "python" else ()))
 
 
 def python_prefix(target: DebugTarget, options: tuple[str, ...]) -> tuple[str, ...]:
-    """Build the arguments before a Python program for these options of its interpreter."""
+    """Return the arguments before a Python program that set these options of its interpreter."""
     if target.kind == "module":
         return ("env", f"UR_NODE_PYTHON_OPTIONS={' '.join(options)}")
     return (target.interpreter, *options)

@@ -1,4 +1,4 @@
-"""Core dumps of crashed programs: their path, or the reason why there is none, core(5).
+"""Core dumps of crashed programs: their path, or the reason for their absence, core(5).
 
 Pure: `ur.run.debugger.environment` reads the system.
 """
@@ -22,7 +22,7 @@ _NOTE, _FILES, _PRPSINFO = 4, 0x46494C45, 3  # elf.h: PT_NOTE, NT_FILE, NT_PRPSI
 class CoreRules:
     """The system's settings for core files: `pattern` and `uses_pid` are those of /proc/sys/kernel.
 
-    `limit` is the soft limit for the size of core files of the run, in bytes; None: there is none.
+    `limit` is the soft limit for the size of the run's core files in bytes; None: unlimited.
     """
 
     pattern: str
@@ -32,7 +32,7 @@ class CoreRules:
 
 @dataclass(frozen=True, slots=True)
 class CoreNames:
-    """The keeper of core files, and for `file` glob patterns of the paths that one program's may have."""
+    """The service that stores core files, and for `file` glob patterns of the paths of one program's core files."""
 
     keeper: Keeper
     patterns: tuple[str, ...] = ()
@@ -40,7 +40,7 @@ class CoreNames:
 
 
 def plan_search(rules: CoreRules, program: str, folder: str) -> CoreNames:
-    """Determine the keeper and the possible paths of core files of a program that was started in a folder."""
+    """Determine the service and the possible paths for core files of a program that was started in a folder."""
     pattern = rules.pattern.strip()
     if pattern.startswith("|"):
         handler = pattern[1:].split()[0] if pattern[1:].split() else ""
@@ -57,7 +57,7 @@ def plan_search(rules: CoreRules, program: str, folder: str) -> CoreNames:
 
 
 def explain_no_core(rules: CoreRules, names: CoreNames, folder: str) -> str:
-    """Explain to people why a crash left no core file, and how to get one."""
+    """Explain to the user why a crash left no core file, and how to get one."""
     if rules.limit == 0:
         return "no core file: their size is limited to 0 here; 'ulimit -c unlimited' before ur launch changes that"
     if names.keeper == "unknown":
@@ -69,7 +69,7 @@ def explain_no_core(rules: CoreRules, names: CoreNames, folder: str) -> str:
 
 
 def belongs_to(core: bytes, program: str) -> bool:
-    """Test the beginning of an ELF core file (its notes: 1 MB is plenty) for a program, given by its real path."""
+    """Return whether the beginning of an ELF core file (its notes: 1 MB suffices) is that of a program (real path)."""
     for kind, body in _iterate_notes(core):
         if kind == _FILES and program.encode() in body.split(b"\0"):
             return True

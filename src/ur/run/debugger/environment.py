@@ -23,7 +23,10 @@ _PTRACE_SCOPE = "/proc/sys/kernel/yama/ptrace_scope"  # 0: any process of the sa
 
 
 def find_debug_tools(environment: Mapping[str, str], *, terminal: bool, python: str = "") -> DebugTools:
-    """Find debugging tools and terminals. `python` is the interpreter whose modules count; '': this project's."""
+    """Find debugging tools and terminals.
+
+    `python` is the interpreter whose modules are searched; '': that of this project.
+    """
     path = environment.get("PATH")
     tools = {name for name in ("gdb", "xterm") if shutil.which(name, path=path)}
     tools |= _find_modules(python or sys.executable, ("pudb", "debugpy"))
@@ -49,10 +52,10 @@ def read_target(name: str, path: str) -> DebugTarget:
 
 
 def read_node_facts(name: str, program: str, folder: str, pid: int | None, run_pid: int) -> DebuggedNode:
-    """Collect facts about a node: its process, if any, the executable of that, and the core file of a crash.
+    """Collect facts about a node: its process, if any, its executable, and the core file of a crash.
 
-    `folder` is where it is started, `run_pid` the supervisor, whose limits nodes have. Raises PermissionError when the
-    process belongs to another user.
+    `folder` is its working directory, `run_pid` the supervisor, whose limits nodes inherit. Raises PermissionError when
+    the process belongs to another user.
     """
     target = read_target(name, program)
     if pid is not None:
@@ -77,7 +80,7 @@ def read_core_rules(pid: int) -> CoreRules:
 
 
 def find_core_dump(program: str, folder: str, rules: CoreRules) -> tuple[tuple[str, ...], str]:
-    """The command that opens the newest core file of a program (its real path) in gdb; () and why there is none."""
+    """Return the command that opens the newest core file of a program (real path) in gdb; else () and the reason."""
     names = plan_search(rules, program, folder)
     if names.keeper == "coredumpctl":
         if _coredumpctl_has(program):
@@ -91,7 +94,7 @@ def find_core_dump(program: str, folder: str, rules: CoreRules) -> tuple[tuple[s
 
 
 def find_free_port(first: int = 5678) -> int:
-    """A port that no program listens on now, debugpy's usual one first."""
+    """Find a port on which no program listens now, trying debugpy's default port first."""
     for port in (first, 0):
         with socket.socket() as probe:
             try:
@@ -104,7 +107,7 @@ def find_free_port(first: int = 5678) -> int:
 
 
 def _find_modules(python: str, names: tuple[str, ...]) -> set[str]:
-    """List the modules that an interpreter has; ours is asked without starting it."""
+    """Return the modules, of these, that an interpreter has; this project's interpreter is not started for that."""
     if python == sys.executable:
         return {name for name in names if importlib.util.find_spec(name) is not None}
     argv = [python, "-c", f"import importlib.util as u; print(*(n for n in {names!r} if u.find_spec(n)))"]

@@ -1,7 +1,7 @@
-"""Run a program in another terminal as a child of its run, which can signal it and which it never outlives.
+"""Program that runs another one in a different terminal, as a child of its run, which signals and ends it.
 
     debug_pane.py NAME PROGRAM [ARG ...]                  opens a tmux pane for it
-    debug_pane.py --wait ADDRESS NAME                     gives this terminal to the program that joins
+    debug_pane.py --wait ADDRESS NAME                     lends this terminal to the program that joins
     debug_pane.py --join ADDRESS NAME PROGRAM [ARG ...]   is that program; ADDRESS is a Unix socket
     debug_pane.py --attach PID DEBUGGER [ARG ...]         runs a debugger while the process may be traced
 
@@ -38,7 +38,7 @@ _RESET = b"\x1b[?1049l\x1b[?1000l\x1b[?1002l\x1b[?1006l\x1b[0m\x1b[?25h"  # what
 
 
 def main(argv: list[str], patience: float = PATIENCE) -> int:
-    """Run a program elsewhere, or be its relay. Returns the program's exit code, 128 + n for signal n."""
+    """Run a program in another terminal, or be its relay. Returns the program's exit code, 128 + n for signal n."""
     if argv[0] == RELAY:
         return relay(argv[1])
     if argv[0] == WAIT:
@@ -51,7 +51,7 @@ def main(argv: list[str], patience: float = PATIENCE) -> int:
 
 
 def run_in_pane(name: str, argv: list[str]) -> int:
-    """Open the pane, run the program in it, wait for its end."""
+    """Open the pane, run the program in it, and wait until it ends."""
     controller, end = pty.openpty()
     with tempfile.TemporaryDirectory(prefix="ur-pane-") as folder, socket.socket(socket.AF_UNIX) as listener:
         address = f"{folder}/pane"
@@ -88,7 +88,7 @@ def join(address: str, name: str, argv: list[str], patience: float = PATIENCE) -
 
 
 def wait_for(address: str, name: str) -> int:
-    """Give this terminal to the program that joins at the address; Ctrl-C while it is awaited gives up."""
+    """Lend this terminal to the program that joins at the address; Ctrl-C before that cancels."""
     folder = address.rpartition("/")[0]
     os.mkdir(folder, 0o700)  # noqa: PTH102 - what pathlib would do, without its import
     with socket.socket(socket.AF_UNIX) as listener:
@@ -149,7 +149,7 @@ def _is_zombie(pid: int) -> bool:
 
 
 def relay(address: str) -> int:
-    """In the pane: copy between its terminal and the program's, until the program ends."""
+    """Copy between the pane's terminal and the program's, until the program ends."""
     link = socket.socket(socket.AF_UNIX)
     link.connect(address)
     return _relay_on(link)

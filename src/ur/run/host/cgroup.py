@@ -1,10 +1,9 @@
-"""A control group (cgroup v2) of a run's own, where one may be made: nothing that was started in it can leave it.
+"""A separate control group (cgroup v2) for a run, where permitted: its processes cannot leave it.
 
-It reaches what signals do not: a process that runs as another user, or one whose ancestors were all killed at once. One
-may be made by root, and by others where systemd has delegated theirs: `systemd-run --user --scope ur launch ...`, most
-graphical terminals, a user's own services. Elsewhere (a session over ssh) a run does without.
-
-Source: Documentation/admin-guide/cgroup-v2.rst of the Linux kernel.
+It includes processes that signals do not reach: those that run as another user, or whose ancestors were all killed at
+once. Root may create one, and other users where systemd has delegated theirs: `systemd-run --user --scope ur launch
+...`, most graphical terminals, a user's own services. Elsewhere (a session over ssh) a run has none. Source:
+Documentation/admin-guide/cgroup-v2.rst of the Linux kernel.
 """
 
 from __future__ import annotations
@@ -19,21 +18,22 @@ PREFIX = "ur-"
 
 
 class Cgroup:
-    """A control group that this process has made, and is not in."""
+    """A control group that this process has created without joining it."""
 
     def __init__(self, path: str) -> None:
-        """Take its folder."""
+        """Create the object for its folder."""
         self.path = path
 
     def take(self, pid: int) -> None:
-        """Move a process into it; its children are born there. Nothing happens where that is not allowed.
+        """Move a process into the group, which its later children inherit. No effect without permission.
 
-        This may take tens of ms, in which nothing on this computer can fork: the kernel waits for all processors.
+        This may take tens of ms, during which no process on this computer can fork: the kernel waits for all
+        processors.
         """
         self._write("cgroup.procs", str(pid))
 
     def list_processes(self) -> list[int]:
-        """The ids of the processes in it."""
+        """Return the ids of the processes in it."""
         try:
             with open(f"{self.path}/cgroup.procs", encoding="ascii") as file:  # noqa: PTH123 - pathlib is slow to import
                 return [int(line) for line in file]
@@ -41,7 +41,7 @@ class Cgroup:
             return []
 
     def kill(self) -> None:
-        """SIGKILL everything in it, all at once: no fork gets away."""
+        """SIGKILL all its processes at once, so that none can fork in between."""
         if self._write("cgroup.kill", "1"):
             return
         for pid in self.list_processes():  # Linux before 5.14
@@ -51,7 +51,7 @@ class Cgroup:
                 continue
 
     def remove(self, limit: float) -> bool:
-        """Remove it once it is empty, which may take until a time limit (s). False when it is not empty by then."""
+        """Remove the group once it is empty; return False if it is not empty after a time limit (s)."""
         end = time.monotonic() + limit
         while not self._remove_empty():
             if time.monotonic() > end:
@@ -83,7 +83,7 @@ class Cgroup:
 
 
 def make_cgroup(pid: int) -> Cgroup | None:
-    """Make the group of a run, named after its guard's process id. None where that is not possible."""
+    """Create the group of a run, named after its guard's process id; None if that is not possible."""
     parent = _find_own_folder()
     if parent is None:
         return None
@@ -97,13 +97,13 @@ def make_cgroup(pid: int) -> Cgroup | None:
 
 
 def find_cgroup(pid: int) -> Cgroup | None:
-    """The group that a guard has made beside this process's."""
+    """Find the group that a guard has created beside that of this process."""
     parent = _find_own_folder()
     return None if parent is None else Cgroup(f"{parent}/{PREFIX}{pid}")
 
 
 def find_folder(own: str, mounts: str) -> str | None:
-    """The folder of a process's cgroup (v2), from its /proc/PID/cgroup and /proc/PID/mountinfo; None: it has none."""
+    """Return the folder of a process's cgroup (v2), from its /proc/PID/cgroup and mountinfo; None without one."""
     path = next((line[3:] for line in own.splitlines() if line.startswith("0::/")), None)
     if path is None:
         return None

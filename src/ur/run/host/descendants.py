@@ -15,17 +15,17 @@ PR_SET_CHILD_SUBREAPER = 36
 
 
 def inherit_orphans() -> None:
-    """Make this process the parent of processes below it that lose their own: a subreaper, prctl(2)."""
+    """Make this process the parent of descendants whose own parent ends: a subreaper, prctl(2)."""
     ctypes.CDLL(None).prctl(PR_SET_CHILD_SUBREAPER, 1, 0, 0, 0)
 
 
 def name_process(name: bytes) -> None:
-    """Choose what `ps` and `top` call this process; 15 bytes at most."""
+    """Set the name of this process in `ps` and `top`; 15 bytes at most."""
     ctypes.CDLL(None).prctl(PR_SET_NAME, name, 0, 0, 0)
 
 
 def list_descendants(root: int) -> list[int]:
-    """The processes below a process, however deep, without those that have ended and wait to be reaped."""
+    """Return all descendants of a process, without those that have ended and wait to be reaped."""
     children: dict[int, list[int]] = {}
     ended = set()
     for entry in os.listdir("/proc"):  # noqa: PTH208 - pathlib doubles the start-up time here
@@ -62,7 +62,7 @@ def signal_descendants(signum: int) -> int:
 
 
 def signal_group(pid: int, signum: int) -> None:
-    """Signal the process group of a child of ours, if it is still there."""
+    """Signal the process group of a child process, if it still exists."""
     try:
         os.killpg(pid, signum)
     except ProcessLookupError:
@@ -89,7 +89,7 @@ def kill_descendants(limit: float) -> None:
 
 
 def reap_one(patience: float) -> bool:
-    """Reap a child that has ended, or wait for a moment (s). False when there is no child left."""
+    """Reap a child that has ended, or wait up to `patience` s. False if there is no child left."""
     try:
         if os.waitpid(-1, os.WNOHANG)[0] == 0:
             select.select([], [], [], patience)

@@ -20,10 +20,11 @@ NOT_EXECUTED = 127  # the exit code of a process that could not become its progr
 
 
 class ProcessCreator:
-    """Creates processes. One that fails before exec reports the reason itself, through a pipe.
+    """Creates processes.
 
-    New processes wait before exec until `release`: those that run already would take processor time from the creation
-    of the others, and the last of fifty would start late. The end of this process ends their waiting.
+    A process that fails before exec reports the reason through a pipe. New processes wait before exec until `release`:
+    running ones would take processor time from the creation of the others, and the last of fifty would start late. If
+    this process ends, they stop waiting.
     """
 
     def __init__(self) -> None:
@@ -38,8 +39,8 @@ class ProcessCreator:
     ) -> int:
         """Fork a process that becomes a program after `release`; returns its id.
 
-        `session_mode` is SESSION, GROUP or FOREGROUND; `stdio` are three open files. OSError when there can be no more
-        processes.
+        `session_mode` is SESSION, GROUP or FOREGROUND; `stdio` are three open files. Raises OSError if no more
+        processes can be created.
         """
         parent = os.getpid()
         gate = self._gate = self._gate or os.pipe2(os.O_CLOEXEC)
@@ -50,7 +51,7 @@ class ProcessCreator:
         return pid
 
     def release(self) -> None:
-        """Let every new process become its program."""
+        """Let every new process execute its program."""
         if self._gate is not None:
             for descriptor in self._gate:
                 os.close(descriptor)
@@ -58,7 +59,7 @@ class ProcessCreator:
             self.waiting = 0
 
     def find_failure(self, name: str) -> tuple[int, str] | None:
-        """The errno, and the path that it is about, of a process that never became its program; None when it did."""
+        """Return the errno and its path for a process that failed before executing its program; None for success."""
         try:
             while record := os.read(self._reader, RECORD):
                 failed, number, what = marshal.loads(record)  # noqa: S302 - written by ourselves

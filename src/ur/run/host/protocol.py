@@ -29,7 +29,7 @@ FOREGROUND = "foreground"
 
 
 def pack(message: tuple[Any, ...]) -> bytes:
-    """One message as it is sent. Both ends run the same Python, so `marshal` is a safe language."""
+    """Encode a message. Both ends run the same Python, so `marshal` is safe."""
     data = marshal.dumps(message)
     return len(data).to_bytes(4, "little") + data
 

@@ -1,4 +1,4 @@
-"""Server of the process host: carries out requests of the supervisor and reports events."""
+"""Server of the process host: executes requests of the supervisor and reports events."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ KILL_SECONDS = 3.0  # s that they get to die of SIGKILL after that
 
 
 def serve(descriptor: int) -> None:
-    """Serve the supervisor behind a socket until it closes, then end everything."""
+    """Serve the supervisor behind a socket until it closes, then end all processes."""
     os.set_inheritable(descriptor, False)  # a node that held our end would hide our death
     inherit_orphans()
     name_process(b"ur-host")
@@ -53,7 +53,7 @@ def serve(descriptor: int) -> None:
 
 
 class _Host:
-    """The processes that were started, by the name the supervisor gave them."""
+    """The started processes, by the names that the supervisor gave them."""
 
     def __init__(self, link: Socket) -> None:
         self._link = link
@@ -90,7 +90,7 @@ class _Host:
                 self._flush()
 
     def end_all(self) -> None:
-        """End everything after the supervisor has ended: SIGINT first, then SIGKILL. Restores the terminal."""
+        """End all processes after the supervisor has ended: SIGINT first, then SIGKILL. Restores the terminal."""
         limit = time.monotonic() + INTERRUPT_SECONDS
         if reap_one(0.0):
             signal_descendants(signal.SIGINT)
@@ -180,7 +180,7 @@ class _Host:
         self._unsent += pack(message)
 
     def _flush(self) -> None:
-        """Send what the supervisor takes now."""
+        """Send pending messages to the supervisor without blocking."""
         while self._unsent:
             try:
                 del self._unsent[: self._link.send(self._unsent, MSG_DONTWAIT)]

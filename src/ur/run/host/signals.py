@@ -1,4 +1,4 @@
-"""Signals for guard and host: the module below `signal`, without enums, which would be 1 MB of these small programs."""
+"""Signals for guard and host: the module below `signal`, without enums, which would add 1 MB to these programs."""
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:

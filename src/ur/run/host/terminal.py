@@ -20,7 +20,7 @@ RESET_TERMINAL = (
 
 
 def take_foreground(descriptor: int, group: int) -> None:
-    """Make a process group the terminal's foreground group, where that is ours to decide."""
+    """Make a process group the terminal's foreground group, if this process may change it."""
     try:
         os.tcsetpgrp(descriptor, group)
     except OSError as problem:
@@ -29,7 +29,7 @@ def take_foreground(descriptor: int, group: int) -> None:
 
 
 def restore_terminal(descriptor: int, attributes: list[Any], *, reset: bool) -> None:
-    """Put the terminal's modes back; with `reset` also what a program that was killed left on the screen."""
+    """Restore the terminal's modes; with `reset` also clear the screen state left by a killed program."""
     try:
         if reset:
             os.write(descriptor, RESET_TERMINAL)

@@ -1,1 +1,1 @@
-"""Runs that join others at the same master: nodes that run already are used, and no node is replaced unasked."""
+"""Runs that join others at the same master: running nodes are used, and replaced only on request."""

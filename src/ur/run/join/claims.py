@@ -1,4 +1,4 @@
-"""Claims of a run: the nodes that it starts, how each is defined, and the runs whose nodes it uses.
+"""Claims of a run: the nodes that it starts, their definitions, and the runs whose nodes it uses.
 
 They are stored in the run's control folder when it is registered, before any of the nodes is started.
 """
@@ -31,7 +31,7 @@ class Claims:
 
 
 def make_claims(nodes: Iterable[NodeSpec], params: Iterable[ParamSpec], joined: Iterable[str]) -> Claims:
-    """The claims of a run that starts these nodes."""
+    """Return the claims of a run that starts these nodes."""
     chosen = tuple(nodes)
     return Claims(
         define_nodes(chosen, params),
@@ -41,7 +41,7 @@ def make_claims(nodes: Iterable[NodeSpec], params: Iterable[ParamSpec], joined: 
 
 
 def define_nodes(nodes: Iterable[NodeSpec], params: Iterable[ParamSpec]) -> dict[str, Definition]:
-    """The definition of each node, by full name."""
+    """Return the definition of each node, by full name."""
     found: dict[str, dict[str, str]] = {node.full_name: _define(node) for node in nodes}
     for param in params:
         for name, items in found.items():
@@ -56,14 +56,14 @@ def is_base(item: NodeSpec | ParamSpec) -> bool:
 
 
 def write_claims(folder: str, claims: Claims) -> None:
-    """Write the claims of a run into its control folder. Raises OSError: no folder any more, or the disk is full."""
+    """Write the claims of a run to its control folder. Raises OSError: the folder was removed, or the disk is full."""
     unfinished = Path(folder, _FILE + ".new")
     unfinished.write_text(write_json(claims), encoding="utf-8")
     unfinished.replace(Path(folder, _FILE))
 
 
 def read_claims(folder: str) -> Claims:
-    """The claims in a control folder; empty ones where there are none that can be read."""
+    """Return the claims in a control folder; empty if they cannot be read."""
     try:
         with Path(folder, _FILE).open("rb") as file:
             return read_json(file.read(_MAX_BYTES), Claims, _MAX_BYTES)

@@ -1,4 +1,4 @@
-"""Decide which nodes of a plan start where other runs use the same master. Pure."""
+"""Decision about the nodes of a plan that are already running at the same master. Pure."""
 
 from __future__ import annotations
 
@@ -12,9 +12,10 @@ from ur.run.startup.machine_assignment import keep_nodes
 
 @dataclass(frozen=True, slots=True)
 class Held:
-    """A node that runs already. `run` is the id of its run, '' for none of this user on this computer.
+    """A node that is already running.
 
-    `definition` is None where it is unknown.
+    `run` is the id of its run, '' for one that is not a run of this user on this computer. `definition` is None if
+    unknown.
     """
 
     name: str
@@ -24,10 +25,10 @@ class Held:
 
 @dataclass(frozen=True, slots=True)
 class Decision:
-    """The fate of a plan's nodes that run already.
+    """The decision about a plan's nodes that are already running.
 
-    `base` and `used` are not started: the robot base's, and others that run just as this plan defines them. `renamed`
-    own a terminal and start under other names. `refused` would end what runs.
+    `base` and `used` are not started: the robot base's, and others with the same definition in this plan. `renamed` own
+    a terminal and start under other names. `refused` would end running nodes.
     """
 
     base: tuple[Held, ...] = ()
@@ -37,13 +38,13 @@ class Decision:
 
     @property
     def joined(self) -> tuple[Held, ...]:
-        """Nodes that are not started because they run already."""
+        """Return the nodes that are not started because they are already running."""
         return self.base + self.used
 
 
 @dataclass(frozen=True, slots=True)
 class Misfit:
-    """An argument of the command line that the running robot contradicts: its `node` has `item` set to `value`."""
+    """A command-line argument that the running robot contradicts: its `node` has `item` set to `value`."""
 
     argument: str
     node: str
@@ -53,7 +54,7 @@ class Misfit:
 
 
 def decide(plan: Plan, held: Iterable[Held]) -> Decision:
-    """Decide about each node of a plan that runs already."""
+    """Decide about each node of a plan that is already running."""
     running = {each.name: each for each in held}
     nodes = [node for node in plan.nodes if node.full_name in running]
     defined = define_nodes(nodes, plan.params)
@@ -72,10 +73,10 @@ def decide(plan: Plan, held: Iterable[Held]) -> Decision:
 
 
 def find_misfits(plan: Plan, decision: Decision, varied: Mapping[str, Sequence[Plan]]) -> list[Misfit]:
-    """Arguments that ask for another robot than the one that is joined.
+    """Return the arguments that request a robot other than the joined one.
 
-    `varied` holds, by argument as it was written, plans in which that argument has other values: what differs in them
-    depends on it.
+    `varied` holds, by argument as it was written, plans in which that argument has other values: the differences
+    between them depend on it.
     """
     wanted = define_nodes(plan.nodes, plan.params)
     found = []
@@ -95,7 +96,7 @@ def find_misfits(plan: Plan, decision: Decision, varied: Mapping[str, Sequence[P
 
 
 def leave_out(plan: Plan, decision: Decision) -> Plan:
-    """The plan without the nodes that run already, and without what the robot base's files set for all."""
+    """Return the plan without the running nodes, and without the global settings in the robot base's files."""
     joined = {each.name for each in decision.joined}
     if not joined:
         return plan
@@ -111,7 +112,7 @@ def leave_out(plan: Plan, decision: Decision) -> Plan:
 
 
 def find_free_names(names: Collection[str], taken: Collection[str]) -> dict[str, str]:
-    """Another name for each of these nodes: with `_2` appended, or the first number that is free."""
+    """Return a new name for each of these nodes: with `_2` appended, or the first free number."""
     used = set(taken)
     chosen = {}
     for name in names:

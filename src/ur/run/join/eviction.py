@@ -1,4 +1,4 @@
-"""Evictions: a ROS master ends a node when another one registers under its name."""
+"""Evictions: a ROS master ends a node when another node registers under its name."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _MAX_DEPTH = 64
 
 
 def examine_exit(event: Exited, master: Master) -> Event:
-    """Evicted in place of Exited where another process, which is none of this run, answers under the node's name."""
+    """Return Evicted in place of Exited if a process of another run answers under the node's name."""
     try:
         asked = Master(master.uri, master.host, master.port, _PATIENCE)
         node = parse_master_uri(str(asked.call("lookupNode", event.name)))

@@ -1,4 +1,4 @@
-"""A lock per master: one launch at a time lists the nodes that run there and registers its run."""
+"""A lock per master: one launch at a time lists the nodes that are running and registers its run."""
 
 from __future__ import annotations
 
@@ -19,13 +19,13 @@ _PATIENCE = 2.0  # s of silence, after which the wait is reported
 
 
 class MasterLock:
-    """Held from its making until `release`, or until this process ends."""
+    """A lock that is held from its creation until `release`, or until this process ends."""
 
     def __init__(self, descriptor: int = -1) -> None:
         self._descriptor = descriptor
 
     def release(self) -> None:
-        """Let others go on. Releasing it twice changes nothing."""
+        """Release the lock. A second release has no effect."""
         if self._descriptor >= 0:
             os.close(self._descriptor)
             self._descriptor = -1
@@ -35,9 +35,9 @@ class MasterLock:
 def lock_master(
     master_uri: str, environment: Mapping[str, str], uid: int, report: Callable[[str], None]
 ) -> Iterator[MasterLock]:
-    """Wait until no other launch of this user is being started at a master, and keep others from it.
+    """Hold the lock against other launches of this user at a master while the context lasts.
 
-    `report` gets one line about a wait that takes long. Where no lock file can be made nothing is locked.
+    `report` gets one line about a long wait. If no lock file can be created, nothing is locked.
     """
     lock = MasterLock(_acquire(master_uri, environment, uid, report))
     try:

@@ -1,4 +1,4 @@
-"""Runs that own nodes which other runs use: wait for their start, monitor them to their end, list joined runs."""
+"""Runs that own nodes which other runs use: wait for their start, monitor their end, list joined runs."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ _PERIOD = 0.05  # s
 
 
 def await_owner(entry: RunEntry, report: Callable[[str], None]) -> bool:
-    """Wait until a run has set its parameters, after which its nodes start. False: it ends, or takes too long."""
+    """Wait until a run has set its parameters, after which its nodes start. False if it ends, or takes too long."""
     has_begun = _ask_master(entry.master_uri)
     began = time.monotonic()
     reported = False
@@ -42,7 +42,7 @@ def await_owner(entry: RunEntry, report: Callable[[str], None]) -> bool:
 
 
 def _ask_master(address: str) -> Callable[[], bool]:
-    """Make a test of the runs at this address: whether they have set their parameters."""
+    """Return a function that tests whether the runs at this address have set their parameters."""
     domain = read_domain(address)
     if domain is not None:
         path = find_facts(os.environ, domain)
@@ -60,19 +60,19 @@ def _ask_master(address: str) -> Callable[[], bool]:
 
 
 def list_joined(run: str, environment: Mapping[str, str], uid: int) -> list[str]:
-    """The ids of the runs of a user on this computer that have joined a run."""
+    """Return the ids of the runs of a user on this computer that have joined a run."""
     runs = list_runs(environment, uid, read_computer())
     return [each.run for each in runs if run in read_claims(each.folder).joined]
 
 
 def follow_owners(owners: Iterable[RunEntry], report: Callable[[Event], None], over: threading.Event) -> None:
-    """Report the end of each of these runs, each from a thread of its own, until `over`."""
+    """Report the end of each of these runs, each from a separate thread, until `over`."""
     for entry in owners:
         threading.Thread(target=_follow, args=(entry, report, over), daemon=True).start()
 
 
 def describe_joined(runs: Iterable[str]) -> str:
-    """Describe the runs that end together with the one that they have joined; '' without any."""
+    """Describe the runs that end together with the one that they have joined; '' if there is none."""
     names = list(runs)
     if not names:
         return ""

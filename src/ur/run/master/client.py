@@ -55,7 +55,7 @@ class Master:
             return None
 
     def set_parameters(self, parameters: Mapping[str, object], clear: Iterable[str] = ()) -> None:
-        """Delete namespaces, then set parameters, all in one request. Raises Refused with the name it is about."""
+        """Delete namespaces, then set parameters, all in one request. Raises CallRefused with the parameter's name."""
         removals = [("deleteParam", (name,)) for name in unify_clear(clear)]
         settings = [("setParam", item) for item in parameters.items()]
         if not removals and not settings:
@@ -66,14 +66,14 @@ class Master:
                 raise CallRefused(f"{name}: {result}")
 
     def find_live_nodes(self, names: Sequence[str]) -> list[str]:
-        """Those of these nodes that are registered, and answer."""
+        """Return the nodes, of these, that are registered and answer."""
         found = self.call_many([("lookupNode", (name,)) for name in names])
         return [
             name for name, uri in zip(names, found, strict=True) if isinstance(uri, str) and _answers(uri, self.timeout)
         ]
 
     def remove_dead_nodes(self, names: Sequence[str]) -> None:
-        """Take nodes off the master that are registered but do not answer any more, as `rosnode cleanup` does."""
+        """Remove registered nodes that no longer answer from the master, as `rosnode cleanup` does."""
         found = self.call_many([("lookupNode", (name,)) for name in names])
         dead = {
             name: uri
@@ -100,9 +100,9 @@ class Master:
 
 
 def parse_master_uri(uri: str) -> Master:
-    """Parse ROS_MASTER_URI. Raises UserError for anything but `http://HOST:PORT`.
+    """Parse ROS_MASTER_URI. Raises UserError unless it is `http://HOST:PORT`.
 
-    An IPv6 address as HOST is in brackets (RFC 3986), and `host` of the result is without them.
+    An IPv6 address as HOST is in brackets (RFC 3986), which `host` of the result does not have.
     """
     scheme, found, rest = uri.partition("://")
     host, _, port = rest.rstrip("/").rpartition(":")
@@ -127,7 +127,7 @@ def format_master_uri(host: str, port: int) -> str:
 
 
 def unify_clear(names: Iterable[str]) -> list[str]:
-    """The namespaces to delete, without those inside another: deleting them twice would fail."""
+    """Return the namespaces to delete, without those inside another: deleting them twice would fail."""
     spaces = {name if name.endswith("/") else name + "/": None for name in names}
     return [name for name in spaces if not any(name != other and name.startswith(other) for other in spaces)]
 

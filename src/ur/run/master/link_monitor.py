@@ -1,6 +1,6 @@
 """Monitor of the network link to a robot and of its master, on which a run on another computer depends.
 
-`step_link` is pure; `watch_link` is the shell around it, in a thread of its own.
+`step_link` is pure; `watch_link` is the shell around it, in a separate thread.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ LONGEST_QUESTION, SHORTEST_QUESTION = 0.5, 0.2  # s for an answer
 
 @dataclass(frozen=True, slots=True)
 class MasterState:
-    """An answer of the robot: its master's process and run id. `pid` None: no master runs on the robot."""
+    """An answer of the robot: the process id and run id of its master. `pid` is None if no master runs on the robot."""
 
     pid: int | None
     run_id: str = ""
@@ -35,7 +35,7 @@ BUSY = MasterState(-1)  # the robot takes connections, and its master is slow
 
 @dataclass(frozen=True, slots=True)
 class LinkState:
-    """`last` is when the robot gave an answer; `master` is who answered last; `refused` since when no master runs."""
+    """The link: `last` is the time of the last answer, `master` is its content; `refused` since when no master runs."""
 
     last: float
     lost: bool = False
@@ -67,12 +67,12 @@ def step_link(state: LinkState, answer: MasterState | None, now: float) -> tuple
 
 
 def is_another(before: MasterState, now: MasterState) -> bool:
-    """Return whether another master answers: one with another process, or another run id, as after a restart."""
+    """Return whether another master answers: its process id or run id differs, as after a restart."""
     return before.pid != now.pid or bool(before.run_id and now.run_id and before.run_id != now.run_id)
 
 
 def choose_limit(state: LinkState, now: float) -> float:
-    """Choose the time (s) to wait for the next answer, so that a loss is noticed in time."""
+    """Choose the time (s) to wait for the next answer, so that a loss is detected in time."""
     if state.lost:
         return LONGEST_QUESTION
     return min(LONGEST_QUESTION, max(SHORTEST_QUESTION, state.last + LOST_AFTER - now))
@@ -92,7 +92,7 @@ def watch_link(master: Master, report: Callable[[Event], None], over: Flag) -> N
 
 
 def _ask(master: Master, addresses: AddressCache, limit: float, over: Flag) -> tuple[MasterState | None, float]:
-    """Return the robot's answer within a limit (s), and the time when it was reachable or given up."""
+    """Return the robot's answer within a limit (s), and the time when it was reached or the attempt was abandoned."""
     end = time.monotonic() + limit
     try:
         asked = replace(master, host=addresses.find(master.host), timeout=LONGEST_QUESTION)

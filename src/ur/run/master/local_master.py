@@ -1,4 +1,4 @@
-"""The master of a run: an existing one, or one of its own together with rosout."""
+"""The master of a run: an existing one, or a new one together with rosout."""
 
 from __future__ import annotations
 
@@ -21,7 +21,10 @@ ROSOUT = "/rosout"
 
 
 def find_master_programs(master: Master, world: World, options: RunOptions) -> tuple[UnitProgram, ...]:
-    """The master and rosout. Raises UserError when they are not installed, or cannot listen at that address."""
+    """Return the programs of master and rosout.
+
+    Raises UserError if they are missing, or cannot listen at that address.
+    """
     if ":" in master.host and world.environment.get("ROS_IPV6") != "on":
         raise UserError(
             error(
@@ -68,7 +71,7 @@ def find_master_programs(master: Master, world: World, options: RunOptions) -> t
 
 
 def roscore_parameters(world: World, environment: Mapping[str, str]) -> dict[str, ParamValue]:
-    """Parameters that roscore sets on its master."""
+    """Return the parameters that roscore sets on its master."""
     # What roscore.xml sets by running `rosversion`, line breaks included.
     version = ""
     try:
@@ -80,7 +83,7 @@ def roscore_parameters(world: World, environment: Mapping[str, str]) -> dict[str
 
 
 def await_master(master: Master, limit: float) -> Event:
-    """Ask a master that was started until it answers, or a time limit (s) is over."""
+    """Poll a started master until it answers, or a time limit (s) has passed."""
     end = time.monotonic() + limit
     while time.monotonic() < end:
         try:

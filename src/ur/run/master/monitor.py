@@ -17,7 +17,7 @@ MISSES = 2  # in a row, before it counts as lost: a busy computer may answer lat
 
 
 def start_watch(master: Master | None, report: Callable[[Event], None]) -> threading.Event:
-    """Monitor a master of this computer, or one of a robot and the link to it, in a thread until the event is set."""
+    """Monitor a local master, or a robot's master and the link to it, in a thread until the event is set."""
     over = threading.Event()
     if master is not None:
         watch = watch_master if is_local_address(master.host) else watch_link
@@ -26,9 +26,9 @@ def start_watch(master: Master | None, report: Callable[[Event], None]) -> threa
 
 
 def watch_master(master: Master, report: Callable[[Event], None], over: threading.Event) -> None:
-    """Monitor a master until `over`. Reports that it is lost, answers again, or was replaced by another one.
+    """Monitor a master until `over`; report that it is lost, answers again, or was replaced by another one.
 
-    A master is known by its process: one that was started again has another, and has forgotten every node.
+    A master is identified by its process id: a restarted one has another id, and no registered nodes.
     """
     known = _read_pid(master)
     misses = 0

@@ -1,4 +1,4 @@
-"""Parameters of a plan as values, including those that a program has to print first."""
+"""Parameters of a plan as values, including those that a program prints."""
 
 from __future__ import annotations
 
@@ -15,17 +15,17 @@ if TYPE_CHECKING:
 
 
 class CommandParameters:
-    """The programs of `<param command=...>`, all running at once. Make it with `start_commands`."""
+    """The programs of `<param command=...>`, all running at once. Created by `start_commands`."""
 
     def __init__(self, running: list[tuple[ParamSpec, subprocess.Popen[bytes]]]) -> None:
         self._running = running
 
     def collect(self) -> dict[str, ParamValue]:
-        """Wait for all and return the values by name. Raises UserError: a program that failed, or a wrong type."""
+        """Wait for all programs and return the values by name. Raises UserError: a program failed, or a wrong type."""
         return {spec.name: _convert(spec, *_finish(process)) for spec, process in self._running}
 
     def stop(self) -> None:
-        """End those that still run."""
+        """End the programs that are still running."""
         for _, process in self._running:
             if process.poll() is None:
                 process.kill()
@@ -33,7 +33,7 @@ class CommandParameters:
 
 
 def start_commands(specs: Sequence[ParamSpec], environment: Mapping[str, str]) -> CommandParameters:
-    """Start the programs that print a parameter's value. Raises UserError when one cannot be started."""
+    """Start the programs that print a parameter's value. Raises UserError if one cannot be started."""
     started = CommandParameters([])
     running = []
     for spec in specs:
@@ -62,7 +62,7 @@ def start_commands(specs: Sequence[ParamSpec], environment: Mapping[str, str]) -
 
 
 def plain_values(specs: Sequence[ParamSpec]) -> dict[str, ParamValue]:
-    """The values that need no program, in order."""
+    """Return the values that need no program, in order."""
     return {spec.name: spec.value for spec in specs if spec.command is None}
 
 

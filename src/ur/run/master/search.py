@@ -1,4 +1,4 @@
-"""Search for the master of a run: its address, whether it answers, and other programs that listen there."""
+"""Search for the master of a run: its address, its answer, and other programs that listen there."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ BUSY_SECONDS = 3.0  # for which it may be a master that is busy, or one that is 
 
 @dataclass(frozen=True, slots=True)
 class Patience:
-    """Seconds after which a silent server is `named`, and for which it may be a `busy` master."""
+    """Times (s) after which a silent server is `named`, and for which it may be a `busy` master."""
 
     named: float = NAMED_SECONDS
     busy: float = BUSY_SECONDS
@@ -33,7 +33,7 @@ _LISTEN = "0A"  # the state of a socket in /proc/net/tcp, proc(5)
 
 
 def find_master(environment: Mapping[str, str], options: RunOptions) -> Master:
-    """Find the master of a run, which may not run yet. Raises UserError for a ROS_MASTER_URI that is none."""
+    """Find the master of a run, which may not run yet. Raises UserError for an invalid ROS_MASTER_URI."""
     master = parse_master_uri(environment.get("ROS_MASTER_URI") or f"http://localhost:{DEFAULT_PORT}")
     if options.port is None:
         return master
@@ -41,11 +41,11 @@ def find_master(environment: Mapping[str, str], options: RunOptions) -> Master:
 
 
 def read_run_id(master: Master, options: RunOptions, console: Console, patience: Patience = _PATIENCE) -> str | None:
-    """The run id of the master that is there, '' when it has none; None when we may start one.
+    """Return the run id of the present master, '' if it has none; None if a new master may be started.
 
-    A server that does not answer is named soon, and asked for a while, since it may be a busy master. So is one
-    that closes connections, or takes no more of them. Raises UserError for a server that is no master, and for a master
-    on another computer that does not answer.
+    A server that does not answer is soon named in a message, and polled for a while, since it may be a busy master. So
+    is one that closes connections, or accepts no more of them. Raises UserError for a server that is no master, and for
+    a master on another computer that does not answer.
     """
     # A local server is named sooner than a robot behind a slow network is given up.
     timeout = min(master.timeout, patience.named)
@@ -75,9 +75,9 @@ def read_run_id(master: Master, options: RunOptions, console: Console, patience:
 
 
 def find_listener(port: int) -> str | None:
-    """Name the process of this computer that listens on a TCP port, as `NAME, process ID`; None if it is not known.
+    """Return the process of this computer that listens on a TCP port, as `NAME, process ID`; None if unknown.
 
-    Processes of other users are known to root alone.
+    Only root can see processes of other users.
     """
     sockets = {f"socket:[{inode}]" for inode in _listening(port)}
     for folder in Path("/proc").iterdir():

@@ -1,6 +1,6 @@
-"""Listen to a topic without a ROS library (http://wiki.ros.org/ROS/TCPROS), only to see that messages arrive.
+"""Subscription to a topic without a ROS library (http://wiki.ros.org/ROS/TCPROS), to detect that messages arrive.
 
-Nothing is registered with the master: the publisher is asked directly, so the graph shows no additional subscriber.
+Nothing is registered with the master: the publisher is contacted directly, so the graph shows no additional subscriber.
 """
 
 from __future__ import annotations
@@ -15,11 +15,11 @@ LONGEST_MESSAGE = 256 << 20  # bytes; more is no message
 
 
 class NoTopic(Exception):  # noqa: N818 - says what happened
-    """The publisher does not answer, or does not give the topic."""
+    """The publisher does not answer, or does not have the topic."""
 
 
 class TopicConnection:
-    """A connection to one publisher of one topic. `keep` is the number of bytes of each message that are kept."""
+    """A connection to one publisher of one topic. `keep` is the number of bytes of each message that are stored."""
 
     def __init__(self, link: socket.socket, keep: int) -> None:
         self._link = link
@@ -30,11 +30,11 @@ class TopicConnection:
         link.setblocking(False)
 
     def fileno(self) -> int:
-        """For select."""
+        """Return the descriptor for select."""
         return self._link.fileno()
 
     def receive(self) -> list[bytes]:
-        """The beginnings of the messages that have come. Raises NoTopic when the connection is over."""
+        """Return the beginnings of the messages that have arrived. Raises NoTopic if the connection has closed."""
         try:
             part = self._link.recv(1 << 18)
         except BlockingIOError:
@@ -68,7 +68,7 @@ class TopicConnection:
                 messages.append(body)
 
     def close(self) -> None:
-        """Hang up."""
+        """Close the connection."""
         self._link.close()
 
 
@@ -96,7 +96,7 @@ def listen_to(node_uri: str, topic: str, *, keep: int, timeout: float, caller: s
 
 
 def read_frames(message: bytes) -> set[str]:
-    """The frames that a tf2_msgs/TFMessage names, parents and children, without leading slashes."""
+    """Return the frames in a tf2_msgs/TFMessage, parents and children, without leading slashes."""
     frames: set[str] = set()
     try:
         (count,) = struct.unpack_from("<I", message)

@@ -1,4 +1,4 @@
-"""Upload a run's parameters to the master, and delete at the end what belongs to the run."""
+"""Upload of a run's parameters to the master, and removal of the run's registrations at its end."""
 
 from __future__ import annotations
 

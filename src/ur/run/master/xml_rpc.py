@@ -1,8 +1,8 @@
 """XML-RPC as the ROS master speaks it (http://xmlrpc.com/spec.md), without the standard library's HTTP stack.
 
 `http.client` alone costs a third of the start-up time of `ur launch`. Values are sent as `xmlrpc.client` sends them,
-which is what roslaunch uses; a test compares the two. A server that sends slowly, or without end, costs its timeout and
-no more.
+which is what roslaunch uses; a test compares the two. A server that sends slowly, or without end, delays a call by the
+timeout at most.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ class Unanswered(Exception):  # noqa: N818 - says what happened
 
 
 class WrongServer(Unanswered):
-    """A server accepts connections at this address, and what it answers, if anything, is not what was expected."""
+    """A server accepts connections at this address, and its answer, if any, is not the expected one."""
 
 
 class SilentServer(WrongServer):
@@ -41,7 +41,7 @@ class CallRefused(Exception):  # noqa: N818 - says what happened
 def call_method(address: tuple[str, int], method: str, arguments: list[object], timeout: float) -> Any:
     """Call one method and return its result, all within `timeout` s.
 
-    Raises Unanswered, Refused, or ValueError for an argument.
+    Raises Unanswered, CallRefused, or ValueError for an argument.
     """
     body = f"<?xml version='1.0'?>\n<methodCall>\n<methodName>{method}</methodName>\n<params>\n"
     body += "".join(f"<param>\n{dump_value(value)}</param>\n" for value in arguments)
@@ -53,7 +53,10 @@ def call_method(address: tuple[str, int], method: str, arguments: list[object], 
 
 
 def dump_value(value: object) -> str:
-    """A value as XML. Raises ValueError for what XML-RPC cannot carry: None, and integers beyond 32 bits."""
+    """Encode a value as XML.
+
+    Raises ValueError for values that XML-RPC does not support: None, integers beyond 32 bits.
+    """
     if isinstance(value, bool):
         return f"<value><boolean>{int(value)}</boolean></value>\n"
     if isinstance(value, int):
@@ -77,9 +80,10 @@ def dump_value(value: object) -> str:
 
 
 def parse_response(data: bytes, deadline: float | None = None, clock: Callable[[], float] = time.monotonic) -> object:
-    """The result in a response, read before `deadline` on the clock (s).
+    """Decode the result of a response, before `deadline` on the clock (s).
 
-    Raises Refused for a fault, Unanswered for what is no response, TimeoutError for one that takes too long to read.
+    Raises CallRefused for a fault, Unanswered for an invalid response, TimeoutError for one that takes too long to
+    decode.
     """
     reader = _Reader()
     parser = expat.ParserCreate()

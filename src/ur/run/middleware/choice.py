@@ -1,4 +1,4 @@
-"""The middleware of a run, by the environment."""
+"""The middleware of a run, chosen by the environment."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from ur.run.output.console import Console
 
 
 def find_middleware(environment: Mapping[str, str], world: World, options: RunOptions, console: Console) -> Middleware:
-    """Find the middleware of a run. Raises UserError: no master on the selected robot, or one that cannot start."""
+    """Find the middleware of a run. Raises UserError if the selected robot has no master, or one cannot start."""
     if environment.get("ROS_VERSION") == "0":
         from ur.run.middleware.one_process import find_process
 

@@ -1,4 +1,4 @@
-"""Facts of a domain of ROS 2: what holds for all nodes of its runs, in a file. `ur_nodes` reads and changes it."""
+"""Facts of a domain of ROS 2, in a file: settings for all nodes of its runs. `ur_nodes` reads and changes it."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ _MOST = 1 << 20  # characters
 
 
 def read_facts(path: str) -> dict[str, object]:
-    """The facts in a file; none where it cannot be read."""
+    """Return the facts in a file; empty if it cannot be read."""
     from ur.source.foreign.json_values import read_json  # not for those who only name the file
 
     with suppress(OSError, ValueError), Path(path).open(encoding="utf-8") as file:
@@ -21,7 +21,7 @@ def read_facts(path: str) -> dict[str, object]:
 
 
 def write_facts(path: str, facts: Mapping[str, object]) -> None:
-    """Write facts; readers see all or none. Raises OSError."""
+    """Write facts atomically. Raises OSError."""
     folder = Path(path).parent
     folder.mkdir(mode=0o700, parents=True, exist_ok=True)
     unfinished = folder / f".{os.getpid()}.new"
@@ -30,7 +30,7 @@ def write_facts(path: str, facts: Mapping[str, object]) -> None:
 
 
 def clear_facts(path: str) -> None:
-    """Remove facts, and the parameters that nodes have set for their next start, which lie beside them."""
+    """Remove facts, and the parameters beside them that nodes have stored for their next start."""
     file = Path(path)
     with suppress(OSError):
         for each in (file, *file.parent.glob(f"{file.stem}.*.json")):

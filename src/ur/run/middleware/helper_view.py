@@ -1,4 +1,4 @@
-"""The graph of ROS 2 as a node of ours sees it, which runs while it is looked at: `ur` itself imports no ROS."""
+"""The graph of ROS 2 as a helper node sees it, which runs while the graph is read: `ur` itself imports no ROS."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _MOST = 16 << 20  # bytes of an answer
 
 @dataclass(frozen=True, slots=True)
 class _Answer:
-    """See `ur_nodes.web.graph_report_node`."""
+    """The output of `ur_nodes.web.graph_report_node`."""
 
     publishers: dict[str, list[str]]
     subscribers: dict[str, list[str]]
@@ -56,7 +56,7 @@ class HelperView:
         return RunGraph(answer.publishers, answer.subscribers, answer.services, frozenset(answer.nodes))
 
     def wait(self, seconds: float) -> None:
-        """See GraphView. The node notes what arrives."""
+        """See GraphView. The node records received messages."""
         time.sleep(seconds)
 
     def forget(self) -> None:

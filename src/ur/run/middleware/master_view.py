@@ -1,4 +1,4 @@
-"""The graph as a master of ROS 1 knows it, and topics received from their publishers."""
+"""The graph as a master of ROS 1 knows it, and topics received directly from their publishers."""
 
 from __future__ import annotations
 

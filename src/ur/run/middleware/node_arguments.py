@@ -1,4 +1,4 @@
-"""The arguments of a node of ROS 2 that name it, its topics and its parameters. Pure."""
+"""The arguments of a node of ROS 2 that set its name, its topics and its parameters. Pure."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from ur.launchfile.plan.specs import NodeSpec
 
 
 def arguments_of(node: NodeSpec, parameters: str) -> tuple[str, ...]:
-    """The arguments after the node's own: name, namespace, remaps, and the file of its parameters."""
+    """Return the arguments after the node's own: name, namespace, remaps, and the file of its parameters."""
     words = ["--ros-args", "-r", f"__node:={node.name}"]
     if namespace := node.namespace.rstrip("/"):
         words += ["-r", f"__ns:={namespace}"]
@@ -16,5 +16,5 @@ def arguments_of(node: NodeSpec, parameters: str) -> tuple[str, ...]:
 
 
 def _name_of(name: str) -> str:
-    """A name as ROS 2 writes it: '~goal' is '~/goal'."""
+    """Convert a name to ROS 2: '~goal' becomes '~/goal'."""
     return f"~/{name[1:].lstrip('/')}" if name.startswith("~") else name

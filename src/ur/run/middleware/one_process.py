@@ -1,4 +1,4 @@
-"""One process for all nodes of a run, where no ROS is installed."""
+"""One process for all nodes of a run, if no ROS is installed."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ class ProcessMiddleware(DomainMiddleware):
     def arrange(
         self, programs: tuple[UnitProgram, ...], nodes: Sequence[NodeSpec], folder: str
     ) -> tuple[UnitProgram, ...]:
-        """See Middleware. Raises UserError: a node that can only be a process of its own."""
+        """See Middleware. Raises UserError for a node that needs a separate process."""
         if not programs:
             return ()
         pairs = list(zip(programs, nodes, strict=True))
@@ -100,13 +100,13 @@ class ProcessMiddleware(DomainMiddleware):
 
 
 def find_process(environment: Mapping[str, str], options: RunOptions) -> ProcessMiddleware:
-    """Prepare the process of a run. Raises UserError: another run has its own."""
+    """Prepare the process of a run. Raises UserError if another run is active."""
     refuse_second_run(environment)
     return find_domain(ProcessMiddleware, environment, options)
 
 
 def refuse_second_run(environment: Mapping[str, str], own: int | None = None) -> None:
-    """Raise UserError where a run of another process than `own` is under way: two cannot reach each other."""
+    """Raise UserError while a run of a process other than `own` is active: the two cannot reach each other."""
     if others := list_others(environment, own):
         raise UserError(
             error(
@@ -119,7 +119,7 @@ def refuse_second_run(environment: Mapping[str, str], own: int | None = None) ->
 
 
 def _describe(program: UnitProgram, node: NodeSpec) -> dict[str, object]:
-    """The start of a node, as `ur_nodes.one_process.plan` reads it. Raises UserError."""
+    """Describe the start of a node, as `ur_nodes.one_process.plan` reads it. Raises UserError."""
     words = _read_start(program.executable)
     if words is None or node.launch_prefix:
         reason = (
@@ -146,7 +146,7 @@ def _describe(program: UnitProgram, node: NodeSpec) -> dict[str, object]:
 
 
 def _read_start(executable: str) -> tuple[str, ...] | None:
-    """The module that an executable of ours runs, and its first arguments; None for other programs."""
+    """Return the module that an executable of this project runs, and its first arguments; None for other programs."""
     try:
         found = _STARTS.search(read_text(executable, _LONGEST))
     except (OSError, ValueError, UserError):

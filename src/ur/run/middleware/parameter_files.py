@@ -1,8 +1,8 @@
-"""Parameters of a plan as files for the nodes of ROS 2, where each node keeps its own. Pure.
+"""Parameters of a plan as files for the nodes of ROS 2, where each node has its own parameters. Pure.
 
-What roslaunch sets for all nodes a node gets if it asks for it: `use_sim_time` each, the description of the robot those
-that publish its frames. The values of ROS 2 are numbers, texts, flags and lists of one kind: a list of maps becomes a
-map by their `name`, other nested lists become texts, as Nav2 has them.
+Each node gets `use_sim_time`, and the nodes that publish the robot's frames get its description; roslaunch sets both
+for all nodes. The values of ROS 2 are numbers, texts, flags and lists of one kind: a list of maps becomes a map by
+their `name`, other nested lists become texts, as in Nav2.
 """
 
 from __future__ import annotations
@@ -18,18 +18,18 @@ _DESCRIBED = ("robot_state_publisher", "joint_state_publisher", "rviz2")
 
 
 def file_name(folder: str, node: str) -> str:
-    """The file of the parameters of a node."""
+    """Return the path of the file with a node's parameters."""
     return f"{folder}/{node.lstrip('/').replace('/', '-')}.parameters.yaml"
 
 
 def format_parameters(plan: Plan, printed: Mapping[str, ParamValue]) -> dict[str, str]:
-    """The content of the file of each node, by its full name. `printed` are the values that programs have printed."""
+    """Return the content of each node's file, by its full name. `printed` are the values that programs have printed."""
     values = {each.name: printed.get(each.name, each.value) for each in plan.params}
     return {node.full_name: _format(_collect(node, values)) for node in plan.nodes}
 
 
 def find_descriptions(nodes: Sequence[NodeSpec], values: Mapping[str, ParamValue]) -> dict[str, ParamValue]:
-    """The robot's description as parameters of the nodes that publish its frames, by full names."""
+    """Return the robot's description as parameters of the nodes that publish its frames, by full names."""
     wanted = [node for node in nodes if node.type in _DESCRIBED]
     found = {f"{node.full_name}/{_DESCRIPTION}": _search(_DESCRIPTION, node.namespace, values) for node in wanted}
     return {name: value for name, value in found.items() if value is not None}
@@ -49,7 +49,7 @@ def _collect(node: NodeSpec, values: Mapping[str, ParamValue]) -> dict[str, obje
 
 
 def _search(name: str, namespace: str, values: Mapping[str, ParamValue]) -> ParamValue:
-    """A parameter of a namespace or of one above it, as ROS 1 searches it; None where there is none."""
+    """Find a parameter in a namespace or a parent of it, as ROS 1 searches it; None if it does not exist."""
     while True:
         if namespace + name in values:
             return values[namespace + name]

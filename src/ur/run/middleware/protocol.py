@@ -1,4 +1,4 @@
-"""The interface between a run and its middleware: `ros1` and `ros2` offer it."""
+"""The interface between a run and its middleware, which `ros1` and `ros2` implement."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ class NoGraph(Exception):  # noqa: N818 - an answer
 
 @dataclass(frozen=True, slots=True)
 class RunGraph:
-    """The nodes by topic and service: publishers, subscribers, and servers; `nodes` are those without any of these."""
+    """Nodes by topic and service: publishers, subscribers, and servers; `nodes` are those without any of these."""
 
     publishers: Mapping[str, Sequence[str]]
     subscribers: Mapping[str, Sequence[str]]
@@ -33,7 +33,7 @@ class RunGraph:
     nodes: Collection[str] = ()
 
     def topics(self) -> set[str]:
-        """The topics that have a publisher or a subscriber."""
+        """Return the topics that have a publisher or a subscriber."""
         return {*self.publishers, *self.subscribers}
 
     def knows(self, node: str) -> bool:
@@ -45,25 +45,25 @@ class RunGraph:
 
 @dataclass(slots=True)
 class ReceivedMessages:
-    """Messages received on a topic: their times (monotonic, s), and frames where it is one of tf."""
+    """Messages received on a topic: their times (monotonic, s), and their frames if it is a topic of tf."""
 
     times: deque[float] = field(default_factory=lambda: deque(maxlen=1000))
     frames: set[str] = field(default_factory=set)
 
 
 class GraphView(Protocol):
-    """Reads the graph, and receives topics to see that messages arrive; for one thread."""
+    """Reads the graph, and subscribes to topics to detect that messages arrive; for use in one thread."""
 
     received: dict[str, ReceivedMessages]
 
     def look(self, topics: Collection[str]) -> RunGraph:
-        """Return the graph of now, and receive these topics from now on. Raises NoGraph."""
+        """Return the present graph, and receive these topics from now on. Raises NoGraph."""
 
     def wait(self, seconds: float) -> None:
-        """Note what arrives, for so long."""
+        """Record received messages for `seconds`."""
 
     def forget(self) -> None:
-        """Receive nothing any more."""
+        """Stop receiving all topics."""
 
 
 class Middleware(Protocol):
@@ -71,7 +71,7 @@ class Middleware(Protocol):
 
     @property
     def address(self) -> str:
-        """The address, for people and other runs."""
+        """The address, for display and for other runs."""
 
     @property
     def own(self) -> bool:
@@ -83,38 +83,38 @@ class Middleware(Protocol):
 
     @property
     def core(self) -> tuple[UnitProgram, ...]:
-        """The programs that start it."""
+        """Return the programs that start the middleware."""
 
     @property
     def environment(self) -> Mapping[str, str]:
-        """The variables of its nodes."""
+        """Return the environment variables of its nodes."""
 
     @property
     def logs(self) -> int:
         """The number of the first node's log file."""
 
     def describe(self) -> str:
-        """One line for people about where the nodes meet."""
+        """Describe in one line how the nodes connect."""
 
     def arrange(
         self, programs: tuple[UnitProgram, ...], nodes: Sequence[NodeSpec], folder: str
     ) -> tuple[UnitProgram, ...]:
-        """The programs of nodes with command lines as the middleware has them; `folder` holds the files of the run."""
+        """Return the programs of nodes with the middleware's command lines; `folder` is that of the run's files."""
 
     def await_core(self, limit: float) -> Event:
-        """Wait, at most `limit` s, until the programs `core` work."""
+        """Wait at most `limit` s until the programs `core` are ready."""
 
     def set_parameters(self, plan: Plan, folder: str, options: RunOptions, commands: CommandParameters) -> Event:
         """Make the parameters of a plan known to its nodes."""
 
     def unregister(self, names: Sequence[str]) -> Event:
-        """Remove what nodes of these names have left behind."""
+        """Remove registrations that nodes with these names have left behind."""
 
     def examine_exit(self, event: Exited) -> Event:
-        """Return Evicted in place of Exited where another node has ended this one."""
+        """Return Evicted in place of Exited if another node has ended this one."""
 
     def watch(self, report: Callable[[Event], None]) -> threading.Event:
-        """Report what happens to a middleware that is not this run's own, until the event is set."""
+        """Report events of a middleware that another run owns, until the event is set."""
 
     def view(self) -> GraphView:
-        """Make a view of the graph."""
+        """Create a view of the graph."""

@@ -44,7 +44,7 @@ class MasterMiddleware:
 
     @property
     def logs(self) -> int:
-        """See Middleware. As roslaunch, whose rosout is the first."""
+        """See Middleware. The number is that of roslaunch, whose rosout is the first."""
         return 2 if self.own else 1
 
     def describe(self) -> str:
@@ -94,7 +94,7 @@ class MasterMiddleware:
 
 
 def find_ros1(environment: Mapping[str, str], world: World, options: RunOptions, console: Console) -> MasterMiddleware:
-    """Find the master of a run, and what starts one where none runs. Raises UserError."""
+    """Find the master of a run, and the programs that start one if none runs. Raises UserError."""
     master = find_master(environment, options)
     run_id = read_run_id(master, options, console)
     if run_id is not None:

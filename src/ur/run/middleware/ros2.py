@@ -29,7 +29,7 @@ Domain = TypeVar("Domain", bound="DomainMiddleware")
 
 @dataclass(frozen=True, slots=True)
 class DomainMiddleware:
-    """See `Middleware`. `facts` is the file of what holds for all nodes of the domain."""
+    """See `Middleware`. `facts` is the file of settings for all nodes of the domain."""
 
     address: str
     own: bool
@@ -93,7 +93,7 @@ class DomainMiddleware:
         return Unregistered()
 
     def examine_exit(self, event: Exited) -> Event:
-        """See Middleware. Nodes of ROS 2 may share a name: none is ended by another."""
+        """See Middleware. Nodes of ROS 2 may share a name, so that none is ended by another."""
         return event
 
     def watch(self, report: Callable[[Event], None]) -> threading.Event:  # noqa: ARG002 - nothing can be lost
@@ -108,12 +108,12 @@ class DomainMiddleware:
 
 
 def find_ros2(environment: Mapping[str, str], options: RunOptions) -> DomainMiddleware:
-    """Find the domain of a run, and whether other runs are in it. Raises UserError: an option that ROS 2 has not."""
+    """Find the domain of a run, and other runs in it. Raises UserError for an option that ROS 2 does not support."""
     return find_domain(DomainMiddleware, environment, options)
 
 
 def find_domain(kind: type[Domain], environment: Mapping[str, str], options: RunOptions) -> Domain:
-    """As `find_ros2`, for a class of middleware."""
+    """Find the domain as `find_ros2` does, for a class of middleware."""
     if options.port is not None:
         message = f"--port {options.port} chooses the port of a master, which ROS 2 has not"
         raise UserError(error(message, rule="bad-options", help="ROS_DOMAIN_ID chooses the domain"))
@@ -126,12 +126,12 @@ def find_domain(kind: type[Domain], environment: Mapping[str, str], options: Run
 
 
 def list_others(environment: Mapping[str, str], own: int | None = None) -> list[RunEntry]:
-    """The runs of this user in the domain of an environment whose process is another than `own`, or than this."""
+    """Return this user's runs in an environment's domain, except those of process `own` (default: this process)."""
     address = graph_address(environment)
     runs = list_runs(environment, os.getuid(), read_computer())
     return [each for each in runs if each.master_uri == address and each.pid != (own or os.getpid())]
 
 
 def _own_words(program: UnitProgram, node: NodeSpec) -> tuple[str, ...]:
-    """The command line without the names that roslaunch appends."""
+    """Return the command line without the names that roslaunch appends."""
     return program.argv[: len(program.argv) - len(node.remaps) - 1]

@@ -1,4 +1,4 @@
-"""The graph of a middleware whose nodes discover one another one by one."""
+"""The graph of a middleware whose nodes discover each other one by one."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ _MOST = 40  # looks
 
 
 def read_settled(view: GraphView) -> RunGraph:
-    """Read the graph until nothing changes for a second, at most for ten. Raises NoGraph."""
+    """Read the graph until it is unchanged for a second, at most for ten seconds. Raises NoGraph."""
     graph, quiet = view.look(()), 0
     for _ in range(_MOST):
         if quiet >= _QUIET and graph.topics():

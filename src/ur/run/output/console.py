@@ -16,7 +16,7 @@ PIECE = 4096  # bytes: what a writable pipe takes without blocking, pipe(7)
 
 
 class Sink:
-    """An open file that is written to without ever waiting for it."""
+    """An open file to which output is written without blocking."""
 
     def __init__(self, descriptor: int, describe_lost: Callable[[int], bytes] | None = None) -> None:
         """Take an open file, and a function that formats the number of lost lines."""
@@ -41,7 +41,7 @@ class Sink:
         return len(self._lines)
 
     def put(self, line: bytes, *, important: bool, source: str = "") -> None:
-        """Queue a line. When readers are too slow, lines of the source that prints most get lost."""
+        """Queue a line. If readers are too slow, lines of the source that prints most are dropped."""
         waiting = self._waiting.get(source, 0)
         if waiting >= MOST_WAITING and not important:
             self.flush()
@@ -56,7 +56,7 @@ class Sink:
         self._waiting[source] = waiting + 1
 
     def flush(self) -> None:
-        """Write as much as is taken now."""
+        """Write pending lines without blocking."""
         while self.waiting and _is_writable(self.descriptor, 0.0):
             while self._lines and len(self._rest) < PIECE:
                 source, line = self._lines.popleft()
@@ -75,7 +75,7 @@ class Sink:
                 self._rest = b""
 
     def finish(self, limit: float) -> None:
-        """Write everything, or as much as is taken within a time limit, in s."""
+        """Write all pending lines, within a time limit in s."""
         end = time.monotonic() + limit
         self.flush()
         while self.waiting and (left := end - time.monotonic()) > 0 and _is_writable(self.descriptor, left):
@@ -83,7 +83,7 @@ class Sink:
 
 
 class Console:
-    """Writes whole lines, never waits. While it is held (a node owns the screen) it keeps what matters for later."""
+    """Writes whole lines without blocking. While it is held (a node owns the screen), it queues important messages."""
 
     def __init__(self, out: int = 1, err: int = 2) -> None:
         """Take descriptors for node output and for messages."""
@@ -102,34 +102,34 @@ class Console:
         return self._colours[self._out]
 
     def calm(self) -> None:
-        """No colours from here on, for any descriptors."""
+        """Disable colours from now on, on all descriptors."""
         self._colours = dict.fromkeys(self._colours, False)
 
     def show(self, name: str, line: str) -> None:
-        """A line that a node printed on standard output."""
+        """Print a line that a node printed on standard output."""
         self._show(self._out, name, line)
 
     def show_error(self, name: str, line: str) -> None:
-        """A line that a node printed on standard error."""
+        """Print a line that a node printed on standard error."""
         self._show(self._err, name, line)
 
     def inform(self, text: str) -> None:
-        """A message that is good to know, while it is new: dropped while the console is held."""
+        """Print a message of momentary interest: dropped while the console is held."""
         if self._held is None:
             self._put(self._err, self._paint(printable_lines(text), DIM), important=True)
 
     def warn(self, text: str) -> None:
-        """A message that matters."""
+        """Print an important message."""
         self._put(self._err, f"{printable_lines(text)}\n", important=True)
 
     def fail(self, text: str) -> None:
-        """An error, without the `error: ` that is printed before it."""
+        """Print an error, given without the `error: ` that is printed before it."""
         self._put(self._err, self._paint(printable_lines(f"error: {text}"), RED), important=True)
 
     def replace(self, old: str, new: str) -> bool:
         """Change the newest line, which `inform` printed, in place, also while the console is held.
 
-        Returns False where something was printed since, or the line does not fit, or cannot be changed at once.
+        Returns False if other output followed, the line does not fit, or it cannot be changed at once.
         """
         sink = self._err
         before, after = (self._paint(text, DIM) for text in (old, new))
@@ -146,28 +146,28 @@ class Console:
         return True
 
     def hold(self) -> None:
-        """Keep everything until `release`."""
+        """Queue all output until `release`."""
         self.finish(0.5)
         if self._held is None:
             self._held = []
 
     def release(self) -> None:
-        """Write what was kept."""
+        """Write the queued output."""
         held, self._held = self._held, None
         for sink, line in held or ():
             sink.put(line, important=True)
 
     def waiting(self) -> list[int]:
-        """The descriptors that have to become writable."""
+        """Return the descriptors to poll for writing."""
         return [sink.descriptor for sink in self._colours if sink.waiting]
 
     def flush(self) -> None:
-        """Write as much as is taken now."""
+        """Write pending lines without blocking."""
         for sink in self._colours:
             sink.flush()
 
     def finish(self, limit: float) -> None:
-        """Write everything, or as much as is taken within a time limit, in s."""
+        """Write all pending lines, within a time limit in s."""
         for sink in self._colours:
             sink.finish(limit)
 

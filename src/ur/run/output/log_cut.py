@@ -1,4 +1,4 @@
-"""Removal of the beginning of a file while processes append to it."""
+"""Removal of the beginning of a file to which processes append."""
 
 from __future__ import annotations
 
@@ -19,10 +19,9 @@ def drop_beginning(path: str, keep: int, collapse: Callable[[int, int], bool] | 
     """Remove the beginning of a file up to about its last `keep` bytes; returns the number of removed bytes, or 0.
 
     The file keeps its inode, so that processes which opened it with O_APPEND go on writing to it. ext4 and XFS remove
-    blocks; elsewhere the end is copied to the beginning, and what is written between the last copy and the following
-    truncation is lost. What is left of the first line gives its place to MARK. 0: the file is small enough, is no
-    regular file, belongs to another user, or is being cut by another process. `collapse` removes blocks, or returns
-    False.
+    blocks; elsewhere the end is copied to the beginning, and lines written between the last copy and the following
+    truncation are lost. The remainder of the first line is replaced by MARK. 0: the file is small enough, is no regular
+    file, belongs to another user, or is being cut by another process. `collapse` removes blocks, or returns False.
     """
     try:
         file = os.open(path, os.O_RDWR | os.O_CLOEXEC | os.O_NOFOLLOW | os.O_NONBLOCK)
@@ -47,7 +46,7 @@ def drop_beginning(path: str, keep: int, collapse: Callable[[int, int], bool] | 
 
 
 def _collapse(file: int, length: int) -> bool:
-    """Have the file system remove the first `length` bytes; False where it cannot."""
+    """Have the file system remove the first `length` bytes; False if it cannot."""
     try:
         fallocate = ctypes.CDLL(None).fallocate64
     except (OSError, AttributeError):  # another C library
@@ -57,7 +56,7 @@ def _collapse(file: int, length: int) -> bool:
 
 
 def _shift(file: int, length: int) -> None:
-    """Copy what follows the first `length` bytes over them, and truncate the file."""
+    """Copy the bytes after the first `length` bytes over them, and truncate the file."""
     place = 0
     while data := os.pread(file, _CHUNK, length + place):
         while data:

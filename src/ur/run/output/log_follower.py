@@ -1,4 +1,4 @@
-"""Reading a log file as it grows, also when its beginning is removed meanwhile."""
+"""Reader of a growing log file, also while its beginning is removed."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ class LogFollower:
         self._last = b""
 
     def read(self) -> bytes:
-        """Return what has come since the last call.
+        """Return the bytes since the last call.
 
-        Where the beginning of the file was removed, that is what follows the bytes that were returned last; the whole
-        file if these were removed, too. Raises OSError.
+        If the beginning of the file was removed, these are the bytes after those returned last; the whole file if those
+        were removed, too. Raises OSError.
         """
         size = os.fstat(self._file).st_size
         if size == self._position:
@@ -38,7 +38,7 @@ class LogFollower:
         return os.pread(self._file, len(self._last), position - len(self._last)) == self._last
 
     def _find(self, size: int) -> int:
-        """The latest position in a file of this size that follows what was read last; 0 where none does."""
+        """Return the latest position in a file of this size after the bytes read last; 0 if there is none."""
         wanted = self._last
         end = size
         while wanted and end > 0:

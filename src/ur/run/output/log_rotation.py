@@ -1,4 +1,4 @@
-"""Bounds on the log files of a run: the oldest part of a file that grows beyond its bound is removed."""
+"""Limits on the log files of a run: the oldest part of a file above its limit is removed."""
 
 from __future__ import annotations
 
@@ -18,14 +18,17 @@ _ROSOUT = "rosout.log"  # its node does not append, and starts another file afte
 
 @dataclass(frozen=True, slots=True)
 class LogBounds:
-    """The largest size of one log file, and of all log files of a run together, in bytes."""
+    """The maximum size of one log file, and of all log files of a run together, in bytes."""
 
     file: int = _DEFAULT_MB * 1_000_000
     run: int = _FILES * _DEFAULT_MB * 1_000_000
 
 
 def read_bounds(environment: Mapping[str, str]) -> LogBounds:
-    """Bounds from the variable UR_LOG_MB, MB of one file; a run may have 16 times as much. Raises UserError."""
+    """Read the limits from the variable UR_LOG_MB, MB of one file; a run may have 16 times as much.
+
+    Raises UserError.
+    """
     text = environment.get(BOUND_VARIABLE, "").strip()
     if not text:
         return LogBounds()
@@ -46,10 +49,10 @@ def read_bounds(environment: Mapping[str, str]) -> LogBounds:
 
 
 def plan_cuts(sizes: Mapping[str, int], bounds: LogBounds) -> dict[str, int]:
-    """The bytes to keep of each file that is too large: half of what each may have at most.
+    """Return the bytes to keep of each file that is too large: half of its limit.
 
-    Each may have the bound of a file, or less where all together would exceed the bound of the run; files that are
-    smaller than their share leave the rest of it to the others.
+    Its limit is that of one file, or less if all files together would exceed the limit of the run; files below their
+    share leave the rest of it to the others.
     """
     level, left = bounds.file, bounds.run
     for rank, size in enumerate(sorted(sizes.values())):
@@ -62,7 +65,7 @@ def plan_cuts(sizes: Mapping[str, int], bounds: LogBounds) -> dict[str, int]:
 
 
 def plan_delay(before: int, now: int, elapsed: float, room: int) -> float:
-    """Seconds until the next check: half of what files take that grow as they did, in bytes, to fill the room."""
+    """Return the time (s) until the next check: half of the time in which growing files will fill the room (bytes)."""
     growth = (now - before) / elapsed if elapsed > 0 else 0.0
     return _LONGEST if growth <= 0 else min(_LONGEST, max(_SHORTEST, room / growth / 2))
 
@@ -83,13 +86,13 @@ class LogRotation:
         self.due = now + _SHORTEST
 
     def add(self, log_name: str) -> None:
-        """Include the files of a program: what it prints, and the log that rospy writes."""
+        """Include the files of a program: its output, and the log that rospy writes."""
         self._names |= {f"{log_name}-stdout.log", f"{log_name}.log"}
         if log_name.startswith("rosout-"):
             self._names.add(_ROSOUT)
 
     def check(self, now: float) -> dict[str, int]:
-        """Cut what is too large; returns the number of bytes that were removed from the beginning of each path."""
+        """Cut files that are too large; return the number of bytes removed from the beginning of each path."""
         sizes, fixed = self._measure()
         total = sum(sizes.values()) + fixed
         bounds = LogBounds(self._bounds.file, max(0, self._bounds.run - fixed))
@@ -101,7 +104,7 @@ class LogRotation:
         return {path: count for path, count in removed.items() if count}
 
     def _measure(self) -> tuple[dict[str, int], int]:
-        """The size of each own file that may be cut, and of the others together; old files of rosout are deleted."""
+        """Return the size of each own file that may be cut, and of all others together; delete old rosout files."""
         sizes, fixed = {}, 0
         try:
             with os.scandir(self._folder) as entries:

@@ -1,4 +1,4 @@
-"""Messages of a run to people, as text. Pure."""
+"""Messages of a run for the user, as text. Pure."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def describe_status(status: ExitStatus) -> str:
 
 
 def describe_death(death: ReportDeath, lines: Sequence[str] | None, log: str | None) -> list[str]:
-    """Describe the end of a unit: its status, its last lines (None: they were on the screen), its log file."""
+    """Describe the end of a unit: its status, its last lines (None: already on the screen), and its log file."""
     follow = ""
     if death.restart_in is not None:
         follow = f", starts again in {death.restart_in:.3g} s" if death.restart_in > 0 else ", starts again"
@@ -53,7 +53,7 @@ def describe_link(robot: str, seconds: float, *, lost: bool) -> str:
 
 
 class LossLines:
-    """Chooses which news of a lost link become lines of their own: the first, then at twice the time each."""
+    """Selects the reports of a lost link that become separate lines: the first, then each after twice the time."""
 
     def __init__(self) -> None:
         self._next = 0.0

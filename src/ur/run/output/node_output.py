@@ -1,4 +1,4 @@
-"""Output of nodes, to log files and line by line to people."""
+"""Output of nodes, to log files and line by line to the user."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ PERIOD = 2.0  # s
 
 
 class LineSplitter:
-    """Bytes in, complete lines out (without line breaks). Feed b"" at the end for what is left."""
+    """Splits bytes into complete lines, without line breaks. Feed b"" at the end for the remainder."""
 
     def __init__(self) -> None:
         self._rest = b""
 
     def feed(self, data: bytes) -> list[bytes]:
-        """The lines that are complete now."""
+        """Return the lines that are now complete."""
         if not data:
             rest, self._rest = self._rest, b""
             return [rest] if rest else []
@@ -34,7 +34,7 @@ class LineSplitter:
         return [line.rstrip(b"\r") for line in lines]
 
     def skip(self, data: bytes, kept: int) -> tuple[int, list[bytes]]:
-        """The number of lines that are complete now, and the last `kept` of them: the others cost next to nothing."""
+        """Return the number of lines that are now complete, and the last `kept` of them; the others are cheap."""
         count = data.count(b"\n")
         if count <= kept:
             lines = self.feed(data)
@@ -45,7 +45,7 @@ class LineSplitter:
 
 
 class Allowance:
-    """Rate limit on the shown lines of one node: MOST_SHOWN in each period, because no one reads more."""
+    """Rate limit on the displayed lines of one node: MOST_SHOWN in each period, since no user reads more."""
 
     def __init__(self, most: int = MOST_SHOWN, period: float = PERIOD) -> None:
         self._most = most
@@ -55,7 +55,7 @@ class Allowance:
         self._lost = 0
 
     def take(self, count: int, now: float) -> tuple[int, int]:
-        """Ask for so many lines at a time (s); returns how many, and how many were lost in the period before."""
+        """Request a number of lines at a time (s); return the granted number, and the lines lost in the last period."""
         lost = 0
         if now >= self._end:
             self._end, self._left = now + self._period, self._most
@@ -76,9 +76,9 @@ class Allowance:
 
 
 class Stream:
-    """One pipe or pseudo terminal that a node writes to: all goes to the log, lines go to `show(name, line)`.
+    """One pipe or pseudo terminal that a node writes to: all output is logged, and `show(name, line)` gets each line.
 
-    Of a node that floods, `show` gets as many lines as a person could ever read, and how many it did not get.
+    For a node that floods, `show` gets a readable number of lines, and the number of omitted ones.
     """
 
     def __init__(
@@ -101,7 +101,7 @@ class Stream:
         os.set_blocking(descriptor, False)
 
     def read(self, recent: deque[str]) -> bool:
-        """Take what is there; the last lines also go to `recent`. False at the end of the stream."""
+        """Read available output; the last lines are also appended to `recent`. False at the end of the stream."""
         now = self._read_clock()
         self.may_pause = False
         if self._allowance.is_spent(now):
@@ -128,7 +128,7 @@ class Stream:
         return bool(data)
 
     def _read_flood(self, recent: deque[str], now: float) -> bool:
-        """The same while no line is shown: lines are counted only, in memory that is used again and again."""
+        """Read while no line is displayed: lines are only counted, in a reused buffer."""
         if not self._buffer:
             self._buffer = bytearray(max(MOST_READ, enlarge_pipe(self.descriptor)))
         try:
@@ -157,12 +157,12 @@ class Stream:
             self._show(self.name, f"... {count} lines are not shown here; the log file has them")
 
     def close(self) -> None:
-        """Give the descriptor back. The log belongs to the node and stays open."""
+        """Close the descriptor. The log belongs to the node and stays open."""
         os.close(self.descriptor)
 
 
 def enlarge_pipe(descriptor: int) -> int:
-    """Make a pipe hold FLOOD_PIPE bytes; returns what it holds now, 0 for what is no pipe, or where that is refused."""
+    """Enlarge a pipe to FLOOD_PIPE bytes; return its capacity, 0 for a descriptor that is no pipe, or on refusal."""
     import fcntl  # only for a node that floods
 
     try:
@@ -180,7 +180,7 @@ def write_log(descriptor: int, data: bytes | memoryview) -> None:
 
 
 def make_printable(line: bytes) -> str:
-    """A line for people: colours stay, other codes that would move the cursor or ring a bell become `?`."""
+    """Return a line for display: colours stay; other control characters, such as cursor moves, become `?`."""
     text = line.decode("utf-8", "replace")
     if text.isprintable():
         return text
@@ -210,7 +210,7 @@ def _colour_end(text: str, start: int) -> int:
 
 
 def read_last_lines(path: str, count: int = KEPT_LINES, most: int = 16 * 1024) -> list[str]:
-    """The last lines of a log file; empty when there is none."""
+    """Return the last lines of a log file; empty if it does not exist."""
     try:
         with open(path, "rb") as file:  # noqa: PTH123 - pathlib is not worth its import here
             file.seek(0, os.SEEK_END)

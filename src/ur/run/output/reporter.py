@@ -50,7 +50,7 @@ class RunReporter:
         self.last_lines: deque[str] = deque(maxlen=KEPT_LINES)
 
     def report_joined(self) -> None:
-        """Warn of the runs that end with this one."""
+        """Warn about the runs that end with this one."""
         if self._list_joined is None:
             return
         from ur.run.join.owner import describe_joined  # only for a run that ends

@@ -1,4 +1,4 @@
-"""Routes of node output: to log files, to people, and the last lines to crash reports."""
+"""Routing of node output: to log files, to the display, and the last lines to crash reports."""
 
 from __future__ import annotations
 
@@ -45,7 +45,10 @@ class NodeOutputs:
         unattended: bool,
         rotation: LogRotation,
     ) -> None:
-        """Log files go to `folder`, lines to `console` and `report`. `unattended`: only log files show them."""
+        """Create the outputs: log files in `folder`, lines to `console` and `report`.
+
+        `unattended`: lines go to the log files only.
+        """
         self._poll = poll
         self._folder = folder
         self._console = console
@@ -58,7 +61,7 @@ class NodeOutputs:
         self._null = -1  # standard input of every node
 
     def open(self, program: UnitProgram) -> None:
-        """Make, or go on with, the log file of a node that is about to start."""
+        """Create or continue the log file of a node that is about to start."""
         name = program.unit.name
         before = self._outputs.get(name)
         if before is not None:
@@ -73,7 +76,7 @@ class NodeOutputs:
         self._outputs[name] = output
 
     def wire(self, program: UnitProgram) -> tuple[tuple[int, int, int], list[int]]:
-        """The stdio of a node that was opened, and which of these to close once it is started."""
+        """Return the stdio descriptors of an opened node, and those to close after its start."""
         name = program.unit.name
         output = self._outputs[name]
         if self._null < 0:
@@ -104,7 +107,7 @@ class NodeOutputs:
         return (null, ends[0], ends[1]), given
 
     def read(self, descriptor: int) -> bool:
-        """Take what is there. False when this was the end."""
+        """Read available output. False at the end of the stream."""
         stream = self._streams.get(descriptor)
         if stream is None:
             return False
@@ -119,11 +122,11 @@ class NodeOutputs:
 
     @property
     def due(self) -> float:
-        """The time at which `work` is due next."""
+        """Return the time at which `work` is due next."""
         return min([self._rotation.due, *self._paused.values()])
 
     def work(self, now: float) -> None:
-        """Read the streams that were left alone until now, and cut log files that have become too large."""
+        """Read the streams that were deferred, and cut log files that have become too large."""
         if now >= self._rotation.due:
             self._cut_logs(now)
         for descriptor in [each for each, due in self._paused.items() if due <= now]:
@@ -132,7 +135,7 @@ class NodeOutputs:
             self.read(descriptor)
 
     def drain(self, name: str) -> None:
-        """Take what a node printed before it ended."""
+        """Read the remaining output of a node that has ended."""
         output = self._outputs.get(name)
         for stream in list(output.streams) if output else ():
             limit = 64  # a child that goes on printing must not keep us here
@@ -140,12 +143,12 @@ class NodeOutputs:
                 limit -= 1
 
     def drain_all(self) -> None:
-        """The same for every node."""
+        """Read the remaining output of every node."""
         for name in self._outputs:
             self.drain(name)
 
     def find_path(self, program: UnitProgram) -> str:
-        """The log file with what a node prints."""
+        """Return the log file with a node's output."""
         return f"{self._folder}/{program.log_name}-stdout.log"
 
     def find_last_lines(self, name: str) -> tuple[str, ...]:
@@ -154,7 +157,7 @@ class NodeOutputs:
         return () if output is None else tuple(output.recent or read_last_lines(output.path))
 
     def skip_back(self) -> None:
-        """Begin to read log files back from here on."""
+        """Read log files back only from their present end on."""
         for output in self._outputs.values():
             output.read_back = _size(output.path)
             output.splitter = LineSplitter()
@@ -166,7 +169,7 @@ class NodeOutputs:
                 self._read_back(name, output)
 
     def close(self) -> None:
-        """Give every descriptor back."""
+        """Close every descriptor."""
         for output in self._outputs.values():
             self._close(output)
         if self._null >= 0:

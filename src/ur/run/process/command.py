@@ -1,4 +1,4 @@
-"""The command line of a node of a plan, argument for argument as roslaunch has it.
+"""The command line of a node of a plan, argument for argument as in roslaunch.
 
 Sources: roslaunch's `node_args.create_local_process_args`, `core.setup_env` and `nodeprocess.LocalProcess`.
 """
@@ -24,11 +24,12 @@ _OWN = "ubiquity_launches"
 
 @dataclass(frozen=True, slots=True)
 class UnitProgram:
-    """A unit and how to start it. `changes` are laid over the environment of the run, None removes a variable.
+    """A unit and its command.
 
-    `log_name` is the stem of its log files; `screen` whether its standard output is shown to people; `ready` what else
-    has to be there before it is up. `executable` is the one word of `argv` that is the node's own program. `names_log`:
-    it is given the path of its log, as nodes of ROS 1 are.
+    `changes` override the environment of the run, None removes a variable. `log_name` is the stem of its log files;
+    `screen` whether its standard output is displayed; `ready` are its further readiness conditions. `executable` is the
+    argument of `argv` that is the node's own program. `names_log`: it gets the path of its log as an argument, as nodes
+    of ROS 1 do.
     """
 
     unit: Unit
@@ -42,13 +43,13 @@ class UnitProgram:
     names_log: bool = True
 
     def with_prefix(self, prefix: Sequence[str]) -> tuple[str, ...]:
-        """The command with other words in front of the executable."""
+        """Return the command with a prefix in front of the executable."""
         start = self.argv.index(self.executable) if self.executable else 0
         return (*prefix, *self.argv[start:])
 
 
 def find_programs(nodes: Sequence[NodeSpec], world: World) -> tuple[tuple[UnitProgram, ...], tuple[Diagnostic, ...]]:
-    """The program of each node, and an error for each that does not exist. Nothing is started.
+    """Return the program of each node, and an error for each that does not exist. Nothing is started.
 
     Log names are numbered from 1 in the order of the plan.
     """
@@ -63,7 +64,7 @@ def find_programs(nodes: Sequence[NodeSpec], world: World) -> tuple[tuple[UnitPr
 
 
 def number_logs(programs: Sequence[UnitProgram], first: int) -> tuple[UnitProgram, ...]:
-    """The same programs, their log names numbered from `first`."""
+    """Return the same programs with log names numbered from `first`."""
     return tuple(
         replace(program, log_name=f"{program.log_name.rpartition('-')[0]}-{number}")
         for number, program in enumerate(programs, first)
@@ -71,7 +72,10 @@ def number_logs(programs: Sequence[UnitProgram], first: int) -> tuple[UnitProgra
 
 
 def find_program(node: NodeSpec, world: World, number: int) -> UnitProgram:
-    """The program of a node. Raises UserError: no such package or executable, or arguments that cannot be split."""
+    """Find the program of a node.
+
+    Raises UserError: no such package or executable, or arguments that cannot be split.
+    """
     executable = find_executable(node, world)
     arguments = _split(node, "args", node.args)
     prefix = _split(node, "launch-prefix", node.launch_prefix or "")
@@ -97,7 +101,7 @@ def find_program(node: NodeSpec, world: World, number: int) -> UnitProgram:
 
 
 def find_executable(node: NodeSpec, world: World) -> str:
-    """The path of a node's executable. Raises UserError that names the package, or what it does have."""
+    """Return the path of a node's executable. Raises UserError that names the package, or its present executables."""
     try:
         found = world.find_executables(node.package, node.type)
     except PackageNotFound:
@@ -139,7 +143,7 @@ def find_executable(node: NodeSpec, world: World) -> str:
 
 
 def _find_own(node: NodeSpec, world: World) -> str:
-    """Our executable of the same name, for a package that this ROS 2 does not have. Raises UserError."""
+    """Return this project's executable of the same name, for a package that is not in this ROS 2. Raises UserError."""
     try:
         own = world.find_executables(_OWN, node.type)
     except (LookupError, OSError, ValueError):
@@ -170,7 +174,7 @@ def _find_own(node: NodeSpec, world: World) -> str:
 
 
 def choose_folder(cwd: str | None, first_word: str) -> str | None:
-    """The working directory that `cwd=` asks for; None means ROS_HOME, the default."""
+    """Return the working directory that `cwd=` requests; None means ROS_HOME, the default."""
     if cwd == "node":
         return str(Path(first_word).parent)
     if cwd == "cwd":

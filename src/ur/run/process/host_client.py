@@ -16,7 +16,7 @@ from ur.source.diagnostic import UserError, error
 
 
 class Suspended:
-    """A unit was stopped by its terminal (Ctrl-Z) or by a signal, and can go on."""
+    """A unit was stopped by its terminal (Ctrl-Z) or by a signal, and can continue."""
 
     __slots__ = ("name",)
 
@@ -36,7 +36,7 @@ class ProcessHost:
         self.pid = pid  # of the guard
 
     def fileno(self) -> int:
-        """Readable when there is something to receive."""
+        """Return a descriptor that is readable when there is something to receive."""
         return self._link.fileno()
 
     def begin(self, environment: Mapping[str, str], *, keep_terminal: bool) -> None:
@@ -54,21 +54,21 @@ class ProcessHost:
     ) -> None:
         """Start a program; `session_mode` is SESSION, GROUP or FOREGROUND of `ur.run.host.protocol`.
 
-        `changes` are laid over the environment, None removes a variable. `stdio` are open files; they may be closed
-        after this call. Answers with Started, or StartFailed.
+        `changes` override the environment, None removes a variable. `stdio` are open files; they may be closed after
+        this call. The answer is Started, or StartFailed.
         """
         self._send(("start", name, argv, cwd, dict(changes), session_mode), stdio)
 
     def signal_process(self, name: str, signum: int) -> None:
-        """Signal the process group of a unit, if it still runs."""
+        """Signal the process group of a unit, if it is still running."""
         self._send(("signal", name, int(signum)))
 
     def sweep(self, signum: int) -> None:
-        """Signal everything that is left; answers NothingLeft once nothing is."""
+        """Signal all remaining processes; the answer is NothingLeft once there is none."""
         self._send(("sweep", int(signum)))
 
     def receive(self) -> Event | Suspended:
-        """Return the next event of the host; blocks until there is one. Raises HostLost."""
+        """Return the next event of the host; block until there is one. Raises HostLost."""
         try:
             (kind, *rest), _ = receive(self._link)
         except (EOFError, OSError):
@@ -82,7 +82,7 @@ class ProcessHost:
         return Suspended(rest[0]) if kind == "stopped" else NothingLeft()
 
     def close(self) -> None:
-        """Let the host end, together with everything that still runs, and wait for it."""
+        """End the host and all running processes, and wait for it."""
         self._link.close()
         try:
             status = os.waitpid(self.pid, 0)[1]
@@ -105,7 +105,7 @@ class ProcessHost:
 
 
 def start_host() -> ProcessHost:
-    """Start the process host, and make this process the one that inherits orphans should host and guard be killed."""
+    """Start the process host, and make this process inherit orphans if host and guard are killed."""
     inherit_orphans()
     ours, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_STREAM)
     python = os.path.realpath(sys.executable)

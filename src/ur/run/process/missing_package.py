@@ -19,7 +19,7 @@ _NAMES = {
 
 
 def is_packaged(name: str, os_release: Path = OS_RELEASE) -> bool:
-    """Determine whether this computer's release has a Debian package; True where that is not known."""
+    """Return whether this computer's release has a Debian package; True if that is unknown."""
     from ur.system.releases import find_release, parse_os_release
 
     try:
@@ -30,7 +30,7 @@ def is_packaged(name: str, os_release: Path = OS_RELEASE) -> bool:
 
 
 def describe_install(package: str, os_release: Path = OS_RELEASE) -> str:
-    """Describe the installation: a command where Debian's names are known and this computer's release has them."""
+    """Describe the installation: a command if the Debian package is known and exists in this computer's release."""
     names = _NAMES.get(package)
     if names is not None and not is_packaged(names, os_release):
         return "this release does not package it; the terminal shows the map"

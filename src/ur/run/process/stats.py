@@ -19,7 +19,7 @@ class Usage:
 
 
 def read_usage(pids: Mapping[str, int]) -> dict[str, Usage]:
-    """The usage of each tree of processes, by the name of its root. One that has ended is left out."""
+    """Return the usage of each process tree, by the name of its root. A tree that has ended is left out."""
     children: dict[int, list[int]] = {}
     own: dict[int, tuple[int, int]] = {}
     for pid, parent, ticks, pages in _read_processes():

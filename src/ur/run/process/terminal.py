@@ -1,4 +1,4 @@
-"""Lend the terminal to one node, and restore it afterwards."""
+"""The terminal, lent to one node and restored afterwards."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from ur.run.host.terminal import restore_terminal, take_foreground
 
 
 class Terminal:
-    """The terminal behind a descriptor, as it is now. Make it with `find_terminal`."""
+    """The terminal behind a descriptor, with its present modes. Created by `find_terminal`."""
 
     def __init__(self, descriptor: int) -> None:
         self.descriptor = descriptor
@@ -20,14 +20,14 @@ class Terminal:
         self._lent = False
 
     def in_foreground(self) -> bool:
-        """True while our process group may read from the terminal."""
+        """True while this process group may read from the terminal."""
         try:
             return os.tcgetpgrp(self.descriptor) == os.getpgrp()
         except OSError:
             return False
 
     def is_unused(self, group: int) -> bool:
-        """True while a process group has the terminal and its modes are as they were, and no whole line was typed."""
+        """True while a process group has the terminal, its modes are unchanged, and no whole line was typed."""
         typed = array.array("i", [0])
         try:
             fcntl.ioctl(self.descriptor, termios.FIONREAD, typed)
@@ -37,7 +37,7 @@ class Terminal:
             return False
 
     def mark_lent(self) -> None:
-        """Another process group is, or is about to be, the foreground group."""
+        """Record that another process group is, or is about to be, the foreground group."""
         self._lent = True
 
     def lend(self, group: int) -> None:
@@ -46,19 +46,19 @@ class Terminal:
         take_foreground(self.descriptor, group)
 
     def take_back(self, *, reset: bool) -> None:
-        """Become the foreground group again, modes as they were; `reset` also clears what a killed program left."""
+        """Become the foreground group again and restore the modes; `reset` also clears output of a killed program."""
         if self._lent:
             take_foreground(self.descriptor, os.getpgrp())
             self._lent = False
         restore_terminal(self.descriptor, self._attributes, reset=reset)
 
     def wait_suspended(self) -> None:
-        """Stop ourselves as the node was stopped (Ctrl-Z), until the shell brings the job back."""
+        """Stop this process as the node was stopped (Ctrl-Z), until the shell continues the job."""
         os.kill(os.getpid(), signal.SIGSTOP)
 
 
 def find_terminal() -> Terminal | None:
-    """The terminal on standard input; None when that is something else."""
+    """Return the terminal on standard input; None if that is something else."""
     try:
         return Terminal(0) if os.isatty(0) else None
     except (OSError, termios.error):
@@ -66,5 +66,5 @@ def find_terminal() -> Terminal | None:
 
 
 def ignore_background_write() -> None:
-    """Changing the foreground group from the background is what we do; it must not stop us."""
+    """Ignore SIGTTOU, which would stop this process when it changes the foreground group from the background."""
     signal.signal(signal.SIGTTOU, signal.SIG_IGN)

@@ -1,4 +1,4 @@
-"""Identity of this computer, which survives a change of its name or address, and of its present boot."""
+"""Identity of this computer, which survives a change of its name or address; and identity of its present boot."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def read_computer(machine_id: str = _MACHINE_ID, boot_id: str = _BOOT_ID) -> Com
 
 
 def describe_user(computer: Computer, uid: int) -> str:
-    """Identity of a user of a computer for other computers, from which its machine-id cannot be computed."""
+    """Return the identity of a user of a computer for other computers, from which the machine-id cannot be computed."""
     from hashlib import sha256
 
     return sha256(f"ubiquity_launches\0{computer.machine}\0{uid}".encode()).hexdigest()[:32]

@@ -1,4 +1,4 @@
-"""Runs that have ended: how, when and why, kept for the last MAX_RUNS of a user."""
+"""Ended runs with time, exit code and cause, stored for the last MAX_RUNS of a user."""
 
 from __future__ import annotations
 
@@ -21,10 +21,10 @@ _MAX_LINE = 500
 
 @dataclass(frozen=True, slots=True)
 class EndedRun:
-    """A run that has ended. `ended` is in s since the epoch, `exit_code` None for one that was killed.
+    """A run that has ended.
 
-    `cause` is text for people, '' without one. `lines` are the last that the run itself has printed; `logs`
-    are the log files of its nodes by name.
+    `ended` is in s since the epoch, `exit_code` None for one that was killed. `cause` is a text for the user, ''
+    without one. `lines` are the last lines that the run itself printed; `logs` are the log files of its nodes by name.
     """
 
     entry: RunEntry
@@ -36,7 +36,7 @@ class EndedRun:
 
 
 def write_ended(run: EndedRun, environment: Mapping[str, str], uid: int) -> None:
-    """Keep a run that has ended, and forget the oldest beyond MAX_RUNS. Nothing happens where it cannot be written."""
+    """Store an ended run, and remove the oldest beyond MAX_RUNS. No effect if the file cannot be written."""
     folder = _folder(environment, uid)
     lines = tuple(line[:_MAX_LINE] for line in run.lines[-MAX_LINES:])
     text = write_json(replace(run, lines=lines))
@@ -51,7 +51,7 @@ def write_ended(run: EndedRun, environment: Mapping[str, str], uid: int) -> None
 
 
 def write_killed(entry: RunEntry, environment: Mapping[str, str], uid: int) -> None:
-    """Keep a run whose process was killed, with what its log file holds and the time at which that was found."""
+    """Store a run whose process was killed, with the content of its log file and the time of detection."""
     lines: tuple[str, ...] = ()
     with suppress(OSError), Path(entry.log_folder, f"{entry.run}.log").open("rb") as file:
         file.seek(max(0, file.seek(0, os.SEEK_END) - _MAX_BYTES))
@@ -60,13 +60,13 @@ def write_killed(entry: RunEntry, environment: Mapping[str, str], uid: int) -> N
 
 
 def list_ended(environment: Mapping[str, str], uid: int, computer: Computer) -> list[EndedRun]:
-    """The runs of a user on this computer that have ended, latest last."""
+    """Return the ended runs of a user on this computer, latest last."""
     found = [_read(path) for path in _folder(environment, uid).glob("*.json")]
     return sorted((run for run in found if run and is_own(run.entry, computer)), key=lambda run: run.ended)
 
 
 def find_ended(runs: Collection[EndedRun], word: str | None) -> EndedRun | None:
-    """The latest run that a word means: its id or its beginning, or its launch file. Without a word: the latest."""
+    """Find the latest run with this id, prefix of an id, or launch file; without `word`, the latest of all."""
     for exact in (True, False):
         for run in reversed(list(runs)):
             names = (run.entry.run, run.entry.title)

@@ -21,7 +21,10 @@ _LATEST = 1e12  # s since the epoch; what calculates with times later than that 
 
 
 def register_run(entry: RunEntry, environment: Mapping[str, str], uid: int) -> tuple[RunEntry, socket.socket] | None:
-    """Make the folder of a run and listen on its socket. None when no folder can be written: no client can connect."""
+    """Create the folder of a run and listen on its socket; None if no folder can be written.
+
+    Without it no client can connect.
+    """
     import json
 
     for root in runs_folders(environment, uid):
@@ -51,7 +54,7 @@ def unregister_run(entry: RunEntry) -> None:
 
 
 def list_runs(environment: Mapping[str, str], uid: int, computer: Computer) -> list[RunEntry]:
-    """The runs that are alive on this computer, oldest first. Runs that were killed become ended ones."""
+    """Return the active runs on this computer, oldest first. Killed runs become ended ones."""
     found = []
     for root in runs_folders(environment, uid):
         try:
@@ -76,14 +79,14 @@ def list_runs(environment: Mapping[str, str], uid: int, computer: Computer) -> l
 
 
 def is_alive(entry: RunEntry, computer: Computer) -> bool:
-    """Return whether the supervisor of a run of this computer still runs."""
+    """Return whether the supervisor of a run of this computer is still running."""
     return entry.boot in ("", computer.boot) and read_birth(entry.pid) == entry.born
 
 
 def find_run(runs: Iterable[RunEntry], word: str | None) -> RunEntry:
-    """The run that a word means: its id or the beginning of it, or its launch file. Without a word: the only one.
+    """Find the run with this id, prefix of an id, or launch file; without `word`, the only run.
 
-    Raises UserError: none runs, none or several match.
+    Raises UserError if there is no run, or none or several match.
     """
     runs = list(runs)
     if not runs:
@@ -111,7 +114,7 @@ def find_run(runs: Iterable[RunEntry], word: str | None) -> RunEntry:
 
 
 def make_run_name(files: Iterable[str], pid: int) -> tuple[str, str]:
-    """A run's title and id: the name of its first launch file, and that with the process id."""
+    """Return a run's title and id: the name of its first launch file, and that with the process id."""
     first = next(iter(files), "run").rpartition("/")[2]
     title = first.removesuffix(".xml").removesuffix(".launch") or "run"
     safe = "".join(letter if letter.isalnum() or letter in "-_" else "_" for letter in title)[:60]

@@ -17,11 +17,11 @@ _FILE = "clients.json"
 
 
 class TooManyClientsError(Exception):
-    """No further client can be registered."""
+    """No more clients can be registered."""
 
 
 def add_client(clients: Collection[Client], client: Client) -> tuple[Client, ...]:
-    """Register a client. It takes the place of its own entry and of detached ones of its computer.
+    """Register a client. It replaces its own entry and detached ones of its computer.
 
     Raises TooManyClientsError.
     """
@@ -41,12 +41,12 @@ def remove_clients(clients: Collection[Client], identities: Collection[str]) -> 
 
 
 def remove_dead(clients: Collection[Client], machine: str, alive: Collection[str]) -> tuple[Client, ...]:
-    """Remove the clients of a computer that ended without leaving: those that are not among its `alive` ones."""
+    """Remove the clients of a computer that ended without unregistering: those that are not among its `alive` ones."""
     return tuple(each for each in clients if each.machine != machine or each.detached or each.client in alive)
 
 
 def is_shared(folder: str) -> bool:
-    """Return whether clients are registered with the run that has this control folder."""
+    """Return whether clients are registered with the run of this control folder."""
     return Path(folder, _FILE).is_file()
 
 
@@ -59,5 +59,5 @@ def read_clients(folder: str) -> tuple[Client, ...]:
 
 
 def write_clients(folder: str, clients: Collection[Client]) -> None:
-    """Replace the clients of a run, completely or not at all. Raises OSError: the run ended, or the disk is full."""
+    """Replace the clients of a run atomically. Raises OSError: the run has ended, or the disk is full."""
     replace_file(Path(folder, _FILE), write_json(tuple(clients)), mode=PRIVATE, lasting=False)

@@ -1,4 +1,4 @@
-"""The lease of a robot: its driver, since when, with which program; stored on its master's parameter server."""
+"""The lease of a robot: its driver, start time and program; stored on its master's parameter server."""
 
 from __future__ import annotations
 
@@ -26,10 +26,11 @@ _DAY = 86400.0
 
 @dataclass(frozen=True, slots=True)
 class RobotLease:
-    """The client that drives a robot: its id, its computer's name, its program, and since when (s since the epoch).
+    """The client that drives a robot: its id, its computer's name, its program, and its start (s since the epoch).
 
-    "lost": nothing was received from the client for a while; `until`: when it was received last, 0 if unknown. It still
-    has the lease, which others have to take. `computer` identifies its computer and user, empty if it sends nothing.
+    "lost": nothing was received from the client for a while; `until`: time of the last message, 0 if unknown. It still
+    has the lease until another client takes it. `computer` identifies its computer and user, empty if the client does
+    not send it.
     """
 
     state: LeaseState = "free"
@@ -42,7 +43,7 @@ class RobotLease:
 
 
 def read_lease(master_uri: str) -> RobotLease:
-    """Read the lease from a master. Free without an answer, or where no robot of ours runs."""
+    """Read the lease from a master. It is free without an answer, or if no robot of this project runs."""
     try:
         if (domain := read_domain(master_uri)) is not None:
             path = find_facts(os.environ, domain)
@@ -55,7 +56,7 @@ def read_lease(master_uri: str) -> RobotLease:
 
 
 def parse_lease(text: object) -> RobotLease:
-    """Read a lease that another computer has sent. Raises ValueError for anything else."""
+    """Parse a lease from another computer. Raises ValueError if it is invalid."""
     fields = read_json(text, dict[str, object], _MAX_LENGTH)
     if "state" not in fields:
         raise ValueError("state: expected one of free, held, lost")
@@ -66,7 +67,7 @@ def parse_lease(text: object) -> RobotLease:
 
 
 def describe_lease(lease: RobotLease, robot: str, now: float) -> str:
-    """Format a lease for people: 'laptop drives bob since 14:02 (keyboard_drive)'. `now` is in s since the epoch."""
+    """Format a lease for display: 'laptop drives bob since 14:02 (keyboard_drive)'. `now` is in s since the epoch."""
     program = f" ({lease.program})" if lease.program else ""
     name = lease.name or "another computer"
     if lease.state == "lost":
@@ -79,8 +80,8 @@ def describe_lease(lease: RobotLease, robot: str, now: float) -> str:
 def belongs_to_other(lease: RobotLease, name: str, computer: str, own: Iterable[str]) -> bool:
     """Return whether another client has the lease, also one that is lost.
 
-    `name` and `computer` are this computer's; `own` are the ids of the clients that run on it. An own client that was
-    killed is no longer there, though its lease lasts longer.
+    `name` and `computer` are this computer's; `own` are the ids of the clients that run on it. A client of this
+    computer that was killed is not among them, though its lease lasts longer.
     """
     if lease.state == "free":
         return False

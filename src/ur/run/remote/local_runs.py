@@ -1,4 +1,4 @@
-"""Runs of this computer that hold the robot's share of a program, or its nodes."""
+"""Runs of this computer that are the robot's share of a program, or have its nodes."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _ANSWER_SECONDS = 5.0
 
 
 class RequestBusyError(Exception):
-    """Another request is being carried out."""
+    """Another request is in progress."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,12 +35,12 @@ class HoldingRun:
 
 
 def share_arguments(request: ShareRequest) -> list[str]:
-    """The end of a command line by which the share's run is known."""
+    """Return the end of a command line that identifies the share's run."""
     return [_MARK, request.machine, *request.options, "--", *request.words]
 
 
 def is_marked(command: Sequence[str], request: ShareRequest, earlier: str = "") -> bool:
-    """Return whether a command line is that of the run of a request. `earlier`: a former name of the robot."""
+    """Return whether a command line is that of the run of a request. `earlier` is a former name of the robot."""
     mark = share_arguments(request)
     end = list(command[-len(mark) :])
     if end == mark:
@@ -56,7 +56,7 @@ def _without_name(words: Sequence[str], machine: str) -> list[str]:
 
 
 def find_share(runs: Iterable[RunEntry], request: ShareRequest) -> RunEntry | None:
-    """The run that was started for a request like this."""
+    """Find the run that was started for an equal request."""
     for entry in runs:
         with suppress(OSError):
             words = Path(f"/proc/{entry.pid}/cmdline").read_bytes().decode(errors="replace").split("\0")
@@ -66,7 +66,7 @@ def find_share(runs: Iterable[RunEntry], request: ShareRequest) -> RunEntry | No
 
 
 def find_holders(runs: Iterable[RunEntry], nodes: Collection[str], port: int) -> list[HoldingRun]:
-    """Runs that hold some of these nodes, at a master with this port."""
+    """Find runs that have some of these nodes, at a master with this port."""
     found = []
     for entry in runs:
         if _port_of(entry) == port:
@@ -78,7 +78,7 @@ def find_holders(runs: Iterable[RunEntry], nodes: Collection[str], port: int) ->
 
 
 def list_nodes(entry: RunEntry) -> frozenset[str]:
-    """The nodes of a run that run, or start again by themselves. None when it does not answer."""
+    """Return the nodes of a run that are running, or restart automatically; empty if it does not answer."""
     names: set[str] = set()
     with suppress(RunUnreachable), connect_run(entry.folder) as client:
         for event in iterate_events(client, _ANSWER_SECONDS):
@@ -101,7 +101,7 @@ def is_stopping(entry: RunEntry) -> bool:
 
 
 def wait_exit(entry: RunEntry, until: float) -> bool:
-    """Wait until a run's process has ended; `until` is in s of the monotonic clock. Whether it is."""
+    """Wait until a run's process has ended, at the latest until `until` (s, monotonic); return whether it has."""
     while read_birth(entry.pid) == entry.born:
         if time.monotonic() > until:
             return False
@@ -111,7 +111,7 @@ def wait_exit(entry: RunEntry, until: float) -> bool:
 
 @contextmanager
 def lock_shares(environment: Mapping[str, str], uid: int, patience: float) -> Iterator[None]:
-    """Let one request at a time begin or end shares. Raises RequestBusyError after `patience` s."""
+    """Hold the lock for starting or ending shares. Raises RequestBusyError after `patience` s."""
     folder = Path(runs_folders(environment, uid)[0]).parent
     try:
         folder.mkdir(mode=0o700, parents=True, exist_ok=True)

@@ -1,4 +1,4 @@
-"""Names of nodes that run elsewhere or in another run here: ROS ends a node whose name is registered anew."""
+"""Names of nodes that also run elsewhere: ROS ends a node whose name is registered again."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def find_taken(
     is_local: Callable[[str], bool],
     probe: Callable[[str], Sign] = probe_node,
 ) -> frozenset[str]:
-    """Those of these nodes that run on another computer. None where the master does not answer."""
+    """Return the nodes, of these, that run on another computer. Empty if the master does not answer."""
     try:
         addresses = look_up_nodes(names, master)
     except LookupError:
@@ -44,9 +44,9 @@ def find_taken(
 def choose_names(
     names: Collection[str], computer: str, find: Callable[[Collection[str]], Collection[str]]
 ) -> dict[str, str]:
-    """A free name for each node whose name is taken elsewhere: with the computer's appended, and a number if need be.
+    """Return a free name for each node whose name is taken: with the computer's name appended, and a number if needed.
 
-    `find` returns those of some names that are taken.
+    `find` returns the names, of those given, that are taken.
     """
     suffix = re.sub(r"[^0-9A-Za-z_]", "_", computer.partition(".")[0]) or "here"
     left = find(names)
@@ -62,7 +62,7 @@ def choose_names(
 
 
 def rename_nodes(plan: Plan, names: Mapping[str, str]) -> Plan:
-    """The plan with other full names for some nodes, their private parameters and private names included."""
+    """Return the plan with other full names for some nodes, including their private parameters and private names."""
     if not names:
         return plan
 
@@ -83,13 +83,13 @@ def rename_nodes(plan: Plan, names: Mapping[str, str]) -> Plan:
 
 
 def describe_names(names: Mapping[str, str]) -> Iterable[str]:
-    """One line for each node that has another name."""
+    """Yield one line for each renamed node."""
     for old, new in names.items():
         yield f"{old} runs on another computer already, so this one is called {new}"
 
 
 def is_same_master(one: str, other: str) -> bool:
-    """Return whether two addresses are the same master, as far as their text shows."""
+    """Return whether two addresses denote the same master, according to their text."""
     if read_domain(one) is not None or read_domain(other) is not None:
         return one == other
     try:

@@ -1,4 +1,4 @@
-"""Clients on this computer: each holds a locked file until its process ends, for any reason."""
+"""Clients on this computer: each holds a locked file until its process ends for any reason."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from ur.run.record.entry import runs_folders
 
 @contextmanager
 def hold_client(identity: str, folder: Path) -> Iterator[None]:
-    """Be a client of this id, which `list_clients` finds until the context or the process ends."""
+    """Register a client with this id, which `list_clients` finds until the context or the process ends."""
     path = folder / identity
     try:
         lock = _lock_file(path)
@@ -29,7 +29,7 @@ def hold_client(identity: str, folder: Path) -> Iterator[None]:
 
 
 def list_clients(folder: Path) -> list[str]:
-    """The ids of the clients that run on this computer. Files of those that were killed are removed."""
+    """Return the ids of the clients that run on this computer. Files of killed clients are removed."""
     found = []
     with suppress(OSError):
         for path in sorted(folder.iterdir()):
@@ -46,7 +46,7 @@ def list_clients(folder: Path) -> list[str]:
 
 
 def clients_folder(environment: Mapping[str, str], uid: int) -> Path:
-    """The folder of the files of a user's clients."""
+    """Return the folder of a user's client files."""
     return Path(runs_folders(environment, uid)[0]).parent / "clients"
 
 

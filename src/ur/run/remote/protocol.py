@@ -26,7 +26,7 @@ class Client:
 
     `client` is the random id of that run (UR_CLIENT), `name` the host name of its computer, `machine` the identity of
     its user there (`ur.run.record.computer.describe_user`), `pid` its process, `nodes` the full names of its nodes.
-    `detached`: it has no process of its own and never leaves. `since` is in s since the epoch, of the robot's clock.
+    `detached`: it has no process and never unregisters. `since` is in s since the epoch, by the robot's clock.
     """
 
     client: _Id
@@ -40,10 +40,10 @@ class Client:
 
 @dataclass(frozen=True, slots=True)
 class ShareRequest:
-    """`machine` is the robot's name in the launch file, `words` the arguments of `ur launch` after its options.
+    """A request for a share. `machine` is the robot's name in the launch file, `words` are arguments of `ur launch`.
 
-    `nodes` are the full names of the share's nodes, as far as they are the same each time. `client` asks; `alive` are
-    the ids of all clients of its computer that still run.
+    `words` follow its options. `nodes` are the full names of the share's nodes, without those that differ each time.
+    `client` sends the request; `alive` are the ids of all running clients of its computer.
     """
 
     action: Literal["begin", "end"]
@@ -61,7 +61,7 @@ class ShareRequest:
 class Problem:
     """The reason why a share could not start: a message, a help line and the id of the rule.
 
-    `place` is the file, line and column that it is about, '' for the arguments or the computer.
+    `place` is its file, line and column, '' for the arguments or the computer.
     """
 
     message: str
@@ -72,12 +72,12 @@ class Problem:
 
 @dataclass(frozen=True, slots=True)
 class ShareAnswer:
-    """`run` is the id of the share's run, '' without one; `found`: it ran before; `running`: nodes of other runs.
+    """The answer: `run` is the id of the share's run, '' without one; `found`: it was already running.
 
-    `clients` are the names of the other computers that use these runs; `names` are other full names for nodes of this
-    client that have the name of a node of theirs. After `end`, `ended` are the runs that have
-    ended and `kept` those that go on for `clients`. `renamed_from` is the robot's old name under which the share ran
-    before it was started again.
+    `running`: nodes of other runs. `clients` are the names of the other computers that use these runs; `names` are new
+    full names for nodes of this client whose names theirs have. After `end`, `ended` are the runs that have ended and
+    `kept` those that continue for `clients`. `renamed_from` is the robot's old name under which the share ran before
+    its restart.
     """
 
     run: str = ""
@@ -92,12 +92,12 @@ class ShareAnswer:
 
 
 def dump(value: ShareRequest | ShareAnswer) -> str:
-    """A value as one line of JSON."""
+    """Encode a value as one line of JSON."""
     return write_json(value)
 
 
 def parse_request(text: str) -> ShareRequest:
-    """Read a request from another computer. Raises ValueError for anything else."""
+    """Decode a request from another computer. Raises ValueError if it is invalid."""
     found = read_json(text, ShareRequest, MAX_BYTES)
     for each in (found.machine, found.master_uri, found.host):
         check_printable(each, 256)
@@ -105,12 +105,12 @@ def parse_request(text: str) -> ShareRequest:
 
 
 def parse_client(fields: object) -> Client:
-    """Check what describes a client. Raises ValueError."""
+    """Decode the description of a client. Raises ValueError."""
     return _check_client(convert_json(fields, Client))
 
 
 def parse_answer(text: str) -> ShareAnswer:
-    """Read a robot's answer. Raises ValueError for anything else."""
+    """Decode a robot's answer. Raises ValueError if it is invalid."""
     found = read_json(text, ShareAnswer, MAX_BYTES)
     for each in found.clients:
         check_printable(each, 256)
@@ -123,7 +123,7 @@ def parse_answer(text: str) -> ShareAnswer:
 
 
 def check_printable(text: object, limit: int = 64) -> str:
-    """Return a name that another computer has sent if it can be shown as it is. Raises ValueError or TypeError."""
+    """Return a name from another computer unchanged if it is printable. Raises ValueError or TypeError."""
     if not isinstance(text, str):
         raise TypeError("expected text")
     if len(text) > limit or not text.isprintable():

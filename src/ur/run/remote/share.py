@@ -1,8 +1,8 @@
-"""The robot's share of a run whose other nodes are on a laptop: start it, find it again, end it after its last client.
+"""The robot's share of a run whose other nodes run on a laptop: start it, find it, end it after its last client.
 
 `python -I -m ur.run.remote.share` reads a request as JSON from standard input and prints an answer as JSON. The share
-is a detached run of its own: it outlives the connection that asked for it, and the laptop. It is found again by its
-command line; its clients are registered in its control folder.
+is a separate detached run: it survives the connection that requested it, and the laptop. It is found by its command
+line; its clients are registered in its control folder.
 """
 
 from __future__ import annotations
@@ -52,7 +52,7 @@ _WAIT = "--end-when-silent"
 
 
 def begin(request: ShareRequest) -> ShareAnswer:
-    """Find the share, or start it, and register its client with it and with every shared run that it relies on."""
+    """Find or start the share, and register its client with it and with every shared run that it depends on."""
     with lock_shares(os.environ, os.getuid(), END_SECONDS):
         computer = read_computer()
         runs = list_runs(os.environ, os.getuid(), computer)
@@ -100,7 +100,7 @@ def _begin(
 
 
 def end(request: ShareRequest) -> ShareAnswer:
-    """Take a client off every share that it uses; those that no other client uses end."""
+    """Unregister a client from every share that it uses; end those without another client."""
     ended, kept, names, problem = [], [], set[str](), None
     with lock_shares(os.environ, os.getuid(), END_SECONDS):
         runs = list_runs(os.environ, os.getuid(), read_computer())
@@ -126,7 +126,7 @@ def end(request: ShareRequest) -> ShareAnswer:
 
 
 def end_when_silent(run: str) -> None:
-    """End a run unless one of its clients gives a sign within SILENCE_SECONDS."""
+    """End a run unless one of its clients gives a sign of life within SILENCE_SECONDS."""
     until = time.monotonic() + SILENCE_SECONDS
     while True:
         entry = next((each for each in list_runs(os.environ, os.getuid(), read_computer()) if each.run == run), None)
@@ -163,7 +163,7 @@ def _register(entries: Iterable[RunEntry], request: ShareRequest, answer: ShareA
 
 
 def _look_for_signs(entry: RunEntry, clients: Collection[Client]) -> tuple[tuple[Client, ...], list[Sign]]:
-    """The clients that have not ended, and the sign of each."""
+    """Return the clients that have not ended, and the sign of each."""
     signs = read_signs(clients, _master_of(entry), time.time())
     left = tuple(client for client in clients if signs[client.client] is not Sign.ENDED)
     return left, [signs[client.client] for client in left]
@@ -185,7 +185,7 @@ def _wait_for_sign(entry: RunEntry) -> None:
 
 
 def _stop(entry: RunEntry) -> bool:
-    """End a run and wait until its process has ended, which is a little later than its last event."""
+    """End a run and wait until its process has ended, a little after its last event."""
     until = time.monotonic() + END_SECONDS
     with suppress(subprocess.TimeoutExpired):
         command = [sys.executable, "-I", "-m", "ur", "stop", entry.run]
@@ -209,7 +209,7 @@ def _own_port() -> int:
 
 
 def _master_of(entry: RunEntry) -> Master:
-    """The master of a run; this computer's, for a name that may be out of date."""
+    """Return the master of a run; that of this computer if the host name may be outdated."""
     try:
         return Master(entry.master_uri, "localhost", parse_master_uri(entry.master_uri).port, 1.0)
     except UserError:
@@ -236,7 +236,7 @@ def _renamed(holder: HoldingRun, computer: Computer, robot: str) -> Problem:
 
 
 def main() -> None:
-    """Answer the request on standard input, or wait for clients that are silent."""
+    """Answer the request on standard input, or wait for silent clients."""
     if sys.argv[1:2] == [_WAIT]:
         end_when_silent(sys.argv[2])
         return

@@ -1,4 +1,4 @@
-"""Signs of life of a share's clients: whether the nodes of each, or its view of the run, still answer."""
+"""Signs of life of a share's clients: answers of each client's nodes, or its process that displays the run."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ START_SECONDS = 60.0  # in which the nodes of a new client register
 
 
 class Sign(Enum):
-    """PRESENT: it answers. ENDED: its computer answers that it has ended. SILENT: unknown."""
+    """PRESENT: the client answers. ENDED: its computer answers that it has ended. SILENT: unknown."""
 
     PRESENT = "present"
     ENDED = "ended"
@@ -28,7 +28,7 @@ class Sign(Enum):
 
 
 def read_signs(clients: Iterable[Client], master: Master, now: float) -> dict[str, Sign]:
-    """Ask for a sign of each client, by its id; `now` is in s since the epoch."""
+    """Read a sign of each client, by its id; `now` is in s since the epoch."""
     signs: dict[str, Sign] = {}
 
     def ask(client: Client) -> None:
@@ -64,7 +64,7 @@ def judge_client(client: Client, nodes: Mapping[str, Sign | None], now: float) -
 
 
 def ask_nodes(names: Iterable[str], master: Master) -> dict[str, Sign | None]:
-    """Ask each node that a master knows for a sign; None for those that it does not know."""
+    """Query each node that a master knows for a sign; None for nodes that it does not know."""
     names = list(names)
     try:
         found = look_up_nodes(names, master)
@@ -74,7 +74,7 @@ def ask_nodes(names: Iterable[str], master: Master) -> dict[str, Sign | None]:
 
 
 def look_up_nodes(names: Collection[str], master: Master) -> dict[str, str]:
-    """The addresses of those of these nodes that a master knows. Raises LookupError where it does not answer."""
+    """Return the addresses of the nodes, of these, that a master knows. Raises LookupError without an answer."""
     try:
         found = master.call_many([("lookupNode", (name,)) for name in names]) if names else []
         pairs = list(zip(names, found, strict=True))
@@ -84,7 +84,7 @@ def look_up_nodes(names: Collection[str], master: Master) -> dict[str, str]:
 
 
 def probe_node(uri: str) -> Sign:
-    """Check whether a node answers at the address that it has registered."""
+    """Check whether a node answers at its registered address."""
     import socket
 
     try:

@@ -1,4 +1,4 @@
-"""Start a robot's share of a run, detached from the connection that asked for it."""
+"""Start of a robot's share of a run, detached from the connection that requested it."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ START_SECONDS = 60.0
 
 
 def start_share(request: ShareRequest, running: Sequence[str]) -> tuple[str, Problem | None]:
-    """Start the share without the nodes that run already; returns the id of its run, or why there is none."""
+    """Start the share without the nodes that are already running; return the id of its run, or the problem."""
     with (
         tempfile.TemporaryFile("w+") as out,
         tempfile.TemporaryFile("w+") as err,
@@ -47,13 +47,13 @@ def start_share(request: ShareRequest, running: Sequence[str]) -> tuple[str, Pro
 
 
 def launch_arguments(request: ShareRequest, running: Sequence[str], report: str) -> list[str]:
-    """The arguments of `ur` that start the share, without nodes that run already."""
+    """Return the arguments of `ur` that start the share, without nodes that are already running."""
     left_out = [word for name in running for word in ("--runs-already", name)]
     return ["launch", "--plain", "--detach", "--report", report, *left_out, *share_arguments(request)]
 
 
 def read_report(report: Path) -> Problem | None:
-    """The first problem that `ur launch` has reported. None: it has not reported any."""
+    """Return the first problem that `ur launch` has reported, or None."""
     try:
         return next(iter(read_json(report.read_text(encoding="utf-8"), list[Problem])), None)
     except (OSError, ValueError):
@@ -61,10 +61,10 @@ def read_report(report: Path) -> Problem | None:
 
 
 def scope() -> list[str]:
-    """The command that puts a run under the user's own service manager, where that outlives their sessions; else none.
+    """Return the command that runs a process under the user's service manager, if that survives logout; else empty.
 
-    Without lingering the manager ends with the last session, and all of its services with it; what a session left
-    behind does not.
+    Without lingering the manager ends with the last session, and all of its services with it; background processes of a
+    session do not.
     """
     if not shutil.which("systemd-run") or not Path(f"/run/user/{os.getuid()}/systemd/private").exists():
         return []

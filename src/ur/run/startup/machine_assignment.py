@@ -1,4 +1,4 @@
-"""Assign the nodes of a plan to computers. Pure: the identity of this computer is a parameter."""
+"""Assignment of a plan's nodes to computers. Pure: the identity of this computer is a parameter."""
 
 from __future__ import annotations
 
@@ -10,17 +10,17 @@ from ur.launchfile.plan.specs import MachineSpec, NodeSpec, Plan
 
 @dataclass(frozen=True, slots=True)
 class Away:
-    """Another computer and the nodes of a plan that belong there."""
+    """Another computer and the nodes of a plan that run on it."""
 
     machine: MachineSpec
     nodes: tuple[NodeSpec, ...]
 
 
 def split_plan(plan: Plan, is_here: Callable[[str], bool]) -> tuple[Plan, tuple[Away, ...]]:
-    """The plan with the nodes of this computer alone, and what belongs to each other one, in the plan's order.
+    """Return the plan with the nodes of this computer only, and those of each other computer, in the plan's order.
 
-    `is_here` tests an address for this computer. Machines with one address, port and user are one computer.
-    Parameters stay with the plan: they go to the one master. A node whose machine is not defined stays too.
+    `is_here` tests an address for this computer. Machines with the same address, port and user are one computer.
+    Parameters stay in the plan, since there is only one master. A node whose machine is not defined stays too.
     """
     machines = {machine.name: machine for machine in plan.machines}
     known: dict[str, bool] = {}
@@ -38,9 +38,9 @@ def split_plan(plan: Plan, is_here: Callable[[str], bool]) -> tuple[Plan, tuple[
 
 
 def keep_nodes(plan: Plan, names: Collection[str]) -> Plan:
-    """The plan with these nodes alone (full names), for a computer whose nodes share a master with the others'.
+    """Return the plan with these nodes only (full names), for a computer whose nodes share a master with others.
 
-    It neither sets private parameters of the others' nodes nor clears a namespace that holds one of them.
+    It neither sets private parameters of the other nodes nor clears a namespace that contains one of them.
     """
     nodes = tuple(node for node in plan.nodes if node.full_name in names)
     others = [node.full_name + "/" for node in plan.nodes if node.full_name not in names]

@@ -1,4 +1,4 @@
-"""Select the nodes of a plan that run, and refuse plans that cannot run here, before anything starts."""
+"""Selection of the nodes of a plan that run, and refusal of plans that cannot run, before anything starts."""
 
 from __future__ import annotations
 
@@ -21,24 +21,24 @@ COMMANDERS = frozenset(
 
 
 def may_drive(nodes: Iterable[NodeSpec]) -> bool:
-    """Return whether one of these nodes commands a robot."""
+    """Return whether one of these nodes sends velocity commands to a robot."""
     return any(node.type in COMMANDERS for node in nodes)
 
 
 def has_display(environment: Mapping[str, str]) -> bool:
-    """Determine whether programs can open windows: X11 or Wayland."""
+    """Return whether programs can open windows: X11 or Wayland."""
     return bool(environment.get("DISPLAY") or environment.get("WAYLAND_DISPLAY"))
 
 
 def is_view(files: Sequence[str]) -> bool:
-    """Determine whether one of these launch files belongs to a directory `rviz_*`."""
+    """Return whether one of these launch files belongs to a directory `rviz_*`."""
     return any(map(_view_name, files))
 
 
 def check_display(files: Sequence[str], nodes: Iterable[NodeSpec], environment: Mapping[str, str]) -> None:
-    """Raise UserError where a launch file of a directory `rviz_*` is started without a display.
+    """Raise UserError if a launch file of a directory `rviz_*` is started without a display.
 
-    Other files leave their windows out (`leave_out_viewers`); these are about nothing else.
+    Other files run without their windows (`leave_out_viewers`); these consist of windows only.
     """
     views = [name for name in map(_view_name, files) if name]
     viewers = [node for node in nodes if node.package in VIEWERS]
@@ -52,7 +52,7 @@ def check_display(files: Sequence[str], nodes: Iterable[NodeSpec], environment: 
 def leave_out_viewers(
     nodes: tuple[NodeSpec, ...], world: World, environment: Mapping[str, str]
 ) -> tuple[tuple[NodeSpec, ...], tuple[str, ...]]:
-    """The nodes that can be shown here, and one line for each reason why others are left out."""
+    """Return the nodes that can be displayed on this computer, and one line for each reason why others are left out."""
     viewers = [node for node in nodes if node.package in VIEWERS]
     if viewers and not has_display(environment):
         left_out, notes = viewers, [f"no display: {_names(viewers)} left out"]
@@ -67,7 +67,7 @@ def leave_out_viewers(
 
 
 def force_options(node: NodeSpec, options: RunOptions) -> NodeSpec:
-    """A node as options for all nodes want it."""
+    """Return a node with the options for all nodes applied."""
     if options.force_screen:
         node = replace(node, output="screen")
     if options.force_log:
@@ -76,7 +76,7 @@ def force_options(node: NodeSpec, options: RunOptions) -> NodeSpec:
 
 
 def find_remote(plan: Plan, nodes: Sequence[NodeSpec]) -> list[Diagnostic]:
-    """An error for each node that belongs to another computer."""
+    """Return an error for each node that belongs to another computer."""
     machines = {machine.name: machine for machine in plan.machines}
     local: dict[str, bool] = {}
     problems = []
@@ -98,7 +98,7 @@ def find_remote(plan: Plan, nodes: Sequence[NodeSpec]) -> list[Diagnostic]:
 
 
 def find_terminals(nodes: Sequence[NodeSpec], *, detached: bool) -> list[Diagnostic]:
-    """An error for each node that needs the terminal and cannot have it: one may, of a run that has one."""
+    """Return an error for each node that cannot have the terminal it needs: one node may, in a run with a terminal."""
     wanting = [node for node in nodes if node.terminal]
     if detached:
         return [
@@ -121,7 +121,7 @@ def find_terminals(nodes: Sequence[NodeSpec], *, detached: bool) -> list[Diagnos
 
 
 def _view_name(path: str) -> str:
-    """The directory `rviz_*` that a launch file belongs to; '' for other files."""
+    """Return the directory `rviz_*` that a launch file belongs to; '' for other files."""
     folders = PurePath(path).parts[-3:-1]
     return folders[0] if len(folders) == 2 and folders[0].startswith("rviz_") and folders[1] == "launch" else ""
 

@@ -1,4 +1,4 @@
-"""Progress of a start: readiness of nodes while a client asks for it, and durations for `--timings`."""
+"""Progress of a start: readiness of nodes while a client requests it, and durations for `--timings`."""
 
 from __future__ import annotations
 
@@ -19,12 +19,15 @@ if TYPE_CHECKING:
 
 
 class StartProgress:
-    """Follows a run from its first process until all is up, and again whenever nodes come back."""
+    """Follows a run from its first process until all nodes are ready, and again whenever nodes restart."""
 
     def __init__(
         self, run: Run, inbox: Inbox, monitor: Monitor, inform: Callable[[str], None], count: StartCount | None
     ) -> None:
-        """`inform` takes the durations; `count` is shown while a program waits for the terminal."""
+        """Create the progress.
+
+        `inform` is called with durations; `count` is shown while a program waits for the terminal.
+        """
         self._middleware = run.middleware
         self._conditions = {program.unit.name: program.ready for program in run.programs}
         self._timings = run.timings
@@ -36,7 +39,7 @@ class StartProgress:
         self._state: State | None = None
 
     def note(self, event: Event, state: State) -> None:
-        """Take an event, and the state of the run after it."""
+        """Process an event, with the state of the run after it."""
         if self._timings is not None and isinstance(event, MasterAnswered | ParametersSet):
             self._timings.mark("master" if isinstance(event, MasterAnswered) else "parameters")
         self.follow(state)
@@ -46,7 +49,7 @@ class StartProgress:
             self.follow(state)
 
     def follow(self, state: State) -> None:
-        """Check the readiness of the nodes of this state while a client asks for it."""
+        """Check the readiness of the nodes of this state while a client requests it."""
         self._state = state
         if self._count is not None and not is_before(state, RunPhase.STOPPING_NODES):
             self._count.stop()
@@ -69,11 +72,11 @@ class StartProgress:
 
     @property
     def due(self) -> float | None:
-        """The time of the next call of `work` (monotonic, s); None: none is due."""
+        """Return the time of the next call of `work` (monotonic, s); None if none is due."""
         return None if self._count is None else self._count.due
 
     def work(self, now: float) -> None:
-        """Show how many nodes are up, where that is due, and stop checking once nothing asks any more."""
+        """Show the number of ready nodes if that is due, and stop checking if no client requests it."""
         if self._count is None or self._count.due is None:
             return
         self._count.work(now)
@@ -81,7 +84,7 @@ class StartProgress:
             self.follow(self._state)
 
     def stop_count(self) -> None:
-        """The terminal is not waited for any more."""
+        """Stop the count, because the terminal is in use."""
         if self._count is not None:
             self._count.stop()
 

@@ -1,4 +1,4 @@
-"""Readiness of nodes: registered with the master, and with what their `ready:` comments require."""
+"""Readiness of nodes: registration with the master, and the conditions of their `ready:` comments."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def find_missing(
     received: Mapping[str, ReceivedMessages],
     now: float,
 ) -> tuple[str, ...]:
-    """List a running node's unmet readiness conditions, as text for people; empty when it is ready."""
+    """List a running node's unmet readiness conditions, as text for the user; empty when it is ready."""
     if not any(condition.kind == "process" for condition in conditions) and not graph.knows(node):
         return ("it runs, but is not registered yet",)
     found = (_describe_unmet(condition, graph, received, now) for condition in conditions)
@@ -31,7 +31,7 @@ def find_missing(
 
 
 def measure_rate(times: Sequence[float], rate: float, now: float) -> float | None:
-    """Messages per s over the last half second at the expected rate, three messages at least; None: too few so far."""
+    """Return messages per s over the last half second at the expected rate, three messages at least; None: too few."""
     count = max(3, math.ceil(rate / 2))
     if len(times) <= count or now - times[-1] > max(STALE, 2.0 / rate):
         return None
@@ -75,7 +75,7 @@ def _describe_topic(
 
 
 class ReadinessProbe:
-    """Checks, in a thread of its own, until every node is ready; calls `report(name, pid, missing)` on changes."""
+    """Checks in a separate thread until every node is ready; calls `report(name, pid, missing)` on changes."""
 
     def __init__(
         self,
@@ -94,7 +94,7 @@ class ReadinessProbe:
         self._thread.start()
 
     def follow(self, running: Mapping[str, int]) -> None:
-        """These nodes run now, with these process ids."""
+        """Set the running nodes, with their process ids."""
         self._running = dict(running)
         self._changed.set()
 

@@ -1,4 +1,4 @@
-"""The number of nodes that are up, on a terminal that one of them will take, until that one may have written there."""
+"""Number of ready nodes, printed on a terminal that one node will own, until that node may have written to it."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ _SHELLS = ("sh", "dash", "bash")  # that start the program itself, and read from
 
 
 class StartCount:
-    """A line that changes in place while the program that takes the terminal is loaded, which takes seconds.
+    """A line that is updated in place while the program that owns the terminal is loading, which takes seconds.
 
-    It changes only while the program has certainly written nothing: the modes of the terminal are as before, the
-    process has written nothing anywhere since its interpreter began, and no line was typed. Nothing is read.
+    It is updated only while the program has certainly written nothing: the modes of the terminal are unchanged, the
+    process has written no output since its interpreter started, and no line was typed. The terminal is not read.
     """
 
     def __init__(self, name: str, total: int, terminal: Terminal, console: Console) -> None:
-        """Print the line. `name` is the unit that takes the terminal, one of `total`."""
+        """Print the line. `name` is the unit that will own the terminal, one of `total`."""
         self.name = name
         self.due: float | None = None
         """The time of the next call of `work` (monotonic, s); None: not any more, or not yet."""
@@ -32,19 +32,19 @@ class StartCount:
         console.inform(self._shown)
 
     def begin(self, pid: int, now: float) -> None:
-        """The program has a process, and the terminal."""
+        """Record that the program has a process, and the terminal."""
         self._pid, self._end, self.due = pid, now + _LONGEST, now + _PERIOD
 
     def note(self, name: str, *, up: bool) -> None:
-        """A node is up, or not any more."""
+        """Record that a node is ready, or no longer ready."""
         (self._up.add if up else self._up.discard)(name)
 
     def stop(self) -> None:
-        """Leave the line as it is."""
+        """Leave the line unchanged from now on."""
         self.due = None
 
     def work(self, now: float) -> None:
-        """Change the line where that is due."""
+        """Update the line if that is due."""
         if self.due is None or now < self.due:
             return
         self.due = now + _PERIOD

@@ -1,4 +1,4 @@
-"""Durations of the steps of a start, and the chain of steps up to the last ready node."""
+"""Durations of the steps of a start, and the critical path to the last ready node."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ from ur.source.run_users import read_birth
 
 
 def read_clock() -> float:
-    """Seconds since boot: the clock of process start times."""
+    """Return seconds since boot: the clock of process start times."""
     return time.clock_gettime(time.CLOCK_BOOTTIME)
 
 
 @dataclass(slots=True)
 class Timings:
-    """End times of the steps of a start, in their order, and times at which nodes started and were ready."""
+    """End times of the steps of a start, in order, and the times at which nodes started and became ready."""
 
     born: float
     steps: list[tuple[str, float]] = field(default_factory=list)
@@ -25,19 +25,19 @@ class Timings:
     up: dict[str, float] = field(default_factory=dict)
 
     def mark(self, step: str) -> None:
-        """A step has ended just now."""
+        """Record that a step has just ended."""
         self.steps.append((step, read_clock()))
 
 
 def begin_timings() -> Timings:
-    """Timings from the start of this process, which is known to one clock tick."""
+    """Start timings from the start of this process, which is known to one clock tick."""
     return Timings((read_birth(os.getpid()) or 0) / os.sysconf("SC_CLK_TCK"))
 
 
 def describe_timings(
     born: float, steps: Sequence[tuple[str, float]], started: Mapping[str, float], up: Mapping[str, float]
 ) -> list[str]:
-    """Lines for people: each step, each node, and the critical chain. All times in s on one clock."""
+    """Return lines for display: each step, each node, and the critical path. All times in s on one clock."""
     lines = ["start-up:"]
     chain = []
     before = born

@@ -24,32 +24,32 @@ class SignalUnit:
 
 @dataclass(frozen=True, slots=True)
 class AwaitMaster:
-    """Find out when the master answers; then MasterAnswered or SetupFailed."""
+    """Wait until the master answers; results in MasterAnswered or SetupFailed."""
 
 
 @dataclass(frozen=True, slots=True)
 class SetParameters:
-    """Put the parameters on the master; then ParametersSet or SetupFailed."""
+    """Set the parameters on the master; results in ParametersSet or SetupFailed."""
 
 
 @dataclass(frozen=True, slots=True)
 class Sweep:
-    """Signal every process that is left; NothingLeft once there is none."""
+    """Signal every remaining process; results in NothingLeft once there is none."""
 
     signum: int
 
 
 @dataclass(frozen=True, slots=True)
 class Unregister:
-    """Remove what is left of the run's nodes from a master that stays; then Unregistered."""
+    """Remove registrations of the run's nodes from a master that continues; results in Unregistered."""
 
 
 @dataclass(frozen=True, slots=True)
 class ReportDeath:
-    """Report that a unit ended. `restart_in` is set when it is restarted, `ends_run` when the run ends.
+    """Report that a unit ended. `restart_in` is set if it is restarted, `ends_run` if the run ends.
 
-    `deaths` is set when it will not be started any more because it died so often in a row. `evicted_by` is set when
-    another node registered under its name: who started that.
+    `deaths` is set if it is not restarted because it died so often in a row. `evicted_by` is set if another node
+    registered under its name, and names the origin of that node.
     """
 
     name: str
@@ -63,7 +63,7 @@ class ReportDeath:
 
 @dataclass(frozen=True, slots=True)
 class ReportRequest:
-    """Report that a unit was stopped on request, or (`refused`) why the request is not carried out."""
+    """Report that a unit was stopped on request, or (`refused`) the reason why the request is refused."""
 
     name: str
     refused: str = ""
@@ -76,19 +76,19 @@ class ReportRevival:
 
 @dataclass(frozen=True, slots=True)
 class ReportMaster:
-    """Report that the master does not answer any more, or answers again."""
+    """Report that the master no longer answers, or answers again."""
 
     lost: bool
 
 
 @dataclass(frozen=True, slots=True)
 class StartShare:
-    """Have the robot start its nodes again, with a master where it has none; then ShareStarted or ShareFailed."""
+    """Have the robot start its nodes again, with a master if it has none; results in ShareStarted or ShareFailed."""
 
 
 @dataclass(frozen=True, slots=True)
 class ReportLink:
-    """Report that nothing has come from the robot for so long (s), or (`lost` false) that it answers again."""
+    """Report that the robot has not answered for `seconds`, or (`lost` false) that it answers again."""
 
     lost: bool
     seconds: float
@@ -104,7 +104,7 @@ class ReportPressure:
 
 @dataclass(frozen=True, slots=True)
 class ReportStop:
-    """Report why the run ends now. `failed` when it could not even begin."""
+    """Report the reason why the run ends. `failed` means that it could not start."""
 
     cause: str
     failed: bool = False

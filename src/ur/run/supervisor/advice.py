@@ -1,4 +1,4 @@
-"""Advice after a node has died: facts about the crash in, one line for people out. Pure."""
+"""Advice after a node has died: from facts about the crash to one line for the user. Pure."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from ur.run.supervisor.state import ExitStatus
 
 @dataclass(frozen=True, slots=True)
 class Crash:
-    """A node that died: how, what it printed last, and why it could not be started ('' when it was)."""
+    """A node that died: its exit status, its last output, and the reason if it could not be started ('' otherwise)."""
 
     name: str
     status: ExitStatus
@@ -21,7 +21,7 @@ class Crash:
 
 
 def advise(crash: Crash) -> str:
-    """The first thing to try, one line without a full stop; '' when nothing is known that is better than the log."""
+    """Return the first thing to try, one line without a full stop; '' if the log is the best source."""
     if crash.reason:
         return _advise_unstarted(crash)
     text = "\n".join(re.sub("\x1b\\[[0-9;]*m", "", line) for line in crash.lines)

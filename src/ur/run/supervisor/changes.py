@@ -1,4 +1,4 @@
-"""Small changes to the state of a run, from which the supervisor's steps are made. Pure."""
+"""Small changes to the state of a run, of which the supervisor's steps consist. Pure."""
 
 from __future__ import annotations
 
@@ -21,13 +21,13 @@ def is_before(state: State, phase: RunPhase) -> bool:
 
 
 def put_unit(state: State, changed: UnitState) -> State:
-    """The state with one unit replaced."""
+    """Return the state with one unit replaced."""
     place = state.places[changed.unit.name]
     return replace(state, units=(*state.units[:place], changed, *state.units[place + 1 :]))
 
 
 def start_units(state: State, chosen: Iterable[UnitState], now: float) -> Step:
-    """Start those that wait."""
+    """Start the waiting ones of these units."""
     actions: list[Action] = []
     for each in chosen:
         if each.status is UnitStatus.WAITING:
@@ -39,5 +39,5 @@ def start_units(state: State, chosen: Iterable[UnitState], now: float) -> Step:
 
 
 def signal_patience(limits: TimeLimits, pressure: int) -> float:
-    """Time to wait, in s, after the signal that follows `pressure` others."""
+    """Return the time to wait, in s, after the signal that follows `pressure` others."""
     return (limits.interrupt, limits.terminate, 1.0)[pressure]

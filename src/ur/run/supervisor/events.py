@@ -17,7 +17,7 @@ class Begin:
 
 @dataclass(frozen=True, slots=True)
 class MasterAnswered:
-    """The master can be talked to."""
+    """The master answers."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,7 +27,7 @@ class ParametersSet:
 
 @dataclass(frozen=True, slots=True)
 class SetupFailed:
-    """The master did not answer, or refused a parameter. `reason` is for people."""
+    """The master did not answer, or refused a parameter. `reason` is a text for the user."""
 
     reason: str
 
@@ -42,7 +42,7 @@ class Started:
 
 @dataclass(frozen=True, slots=True)
 class StartFailed:
-    """A unit could not be started. `reason` is for people."""
+    """A unit could not be started. `reason` is a text for the user."""
 
     name: str
     reason: str
@@ -58,7 +58,7 @@ class Exited:
 
 @dataclass(frozen=True, slots=True)
 class Evicted:
-    """A unit's process ended because another node registered under its name. `by` is for people: who started that."""
+    """A unit's process ended because another node registered under its name. `by` describes the origin of that node."""
 
     name: str
     status: ExitStatus
@@ -67,14 +67,20 @@ class Evicted:
 
 @dataclass(frozen=True, slots=True)
 class OwnerEnded:
-    """A run that this one has joined ends, and the nodes that this run uses end with it. `cause` is for people."""
+    """A run that this one has joined ends, and the nodes that this run uses end with it.
+
+    `cause` is a text for the user.
+    """
 
     cause: str
 
 
 @dataclass(frozen=True, slots=True)
 class StopRequested:
-    """A client or signal asks the run to end; asking again makes it faster. `exit_code` is that of the run."""
+    """A client or signal requests the end of the run; repeated requests end it faster.
+
+    `exit_code` is that of the run.
+    """
 
     cause: str
     exit_code: int = 0
@@ -82,14 +88,14 @@ class StopRequested:
 
 @dataclass(frozen=True, slots=True)
 class StartWanted:
-    """A person wants a unit to run."""
+    """The user requests that a unit runs."""
 
     name: str
 
 
 @dataclass(frozen=True, slots=True)
 class StopWanted:
-    """A person wants a unit not to run; `kill` at once. The run goes on."""
+    """The user requests that a unit does not run; with `kill`, immediately. The run continues."""
 
     name: str
     kill: bool = False
@@ -97,7 +103,7 @@ class StopWanted:
 
 @dataclass(frozen=True, slots=True)
 class RestartWanted:
-    """A person wants a unit to start anew; this once with `prefix` in front of its program, in place of its own."""
+    """The user requests a restart of a unit; once with `prefix` in front of its program, in place of its own."""
 
     name: str
     prefix: tuple[str, ...] = ()
@@ -105,36 +111,36 @@ class RestartWanted:
 
 @dataclass(frozen=True, slots=True)
 class MasterLost:
-    """The master does not answer any more."""
+    """The master no longer answers."""
 
 
 @dataclass(frozen=True, slots=True)
 class MasterReturned:
-    """The master that was lost answers again and has forgotten nothing."""
+    """The lost master answers again and still has its state."""
 
 
 @dataclass(frozen=True, slots=True)
 class MasterReplaced:
-    """Another master answers in place of the one that was there: it knows neither parameters nor nodes."""
+    """Another master answers at the address: it has neither the parameters nor the nodes."""
 
 
 @dataclass(frozen=True, slots=True)
 class RobotMasterLost:
-    """The robot answers, and has reported no master for so long (s)."""
+    """The robot answers, but has had no master for `seconds`."""
 
     seconds: float
 
 
 @dataclass(frozen=True, slots=True)
 class LinkLost:
-    """Nothing has come from the robot for so long (s). Repeated while it lasts."""
+    """The robot has not answered for `seconds`. Repeated while that lasts."""
 
     seconds: float
 
 
 @dataclass(frozen=True, slots=True)
 class LinkRestored:
-    """The robot answers again after so long (s)."""
+    """The robot answers again after `seconds`."""
 
     seconds: float
 
@@ -146,7 +152,7 @@ class ShareStarted:
 
 @dataclass(frozen=True, slots=True)
 class ShareFailed:
-    """The robot's nodes have ended and could not be started again. `reason` is text for people, with a remedy."""
+    """The robot's nodes have ended and could not be started again. `reason` is a text for the user, with a remedy."""
 
     reason: str
 
@@ -158,7 +164,7 @@ class Tick:
 
 @dataclass(frozen=True, slots=True)
 class NothingLeft:
-    """No process of the run exists any more, children of children included."""
+    """All processes of the run have ended, including their descendants."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -13,7 +13,7 @@ from ur.run.supervisor.state import ExitStatus, RunPhase, State, TimeLimits, Uni
 
 
 def note_started(state: State, name: str, pid: int, now: float) -> Step:
-    """A unit has a process; it gets the signal that was meant for it before it had one."""
+    """Record that a unit has a process, which gets a signal requested before it existed."""
     each = state.find(name)
     if each is None or each.status is not UnitStatus.STARTING:
         return state, []
@@ -23,9 +23,10 @@ def note_started(state: State, name: str, pid: int, now: float) -> Step:
 
 
 def note_ended(state: State, name: str, status: ExitStatus, now: float, reason: str = "", evicted_by: str = "") -> Step:
-    """A unit's process has ended, or (`reason`) never was one.
+    """Record that a unit's process has ended, or (`reason`) could not be started.
 
-    One that another node's registration has ended (`evicted_by`) is not started again: it would end that node in turn.
+    A unit that another node's registration has ended (`evicted_by`) is not restarted, since it would end that node in
+    turn.
     """
     before = state.find(name)
     if before is None or not before.alive:
@@ -57,7 +58,7 @@ def note_ended(state: State, name: str, status: ExitStatus, now: float, reason: 
 
 
 def _end_with(state: State, each: UnitState, death: ReportDeath, now: float) -> Step:
-    """The run ends with this unit."""
+    """End the run because of this unit's end."""
     unit, status = each.unit, death.status
     if not unit.terminal:
         # roslaunch exits with 0 then; a run that has a program of ours in front has not done what it was asked to.
@@ -74,7 +75,7 @@ def _end_with(state: State, each: UnitState, death: ReportDeath, now: float) -> 
 
 
 def _respawn(state: State, each: UnitState, death: ReportDeath, lived: float, now: float) -> Step:
-    """Start it again, ever later; or not any more, when it only ever dies."""
+    """Restart the unit with growing delays; give up if it always dies soon."""
     quick = each.quick_deaths + 1 if lived < state.limits.quick_death else 0
     each = replace(each, quick_deaths=quick)
     if _is_storm(quick, death.status, state.limits):
@@ -86,7 +87,7 @@ def _respawn(state: State, each: UnitState, death: ReportDeath, lived: float, no
 
 
 def _end_when_idle(state: State, reported: list[Action], now: float) -> Step:
-    """The run ends with its last node, unless a person stopped one and may want it back."""
+    """End the run with its last node, unless the user stopped one and may start it again."""
     nodes = [other for other in state.units if not other.unit.core]
     if state.phase is not RunPhase.RUNNING or any(
         other.status is not UnitStatus.ENDED or other.held for other in nodes

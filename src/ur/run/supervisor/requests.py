@@ -1,4 +1,4 @@
-"""Requests of people about one unit of a run: start, stop, kill, restart. Pure."""
+"""Requests of the user about one unit of a run: start, stop, kill, restart. Pure."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from ur.run.supervisor.state import RunPhase, State, StopRequest, UnitState, Uni
 
 
 def apply_request(state: State, wanted: StartWanted | StopWanted | RestartWanted, now: float) -> Step:
-    """Begin to carry a request out. While the run ends no request is taken."""
+    """Start to execute a request. While the run ends, requests are ignored."""
     if not is_before(state, RunPhase.STOPPING_NODES):
         return state, []
     each = state.find(wanted.name)
@@ -35,7 +35,7 @@ def apply_request(state: State, wanted: StartWanted | StopWanted | RestartWanted
 
 
 def press_unit(state: State, each: UnitState, now: float) -> Step:
-    """The next, stronger signal for a unit that is to stop."""
+    """Send the next, stronger signal to a unit that is to stop."""
     if each.pressure >= len(SIGNALS):
         return put_unit(state, replace(each, deadline=None)), []  # it hangs in the kernel; the end of the run copes
     signum = SIGNALS[each.pressure]
@@ -48,7 +48,7 @@ def press_unit(state: State, each: UnitState, now: float) -> Step:
 
 
 def press_overdue(state: State, now: float) -> Step:
-    """Stronger signals for all that did not stop in time."""
+    """Send stronger signals to all units that did not stop in time."""
     actions: list[Action] = []
     for each in state.units:
         if each.deadline is not None and each.deadline <= now:
@@ -58,7 +58,7 @@ def press_overdue(state: State, now: float) -> Step:
 
 
 def fulfil_request(state: State, each: UnitState, request: StopRequest, now: float) -> Step:
-    """The unit has ended as it was wanted."""
+    """Complete a request after its unit has ended."""
     if request is StopRequest.RESTART:
         again = replace(each, restarts=each.restarts + 1)
         return _start_anew(put_unit(state, again), again, now)
@@ -66,7 +66,7 @@ def fulfil_request(state: State, each: UnitState, request: StopRequest, now: flo
 
 
 def restart_all(state: State, now: float) -> Step:
-    """Another master is there, and nodes do not register again by themselves: restart what runs, start what is due."""
+    """Restart running and due units after another master has started: nodes do not register again by themselves."""
     state = replace(state, reviving=False)
     actions: list[Action] = []
     for each in state.units:

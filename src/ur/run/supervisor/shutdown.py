@@ -1,4 +1,4 @@
-"""Shutdown of a run: nodes, rosout and master, processes that they left, registrations. Pure."""
+"""Shutdown of a run: nodes, rosout and master, their remaining processes, registrations. Pure."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from ur.run.supervisor.state import RunPhase, State, UnitStatus
 
 
 def begin_end(state: State, cause: str, exit_code: int, now: float, *, failed: bool = False) -> Step:
-    """End the run. `cause` is text for people, '' without one; `failed` when it could not even begin."""
+    """End the run. `cause` is a text for the user, '' without one; `failed` means that it could not start."""
     state = replace(state, phase=RunPhase.STOPPING_NODES, exit_code=exit_code, cause=cause, pressure=0, deadline=None)
     for each in state.units:
         if each.status is UnitStatus.WAITING:
@@ -24,7 +24,7 @@ def begin_end(state: State, cause: str, exit_code: int, now: float, *, failed: b
 
 
 def advance_end(state: State, now: float) -> Step:
-    """Go on once nothing of this phase is left; send the first signal where that has not happened."""
+    """Continue with the next phase once no process of this one is left; send the first signal if still necessary."""
     if state.phase is RunPhase.STOPPING_NODES:
         if any(each.alive for each in state.units if not each.unit.core):
             return (state, []) if state.pressure else press_all(state, now)
@@ -43,7 +43,7 @@ def advance_end(state: State, now: float) -> Step:
 
 
 def press_all(state: State, now: float) -> Step:
-    """The next, stronger signal to all that is left; or the next phase where there is none stronger."""
+    """Send the next, stronger signal to all remaining processes; continue with the next phase after the strongest."""
     match state.phase:
         case RunPhase.STOPPING_NODES:
             return _press_nodes(state, now)
@@ -55,14 +55,14 @@ def press_all(state: State, now: float) -> Step:
 
 
 def remove_registrations(state: State, now: float) -> Step:
-    """Nothing runs any more: clean up at a master that stays, where there is one."""
+    """Remove registrations from a master that continues, after all processes have ended."""
     if state.own_master:
         return finish_end(state)
     return replace(state, phase=RunPhase.UNREGISTERING, deadline=now + state.limits.unregister), [Unregister()]
 
 
 def finish_end(state: State) -> Step:
-    """Nothing is left to do."""
+    """Finish the run."""
     return replace(state, phase=RunPhase.DONE, deadline=None), [Finish(state.exit_code)]
 
 
@@ -92,7 +92,7 @@ def _press_rest(state: State, now: float) -> Step:
 
 
 def _abandon(state: State, now: float) -> Step:
-    """Nothing survives SIGKILL except a process that hangs in the kernel: wait no longer for it."""
+    """Stop waiting for a process that hangs in the kernel: only such a process survives SIGKILL."""
     for each in state.units:
         if each.alive and each.unit.core == (state.phase is RunPhase.STOPPING_CORE):
             state = put_unit(state, replace(each, status=UnitStatus.ENDED, pid=None))

@@ -9,7 +9,7 @@ from enum import Enum
 
 @dataclass(frozen=True, slots=True)
 class Unit:
-    """A process as the supervisor sees it: its name and what its end means, not how it is started.
+    """A process as the supervisor sees it: its name and the consequences of its end, without its command.
 
     `core` units (the master and rosout) start before all others and stop after them. A `terminal` unit owns the
     keyboard and the screen: the run ends with it.
@@ -25,7 +25,7 @@ class Unit:
 
 @dataclass(frozen=True, slots=True)
 class ExitStatus:
-    """The end of a process: `code` when it exited by itself, else `signal`; neither when it could not be started."""
+    """The end of a process: `code` if it exited by itself, else `signal`; neither if it could not be started."""
 
     code: int | None = None
     signal: int | None = None
@@ -37,7 +37,7 @@ class ExitStatus:
 
     @property
     def shell_code(self) -> int:
-        """The exit code a shell would show: 128 + n for signal n, 127 for a process that never started."""
+        """Return the exit code that a shell would show: 128 + n for signal n, 127 for a process that never started."""
         if self.signal is not None:
             return 128 + self.signal
         return 127 if self.code is None else self.code
@@ -53,14 +53,14 @@ class UnitStatus(Enum):
 
 
 class StopRequest(Enum):
-    """A person's request for a unit that is being stopped."""
+    """A user's request for a unit that is being stopped."""
 
     STOP = "stop"
     RESTART = "restart"
 
 
 class RunPhase(Enum):
-    """The phase of a run. Phases only go forward."""
+    """The phase of a run. A run never returns to an earlier phase."""
 
     MASTER = "master"  # waiting for the master to answer
     PARAMETERS = "parameters"
@@ -91,10 +91,11 @@ class TimeLimits:
 
 @dataclass(frozen=True, slots=True)
 class UnitState:
-    """A unit and its state. `due` is when to start it again; times are those handed to `step`.
+    """A unit and its state.
 
-    `request` is set while a person's request is carried out; `pressure` and `deadline` are its progress.
-    `held`: a person stopped it. `reason` is why it could not be started, or is not started again.
+    `due` is the time of its restart; times are those passed to `step`. `request` is set while a user's request is
+    executed; `pressure` and `deadline` are its progress. `held`: the user stopped it. `reason` tells why it could not
+    be started, or is not restarted.
     """
 
     unit: Unit
@@ -120,7 +121,7 @@ class UnitState:
 
 @dataclass(frozen=True, slots=True)
 class State:
-    """The whole run. `cause` is why it ends; `pressure` counts the signals sent so far: 1 INT, 2 TERM, 3 KILL."""
+    """The whole run. `cause` is the reason of its end; `pressure` counts the sent signals: 1 INT, 2 TERM, 3 KILL."""
 
     units: tuple[UnitState, ...]
     own_master: bool
@@ -136,6 +137,6 @@ class State:
     places: Mapping[str, int] = field(default_factory=dict, compare=False, repr=False)  # in `units`, by name
 
     def find(self, name: str) -> UnitState | None:
-        """The state of a unit, by name."""
+        """Return the state of a unit by name, or None."""
         place = self.places.get(name)
         return None if place is None else self.units[place]

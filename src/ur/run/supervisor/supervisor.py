@@ -1,8 +1,8 @@
 """The pure core of a run: the actions that follow an event. It has no process, no clock and no network.
 
-`step(state, event, now)` returns the next state and the actions. The shell around it (`ur.run.loop`) carries the
-actions out and feeds back events. `lifecycle` handles the start and the end of one unit, `requests` those of
-clients, and `shutdown` the end of the whole run.
+`step(state, event, now)` returns the next state and the actions. The shell around it (`ur.run.loop`) executes the
+actions and passes events back. `lifecycle` handles the start and the end of one unit, `requests` those of clients, and
+`shutdown` the end of the whole run.
 """
 
 from __future__ import annotations
@@ -56,7 +56,7 @@ from ur.run.supervisor.state import ExitStatus, RunPhase, State, TimeLimits, Uni
 def begin_state(
     units: Iterable[Unit], *, own_master: bool, limits: TimeLimits | None = None, shared: bool = False
 ) -> State:
-    """The state before anything happened. Units start in this order, core units first and terminal units last."""
+    """Return the initial state. Units start in this order, core units first and terminal units last."""
     ordered = sorted(units, key=lambda unit: (not unit.core, unit.terminal))
     places = {unit.name: place for place, unit in enumerate(ordered)}
     return State(
@@ -65,13 +65,13 @@ def begin_state(
 
 
 def step(state: State, event: Event, now: float) -> tuple[State, tuple[Action, ...]]:
-    """Compute the next state and the actions for an event. `now` is any clock that never goes back, in s."""
+    """Compute the next state and the actions for an event. `now` is any monotonic clock, in s."""
     following, actions = _handle(state, event, now)
     return following, tuple(actions)
 
 
 def next_deadline(state: State) -> float | None:
-    """Latest time at which `Tick` is due; None when only events matter."""
+    """Return the latest time at which `Tick` is due; None if only events matter."""
     times = []
     if state.phase is RunPhase.RUNNING and not state.reviving:
         times = [each.due for each in state.units if each.due is not None]
@@ -112,7 +112,7 @@ def _handle(state: State, event: Event, now: float) -> Step:
 
 
 def _proceed(state: State, event: Event, now: float) -> Step:
-    """From phase to phase: each of these events belongs to one phase and means nothing in another."""
+    """Advance from phase to phase: each of these events belongs to one phase and is ignored in others."""
     match event:
         case Begin() if state.phase is RunPhase.MASTER:
             return _begin(state, now)
@@ -162,9 +162,10 @@ def _tick(state: State, now: float) -> Step:
 
 
 def follow_master(state: State, event: Event, now: float) -> Step:
-    """React to an event of the master or of the link. A lost link alone changes nothing: nodes go on.
+    """React to an event of the master or of the link.
 
-    Another master knows neither parameters nor nodes. A robot that has a share of the run starts that again first.
+    A lost link alone changes nothing: nodes continue. Another master has neither parameters nor nodes. A robot with a
+    share of the run restarts that first.
     """
     match event:
         case LinkLost(seconds):
