@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import singledispatchmethod
 
 from textual import on
 from textual.app import ComposeResult
@@ -11,7 +12,6 @@ from textual.widgets import Static
 
 from ur.source.diagnostic import UserError
 from ur.source.run_users import describe_users
-from ur_nodes.client.mux import MuxRequest
 from ur_nodes.client.patrol_text import PatrolRoute
 from ur_nodes.client.snapshot import LastGoalState, format_place
 from ur_nodes.client.waypoints import WaypointStore
@@ -137,61 +137,77 @@ class NavigateApp(NavigateView):
     def _panel_clicked(self) -> None:
         self.map.ignore_double_click()
 
+    @singledispatchmethod
     def _do(self, command: c.Command) -> None:
-        """Run a command. Raises UserError."""
-        if isinstance(command, c.Quit):
-            self._leave()
-        elif isinstance(command, (c.Help, c.ListPlaces, c.Follow, c.SwitchTheme)):
-            self._change_view(command)
-        elif isinstance(command, c.CancelGoal):
-            self._waiting_line = ""
-            self._navigator.stop()
-            self._show_message(describe_stop(self._snapshot), "yellow")
-        elif isinstance(command, c.ContinueGoal):
-            self._resume()
-        elif isinstance(command, c.AskLease):
-            self._navigator.request_lease(command.request)
-            self._show_message(REQUESTED[command.request])
-        elif isinstance(command, c.AskMux):
-            self._ask_mux(command.request)
-        elif isinstance(command, (c.Go, c.GoToWaypoint, c.DrivePatrol)):
-            self._drive(command)
-        elif isinstance(command, c.SetPose):
-            self._require_to_drive()
-            place = Pose2(command.x, command.y, command.yaw)
-            self._navigator.set_pose(place)
-            self._show_message(f"pose set to {format_place(place)}")
-        elif isinstance(command, c.StoreMap):
-            if self._saving is None:
-                raise bad_command_error(c.NO_MAPPING)
-            self._saving.ask()
-        elif isinstance(command, c.Relocalise):
-            self._require_to_drive()
-            self._navigator.relocalise()
-            self._show_message("searching for the robot on the whole map; drive a little to help")
-        else:
-            self._change_places(command)
+        """Run a command: the method below that is registered for its class. Raises UserError."""
+        raise NotImplementedError(command)
 
-    def _drive(self, command: c.Go | c.GoToWaypoint | c.DrivePatrol) -> None:
-        if isinstance(command, c.DrivePatrol):
-            route = route_of(command, self._store()) if command.names else PatrolRoute()
-            self._asked = self._navigator.ask_patrol(command.action, route)
-            self._show_message("asked the robot")
-            return
+    @_do.register
+    def _quit(self, _: c.Quit) -> None:
+        self._leave()
+
+    @_do.register
+    def _cancel(self, _: c.CancelGoal) -> None:
+        self._waiting_line = ""
+        self._navigator.stop()
+        self._show_message(describe_stop(self._snapshot), "yellow")
+
+    @_do.register
+    def _ask_lease(self, command: c.AskLease) -> None:
+        self._navigator.request_lease(command.request)
+        self._show_message(REQUESTED[command.request])
+
+    @_do.register
+    def _set_pose(self, command: c.SetPose) -> None:
+        self._require_to_drive()
+        place = Pose2(command.x, command.y, command.yaw)
+        self._navigator.set_pose(place)
+        self._show_message(f"pose set to {format_place(place)}")
+
+    @_do.register
+    def _save_map(self, _: c.StoreMap) -> None:
+        if self._saving is None:
+            raise bad_command_error(c.NO_MAPPING)
+        self._saving.ask()
+
+    @_do.register
+    def _relocalise(self, _: c.Relocalise) -> None:
+        self._require_to_drive()
+        self._navigator.relocalise()
+        self._show_message("searching for the robot on the whole map; drive a little to help")
+
+    @_do.register
+    def _drive_patrol(self, command: c.DrivePatrol) -> None:
+        route = route_of(command, self._store()) if command.names else PatrolRoute()
+        self._asked = self._navigator.ask_patrol(command.action, route)
+        self._show_message("asked the robot")
+
+    @_do.register(c.Go)
+    @_do.register(c.GoToWaypoint)
+    def _drive(self, command: c.Go | c.GoToWaypoint) -> None:
         place, any_heading = target_of(command, self._snapshot, self._store())
         self._send(place, any_heading=any_heading)
 
-    def _change_view(self, command: c.Help | c.ListPlaces | c.Follow | c.SwitchTheme) -> None:
-        if isinstance(command, c.Help):
-            self.query_one(Panel).open("help", help_table())
-        elif isinstance(command, c.ListPlaces):
-            self.query_one(Panel).open("waypoints", list_places(self._store().places()))
-        elif isinstance(command, c.Follow):
-            self.map.toggle_follow()
-        else:
-            self._switch_theme()
+    @_do.register
+    def _show_help(self, _: c.Help) -> None:
+        self.query_one(Panel).open("help", help_table())
 
-    def _resume(self) -> None:
+    @_do.register
+    def _list_places(self, _: c.ListPlaces) -> None:
+        self.query_one(Panel).open("waypoints", list_places(self._store().places()))
+
+    @_do.register
+    def _follow(self, _: c.Follow) -> None:
+        self.map.toggle_follow()
+
+    @_do.register
+    def _switch_theme(self, _: c.SwitchTheme) -> None:
+        self._light = not self._light
+        self.use_theme(light=self._light)
+        self.map.set_palette(self._palette())
+
+    @_do.register
+    def _resume(self, _: c.ContinueGoal) -> None:
         if self._snapshot.goal.state is not LastGoalState.ASKING:
             self._show_message("no goal to continue", "yellow")
             return
@@ -203,26 +219,32 @@ class NavigateApp(NavigateView):
         if reason := reason_not_to_drive(self._navigator.snapshot()):
             raise bad_command_error(f"not done: {reason}")
 
-    def _ask_mux(self, request: MuxRequest) -> None:
-        if request == "stop":
+    @_do.register
+    def _ask_mux(self, command: c.AskMux) -> None:
+        if command.request == "stop":
             self._waiting_line = ""
             if not self._snapshot.goal.over:
                 self._navigator.stop()
-        self._navigator.ask_mux(request)
+        self._navigator.ask_mux(command.request)
         self._show_message("")
         self._look()
 
-    def _change_places(self, command: c.Remember | c.Forget) -> None:
-        store = self._store()
-        if isinstance(command, c.Forget):
-            store.forget(command.name)
-            self._show_message(f"waypoint '{command.name}' deleted")
-        else:
-            pose = self._navigator.snapshot().pose
-            if pose is None:
-                raise bad_command_error("the robot's pose is not known yet, expected a localised robot")
-            fresh = store.remember(command.name, pose)
-            self._show_message(f"waypoint '{command.name}' {'saved at' if fresh else 'moved to'} {format_place(pose)}")
+    @_do.register
+    def _remember(self, command: c.Remember) -> None:
+        pose = self._navigator.snapshot().pose
+        if pose is None:
+            raise bad_command_error("the robot's pose is not known yet, expected a localised robot")
+        fresh = self._store().remember(command.name, pose)
+        self._show_places(f"waypoint '{command.name}' {'saved at' if fresh else 'moved to'} {format_place(pose)}")
+
+    @_do.register
+    def _forget(self, command: c.Forget) -> None:
+        self._store().forget(command.name)
+        self._show_places(f"waypoint '{command.name}' deleted")
+
+    def _show_places(self, message: str) -> None:
+        """Show the waypoints as they are now, and what has changed."""
+        self._show_message(message)
         self._reload_places()
         self._look()
 
@@ -244,11 +266,6 @@ class NavigateApp(NavigateView):
             self._show_message(f"not sent: {error_line(problem)}", "bold red")
         self._look()
 
-    def _switch_theme(self) -> None:
-        self._light = not self._light
-        self.use_theme(light=self._light)
-        self.map.set_palette(self._palette())
-
 
 _PAN = 0.1  # of the screen
 _MAP_ACTIONS: dict[str, Callable[[NavigateApp], object]] = {
@@ -260,5 +277,5 @@ _MAP_ACTIONS: dict[str, Callable[[NavigateApp], object]] = {
     **dict.fromkeys(("down", "j"), lambda app: app.map.pan(0.0, _PAN)),
     "0": lambda app: app.map.fit(),
     "f": lambda app: app.map.toggle_follow(),
-    "t": lambda app: app._switch_theme(),  # noqa: SLF001 - this module's own
+    "t": lambda app: app._do(c.SwitchTheme()),  # noqa: SLF001 - this module's own
 }
