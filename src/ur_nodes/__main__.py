@@ -3,6 +3,9 @@
 Nodes start isolated (`-I`), so that nothing in the current folder or in PYTHONPATH replaces their modules. Messages of
 a workspace are found all the same: the folders of PYTHONPATH are searched last.
 
+NumPy computes on one thread: the matrices of nodes are small, and more threads would wait for one another in a busy
+loop. OPENBLAS_NUM_THREADS sets another number.
+
 An interrupt while the module is still importing ends it without a message; rospy sets its own handler once it starts.
 """
 
@@ -25,6 +28,7 @@ def list_message_folders(python_path: str) -> list[str]:
 
 if __name__ == "__main__":
     signal.signal(signal.SIGINT, _leave)
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # before NumPy is imported
     import runpy
 
     from ur_nodes.run import backend_name

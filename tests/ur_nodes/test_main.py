@@ -7,6 +7,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 NODE = "import json, sys\nfrom my_messages.msg import Bump\nprint(json.__file__, Bump)\n"
 
 
@@ -28,3 +30,19 @@ def test_messages_in_pythonpath_are_found_and_replace_nothing(tmp_path: Path) ->
         timeout=60,
     )
     assert done.stdout.endswith("json/__init__.py found\n"), done.stderr
+
+
+@pytest.mark.parametrize(("given", "used"), [({}, "1"), ({"OPENBLAS_NUM_THREADS": "3"}, "3")])
+def test_numpy_has_one_thread_unless_the_environment_sets_another_number(
+    tmp_path: Path, given: dict[str, str], used: str
+) -> None:
+    (tmp_path / "a_node.py").write_text("import os\nprint(os.environ['OPENBLAS_NUM_THREADS'])\n")
+    done = subprocess.run(
+        [sys.executable, "-I", "-m", "ur_nodes", str(tmp_path / "a_node.py")],
+        env={"PATH": os.environ["PATH"], "ROS_LOG_DIR": str(tmp_path), **given},
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=60,
+    )
+    assert done.stdout == f"{used}\n", done.stderr
