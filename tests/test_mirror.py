@@ -32,6 +32,7 @@ ELSEWHERE = {
     "ur/docs/launch": "whole documents: tests/docs/ and tests/docs/site/",
     "ur/docs/repository": "whole documents: tests/docs/ and tests/docs/site/",
     "ur/robot/base/sensors": "sensors are read as part of base files: tests/robot/test_base.py, tests/robot/base/",
+    "ur_nodes/assistant": "the robot's end and the server together: tests/mcp/",
     "ur_nodes/codecs": "the contract of all backends: tests/ur_nodes/ports/",
     "ur_nodes/memory": "the contract of all backends: tests/ur_nodes/ports/",
     "ur_nodes/ports/values": "values have no behaviour: the contract of all backends carries each of them",

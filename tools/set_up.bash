@@ -276,7 +276,7 @@ install_python() {
   local locks name kept=()
   locks=(-r "$(choose_lock)")
   if [[ $profile == test ]]; then # 260 MB, 20 s
-    for name in dev vision robot web foxglove three lsp recordings; do locks+=(-r "$root/requirements/$name.lock"); done
+    for name in dev vision robot web foxglove three lsp recordings mcp; do locks+=(-r "$root/requirements/$name.lock"); done
   fi
   # What was fetched before an interruption is kept until the end; a user of pip has a cache of his own.
   [[ -d ${XDG_CACHE_HOME:-$HOME/.cache}/pip ]] || kept=(--cache-dir "$PWD/.cache/pip")

@@ -12,7 +12,7 @@ from pathlib import Path
 
 from ur.source.foreign.json_values import read_json
 
-MODULES = "ur_nodes.web."
+MODULES = ("ur_nodes.web.", "ur_nodes.assistant.")
 """The modules that may be asked for begin so."""
 
 _MOST_SOCKETS = 4

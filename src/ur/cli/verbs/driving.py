@@ -64,6 +64,51 @@ DRIVING = (
         ),
     ),
     Verb(
+        "mcp",
+        "ur.cli.robots.mcp",
+        "Let an assistant look at a robot, and drive it while a person allows it.",
+        _SECTION,
+        examples=(
+            ("ur mcp", "Serve the assistant that has started it; see docs/how-to/assistant.md."),
+            ("ur mcp grant --minutes 30 --speed 0.2", "Let it drive for half an hour."),
+        ),
+        trust=Trust(
+            "requests of the assistant that started it; topics; files that `check`, `find` and `explain` read",
+            starts="the robot's end of it, a node; commands of `ur`; pip, to install the SDK when it is used first",
+            sends="ROS: within a grant, velocities and goals; to the assistant, what the robot publishes",
+            writes="a log of actions, and grants, in `~/.local/state`",
+        ),
+        below={
+            "grant": Below(
+                examples=(
+                    ("ur mcp grant", "Let the assistant drive as it asks to."),
+                    (
+                        "ur mcp grant --minutes 30 --speed 0.2 --not kitchen=2,1,5,4",
+                        "For half an hour, slowly, and not in the kitchen.",
+                    ),
+                ),
+            ),
+            "end": Below(
+                examples=(
+                    ("ur mcp end", "Take all grants back: the robot stops."),
+                    ("ur mcp end && ur mcp list", "The same, and see that none is left."),
+                ),
+            ),
+            "list": Below(
+                examples=(
+                    ("ur mcp list", "List the assistants that are served, and their grants."),
+                    ("watch ur mcp list", "The same, again and again."),
+                ),
+            ),
+            "log": Below(
+                examples=(
+                    ("ur mcp log", "Print what assistants have asked for."),
+                    ("ur mcp log --follow", "Go on with what comes."),
+                ),
+            ),
+        },
+    ),
+    Verb(
         "maps",
         "ur.cli.maps.maps",
         "List, show, edit and exchange the maps that robots have made.",

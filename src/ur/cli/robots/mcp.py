@@ -1,0 +1,158 @@
+"""`ur mcp`: the selected robot for an assistant, and the grants of persons."""
+
+from __future__ import annotations
+
+import os
+import re
+import sys
+import time
+from typing import TYPE_CHECKING
+
+import click
+
+from ur.source.diagnostic import UserError, error
+
+if TYPE_CHECKING:
+    from ur.mcp.grants import Area, GrantFiles
+
+_AREA = re.compile(r"(?:([\w -]{1,40})=)?(-?[\d.]+),(-?[\d.]+),(-?[\d.]+),(-?[\d.]+)")
+
+
+@click.group("mcp", invoke_without_command=True)
+@click.pass_context
+def command(context: click.Context) -> int:
+    """Serve an assistant that speaks the Model Context Protocol, over standard input and output.
+
+    The assistant's program starts it. It may look at the robot; to drive it needs a grant: 'ur mcp grant' gives one in
+    a terminal, for a time, an area and a speed.
+    """
+    if context.invoked_subcommand is not None:
+        return 0
+    if sys.stdin.isatty():
+        message = "standard input is a terminal, expected an assistant's program that starts this command"
+        raise UserError(error(message, rule="not-here", help="docs/how-to/assistant.md names its settings"))
+    from ur.request.environment import apply_selection, current_selection
+    from ur.request.requirements.python_packages import need_all
+
+    need_all(["mcp"], "mcp.lock", "what assistants need (20 MB to download)")
+    apply_selection(current_selection(os.environ))
+    import asyncio
+
+    from ur.mcp.serve import serve_stdio
+
+    return asyncio.run(serve_stdio())
+
+
+@command.command("grant")
+@click.option("--minutes", type=click.FloatRange(0.1, 1440.0), help="For how long. [default: as it asks, or 30]")
+@click.option("--speed", type=click.FloatRange(0.01, 2.0), help="The highest, in m/s. [default: as it asks, or 0.2]")
+@click.option(
+    "--within", multiple=True, metavar="X0,Y0,X1,Y1", help="Only in this rectangle of the map, m; repeatable."
+)
+@click.option("--not", "avoid", multiple=True, metavar="[NAME=]X0,Y0,X1,Y1", help="Not in this one; repeatable.")
+@click.option("--programs", is_flag=True, help="It may also start and end programs.")
+@click.option("--to", metavar="ID", help="The server, where several run; 'ur mcp list' names them.")
+def grant(
+    minutes: float | None, speed: float | None, within: tuple[str, ...], avoid: tuple[str, ...], programs: bool,
+    to: str | None,
+) -> int:  # fmt: skip
+    """Let an assistant drive, for a time, in an area, at most at a speed.
+
+    Every screen of the robot shows the grant while the assistant drives; `d` on one of them, or 'ur mcp end', takes it
+    back. It has to be typed in a terminal.
+    """
+    if not sys.stdin.isatty():
+        message = "standard input is no terminal, expected a person who gives the grant"
+        raise UserError(error(message, rule="not-here", help="type 'ur mcp grant' in a terminal"))
+    from ur.mcp.grants import grant_files, make_grant
+
+    files = grant_files()
+    id = _choose(files, to)
+    server = files.list_servers()[id]
+    asks = server.asks
+    if asks is not None:
+        reason = f": {asks.reason}" if asks.reason else ""
+        click.echo(f"{server.client} asks for {asks.minutes:g} minutes at {asks.speed:g} m/s{reason}")
+    found = make_grant(
+        minutes if minutes is not None else asks.minutes if asks else 30.0,
+        speed if speed is not None else asks.speed if asks else 0.2,
+        tuple(map(_read_area, within)),
+        tuple(map(_read_area, avoid)),
+        programs=programs,
+    )
+    if not click.confirm(f"Let {server.client} drive: {found.text}?", default=False):
+        click.echo("no grant is given")
+        return 1
+    files.give(id, found)
+    click.echo(f"{found.text}; 'ur mcp end' takes it back, and so does taking over on any screen")
+    return 0
+
+
+@command.command("end")
+def end() -> int:
+    """Take the grants of all assistants back, at once."""
+    from ur.mcp.grants import grant_files
+
+    files = grant_files()
+    count = sum(files.take_back(id) for id in files.list_servers())
+    click.echo(f"{count} {'grant was' if count == 1 else 'grants were'} taken back")
+    return 0
+
+
+@command.command("list")
+def list_servers() -> int:
+    """List the assistants that are served, and their grants."""
+    from ur.mcp.grants import grant_files
+
+    files = grant_files()
+    for id, server in files.list_servers().items():
+        found = files.find(id)
+        state = f"{found.text}, {found.seconds_left() / 60.0:.0f} min left" if found else "may look"
+        click.echo(
+            f"{id}  {server.client}: {state}" + (f"; asks to drive: {server.asks.reason}" if server.asks else "")
+        )
+    return 0
+
+
+@command.command("log")
+@click.option("--follow", is_flag=True, help="Go on with what comes, until Ctrl-C.")
+def log(follow: bool) -> int:
+    """Print what assistants have asked for, and what became of it."""
+    from ur.mcp.grants import grant_files
+
+    path = grant_files().log
+    if not path.exists():
+        click.echo("no assistant has asked for anything", err=True)
+        return 0
+    with path.open(encoding="utf-8") as file:
+        while True:
+            for line in file:
+                click.echo(line, nl=False)
+            if not follow:
+                return 0
+            time.sleep(0.5)
+
+
+def _choose(files: GrantFiles, to: str | None) -> str:
+    servers = files.list_servers()
+    if to is not None and to in servers:
+        return to
+    if to is None and len(servers) == 1:
+        return next(iter(servers))
+    names = ", ".join(f"{id} ({each.client})" for id, each in servers.items())
+    message = f"{len(servers)} assistants are served, expected one" if to is None else f"unknown server {to!r}"
+    help_ = f"ur mcp grant --to ID, for one of {names}" if servers else "start the assistant first"
+    raise UserError(error(message, rule="no-assistant", help=help_))
+
+
+def _read_area(text: str) -> Area:
+    from ur.mcp.grants import Area
+
+    found = _AREA.fullmatch(text)
+    sides = found.groups()[1:] if found is not None else ()
+    try:
+        x0, y0, x1, y1 = map(float, sides)
+    except ValueError:
+        message = f"area {text!r}, expected X0,Y0,X1,Y1 in m of the map, or NAME=X0,Y0,X1,Y1"
+        raise UserError(error(message, rule="bad-options", help="for example --not kitchen=2,1,5,4")) from None
+    return Area(min(x0, x1), min(y0, y1), max(x0, x1), max(y0, y1), found[1] or "" if found else "")

@@ -1,0 +1,156 @@
+"""The robot's end as the server reaches it: calls with answers, and signs of life."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import itertools
+import json
+import os
+import socket
+from collections.abc import Callable, Mapping
+from typing import Protocol
+
+from ur.source.foreign.json_values import read_json
+from ur.system.ros import node_command
+
+_MODULE = "ur_nodes.assistant.assistant_end_node"
+_LINE = 1 << 26  # bytes
+_START_LIMIT = 20.0  # s
+_END_LIMIT = 5.0  # s
+
+Values = Mapping[str, object]
+
+
+class RobotLink(Protocol):
+    """Sends messages to the robot's end. `on_revoked` is called with the reason when another client took over."""
+
+    on_revoked: Callable[[str], None]
+
+    async def ask(self, message: Values, limit: float) -> Values:
+        """Send a message, and wait for its answer for so long (s). Raises LinkError."""
+
+    def send(self, message: Values) -> None:
+        """Send a message that has no answer."""
+
+
+class LinkError(Exception):
+    """The robot's end does not answer; the text says why."""
+
+
+class Answers:
+    """The calls that wait for an answer, by their ids."""
+
+    def __init__(self) -> None:
+        self._waiting: dict[int, asyncio.Future[Values]] = {}
+        self._ids = itertools.count(1)
+
+    def add(self) -> tuple[int, asyncio.Future[Values]]:
+        """A new id, and the answer to come."""
+        number, future = next(self._ids), asyncio.get_running_loop().create_future()
+        self._waiting[number] = future
+        future.add_done_callback(lambda _: self._waiting.pop(number, None))
+        return number, future
+
+    def give(self, answer: Values) -> None:
+        """Take an answer of the robot's end."""
+        number = answer.get("id")
+        future = self._waiting.get(number) if isinstance(number, int) else None
+        if future is not None and not future.done():
+            future.set_result(answer)
+
+    def fail(self, reason: str) -> None:
+        """Nothing is answered any more."""
+        for each in list(self._waiting.values()):
+            if not each.done():
+                each.set_exception(LinkError(reason))
+
+
+class ProcessLink:
+    """See RobotLink: a process of the robot's middleware, started by the first message, and again when it has ended."""
+
+    def __init__(self, environment: Mapping[str, str], log: Callable[[str], None]) -> None:
+        self._environment, self._log = environment, log
+        self._answers = Answers()
+        self._writer: asyncio.StreamWriter | None = None
+        self._tasks: list[asyncio.Task[None]] = []
+        self._process: asyncio.subprocess.Process | None = None
+        self._starting = asyncio.Lock()
+        self.on_revoked: Callable[[str], None] = lambda _: None
+
+    async def ask(self, message: Values, limit: float) -> Values:
+        """See RobotLink."""
+        await self._start()
+        number, answer = self._answers.add()
+        self.send({**message, "id": number})
+        try:
+            return await asyncio.wait_for(answer, limit)
+        except asyncio.TimeoutError:
+            raise LinkError(
+                "the robot does not answer; does a program run on it ('ur run keyboard_navigate')?"
+            ) from None
+
+    def send(self, message: Values) -> None:
+        """See RobotLink."""
+        if self._writer is not None and not self._writer.is_closing():
+            self._writer.write(json.dumps(message, separators=(",", ":")).encode() + b"\n")
+
+    async def close(self) -> None:
+        """End the process, which ends every motion first."""
+        if self._writer is not None:
+            self._writer.close()
+        if self._process is not None:
+            try:
+                await asyncio.wait_for(self._process.wait(), _END_LIMIT)
+            except asyncio.TimeoutError:
+                with contextlib.suppress(ProcessLookupError):
+                    self._process.kill()
+        for each in self._tasks:
+            each.cancel()
+        await asyncio.gather(*self._tasks, return_exceptions=True)
+
+    async def _start(self) -> None:
+        async with self._starting:
+            if self._writer is not None and not self._writer.is_closing():
+                return
+            own, other = socket.socketpair()
+            with other:
+                self._process = await asyncio.create_subprocess_exec(
+                    *node_command(self._environment),
+                    *(_MODULE, str(other.fileno())),
+                    pass_fds=(other.fileno(),),
+                    stdin=asyncio.subprocess.DEVNULL,
+                    stdout=asyncio.subprocess.DEVNULL,
+                    stderr=asyncio.subprocess.PIPE,
+                    env=dict(self._environment),
+                    start_new_session=True,
+                )
+            reader, self._writer = await asyncio.open_connection(sock=own, limit=_LINE)
+            self._tasks = [
+                asyncio.create_task(self._read(reader)),
+                asyncio.create_task(self._read_errors(self._process)),
+            ]
+
+    async def _read(self, reader: asyncio.StreamReader) -> None:
+        with contextlib.suppress(ConnectionError, ValueError):
+            while line := await reader.readline():
+                message = read_json(line, dict[str, object], _LINE)
+                if "revoked" in message:
+                    self.on_revoked(str(message["revoked"]))
+                else:
+                    self._answers.give(message)
+        if self._writer is not None:
+            self._writer.close()
+        self._answers.fail("the connection to the robot has ended; does a program run on it?")
+
+    async def _read_errors(self, process: asyncio.subprocess.Process) -> None:
+        assert process.stderr is not None
+        with contextlib.suppress(ValueError):
+            while line := await process.stderr.readline():
+                self._log(line.decode("utf-8", "replace").rstrip())
+
+
+def robot_environment() -> dict[str, str]:
+    """The environment of the process: that of this one, without what would name another node or client."""
+    left_out = ("ROS_NAMESPACE", "ROSCONSOLE_CONFIG_FILE", "UR_CLIENT", "UR_LEASE")
+    return {name: value for name, value in os.environ.items() if name not in left_out}

@@ -1,0 +1,57 @@
+"""A grant: for how long, where and how fast an assistant may drive. Pure; places are in the map, m."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Annotated
+
+from msgspec import Meta
+
+from ur.source.foreign.json_values import ForeignValue
+
+_Coordinate = Annotated[float, Meta(ge=-1e5, le=1e5, description="a number of metres from -100000 to 100000")]
+MOST_RECTANGLES = 20
+
+_EDGE = 0.05  # m: kept from each border, for the error of the pose
+_STOPS_IN = 0.4  # s: to be at rest, and for the age of the pose
+
+
+class Rectangle(ForeignValue, frozen=True):
+    """An area with sides along the axes of the map."""
+
+    left: _Coordinate
+    bottom: _Coordinate
+    right: _Coordinate
+    top: _Coordinate
+    name: Annotated[str, Meta(max_length=40)] = ""
+
+    def contains(self, x: float, y: float, margin: float) -> bool:
+        """Return whether a place is inside, `margin` m or more from the border (outside of it where negative)."""
+        return self.left + margin <= x <= self.right - margin and self.bottom + margin <= y <= self.top - margin
+
+
+class Grant(ForeignValue, frozen=True):
+    """`seconds` from its arrival on, at most `speed` m/s, in one of `within` (everywhere without any), not in `avoid`.
+
+    `text` describes it on the screens of others.
+    """
+
+    seconds: Annotated[float, Meta(ge=0.0, le=86400.0)]
+    speed: Annotated[float, Meta(ge=0.01, le=2.0)]
+    within: Annotated[tuple[Rectangle, ...], Meta(max_length=MOST_RECTANGLES)] = ()
+    avoid: Annotated[tuple[Rectangle, ...], Meta(max_length=MOST_RECTANGLES)] = ()
+    text: Annotated[str, Meta(max_length=64)] = "assistant"
+
+    def allows(self, x: float, y: float, speed: float = 0.0) -> bool:
+        """Return whether the robot may be at a place with a speed (m/s): it is at rest before it leaves the area."""
+        margin = _EDGE + _STOPS_IN * abs(speed)
+        inside = not self.within or any(each.contains(x, y, margin) for each in self.within)
+        return inside and not any(each.contains(x, y, -margin) for each in self.avoid)
+
+
+@dataclass(frozen=True, slots=True)
+class HeldGrant:
+    """A grant, and when it ends (s of the node's steady clock)."""
+
+    grant: Grant
+    until: float

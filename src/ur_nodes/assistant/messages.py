@@ -1,0 +1,58 @@
+"""Messages of the server of `ur mcp` to the robot's end, one JSON object a line, and the answers."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from msgspec import Meta
+
+from ur.source.foreign.json_values import ForeignValue
+from ur_nodes.assistant.grant import Grant
+
+_Number = Annotated[int, Meta(ge=0, lt=2**53)]
+_Place = Annotated[float, Meta(ge=-1e5, le=1e5)]
+LONGEST_DRIVE = 5.0
+"""Seconds of a velocity that one call may ask for."""
+
+
+class Beat(ForeignValue, frozen=True, tag_field="do", tag="beat"):
+    """The assistant waits for the end of its call: a sign of life, many times a second."""
+
+
+class SetGrant(ForeignValue, frozen=True, tag_field="do", tag="grant"):
+    """The grant from now on; None: it was taken back, or is over."""
+
+    grant: Grant | None = None
+
+
+class Drive(ForeignValue, frozen=True, tag_field="do", tag="drive"):
+    """Drive at a velocity, m/s and rad/s to the left, for so long."""
+
+    id: _Number
+    forward: Annotated[float, Meta(ge=-2.0, le=2.0)]
+    turn: Annotated[float, Meta(ge=-4.0, le=4.0)]
+    seconds: Annotated[float, Meta(gt=0.0, le=LONGEST_DRIVE)]
+
+
+class Go(ForeignValue, frozen=True, tag_field="do", tag="go"):
+    """Drive to a place of the map, m; `yaw` in rad, None for any heading; for `seconds` at most."""
+
+    id: _Number
+    x: _Place
+    y: _Place
+    yaw: Annotated[float, Meta(ge=-7.0, le=7.0)] | None = None
+    seconds: Annotated[float, Meta(gt=0.0, le=600.0)] = 60.0
+
+
+class Stop(ForeignValue, frozen=True, tag_field="do", tag="stop"):
+    """Stop what the assistant has begun."""
+
+
+class Look(ForeignValue, frozen=True, tag_field="do", tag="look"):
+    """Describe the robot; with `picture` its map as a PNG file, too."""
+
+    id: _Number
+    picture: bool = False
+
+
+Message = Beat | SetGrant | Drive | Go | Stop | Look

@@ -1,0 +1,224 @@
+"""Motions of an assistant: begun by a call, and kept only while everything that the grant demands is true."""
+
+from __future__ import annotations
+
+import itertools
+import math
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from ur_nodes.assistant.grant import Grant, HeldGrant
+from ur_nodes.assistant.messages import Drive, Go
+from ur_nodes.client.driver_text import describe_lost, name_holder
+from ur_nodes.client.mux import MuxLink
+from ur_nodes.client.navigation import NavigationTopics
+from ur_nodes.client.snapshot import LastGoalState, heading_there
+from ur_nodes.geometry.pose import Pose2
+from ur_nodes.motion.challenge.freshness import FRESHNESS
+from ur_nodes.motion.challenge.link import ChallengeLink, stamped_name
+from ur_nodes.motion.lease.text import Action, Lease, LeaseRequest, Terms, read_lease, write_request
+from ur_nodes.motion.lease.view import Identity, LeaseView, view_lease
+from ur_nodes.navigation.goals.goal_claim import write_any_heading, write_goal_id
+from ur_nodes.ports.node import SECOND, Node
+from ur_nodes.ports.qualities import Quality
+from ur_nodes.ports.values import StampedTwist, Twist
+
+_SOURCE = "key_vel"
+_STILL = Twist(0.0, 0.0)
+_PATIENCE = 2.0  # s: for the lease
+_SILENCE = 1.0  # s without a beat after which the motion is given up; the robot is at rest long before
+_POSE_AGE = 0.5  # s
+
+Answer = Callable[[int, bool, str], None]
+"""Takes the id of a call, whether it has succeeded, and a text."""
+
+
+@dataclass(frozen=True, slots=True)
+class Motion:
+    """A motion that a call has begun at a time (s); `goal` is the number of the goal that was sent, 0 before."""
+
+    call: Drive | Go
+    began: float
+    driving_since: float | None = None
+    goal: int = 0
+
+
+class AssistedDriving:
+    """At most one motion at a time. Works on the node's thread.
+
+    Each beat of the assistant answers the newest challenge of the mux, within the grant, its time and its area, and
+    with the lease on the grant's terms. Nothing else answers one. So the mux has the robot at rest 0.3 s after the last
+    beat, whichever program drives it, and whatever hangs or ends.
+    """
+
+    def __init__(
+        self,
+        node: Node,
+        mux: str,
+        topics: NavigationTopics,
+        stop: MuxLink,
+        identity: Identity,
+        answer: Answer,
+        revoke: Callable[[str], None],
+    ) -> None:
+        """`revoke` is called with the reason when another client has taken over: the grant is void then."""
+        self._node, self._topics, self._stop, self._identity = node, topics, stop, identity
+        self._give, self._revoke = answer, revoke
+        self.link = ChallengeLink(node, mux, self._check)
+        self.lease: Lease | None = None
+        self._held: HeldGrant | None = None
+        self._motion: Motion | None = None
+        self._beat_at = -math.inf  # s
+        self._numbers = itertools.count(1)
+        self._requests = node.publish(f"{mux}/lease_request", str, Quality.EVERY)
+        self._velocities = node.publish(stamped_name(node, _SOURCE), StampedTwist, Quality.FRESH)
+        node.subscribe(f"{mux}/lease", str, self._take_lease, Quality.LATCHED)
+        node.every(0.1, self._check, steady=True)
+        node.on_end(lambda: self.stop("the server has ended"))
+
+    @property
+    def grant(self) -> Grant | None:
+        """The grant that is in force."""
+        held = self._held
+        return held.grant if held is not None and self._node.steady() < held.until else None
+
+    def set_grant(self, grant: Grant | None) -> None:
+        """Take a grant, or that there is none any more."""
+        self._held = None if grant is None else HeldGrant(grant, self._node.steady() + grant.seconds)
+        self._check()
+
+    def beat(self) -> None:
+        """Take a sign of life of the assistant, and let it move the robot."""
+        self._beat_at = self._node.steady()
+        self._check()
+        answer = self.link.newest()
+        if self._motion is not None and answer is not None:
+            self._go_on(self._motion, answer)
+
+    def begin(self, call: Drive | Go) -> None:
+        """Begin a motion, if it may begin now."""
+        if self._motion is not None:
+            self._give(call.id, False, "refused: another call drives the robot")
+            return
+        self._motion = Motion(call, self._node.steady())
+        self._beat_at = self._node.steady()
+        grant = self.grant
+        if isinstance(call, Go) and grant is not None and not grant.allows(call.x, call.y):
+            self._finish("refused: that place is outside of the area of the grant")
+        else:
+            self._check()
+
+    def stop(self, why: str = "stopped") -> None:
+        """End the motion."""
+        if self._motion is not None:
+            self._finish(why)
+
+    def _check(self) -> None:
+        """End the motion where it may not go on."""
+        motion = self._motion
+        if motion is None:
+            return
+        view = view_lease(self.lease, self._identity.client, None, self.link.link_age())
+        if view.other and motion.driving_since is not None:
+            reason = f"{name_holder(view)} has taken over"
+            self._held = None
+            self._finish(f"stopped: {reason}, and the grant has ended")
+            self._revoke(reason)
+        elif why := self._find_hindrance(motion, view):
+            self._finish(why)
+
+    def _find_hindrance(self, motion: Motion, view: LeaseView) -> str:
+        """The reason why a motion may not go on, '' for none."""
+        now, grant = self._node.steady(), self.grant
+        if grant is None:
+            return "refused: no grant is in force; a person grants it, see the tool ask_to_drive"
+        if self._stop.view().stopped:
+            return "refused: the emergency stop is on, a person has to release it"
+        if now - self._beat_at > _SILENCE:
+            return "stopped: the assistant is silent"
+        if view.state == "unknown" or view.out_of_reach:
+            return "refused: no word from the robot's mux"
+        if view.other or view.lost_by_other:
+            return f"refused: {describe_lost(view) if view.lost_by_other else name_holder(view) + ' drives'}"
+        pose, robot = self._topics.robot.pose(), self._topics.robot
+        if pose is None or robot.age() > _POSE_AGE:
+            return "refused: the pose of the robot is not known"
+        speed = robot.velocity()[0]
+        if not grant.allows(pose.x, pose.y, speed):
+            return "stopped: the robot is at the border of the area of the grant"
+        return self._find_delay(motion, now)
+
+    def _find_delay(self, motion: Motion, now: float) -> str:
+        if motion.driving_since is None:
+            return "refused: the mux does not give the lease" if now - motion.began > _PATIENCE else ""
+        if now - motion.driving_since > motion.call.seconds and isinstance(motion.call, Go):
+            return "stopped: not there within the time of the call; call again to go on"
+        return ""
+
+    def _take_lease(self, text: str) -> None:
+        lease = read_lease(text)
+        if lease is not None:
+            self.lease = lease
+            self._check()
+
+    def _go_on(self, motion: Motion, answer: int) -> None:
+        grant = self.grant
+        if grant is None:
+            return
+        lease, terms = self.lease, Terms(grant.speed, FRESHNESS)
+        mine = lease is not None and lease.client == self._identity.client and lease.state == "held"
+        self._request("renew" if mine else "acquire", answer, grant, terms)
+        if not mine or lease is None or lease.terms != terms:
+            return
+        if motion.driving_since is None:
+            motion = Motion(motion.call, motion.began, self._node.steady())
+            if isinstance(motion.call, Go):
+                motion = Motion(motion.call, motion.began, motion.driving_since, self._send_goal(motion.call, answer))
+            self._motion = motion
+        self._move(motion, answer)
+
+    def _move(self, motion: Motion, answer: int) -> None:
+        call, since = motion.call, motion.driving_since or 0.0
+        if isinstance(call, Drive):
+            if self._node.steady() - since >= call.seconds:
+                self._finish("driven", done=True)
+            else:
+                self._velocities.send(StampedTwist(answer, self._identity.client, Twist(call.forward, call.turn)))
+            return
+        goal = self._topics.goal()
+        if goal.number != motion.goal:
+            self._finish("stopped: another client has sent a goal")
+        elif goal.state is LastGoalState.REACHED:
+            self._finish("reached", done=True)
+        elif goal.over:
+            self._finish(f"refused: {goal.text or goal.state.value}")
+
+    def _send_goal(self, call: Go, answer: int) -> int:
+        start = f"{self._node.name}-{next(self._numbers)}-{time.time():.3f}"
+        start = write_any_heading(start) if call.yaw is None else start
+        yaw = heading_there(self._topics.robot.pose(), call.x, call.y) if call.yaw is None else call.yaw
+        goal_id = write_goal_id(start, self._identity.client, answer)
+        return self._topics.send_goal(goal_id, Pose2(call.x, call.y, yaw))
+
+    def _request(self, action: Action, answer: int, grant: Grant | None, terms: Terms | None, note: str = "") -> None:
+        who = self._identity
+        program = grant.text if grant is not None else who.program
+        stamp = divmod(answer, SECOND)
+        request = LeaseRequest(who.client, who.name, program, action, True, stamp, who.computer, terms, note)
+        self._requests.send(write_request(request))
+
+    def _finish(self, text: str, *, done: bool = False) -> None:
+        """Stop what the motion has begun, hand the lease back, and answer the call."""
+        motion, self._motion = self._motion, None
+        if motion is None:
+            return
+        newest = self.link.newest()
+        mine = self.lease is not None and self.lease.client == self._identity.client
+        if motion.goal and self._topics.goal().number == motion.goal and not self._topics.goal().over:
+            self._topics.cancel_goals()
+        if newest is not None and mine and isinstance(motion.call, Drive):
+            self._velocities.send(StampedTwist(newest, self._identity.client, _STILL))
+        if newest is not None:
+            self._request("release", newest, self.grant, None, "" if done else f"assistant: {text}")
+        self._give(motion.call.id, done, text)
