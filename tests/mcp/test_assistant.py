@@ -143,29 +143,27 @@ async def test_person_who_takes_over_ends_the_grant(robot: AssistedRobot) -> Non
         assert "no grant is in force" in text_of(await client.call_tool("drive", {"forward": 0.1}))
 
 
-@pytest.mark.parametrize(
-    ("name", "arguments", "problem"),
-    [
-        ("drive", {"forward": 1e9}, "forward"),
-        ("drive", {"forward": "fast"}, "forward"),
-        ("drive", {"forward": 0.1, "seconds": 600.0}, "seconds"),
-        ("go_to", {"x": 0.1}, "y"),
-        ("go_to", {"x": 0.1, "y": 0.1, "force": True}, "force"),
-        ("check", {"arguments": ["--fix", "."]}, "begins with a dash"),
-        ("start_program", {"name": "../evil"}, "name"),
-        ("start_program", {"name": "explore"}, "includes no programs"),
-        ("erase", {}, "unknown tool"),
-    ],
+HOSTILE: tuple[tuple[str, dict[str, object], str], ...] = (
+    ("drive", {"forward": 1e9}, "forward"),
+    ("drive", {"forward": "fast"}, "forward"),
+    ("drive", {"forward": 0.1, "seconds": 600.0}, "seconds"),
+    ("go_to", {"x": 0.1}, "y"),
+    ("go_to", {"x": 0.1, "y": 0.1, "force": True}, "force"),
+    ("check", {"arguments": ["--fix", "."]}, "begins with a dash"),
+    ("start_program", {"name": "../evil"}, "name"),
+    ("start_program", {"name": "explore"}, "includes no programs"),
+    ("erase", {}, "unknown tool"),
 )
-async def test_hostile_arguments_are_refused_in_a_line(
-    robot: AssistedRobot, name: str, arguments: dict[str, object], problem: str
-) -> None:
+
+
+async def test_hostile_arguments_are_refused_in_a_line(robot: AssistedRobot) -> None:
     robot.grant()
     async with robot.connect() as client:
-        result = await client.call_tool(name, arguments)
-        assert result.is_error
-        assert problem in text_of(result)
-        assert "\n" not in text_of(result)
+        for name, arguments, problem in HOSTILE:
+            result = await client.call_tool(name, arguments)
+            assert result.is_error
+            assert problem in text_of(result)
+            assert "\n" not in text_of(result)
 
 
 async def test_second_call_does_not_drive_while_another_does(robot: AssistedRobot) -> None:
