@@ -14,7 +14,7 @@ from tests.ur_nodes.first_drive.drive import FirstDrive
 
 from ur.mcp.assistant import Assistant
 from ur.mcp.grants import Area, GrantFiles, make_grant
-from ur.mcp.robot_link import Answers, LinkError, Values
+from ur.mcp.robot_link import LinkError, PendingAnswers, Values
 from ur.mcp.serve import make_server
 from ur_nodes.assistant.session import AssistantSession
 
@@ -25,7 +25,7 @@ class BusLink:
     """See RobotLink: the robot's end on a bus. `silent`: signs of life do not arrive any more."""
 
     def __init__(self, stage: FirstDrive) -> None:
-        self._answers = Answers()
+        self._answers = PendingAnswers()
         self.session = AssistantSession(stage.bus.node("assistant"), self)
         self.silent = False
         self.on_revoked: Callable[[str], None] = lambda _: None
@@ -57,7 +57,7 @@ class AssistedRobot:
         vars(self.stage.bus.nodes["/cmd_vel_mux"])["facts"].simulated_time = False  # ages count, as on a robot
         self.link = BusLink(self.stage)
         self.files = GrantFiles(folder / "mcp")
-        self.assistant = Assistant(self.link, self.files, 1)
+        self.assistant = Assistant(self.link, self.files, 1, self._sleep)
         self.samples: list[tuple[float, float, float, float, float]] = []
         self.assistant.begin()
         self.stage.bus.run(1.0)
@@ -92,6 +92,12 @@ class AssistedRobot:
     def now(self) -> float:
         """Simulated time, s."""
         return self.stage.bus.now * 1e-9
+
+    async def _sleep(self, seconds: float) -> None:
+        """Wait for simulated time."""
+        until = self.now + seconds
+        while self.now < until:
+            await asyncio.sleep(0)
 
     async def _run(self) -> None:
         while True:

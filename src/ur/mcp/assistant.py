@@ -1,4 +1,4 @@
-"""What an assistant may do: calls checked against their limits and the grant, logged, and answered as data."""
+"""Calls of an assistant: checked against their limits and the grant, logged, and answered as data."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from collections.abc import Awaitable, Callable, Mapping
 from typing import Any
 
 from ur.mcp.action_log import ActionLog
-from ur.mcp.calls import TOOLS, AskToDrive, Drive, GoTo, Names, Program, Tool
+from ur.mcp.calls import TOOLS, AssistantTool, GrantAsked, NamesGiven, PlaceGiven, ProgramGiven, VelocityGiven
 from ur.mcp.commands import run_command
 from ur.mcp.grants import GrantFiles, GrantRecord, Request, ServerRecord
 from ur.mcp.robot_link import LinkError, RobotLink, Values
@@ -28,15 +28,18 @@ _WATCH = 0.05  # s: between looks at the file of the grant
 _SLACK = 10.0  # s: for the answer after the end of a call
 NO_GRANT = (
     "refused: no grant is in force. Call ask_to_drive, and ask your user to type 'ur mcp grant' in a terminal; "
-    "nobody else can give it."
+    "no other can give it."
 )
 
 
 class Assistant:
     """One server: the robot, the grant that a person has given it, and the log of what was asked."""
 
-    def __init__(self, link: RobotLink, files: GrantFiles, pid: int) -> None:
-        """`pid` is the process whose end ends the grant."""
+    def __init__(
+        self, link: RobotLink, files: GrantFiles, pid: int, sleep: Callable[[float], Awaitable[object]] = asyncio.sleep
+    ) -> None:
+        """`pid` is the process whose end ends the grant; `sleep` waits for so many seconds."""
+        self._sleep = sleep
         self._link, self._files, self._pid = link, files, pid
         self.id = secrets.token_hex(4)
         self._log = ActionLog(files.log)
@@ -73,7 +76,7 @@ class Assistant:
         """Pass the grant on whenever a person gives it or takes it back; until it is cancelled."""
         while True:
             self.look_at_grant()
-            await asyncio.sleep(_WATCH)
+            await self._sleep(_WATCH)
 
     async def call(self, name: str, arguments: object, alive: Alive) -> tuple[bool, str]:
         """Make a call of a tool. Return whether it was done, and a text; everything is logged."""
@@ -104,15 +107,15 @@ class Assistant:
         except LinkError as problem:
             return False, f"refused: {problem}"
 
-    async def _run(self, tool: Tool, request: Any, alive: Alive) -> tuple[bool, str]:
+    async def _run(self, tool: AssistantTool, request: Any, alive: Alive) -> tuple[bool, str]:
         if tool.verb:
-            words = request.arguments if isinstance(request, Names) else ()
+            words = request.arguments if isinstance(request, NamesGiven) else ()
             done, text = await run_command([*tool.verb, *words])
             return done, mark_data(text)
-        if isinstance(request, AskToDrive):
+        if isinstance(request, GrantAsked):
             self.begin(self._client, Request(request.minutes, request.speed, request.reason))
             return True, "asked. Your user answers in a terminal: ur mcp grant"
-        if isinstance(request, Program):
+        if isinstance(request, ProgramGiven):
             return await self._run_program(tool.name, request)
         if tool.name == "stop":
             self._link.send({"do": "stop"})
@@ -122,7 +125,7 @@ class Assistant:
         values = dict(await self.look())
         return True, mark_data(json.dumps(values))
 
-    async def _run_program(self, tool: str, request: Program) -> tuple[bool, str]:
+    async def _run_program(self, tool: str, request: ProgramGiven) -> tuple[bool, str]:
         grant = self._files.find(self.id)
         if grant is None or not grant.programs:
             return False, "refused: the grant includes no programs; your user types 'ur mcp grant --programs'"
@@ -136,12 +139,12 @@ class Assistant:
             done, text = await run_command(["run", request.name, "--unattended", *words], limit=20.0)
         return done, mark_data(text)
 
-    async def _drive(self, request: GoTo | Drive, alive: Alive) -> tuple[bool, str]:
-        """Drive, with a beat for each sign of life of the client, until the robot's end has answered."""
+    async def _drive(self, request: PlaceGiven | VelocityGiven, alive: Alive) -> tuple[bool, str]:
+        """VelocityGiven, with a beat for each sign of life of the client, until the robot's end has answered."""
         if self.look_at_grant() is None:
             return False, NO_GRANT
         message: dict[str, object]
-        if isinstance(request, GoTo):
+        if isinstance(request, PlaceGiven):
             yaw = None if request.heading is None else math.radians(request.heading)
             message = {"do": "go", "x": request.x, "y": request.y, "yaw": yaw, "seconds": request.seconds}
         else:
@@ -164,7 +167,7 @@ class Assistant:
             await alive()
             if not over.is_set():
                 self._link.send({"do": "beat"})
-            await asyncio.sleep(_BEAT)
+            await self._sleep(_BEAT)
 
     def look_at_grant(self) -> GrantRecord | None:
         """The grant that is in force now; the robot's end gets each change."""

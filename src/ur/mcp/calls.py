@@ -16,17 +16,17 @@ _Words = Annotated[tuple[_Word, ...], Meta(max_length=20, description=_WORDS)]
 _Metres = Annotated[float, Meta(ge=-1e5, le=1e5, description="metres in the frame of the map")]
 
 
-class NoArguments(PrintableValue, frozen=True):
+class NothingGiven(PrintableValue, frozen=True):
     """Nothing."""
 
 
-class Names(PrintableValue, frozen=True):
-    """Names of packages, paths of files, or what the tool describes."""
+class NamesGiven(PrintableValue, frozen=True):
+    """NamesGiven of packages, paths of files, or what the tool describes."""
 
     arguments: _Words = ()
 
 
-class GoTo(PrintableValue, frozen=True):
+class PlaceGiven(PrintableValue, frozen=True):
     """A place of the map; the heading in degrees, to the left of the x axis."""
 
     x: _Metres
@@ -35,7 +35,7 @@ class GoTo(PrintableValue, frozen=True):
     seconds: Annotated[float, Meta(gt=0.0, le=120.0)] = 60.0
 
 
-class Drive(PrintableValue, frozen=True):
+class VelocityGiven(PrintableValue, frozen=True):
     """A velocity, m/s forward and rad/s to the left, for so many seconds."""
 
     forward: Annotated[float, Meta(ge=-2.0, le=2.0)]
@@ -43,7 +43,7 @@ class Drive(PrintableValue, frozen=True):
     seconds: Annotated[float, Meta(gt=0.0, le=5.0)] = 1.0
 
 
-class AskToDrive(PrintableValue, frozen=True):
+class GrantAsked(PrintableValue, frozen=True):
     """For how long, how fast (m/s), and why."""
 
     minutes: Annotated[float, Meta(gt=0.0, le=1440.0)] = 30.0
@@ -51,7 +51,7 @@ class AskToDrive(PrintableValue, frozen=True):
     reason: Annotated[str, Meta(max_length=200)] = ""
 
 
-class Program(PrintableValue, frozen=True):
+class ProgramGiven(PrintableValue, frozen=True):
     """A program of `ur list`, and arguments of its launch file."""
 
     name: Annotated[str, Meta(pattern=r"^[a-z][a-z0-9_]{0,40}$")]
@@ -59,7 +59,7 @@ class Program(PrintableValue, frozen=True):
 
 
 @dataclass(frozen=True, slots=True)
-class Tool:
+class AssistantTool:
     """A tool; `verb` is the command of `ur` that it runs, '' for none. `drives`: it needs a grant."""
 
     name: str
@@ -73,24 +73,45 @@ class Tool:
 TOOLS = {
     each.name: each
     for each in (
-        Tool("look", "Look at the robot: pose, what is near, battery, goal, who drives, the grant.", NoArguments),
-        Tool("list", "List the programs that can run on the robot.", NoArguments, ("list",)),
-        Tool("check", "Check launch files, YAML files and packages; nothing in them runs.", Names, ("check",)),
-        Tool("explain", "Explain where a name in a launch file got its value: FILE NAME.", Names, ("explain",)),
-        Tool("find", "Find where a name in launch files is defined and used: NAME, then folders.", Names, ("find",)),
-        Tool("graph", "Describe what a launch file includes and starts: PACKAGE FILE.", Names, ("graph",)),
-        Tool("doctor", "Find what is wrong between this computer and the robot.", NoArguments, ("doctor",)),
-        Tool("ask_to_drive", "Ask the person for a grant to drive; it is given in their terminal.", AskToDrive),
-        Tool("go_to", "Drive to a place of the map, around obstacles, and wait until it is there.", GoTo, drives=True),
-        Tool("drive", "Drive at a velocity for at most 5 s, then stop.", Drive, drives=True),
-        Tool("stop", "Stop what this assistant drives.", NoArguments),
-        Tool("start_program", "Start a program on the robot; the grant has to include programs.", Program),
-        Tool("end_program", "End a program that was started; the grant has to include programs.", Program),
+        AssistantTool(
+            "look", "Look at the robot: pose, what is near, battery, goal, who drives, the grant.", NothingGiven
+        ),
+        AssistantTool("list", "List the programs that can run on the robot.", NothingGiven, ("list",)),
+        AssistantTool(
+            "check", "Check launch files, YAML files and packages; nothing in them runs.", NamesGiven, ("check",)
+        ),
+        AssistantTool(
+            "explain", "Explain where a name in a launch file got its value: FILE NAME.", NamesGiven, ("explain",)
+        ),
+        AssistantTool(
+            "find", "Find where a name in launch files is defined and used: NAME, then folders.", NamesGiven, ("find",)
+        ),
+        AssistantTool(
+            "graph", "Describe what a launch file includes and starts: PACKAGE FILE.", NamesGiven, ("graph",)
+        ),
+        AssistantTool("doctor", "Find what is wrong between this computer and the robot.", NothingGiven, ("doctor",)),
+        AssistantTool(
+            "ask_to_drive", "Ask the person for a grant to drive; it is given in their terminal.", GrantAsked
+        ),
+        AssistantTool(
+            "go_to",
+            "VelocityGiven to a place of the map, around obstacles, and wait until it is there.",
+            PlaceGiven,
+            drives=True,
+        ),
+        AssistantTool("drive", "VelocityGiven at a velocity for at most 5 s, then stop.", VelocityGiven, drives=True),
+        AssistantTool("stop", "Stop what this assistant drives.", NothingGiven),
+        AssistantTool(
+            "start_program", "Start a program on the robot; the grant has to include programs.", ProgramGiven
+        ),
+        AssistantTool(
+            "end_program", "End a program that was started; the grant has to include programs.", ProgramGiven
+        ),
     )
 }
 
 
-def schema_of(tool: Tool) -> dict[str, Any]:
+def schema_of(tool: AssistantTool) -> dict[str, Any]:
     """The JSON schema of a tool's arguments."""
     (found,), components = msgspec.json.schema_components([tool.arguments])
     name = found["$ref"].rpartition("/")[2]

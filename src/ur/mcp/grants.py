@@ -25,7 +25,7 @@ _Name = Annotated[str, Meta(max_length=200)]
 
 
 class Request(PrintableValue, frozen=True):
-    """What an assistant asks for: minutes, the highest speed (m/s), and why."""
+    """The grant that an assistant asks for: minutes, the highest speed (m/s), and why."""
 
     minutes: float = 30.0
     speed: float = 0.2

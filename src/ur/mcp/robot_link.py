@@ -38,7 +38,7 @@ class LinkError(Exception):
     """The robot's end does not answer; the text says why."""
 
 
-class Answers:
+class PendingAnswers:
     """The calls that wait for an answer, by their ids."""
 
     def __init__(self) -> None:
@@ -71,7 +71,7 @@ class ProcessLink:
 
     def __init__(self, environment: Mapping[str, str], log: Callable[[str], None]) -> None:
         self._environment, self._log = environment, log
-        self._answers = Answers()
+        self._answers = PendingAnswers()
         self._writer: asyncio.StreamWriter | None = None
         self._tasks: list[asyncio.Task[None]] = []
         self._process: asyncio.subprocess.Process | None = None

@@ -1,4 +1,4 @@
-"""The server of the Model Context Protocol, by the official SDK."""
+"""The server of the Model CallContext Protocol, by the official SDK."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ _INSTRUCTIONS = (
 )
 _PING_LIMIT = 1.0  # s: a client that is silent for longer proves nothing; the robot is at rest after 0.3 s
 _MOST_LINES = 200
-Context = ServerRequestContext[Any, Any]
+CallContext = ServerRequestContext[Any, Any]
 
 RESOURCES = {
     "robot://pose": ("The pose of the robot in the map: m, m, degrees", "application/json"),
@@ -46,26 +46,26 @@ RESOURCES = {
 def make_server(assistant: Assistant) -> Server[Any]:
     """A server for one client of an assistant."""
 
-    async def list_tools(_: Context, __: types.PaginatedRequestParams | None) -> types.ListToolsResult:
+    async def list_tools(_: CallContext, __: types.PaginatedRequestParams | None) -> types.ListToolsResult:
         tools = [
             types.Tool(name=each.name, description=each.text, input_schema=schema_of(each)) for each in TOOLS.values()
         ]
         return types.ListToolsResult(tools=tools)
 
-    async def call_tool(context: Context, params: types.CallToolRequestParams) -> types.CallToolResult:
+    async def call_tool(context: CallContext, params: types.CallToolRequestParams) -> types.CallToolResult:
         if context.session.client_params is not None:
             _note_client(assistant, context.session.client_params.client_info.name)
         done, text = await assistant.call(params.name, params.arguments, lambda: _prove_life(context))
         return types.CallToolResult(content=[types.TextContent(type="text", text=text)], is_error=not done)
 
-    async def list_resources(_: Context, __: types.PaginatedRequestParams | None) -> types.ListResourcesResult:
+    async def list_resources(_: CallContext, __: types.PaginatedRequestParams | None) -> types.ListResourcesResult:
         found = [
             types.Resource(uri=uri, name=uri.partition("://")[2], description=text, mime_type=kind)
             for uri, (text, kind) in {**RESOURCES, **_list_pages()}.items()
         ]
         return types.ListResourcesResult(resources=found)
 
-    async def read_resource(_: Context, params: types.ReadResourceRequestParams) -> types.ReadResourceResult:
+    async def read_resource(_: CallContext, params: types.ReadResourceRequestParams) -> types.ReadResourceResult:
         return types.ReadResourceResult(contents=[await _read(assistant, str(params.uri))])
 
     return Server(
@@ -78,7 +78,7 @@ def make_server(assistant: Assistant) -> Server[Any]:
     )
 
 
-async def _prove_life(context: Context) -> None:
+async def _prove_life(context: CallContext) -> None:
     """Return when the client has answered; at once where this version of the protocol lets a server ask nothing."""
     try:
         with anyio.fail_after(_PING_LIMIT):

@@ -16,7 +16,7 @@ _EDGE = 0.05  # m: kept from each border, for the error of the pose
 _STOPS_IN = 0.4  # s: to be at rest, and for the age of the pose
 
 
-class Rectangle(ForeignValue, frozen=True):
+class GrantedArea(ForeignValue, frozen=True):
     """An area with sides along the axes of the map."""
 
     left: _Coordinate
@@ -30,7 +30,7 @@ class Rectangle(ForeignValue, frozen=True):
         return self.left + margin <= x <= self.right - margin and self.bottom + margin <= y <= self.top - margin
 
 
-class Grant(ForeignValue, frozen=True):
+class DriveGrant(ForeignValue, frozen=True):
     """`seconds` from its arrival on, at most `speed` m/s, in one of `within` (everywhere without any), not in `avoid`.
 
     `text` describes it on the screens of others.
@@ -38,8 +38,8 @@ class Grant(ForeignValue, frozen=True):
 
     seconds: Annotated[float, Meta(ge=0.0, le=86400.0)]
     speed: Annotated[float, Meta(ge=0.01, le=2.0)]
-    within: Annotated[tuple[Rectangle, ...], Meta(max_length=MOST_RECTANGLES)] = ()
-    avoid: Annotated[tuple[Rectangle, ...], Meta(max_length=MOST_RECTANGLES)] = ()
+    within: Annotated[tuple[GrantedArea, ...], Meta(max_length=MOST_RECTANGLES)] = ()
+    avoid: Annotated[tuple[GrantedArea, ...], Meta(max_length=MOST_RECTANGLES)] = ()
     text: Annotated[str, Meta(max_length=64)] = "assistant"
 
     def allows(self, x: float, y: float, speed: float = 0.0) -> bool:
@@ -53,5 +53,5 @@ class Grant(ForeignValue, frozen=True):
 class HeldGrant:
     """A grant, and when it ends (s of the node's steady clock)."""
 
-    grant: Grant
+    grant: DriveGrant
     until: float

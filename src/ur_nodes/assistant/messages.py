@@ -7,7 +7,7 @@ from typing import Annotated
 from msgspec import Meta
 
 from ur.source.foreign.json_values import ForeignValue
-from ur_nodes.assistant.grant import Grant
+from ur_nodes.assistant.grant import DriveGrant
 
 _Number = Annotated[int, Meta(ge=0, lt=2**53)]
 _Place = Annotated[float, Meta(ge=-1e5, le=1e5)]
@@ -15,18 +15,18 @@ LONGEST_DRIVE = 5.0
 """Seconds of a velocity that one call may ask for."""
 
 
-class Beat(ForeignValue, frozen=True, tag_field="do", tag="beat"):
+class LifeSign(ForeignValue, frozen=True, tag_field="do", tag="beat"):
     """The assistant waits for the end of its call: a sign of life, many times a second."""
 
 
 class SetGrant(ForeignValue, frozen=True, tag_field="do", tag="grant"):
     """The grant from now on; None: it was taken back, or is over."""
 
-    grant: Grant | None = None
+    grant: DriveGrant | None = None
 
 
-class Drive(ForeignValue, frozen=True, tag_field="do", tag="drive"):
-    """Drive at a velocity, m/s and rad/s to the left, for so long."""
+class DriveCall(ForeignValue, frozen=True, tag_field="do", tag="drive"):
+    """DriveCall at a velocity, m/s and rad/s to the left, for so long."""
 
     id: _Number
     forward: Annotated[float, Meta(ge=-2.0, le=2.0)]
@@ -34,8 +34,8 @@ class Drive(ForeignValue, frozen=True, tag_field="do", tag="drive"):
     seconds: Annotated[float, Meta(gt=0.0, le=LONGEST_DRIVE)]
 
 
-class Go(ForeignValue, frozen=True, tag_field="do", tag="go"):
-    """Drive to a place of the map, m; `yaw` in rad, None for any heading; for `seconds` at most."""
+class GoCall(ForeignValue, frozen=True, tag_field="do", tag="go"):
+    """DriveCall to a place of the map, m; `yaw` in rad, None for any heading; for `seconds` at most."""
 
     id: _Number
     x: _Place
@@ -44,15 +44,15 @@ class Go(ForeignValue, frozen=True, tag_field="do", tag="go"):
     seconds: Annotated[float, Meta(gt=0.0, le=600.0)] = 60.0
 
 
-class Stop(ForeignValue, frozen=True, tag_field="do", tag="stop"):
-    """Stop what the assistant has begun."""
+class StopCall(ForeignValue, frozen=True, tag_field="do", tag="stop"):
+    """StopCall what the assistant has begun."""
 
 
-class Look(ForeignValue, frozen=True, tag_field="do", tag="look"):
+class LookCall(ForeignValue, frozen=True, tag_field="do", tag="look"):
     """Describe the robot; with `picture` its map as a PNG file, too."""
 
     id: _Number
     picture: bool = False
 
 
-Message = Beat | SetGrant | Drive | Go | Stop | Look
+Message = LifeSign | SetGrant | DriveCall | GoCall | StopCall | LookCall

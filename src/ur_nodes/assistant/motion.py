@@ -8,8 +8,8 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from ur_nodes.assistant.grant import Grant, HeldGrant
-from ur_nodes.assistant.messages import Drive, Go
+from ur_nodes.assistant.grant import DriveGrant, HeldGrant
+from ur_nodes.assistant.messages import DriveCall, GoCall
 from ur_nodes.client.driver_text import describe_lost, name_holder
 from ur_nodes.client.mux import MuxLink
 from ur_nodes.client.navigation import NavigationTopics
@@ -35,10 +35,10 @@ Answer = Callable[[int, bool, str], None]
 
 
 @dataclass(frozen=True, slots=True)
-class Motion:
+class AssistedMotion:
     """A motion that a call has begun at a time (s); `goal` is the number of the goal that was sent, 0 before."""
 
-    call: Drive | Go
+    call: DriveCall | GoCall
     began: float
     driving_since: float | None = None
     goal: int = 0
@@ -49,7 +49,7 @@ class AssistedDriving:
 
     Each beat of the assistant answers the newest challenge of the mux, within the grant, its time and its area, and
     with the lease on the grant's terms. Nothing else answers one. So the mux has the robot at rest 0.3 s after the last
-    beat, whichever program drives it, and whatever hangs or ends.
+    beat, whichever program drives it, and whichever hangs or ends.
     """
 
     def __init__(
@@ -68,7 +68,7 @@ class AssistedDriving:
         self.link = ChallengeLink(node, mux, self._check)
         self.lease: Lease | None = None
         self._held: HeldGrant | None = None
-        self._motion: Motion | None = None
+        self._motion: AssistedMotion | None = None
         self._beat_at = -math.inf  # s
         self._numbers = itertools.count(1)
         self._requests = node.publish(f"{mux}/lease_request", str, Quality.EVERY)
@@ -78,12 +78,12 @@ class AssistedDriving:
         node.on_end(lambda: self.stop("the server has ended"))
 
     @property
-    def grant(self) -> Grant | None:
+    def grant(self) -> DriveGrant | None:
         """The grant that is in force."""
         held = self._held
         return held.grant if held is not None and self._node.steady() < held.until else None
 
-    def set_grant(self, grant: Grant | None) -> None:
+    def set_grant(self, grant: DriveGrant | None) -> None:
         """Take a grant, or that there is none any more."""
         self._held = None if grant is None else HeldGrant(grant, self._node.steady() + grant.seconds)
         self._check()
@@ -96,15 +96,15 @@ class AssistedDriving:
         if self._motion is not None and answer is not None:
             self._go_on(self._motion, answer)
 
-    def begin(self, call: Drive | Go) -> None:
+    def begin(self, call: DriveCall | GoCall) -> None:
         """Begin a motion, if it may begin now."""
         if self._motion is not None:
             self._give(call.id, False, "refused: another call drives the robot")
             return
-        self._motion = Motion(call, self._node.steady())
+        self._motion = AssistedMotion(call, self._node.steady())
         self._beat_at = self._node.steady()
         grant = self.grant
-        if isinstance(call, Go) and grant is not None and not grant.allows(call.x, call.y):
+        if isinstance(call, GoCall) and grant is not None and not grant.allows(call.x, call.y):
             self._finish("refused: that place is outside of the area of the grant")
         else:
             self._check()
@@ -128,7 +128,7 @@ class AssistedDriving:
         elif why := self._find_hindrance(motion, view):
             self._finish(why)
 
-    def _find_hindrance(self, motion: Motion, view: LeaseView) -> str:
+    def _find_hindrance(self, motion: AssistedMotion, view: LeaseView) -> str:
         """The reason why a motion may not go on, '' for none."""
         now, grant = self._node.steady(), self.grant
         if grant is None:
@@ -149,10 +149,10 @@ class AssistedDriving:
             return "stopped: the robot is at the border of the area of the grant"
         return self._find_delay(motion, now)
 
-    def _find_delay(self, motion: Motion, now: float) -> str:
+    def _find_delay(self, motion: AssistedMotion, now: float) -> str:
         if motion.driving_since is None:
             return "refused: the mux does not give the lease" if now - motion.began > _PATIENCE else ""
-        if now - motion.driving_since > motion.call.seconds and isinstance(motion.call, Go):
+        if now - motion.driving_since > motion.call.seconds and isinstance(motion.call, GoCall):
             return "stopped: not there within the time of the call; call again to go on"
         return ""
 
@@ -162,7 +162,7 @@ class AssistedDriving:
             self.lease = lease
             self._check()
 
-    def _go_on(self, motion: Motion, answer: int) -> None:
+    def _go_on(self, motion: AssistedMotion, answer: int) -> None:
         grant = self.grant
         if grant is None:
             return
@@ -172,15 +172,17 @@ class AssistedDriving:
         if not mine or lease is None or lease.terms != terms:
             return
         if motion.driving_since is None:
-            motion = Motion(motion.call, motion.began, self._node.steady())
-            if isinstance(motion.call, Go):
-                motion = Motion(motion.call, motion.began, motion.driving_since, self._send_goal(motion.call, answer))
+            motion = AssistedMotion(motion.call, motion.began, self._node.steady())
+            if isinstance(motion.call, GoCall):
+                motion = AssistedMotion(
+                    motion.call, motion.began, motion.driving_since, self._send_goal(motion.call, answer)
+                )
             self._motion = motion
         self._move(motion, answer)
 
-    def _move(self, motion: Motion, answer: int) -> None:
+    def _move(self, motion: AssistedMotion, answer: int) -> None:
         call, since = motion.call, motion.driving_since or 0.0
-        if isinstance(call, Drive):
+        if isinstance(call, DriveCall):
             if self._node.steady() - since >= call.seconds:
                 self._finish("driven", done=True)
             else:
@@ -194,14 +196,16 @@ class AssistedDriving:
         elif goal.over:
             self._finish(f"refused: {goal.text or goal.state.value}")
 
-    def _send_goal(self, call: Go, answer: int) -> int:
+    def _send_goal(self, call: GoCall, answer: int) -> int:
         start = f"{self._node.name}-{next(self._numbers)}-{time.time():.3f}"
         start = write_any_heading(start) if call.yaw is None else start
         yaw = heading_there(self._topics.robot.pose(), call.x, call.y) if call.yaw is None else call.yaw
         goal_id = write_goal_id(start, self._identity.client, answer)
         return self._topics.send_goal(goal_id, Pose2(call.x, call.y, yaw))
 
-    def _request(self, action: Action, answer: int, grant: Grant | None, terms: Terms | None, note: str = "") -> None:
+    def _request(
+        self, action: Action, answer: int, grant: DriveGrant | None, terms: Terms | None, note: str = ""
+    ) -> None:
         who = self._identity
         program = grant.text if grant is not None else who.program
         stamp = divmod(answer, SECOND)
@@ -209,7 +213,7 @@ class AssistedDriving:
         self._requests.send(write_request(request))
 
     def _finish(self, text: str, *, done: bool = False) -> None:
-        """Stop what the motion has begun, hand the lease back, and answer the call."""
+        """StopCall what the motion has begun, hand the lease back, and answer the call."""
         motion, self._motion = self._motion, None
         if motion is None:
             return
@@ -217,7 +221,7 @@ class AssistedDriving:
         mine = self.lease is not None and self.lease.client == self._identity.client
         if motion.goal and self._topics.goal().number == motion.goal and not self._topics.goal().over:
             self._topics.cancel_goals()
-        if newest is not None and mine and isinstance(motion.call, Drive):
+        if newest is not None and mine and isinstance(motion.call, DriveCall):
             self._velocities.send(StampedTwist(newest, self._identity.client, _STILL))
         if newest is not None:
             self._request("release", newest, self.grant, None, "" if done else f"assistant: {text}")

@@ -12,7 +12,7 @@ import numpy as np
 
 from ur.source.foreign.json_values import convert_json
 from ur.worlds.drawing import write_png
-from ur_nodes.assistant.messages import Beat, Drive, Go, Look, Message, SetGrant, Stop
+from ur_nodes.assistant.messages import DriveCall, GoCall, LifeSign, LookCall, Message, SetGrant, StopCall
 from ur_nodes.assistant.motion import AssistedDriving
 from ur_nodes.client.driver_text import describe_driver
 from ur_nodes.client.mux import MuxLink, describe_emergency
@@ -27,7 +27,7 @@ _MOST_PIXELS = 2000
 _WALL, _UNKNOWN, _FREE = 0, 128, 255
 
 
-class LineOutlet(Protocol):
+class AnswerOutlet(Protocol):
     """Sends JSON to the server without letting the node wait."""
 
     def send_line(self, value: Mapping[str, object]) -> None:
@@ -37,7 +37,7 @@ class LineOutlet(Protocol):
 class AssistantSession:
     """Answers each message that has an id with `id`, `ok` and `text` or values; reports `revoked` by itself."""
 
-    def __init__(self, node: Node, outlet: LineOutlet, names: Names | None = None) -> None:
+    def __init__(self, node: Node, outlet: AnswerOutlet, names: Names | None = None) -> None:
         names = names or Names()
         self._outlet = outlet
         self._identity = identify({**os.environ, "UR_CLIENT": "", "UR_LEASE": "watch"}, _PROGRAM)
@@ -52,15 +52,15 @@ class AssistantSession:
         """Take a message of the server. Raises BadJsonError."""
         found: Message = convert_json(message, Message)
         match found:
-            case Beat():
+            case LifeSign():
                 self._driving.beat()
             case SetGrant():
                 self._driving.set_grant(found.grant)
-            case Drive() | Go():
+            case DriveCall() | GoCall():
                 self._driving.begin(found)
-            case Stop():
+            case StopCall():
                 self._driving.stop()
-            case Look():
+            case LookCall():
                 self._outlet.send_line({"id": found.id, "ok": True, "values": self._describe(picture=found.picture)})
 
     def _describe(self, *, picture: bool) -> dict[str, object]:

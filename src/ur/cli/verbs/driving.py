@@ -69,7 +69,7 @@ DRIVING = (
         "Let an assistant look at a robot, and drive it while a person allows it.",
         _SECTION,
         examples=(
-            ("ur mcp", "Serve the assistant that has started it; see docs/how-to/assistant.md."),
+            ("ur mcp log", "Print what assistants have asked for."),
             ("ur mcp grant --minutes 30 --speed 0.2", "Let it drive for half an hour."),
         ),
         trust=Trust(
@@ -91,13 +91,13 @@ DRIVING = (
             "end": Below(
                 examples=(
                     ("ur mcp end", "Take all grants back: the robot stops."),
-                    ("ur mcp end && ur mcp list", "The same, and see that none is left."),
+                    ("ur mcp end --help", "Describe the command."),
                 ),
             ),
             "list": Below(
                 examples=(
                     ("ur mcp list", "List the assistants that are served, and their grants."),
-                    ("watch ur mcp list", "The same, again and again."),
+                    ("ur mcp list --help", "Describe the command."),
                 ),
             ),
             "log": Below(
