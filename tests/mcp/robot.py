@@ -28,6 +28,7 @@ class BusLink:
         self._answers = PendingAnswers()
         self.session = AssistantSession(stage.bus.node("assistant"), self)
         self.silent = False
+        self.beats = 0
         self.on_revoked: Callable[[str], None] = lambda _: None
 
     async def ask(self, message: Values, limit: float) -> Values:  # noqa: ARG002 - real time is another here
@@ -39,6 +40,7 @@ class BusLink:
             raise LinkError("the robot does not answer") from None
 
     def send(self, message: Values) -> None:
+        self.beats += message["do"] == "beat"
         if not self.silent:
             self.session.take(json.loads(json.dumps(message)))
 

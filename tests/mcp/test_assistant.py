@@ -74,7 +74,7 @@ async def test_robot_drives_to_a_place_within_the_speed_of_the_grant_and_is_at_r
         result = await client.call_tool("go_to", {"x": 0.5, "y": 0.0})
         assert not result.is_error, text_of(result)
         assert "reached" in text_of(result)
-        lines = robot.assistant.read_log()
+        lines = robot.assistant.log.read()
         assert json.loads(lines[-1])["action"] == "go_to"
     for _ in range(40):
         robot.step()
@@ -129,6 +129,20 @@ async def test_grant_that_is_taken_back_stops_the_robot(robot: AssistedRobot) ->
         await wait_for_motion(robot)
         assert robot.files.take_back(robot.assistant.id)
         assert "no grant" in text_of(await task)
+
+
+async def test_no_sign_of_life_follows_the_end_of_a_grant(robot: AssistedRobot) -> None:
+    async with robot.connect() as client:
+        for each in range(4):
+            robot.grant(speed=0.3)
+            task = asyncio.create_task(client.call_tool("drive", {"forward": 0.1, "turn": 0.3, "seconds": 5.0}))
+            began = await wait_for_motion(robot)
+            while robot.now < began + 0.01 * each:
+                await asyncio.sleep(0)
+            robot.files.take_back(robot.assistant.id)
+            beats = robot.link.beats
+            assert "no grant" in text_of(await task)
+            assert robot.link.beats == beats
 
 
 async def test_person_who_takes_over_ends_the_grant(robot: AssistedRobot) -> None:
@@ -188,7 +202,7 @@ async def wait_for_motion(robot: AssistedRobot) -> float:
     """Wait until the robot moves; return the time."""
     start = robot.now
     while robot.samples[-1][1] < 0.08:
-        assert robot.now < start + 20.0, robot.assistant.read_log()
+        assert robot.now < start + 20.0, robot.assistant.log.read()
         await asyncio.sleep(0)
     return robot.now
 

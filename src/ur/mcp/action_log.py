@@ -19,6 +19,13 @@ class ActionLog:
     def __init__(self, path: Path) -> None:
         self._path = path
 
+    def read(self) -> list[str]:
+        """The lines of the newest file."""
+        try:
+            return self._path.read_text(encoding="utf-8").splitlines()
+        except OSError:
+            return []
+
     def add(self, client: str, action: str, arguments: object, result: str) -> None:
         """Note an action and what became of it. A file that cannot be written is no reason not to stop a robot."""
         line = {

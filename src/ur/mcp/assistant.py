@@ -8,10 +8,18 @@ import json
 import math
 import secrets
 from collections.abc import Awaitable, Callable, Mapping
-from typing import Any
 
 from ur.mcp.action_log import ActionLog
-from ur.mcp.calls import TOOLS, AssistantTool, GrantAsked, NamesGiven, PlaceGiven, ProgramGiven, VelocityGiven
+from ur.mcp.calls import (
+    TOOLS,
+    AssistantTool,
+    GrantAsked,
+    NamesGiven,
+    PlaceGiven,
+    ProgramGiven,
+    ToolArguments,
+    VelocityGiven,
+)
 from ur.mcp.commands import run_command
 from ur.mcp.grants import GrantFiles, GrantRecord, Request, ServerRecord
 from ur.mcp.robot_link import LinkError, RobotLink, Values
@@ -42,7 +50,7 @@ class Assistant:
         self._sleep = sleep
         self._link, self._files, self._pid = link, files, pid
         self.id = secrets.token_hex(4)
-        self._log = ActionLog(files.log)
+        self.log = ActionLog(files.log)
         self._client = "an assistant"
         self._asks: Request | None = None
         self._sent: GrantRecord | None = None
@@ -52,13 +60,6 @@ class Assistant:
     def client(self) -> str:
         """The name of the client."""
         return self._client
-
-    def read_log(self) -> list[str]:
-        """The lines of the log of actions."""
-        try:
-            return self._files.log.read_text(encoding="utf-8").splitlines()
-        except OSError:
-            return []
 
     def begin(self, client: str = "an assistant", asks: Request | None = None) -> None:
         """Let people know of this server, and of what it asks for."""
@@ -83,9 +84,9 @@ class Assistant:
         try:
             done, text = await self._make(name, arguments, alive)
         except asyncio.CancelledError:
-            self._log.add(self._client, name, arguments, "cancelled")
+            self.log.add(self._client, name, arguments, "cancelled")
             raise
-        self._log.add(self._client, name, arguments, text)
+        self.log.add(self._client, name, arguments, text)
         return done, text
 
     async def look(self, *, picture: bool = False) -> Values:
@@ -107,7 +108,7 @@ class Assistant:
         except LinkError as problem:
             return False, f"refused: {problem}"
 
-    async def _run(self, tool: AssistantTool, request: Any, alive: Alive) -> tuple[bool, str]:
+    async def _run(self, tool: AssistantTool, request: ToolArguments, alive: Alive) -> tuple[bool, str]:
         if tool.verb:
             words = request.arguments if isinstance(request, NamesGiven) else ()
             done, text = await run_command([*tool.verb, *words])
@@ -120,7 +121,7 @@ class Assistant:
         if tool.name == "stop":
             self._link.send({"do": "stop"})
             return True, "stopped"
-        if tool.drives:
+        if isinstance(request, (PlaceGiven, VelocityGiven)):
             return await self._drive(request, alive)
         values = dict(await self.look())
         return True, mark_data(json.dumps(values))
@@ -140,7 +141,7 @@ class Assistant:
         return done, mark_data(text)
 
     async def _drive(self, request: PlaceGiven | VelocityGiven, alive: Alive) -> tuple[bool, str]:
-        """VelocityGiven, with a beat for each sign of life of the client, until the robot's end has answered."""
+        """Drive, with a beat for each sign of life of the client, until the robot's end has answered."""
         if self.look_at_grant() is None:
             return False, NO_GRANT
         message: dict[str, object]
@@ -165,7 +166,7 @@ class Assistant:
     async def _beat(self, alive: Alive, over: asyncio.Event) -> None:
         while not over.is_set():
             await alive()
-            if not over.is_set():
+            if not over.is_set() and self.look_at_grant() is not None:  # no beat follows the end of a grant
                 self._link.send({"do": "beat"})
             await self._sleep(_BEAT)
 
@@ -179,7 +180,7 @@ class Assistant:
 
     def _revoke(self, reason: str) -> None:
         self._files.take_back(self.id)
-        self._log.add(self._client, "grant", {}, f"ended: {reason}")
+        self.log.add(self._client, "grant", {}, f"ended: {reason}")
         self.look_at_grant()
 
 

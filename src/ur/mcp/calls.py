@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Annotated, Any
+from typing import Annotated
 
 import msgspec
 from msgspec import Meta, field
@@ -16,17 +16,21 @@ _Words = Annotated[tuple[_Word, ...], Meta(max_length=20, description=_WORDS)]
 _Metres = Annotated[float, Meta(ge=-1e5, le=1e5, description="metres in the frame of the map")]
 
 
-class NothingGiven(PrintableValue, frozen=True):
+class ToolArguments(PrintableValue, frozen=True):
+    """Arguments of a tool."""
+
+
+class NothingGiven(ToolArguments, frozen=True):
     """Nothing."""
 
 
-class NamesGiven(PrintableValue, frozen=True):
-    """NamesGiven of packages, paths of files, or what the tool describes."""
+class NamesGiven(ToolArguments, frozen=True):
+    """Names of packages, paths of files, or what the tool describes."""
 
     arguments: _Words = ()
 
 
-class PlaceGiven(PrintableValue, frozen=True):
+class PlaceGiven(ToolArguments, frozen=True):
     """A place of the map; the heading in degrees, to the left of the x axis."""
 
     x: _Metres
@@ -35,7 +39,7 @@ class PlaceGiven(PrintableValue, frozen=True):
     seconds: Annotated[float, Meta(gt=0.0, le=120.0)] = 60.0
 
 
-class VelocityGiven(PrintableValue, frozen=True):
+class VelocityGiven(ToolArguments, frozen=True):
     """A velocity, m/s forward and rad/s to the left, for so many seconds."""
 
     forward: Annotated[float, Meta(ge=-2.0, le=2.0)]
@@ -43,7 +47,7 @@ class VelocityGiven(PrintableValue, frozen=True):
     seconds: Annotated[float, Meta(gt=0.0, le=5.0)] = 1.0
 
 
-class GrantAsked(PrintableValue, frozen=True):
+class GrantAsked(ToolArguments, frozen=True):
     """For how long, how fast (m/s), and why."""
 
     minutes: Annotated[float, Meta(gt=0.0, le=1440.0)] = 30.0
@@ -51,7 +55,7 @@ class GrantAsked(PrintableValue, frozen=True):
     reason: Annotated[str, Meta(max_length=200)] = ""
 
 
-class ProgramGiven(PrintableValue, frozen=True):
+class ProgramGiven(ToolArguments, frozen=True):
     """A program of `ur list`, and arguments of its launch file."""
 
     name: Annotated[str, Meta(pattern=r"^[a-z][a-z0-9_]{0,40}$")]
@@ -60,14 +64,12 @@ class ProgramGiven(PrintableValue, frozen=True):
 
 @dataclass(frozen=True, slots=True)
 class AssistantTool:
-    """A tool; `verb` is the command of `ur` that it runs, '' for none. `drives`: it needs a grant."""
+    """A tool; `verb` is the command of `ur` that it runs, '' for none."""
 
     name: str
     text: str
-    arguments: type[Any]
+    arguments: type[ToolArguments]
     verb: tuple[str, ...] = ()
-    drives: bool = False
-    stdin: bool = False
 
 
 TOOLS = {
@@ -95,11 +97,10 @@ TOOLS = {
         ),
         AssistantTool(
             "go_to",
-            "VelocityGiven to a place of the map, around obstacles, and wait until it is there.",
+            "Drive to a place of the map, around obstacles, and wait until it is there.",
             PlaceGiven,
-            drives=True,
         ),
-        AssistantTool("drive", "VelocityGiven at a velocity for at most 5 s, then stop.", VelocityGiven, drives=True),
+        AssistantTool("drive", "Drive at a velocity for at most 5 s, then stop.", VelocityGiven),
         AssistantTool("stop", "Stop what this assistant drives.", NothingGiven),
         AssistantTool(
             "start_program", "Start a program on the robot; the grant has to include programs.", ProgramGiven
@@ -111,7 +112,7 @@ TOOLS = {
 }
 
 
-def schema_of(tool: AssistantTool) -> dict[str, Any]:
+def schema_of(tool: AssistantTool) -> dict[str, object]:
     """The JSON schema of a tool's arguments."""
     (found,), components = msgspec.json.schema_components([tool.arguments])
     name = found["$ref"].rpartition("/")[2]

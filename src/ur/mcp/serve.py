@@ -1,4 +1,4 @@
-"""The server of the Model CallContext Protocol, by the official SDK."""
+"""The server of the Model Context Protocol, by the official SDK."""
 
 from __future__ import annotations
 
@@ -9,7 +9,6 @@ import json
 import os
 import sys
 from pathlib import Path
-from typing import Any
 
 import anyio
 import mcp_types as types
@@ -31,7 +30,7 @@ _INSTRUCTIONS = (
 )
 _PING_LIMIT = 1.0  # s: a client that is silent for longer proves nothing; the robot is at rest after 0.3 s
 _MOST_LINES = 200
-CallContext = ServerRequestContext[Any, Any]
+CallContext = ServerRequestContext[object]
 
 RESOURCES = {
     "robot://pose": ("The pose of the robot in the map: m, m, degrees", "application/json"),
@@ -43,7 +42,7 @@ RESOURCES = {
 }
 
 
-def make_server(assistant: Assistant) -> Server[Any]:
+def make_server(assistant: Assistant) -> Server[object]:
     """A server for one client of an assistant."""
 
     async def list_tools(_: CallContext, __: types.PaginatedRequestParams | None) -> types.ListToolsResult:
@@ -105,7 +104,7 @@ async def _read(assistant: Assistant, uri: str) -> types.TextResourceContents | 
     if uri == "robot://nodes":
         return types.TextResourceContents(uri=uri, mime_type=kind, text=mark_data((await run_command(["ps"]))[1]))
     if uri == "robot://actions":
-        lines = "\n".join(assistant.read_log()[-_MOST_LINES:])
+        lines = "\n".join(assistant.log.read()[-_MOST_LINES:])
         return types.TextResourceContents(uri=uri, mime_type=kind, text=mark_data(lines))
     values = await assistant.look(picture=uri.startswith("robot://map"))
     if uri in ("robot://pose", "robot://plan"):

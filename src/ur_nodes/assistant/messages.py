@@ -26,7 +26,7 @@ class SetGrant(ForeignValue, frozen=True, tag_field="do", tag="grant"):
 
 
 class DriveCall(ForeignValue, frozen=True, tag_field="do", tag="drive"):
-    """DriveCall at a velocity, m/s and rad/s to the left, for so long."""
+    """Drive at a velocity, m/s and rad/s to the left, for so long."""
 
     id: _Number
     forward: Annotated[float, Meta(ge=-2.0, le=2.0)]
@@ -35,7 +35,7 @@ class DriveCall(ForeignValue, frozen=True, tag_field="do", tag="drive"):
 
 
 class GoCall(ForeignValue, frozen=True, tag_field="do", tag="go"):
-    """DriveCall to a place of the map, m; `yaw` in rad, None for any heading; for `seconds` at most."""
+    """Drive to a place of the map, m; `yaw` in rad, None for any heading; for `seconds` at most."""
 
     id: _Number
     x: _Place
@@ -45,7 +45,7 @@ class GoCall(ForeignValue, frozen=True, tag_field="do", tag="go"):
 
 
 class StopCall(ForeignValue, frozen=True, tag_field="do", tag="stop"):
-    """StopCall what the assistant has begun."""
+    """Stop what the assistant has begun."""
 
 
 class LookCall(ForeignValue, frozen=True, tag_field="do", tag="look"):

@@ -213,7 +213,7 @@ class AssistedDriving:
         self._requests.send(write_request(request))
 
     def _finish(self, text: str, *, done: bool = False) -> None:
-        """StopCall what the motion has begun, hand the lease back, and answer the call."""
+        """Stop what the motion has begun, hand the lease back, and answer the call."""
         motion, self._motion = self._motion, None
         if motion is None:
             return

@@ -21,10 +21,11 @@ _AREA = re.compile(r"(?:([\w -]{1,40})=)?(-?[\d.]+),(-?[\d.]+),(-?[\d.]+),(-?[\d
 @click.group("mcp", invoke_without_command=True)
 @click.pass_context
 def command(context: click.Context) -> int:
-    """Serve an assistant that speaks the Model Context Protocol, over standard input and output.
+    """Let an assistant look at the robot, and drive it.
 
-    The assistant's program starts it. It may look at the robot; to drive it needs a grant: 'ur mcp grant' gives one in
-    a terminal, for a time, an area and a speed.
+    It serves the Model Context Protocol over standard input and output; the assistant's program starts it. Looking
+    needs nothing. To drive, the assistant needs a grant: 'ur mcp grant' gives one in a terminal, for a time, an area
+    and a speed.
     """
     if context.invoked_subcommand is not None:
         return 0

@@ -66,7 +66,7 @@ DRIVING = (
     Verb(
         "mcp",
         "ur.cli.robots.mcp",
-        "Let an assistant look at a robot, and drive it while a person allows it.",
+        "Let an assistant look at the robot, and drive it.",
         _SECTION,
         examples=(
             ("ur mcp log", "Print what assistants have asked for."),
