@@ -90,24 +90,28 @@ def grant(
 
 
 @command.command("end")
-def end() -> int:
+@click.option("--of", metavar="ID", help="Of this server only; 'ur mcp list' names them.")
+def end(of: str | None) -> int:
     """Take the grants of all assistants back, at once."""
     from ur.mcp.grants import grant_files
 
     files = grant_files()
-    count = sum(files.take_back(id) for id in files.list_servers())
+    count = sum(files.take_back(id) for id in ([_choose(files, of)] if of is not None else files.list_servers()))
     click.echo(f"{count} {'grant was' if count == 1 else 'grants were'} taken back")
     return 0
 
 
 @command.command("list")
-def list_servers() -> int:
+@click.option("--granted", is_flag=True, help="Only those that may drive now.")
+def list_servers(granted: bool) -> int:
     """List the assistants that are served, and their grants."""
     from ur.mcp.grants import grant_files
 
     files = grant_files()
     for id, server in files.list_servers().items():
         found = files.find(id)
+        if granted and found is None:
+            continue
         state = f"{found.text}, {found.seconds_left() / 60.0:.0f} min left" if found else "may look"
         click.echo(
             f"{id}  {server.client}: {state}" + (f"; asks to drive: {server.asks.reason}" if server.asks else "")
@@ -142,7 +146,7 @@ def _choose(files: GrantFiles, to: str | None) -> str:
         return next(iter(servers))
     names = ", ".join(f"{id} ({each.client})" for id, each in servers.items())
     message = f"{len(servers)} assistants are served, expected one" if to is None else f"unknown server {to!r}"
-    help_ = f"ur mcp grant --to ID, for one of {names}" if servers else "start the assistant first"
+    help_ = f"give the ID of one of them: {names}" if servers else "start the assistant first"
     raise UserError(error(message, rule="no-assistant", help=help_))
 
 

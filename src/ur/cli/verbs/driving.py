@@ -91,13 +91,13 @@ DRIVING = (
             "end": Below(
                 examples=(
                     ("ur mcp end", "Take all grants back: the robot stops."),
-                    ("ur mcp end --help", "Describe the command."),
+                    ("ur mcp end --of 1f2e3d4c", "Take back that of one assistant."),
                 ),
             ),
             "list": Below(
                 examples=(
                     ("ur mcp list", "List the assistants that are served, and their grants."),
-                    ("ur mcp list --help", "Describe the command."),
+                    ("ur mcp list --granted", "List only those that may drive now."),
                 ),
             ),
             "log": Below(
