@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import ast
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from functools import cache
 from importlib import import_module
 from pathlib import Path
 
 CORPUS = Path(__file__).with_name("corpus")
+_TARGETS = Path(__file__).with_name("targets")
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,47 +34,22 @@ class Target:
 
 def list_kinds() -> tuple[str, ...]:
     """The kinds of input, in a fixed order."""
-    return tuple(_KINDS)
+    return tuple(_find_modules())
 
 
 def load_target(kind: str) -> Target:
     """The target of a kind. Imports only what that one needs, since the memory of the process counts."""
-    targets: Sequence[Target] = import_module(f"tests.fuzz.targets.{_KINDS[kind]}").TARGETS
+    targets: Sequence[Target] = import_module(f"tests.fuzz.targets.{_find_modules()[kind]}").TARGETS
     return next(target for target in targets if target.kind == kind)
 
 
-_KINDS = {
-    "announcement": "announcements",
-    "announcement_fields": "announcements",
-    "xml_rpc": "xml_rpc",
-    "run_json": "state_files",
-    "run_events": "state_files",
-    "remembered": "state_files",
-    "robot_yaml": "state_files",
-    "facts": "robots",
-    "doctor": "robots",
-    "networks": "robots",
-    "services": "robots",
-    "remote_run": "robots",
-    "sync": "robots",
-    "public_key": "robots",
-    "launch": "launch_files",
-    "launch_check": "launch_files",
-    "parameters": "launch_files",
-    "map": "maps",
-    "world": "maps",
-    "base": "maps",
-    "waypoints": "maps",
-    "fiducial_map": "maps",
-    "picture": "maps",
-    "lease": "lease",
-    "package_xml": "packages",
-    "partitions": "packages",
-    "messages": "packages",
-    "get": "folders",
-    "map_folder": "folders",
-    "archive": "folders",
-    "urdf": "descriptions",
-    "xacro": "descriptions",
-    "device_bytes": "devices",
-}
+@cache
+def _find_modules() -> dict[str, str]:
+    """The module of each kind, from the texts of the modules."""
+    calls = (
+        (path.stem, node)
+        for path in sorted(_TARGETS.glob("*.py"))
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == "Target"
+    )
+    return {ast.literal_eval(node.args[0]): module for module, node in calls}
