@@ -70,6 +70,13 @@ CALLS = [
     "__complete bash 'ur check '",
 ]
 
+ALL_HELP = """\
+import sys
+from ur.cli.main import main
+for verb in sys.argv[1:]:
+    assert main([verb, "--help"]) == 0, verb
+"""
+
 
 class Trap:
     """A folder with a module of every name that our programs may import; each one notes that it was imported."""
@@ -136,8 +143,9 @@ def test_verbs_import_nothing_of_the_current_folder(trap: Trap) -> None:
     assert trap.run(UR, "check", "a.launch").returncode in (0, 1)
     for call in CALLS:
         trap.run(UR, *shlex.split(call))
-    for verb in VERBS:
-        assert trap.run(UR, verb, "--help").returncode == 0, verb
+    # The help of all in one process, which imports what each would import in its own.
+    done = trap.run(PYTHON, "-I", "-c", ALL_HELP, *VERBS)
+    assert done.returncode == 0, done
 
 
 def test_shells_import_nothing_of_the_current_folder(trap: Trap) -> None:
