@@ -1,8 +1,8 @@
-"""Resolving a launch file as it may be used: for every base and variant, with and without its options.
+"""Resolution of a launch file for its possible uses: every base and variant, with and without its options.
 
-The real resolver does the work. Required arguments get a marker that nothing else contains; a finding that speaks of
-a marker is about something unknown and is dropped. What the dropped ones expected ("true or false", "a number") tells
-which values to try next, so both branches of a condition are seen.
+The normal resolver is used. Required arguments get a unique marker; a finding that contains a marker depends on an
+unknown value and is dropped. The expected values of dropped findings ("true or false", "a number") are tried next, so
+that both branches of a condition are resolved.
 """
 
 from __future__ import annotations
@@ -39,22 +39,22 @@ _ABOUT_TWO_TAGS = frozenset(
 
 @dataclass(frozen=True, slots=True)
 class StartCase:
-    """One way to start a file: given arguments by name. `flipped`: an option that is the other way round here."""
+    """One way to start a file: given arguments by name. `flipped`: an option with the opposite of its default."""
 
     given: tuple[tuple[str, str], ...] = ()
     flipped: str | None = None
 
     @property
     def label(self) -> str:
-        """As it would be typed: `robot_base:=magni`."""
+        """Return the case as typed: `robot_base:=magni`."""
         return " ".join(f"{name}:={value}" for name, value in self.given)
 
 
 @dataclass(frozen=True, slots=True)
 class Resolved:
-    """A plan and the case it is for; its diagnostics hold only what is sure.
+    """A plan and its case; its diagnostics contain only certain findings.
 
-    `by_defaults`: the default of an environment variable that is not set here took part.
+    `by_defaults`: the default of an environment variable that is not set here was used.
     """
 
     case: StartCase
@@ -66,9 +66,9 @@ Loader = Callable[[str, Sequence[str], CachedWorld], Plan]
 
 
 def list_cases(view: LaunchView, given: tuple[tuple[str, str], ...] = ()) -> list[StartCase]:
-    """The cases of a launch file: each base and variant of its package, once plain and once per option flipped.
+    """Return the cases of a launch file: each base and variant, with defaults and with each option flipped.
 
-    What is `given` is the same in all.
+    The `given` arguments are the same in all.
     """
     names = {name for name, _ in given}
     bases = [] if "robot_base" in names else _base_cases(view, names)
@@ -86,12 +86,10 @@ def resolve_cases(
     passed: frozenset[str] | None = None,
     trees: dict[str, LaunchFile] | None = None,
 ) -> Iterator[Resolved]:
-    """The plans of a launch file, one or two per case. Another `load` may make the plans.
+    """Yield the plans of a launch file, one or two per case, made by `load`.
 
-    See load_plan for `trace` and `trees`.
-
-    With `passed`, the names of arguments, nothing is taken from the defaults of those, nor from the defaults of
-    environment variables that are not set here: they are unknown, as they are where another file includes this one.
+    See load_plan for `trace` and `trees`. With `passed`, names of arguments, the defaults of those and of unset
+    environment variables are ignored: they are unknown, as when another file includes this one.
     """
     trees = {} if trees is None else trees
     load = load or partial(_load, trace=trace, trees=trees, budget=Budget())
@@ -101,7 +99,7 @@ def resolve_cases(
 
 
 def list_unknown(view: LaunchView, passed: Collection[str] = ()) -> list[str]:
-    """The arguments of a launch file that its user gives: those without a value, and those that are `passed`."""
+    """Return the arguments of a launch file with unknown values: those without a default, and `passed` ones."""
     return [name for name, elements in view.declared.items() if all(_is_unknown(each, passed) for each in elements)]
 
 

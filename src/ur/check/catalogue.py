@@ -1,4 +1,4 @@
-"""Rules by id, collected from the modules below `rules/`; nothing has to be listed twice."""
+"""Rules by id, collected from the modules below `rules/`, without a separate list."""
 
 from __future__ import annotations
 
@@ -15,21 +15,21 @@ from ur.source.suggest import did_you_mean
 
 @cache
 def load_rules() -> dict[str, Rule]:
-    """All rules, sorted by id."""
+    """Return all rules, sorted by id."""
     modules = (each.name for each in walk_packages(rules.__path__, f"{rules.__name__}.") if not each.ispkg)
     found: list[Rule] = [rule for name in modules for rule in import_module(name).RULES]
     return {rule.id: rule for rule in sorted(found, key=lambda rule: rule.id)}
 
 
 def choose_rules(select: Iterable[str], ignore: Iterable[str]) -> frozenset[str]:
-    """The ids that `--select` (none: all) and `--ignore` leave. Both take ids and group codes. Raises UserError."""
+    """Return the rule ids chosen by `--select` (empty: all) and `--ignore`, ids or group codes. Raises UserError."""
     every = load_rules()
     chosen = {id_ for word in select for id_ in _ids(word, every, "--select")} or set(every)
     return frozenset(chosen - {id_ for word in ignore for id_ in _ids(word, every, "--ignore")})
 
 
 def find_rule(word: str) -> Rule:
-    """The rule with this id. Raises UserError with a suggestion."""
+    """Find the rule with this id. Raises UserError with a suggestion."""
     every = load_rules()
     if word in every:
         return every[word]
@@ -37,7 +37,7 @@ def find_rule(word: str) -> Rule:
 
 
 def list_rules() -> str:
-    """All rules by group, a line each: the id and the summary."""
+    """Return all rules by group, one line each: the id and the summary."""
     every = load_rules()
     width = max(map(len, every))
     lines = []

@@ -1,4 +1,4 @@
-"""Collection of the files to check: everything of a package or folder that rules look at, or single files."""
+"""Collection of the files to check: all relevant files of a package or folder, or single files."""
 
 from __future__ import annotations
 
@@ -30,9 +30,9 @@ _DEPENDS = re.compile(r"<(?:\w*_)?depend\b[^>]*>\s*([^<\s]+)\s*</")
 
 @dataclass(frozen=True, slots=True)
 class Targets:
-    """The files to check, each once and sorted, by kind; `whole`: packages that are checked from end to end.
+    """The files to check, sorted, by kind; `whole`: packages that are checked completely.
 
-    `left_out` are links that lead to something else, and folders that cannot be read.
+    `left_out` are links that lead elsewhere, and unreadable folders.
     """
 
     launch_files: tuple[str, ...]
@@ -43,7 +43,7 @@ class Targets:
     left_out: tuple[str, ...] = ()
 
     def package_of(self, path: str) -> Package | None:
-        """The package that a file belongs to: the innermost folder with a package.xml."""
+        """Return the package that a file belongs to: the innermost folder with a package.xml."""
         folder = path
         while True:
             folder, _, last = folder.rpartition("/")
@@ -54,9 +54,9 @@ class Targets:
 
 
 def collect_targets(paths: Sequence[str], world: World) -> Targets:
-    """List what to check for the arguments of a command line: paths of files and folders, packages, `PACKAGE FILE`.
+    """List the targets of a command line: paths of files and folders, packages, `PACKAGE FILE`.
 
-    Raises UserError for a word that is neither.
+    Raises UserError for any other argument.
     """
     launch: set[str] = set()
     yaml: set[str] = set()
@@ -93,12 +93,12 @@ def collect_targets(paths: Sequence[str], world: World) -> Targets:
 
 
 def list_launch_files(folder: str, world: World) -> list[str]:
-    """The launch files below a folder, with any ending."""
+    """Return the launch files below a folder, with any suffix."""
     return [path for path in _walk(folder, world, set(), EscapingLinks(folder)) if _holds_launch_file(path, world)]
 
 
 def may_be_checked(path: str) -> bool:
-    """Return whether a file at this path may be checked, or may decide how others are, by its name."""
+    """Return whether the name of a file shows that it may be checked, or may influence the check of others."""
     folder, _, name = path.rpartition("/")
     return path.endswith((*_LAUNCH_SUFFIXES, ".xml", *_YAML_SUFFIXES)) or folder.endswith("/bin") or "IGNORE" in name
 

@@ -1,4 +1,4 @@
-"""The real world for a check: what is checked comes first, and packages beside it are known, sourced or not."""
+"""The real world for a check: checked packages take precedence, and packages beside them are known without sourcing."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ _MAX_BESIDE = 20_000
 
 
 def make_world(paths: Sequence[str], environment: Mapping[str, str]) -> SystemWorld:
-    """This computer, with the packages of the checked paths found first and those beside them found last."""
+    """Return this computer's world, in which the checked packages come first and those beside them last."""
     checked: dict[str, None] = {}
     beside: dict[str, None] = {}
     for path in map(Path, paths):
@@ -63,7 +63,7 @@ class FileWatch:
         self._stamps = dict(self._look())
 
     def take_changes(self) -> list[str]:
-        """The paths that have been written, made or removed since the last call, sorted."""
+        """Return the sorted paths that were written, created or removed since the last call."""
         before, self._stamps = self._stamps, dict(self._look())
         return sorted(path for path in {*before, *self._stamps} if before.get(path) != self._stamps.get(path))
 

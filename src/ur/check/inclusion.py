@@ -1,4 +1,4 @@
-"""Includes between launch files, by the paths that `<include>` tags may mean with any arguments."""
+"""Includes between launch files, by the possible paths of `<include>` tags."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ _IN_PACKAGE = re.compile(r"\$\(find\s+(\S+)\s*\)/")
 
 @dataclass(frozen=True, slots=True)
 class Inclusions:
-    """By path of a launch file: the `<include>` tags of other files that may mean it, and the arguments they pass."""
+    """By path of a launch file: `<include>` tags of other files that may refer to it, and the arguments they pass."""
 
     tags: Mapping[str, tuple[Span, ...]] = field(default_factory=dict)
     passed: Mapping[str, frozenset[str]] = field(default_factory=dict)
 
 
 class IncludeTag(ForeignValue, frozen=True, array_like=True):
-    """An `<include>` tag: its `file` as it is written, the place of that, and the arguments that it passes."""
+    """An `<include>` tag: its `file` as written, the position of that, and the arguments that it passes."""
 
     file: str
     start: Count
@@ -35,7 +35,7 @@ class IncludeTag(ForeignValue, frozen=True, array_like=True):
 
 @dataclass(frozen=True, slots=True)
 class PossibleInclude:
-    """An `<include>` tag, the other files that it may mean, and the names of the arguments that it passes."""
+    """An `<include>` tag, the other files that it may refer to, and the names of the arguments that it passes."""
 
     span: Span
     files: tuple[str, ...]
@@ -43,7 +43,7 @@ class PossibleInclude:
 
 
 class IncludeFinder:
-    """Finds the files that `<include>` tags may mean among those of `views`."""
+    """Finds the files, among those of `views`, that `<include>` tags may refer to."""
 
     def __init__(self, views: Iterable[LaunchView]) -> None:
         self._by_name: dict[str, list[str]] = {}
@@ -56,7 +56,7 @@ class IncludeFinder:
                 self._folders.setdefault(view.package.name, {})[view.package.folder] = None
 
     def find(self, source: SourceFile, tags: Iterable[IncludeTag]) -> tuple[PossibleInclude, ...]:
-        """The tags of a file that may mean others, each with those."""
+        """Return the tags of a file that may refer to others, each with those files."""
         found = []
         for tag in tags:
             files = self._meant_in(source.path, tag.file)
@@ -65,7 +65,7 @@ class IncludeFinder:
         return tuple(found)
 
     def files_of(self, include: Element, view: LaunchView) -> tuple[str, ...]:
-        """The files that a tag of a file may mean, without that file."""
+        """Return the files that a tag of a file may refer to, without that file."""
         return self._meant_in(view.path, include.attributes.get("file", ""))
 
     def _meant_in(self, path: str, file: str) -> tuple[str, ...]:
@@ -86,12 +86,12 @@ class IncludeFinder:
 
 
 def list_includes(view: LaunchView) -> Iterator[Element]:
-    """The `<include>` tags of a launch file."""
+    """Yield the `<include>` tags of a launch file."""
     return (element for element, _ in walk_elements(view.tree.launch) if element.name == "include")
 
 
 def list_include_tags(view: LaunchView) -> Iterator[IncludeTag]:
-    """The `<include>` tags of a launch file, without its tree."""
+    """Yield the `<include>` tags of a launch file, without its tree."""
     for element in list_includes(view):
         span = element.value_span("file")
         passes = tuple(sorted({*_passed_by(element, view)}))
@@ -99,12 +99,12 @@ def list_include_tags(view: LaunchView) -> Iterator[IncludeTag]:
 
 
 def passes_all(include: Element) -> bool:
-    """Return whether a tag passes all arguments of its file on."""
+    """Return whether a tag passes all arguments of its file."""
     return include.attributes.get("pass_all_args", "false").lower() != "false"
 
 
 def merge_includes(found: Iterable[tuple[PossibleInclude, ...]]) -> Inclusions:
-    """The includes of all files, by the file that is included."""
+    """Merge the includes of all files by the included file."""
     tags: dict[str, list[Span]] = {}
     passed: dict[str, set[str]] = {}
     for includes in found:

@@ -1,4 +1,4 @@
-"""Symbolic links that lead out of what is checked: they are left out, since what they lead to is of another owner."""
+"""Symbolic links that lead outside of the checked folder: they are left out, since their targets have another owner."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ _NAMED = 3  # links that a note names
 
 
 class EscapingLinks:
-    """Finds links that lead out of the package that holds them, and out of the file or folder that was asked for.
+    """Finds links that lead outside of their package, and outside of the requested file or folder.
 
-    A workspace may hold links to packages: those are packages of their own.
+    A workspace may contain links to packages: those count as separate packages.
     """
 
     def __init__(self, asked_for: str) -> None:
@@ -22,7 +22,7 @@ class EscapingLinks:
         self.left_out: list[str] = []
 
     def leave_out(self, path: str, *, in_package: bool) -> bool:
-        """Return whether a path is a link that leads out; noted in `left_out` if it would have been checked."""
+        """Return whether a path is a link that leads outside; record it in `left_out` if it would have been checked."""
         if not os.path.islink(path):  # noqa: PTH114 - for each file, and pathlib takes longer
             return False
         target = os.path.realpath(path)
@@ -35,7 +35,7 @@ class EscapingLinks:
 
 
 def describe_left_out(left_out: Sequence[str]) -> str | None:
-    """One line about links and one about unreadable folders that were left out; None when there is neither."""
+    """Return one line about omitted links and one about unreadable folders; None if there is neither."""
     links = [path for path in left_out if os.path.islink(path)]  # noqa: PTH114 - these are texts
     folders = [path for path in left_out if path not in links]
     lines = []

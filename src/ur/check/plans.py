@@ -1,4 +1,4 @@
-"""Findings of launch files: of their trees, and of the plans that they resolve to in every case."""
+"""Findings of launch files: of their trees, and of their plans in every case."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ Given = tuple[tuple[str, str], ...]
 
 @dataclass(frozen=True, slots=True)
 class PlanChecks:
-    """The check of launch files. `views` are those that are checked, `trees` any that have been read, by path."""
+    """The check of launch files. `views` are the checked ones, `trees` all that have been read, by path."""
 
     world: CachedWorld
     rules: Mapping[str, Rule]
@@ -37,7 +37,7 @@ class PlanChecks:
     elements: dict[str, dict[int, Element]] = field(default_factory=dict)  # by path and offset; made when asked for
 
     def check_launch_file(self, view: LaunchView, inclusions: Inclusions, given: Given) -> Iterator[Hit | None]:
-        """The hits of one file, and None after each case, where the caller may do something else first."""
+        """Yield the hits of one file, and None after each case, so that the caller can interrupt the work."""
         passed = inclusions.passed.get(view.path, frozenset())
         for found in self.visitor.visit_launch_file(view):
             if not (found.rule == "unused-argument" and found.subject in passed):

@@ -33,7 +33,7 @@ class RuleGroup(Enum):
 
 @dataclass(frozen=True, slots=True)
 class RuleFinding:
-    """A finding of a rule; the engine adds the rule's id and severity. `subject` as in a Diagnostic."""
+    """A finding of a rule; the engine adds the rule's id and severity. `subject` is that of Diagnostic."""
 
     span: Span
     message: str
@@ -44,7 +44,7 @@ class RuleFinding:
 
 @dataclass(frozen=True, slots=True)
 class TextEdit:
-    """A safe change of a text: these characters become `text`."""
+    """A safe change of a text: the characters of a span become `text`."""
 
     span: Span
     text: str
@@ -52,7 +52,7 @@ class TextEdit:
 
 @dataclass(frozen=True, slots=True)
 class Example:
-    """A package in memory. In a bad one, `«` and `»` mark the place that the rule points at.
+    """A package in memory. In a bad one, `«` and `»` mark the position of the finding.
 
     `files` maps paths in the package to texts; names with a leading `/` are used as they are. The package is called
     `my_robot` unless `files` holds a `package.xml` with another name. Paths in `executables` may be executed.
@@ -65,7 +65,7 @@ class Example:
 
 @dataclass(frozen=True, slots=True)
 class BaseNames:
-    """A base that a package claims, and its variants beside the plain one."""
+    """A base that a package describes, and its variants beside the plain one."""
 
     name: str
     variants: tuple[str, ...]
@@ -84,7 +84,7 @@ class Package:
 
 @dataclass(frozen=True, slots=True)
 class LaunchView:
-    """A launch file and what its rules need to know about it."""
+    """A launch file and the properties that its rules need."""
 
     path: str
     package: Package | None
@@ -98,17 +98,17 @@ class LaunchView:
 
     @property
     def declared(self) -> Mapping[str, tuple[Element, ...]]:
-        """The `<arg>` tags outside of `<include>`, by name."""
+        """Return the `<arg>` tags outside of `<include>`, by name."""
         return self.survey.declared
 
     @property
     def used(self) -> Mapping[str, tuple[Span, ...]]:
-        """The places where `$(arg)` or `$(eval)` speak of an argument, by its name."""
+        """Return the positions at which `$(arg)` or `$(eval)` refer to an argument, by its name."""
         return self.survey.used
 
 
 def survey_launch_file(path: str, package: Package | None, world: World) -> LaunchView:
-    """A launch file as rules see it. Raises OSError."""
+    """Return a launch file as rules see it. Raises OSError."""
     return LaunchView(path, package, world, LaunchSurvey(path, world.read_bytes(path)))
 
 
@@ -142,7 +142,7 @@ class PackageView:
 
 @dataclass(frozen=True, slots=True)
 class LaunchedNode:
-    """A node of a resolved launch file. `local`: it does not run on another computer, whose programs are there."""
+    """A node of a resolved launch file. `local`: it runs on this computer, so that its program can be checked."""
 
     node: NodeSpec
     element: Element
@@ -163,9 +163,9 @@ class ParamView:
 
 @dataclass(frozen=True, slots=True)
 class Rule:
-    """One thing that can be wrong. A rule without a hook is one that reading and resolving launch files reports.
+    """One kind of problem. A rule without a hook is reported by the parser or resolver of launch files.
 
-    `id` never changes its meaning. Those of `RuleGroup.CONVENTIONS` apply only to packages that follow them.
+    The meaning of an `id` never changes. Those of `RuleGroup.CONVENTIONS` apply only to packages that follow them.
     """
 
     id: str
@@ -192,5 +192,5 @@ def launch_example(
     name: str = "launch/example.launch",
     executables: tuple[str, ...] = (),
 ) -> Example:
-    """An example that is mostly one launch file."""
+    """Return an example that consists mainly of one launch file."""
     return Example({name: text.strip("\n") + "\n", **(files or {})}, executables)

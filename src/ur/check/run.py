@@ -1,4 +1,4 @@
-"""The whole check: collect, read, visit, resolve, merge, and leave out what comments hide."""
+"""The whole check: collect, read, visit, resolve, merge, and apply the comments that hide findings."""
 
 from __future__ import annotations
 
@@ -38,14 +38,15 @@ def check_paths(
     """Check files, folders and packages; `chosen` are rule ids (None: all). Raises UserError for a bad path.
 
     `arguments` are given to every launch file that declares them; the others keep their defaults or are unknown.
-    `recall` holds findings of an earlier check, which spare work and change nothing, and gains those of this one.
+    `recall` contains findings of an earlier check, which save work without changing the result, and receives those of
+    this one.
     """
     session = CheckSession(paths, world, chosen, arguments, progress, recall)
     return finish_report(session)
 
 
 def finish_report(session: CheckSession) -> CheckReport:
-    """Do what is to be done in a session, and report its findings."""
+    """Complete the work of a session, and report its findings."""
     for _ in session.steps():
         pass
     found = [session.findings_of(path) for path in session.paths]

@@ -1,7 +1,7 @@
-"""A check that is kept up to date: after a change, only what depends on it is found again.
+"""An incremental check: after a change, only the files that depend on it are checked again.
 
-While a file is checked, the questions that are asked of the world are noted. A change makes the answers to some of
-them others; the files that asked one of those are checked again, and the findings of all others stay.
+While a file is checked, its queries to the world are recorded. A change alters the answers to some of them; the files
+with one of those queries are checked again, and the findings of all others stay.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ _COMMAND_LINE = "<command line>"
 class CheckSession:
     """The findings of files, folders and packages, while they change.
 
-    `steps` does what is to be done; until it has ended, some findings are missing, or are those from before a change.
+    `steps` does the pending work; until it has ended, some findings are missing, or are those from before a change.
     Raises UserError for a bad path. `chosen`, `arguments` and `recall` are those of `check_paths`.
     """
 
@@ -71,15 +71,16 @@ class CheckSession:
 
     @property
     def world(self) -> CachedWorld:
-        """The world that is checked, with what it has answered."""
+        """Return the world of the check, with its cached answers."""
         return self.sources.world
 
     # Changes
 
     def change(self, path: str) -> bool:
-        """Note that the file at an absolute path has changed.
+        """Record that the file at an absolute path has changed.
 
-        Returns False where that cannot be taken in, because it is new, removed, or of another kind: see `renew`.
+        Returns False if an incremental update is impossible, because the file is new, removed, or of another kind: see
+        `renew`.
         """
         changed = self.world.find_changes(path)
         if changed is None or not self._was_read:
@@ -113,7 +114,10 @@ class CheckSession:
         self._todo.update(((_PACKAGE, each.folder), None) for each in targets.whole)
 
     def renew(self, world: World) -> None:
-        """Take in any change: files, packages and variables are those of `world` now. Raises UserError as at first."""
+        """Update after any change: files, packages and variables are those of `world` now.
+
+        Raises UserError like the constructor.
+        """
         before, unfinished = self.sources, frozenset(self._todo)
         self._begin(CheckSources(self._paths, world))
         views = {**before.views, **before.neighbours}
@@ -143,9 +147,9 @@ class CheckSession:
     # Work
 
     def steps(self, first: Sequence[str] = ()) -> Iterator[frozenset[str]]:
-        """Do what is to be done, `first` for those files; yields after each piece the files with other findings.
+        """Do the pending work, starting with the files of `first`; yield files with changed findings after each unit.
 
-        After a change, call it again: what is not finished begins anew.
+        After a change, call it again: unfinished units start from their beginning.
         """
         if not self._was_read:
             self._read({})
@@ -162,7 +166,7 @@ class CheckSession:
 
     @property
     def is_finished(self) -> bool:
-        """Return whether nothing is to be done."""
+        """Return whether no work is pending."""
         return self._was_read and not self._todo
 
     def _recall_outline(self, path: str) -> IncludeOutline | None:
@@ -242,12 +246,12 @@ class CheckSession:
     # Findings
 
     def findings_of(self, path: str) -> tuple[list[Diagnostic], int]:
-        """The findings in one file, sorted by place, and the number of those that comments hide."""
+        """Return the findings in one file, sorted by position, and the number of hidden ones."""
         return self._index.findings_of(path, self._check_arguments() if path == _COMMAND_LINE else ())
 
     @property
     def paths(self) -> list[str]:
-        """The files in which something may be found, sorted; `""` for what is in no file."""
+        """Return the sorted files that may have findings; `""` for findings without a file."""
         return sorted({*self._index.paths(), _COMMAND_LINE})
 
     def _check_arguments(self) -> Iterator[Diagnostic]:
@@ -265,7 +269,7 @@ class CheckSession:
 
 
 def _take_hits(work: Iterator[Hit | None], hits: list[Hit]) -> bool:
-    """Add hits up to the next pause; True at the end."""
+    """Add hits up to the next pause; return True at the end."""
     for hit in work:
         if hit is None:
             return False

@@ -1,4 +1,4 @@
-"""The files of a check as they are read, with the includes between launch files."""
+"""The files that a check reads, with the includes between launch files."""
 
 from __future__ import annotations
 
@@ -31,9 +31,9 @@ def _recall_nothing(_path: str) -> None:
 class CheckSources:
     """The files that a check of `paths` reads. Raises UserError for a bad path.
 
-    `views` are the launch files that are checked, `neighbours` other ones of the same packages, which may include them;
-    `trees` all launch files that have been parsed. `unreadable` and `comments` are findings and suppressions by path,
-    `outlines` what is known of the views and neighbours.
+    `views` are the checked launch files, `neighbours` other ones of the same packages, which may include them; `trees`
+    all parsed launch files. `unreadable` and `comments` are findings and suppressions by path, `outlines` those of the
+    views and neighbours.
     """
 
     def __init__(self, paths: Sequence[str], world: World) -> None:
@@ -50,7 +50,7 @@ class CheckSources:
         self._yaml = frozenset(self.targets.yaml_files)
 
     def read(self, known: Mapping[str, LaunchSurvey], recall: RecallOutline, progress: Progress) -> None:
-        """Read all launch files, except for those that are `known`; those that `recall` has are not parsed."""
+        """Read all launch files, except `known` ones; those that `recall` has are not parsed."""
         for path in counted(self.targets.launch_files, "reading", "launch files", progress):
             self._read_view(path, known, recall)
         folders = {view.package.folder: view.package for view in self.views.values() if view.package is not None}
@@ -66,7 +66,7 @@ class CheckSources:
         self._merge_includes()
 
     def read_again(self, path: str) -> Iterator[str]:
-        """Read a launch file that has changed; yields those whose including files differ by that."""
+        """Read a changed launch file; yield the files whose including files change by that."""
         before = self.inclusions
         if path in self.neighbours:
             self._read_neighbour(path, self.neighbours[path].package)
@@ -80,7 +80,7 @@ class CheckSources:
                 yield each
 
     def stays_as_it_is(self, path: str) -> bool:
-        """Return whether a file that has changed is still checked as the same."""
+        """Return whether a changed file is still checked in the same way."""
         if path.rpartition("/")[2] in _STRUCTURE or not self.world.is_file(path):
             return False
         if path in self.targets.programs:
@@ -91,15 +91,15 @@ class CheckSources:
         return path in self._yaml or not may_be_checked(path)
 
     def checked_as(self, path: str) -> str:
-        """The kind of file that a path is checked as; empty for one that is not checked."""
+        """Return the kind of file that a path is checked as; empty for a file that is not checked."""
         return "launch file" if path in self.views else "YAML file" if path in self._yaml else ""
 
     def views_of(self, package: Package) -> tuple[LaunchView, ...]:
-        """The launch files of a package that are checked."""
+        """Return the checked launch files of a package."""
         return tuple(view for view in self.views.values() if view.package is package)
 
     def read_text(self, path: str) -> SourceFile | None:
-        """Read a text in UTF-8; None where it cannot be read."""
+        """Read a text in UTF-8; None if it cannot be read."""
         try:
             return SourceFile(path, self.world.read_bytes(path).decode("utf-8"))
         except (OSError, UnicodeDecodeError):

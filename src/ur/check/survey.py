@@ -1,4 +1,4 @@
-"""Reading launch files once, and noting what their rules ask for."""
+"""Launch files, read once, and their properties that rules use."""
 
 from __future__ import annotations
 
@@ -21,9 +21,9 @@ _OTHER_COMMANDS = frozenset({"find", "env", "optenv", "dirname", "anon"})
 
 
 class LaunchSurvey:
-    """The tree of a launch file and what it holds, each found when it is first asked for.
+    """The tree of a launch file and its properties, each computed on first use.
 
-    A check that recalls the findings of a file never asks.
+    A check with stored findings of the file never computes them.
     """
 
     def __init__(self, path: str, data: bytes) -> None:
@@ -37,7 +37,7 @@ class LaunchSurvey:
 
     @cached_property
     def declared(self) -> Mapping[str, tuple[Element, ...]]:
-        """See LaunchView."""
+        """See LaunchView.declared."""
         declared: dict[str, list[Element]] = {}
         for element, parent in walk_elements(self.tree.launch):
             name = element.attributes.get("name")
@@ -47,7 +47,7 @@ class LaunchSurvey:
 
     @cached_property
     def used(self) -> Mapping[str, tuple[Span, ...]]:
-        """See LaunchView."""
+        """See LaunchView.used."""
         used: dict[str, list[Span]] = {}
         for element, _ in walk_elements(self.tree.launch):
             for argument, span in find_uses(element):
@@ -56,7 +56,7 @@ class LaunchSurvey:
 
 
 def walk_elements(top: Element | None) -> Iterator[tuple[Element, Element | None]]:
-    """Every element below `top` in document order, with its parent."""
+    """Yield every element below `top` in document order, with its parent."""
     stack: list[tuple[Element, Element | None]] = [(top, None)] if top is not None else []
     while stack:
         element, parent = stack.pop()
@@ -65,7 +65,7 @@ def walk_elements(top: Element | None) -> Iterator[tuple[Element, Element | None
 
 
 def walk_possible(top: Element | None) -> Iterator[Element]:
-    """As walk_elements, without what a plain `if="false"` or `unless="true"` switches off for good."""
+    """Yield elements as `walk_elements`, without those that a literal `if="false"` or `unless="true"` disables."""
     stack = [top] if top is not None else []
     while stack:
         element = stack.pop()
@@ -75,14 +75,14 @@ def walk_possible(top: Element | None) -> Iterator[Element]:
 
 
 def is_switched_off(element: Element) -> bool:
-    """Return whether a tag never takes part, with any arguments."""
+    """Return whether a tag is disabled for all arguments."""
     condition = element.attributes.get("if", "true").strip().lower()
     exception = element.attributes.get("unless", "false").strip().lower()
     return condition in ("false", "0") or exception in ("true", "1")
 
 
 def find_uses(element: Element) -> Iterator[tuple[str, Span]]:
-    """The arguments that an element's attributes and text speak of, each with its place."""
+    """Yield the arguments that an element's attributes and text refer to, each with its position."""
     for attribute, value in element.attributes.items():
         if "$(" in value:
             for name, start, end in _names_in(value):

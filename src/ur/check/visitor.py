@@ -1,4 +1,4 @@
-"""One walk over everything; every rule is asked at each thing that it has a hook for."""
+"""Visitor of all checked files: each rule is called for every object that it has a hook for."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ _Hook = tuple[Rule, Callable[..., Iterable[RuleFinding]]]
 
 
 class Visitor:
-    """Rules sorted by what they look at. Those about conventions are asked only about packages that follow them."""
+    """Rules by the objects that they check. Those about conventions apply only to packages that follow them."""
 
     def __init__(self, rules: Iterable[Rule]) -> None:
         every = list(rules)
@@ -52,7 +52,7 @@ class Visitor:
     def visit_plan(
         self, plan: Plan, element_at: Callable[[str, int], Element | None], package: Package | None, world: World
     ) -> Iterable[Diagnostic]:
-        """Apply the rules to a resolved file. `element_at` gives the tag at a path and offset, None for others."""
+        """Apply the rules to a resolved file. `element_at` returns the tag at a path and offset, or None."""
         machines = {machine.name for machine in plan.machines}
         for node in plan.all_nodes():
             element = element_at(node.origin.span.file.path, node.origin.span.start)
@@ -97,7 +97,7 @@ def _is_old_master(found: Diagnostic) -> bool:
 
 
 def stamp_severity(found: Diagnostic, rules: Mapping[str, Rule]) -> Diagnostic:
-    """A finding of the resolver with the severity that its rule has here."""
+    """Return a finding of the resolver with the severity of its rule."""
     rule = rules.get(found.rule)
     if rule is None or rule.severity is found.severity or found.rule in _AS_RESOLVED or _is_old_master(found):
         return found

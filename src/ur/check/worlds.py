@@ -1,4 +1,4 @@
-"""The world as a checker sees it: an unknown value is a marker, not an error."""
+"""The world of a check: an unknown value is a marker, not an error."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _MARKER = re.compile(f"u{_LETTER}(\\d+){_LETTER}")
 
 
 class Unknowns:
-    """Values that only the person who starts a file knows: each has a marker that stands for it, or a value to try."""
+    """Values that are known only when a file is started: each has a unique marker, or a value to try."""
 
     def __init__(self) -> None:
         self._names: list[str] = []
@@ -33,7 +33,7 @@ class Unknowns:
         self.defaults_used = False  # of environment variables that are not set
 
     def value_of(self, name: str) -> str:
-        """The value to try for an unknown, otherwise its marker."""
+        """Return the value to try for an unknown, otherwise its marker."""
         if name in self.tried:
             return self.tried[name]
         if name not in self._names:
@@ -42,24 +42,24 @@ class Unknowns:
 
     @property
     def any_used(self) -> bool:
-        """Return whether anything unknown was asked for."""
+        """Return whether any unknown value was used."""
         return bool(self._names or self.tried)
 
     def names_in(self, text: str) -> list[str]:
-        """The unknowns whose markers a text holds."""
+        """Return the unknowns whose markers a text contains."""
         return [self._names[int(number)] for number in _MARKER.findall(text)]
 
 
 def has_marker(text: str) -> bool:
-    """Return whether a text depends on something unknown."""
+    """Return whether a text depends on an unknown value."""
     return _LETTER in text
 
 
 class Environment(dict[str, str]):
-    """Environment variables; one that is not set here is unknown, as it may be set where the file is used.
+    """Environment variables; one that is not set is unknown, as it may be set on the computer that uses the file.
 
-    With `no_defaults`, so is one that has a default in the file: `$(optenv NAME DEFAULT)`. `note` gets each name
-    that is asked for.
+    With `no_defaults`, so is one with a default in the file: `$(optenv NAME DEFAULT)`. `note` is called with each name
+    that is read.
     """
 
     def __init__(
@@ -102,10 +102,10 @@ class _Raised(NamedTuple):
 
 
 class CachedWorld:
-    """A World that asks another one each question once.
+    """A World that caches the answers of another one.
 
-    Relative paths that are not found in the working folder are looked for in `folder`. While `noted` is a set, the
-    questions that are asked are added to it.
+    Relative paths that are not found in the working folder are searched in `folder`. While `noted` is a set, all
+    queries are added to it.
     """
 
     def __init__(self, world: World, environment: Mapping[str, str] | None = None, folder: str = "") -> None:
@@ -118,7 +118,7 @@ class CachedWorld:
 
     @property
     def noted(self) -> set[Question] | None:
-        """The set that questions are added to, for this world and those seen from it."""
+        """Return the set of recorded queries, shared by this world and those created by `seen_from`."""
         return self._notes.questions
 
     @noted.setter
@@ -126,14 +126,14 @@ class CachedWorld:
         self._notes.questions = questions
 
     def note(self, kind: str, *words: str) -> None:
-        """Add a question to `noted` that another world answers."""
+        """Add a query to `noted` that another world answers."""
         if self._notes.questions is not None:
             self._notes.questions.add((kind, *words))
 
     def answer(self, question: Question) -> object:
-        """Return the other world's answer to a noted question, or the exception that it raises.
+        """Return the other world's answer to a recorded query, or the exception that it raises.
 
-        `("environment", NAME)` is answered with a variable, None where it is not set.
+        The answer to `("environment", NAME)` is a variable, or None if it is not set.
         """
         kind, *words = question
         if kind == "environment":
@@ -146,18 +146,18 @@ class CachedWorld:
             return problem
 
     def find_changes(self, path: str) -> set[Question] | None:
-        """The questions about a file at an absolute path that have other answers now; None where none was asked."""
+        """Return the queries about a file at an absolute path whose answers have changed; None without a query."""
         known = [question for question in _about_file(path) if question in self._answers]
         same = {each for each in known if _comparable(self._answers[each]) == _comparable(self._answer_now(each))}
         return {*known} - same if known else None
 
     def forget_file(self, path: str) -> Callable[[], None]:
-        """Ask again for a file at an absolute path. What is returned takes this back."""
+        """Discard the answers about a file at an absolute path; return a function that restores them."""
         known = {each: self._answers.pop(each) for each in _about_file(path) if each in self._answers}
         return lambda: self._answers.update(known)
 
     def seen_from(self, folder: str, environment: Mapping[str, str]) -> CachedWorld:
-        """The same world, answers and notes included, with other variables and another folder."""
+        """Return the same world, with shared answers and records, with other variables and another folder."""
         other = CachedWorld(self._world, environment, folder)
         other._answers = self._answers
         other._absolutes = self._absolutes
@@ -165,7 +165,7 @@ class CachedWorld:
         return other
 
     def locate(self, path: str) -> str:
-        """The absolute path that a path stands for."""
+        """Return the absolute path that a path refers to."""
         if not path or path.startswith("/") or not self._folder or self._ask("is_file", path):
             return self._absolute(path)
         beside = f"{self._folder}/{path}"
@@ -216,7 +216,7 @@ class CachedWorld:
         return self.locate(path) if path else self._absolute(path)
 
     def make_anonymous(self, prefix: str) -> str:
-        """See World. The same name each time, so that a check gives the same findings."""
+        """See World. The name is always the same, so that a check is reproducible."""
         return f"{prefix}{ANONYMOUS}"
 
     def _list(self, path: str) -> tuple[str, ...]:

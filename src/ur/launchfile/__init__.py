@@ -1,7 +1,7 @@
 """Launch files: text to tree (syntax), packages and files (world), tree to plan (plan).
 
-What is named here is imported when it is first used: a question about a launch file needs half of it, and importing all
-would take as long as resolving a large one.
+Public names are imported on first use: a query about a launch file needs half of them, and importing all would take as
+long as resolving a large one.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""`roslaunch`'s two ways to name a launch file: a path, or a package and a file name."""
+"""The two forms in which `roslaunch` accepts a launch file: a path, or a package and a file name."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ _SUFFIXES = (".launch", ".launch.xml", ".test")
 
 
 def resolve_addresses(names: Sequence[str], world: World) -> list[str]:
-    """The launch files that the names of a command line mean: `[package] file.launch [file ...]`.
+    """Return the launch files that a command line names: `[package] file.launch [file ...]`.
 
-    As in roslaunch, a file of that name anywhere in the package wins over a path. `-` stands for the standard input.
-    Raises UserError.
+    As in roslaunch, a file of that name anywhere in the package takes precedence over a path. `-` stands for the
+    standard input. Raises UserError.
     """
     names = list(names)
     if not names:
@@ -30,7 +30,10 @@ def resolve_addresses(names: Sequence[str], world: World) -> list[str]:
 
 
 def find_launch_file(package: str, name: str, world: World) -> str:
-    """The path of a package's launch file. Raises UserError that lists the launch files there are, and the nearest."""
+    """Return the path of a package's launch file.
+
+    Raises UserError with the existing launch files and the nearest name.
+    """
     found = _find_in_package(package, name, world)
     if found:
         return found
@@ -44,9 +47,9 @@ def find_launch_file(package: str, name: str, world: World) -> str:
 
 
 def join_addresses(words: Sequence[str], world: World) -> list[str]:
-    """Words that name files, folders and packages, with each `PACKAGE FILE` replaced by the file's path.
+    """Return arguments that name files, folders and packages, with each `PACKAGE FILE` replaced by a path.
 
-    A word that is a path stays one, also after a package. Raises UserError where a package holds several such files.
+    An argument that is a path stays one, also after a package. Raises UserError if a package has several such files.
     """
     joined: list[str] = []
     package = ""
@@ -126,7 +129,7 @@ def _shorten(names: Sequence[str], most: int = 6) -> str:
 
 
 def _list_launch_files(folder: str, world: World, depth: int = 3) -> list[str]:
-    """The names of the launch files of a package, without those in folders that lie deeper."""
+    """Return the names of the launch files of a package, at most `depth` folders deep."""
     names: set[str] = set()
     for entry in world.list_folder(folder):
         if entry.endswith(_SUFFIXES):

@@ -1,4 +1,4 @@
-"""A plan as JSON: what `ur launch --dump json` prints, and what the comparison with roslaunch compares."""
+"""A plan as JSON: the output of `ur launch --dump json`, which tests compare with roslaunch."""
 
 from __future__ import annotations
 
@@ -12,13 +12,12 @@ from ur.source.file import Span
 
 
 def dump_plan(plan: Plan, *, with_origins: bool = False, run: CommandRunner = refuse_command) -> dict[str, object]:
-    """A plan as plain values; print it with sorted keys.
+    """Return a plan as plain values, to be printed with sorted keys.
 
     `run` runs the programs of `<param command=...>`, as roslaunch does while it loads. When roslaunch would refuse the
     file: `{"ok": False, "error": message, "diagnostics": [...]}`. Binary parameters are base64, dates texts; numbers
-    that JSON does not have (`.inf`, `.nan`) stay numbers: Python's writer and reader understand them. With origins,
-    `origins` holds a place and the including places for every `nodes/NAME`, `tests/NAME`, `params/NAME` and
-    `machines/NAME`.
+    outside of JSON (`.inf`, `.nan`) stay numbers, which Python's json module supports. With origins, `origins` has the
+    position and the including positions of every `nodes/NAME`, `tests/NAME`, `params/NAME` and `machines/NAME`.
     """
     plan = run_commands(plan, run)
     errors = [found for found in plan.diagnostics if found.severity is Severity.ERROR]
@@ -59,14 +58,14 @@ def dump_plan(plan: Plan, *, with_origins: bool = False, run: CommandRunner = re
 
 
 def dump_refusal(diagnostics: Sequence[Diagnostic]) -> dict[str, object]:
-    """Dump of a file that roslaunch would refuse: at least one of the findings is an error, the first is named."""
+    """Return the dump of a file that roslaunch would refuse: at least one finding is an error; the first is named."""
     first = next(found for found in diagnostics if found.severity is Severity.ERROR)
     message = f"{first.span}: {first.message}" if first.span else first.message
     return {"ok": False, "error": message, "diagnostics": [_dump_diagnostic(found) for found in diagnostics]}
 
 
 def plain_value(value: ParamValue) -> object:
-    """A parameter's value in JSON's types."""
+    """Return a parameter's value in JSON's types."""
     if isinstance(value, bool | int | float | str) or value is None:
         return value
     if isinstance(value, bytes):

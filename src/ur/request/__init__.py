@@ -1,1 +1,1 @@
-"""Requests to launch files and programs: arguments, selection, requirements, and where nodes run."""
+"""Requests: from command-line arguments and the selection to a launch file's plan, with its requirements and hosts."""

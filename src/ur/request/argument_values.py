@@ -1,4 +1,4 @@
-"""Errors in launch files that stem from the value of an argument, reported about that argument of the command line."""
+"""Errors in launch files caused by the value of an argument, reported about that command-line argument."""
 
 from __future__ import annotations
 
@@ -26,10 +26,10 @@ _BOOLEANS = {"yes": "true", "on": "true", "y": "true", "no": "false", "off": "fa
 def blame_arguments(
     findings: Sequence[Diagnostic], given: Sequence[Argument], replan: Callable[[Sequence[Argument]], Plan]
 ) -> tuple[Diagnostic, ...]:
-    """Errors about the arguments that errors about values in launch files stem from, one for each argument.
+    """Return errors about the arguments that cause errors about values in launch files, one for each argument.
 
-    An error stems from an argument if it vanishes when the argument keeps its default. `replan` makes the plan with
-    the arguments that it gets; it is called only where there is such an error.
+    An argument causes an error if the error vanishes with the argument's default. `replan` makes the plan with given
+    arguments; it is called only if there is such an error.
     """
     blamed: list[Diagnostic] = []
     left, current = list(given), tuple(findings)

@@ -1,7 +1,7 @@
 """Command lines of verbs that take launch files: names of packages and files, and arguments `NAME:=VALUE`.
 
-Every verb splits them here; everything after it takes `Argument`s. How roslaunch judges an
-argument (`ur.launchfile.plan.names.read_assignments`) is a rule of launch files, and stays there.
+Every verb splits them here, and passes `Argument` values on. roslaunch's rules about valid arguments are in
+`ur.launchfile.plan.names.read_assignments`.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ ASSIGN = ":="
 
 
 class Argument(NamedTuple):
-    """An argument of a launch file; its text is what was typed."""
+    """An argument of a launch file; its text is that of the command line."""
 
     name: str
     value: str
@@ -42,5 +42,5 @@ def split_argv(argv: Sequence[str]) -> tuple[list[str], tuple[Argument, ...]]:
 
 
 def values_of(arguments: Iterable[Argument]) -> dict[str, str]:
-    """Values by name; of a name that is given twice, the last."""
+    """Return values by name; for a name that is given twice, the last one."""
     return {each.name: each.value for each in arguments}

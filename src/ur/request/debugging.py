@@ -19,10 +19,10 @@ from ur.source.suggest import did_you_mean
 
 
 def debug_nodes(plan: Plan, requests: Sequence[str], world: World, *, terminal: bool) -> tuple[Plan, tuple[str, ...]]:
-    """The plan with debuggers, and lines about what to do in other terminals. `terminal`: there is one to use.
+    """Return the plan with debuggers, and instructions for other terminals. `terminal`: a terminal is available.
 
-    A debugger replaces the node's own launch-prefix, and is not started again when it ends. Raises UserError: an
-    unknown node or debugger, one that does not suit or is not installed.
+    A debugger replaces the node's own launch-prefix, and is not restarted when it ends. Raises UserError for an unknown
+    node or debugger, or a debugger that is unsuitable or not installed.
     """
     changed: dict[str, NodeSpec] = {}
     lines: list[str] = []

@@ -1,4 +1,4 @@
-"""`ur launch --dry-run`: the commands that would be started, as lines that a shell takes."""
+"""`ur launch --dry-run`: the commands that would be started, as shell lines."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ from ur.source.diagnostic import Diagnostic, UserError
 def format_dry_run(
     plan: Plan, world: World, shell: Mapping[str, str], argv: Sequence[str]
 ) -> tuple[list[str], list[Diagnostic]]:
-    """For each node a comment with its name and machine, and the command line that starts it, ready to paste.
+    """Return for each node a comment with its name and machine, and its command line, ready to paste.
 
-    `shell` is the environment of the shell that the lines are for, `world` the one that nodes run in. The second list
-    holds errors about programs that are missing.
+    `shell` is the environment of the shell that the lines are for, `world` that of the nodes. The second list has
+    errors about missing programs.
     """
     lines = []
     if plan.params:
@@ -38,7 +38,7 @@ def format_dry_run(
 
 
 def format_node(node: NodeSpec, machine: MachineSpec | None, world: World, shell: Mapping[str, str]) -> list[str]:
-    """A comment and a command line. Raises UserError: no such program on this computer."""
+    """Return a comment and a command line. Raises UserError if the program is not on this computer."""
     if machine is not None and machine.address not in LOCAL_ADDRESSES:
         return [f"# {node.full_name} on {_describe(machine)}", _format_remote(node, machine, world)]
     program = find_program(node, world, 1)

@@ -1,4 +1,4 @@
-"""Environment variables that follow from the selected robot: printed by `ur env`, and set by every verb for itself."""
+"""Environment variables that follow from the selected robot: printed by `ur env`, and set by every verb."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ MARK = "UR_SELECTION"  # tells what `ur env` has set from what a person has set
 
 
 def current_selection(environment: Mapping[str, str]) -> Selection:
-    """The selection that the environment names, else the stored one. Raises UserError: one of them is damaged."""
+    """Return the selection of the environment, else the stored one. Raises UserError if one of them is invalid."""
     if chosen := environment.get(CHOSEN):
         return parse_selection(chosen)
     return load_selection(selection_path(environment))
@@ -37,9 +37,9 @@ def environment_changes(
     hostname: str | None = None,
     find: Callable[[Mapping[str, str]], DebianRoot | None] = find_root,
 ) -> dict[str, str]:
-    """The variables to set so that `environment` follows the selection. Setting them twice changes nothing.
+    """Return the variables to set so that `environment` follows the selection. Setting them twice changes nothing.
 
-    A ROS_MASTER_URI or ROS_HOSTNAME that a person has set stays; one that stems from an earlier selection goes.
+    A ROS_MASTER_URI or ROS_HOSTNAME that the user has set stays; one of an earlier selection is removed.
     """
     host = hostname or os.uname().nodename.split(".")[0]  # importing socket would slow Tab
     root = find(environment)
@@ -65,7 +65,7 @@ def environment_changes(
 
 
 def choose_ros(selection: Selection, environment: Mapping[str, str]) -> Ros | None:
-    """The ROS of the nodes of this computer; None where none is installed."""
+    """Return the ROS of this computer's nodes; None if none is installed."""
     try:
         return find_ros(selection.ros, environment, str(state_folder(environment)))
     except UserError:
@@ -73,7 +73,7 @@ def choose_ros(selection: Selection, environment: Mapping[str, str]) -> Ros | No
 
 
 def _ros2(ros: Ros, environment: Mapping[str, str], package: str) -> dict[str, str]:
-    """The variables of ROS 2. What a person has set about its network stays."""
+    """Return the variables of ROS 2. Network settings of the user stay."""
     domain = choose_domain(environment, os.getuid())
     wanted = {
         "ROS_VERSION": "2",
@@ -92,7 +92,7 @@ def _ros2(ros: Ros, environment: Mapping[str, str], package: str) -> dict[str, s
 
 
 def _without_ros(environment: Mapping[str, str], wanted: Mapping[str, str]) -> dict[str, str]:
-    """The variables of nodes that are in one process."""
+    """Return the variables of nodes that share one process."""
     folders = [each for each in wanted["ROS_PACKAGE_PATH"].split(os.pathsep) if each != "/usr/share"]
     return {
         "ROS_VERSION": "0",
@@ -103,19 +103,19 @@ def _without_ros(environment: Mapping[str, str], wanted: Mapping[str, str]) -> d
 
 
 def add_own_package(environment: Mapping[str, str], *, package: Path = PACKAGE) -> dict[str, str]:
-    """A copy of `environment` in which our launch package is on ROS_PACKAGE_PATH."""
+    """Return a copy of `environment` with this project's launch package on ROS_PACKAGE_PATH."""
     return {**environment, "ROS_PACKAGE_PATH": _package_path(environment, package)}
 
 
 def own_packages(environment: Mapping[str, str]) -> str:
-    """The folder of the ROS packages that `ur get` has made, whether there is one or not."""
+    """Return the folder of the ROS packages that `ur get` builds, whether it exists or not."""
     return f"{user_folder('XDG_DATA_HOME', environment)}/ubiquity_launches/packages"
 
 
 def apply_selection(selection: Selection) -> None:
     """Set the variables of a selection for this process and its children.
 
-    With ROS 1 they hide a ROS 2 that the shell has sourced. Raises UserError: the chosen ROS is not installed.
+    With ROS 1 they hide a ROS 2 that the shell has sourced. Raises UserError if the chosen ROS is not installed.
     """
     ros = find_ros(selection.ros, os.environ, str(state_folder()))
     if ros.version == 2 and not ros.sourced and not ros.wheels:
@@ -128,7 +128,7 @@ def apply_selection(selection: Selection) -> None:
 
 
 def hide_ros2(environment: Mapping[str, str]) -> dict[str, str]:
-    """The search paths to set so that programs do not find the packages of a sourced ROS 2 in place of ROS 1's.
+    """Return the search paths to set so that programs find the packages of ROS 1 instead of a sourced ROS 2.
 
     Both have Python packages of the same names (`sensor_msgs`, `std_msgs`, ...).
     """
@@ -154,7 +154,7 @@ def _is_below(entry: str, place: str) -> bool:
 
 
 def render_exports(changes: Mapping[str, str]) -> str:
-    """`export` lines for a POSIX shell."""
+    """Return `export` lines for a POSIX shell."""
     return "".join(f"export {name}={shlex.quote(value)}\n" for name, value in changes.items())
 
 

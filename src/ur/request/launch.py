@@ -1,6 +1,6 @@
-"""The stages of `ur launch`: load, join, place, debug, run. Each but the last returns the plan as it is after it.
+"""The stages of `ur launch`: load, join, place, debug, run. Each but the last returns the resulting plan.
 
-The imports of a stage are in it: most launches need few of them, and a start is to be fast.
+The imports of a stage are inside it: most launches need few of them, and a start has to be fast.
 """
 
 from __future__ import annotations
@@ -35,9 +35,9 @@ _NO_PLAN = Plan((), (), (), (), (), ())
 
 @dataclass(frozen=True, slots=True)
 class Launch:
-    """A command line on its way to a run. `client` is the id of that run; `stack` is to be closed at its end.
+    """A launch in progress. `client` is the id of its run; `stack` is to be closed at its end.
 
-    `make_xacro` makes the ROS package xacro. `offer` offers to install packages, by their names, and returns whether
+    `make_xacro` builds the ROS package xacro. `offer` offers to install packages, by their names, and returns whether
     one was installed.
     """
 
@@ -53,10 +53,11 @@ class Launch:
 
 @dataclass(frozen=True, slots=True)
 class Staged:
-    """The plan of a launch after a stage, in its world. `release` lets other launches at the same master go on.
+    """The plan of a launch after a stage, in its world.
 
-    `environment` is laid over that of the nodes, `owners` are the runs whose nodes this one uses, and `restart_share`
-    has the robot start its nodes again. `end` takes the place of a run, and returns the exit code.
+    `release` lets other launches at the same master continue. `environment` overrides that of the nodes, `owners` are
+    the runs whose nodes this one uses, and `restart_share` has the robot start its nodes again. `end` replaces a run,
+    and returns the exit code.
     """
 
     loaded: LoadedPlan
@@ -70,7 +71,7 @@ class Staged:
 
 
 def prepare(launch: Launch) -> Staged:
-    """Do everything before the run. Raises UserError, as the stages do."""
+    """Execute all stages before the run. Raises UserError, as the stages do."""
     staged = load(launch)
     for stage in (join, place, debug):
         if staged.end is None:
@@ -79,9 +80,9 @@ def prepare(launch: Launch) -> Staged:
 
 
 def load(launch: Launch) -> Staged:
-    """Load the plan, in a world that has what its nodes need. Errors in the files are printed, and end the launch.
+    """Load the plan, and install the requirements of its nodes. Errors in the files are printed, and end the launch.
 
-    Raises UserError: the arguments do not suit the files, or something is missing that cannot be installed.
+    Raises UserError if the arguments do not suit the files, or a requirement cannot be installed.
     """
     from ur.request.joining.running import lock_launch, refuse_second_master
     from ur.request.requirements.preparation import prepare_world
@@ -101,9 +102,9 @@ def load(launch: Launch) -> Staged:
 
 
 def join(launch: Launch, staged: Staged) -> Staged:
-    """Leave out what runs already, and claim what this run drives; not so for a robot's share of a run.
+    """Leave out running nodes, and claim the nodes of this run, unless it is a robot's share of a run.
 
-    Raises UserError: everything runs already, or another client drives and there is no terminal to ask at.
+    Raises UserError if all nodes are already running, or another client drives and there is no terminal.
     """
     if launch.options.part is not None:
         return staged
@@ -120,7 +121,7 @@ def join(launch: Launch, staged: Staged) -> Staged:
 
 
 def place(launch: Launch, staged: Staged) -> Staged:
-    """Start the nodes of the robot on the robot. Raises UserError: it cannot be reached, or cannot start them."""
+    """Start the robot's nodes on the robot. Raises UserError if it cannot be reached, or cannot start them."""
     robot = staged.loaded.robot
     if not robot or not any(node.machine == robot for node in staged.plan.nodes):
         return staged
@@ -135,7 +136,7 @@ def place(launch: Launch, staged: Staged) -> Staged:
 
 
 def debug(launch: Launch, staged: Staged) -> Staged:
-    """Put the debuggers in front that options ask for. Raises UserError: an unknown node or debugger."""
+    """Run nodes under the debuggers that options request. Raises UserError for an unknown node or debugger."""
     options = launch.options
     if not options.debug:
         return staged
@@ -173,13 +174,14 @@ def run(
 
 
 class _ReadAgainError(Exception):
-    """A package has been made before the errors that name it were shown."""
+    """A package was installed before the errors that name it were printed, so that files have to be read again."""
 
 
 def load_with_packages(launch: Launch) -> LoadedPlan:
-    """Load what the command line names. Errors in its files are printed, but for a missing xacro, which is made.
+    """Load what the command line names.
 
-    Other missing packages are offered. Raises UserError, as `load_request` does, and when xacro cannot be made.
+    Errors in its files are printed, except for a missing xacro, which is built. The installation of other missing
+    packages is offered. Raises UserError, as `load_request` does, and if xacro cannot be built.
     """
     from ur.request.environment import apply_selection
     from ur.request.joining.running import follow_world
@@ -212,7 +214,7 @@ def load_with_packages(launch: Launch) -> LoadedPlan:
 
 
 def write_report(diagnostics: Iterable[Diagnostic], path: str) -> None:
-    """Write errors to a file, for the laptop that has asked for this run."""
+    """Write errors to a file, for the laptop that has requested this run."""
     import json
 
     errors = [
@@ -230,7 +232,7 @@ def write_report(diagnostics: Iterable[Diagnostic], path: str) -> None:
 
 
 def make_run_options(request: LaunchRequest, call_started: Callable[[RunEntry], None] | None = None) -> RunOptions:
-    """The options of the run that a request asks for. `call_started` is that of a detached run."""
+    """Return the options of the run of a request. `call_started` is that of a detached run."""
     from ur.run.options import RunOptions
 
     options, selection, values = request.options, request.selection, request.values
@@ -254,7 +256,7 @@ def make_run_options(request: LaunchRequest, call_started: Callable[[RunEntry], 
 
 
 def make_limits(options: LaunchOptions) -> TimeLimits:
-    """Times and counts, those of `TimeLimits` where no option changes them."""
+    """Return times and counts: those of `TimeLimits` unless options change them."""
     from ur.run.supervisor.state import TimeLimits
 
     defaults = TimeLimits()
@@ -266,7 +268,7 @@ def make_limits(options: LaunchOptions) -> TimeLimits:
 
 
 def make_master_arguments(options: LaunchOptions) -> tuple[str, ...]:
-    """The arguments of rosmaster that options choose."""
+    """Return the arguments of rosmaster that options set."""
     found: list[str] = []
     if options.timeout is not None:
         found += ["-t", str(options.timeout)]

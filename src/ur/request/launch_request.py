@@ -1,4 +1,4 @@
-"""The request of a command line that names launch files, made once, where its verb begins."""
+"""The request of a command line with launch files, made once, at the start of its verb."""
 
 from __future__ import annotations
 
@@ -22,9 +22,9 @@ STANDARD_INPUT = "-"
 
 
 class LaunchFiles:
-    """The launch files of a request, in a world. A file, and each that it includes, is read and parsed once.
+    """The launch files of a request, in a world. Each file and include is read and parsed only once.
 
-    `parsed` holds the trees by the paths that name them; `load_plan` takes and extends it.
+    `parsed` has the trees by the paths that name them; `load_plan` uses and extends it.
     """
 
     def __init__(self, paths: Sequence[str], world: World) -> None:
@@ -42,7 +42,10 @@ class LaunchFiles:
 
     @property
     def declared(self) -> tuple[str, ...]:
-        """The arguments that the files declare and that can be given, in order. Unreadable files declare none."""
+        """Return the arguments that the files declare and that can be given, in order.
+
+        Unreadable files declare none.
+        """
         if self._declared is None:
             names: dict[str, None] = {}
             for path in self.paths:
@@ -59,9 +62,9 @@ class LaunchFiles:
 
 @dataclass(frozen=True, slots=True)
 class LaunchRequest:
-    """Launch files with the arguments that were given for them, the selected robot, and options.
+    """Launch files with their given arguments, the selected robot, and options.
 
-    Without a `selection` the arguments are complete. `names` are the names of the command line as they were typed.
+    Without a `selection` the arguments are complete. `names` are the names of the command line as typed.
     """
 
     files: LaunchFiles
@@ -72,7 +75,7 @@ class LaunchRequest:
 
     @property
     def options(self) -> LaunchOptions:
-        """The options that were given, else the defaults."""
+        """The given options, else the defaults."""
         if self.given_options is None:
             from ur.request.options import LaunchOptions  # questions need none, and its import takes 2 ms
 
@@ -81,16 +84,16 @@ class LaunchRequest:
 
     @property
     def values(self) -> dict[str, str]:
-        """The values of the arguments by name."""
+        """Return the values of the arguments by name."""
         return values_of(self.arguments)
 
     @property
     def argv(self) -> tuple[str, ...]:
-        """The names and arguments as a command line, without options."""
+        """Return the names and arguments as a command line, without options."""
         return (*self.names, *map(str, self.arguments))
 
     def add_arguments(self, added: Iterable[Argument]) -> LaunchRequest:
-        """Make a request with more arguments."""
+        """Return a request with more arguments."""
         return replace(self, arguments=(*self.arguments, *added))
 
 
@@ -99,7 +102,7 @@ def make_request(
 ) -> LaunchRequest:
     """Read `FILE` or `PACKAGE FILE`, and `[ARG:=VALUE]...`: the form of every verb that takes launch files.
 
-    Raises UserError: no such file, or a name that is neither a file nor an argument.
+    Raises UserError for a missing file, or a name that is neither a file nor an argument.
     """
     names, arguments = split_argv(argv)
     files = LaunchFiles(resolve_addresses(names, world), world)

@@ -1,4 +1,4 @@
-"""Arguments that were written in the form of another tool: `world=office`, `--world office`, `office`."""
+"""Arguments in the form of another tool: `world=office`, `--world office`, `office`."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ _PLAIN = re.compile(r"[\w./+-]+")
 
 
 def suggest_assignment(text: str, declared: Sequence[str], following: str = "") -> str:
-    """Write a word of the command line as `NAME:=VALUE`, '' if it is near to no argument of the launch file.
+    """Return a misspelt argument in the form `NAME:=VALUE`, '' if no argument of the launch file is similar.
 
-    `declared` are the names of the arguments. The value is what follows `=`, else `following`, else dots. A word
-    without a name is taken for the value of an argument that has it: a world, a map, a base.
+    `declared` are the names of the arguments. The value is the text after `=`, else `following`, else dots. A text
+    without a name is taken as the value of an argument that has such values: a world, a map, a base.
     """
     bare, assigned, value = text.lstrip("-").partition("=")
     owner = "" if assigned or text.startswith("-") else _owner(bare, declared)
@@ -26,7 +26,7 @@ def suggest_assignment(text: str, declared: Sequence[str], following: str = "") 
 
 
 def write_assignment(name: str, value: str) -> str:
-    """`NAME:=VALUE`, with dots for a value that is empty or that a shell or a terminal would act on."""
+    """Return `NAME:=VALUE`, with dots for a value that is empty or unsafe for a shell or a terminal."""
     return f"{name}:={value if _PLAIN.fullmatch(value) else '...'}"
 
 

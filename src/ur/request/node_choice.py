@@ -1,4 +1,4 @@
-"""Options of `ur launch` that change a plan: the nodes that start, and programs in front of them."""
+"""Options of `ur launch` that change a plan: the nodes that start, and their prefixes."""
 
 from __future__ import annotations
 
@@ -15,9 +15,8 @@ from ur.source.diagnostic import UserError, error
 def load_chosen(request: LaunchRequest, report: Report, inspect: Inspect | None = None) -> LoadedPlan:
     """Load a request, and apply the options that choose nodes; errors in the files are printed.
 
-    `inspect` is given the errors before.
-
-    Raises UserError, as `load_request` does, and for nodes that options name wrongly.
+    `inspect` is called with the errors before. Raises UserError, as `load_request` does, and for unknown nodes in
+    options.
     """
     if request.options.core:
         return LoadedPlan(request, Plan((), (), (), (), (), ("core",)))
@@ -28,7 +27,7 @@ def load_chosen(request: LaunchRequest, report: Report, inspect: Inspect | None 
 
 
 def apply_options(plan: Plan, options: LaunchOptions, report: Report) -> Plan:
-    """A plan with the nodes that options choose. Raises UserError for nodes that options name wrongly."""
+    """Return a plan with the nodes that options choose. Raises UserError for unknown nodes in options."""
     if options.local:
         from ur.run.paths import is_local_address
         from ur.run.startup.machine_assignment import split_plan
@@ -60,7 +59,7 @@ def apply_options(plan: Plan, options: LaunchOptions, report: Report) -> Plan:
 
 
 def choose_nodes(plan: Plan, only: Sequence[str], without: Sequence[str], prefixes: Sequence[str]) -> Plan:
-    """A plan with `only` these nodes (none named: all), without others, some with a `NODE=PREFIX` in front.
+    """Return a plan with `only` these nodes (empty: all), `without` others, some with a `NODE=PREFIX`.
 
     Raises UserError for a node that is not in the plan, and for a prefix without its node.
     """

@@ -70,12 +70,12 @@ class LaunchOptions(NamedTuple):
 
     @property
     def mode(self) -> Mode:
-        """The conduct that the options ask for where another client drives the robot."""
+        """The mode that the options set for a robot that another client drives."""
         return "watch" if self.watch else "ask" if self.ask else "take" if self.take_over else "drive"
 
 
 class StartReporter:
-    """Print lines before anything starts, and keep them for the log of the run's interface."""
+    """Prints lines before the start, and stores them for the log of the run's interface."""
 
     def __init__(self) -> None:
         self.notices: list[tuple[Severity, str]] = []
@@ -87,12 +87,12 @@ class StartReporter:
 
 
 def choose_query(queries: Sequence[Query]) -> Query | None:
-    """The question that is answered, where roslaunch allows several; None without one."""
+    """Return the query that is answered, since roslaunch accepts several; None without one."""
     return min(queries, key=lambda query: _PRECEDENCE.index(query[0]), default=None)
 
 
 def check_options(argv: Sequence[str], options: LaunchOptions) -> None:
-    """Raise UserError for options and arguments that cannot be used together."""
+    """Raise UserError for options and arguments that exclude each other."""
     if options.core and (argv or options.wait or options.queries):
         raise UserError(
             error("--core starts a master alone, expected no launch file, --wait or question", rule="bad-options")
@@ -117,7 +117,7 @@ def check_options(argv: Sequence[str], options: LaunchOptions) -> None:
 
 
 def _check_seconds(options: LaunchOptions) -> None:
-    """Raise UserError for times that are no numbers."""
+    """Raise UserError for times that are not valid numbers."""
     for name in ("timeout", "sigint_timeout", "sigterm_timeout", "timeout_ready"):
         value = getattr(options, name)
         if value is not None and value != value:

@@ -1,4 +1,4 @@
-"""From a request to a plan, its findings shown."""
+"""From a request to a plan, with printed findings."""
 
 from __future__ import annotations
 
@@ -31,10 +31,10 @@ Inspect = Callable[[Iterable[Diagnostic]], None]
 
 @dataclass(frozen=True, slots=True)
 class LoadedPlan:
-    """The plan of a request; None when it has errors. `arguments` are complete: with those of the selection.
+    """The plan of a request; None if it has errors. `arguments` are complete: with those of the selection.
 
-    `robot` is the machine whose nodes belong to the selected robot, which is another computer; '' where there is none.
-    `findings` have been shown.
+    `robot` is the machine whose nodes belong to the selected robot, if that is another computer; '' otherwise.
+    `findings` have been printed.
     """
 
     request: LaunchRequest
@@ -45,15 +45,15 @@ class LoadedPlan:
 
     @property
     def world(self) -> World:
-        """The world that the plan was made in."""
+        """The world in which the plan was made."""
         return self.request.files.world
 
 
 def complete_arguments(request: LaunchRequest, *, local: bool) -> tuple[Argument, ...]:
-    """The arguments of a request, with those that the selection adds, and absolute paths of worlds.
+    """Return the arguments of a request, with those that the selection adds, and absolute paths of worlds.
 
-    A selection gives arguments that the files declare and that are not given; without one the arguments are complete.
-    `local`: this computer is the robot. Raises UserError: a world that cannot be used on the robot.
+    A selection adds arguments that the files declare and that are not given; without one the arguments are complete.
+    `local`: this computer is the robot. Raises UserError for a world that cannot be used on the robot.
     """
     selection, declared = request.selection, request.files.declared
     if selection is None:
@@ -65,12 +65,12 @@ def complete_arguments(request: LaunchRequest, *, local: bool) -> tuple[Argument
 
 
 def load_request(request: LaunchRequest, inspect: Inspect | None = None) -> LoadedPlan:
-    """Load the plan of a request; errors in it are then on standard error. `inspect` is given them before.
+    """Load the plan of a request, and print its errors to standard error. `inspect` is called with them before.
 
-    Arguments about the robot that are declared and not given come from the selection; not so for a robot's share
+    Arguments about the robot that are declared and not given are taken from the selection, except for a robot's share
     of a run (`part`): its arguments are complete, and `part` is a machine that the file need not define: this computer.
-    Raises UserError: an argument whose value is not of its type, a base that is not known or lacks what the file needs,
-    a driver whose package is not installed.
+    Raises UserError for a value of the wrong type, an unknown base or one that does not meet the file's needs, or a
+    missing driver package.
     """
     part, selection, files = request.options.part, request.selection, request.files
     assert selection is not None
@@ -119,10 +119,10 @@ def load_request(request: LaunchRequest, inspect: Inspect | None = None) -> Load
 
 
 def load_tolerantly(argv: Sequence[str]) -> tuple[Plan, list[str], bool]:
-    """The plan behind `[PACKAGE] FILE [ARG:=VALUE]...`, the absolute paths of its files, and whether it has no error.
+    """Return the plan of `[PACKAGE] FILE [ARG:=VALUE]...`, the absolute paths of its files, and whether it is valid.
 
-    Arguments that are declared and not given come from the selection. Findings go to standard error. Raises UserError:
-    no such file, a name that is neither a file nor an argument.
+    Arguments that are declared and not given are taken from the selection. Findings are printed to standard error.
+    Raises UserError for a missing file, or a name that is neither a file nor an argument.
     """
     from ur.source.progress_line import show_progress
 
@@ -139,7 +139,7 @@ def load_tolerantly(argv: Sequence[str]) -> tuple[Plan, list[str], bool]:
 
 
 def show_findings(findings: Iterable[Diagnostic]) -> None:
-    """Print findings for people on standard error."""
+    """Print findings on standard error."""
     shown = list(findings)
     if shown:
         from ur.source.render import render_human, shows_colour
@@ -149,17 +149,17 @@ def show_findings(findings: Iterable[Diagnostic]) -> None:
 
 
 def make_world() -> SystemWorld:
-    """The computer with this process's environment, in which nodes run."""
+    """Return the world of this process's environment, in which nodes run."""
     return SystemWorld(os.environ, standard_input=lambda: sys.stdin.buffer.read())
 
 
 def texts(arguments: Iterable[Argument]) -> list[str]:
-    """Arguments as roslaunch takes them."""
+    """Return arguments in the form of roslaunch."""
     return [str(each) for each in arguments]
 
 
 def describe_computer(name: str, address: str) -> MachineSpec:
-    """A machine that no launch file has to define."""
+    """Return a machine that no launch file has to define."""
     origin = Origin(Span(SourceFile("<selection>", name), 0, len(name)))
     return MachineSpec(name, address, user=None, env_loader=None, ssh_port=22, timeout=10.0, origin=origin)
 
@@ -167,9 +167,9 @@ def describe_computer(name: str, address: str) -> MachineSpec:
 def selected_arguments(
     selection: Selection, declared: Collection[str], given: Collection[str], *, local: bool
 ) -> list[Argument]:
-    """The arguments that a selection adds: those that are declared, and not among the names that are given.
+    """Return the arguments that a selection adds: those that are declared and not given.
 
-    `local`: this computer is the robot. A robot that is another computer is a machine of its name.
+    `local`: this computer is the robot. A robot that is another computer is a machine with its name.
     """
     values = {
         "robot_base": selection.base,
@@ -185,7 +185,7 @@ def selected_arguments(
 def localisation_argument(
     request: LaunchRequest, arguments: Iterable[Argument], bases: tuple[FileBase, ...] = ()
 ) -> list[Argument]:
-    """As choose_localisation, for a request; `bases` spare it from loading them. Raises UserError likewise."""
+    """Return the argument of `choose_localisation` for a request; `bases` saves loading them. Raises UserError."""
     if "localisation" not in request.files.declared:
         return []
     from ur.request.bases.base_argument import find_bases
@@ -196,7 +196,7 @@ def localisation_argument(
 
 
 def is_this_computer(robot: str) -> bool:
-    """Return whether a robot's name is the name of the computer we run on."""
+    """Return whether a robot's name is that of this computer."""
     return os.uname().nodename.split(".")[0].lower() == robot.lower()
 
 
@@ -210,10 +210,10 @@ def _harden(finding: Diagnostic) -> Diagnostic:
 def resolve_map(
     arguments: Sequence[Argument], declared: Collection[str], *, real: bool, remote: bool
 ) -> tuple[Argument, ...]:
-    """Check the map that a launch file with the arguments `map` and `map_file` is to use.
+    """Check the map of a launch file with the arguments `map` and `map_file`.
 
-    Without one, a real robot uses the last map that it has made. `remote`: the map is on another computer. Raises
-    UserError: this computer has no such map.
+    Without one, a real robot uses its latest map. `remote`: the map is on another computer. Raises UserError if this
+    computer does not have the map.
     """
     if _MAP not in declared or "map_file" not in declared:
         return tuple(arguments)

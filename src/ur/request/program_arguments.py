@@ -27,7 +27,7 @@ def check_arguments(program: Program, arguments: Sequence[Argument], environment
 
 
 def refuse_undeclared(program: str, arguments: Sequence[Argument], declared: Sequence[str]) -> None:
-    """Raise UserError for an argument of a program that is not among those that its launch file declares."""
+    """Raise UserError for an argument of a program that is not among the declared ones of its launch file."""
     for name in (each.name for each in arguments):
         if name not in declared and not name.startswith("_"):
             near = did_you_mean(name, declared)
@@ -38,7 +38,7 @@ def refuse_undeclared(program: str, arguments: Sequence[Argument], declared: Seq
 
 
 def read_program_arguments(path: Path, environment: Mapping[str, str]) -> tuple[ArgumentSpec, ...]:
-    """The arguments of a launch file, with the defaults that follow from the selection. Raises UserError."""
+    """Return the arguments of a launch file, with the defaults that follow from the selection. Raises UserError."""
     from ur.launchfile.query.arguments import ArgumentSpec, read_arguments
     from ur.launchfile.world.system import SystemWorld
     from ur.request.arguments import values_of

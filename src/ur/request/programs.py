@@ -23,7 +23,7 @@ _LAUNCH = r"(?m)^[^#\n]*\blaunch\s+(\w+)\s+(\w+\.launch(?:\.xml)?)\b"
 
 @dataclass(frozen=True, slots=True)
 class Program:
-    """A program: its name without `ur_`, its path, its `##Summary:` (may be empty), and the name of its package."""
+    """A program: its name without `ur_`, its path, its `##Summary:` (may be empty), and its package's name."""
 
     name: str
     path: Path
@@ -38,14 +38,14 @@ class Program:
 
 @dataclass(frozen=True, slots=True)
 class ProgramIndex:
-    """The programs of every package, the launch library's first; `problem` is the reason why packages are left out."""
+    """The programs of every package, the launch library's first; `problem` is the reason for omitted packages."""
 
     programs: tuple[Program, ...] = field(default=())
     problem: str = ""
 
 
 def list_programs(folder: Path, package: str = "") -> tuple[Program, ...]:
-    """Every executable `ur_*` of a folder, sorted by name."""
+    """Return every executable `ur_*` of a folder, sorted by name."""
     return tuple(
         Program(path.name.removeprefix(PREFIX), path, read_summary(path), package)
         for path in sorted(folder.glob(PREFIX + "*"))
@@ -72,9 +72,9 @@ def index_programs(library: Path, environment: Mapping[str, str]) -> ProgramInde
 
 
 def find_program(library: Path, name: str, environment: Mapping[str, str]) -> Program:
-    """Find a program by its name, `ur_` in front or not, or by PACKAGE/NAME.
+    """Find a program by its name, with or without `ur_`, or by PACKAGE/NAME.
 
-    Raises UserError: no package has such a program, or several have.
+    Raises UserError if no package has such a program, or several have.
     """
     index = index_programs(library, environment)
     path = find_unlisted(name)
@@ -92,7 +92,7 @@ def find_program(library: Path, name: str, environment: Mapping[str, str]) -> Pr
 
 
 def find_unlisted(name: str) -> Path | None:
-    """The program of this name in the package around the working folder, whether ROS finds that package or not."""
+    """Find the program of this name in the package around the working folder, even if ROS does not find it."""
     bare = name.rpartition("/")[2].removeprefix(PREFIX)
     try:
         start = Path.cwd()
@@ -104,7 +104,7 @@ def find_unlisted(name: str) -> Path | None:
 
 
 def choose_program(programs: Sequence[Program], name: str, problem: str = "") -> Program:
-    """Choose the program that a name names. Raises UserError with the nearest name."""
+    """Return the program with a name. Raises UserError with the nearest name."""
     package, slash, last = name.rpartition("/")
     bare = last.removeprefix(PREFIX)
     found = [each for each in programs if each.name == bare and (not slash or each.package == package)]
@@ -148,7 +148,7 @@ def _describe(programs: Iterable[Program]) -> str:
 
 
 def read_summary(path: Path) -> str:
-    """Read the text after `##Summary:` in a program's head; empty when it has none."""
+    """Read the text after `##Summary:` in a program's head; empty without one."""
     try:
         lines = read_head_lines(path)
     except OSError:
@@ -162,7 +162,7 @@ def read_head_lines(path: Path) -> list[str]:
 
 
 def read_launch_argv(program: Program) -> list[str] | None:
-    """The arguments of `ur launch` in a program that does nothing but `exec "$here/ur" launch ... "$@"`; else None.
+    """Return the arguments of `ur launch` in a program that only does `exec "$here/ur" launch ... "$@"`; else None.
 
     `$here` is the folder of the program, so this is the same `ur` only for the launch library's own programs.
     """
@@ -176,7 +176,7 @@ def read_launch_argv(program: Program) -> list[str] | None:
 
 
 def find_launch_file(program: Program) -> Path | None:
-    """The launch file of its own package that a program starts; None when it starts none."""
+    """Return the launch file of its own package that a program starts, or None."""
     try:
         text = read_text(program.path, _LARGEST)
     except OSError:

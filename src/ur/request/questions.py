@@ -1,6 +1,6 @@
-"""roslaunch's questions about a launch file, and two of our own: answered from the plan, nothing is started.
+"""roslaunch's queries about a launch file, and two more: answered from the plan, without starting anything.
 
-The answers are about the shell that asks, as roslaunch's are: of the selection they take arguments only.
+The answers are for the calling shell, as in roslaunch: of the selection they use arguments only.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ _NAMESPACE = "ROS_NAMESPACE"
 
 
 class _AsWritten(SystemWorld):
-    """The computer, but `$(anon name)` stays as it is written: so that one can ask for a node by that name."""
+    """The computer's world, in which `$(anon name)` stays as written, so that a node can be queried by that name."""
 
     def make_anonymous(self, prefix: str) -> str:
         """See World."""
@@ -38,7 +38,7 @@ class _AsWritten(SystemWorld):
 
 
 def answer(argv: Sequence[str], selection: Selection, query: tuple[str, str | None], shell: Mapping[str, str]) -> int:
-    """Print the answer to one question and return the exit code. `shell` is the environment before any selection."""
+    """Print the answer to one query and return the exit code. `shell` is the environment before any selection."""
     name, node = query
     world = make_world(shell, anonymous="$(anon " not in (node or ""))
     request = make_request(argv, world, selection)
@@ -63,9 +63,9 @@ def answer(argv: Sequence[str], selection: Selection, query: tuple[str, str | No
 
 
 def make_world(shell: Mapping[str, str], *, anonymous: bool) -> SystemWorld:
-    """The computer as a shell sees it, with our own package and those that `ur get` has made.
+    """Return the world of a shell, with this project's package and those that `ur get` has built.
 
-    With `anonymous`, `$(anon name)` makes names; else it stays as it is written.
+    With `anonymous`, `$(anon name)` creates names; else it stays as written.
     """
     environment = dict(shell)
     path = environment.get("ROS_PACKAGE_PATH", "")
@@ -79,7 +79,7 @@ def make_world(shell: Mapping[str, str], *, anonymous: bool) -> SystemWorld:
 
 
 def print_parameters(plan: Plan) -> None:
-    """The parameters as YAML; runs the programs that print some of them. Raises UserError when one fails."""
+    """Print the parameters as YAML; run the programs that print some of them. Raises UserError if one fails."""
     from ur.launchfile.plan.commands import run_command, run_commands
     from ur.launchfile.query.items import dump_params
 
@@ -91,7 +91,7 @@ def print_parameters(plan: Plan) -> None:
 
 
 def find_node(plan: Plan, name: str) -> NodeSpec:
-    """The node or test with this name, with or without leading slash. Raises UserError: did you mean, or two tests."""
+    """Return the node or test with this name, with or without leading slash. Raises UserError if none or two match."""
     full = name if name.startswith(("/", "$")) else "/" + name
     found = [node for node in plan.all_nodes() if node.name and full in (node.full_name, node.name)]
     if len(found) == 1:
@@ -111,7 +111,7 @@ def find_node(plan: Plan, name: str) -> NodeSpec:
 
 
 def format_command(node: NodeSpec, world: SystemWorld, shell: Mapping[str, str], master: str | None = None) -> str:
-    """The line that `roslaunch --args NODE` prints: variables in double quotes, then argv, joined by single spaces."""
+    """Return the output of `roslaunch --args NODE`: variables in double quotes, then argv, joined by single spaces."""
     from ur.run.process.command import find_program
 
     program = find_program(name_anonymous(node, SystemWorld(shell).make_anonymous), world, 1)
@@ -122,7 +122,7 @@ def format_command(node: NodeSpec, world: SystemWorld, shell: Mapping[str, str],
 def changed_variables(
     node: NodeSpec, shell: Mapping[str, str], more: Mapping[str, str] | None = None
 ) -> dict[str, str | None]:
-    """The variables of a node that differ from the shell's, in roslaunch's order; None for one that is removed."""
+    """Return the variables of a node that differ from the shell's, in roslaunch's order; None for a removed one."""
     environment: dict[str, str | None] = {**shell, **(more or {})}
     environment.pop(_NAMESPACE, None)
     if node.namespace.rstrip("/"):
@@ -134,7 +134,7 @@ def changed_variables(
 
 
 def name_anonymous(node: NodeSpec, make: Callable[[str], str]) -> NodeSpec:
-    """The node with a name for each `$(anon ...)` in its name and arguments, the same for the same."""
+    """Return the node with a name for each `$(anon ...)` in its name and arguments; equal ones get equal names."""
     made: dict[str, str] = {}
 
     def name(match: re.Match[str]) -> str:
@@ -144,7 +144,7 @@ def name_anonymous(node: NodeSpec, make: Callable[[str], str]) -> NodeSpec:
 
 
 def resolve_name(name: str, shell: Mapping[str, str]) -> str:
-    """A node's full name from what was typed: in ROS_NAMESPACE, as roslaunch has it; `$(anon ...)` stays."""
+    """Return a node's full name from its typed form: in ROS_NAMESPACE, as in roslaunch; `$(anon ...)` stays."""
     if name.startswith("$"):
         return name
     namespace = "/" + shell.get(_NAMESPACE, "").strip("/")

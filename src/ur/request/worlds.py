@@ -1,4 +1,4 @@
-"""Worlds and maps that a command line names, checked before anything starts."""
+"""Worlds and maps of a command line, checked before anything starts."""
 
 from __future__ import annotations
 
@@ -25,9 +25,9 @@ def resolve_worlds(
 ) -> tuple[Argument, ...]:
     """Complete the arguments that choose worlds and maps: absolute paths, and the start poses of the world.
 
-    Launch files of the launch library take every relative path from the working folder; those of others only paths of
-    files that exist. `robot` is the other computer that reads the map, '' where that is this one. Raises UserError for
-    an argument without a value, and for a path of this computer that the other one is to read.
+    Launch files of the launch library resolve every relative path from the working folder; others only paths of
+    existing files. `robot` is the other computer that reads the map, '' if that is this one. Raises UserError for an
+    argument without a value, and for a path of this computer that the other one is to read.
     """
     if not any(each.name in PATHS for each in arguments):
         return tuple(arguments)
@@ -62,9 +62,9 @@ def _start_arguments(given: Mapping[str, str], declared: Sequence[str]) -> list[
 
 
 def check_worlds(plan: Plan) -> None:
-    """Read the worlds and maps that nodes of the launch library on this computer are given.
+    """Read the worlds and maps of the launch library's nodes on this computer.
 
-    Raises UserError: one does not exist or cannot be used, or the robot would start in a wall.
+    Raises UserError if one does not exist or is invalid, or the robot would start in a wall.
     """
     parameters = {each.name: each.value for each in plan.params}
     by_fiducials = any(node.package == PACKAGE.name and node.type == "fiducial_slam" for node in plan.nodes)

@@ -1,1 +1,1 @@
-"""Findings of earlier checks, kept with every question that they depend on; see docs/how-to/check.md."""
+"""Findings of earlier checks, stored with every query that they depend on; see docs/how-to/check.md."""

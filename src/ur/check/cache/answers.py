@@ -1,4 +1,4 @@
-"""Digests of what a world answers: two answers with one digest lead to the same findings."""
+"""Digests of a world's answers: answers with equal digests lead to the same findings."""
 
 from __future__ import annotations
 
@@ -15,28 +15,28 @@ _SIZE = 12  # bytes of a digest
 
 
 class Answers:
-    """Digests of answers, each question asked once."""
+    """Digests of answers to queries, each computed once."""
 
     def __init__(self, answer: Callable[[Question], object]) -> None:
         self._answer = answer
         self._digests: dict[Question, str] = {}
 
     def digest_of(self, question: Question) -> str:
-        """Return the digest of the answer to a question, asked when it is wanted for the first time."""
+        """Return the digest of the answer to a query, computed on its first use."""
         if question not in self._digests:
             self._digests[question] = digest_of(self._answer(question))
         return self._digests[question]
 
 
 def is_question(words: tuple[str, ...]) -> bool:
-    """Return whether texts from a file are a question that a world can be asked."""
+    """Return whether texts from a file are a valid query to a world."""
     return words[0] in _KINDS and len(words) == 1 + _WORDS.get(words[0], 1)
 
 
 def digest_of(answer: object) -> str:
     """Return a digest of bytes, a text, a number, None, an exception, or a tuple, list or set of texts.
 
-    Sets are taken sorted, and of an exception its kind, its numbers and its words. Raises TypeError for others.
+    Sets are sorted first; of an exception, its class, numbers and texts count. Raises TypeError for other types.
     """
     return hashlib.blake2b(_bytes_of(answer), digest_size=_SIZE).hexdigest()
 

@@ -1,4 +1,4 @@
-"""Findings as they are kept, and back: the texts that they point into are read again instead of being kept."""
+"""Encoding and decoding of stored findings: the texts that their spans refer to are read again, not stored."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ ReadText = Callable[[str], SourceFile]  # the text of a file; raises OSError
 
 
 class TooLargeError(ValueError):
-    """Findings that point into more text that is in no file than is worth keeping."""
+    """Findings refer to more text outside of files than is worth storing."""
 
 
 class KeptSpan(ForeignValue, frozen=True, array_like=True):
-    """A span of the text with the index `source` in `KeptHits.sources`."""
+    """A span in the text with the index `source` in `KeptHits.sources`."""
 
     source: Count
     start: Count
@@ -57,21 +57,24 @@ class KeptHit(ForeignValue, frozen=True, array_like=True):
 
 
 class KeptHits(ForeignValue, frozen=True, array_like=True):
-    """The hits of a file. `sources` are paths, each with its text where that is in no file."""
+    """The hits of a file. `sources` are paths, each with its text if that is in no file."""
 
     sources: tuple[tuple[str, str | None], ...]
     hits: tuple[KeptHit, ...]
 
 
 def encode_hits(hits: Iterable[Hit], read: ReadText) -> tuple[KeptHits, set[str]]:
-    """Return hits to keep, and the paths of the files whose texts they point into. Raises TooLargeError."""
+    """Encode hits, and return the paths of the files that their spans refer to. Raises TooLargeError."""
     encoder = _Encoder(read)
     kept = [KeptHit(encoder.diagnostic(hit.found), hit.root, hit.label, tuple(sorted(hit.plain))) for hit in hits]
     return KeptHits(tuple(encoder.sources), tuple(kept)), encoder.files
 
 
 def decode_hits(kept: KeptHits, read: ReadText) -> list[Hit]:
-    """Return the hits that encode_hits was given. Raises ValueError for spans outside of their texts, and OSError."""
+    """Decode the hits that `encode_hits` has encoded.
+
+    Raises ValueError for spans outside of their texts, and OSError.
+    """
     texts = [read(path) if text is None else SourceFile(path, text) for path, text in kept.sources]
     return [Hit(_diagnostic(each.found, texts), each.root, each.label, frozenset(each.plain)) for each in kept.hits]
 

@@ -1,4 +1,4 @@
-"""Outlines of launch files: what a check needs to know of one whose findings it recalls, so that it is not parsed."""
+"""Outlines of launch files: the data that a check needs of a file with stored findings, so that it is not parsed."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class KeptComment(ForeignValue, frozen=True, array_like=True):
 
 
 class KeptOutline(ForeignValue, frozen=True, array_like=True):
-    """An outline; `digest` is that of the answer to the question for the content of the file."""
+    """An outline; `digest` is that of the file's content."""
 
     digest: str
     includes: tuple[IncludeTag, ...]
@@ -40,12 +40,12 @@ class KeptOutline(ForeignValue, frozen=True, array_like=True):
 
 
 def outline_of(view: LaunchView) -> IncludeOutline:
-    """The outline of a launch file, which is parsed for it."""
+    """Return the outline of a launch file, which is parsed for it."""
     return IncludeOutline(view.tree.source, tuple(list_include_tags(view)), read_xml_suppressions(view.tree))
 
 
 def encode_outline(outline: IncludeOutline, digest: str) -> KeptOutline:
-    """Return an outline to keep."""
+    """Encode an outline for storage."""
     comments = (
         KeptComment((each.span.start, each.span.end), each.rules, each.start, each.end, each.reason, each.problem)
         for each in outline.comments
@@ -54,7 +54,7 @@ def encode_outline(outline: IncludeOutline, digest: str) -> KeptOutline:
 
 
 def decode_outline(kept: KeptOutline, source: SourceFile) -> IncludeOutline:
-    """Return the outline that encode_outline was given. Raises ValueError for places outside of the text."""
+    """Decode the outline that `encode_outline` has encoded. Raises ValueError for positions outside of the text."""
     places = [*((tag.start, tag.end) for tag in kept.includes), *(each.place for each in kept.comments)]
     if not all(start <= end <= len(source.text) for start, end in places):
         raise ValueError("a place outside of its text")

@@ -1,4 +1,4 @@
-"""A digest of the program that checks: another one may find something else in the same files."""
+"""A digest of the checker itself: another version may have other findings in the same files."""
 
 # ruff: noqa: PTH118, PTH123
 
@@ -15,7 +15,7 @@ _PACKAGES = ("check", "launchfile", "source")  # all that takes part in a check
 
 
 def digest_program() -> str:
-    """A digest of the source of everything that takes part, and of the versions of the parsers."""
+    """Return a digest of the source of all involved modules, and of the versions of the parsers."""
     top = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))  # noqa: PTH120, PTH100
     digest = hashlib.blake2b(digest_size=20)
     digest.update(repr((sys.version, yaml.__version__, yaml.__with_libyaml__, expat.EXPAT_VERSION)).encode())

@@ -1,8 +1,8 @@
-"""Recall of findings: those of an earlier check are taken where every question that led to them has its old answer.
+"""Reuse of findings: those of an earlier check are valid if every query that led to them has the same answer.
 
-While a launch file is checked, the questions that are asked of the world are noted: contents of files, folders,
-packages, environment variables. Its findings are kept with the questions and with digests of the answers. The next
-check asks the same questions, which costs little, and does the work again only where an answer is another one.
+While a launch file is checked, its queries to the world are recorded: contents of files, folders, packages, environment
+variables. Its findings are stored with the queries and with digests of the answers. The next check makes the same
+queries, which is cheap, and repeats the work only if an answer has changed.
 """
 
 from __future__ import annotations
@@ -23,9 +23,9 @@ from ur.source.foreign.json_values import Count, ForeignValue
 
 
 class RecalledFile(ForeignValue, frozen=True, array_like=True):
-    """The findings of one file, with what they depend on.
+    """The findings of one file and their dependencies.
 
-    `inputs` is a digest of what the check was given about the file; `questions`: indices in `KnownFindings.questions`.
+    `inputs` is a digest of the check's inputs for the file; `questions`: indices in `KnownFindings.questions`.
     """
 
     inputs: str
@@ -35,7 +35,7 @@ class RecalledFile(ForeignValue, frozen=True, array_like=True):
 
 @dataclass(frozen=True, slots=True)
 class KnownFindings:
-    """Findings and outlines by the path of the file, and each question with the digest of its answer."""
+    """Findings and outlines by the path of the file, and each query with the digest of its answer."""
 
     questions: Sequence[tuple[Question, str]] = ()
     units: Mapping[str, RecalledFile] = field(default_factory=dict)
@@ -43,7 +43,7 @@ class KnownFindings:
 
 
 class Recall:
-    """Findings of an earlier check, and those of this one."""
+    """Findings of an earlier check, and those of the present one."""
 
     def __init__(self, known: KnownFindings | None = None) -> None:
         self._known = known or KnownFindings()
@@ -57,16 +57,16 @@ class Recall:
 
     @property
     def forgets(self) -> bool:
-        """Return whether something that the earlier check knew is of no use any more."""
+        """Return whether any finding of the earlier check is no longer of use."""
         return len(self._units) < len(self._known.units) or len(self._outlines) < len(self._known.outlines)
 
     @property
     def now(self) -> KnownFindings:
-        """The findings of this check, for the next one."""
+        """Return the findings of this check, for the next one."""
         return KnownFindings(tuple(self._questions), dict(self._units), dict(self._outlines))
 
     def find_outline(self, path: str, world: Asked) -> IncludeOutline | None:
-        """The outline of a launch file, where that is known and its text is the same."""
+        """Return the stored outline of a launch file, or None if its text has changed."""
         kept = self._known.outlines.get(path)
         if kept is None or kept.digest != world.answers.digest_of(("read_bytes", path)):
             return None
@@ -78,15 +78,15 @@ class Recall:
         return outline
 
     def keep_outline(self, path: str, outline: IncludeOutline, world: Asked) -> None:
-        """Keep the outline of a launch file for the next check."""
+        """Store the outline of a launch file for the next check."""
         if path not in self._outlines:
             self.changed = True
             self._outlines[path] = encode_outline(outline, world.answers.digest_of(("read_bytes", path)))
 
     def find(self, path: str, inputs: object, world: Asked) -> tuple[list[Hit], set[Question]] | None:
-        """The hits of a file that are known and still hold, with the questions that they depend on.
+        """Return the valid stored hits of a file, with the queries that they depend on, or None.
 
-        `inputs`: what it depends on beside the questions, made of texts, numbers, None, tuples and sorted lists.
+        `inputs`: its dependencies besides the queries, consisting of texts, numbers, None, tuples and sorted lists.
         """
         digest = digest_of(repr(inputs))
         unit = self._known.units.get(path)
@@ -102,7 +102,7 @@ class Recall:
         return hits, {*questions}
 
     def keep(self, path: str, inputs: object, world: Asked, hits: Sequence[Hit], asked: set[Question]) -> None:
-        """Keep the hits of a file for the next check. `asked`: the questions that led to them."""
+        """Store the hits of a file for the next check. `asked`: the queries that led to them."""
         self.changed = True
         try:
             encoded, files = encode_hits(hits, world.read_text)
@@ -128,7 +128,7 @@ class Recall:
 
 
 class Asked:
-    """Digests of the answers of a world. `checked` tells as what a path is checked."""
+    """Digests of the answers of a world. `checked` returns the kind of file that a path is checked as."""
 
     def __init__(self, world: CachedWorld, checked: Callable[[str], str]) -> None:
         self._world = world
@@ -137,7 +137,7 @@ class Asked:
         self.answers = Answers(self._answer)
 
     def read_text(self, path: str) -> SourceFile:
-        """Return the text of a file as a launch file is read, one object for each path. Raises OSError."""
+        """Return the text of a file, decoded like a launch file, as one object for each path. Raises OSError."""
         if path not in self._texts:
             answer = self._world.answer(("read_bytes", path))
             if not isinstance(answer, bytes):
@@ -150,7 +150,7 @@ class Asked:
 
 
 class NotedTrees(dict[str, LaunchFile]):
-    """Launch files by absolute path, with those of `views`. That one is asked for is noted as a question."""
+    """Launch files by absolute path, with those of `views`. Each access is recorded as a query."""
 
     def __init__(self, world: CachedWorld, views: Mapping[str, LaunchView]) -> None:
         super().__init__()
@@ -165,7 +165,7 @@ class NotedTrees(dict[str, LaunchFile]):
 
 
 def describe_package(package: Package | None) -> object:
-    """Return what the findings of a file depend on of its package, for `Recall.find`."""
+    """Return the properties of a package on which the findings of a file depend, for `Recall.find`."""
     if package is None:
         return None
     bases = [(base.name, base.variants) for base in package.bases]

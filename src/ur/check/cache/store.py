@@ -1,7 +1,7 @@
-"""The file of a cache: one for each combination of what is checked, with which rules and arguments.
+"""The file of a cache: one for each combination of targets, rules and arguments.
 
-Two lines of JSON: a header with the format, a digest of the program and one of the second line, and the findings.
-A file that cannot be read, or was written by another program, is ignored: the check then finds everything again.
+Two lines of JSON: a header with the format, a digest of the program and one of the second line, and the findings. A
+file that cannot be read, or was written by another program, is ignored: the check then starts from nothing.
 """
 
 # Exact paths and descriptors throughout.
@@ -33,7 +33,7 @@ _HEADER = 1000  # bytes at most
 
 @dataclass(frozen=True, slots=True)
 class CacheBounds:
-    """Bytes of one file, and of all `files`, of which the ones that were used last stay; `format` of what is kept."""
+    """Limits of the cache: bytes of one file, and of all `files`, of which the last used ones stay; its `format`."""
 
     bytes: int = 64_000_000
     total: int = 256_000_000
@@ -53,7 +53,7 @@ class _Header:
 
 @dataclass(frozen=True, slots=True)
 class _Body:
-    """Each question has the digest of its answer before it."""
+    """The content of the file. Each query is preceded by the digest of its answer."""
 
     questions: tuple[Annotated[tuple[str, ...], Meta(min_length=2)], ...]
     units: Mapping[str, RecalledFile]
@@ -61,18 +61,18 @@ class _Body:
 
 
 def cache_folder(environment: Mapping[str, str]) -> str:
-    """The folder of the files, below XDG_CACHE_HOME."""
+    """Return the folder of the files, below XDG_CACHE_HOME."""
     return f"{user_folder('XDG_CACHE_HOME', environment)}/ubiquity_launches/check"
 
 
 def name_cache(places: Sequence[str], chosen: frozenset[str], arguments: Mapping[str, str]) -> str:
-    """The name of the file for a check of absolute `places`."""
+    """Return the name of the file for a check of absolute `places`."""
     what = repr((sorted(places), sorted(chosen), sorted(arguments.items())))
     return _digest(what.encode("utf-8", "backslashreplace"))[:32] + _SUFFIX
 
 
 def load_recall(path: str, program: str, bounds: CacheBounds = _BOUNDS) -> Recall:
-    """Findings of an earlier check by the same `program`; none where there is no file that can be used."""
+    """Load the findings of an earlier check by the same `program`; empty if no valid file exists."""
     try:
         return Recall(_read_known(_read(path, bounds), program, bounds))
     except (OSError, ValueError, RecursionError, MemoryError):  # a text that is nested too deep raises the third
@@ -80,9 +80,10 @@ def load_recall(path: str, program: str, bounds: CacheBounds = _BOUNDS) -> Recal
 
 
 def store_recall(recall: Recall, path: str, program: str, bounds: CacheBounds = _BOUNDS) -> None:
-    """Keep the findings of a check for the next one. One that runs beside this replaces the file whole, or is replaced.
+    """Store the findings of a check for the next one.
 
-    Does nothing where they cannot be written: the next check takes longer then, and finds the same.
+    A simultaneous check replaces the file as a whole, or is replaced. If the file cannot be written, nothing happens:
+    the next check takes longer, with the same findings.
     """
     with suppress(OSError):
         if not recall.changed and not recall.forgets:

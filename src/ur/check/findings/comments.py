@@ -1,4 +1,4 @@
-"""Findings about the comments that hide findings: those that cannot be used, and those that hide nothing."""
+"""Findings about the comments that hide findings: invalid ones, and those that hide nothing."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from ur.source.suggest import did_you_mean
 def check_comments(
     comments: Iterable[Suppression], used: Suppressions | None, rules: Mapping[str, Rule]
 ) -> Iterator[Diagnostic]:
-    """Check comments; with `used`, in which every rule has looked for what it hides, also for those without use."""
+    """Check comments; with `used`, after all rules have run, also report unused ones."""
     for each in comments:
         if each.problem:
             message = f"this comment hides nothing: {each.problem}"

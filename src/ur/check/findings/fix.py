@@ -1,4 +1,4 @@
-"""`ur check --fix`: the safe repairs that rules know for their findings."""
+"""`ur check --fix`: safe fixes of findings by their rules."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from ur.source.diagnostic import Diagnostic
 
 @dataclass(frozen=True, slots=True)
 class Repair:
-    """A file's new text, and the findings that end with it."""
+    """A file's new text, and the findings that it fixes."""
 
     path: str
     text: str
@@ -19,7 +19,7 @@ class Repair:
 
 
 def plan_repairs(findings: Iterable[Diagnostic], rules: Mapping[str, Rule]) -> list[Repair]:
-    """New texts for the files whose findings can be repaired. Of two edits that overlap, the first is made."""
+    """Plan new texts for the files with fixable findings. Of two overlapping edits, the first is made."""
     edits: dict[str, list[tuple[TextEdit, Diagnostic]]] = {}
     for found in findings:
         rule = rules.get(found.rule)

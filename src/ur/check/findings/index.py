@@ -1,4 +1,4 @@
-"""Findings by the file they are about and by the piece of work that found them, so that a part can be replaced."""
+"""Findings by file and by the unit of work that found them, so that a part can be replaced."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ Unit = tuple[int, str]
 
 @dataclass(frozen=True, slots=True)
 class FoundByUnit:
-    """The hits of a unit, the questions that led to them, and what it was given beside them."""
+    """The hits of a unit, the queries that led to them, and its other inputs."""
 
     hits: tuple[Hit, ...]
     asked: frozenset[Question] = frozenset()
@@ -36,7 +36,7 @@ class FindingIndex:
         self._units: dict[str, set[Unit]] = {}  # by the path that they found something in
 
     def store(self, unit: Unit, found: FoundByUnit | None) -> frozenset[str]:
-        """Replace what a unit has found, or forget it; the paths whose findings may be others then."""
+        """Replace or remove the findings of a unit; return the paths whose findings may have changed."""
         before = self._found.pop(unit, None)
         touched = {_path_of(hit) for hit in before.hits} if before is not None else set()
         for path in touched:
@@ -49,19 +49,19 @@ class FindingIndex:
         return frozenset({*touched, unit[1]})
 
     def units(self) -> list[tuple[Unit, FoundByUnit]]:
-        """All units with what they have found."""
+        """Return all units with their findings."""
         return list(self._found.items())
 
     def units_that_asked(self, questions: Set[Question]) -> Iterator[Unit]:
-        """The units that depend on the answer to one of the questions."""
+        """Yield the units that depend on the answer to one of the queries."""
         return (unit for unit, found in self._found.items() if not found.asked.isdisjoint(questions))
 
     def paths(self) -> list[str]:
-        """The files in which something may be found, sorted; `""` for what is in no file."""
+        """Return the sorted files that may have findings; `""` for findings without a file."""
         return sorted({"", *self._units, *self.comments})
 
     def findings_of(self, path: str, more: Iterable[Diagnostic] = ()) -> tuple[list[Diagnostic], int]:
-        """The findings in one file, sorted by place, and the number of those that comments hide.
+        """Return the findings in one file, sorted by position, and the number of hidden ones.
 
         `more` are findings of no unit.
         """

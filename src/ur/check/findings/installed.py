@@ -1,4 +1,4 @@
-"""Packages that are not on this computer: what a finding about one is worth, and the list of all of them."""
+"""Packages that are not on this computer: the severity of a finding about one, and the list of all of them."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ RULE_ID = "package-not-installed"
 
 @dataclass(frozen=True, slots=True)
 class NotInstalled:
-    """Packages that launch files name and that are not here, sorted, and the number of files that name any."""
+    """The sorted packages that launch files name but that are not installed, and the number of files that name any."""
 
     packages: tuple[str, ...]
     files: int
@@ -25,7 +25,7 @@ class NotInstalled:
 def judge_package(found: Diagnostic, package: Package | None, option: str | None, world: World) -> Diagnostic:
     """Turn a finding about an unknown package into `package-not-installed`, unless the name is misspelt.
 
-    `package` is the checked file's own; `option` is the argument that is changed in the case at hand.
+    `package` is that of the checked file; `option` is the argument that is changed in the present case.
     """
     if found.rule != "unknown-package":
         return found
@@ -45,7 +45,7 @@ def judge_package(found: Diagnostic, package: Package | None, option: str | None
 
 
 def split_not_installed(findings: Iterable[Diagnostic]) -> tuple[tuple[Diagnostic, ...], NotInstalled]:
-    """Separate the findings about packages that are not here from the others."""
+    """Separate the findings about packages that are not installed from the others."""
     others: list[Diagnostic] = []
     packages: set[str] = set()
     files: set[str] = set()

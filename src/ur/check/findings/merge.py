@@ -1,4 +1,4 @@
-"""Many cases, one finding: what several ways to start a file have in common is reported once."""
+"""Merging of findings: those that several cases of a file have in common are reported once."""
 
 from __future__ import annotations
 
@@ -12,9 +12,10 @@ MAX_NOTES = 6
 
 @dataclass(frozen=True, slots=True)
 class Hit:
-    """A finding in one case of one file. `plain` are the cases of that file in which no option is changed.
+    """A finding in one case of one file.
 
-    Without a `root` the finding is about a text, in any case.
+    `plain` are the cases of that file in which no option is changed. Without a `root` the finding is about a text, in
+    any case.
     """
 
     found: Diagnostic
@@ -24,7 +25,7 @@ class Hit:
 
 
 def merge_hits(hits: Iterable[Hit]) -> list[Diagnostic]:
-    """One finding per rule and place, sorted by place; where it is not in every case, notes say in which."""
+    """Return one finding per rule and position, sorted by position; if not in every case, notes name the cases."""
     groups: dict[tuple[str, str, int, int], list[Hit]] = {}
     for hit in hits:
         groups.setdefault(_key(hit.found), []).append(hit)

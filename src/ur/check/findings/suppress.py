@@ -17,9 +17,9 @@ _WORDS = re.compile(r"(ignore|ignore-file)\s+([\w-]+(?:\s*,\s*[\w-]+)*)\s*(?::\s
 
 @dataclass(frozen=True, slots=True)
 class Suppression:
-    """A comment that hides findings of `rules` between two offsets of its file (None: in all of it).
+    """A comment that hides findings of `rules` between two offsets of its file (None: in the whole file).
 
-    With a `problem` the comment cannot be used, and hides nothing.
+    A comment with a `problem` is invalid, and hides nothing.
     """
 
     span: Span
@@ -32,13 +32,13 @@ class Suppression:
 
 @dataclass(slots=True)
 class Suppressions:
-    """The suppressions of all files, and which of them hid something."""
+    """The suppressions of all files, and those that hid a finding."""
 
     by_path: Mapping[str, tuple[Suppression, ...]]
     used: set[tuple[str, int, str]] = field(default_factory=set)
 
     def hides(self, found: Diagnostic) -> bool:
-        """Return whether a comment hides a finding; remembers which one."""
+        """Return whether a comment hides a finding, and record its use."""
         if found.span is None:
             return False
         hidden = False
@@ -50,7 +50,7 @@ class Suppressions:
         return hidden
 
     def unused(self) -> Iterator[tuple[Suppression, str]]:
-        """Comments that hid nothing, with the rule they name."""
+        """Yield comments that hid nothing, with the rule they name."""
         for path, suppressions in self.by_path.items():
             for each in suppressions:
                 for rule in () if each.problem else each.rules:
@@ -59,7 +59,10 @@ class Suppressions:
 
 
 def read_xml_suppressions(tree: LaunchFile) -> tuple[Suppression, ...]:
-    """`<!--ur: ignore RULE: REASON-->` hides in the element that follows, `ignore-file` in the whole file."""
+    """Read the comments of a launch file.
+
+    `<!--ur: ignore RULE: REASON-->` applies to the element that follows, `ignore-file` to the whole file.
+    """
     found = [each for comment in tree.comments for each in _read_comment(comment, 0, len(tree.source.text))]
     stack = [tree.root] if tree.root is not None else []
     while stack:
@@ -78,7 +81,10 @@ def _end_of(element: Element) -> int:
 
 
 def read_line_suppressions(source: SourceFile) -> tuple[Suppression, ...]:
-    """`# ur: ignore RULE: REASON` hides in its own line; alone on a line, in the next one. For YAML and programs."""
+    """Read the comments of a YAML file or program.
+
+    `# ur: ignore RULE: REASON` applies to its own line; alone on a line, to the next one.
+    """
     if "ur:" not in source.text:
         return ()
     found: list[Suppression] = []

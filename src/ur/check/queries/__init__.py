@@ -1,1 +1,1 @@
-"""Facts that rules ask about packages, programs, comments and YAML files."""
+"""Queries of rules about packages, programs, comments and YAML files."""

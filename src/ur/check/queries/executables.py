@@ -33,7 +33,7 @@ class ExecutableLookup(NamedTuple):
 
 
 def find_program(package: str, name: str, world: World) -> ExecutableLookup:
-    """Look up the program of a node. One that the package's build files name counts as found."""
+    """Look up the program of a node. One that the package's build files declare counts as found."""
     if "/" in name:
         return ExecutableLookup("unknown")
     try:
@@ -57,12 +57,12 @@ def find_program(package: str, name: str, world: World) -> ExecutableLookup:
 
 
 def is_placeholder(folder: str, world: World) -> bool:
-    """Return whether a package's folder holds only package.xml: the package itself is installed somewhere else."""
+    """Return whether a package's folder contains only package.xml: the package itself is installed elsewhere."""
     return set(world.list_folder(folder)) == {"package.xml"}
 
 
 def is_misspelt(name: str, near: str) -> bool:
-    """Return whether a name is so near to one that exists that it can hardly be another."""
+    """Return whether a name is so similar to an existing one that it is most likely misspelt."""
     if _DIGITS.sub("", name) == _DIGITS.sub("", near):
         return False  # openni_launch and openni2_launch are two packages
     if name.count("_") != near.count("_") and name.replace("_", "") != near.replace("_", ""):

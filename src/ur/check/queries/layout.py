@@ -13,13 +13,13 @@ KNOWN_HEADINGS = frozenset({"summary", "overview", "ready", "terminal", "ur"})
 
 
 def launch_directory(view: LaunchView) -> str | None:
-    """The directory (`n_x`, `m_x`, `rviz_x`) that a launch file belongs to; None for files elsewhere."""
+    """Return the directory (`n_x`, `m_x`, `rviz_x`) of a launch file; None for files elsewhere."""
     place = _match(view)
     return place.group(1) if place else None
 
 
 def file_name(view: LaunchView) -> str:
-    """The last part of a launch file's path."""
+    """Return the last part of a launch file's path."""
     return view.path.rpartition("/")[2]
 
 
@@ -30,13 +30,13 @@ def _match(view: LaunchView) -> re.Match[str] | None:
 
 
 def heading_of(comment: Comment) -> tuple[str, str] | None:
-    """Name and text of a documentation comment `<!--name: text-->`; None for other comments."""
+    """Return name and text of a documentation comment `<!--name: text-->`; None for other comments."""
     match = _HEADING.match(comment.text)
     return (match.group(1), match.group(2).strip()) if match else None
 
 
 def find_heading(view: LaunchView, name: str) -> str | None:
-    """The text of `<!--Summary: ...-->` or `<!--Overview: ...-->`; None when there is none."""
+    """Return the text of `<!--Summary: ...-->` or `<!--Overview: ...-->`; None if there is none."""
     launch = view.tree.launch
     comments = [*view.tree.comments, *(launch.comments if launch else ())]
     for heading in map(heading_of, comments):
@@ -46,7 +46,7 @@ def find_heading(view: LaunchView, name: str) -> str | None:
 
 
 def comments_after(launch: Element, element: Element) -> list[Comment]:
-    """The comments between an element directly inside `<launch>` and the next element."""
+    """Return the comments between an element directly inside `<launch>` and the next element."""
     found: list[Comment] = []
     index = launch.children.index(element)
     for child in launch.children[index + 1 :]:

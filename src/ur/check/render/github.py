@@ -1,4 +1,4 @@
-"""A report as GitHub's workflow commands, which show findings beside the lines of a change.
+"""A report as GitHub's workflow commands, which annotate the lines of a change.
 
 Source of the format and of its escapes: GitHub's documentation, "Workflow commands for GitHub Actions".
 """
@@ -11,7 +11,7 @@ from ur.source.printable import printable
 
 
 def render_github(report: CheckReport) -> str:
-    """One line per finding; nothing for none."""
+    """Return one line per finding; empty without findings."""
     return "".join(_line(found) + "\n" for found in report.findings)
 
 

@@ -10,7 +10,7 @@ from ur.source.file import Span
 
 
 def render_json(report: CheckReport) -> str:
-    """One object: `findings`, in the order of their places, and a `summary`. Lines and columns count from 1."""
+    """Return one object: `findings`, sorted by position, and a `summary`. Lines and columns count from 1."""
     body = {
         "findings": [_finding(found) for found in report.findings],
         "summary": {
@@ -35,7 +35,7 @@ def _finding(found: Diagnostic) -> dict[str, object]:
 
 
 def place_of(span: Span | None) -> dict[str, object]:
-    """Path, line and column of the start, and line and column behind the end; nulls where there is no place."""
+    """Return path, line and column of the start, and line and column after the end; nulls without a position."""
     if span is None:
         return {"path": None, "line": None, "column": None, "end_line": None, "end_column": None}
     (line, column), (end_line, end_column) = span.position, span.file.position(span.end)

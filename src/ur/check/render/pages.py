@@ -1,4 +1,4 @@
-"""Reference pages of the rules in Markdown, made from the rules and their examples."""
+"""Reference pages of the rules in Markdown, generated from the rules and their examples."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ OPEN, CLOSE = "«", "»"
 
 
 def render_rule_page(rule: Rule) -> str:
-    """A rule as a page in Markdown, made from its own examples."""
+    """Return the page of a rule in Markdown, with its examples."""
     kinds = [f"group `{rule.group.value}`", rule.severity.value]
     if rule.group is RuleGroup.CONVENTIONS:
         kinds.append("only for packages that follow the conventions")
@@ -44,7 +44,7 @@ def render_rule_page(rule: Rule) -> str:
 
 
 def hide_comment(rule: Rule) -> str:
-    """The comment that hides a rule's findings, in the language that most of its examples are in."""
+    """Return the comment that hides a rule's findings, in the language of most of its examples."""
     in_xml = not rule.bad or any(path.endswith((".launch", ".xml")) for path in rule.bad[0].files)
     words = f"ur: ignore {rule.id}: why it is meant to be so"
     return f"<!--{words}-->" if in_xml else f"# {words}"
@@ -60,7 +60,7 @@ def _show_files(example: Example) -> str:
 
 
 def render_index_page(rules: dict[str, Rule]) -> str:
-    """The list of all rules as a page in Markdown."""
+    """Return the list of all rules as a page in Markdown."""
     lines = [
         "# Rules of `ur check`",
         "",
@@ -90,7 +90,7 @@ def check_example(example: Example) -> CheckReport:
 
 
 def marked_place(example: Example) -> tuple[str, int, int] | None:
-    """Path, start and end of the text between the marks of a bad example."""
+    """Return path, start and end of the text between the marks of a bad example."""
     for path, text in example.files.items():
         if OPEN in text:
             start = text.index(OPEN)
@@ -99,7 +99,7 @@ def marked_place(example: Example) -> tuple[str, int, int] | None:
 
 
 def strip_marks(text: str) -> str:
-    """An example's text as the checker reads it."""
+    """Return an example's text without the marks, as the checker reads it."""
     return text.replace(OPEN, "").replace(CLOSE, "")
 
 

@@ -18,7 +18,7 @@ SCHEMA = "https://json.schemastore.org/sarif-2.1.0.json"
 
 
 def render_sarif(report: CheckReport, rules: Mapping[str, Rule], version: str) -> str:
-    """One run of the tool `ur check`, with the rules that found something."""
+    """Return one run of the tool `ur check`, with the rules that have findings."""
     used = sorted({found.rule for found in report.findings})
     driver = {
         "name": "ur check",

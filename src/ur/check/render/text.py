@@ -1,4 +1,4 @@
-"""Reports as text, for people."""
+"""Reports as text, for display."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _INSTALL = "'ur get --missing FOLDER' gets them; of packages built here: source 
 
 
 def render_text(report: CheckReport, *, colour: bool = False) -> str:
-    """The findings, one paragraph about packages that are not installed, and one line that counts."""
+    """Return the findings, one paragraph about packages that are not installed, and one line with counts."""
     findings, not_installed = split_not_installed(report.findings)
     nothing = "nothing else found" if not_installed.packages else "nothing found"
     text = render_human(findings, colour=colour) + _describe_not_installed(not_installed)
@@ -35,7 +35,7 @@ def _describe_not_installed(missing: NotInstalled) -> str:
 
 
 def summarise(report: CheckReport, *, nothing: str = "nothing found") -> str:
-    """`2 errors and 1 warning in 40 files`; `nothing` is for no finding."""
+    """Return `2 errors and 1 warning in 40 files`; `nothing` if there is no finding."""
     warnings = len(report.findings) - report.errors
     counts = [_count(number, word) for number, word in ((report.errors, "error"), (warnings, "warning")) if number]
     hidden = f" ({_count(report.suppressed, 'finding')} hidden by comments)" if report.suppressed else ""
@@ -47,7 +47,7 @@ def _count(number: int, word: str) -> str:
 
 
 def shorten_paths(report: CheckReport, folder: str) -> CheckReport:
-    """The same report with the paths of its places relative to a folder, where they lie in it."""
+    """Return the same report with paths relative to a folder, if they are below it."""
     files: dict[int, SourceFile] = {}
     prefix = folder.rstrip("/") + "/"
 

@@ -1,1 +1,1 @@
-"""The rules in groups: each module has `RULES`, their examples, and the functions that find what they report."""
+"""The rules in groups: each module has `RULES`, their examples, and their functions."""

@@ -1,4 +1,4 @@
-"""Rules about arguments that reading and resolving a launch file reports."""
+"""Rules about arguments, reported by the parser and resolver of launch files."""
 
 from __future__ import annotations
 

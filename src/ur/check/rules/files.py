@@ -1,4 +1,4 @@
-"""Rules about files: YAML, and what reading and resolving a launch file reports of files and includes."""
+"""Rules about files: YAML, and files and includes that the parser and resolver of launch files report."""
 
 from __future__ import annotations
 
@@ -108,18 +108,18 @@ YAML readers take the last value without a warning, so a change of the first one
 
 
 def compose_documents(source: SourceFile) -> list[yaml.Node]:
-    """The documents of a text. Raises yaml.YAMLError."""
+    """Return the documents of a text. Raises yaml.YAMLError."""
     check_depth(source.text)
     return [node for node in yaml.compose_all(source.text, Loader=_Loader) if node is not None]
 
 
 def is_plain_yaml(source: SourceFile) -> bool:
-    """Return whether a text is meant to be plain YAML: not a template, not OpenCV's own format."""
+    """Return whether a text should be plain YAML: not a template, and not OpenCV's own format."""
     return not source.text.startswith("%YAML:") and "{{" not in source.text and "{%" not in source.text
 
 
 def span_at(source: SourceFile, mark: yaml.Mark | None, end: yaml.Mark | None = None) -> Span:
-    """The place of a mark of PyYAML; up to the mark `end` where that is in the same line."""
+    """Return the position of a mark of PyYAML; up to the mark `end` if that is on the same line."""
     if mark is None:
         return Span(source, 0, min(1, len(source.text)))
     start = _offset(source, mark)
@@ -129,7 +129,7 @@ def span_at(source: SourceFile, mark: yaml.Mark | None, end: yaml.Mark | None = 
 
 
 def mappings_in(top: yaml.Node) -> Iterator[yaml.MappingNode]:
-    """Every mapping in a tree, each once."""
+    """Yield every mapping in a tree once."""
     stack, seen = [top], {id(top)}
     while stack:
         node = stack.pop()

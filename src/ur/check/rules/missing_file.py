@@ -1,4 +1,4 @@
-"""Rule for files that a launch file names and that do not exist."""
+"""Rule for missing files that a launch file names."""
 
 from __future__ import annotations
 

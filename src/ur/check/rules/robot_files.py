@@ -1,4 +1,4 @@
-"""Rules about YAML files of bases, worlds and maps: what reads them must be able to use them."""
+"""Rules about YAML files of bases, worlds and maps: their readers must accept them."""
 
 from __future__ import annotations
 

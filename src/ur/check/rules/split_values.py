@@ -54,7 +54,7 @@ def _name(piece: Substitution) -> str:
 
 
 def _is_plain(name: str, view: LaunchView) -> bool:
-    """Return whether an argument is a number, true or false, or a fixed text, by each of its declarations."""
+    """Return whether an argument is a number, true or false, or a fixed text, according to all its declarations."""
     declared = view.declared.get(name, ())
     return bool(declared) and all(_is_plain_declaration(element) for element in declared)
 

@@ -1,1 +1,1 @@
-"""Tree + world + arguments -> Plan."""
+"""The resolver: from a syntax tree, a world and arguments to a Plan."""

@@ -1,4 +1,4 @@
-"""`<param command=...>`: running the programs whose output is a parameter, when a caller wants it."""
+"""`<param command=...>`: execution of the programs whose output is a parameter, if the caller wants it."""
 
 from __future__ import annotations
 
@@ -27,12 +27,12 @@ class CommandRunner(Protocol):
     """Runs one program to its end."""
 
     def __call__(self, words: Sequence[str]) -> CommandResult:
-        """The result of a command line. Raises OSError when it cannot be started."""
+        """Return the result of a command line. Raises OSError if it cannot be started."""
         ...
 
 
 def run_command(words: Sequence[str], most: int = MAX_OUTPUT) -> CommandResult:
-    """Run a program on this computer; its standard error goes to ours, as in roslaunch.
+    """Run a program on this computer; its standard error is that of this process, as in roslaunch.
 
     Raises OSError for a program that cannot be started or prints more than `most` bytes.
     """
@@ -52,14 +52,14 @@ def run_command(words: Sequence[str], most: int = MAX_OUTPUT) -> CommandResult:
 
 
 def refuse_command(words: Sequence[str]) -> CommandResult:
-    """A runner that runs nothing."""
+    """Refuse to run a command. Raises OSError."""
     raise PermissionError(1, "programs are not run here", words[0])
 
 
 def run_commands(plan: Plan, run: CommandRunner) -> Plan:
-    """The plan with the value of every parameter that a program prints. Equal commands run once.
+    """Return the plan with the values of parameters that programs print. Equal commands run once.
 
-    A program that fails, or prints what its parameter cannot hold, adds an error to the plan's diagnostics.
+    A program that fails, or prints an invalid value, adds an error to the plan's diagnostics.
     """
     if not plan.programs:
         return plan

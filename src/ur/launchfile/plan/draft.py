@@ -1,4 +1,4 @@
-"""A plan in the making: what has been collected, and what was found wrong."""
+"""A plan under construction: its collected parts, and the findings."""
 
 from __future__ import annotations
 
@@ -31,11 +31,11 @@ CORE_NODE = "/rosout"  # roslaunch reads roscore.xml first, so this name is take
 
 
 class TooMuch(Exception):  # noqa: N818 - ends resolving; reported already
-    """There is so much of something that going on makes no sense."""
+    """A limit was exceeded, so that resolution stops."""
 
 
 class Draft:
-    """Collects the parts of a Plan while files are resolved. One draft is one roslaunch."""
+    """Collects the parts of a Plan while files are resolved. One draft corresponds to one call of roslaunch."""
 
     def __init__(
         self,
@@ -69,7 +69,7 @@ class Draft:
         self._trees = trees
 
     def origin(self, span: Span, scope: Scope) -> Origin:
-        """The origin of an item."""
+        """Return the origin of an item."""
         return Origin(span, scope.chain)
 
     def warn(
@@ -84,12 +84,12 @@ class Draft:
         *,
         kind: str = "",
     ) -> None:
-        """Report something that roslaunch accepts, though it cannot be what was meant."""
+        """Report a construct that roslaunch accepts, although it is probably a mistake."""
         chain = scope.chain if scope else ()
         self.add_diagnostic(Diagnostic(Severity.WARNING, message, rule, span, notes, help, subject, kind), chain)
 
     def refuse(self, refused: TagRefused, scope: Scope | None) -> None:
-        """Report what made a tag impossible to resolve."""
+        """Report the error for which a tag was refused."""
         if refused.diagnostic is not None:
             self.add_diagnostic(refused.diagnostic, scope.chain if scope else ())
 
@@ -107,7 +107,7 @@ class Draft:
             raise TooMuch
 
     def parse(self, path: str) -> LaunchFile:
-        """A launch file, read and parsed once. Raises OSError."""
+        """Return a launch file, which is read and parsed only once. Raises OSError."""
         known = self._parsed.get(path)
         if known is None:
             known = self._parsed[path] = self._parse(path)
@@ -123,7 +123,7 @@ class Draft:
         return known
 
     def add_param(self, param: ParamSpec, scope: Scope) -> None:
-        """Set a parameter; the last one wins and keeps the place of the first."""
+        """Set a parameter; the last value is used, at the position of the first."""
         known = self.params
         try:
             self.budget.charge(PER_PARAMETER)
@@ -148,7 +148,7 @@ class Draft:
             raise refuse(f"more than {MAX_PARAMS:,} parameters", param.origin.span, "too-many-params")
 
     def add_node(self, node: NodeSpec, element: Element, scope: Scope) -> None:
-        """Add a node. Raises Refused when its name is taken."""
+        """Add a node. Raises TagRefused if its name is taken."""
         if node.name:
             name = node.full_name
             span = element.value_span("name")
@@ -174,7 +174,7 @@ class Draft:
         self.nodes.append(node)
 
     def finish(self) -> Plan:
-        """The collected plan."""
+        """Return the collected plan."""
         return Plan(
             nodes=tuple(self.nodes),
             tests=tuple(self.tests),

@@ -1,4 +1,4 @@
-"""Missing programs of nodes. roslaunch notices when it starts them; `ur` reports them before."""
+"""Missing programs of nodes. roslaunch detects them when it starts them; `ur` reports them before."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ from ur.source.suggest import did_you_mean, get_command
 
 
 def check_executables(plan: Plan, world: World) -> tuple[Diagnostic, ...]:
-    """An error for every node and test of this computer whose package or program does not exist.
+    """Return an error for every node and test of this computer whose package or program does not exist.
 
-    Nodes of other computers are not looked at: their packages are there.
+    Nodes of other computers are not checked: their packages are on those.
     """
     found: dict[tuple[str, str], bool] = {}
     diagnostics = []

@@ -1,4 +1,4 @@
-"""Launch files and arguments to a Plan: the whole way."""
+"""Loader of launch files: from files and arguments to a Plan."""
 
 from __future__ import annotations
 
@@ -30,15 +30,14 @@ def load_plan(
     budget: Budget | None = None,
     parsed: dict[str, LaunchFile] | None = None,
 ) -> Plan:
-    """Resolve launch files, all of them together, with `NAME:=VALUE` arguments.
+    """Resolve launch files together, with `NAME:=VALUE` arguments, exactly as roslaunch does.
 
-    Means exactly what roslaunch means by them. Never raises for the contents of a file or an argument: the plan's
-    diagnostics hold an error for everything that roslaunch would refuse, and warnings for what it silently accepts.
-    Nothing is executed; see `run_commands` for the parameters that programs print. A `trace` is filled with how values
-    resulted, in order. `trees`, by absolute path, spare files from being parsed again, and gain those that are.
-    `parsed` does the same by the paths that name files, as they are written.
-    `computers` are machines that need no `<machine>` tag; the tag of a file goes before one of the same name. `budget`
-    limits what expressions compute; who loads a file several times gives them one.
+    Never raises for the content of a file or an argument: the plan's diagnostics have an error for everything that
+    roslaunch would refuse, and warnings for mistakes that it silently accepts. Nothing is executed; see `run_commands`
+    for the parameters that programs print. A `trace` receives the steps by which values resulted, in order. `trees`
+    caches parsed files by absolute path; `parsed` caches them by their paths as written. `computers` are machines
+    without a `<machine>` tag; a file's tag of the same name takes precedence. `budget` limits the computation of
+    expressions; several loads of a file can share one.
     """
     draft = Draft(world, trace, trees, budget=budget, parsed=parsed)
     try:

@@ -1,4 +1,4 @@
-"""ROS names, as rosgraph joins and judges them. Source of the rules: `rosgraph.names` as Debian ships it."""
+"""ROS names, joined and validated as rosgraph does. Source of the rules: `rosgraph.names` as Debian ships it."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ def is_private(name: str) -> bool:
 
 
 def make_namespace(name: str) -> str:
-    """A name as a namespace: from the root, with a slash at the end. Raises ValueError for `~names`."""
+    """Return a name as a namespace: from the root, with a slash at the end. Raises ValueError for `~names`."""
     if is_private(name):
         raise ValueError(f"'{name}' is a private name, expected one that can be a namespace")
     if not name.startswith("/"):
@@ -24,7 +24,7 @@ def make_namespace(name: str) -> str:
 
 
 def join_names(namespace: str, name: str) -> str:
-    """A name in a namespace; global and private names stay as they are."""
+    """Return a name in a namespace; global and private names stay unchanged."""
     if name[:1] in ("~", "/") and name:
         return name
     if namespace == "~":
@@ -35,19 +35,19 @@ def join_names(namespace: str, name: str) -> str:
 
 
 def canonical_name(name: str) -> str:
-    """A name without doubled and trailing slashes."""
+    """Return a name without doubled and trailing slashes."""
     if not name or name == "/" or ("//" not in name and name[-1] != "/"):
         return name
     return ("/" if name[0] == "/" else "") + "/".join(part for part in name.split("/") if part)
 
 
 def is_legal_name(name: str) -> bool:
-    """Return whether a name may be used in a ROS graph; the empty one may."""
+    """Return whether a name is valid in a ROS graph; the empty name is."""
     return not name or (_LEGAL.match(name) is not None and "//" not in name)
 
 
 def parents_of(name: str) -> list[str]:
-    """The namespaces above a name, the root first."""
+    """Return the namespaces above a name, the root first."""
     parents = ["/"]
     if name[:1] != "/" or "//" in name:
         name = "/" + "/".join(part for part in name.split("/") if part)
@@ -59,9 +59,9 @@ def parents_of(name: str) -> list[str]:
 
 
 def read_assignments(arguments: Sequence[str]) -> tuple[dict[str, str], list[str]]:
-    """`NAME:=VALUE` arguments as roslaunch reads them, and those that it passes over without a word.
+    """Return `NAME:=VALUE` arguments as roslaunch reads them, and those that it silently ignores.
 
-    Passed over: illegal names, empty values, a second `:=`. `_name:=value` belongs to nodes and is passed over too.
+    Ignored: illegal names, empty values, a second `:=`, and `_name:=value`, which belongs to nodes.
     """
     values: dict[str, str] = {}
     ignored: list[str] = []
@@ -77,7 +77,7 @@ def read_assignments(arguments: Sequence[str]) -> tuple[dict[str, str], list[str
 
 
 def initial_namespace(arguments: Sequence[str], environment: Mapping[str, str]) -> str:
-    """The namespace everything starts in: `__ns:=...`, else ROS_NAMESPACE, else the root. Raises ValueError."""
+    """Return the initial namespace: `__ns:=...`, else ROS_NAMESPACE, else the root. Raises ValueError."""
     for argument in arguments:
         if argument.startswith("__ns:="):
             return make_namespace(argument[len("__ns:=") :])

@@ -1,6 +1,6 @@
-"""Resolution of one launch file by itself: the files that it includes are named, and not entered.
+"""Resolution of a single launch file: the files that it includes are named, but not resolved.
 
-A check of many files, each in many ways, asks once per file and arguments, and puts the answers together.
+A check of many files in many cases resolves each file once per arguments, and combines the results.
 """
 
 from __future__ import annotations
@@ -23,10 +23,10 @@ HERE = "/ǁ/"
 def load_one_file(
     path: str, arguments: Mapping[str, str], world: World, trees: dict[str, LaunchFile], *, passes_all: bool = False
 ) -> Plan:
-    """The nodes, parameters and includes of one file that is handed these arguments. Never raises for its contents.
+    """Return the nodes, parameters and includes of one file with these arguments. Never raises for its content.
 
-    Names are relative to `HERE` where they depend on the namespace in which the file is included. What depends on more
-    than the arguments is not looked at: `<machine>` tags, remaps and `~` parameters of the including files. Every
+    Names are relative to `HERE` if they depend on the namespace in which the file is included. Everything that depends
+    on more than the arguments is ignored: `<machine>` tags, remaps and `~` parameters of the including files. Every
     argument has to be declared, as in an `<include>`; `passes_all` as with `pass_all_args`. See load_plan for `trees`.
     """
     draft = Draft(world, trees=trees, follow=False)

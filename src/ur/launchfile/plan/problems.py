@@ -1,4 +1,4 @@
-"""Exceptions for tags that cannot be resolved, and the kinds of their diagnostics."""
+"""Exceptions for refused tags, and the kinds of their diagnostics."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ OBSOLETE = "obsolete"  # an `unknown-tag` that had a meaning once
 
 
 class TagRefused(Exception):  # noqa: N818 - carries a finding
-    """A tag that roslaunch would refuse. Without a diagnostic it follows from one that was reported before."""
+    """A tag that roslaunch would refuse. Without a diagnostic it results from an error that was already reported."""
 
     def __init__(self, diagnostic: Diagnostic | None) -> None:
         super().__init__(diagnostic)
@@ -32,11 +32,11 @@ def refuse(
     kind: str = "",
     expected: tuple[str, ...] = (),
 ) -> TagRefused:
-    """An exception to raise for a finding."""
+    """Return an exception to raise for a finding."""
     found = error(message, span, rule=rule, help=help, notes=notes, subject=subject, kind=kind, expected=expected)
     return TagRefused(found)
 
 
 def as_warning(found: Diagnostic) -> Diagnostic:
-    """The same finding as a warning: something that roslaunch accepts."""
+    """Return the same finding as a warning, for a mistake that roslaunch accepts."""
     return replace(found, severity=Severity.WARNING)

@@ -1,4 +1,4 @@
-"""The scope of a place in a launch file: namespace, arguments, remaps, environment, `~` parameters."""
+"""The scope of a position in a launch file: namespace, arguments, remaps, environment, `~` parameters."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ from ur.source.file import Span
 
 
 class Scope:
-    """One level of nesting. Mirrors roslaunch's LoaderContext, quirks included; changed while its tag is resolved.
+    """One level of nesting. It mirrors roslaunch's LoaderContext, including its quirks, and is modified by its tags.
 
-    While the children of an `<include>` are read, `passing` collects the arguments for the file and `args` still holds
+    While the children of an `<include>` are read, `passing` collects the arguments for the file and `args` still has
     the including file's; `start_file` swaps them.
     """
 
@@ -51,7 +51,7 @@ class Scope:
         self.chain: tuple[Span, ...] = ()
 
     def child(self, namespace: str | None) -> Scope:
-        """The scope of a `<group>` or `<include>`. Raises ValueError when the namespace is a private name."""
+        """Return the scope of a `<group>` or `<include>`. Raises ValueError if the namespace is a private name."""
         child = Scope(self.child_namespace(namespace), self.filename, dict(self.args))
         child.parent = self
         child.anonymous = dict(self.anonymous)
@@ -65,7 +65,7 @@ class Scope:
         return child
 
     def include_child(self) -> Scope:
-        """The scope of an `<include>`: arguments start anew, the rest is inherited."""
+        """Return the scope of an `<include>`: without arguments, everything else inherited."""
         child = self.child(None)
         child.declared = {}
         child.missing = {}
@@ -73,13 +73,13 @@ class Scope:
         return child
 
     def child_namespace(self, namespace: str | None) -> str:
-        """The full namespace of a child. Raises ValueError for a private name."""
+        """Return the full namespace of a child. Raises ValueError for a private name."""
         if not namespace:
             return self.namespace
         return make_namespace(namespace if namespace[0] == "/" else join_names(self.namespace, namespace))
 
     def start_file(self, filename: str, include: Span) -> None:
-        """Leave the `<include>` tag and enter the file."""
+        """Switch from the `<include>` tag to the included file."""
         passed = self.passing or {}
         self.handed_over = tuple(passed)
         self.args = passed
@@ -90,7 +90,7 @@ class Scope:
         self.chain = (*self.chain, include)
 
     def add_param(self, param: ParamSpec) -> None:
-        """A `~` parameter for the nodes that follow. A name that is set again moves to the end."""
+        """Add a `~` parameter for the nodes that follow. A name that is set again moves to the end."""
         for known in self.params:
             if known.name == param.name:
                 self.params.remove(known)
@@ -98,12 +98,12 @@ class Scope:
         self.params.append(param)
 
     def add_remap(self, remap: tuple[str, str]) -> None:
-        """A remap for the nodes that follow."""
+        """Add a remap for the nodes that follow."""
         self.remaps = [known for known in self.remaps if known[0] != remap[0]]
         self.remaps.append(remap)
 
     def all_remaps(self) -> list[tuple[str, str]]:
-        """The remaps in force here: outer ones first, without those that an inner one replaces."""
+        """Return the effective remaps: outer ones first, without those that an inner one replaces."""
         if self.parent is None:
             return self.remaps[:]
         own = {source for source, _ in self.remaps}

@@ -1,4 +1,4 @@
-"""The resolved plan: what a launch file means, every item with its origin."""
+"""The resolved plan: the content of a launch file, every item with its origin."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ ParamValue = bool | int | float | str | bytes | list["ParamValue"] | dict[str, "
 
 @dataclass(frozen=True, slots=True)
 class Origin:
-    """The place of an item, and the `<include>` tags that led there, outermost first."""
+    """The position of an item, and the `<include>` tags that led there, outermost first."""
 
     span: Span
     includes: tuple[Span, ...] = ()
@@ -35,7 +35,7 @@ class MachineSpec:
 
 @dataclass(frozen=True, slots=True)
 class ParamSpec:
-    """A parameter with its full name. `command` is set instead of a value when a program has to print it first."""
+    """A parameter with its full name. `command` is set instead of a value if a program prints the value."""
 
     name: str
     value: ParamValue
@@ -46,9 +46,9 @@ class ParamSpec:
 
 @dataclass(frozen=True, slots=True)
 class ParamCommand:
-    """A `<rosparam command="dump">` or `"delete">`: what is done on the parameter server before anything is set.
+    """A `<rosparam command="dump">` or `"delete">`: an action on the parameter server before parameters are set.
 
-    `file` is where a dump goes. `name` is the full name of the parameter or namespace.
+    `file` is the target of a dump. `name` is the full name of the parameter or namespace.
     """
 
     command: Literal["dump", "delete"]
@@ -62,10 +62,10 @@ ReadyKind = Literal["topic", "service", "frame", "action", "process"]
 
 @dataclass(frozen=True, slots=True)
 class ReadyCondition:
-    """A condition that makes a node ready: a topic published (at `rate` Hz), a service, a tf frame, an action.
+    """A readiness condition of a node: a published topic (at `rate` Hz), a service, a tf frame, an action.
 
-    `name` is in full, as the master knows it; a frame's has no leading slash. "process" (without a name) says that the
-    program is no ROS node: that it runs is enough.
+    `name` is the full name on the master; that of a frame has no leading slash. "process" (without a name) means that
+    the program is not a ROS node: it is ready when it runs.
     """
 
     kind: ReadyKind
@@ -75,7 +75,7 @@ class ReadyCondition:
 
 @dataclass(frozen=True, slots=True)
 class NodeSpec:
-    """A node to start. `args` is one string, resolved; the runner splits it as roslaunch does."""
+    """A node to start. `args` is one resolved string; the runner splits it as roslaunch does."""
 
     name: str  # without namespace
     namespace: str  # with leading and trailing slash
@@ -103,7 +103,7 @@ class NodeSpec:
 
 @dataclass(frozen=True, slots=True)
 class TestSpec:
-    """A `<test>`: a node and when to give up on it."""
+    """A `<test>`: a node and its time limits."""
 
     node: NodeSpec
     test_name: str
@@ -115,7 +115,7 @@ class TestSpec:
 class IncludeSpec:
     """An `<include>` that takes part; `origin` is the tag itself. `file` is absolute; `found`: it could be read.
 
-    `namespace` is what the file starts in, `arguments` what it is handed; `passes_all`: because of `pass_all_args`.
+    `namespace` is the initial one of the file, `arguments` those passed to it; `passes_all`: by `pass_all_args`.
     """
 
     file: str
@@ -128,10 +128,11 @@ class IncludeSpec:
 
 @dataclass(frozen=True, slots=True)
 class ArgumentStep:
-    """The effect of one `<arg>`. `passed_to` is the `<include>` that holds it; without one it declares the argument.
+    """The effect of one `<arg>`.
 
-    `written` is the text of `value=` or `default=`; `value` what the argument is after this tag, None while it has
-    none. `handed_over`: an including file passed it.
+    `passed_to` is the `<include>` that contains it; without one it declares the argument. `written` is the text of
+    `value=` or `default=`; `value` the argument's value after this tag, None without one. `handed_over`: an including
+    file passed it.
     """
 
     name: str
@@ -160,7 +161,7 @@ TraceStep = ArgumentStep | RemapStep | ParamSpec  # a parameter each time it is 
 
 @dataclass(frozen=True, slots=True)
 class Plan:
-    """Everything a launch file asks for. Complete only when `diagnostics` holds no error."""
+    """Everything a launch file defines. Complete only if `diagnostics` has no error."""
 
     nodes: tuple[NodeSpec, ...]
     tests: tuple[TestSpec, ...]
@@ -174,10 +175,10 @@ class Plan:
     includes: tuple[IncludeSpec, ...] = field(default=())  # in document order, each time one is included
 
     def all_nodes(self) -> tuple[NodeSpec, ...]:
-        """List the nodes, then those of the tests."""
+        """Return the nodes, then those of the tests."""
         return (*self.nodes, *(test.node for test in self.tests))
 
     def is_local(self, node: NodeSpec) -> bool:
-        """Return whether a node is to start on this computer. A machine that is not defined is another one."""
+        """Return whether a node starts on this computer. A machine that is not defined counts as another one."""
         local = {machine.name for machine in self.machines if machine.address in LOCAL_ADDRESSES}
         return node.machine is None or node.machine in local

@@ -1,4 +1,4 @@
-"""`--ros-args`: the arguments that a launch file takes, with their documentation."""
+"""`--ros-args`: the arguments of a launch file, with their documentation."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from ur.source.file import Span
 
 @dataclass(frozen=True, slots=True)
 class ArgumentSpec:
-    """An argument that may be given. `default` is None when it has to be; `doc` is empty without a comment."""
+    """An argument that may be given. `default` is None if it is required; `doc` is empty without a comment."""
 
     name: str
     default: str | None
@@ -30,7 +30,7 @@ class ArgumentSpec:
 def read_arguments(
     path: str, arguments: Sequence[str], world: World, parsed: dict[str, LaunchFile] | None = None
 ) -> tuple[ArgumentSpec, ...]:
-    """The arguments of a launch file in document order, without those of fixed value.
+    """Return the arguments of a launch file in document order, without those of fixed value.
 
     `arguments` decide which `if` and `unless` hold. Documentation is `doc=`, else the comment `<!--NAME: text-->` that
     follows. `parsed` is that of `load_plan`. Raises UserError when the file cannot be read or an argument cannot be
@@ -59,7 +59,7 @@ def read_arguments(
 
 
 def format_arguments(arguments: Sequence[ArgumentSpec]) -> str:
-    """The text that `roslaunch --ros-args` prints; an empty default is optional here, as it is in truth."""
+    """Return the output of `roslaunch --ros-args`; unlike there, an empty default counts as optional."""
     if not arguments:
         return "No arguments.\n"
     lines = []

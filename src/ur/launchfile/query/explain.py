@@ -1,4 +1,4 @@
-"""`ur explain`: where a parameter, argument, remap or node got its value, layer by layer."""
+"""`ur explain`: the origin of a parameter, argument, remap or node's value, layer by layer."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ _LONG = 70
 
 @dataclass(frozen=True, slots=True)
 class ExplanationStep:
-    """One step on the way to a value, its position, and the steps that it rests on."""
+    """One step of the resolution of a value, its position, and the steps that it depends on."""
 
     text: str
     span: Span | None = None
@@ -43,7 +43,7 @@ def explain_name(
     world: World,
     parsed: dict[str, LaunchFile] | None = None,
 ) -> tuple[ExplanationStep, ...]:
-    """Everything that launch files call `name`: parameters, arguments, remaps and nodes, each with its layers.
+    """Return everything with this name in launch files: parameters, arguments, remaps and nodes, with their layers.
 
     A name without its namespace is enough: `rate` finds `/talker/rate`. `parsed` is that of `load_plan`. Raises
     UserError when nothing has this name.
@@ -71,7 +71,7 @@ def explain_name(
 def list_names(
     files: Sequence[str], arguments: Sequence[str], world: World, parsed: dict[str, LaunchFile] | None = None
 ) -> dict[str, str]:
-    """The names that explain_name knows, with what each is; those of nodes and parameters also without namespace."""
+    """Return the names that `explain_name` accepts, with their kinds; nodes and parameters also without namespace."""
     trace: list[TraceStep] = []
     plan = load_plan(files, arguments, world, trace, parsed=parsed)
     names = {step.name: "argument" for step in trace if isinstance(step, ArgumentStep) and step.passed_to is None}
@@ -84,7 +84,7 @@ def list_names(
 
 
 def format_layers(layers: Sequence[ExplanationStep], depth: int = 0) -> str:
-    """Layers as indented lines, each with its place."""
+    """Format layers as indented lines, each with its position."""
     lines = []
     for layer in layers:
         place = f"{layer.span}: " if layer.span else ""

@@ -1,4 +1,4 @@
-"""Questions about a plan."""
+"""Queries about a plan."""
 
 from __future__ import annotations
 
@@ -9,17 +9,17 @@ from ur.source.suggest import did_you_mean
 
 
 def list_nodes(plan: Plan) -> list[str]:
-    """`--nodes`: full names of nodes and tests, in document order, nodes first; nameless ones are left out."""
+    """Answer `--nodes`: full names of nodes and tests, in document order, nodes first; nameless ones are left out."""
     return [node.full_name for node in plan.all_nodes() if node.name]
 
 
 def list_files(plan: Plan) -> list[str]:
-    """`--files`: every launch file read. roslaunch prints them in no order; here sorted."""
+    """Answer `--files`: every launch file read, sorted; roslaunch prints them in no order."""
     return sorted(plan.files)
 
 
 def find_node_file(plan: Plan, name: str) -> str:
-    """`--find-node NAME`: the launch file that holds a node. Raises UserError when there is none."""
+    """Answer `--find-node NAME`: the launch file that defines a node. Raises UserError if there is none."""
     full_name = join_names("/", name)
     for node in plan.all_nodes():
         if node.name and node.full_name == full_name:
@@ -37,7 +37,7 @@ def find_node_file(plan: Plan, name: str) -> str:
 
 
 def dump_params(plan: Plan) -> str:
-    """`--dump-params`: every parameter as YAML, as roslaunch prints it. Commands have to be run before."""
+    """Answer `--dump-params`: every parameter as YAML, as roslaunch prints it. Commands have to be run before."""
     import yaml
 
     return str(yaml.safe_dump({param.name: param.value for param in plan.params})) + "\n"

@@ -20,8 +20,8 @@ Evidence = Literal["ready", "table", "base", "remap"]
 class NameUse:
     """Use of a name by a node. `use` is None for a name that is known from a remap only.
 
-    `name` is in full, after remapping. `rate` is in Hz, from a `ready:` comment. `doubt` is the reason
-    why the use is not certain; empty where it is.
+    `name` is the full name after remapping. `rate` is in Hz, from a `ready:` comment. `doubt` is the reason why the use
+    is uncertain; empty if it is certain.
     """
 
     name: str
@@ -55,14 +55,14 @@ def find_name_uses(node: NodeSpec) -> tuple[NameUse, ...]:
 
 
 def resolve_name(name: str, node: NodeSpec) -> str:
-    """The full name of a name in a node's code: `~x` is below the node, others are in its namespace."""
+    """Return the full name of a name in a node's code: `~x` is below the node, others are in its namespace."""
     if name.startswith("~"):
         return canonical_name(f"{node.full_name}/{name[1:]}")
     return canonical_name(join_names(node.namespace, name))
 
 
 def remap_name(name: str, node: NodeSpec) -> str:
-    """As resolve_name, with the node's remaps applied; the last one that fits wins, as in roslaunch."""
+    """Return the full name with the node's remaps applied; the last matching one is used, as in roslaunch."""
     full = resolve_name(name, node)
     targets = {resolve_name(source, node): target for source, target in node.remaps}
     if full in targets:

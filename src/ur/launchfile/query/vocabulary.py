@@ -1,4 +1,4 @@
-"""Tags and attributes of launch files: all names, their allowed places, and their meaning."""
+"""Tags and attributes of launch files: all names, where they are allowed, and their meaning."""
 
 from __future__ import annotations
 
@@ -92,5 +92,5 @@ DOCUMENTS: Mapping[str, str] = {
 
 
 def find_choices(tag: str, attribute: str) -> Sequence[str]:
-    """The values that an attribute may have, where they are known."""
+    """Return the values that an attribute may have, if they are known."""
     return _CHOICES.get((tag, attribute)) or _OPTIONAL_TRUTH.get(attribute, ())

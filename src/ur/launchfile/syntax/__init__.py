@@ -1,4 +1,4 @@
-"""Launch text to a tree with positions; pure; never raises on user input."""
+"""The parser: launch text to a tree with positions; pure; never raises on user input."""
 
 from ur.launchfile.syntax.parse import parse_launch_file
 from ur.launchfile.syntax.substitution import (

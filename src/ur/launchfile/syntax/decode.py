@@ -1,4 +1,4 @@
-"""Bytes to text, and expat's byte offsets to character offsets."""
+"""Decoding of bytes to text, and conversion of expat's byte offsets to character offsets."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ _MARKS = ((codecs.BOM_UTF8, "utf-8"), (codecs.BOM_UTF16_LE, "utf-16-le"), (codec
 
 
 def decode_text(data: bytes) -> tuple[str, str]:
-    """The text of an XML file and the name of its encoding: byte order mark, declaration, else UTF-8.
+    """Return the text of an XML file and its encoding: from the byte order mark, the declaration, else UTF-8.
 
-    Bytes that are not of the encoding become U+FFFD; the XML parser reports them.
+    Invalid bytes become U+FFFD; the XML parser reports them.
     """
     if data.isascii():
         return data.decode("ascii"), "ascii"
@@ -28,7 +28,7 @@ def decode_text(data: bytes) -> tuple[str, str]:
 
 
 class Offsets:
-    """Turns byte offsets into character offsets. Cheap as long as the offsets asked for grow."""
+    """Converts byte offsets to character offsets. Cheap as long as the requested offsets increase."""
 
     __slots__ = ("_byte", "_character", "_data", "_encoding", "_same")
 
@@ -40,7 +40,7 @@ class Offsets:
         self._character = 0
 
     def characters(self, byte: int) -> int:
-        """The number of characters before a byte."""
+        """Return the number of characters before a byte."""
         if self._same:
             return byte
         if byte < self._byte:

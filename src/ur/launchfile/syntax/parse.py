@@ -1,4 +1,4 @@
-"""Text to syntax tree, with the standard library's expat. Never raises on what a file holds."""
+"""Parser of text to a syntax tree, with the standard library's expat. Never raises for the content of a file."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ class _StopParsing(Exception):  # noqa: N818 - not an error: ends expat's loop
 
 
 def parse_launch_file(path: str, data: bytes) -> LaunchFile:
-    """The tree of a launch file. What is wrong with it is in its `diagnostics`, and the tree ends there."""
+    """Return the tree of a launch file. Errors are in its `diagnostics`, and the tree ends there."""
     if len(data) > MAX_BYTES:
         source = SourceFile(path, "")
         message = f"{path} has {len(data):,} bytes, expected a launch file of at most {MAX_BYTES:,}"

@@ -1,4 +1,4 @@
-"""Launch files of ROS 2, which the launch language of ROS 1 cannot express: recognised, and named as such."""
+"""Launch files of ROS 2, which the launch language of ROS 1 cannot express: detected, and reported."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ def is_ros2_name(path: str) -> bool:
 
 
 def find_ros2(source: SourceFile, root: Element | None) -> Diagnostic | None:
-    """The finding that a file is written for ROS 2, at the first sign of it; None for any other file."""
+    """Return the finding that a file is written for ROS 2, at the first evidence of it; None for any other file."""
     if is_ros2_name(source.path):
         return _explain("its name ends like one", Span(source, 0, 1))
     if (

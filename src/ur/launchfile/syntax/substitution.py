@@ -1,4 +1,4 @@
-"""The small language inside attribute values: `$(find pkg)`, `$(arg name)`, `$(eval expression)` and the others."""
+"""The small language inside attribute values: `$(find pkg)`, `$(arg name)`, `$(eval expression)` and others."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ _EVAL = "$(eval "
 
 
 class SubstitutionProblem(Exception):  # noqa: N818 - carries a finding to where its place is known
-    """A mistake in a piece of `$(...)`. `start` and `end` are offsets in its value.
+    """An error in a `$(...)`.
 
-    `subject` and `kind` are as in a Diagnostic.
+    `start` and `end` are offsets in its value. `subject` and `kind` are as in a Diagnostic.
     """
 
     def __init__(
@@ -46,10 +46,10 @@ class SubstitutionWord:
 
 @dataclass(frozen=True, slots=True)
 class Substitution:
-    """One `$(command word ...)`. `content` is everything between the parentheses; offsets include `$(` and `)`.
+    """One `$(command word ...)`. `content` is the text between the parentheses; offsets include `$(` and `)`.
 
-    `command` is not checked here: see COMMANDS. For `$(eval ...)`, which takes the whole value, `content` is the
-    expression and `words` is empty.
+    `command` is not validated: see COMMANDS. For `$(eval ...)`, which is the whole value, `content` is the expression
+    and `words` is empty.
     """
 
     command: str
@@ -60,15 +60,15 @@ class Substitution:
 
 
 def is_eval(text: str) -> bool:
-    """Return whether a value is one `$(eval ...)`: as for roslaunch, all between its two ends is the expression."""
+    """Return whether a value is one `$(eval ...)`: as in roslaunch, all text between its two ends is the expression."""
     return text.startswith(_EVAL) and text.endswith(")")
 
 
 @lru_cache(maxsize=4096)
 def parse_substitutions(text: str) -> tuple[Substitution, ...]:
-    """Every `$(...)` in a value, in order, found as roslaunch finds them. Raises SubstitutionProblem.
+    """Parse every `$(...)` in a value, in order, as roslaunch does. Raises SubstitutionProblem.
 
-    `$$(` counts as `$(`; `$()` and an unclosed `$(` are plain text; nothing nests.
+    `$$(` counts as `$(`; `$()` and an unclosed `$(` are plain text; they do not nest.
     """
     if is_eval(text):
         return (Substitution("eval", text[len(_EVAL) : -1], (), 0, len(text)),)

@@ -1,7 +1,6 @@
-"""The syntax tree of a launch file: elements, attributes and comments, each with its exact place.
+"""The syntax tree of a launch file: elements, attributes and comments, each with its exact position.
 
-Offsets are characters in the text of the file. Places inside a tag are found on request: almost no caller asks,
-except to report an error.
+Offsets are characters in the text of the file. Positions inside a tag are computed on request, mostly to report errors.
 """
 
 from __future__ import annotations
@@ -22,7 +21,7 @@ _TEXT_PART = re.compile(r"<!--.*?-->|<!\[CDATA\[(.*?)\]\]>|<\?.*?\?>|<[^>]*>|[^<
 
 @dataclass(frozen=True, slots=True)
 class Comment:
-    """A comment. `text` is what is written between the dashes."""
+    """A comment. `text` is the text between the dashes."""
 
     span: Span
     text: str
@@ -31,8 +30,8 @@ class Comment:
 class Element:
     """A tag with its attributes and contents. Not to be changed once the file is parsed.
 
-    `attributes` holds the values as XML means them (references replaced, line breaks turned into spaces), in the order
-    in which they are written. `text` is the character data directly inside, collected for `<rosparam>` only.
+    `attributes` has the normalised XML values (references replaced, line breaks turned into spaces), in the order of
+    the file. `text` is the character data directly inside, collected for `<rosparam>` only.
     """
 
     __slots__ = ("_pieces", "_places", "attributes", "children", "end", "name", "source", "start", "text")
@@ -52,7 +51,7 @@ class Element:
         return f"<{self.name}> at {self.span}"
 
     def add_child(self, child: Element | Comment) -> None:
-        """For the parser only."""
+        """Add a child; for the parser only."""
         if type(self.children) is list:
             self.children.append(child)
         else:
@@ -60,7 +59,7 @@ class Element:
 
     @property
     def span(self) -> Span:
-        """The `<name` with which it opens."""
+        """The opening `<name`."""
         return Span(self.source, self.start, self.start + 1 + len(self.name))
 
     @property
@@ -79,19 +78,19 @@ class Element:
         return (child for child in self.children if type(child) is Comment)
 
     def name_span(self, attribute: str) -> Span:
-        """The name of an attribute; the element when the attribute is not there."""
+        """Return the span of an attribute's name; of the element if the attribute is missing."""
         place = self._find_places().get(attribute)
         return Span(self.source, place[0], place[1]) if place else self.span
 
     def value_span(self, attribute: str) -> Span:
-        """The value of an attribute without its quotes; the element when the attribute is not there."""
+        """Return the span of an attribute's value without its quotes; of the element if the attribute is missing."""
         place = self._find_places().get(attribute)
         return Span(self.source, place[2], place[3]) if place else self.span
 
     def piece_span(self, attribute: str, start: int, end: int) -> Span:
-        """Characters `start` to `end` of an attribute's value, where they are written.
+        """Return the span of characters `start` to `end` of an attribute's value in the file.
 
-        The value differs from what is written by the references (`&lt;`) in it.
+        The value differs from the text in the file by the references (`&lt;`) in it.
         """
         whole = self.value_span(attribute)
         raw = whole.text
@@ -101,7 +100,7 @@ class Element:
         return Span(self.source, whole.start + place(start), whole.start + place(end))
 
     def text_offset(self, offset: int) -> int:
-        """The offset in the file of a character of `text`."""
+        """Return the offset in the file of a character of `text`."""
         if self._pieces is None:
             self._pieces = list(self._find_pieces())
         index = bisect_left(self._pieces, offset, key=lambda piece: piece.end)
@@ -153,7 +152,7 @@ class Element:
 
 
 class written_offsets:  # noqa: N801 - used like a function: written_offsets(raw)(offset)
-    """Maps offsets in a value, as XML means it, to offsets in the raw text it is written as."""
+    """Maps offsets in a normalised XML value to offsets in its raw text."""
 
     __slots__ = ("_steps",)
 
@@ -165,7 +164,7 @@ class written_offsets:  # noqa: N801 - used like a function: written_offsets(raw
             self._steps.append((match.end() - shrunk, shrunk))
 
     def __call__(self, offset: int) -> int:
-        """The raw offset of a character of the value."""
+        """Return the raw offset of a character of the value."""
         index = bisect_right(self._steps, offset, key=lambda step: step[0])
         return offset + (self._steps[index - 1][1] if index else 0)
 
@@ -178,9 +177,9 @@ class _Piece(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class LaunchFile:
-    """A parsed file. `launch` is the one `<launch>` element; None when there is none, or more than one.
+    """A parsed file. `launch` is the only `<launch>` element; None if there is none, or more than one.
 
-    With an error in `diagnostics` the tree holds what stood before it.
+    With an error in `diagnostics`, the tree contains the elements before it.
     """
 
     source: SourceFile

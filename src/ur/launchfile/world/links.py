@@ -1,4 +1,4 @@
-"""Links between folders: followed as ROS follows them, but not round in circles and not into the kernel's files."""
+"""Symbolic links between folders: followed as ROS does, without cycles and without entering the kernel's files."""
 
 # Paths are texts here, as in the modules that walk folders.
 # ruff: noqa: PTH114, PTH118
@@ -12,15 +12,15 @@ _KERNEL = ("/proc/", "/sys/", "/dev/")
 
 
 class FollowedLinks:
-    """The folders that links have led to in one walk."""
+    """The targets of symbolic links in one walk."""
 
     def __init__(self) -> None:
         self._targets: set[str] = set()
 
     def leads_on(self, path: str, folder: str) -> bool:
-        """Return whether a link in a folder leads to a folder that the walk does not meet in another place.
+        """Return whether a link in a folder leads to a folder that the walk does not reach otherwise.
 
-        rospack also follows links to the folders above them, until the system refuses, and finds the same once more.
+        rospack also follows links to parent folders, until the system refuses, and finds the same packages again.
         """
         target, here = os.path.realpath(path), os.path.realpath(folder)
         if target in self._targets or f"{here}/".startswith(target.rstrip("/") + "/"):
@@ -30,7 +30,7 @@ class FollowedLinks:
 
 
 def walk_links(top: str) -> Iterator[tuple[str, list[str], list[str]]]:
-    """Walk as `os.walk` with `followlinks`; a list of folders may be changed by the caller as well."""
+    """Walk as `os.walk` with `followlinks`; the caller may change the lists of folders as there."""
     links = FollowedLinks()
     for folder, folders, files in os.walk(top, followlinks=True):
         folders[:] = [

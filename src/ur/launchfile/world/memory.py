@@ -9,9 +9,9 @@ from ur.launchfile.world.protocol import PackageNotFound
 
 
 class MemoryWorld:
-    """Files (path to text or bytes), packages (name to folder) and environment, all given.
+    """Files (path to text or bytes), packages (name to folder) and environment as values.
 
-    `executables` are the paths that may be executed. The working folder is `/`.
+    `executables` are the paths of executable files. The working folder is `/`.
     """
 
     def __init__(
@@ -39,7 +39,7 @@ class MemoryWorld:
         return self._packages.keys()
 
     def find_in_package(self, package: str, path: str) -> str | None:  # noqa: ARG002 - World
-        """See World. Nothing is installed apart from the package's folder here."""
+        """See World. Nothing is installed outside of the package's folder."""
         self.find_package(package)
         return None
 
@@ -78,5 +78,5 @@ class MemoryWorld:
         return posixpath.normpath(posixpath.join("/", path))
 
     def make_anonymous(self, prefix: str) -> str:
-        """See World. Always the same: tests compare it."""
+        """See World. The name is always the same, for comparison in tests."""
         return f"{prefix}_memory_1"

@@ -1,4 +1,4 @@
-"""A world with texts laid over its files: those of an editor that are not saved yet, or of a change that is tried."""
+"""A world with texts laid over its files: unsaved ones of an editor, or those of a tentative change."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ def _same(path: str) -> str:
 
 
 class OverlayWorld:
-    """Another world in which some files have other texts. `texts` are by absolute path, and may change.
+    """A world in which some files have other texts. `texts` are by absolute path, and may change.
 
-    `follow` gives the file that a path with links leads to, so that a text is found by each of its names.
+    `follow` resolves a path with symbolic links, so that a text is found by each of its names.
     """
 
     def __init__(self, world: World, texts: Mapping[str, bytes], follow: Callable[[str], str] = _same) -> None:

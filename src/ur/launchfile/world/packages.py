@@ -1,4 +1,4 @@
-"""Finding packages as rospack does: rospkg's rules, without its cost.
+"""Search for packages as rospack does: rospkg's rules, but faster.
 
 Source of the rules: rospkg's `rospack.list_by_path` and `environment` as Debian ships them. The folders of
 ROS_PACKAGE_PATH are walked, first match wins; below `/usr/share`, which Debian's rospkg appends, only one level.
@@ -24,7 +24,7 @@ _COMMENT = re.compile(rb"<!--[^-]*(?:-[^-]+)*-->")  # as XML has them: without -
 
 
 def package_paths(environment: Mapping[str, str]) -> list[str]:
-    """The folders in which packages are searched, most important first; without ROS 1 not those of its packages."""
+    """Return the folders to search for packages, most important first; without ROS 1, not those of its packages."""
     paths = []
     if environment.get("ROS_VERSION") in ("0", "2"):
         return [path for path in environment.get("ROS_PACKAGE_PATH", "").split(os.pathsep) if path.strip()]
@@ -38,9 +38,9 @@ def package_paths(environment: Mapping[str, str]) -> list[str]:
 
 
 def find_packages(paths: list[str]) -> dict[str, str]:
-    """Package name to folder, for folders given most important first.
+    """Return package folders by name, for search folders with the most important first.
 
-    Raises ValueError with the file's name when a package.xml cannot be understood: rospack refuses to work then.
+    Raises ValueError with the file's name if a package.xml is invalid, since rospack then refuses to work.
     """
     found: dict[str, str] = {}
     for path in reversed(dict.fromkeys(map(os.path.abspath, paths))):  # a folder counts where it is named first
@@ -127,12 +127,12 @@ def _visit_shared(folder: str, found: dict[str, str], seen: set[str]) -> None:
 
 
 def read_package_name(path: str) -> str | None:
-    """The name in a package.xml; None for a metapackage. Raises OSError, and ValueError when there is none."""
+    """Return the name in a package.xml; None for a metapackage. Raises OSError, and ValueError without a name."""
     return package_name_in(path, read_file(path, MAX_MANIFEST))
 
 
 def package_name_in(path: str, data: bytes) -> str | None:
-    """As read_package_name, for the content of the file."""
+    """Return the name as `read_package_name` does, from the content of the file."""
     # A processing instruction may hold what looks like a comment; the declaration does not, nor does that of a schema.
     begin = _PROLOG.match(data)
     body = data[begin.end() :] if begin else data

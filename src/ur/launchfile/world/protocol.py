@@ -11,7 +11,7 @@ class PackageNotFound(LookupError):  # noqa: N818 - named as rospkg's ResourceNo
 
 
 class World(Protocol):
-    """Packages, files and environment. Answers stay the same for as long as the world lives."""
+    """Packages, files and environment. Answers do not change during the lifetime of the object."""
 
     @property
     def environment(self) -> Mapping[str, str]:
@@ -19,30 +19,33 @@ class World(Protocol):
         ...
 
     def find_package(self, name: str) -> str:
-        """The folder of a package. Raises PackageNotFound; OSError or ValueError when a package.xml cannot be read."""
+        """Return the folder of a package.
+
+        Raises PackageNotFound; OSError or ValueError for an unreadable package.xml.
+        """
         ...
 
     def package_names(self) -> Iterable[str]:
-        """Every package there is, for suggestions."""
+        """Return the names of all packages, for suggestions."""
         ...
 
     def find_in_package(self, package: str, path: str) -> str | None:
         """Resolve `$(find package)/path` outside the package's folder: an installed program or file.
 
-        `path` has no leading slash. None when nothing special is there. Raises PackageNotFound.
+        `path` has no leading slash. Returns None if there is none. Raises PackageNotFound.
         """
         ...
 
     def find_files(self, package: str, name: str) -> tuple[str, ...]:
-        """All files called `name` that belong to a package, searched as roslaunch does. Raises PackageNotFound."""
+        """Return all files called `name` in a package, searched as roslaunch does. Raises PackageNotFound."""
         ...
 
     def find_executables(self, package: str, name: str) -> tuple[str, ...]:
-        """As find_files, only those that may be executed; a node runs the first. Raises PackageNotFound."""
+        """Return the executable files of `find_files`; a node runs the first. Raises PackageNotFound."""
         ...
 
     def executable_names(self, package: str) -> Iterable[str]:
-        """The names of everything in a package that may be executed, for suggestions. Raises PackageNotFound."""
+        """Return the names of all executables in a package, for suggestions. Raises PackageNotFound."""
         ...
 
     def is_file(self, path: str) -> bool:
@@ -50,17 +53,17 @@ class World(Protocol):
         ...
 
     def read_bytes(self, path: str) -> bytes:
-        """The content of a file. Raises OSError."""
+        """Return the content of a file. Raises OSError."""
         ...
 
     def list_folder(self, path: str) -> tuple[str, ...]:
-        """The names in a folder, for suggestions; empty when there is no such folder."""
+        """Return the names in a folder, for suggestions; empty if there is no such folder."""
         ...
 
     def absolute(self, path: str) -> str:
-        """A path from the root, without `.` and `..`."""
+        """Return a path from the root, without `.` and `..`."""
         ...
 
     def make_anonymous(self, prefix: str) -> str:
-        """A node name that no other node has: `$(anon prefix)`."""
+        """Return a unique node name: `$(anon prefix)`."""
         ...

@@ -1,4 +1,4 @@
-"""The computer we run on."""
+"""The world of the running computer."""
 
 # Paths are texts here: pathlib would change what roslaunch prints, and costs too much in hot loops.
 # ruff: noqa: PTH100, PTH110, PTH113, PTH116, PTH118, PTH119, PTH208
@@ -24,7 +24,7 @@ _OWNER_MAY_RUN = stat.S_IRUSR | stat.S_IXUSR
 class SystemWorld:
     """The real packages, files and environment.
 
-    Packages are looked up once, when the first is asked for; a new world sees what has changed since.
+    Packages are searched once, on first use; a new object sees later changes.
     """
 
     def __init__(
@@ -33,9 +33,9 @@ class SystemWorld:
         choose: Callable[[int], int] | None = None,
         standard_input: Callable[[], bytes] | None = None,
     ) -> None:
-        """Take a copy of `environment` (default: of this process). `choose(n)` picks a number below n for `$(anon)`.
+        """Copy `environment` (default: that of this process). `choose(n)` returns a number below n for `$(anon)`.
 
-        With `standard_input`, which is called once, the path `-` means what it gives.
+        With `standard_input`, which is called once, the path `-` refers to its result.
         """
         self.environment: Mapping[str, str] = dict(os.environ if environment is None else environment)
         self._choose = choose or _choose_freely
@@ -63,7 +63,7 @@ class SystemWorld:
         return self._names
 
     def find_in_package(self, package: str, path: str) -> str | None:
-        """See World: roslaunch looks for an executable first, then for an installed file."""
+        """See World: as in roslaunch, an executable takes precedence over an installed file."""
         places = self._catkin().find(("lib", "libexec"), package)
         if places:
             candidate = os.path.join(places[0], os.path.basename(path))
@@ -95,7 +95,7 @@ class SystemWorld:
             return False
 
     def read_bytes(self, path: str) -> bytes:
-        """See World. Only regular files: a pipe could keep us waiting for ever."""
+        """See World. Only regular files are read: a pipe could block for ever."""
         if path == "-" and self._standard_input is not None:
             if self._was_read is None:
                 self._was_read = self._standard_input()
@@ -117,7 +117,7 @@ class SystemWorld:
         return os.path.abspath(path)
 
     def make_anonymous(self, prefix: str) -> str:
-        """See World. Made as rosgraph does: host, process, number; what a ROS name may not hold becomes `_`."""
+        """See World. As in rosgraph, it consists of host, process and number; invalid characters become `_`."""
         name = f"{prefix}_{os.uname().nodename}_{os.getpid()}_{self._choose(sys.maxsize)}"
         return name.replace(".", "_").replace("-", "_").replace(":", "_")
 
@@ -152,7 +152,7 @@ def _may_run(path: str) -> bool:
 
 
 class Workspaces:
-    """The workspaces of an environment, most important first. Their source folders are read when they are needed."""
+    """The workspaces of an environment, most important first. Their source folders are read on demand."""
 
     def __init__(self, environment: Mapping[str, str]) -> None:
         ros2 = environment.get("ROS_VERSION") in ("0", "2")  # or none
@@ -165,7 +165,10 @@ class Workspaces:
         self._packages: dict[str, dict[str, str]] = {}
 
     def find(self, kinds: tuple[str, ...], package: str, path: str | None = None) -> list[str]:
-        """Existing places of a package in the first workspace that has any. `kinds`: `lib`, `libexec`, `share`."""
+        """Return the existing folders of a package in the first workspace that has any.
+
+        `kinds`: `lib`, `libexec`, `share`.
+        """
         for workspace in self.folders:
             found = []
             for kind in kinds:

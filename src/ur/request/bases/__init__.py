@@ -1,1 +1,1 @@
-"""The base of a robot: known facts, and the needs of launch files."""
+"""The base of a robot: its known properties, and the needs of launch files."""

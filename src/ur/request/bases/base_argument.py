@@ -1,4 +1,4 @@
-"""The robot base that launch files are given: loaded once, and compared with what the files need."""
+"""The robot base of launch files: loaded once, and compared with the needs of the files."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from ur.source.diagnostic import UserError, error
 
 @dataclass(frozen=True, slots=True)
 class FileBase:
-    """The base of a launch file; `package` describes it."""
+    """The base of a launch file; `package` is the one that describes it."""
 
     path: str
     package: Path
@@ -27,8 +27,8 @@ def find_bases(
 ) -> tuple[FileBase, ...]:
     """Load the base that `robot_base` and `robot_variant` name, from the package that each file belongs to.
 
-    Packages without folder `bases` are skipped; bases that workspaces add are found, too. Raises UserError: no such
-    base or variant, a bad base file.
+    Packages without folder `bases` are skipped; bases that workspaces add are found, too. Raises UserError for an
+    unknown base or variant, or an invalid base file.
     """
     name = values.get("robot_base")
     if name is None:
@@ -47,7 +47,7 @@ def find_bases(
 
 
 def check_bases(files: LaunchFiles, bases: Sequence[FileBase]) -> None:
-    """Raise UserError for a base that lacks what the comment `<!--Needs: ...-->` of its file names."""
+    """Raise UserError for a base without something that the comment `<!--Needs: ...-->` of its file names."""
     for each in bases:
         needs = find_needs(files.parse(each.path))
         lacks = list_lacks(each.base, needs)
@@ -56,7 +56,7 @@ def check_bases(files: LaunchFiles, bases: Sequence[FileBase]) -> None:
 
 
 def find_package(path: str) -> Path | None:
-    """The folder of the package that a launch file belongs to, if it has bases."""
+    """Return the folder of the package that a launch file belongs to, if it has bases."""
     for folder in Path(path).resolve().parents:
         if (folder / "package.xml").is_file():
             return folder if (folder / "bases").is_dir() else None

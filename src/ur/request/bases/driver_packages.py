@@ -1,4 +1,4 @@
-"""Packages that drive a real base: those that are missing, and how to install them, before anything starts."""
+"""Driver packages of a real base: missing ones, and their installation, before anything starts."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ from ur.source.diagnostic import Diagnostic, UserError, error
 
 
 def check_drivers(bases: Iterable[FileBase], nodes: Sequence[NodeSpec], world: World) -> None:
-    """Compare the packages of nodes with the drivers that the file of the base names.
+    """Compare the packages of nodes with the drivers in the base file.
 
-    Raises UserError with one finding for each driver's package that is not on this computer.
+    Raises UserError with one finding for each driver package that is not installed on this computer.
     """
     unique = {each.package: each.base for each in bases}
     missing = [found for package in sorted(unique) for found in _missing(unique[package], nodes, world)]

@@ -18,10 +18,10 @@ METHODS = ("amcl", "fiducials")
 
 
 def choose_localisation(values: Mapping[str, str], find_bases: Callable[[], Sequence[FileBase]]) -> list[Argument]:
-    """The argument to add for launch files that declare it, where the base has a camera and no lidar; else nothing.
+    """Return the argument to add for launch files that declare it, if the base has a camera and no lidar; else nothing.
 
-    `values` are the arguments known so far; `find_bases` loads the base that they name. Raises UserError: an unknown
-    method, no such base or variant.
+    `values` are the arguments known so far; `find_bases` loads the base that they name. Raises UserError for an unknown
+    method, base or variant.
     """
     if ARGUMENT in values:
         _check(values[ARGUMENT])

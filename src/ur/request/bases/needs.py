@@ -1,7 +1,7 @@
 """Needs of launch files and programs from a base: the comment `<!--Needs: ...-->`, compared with what a base has.
 
-A need is the key of a sensor (`ur.robot.base.SENSORS`).
-Several follow one another, alternatives have a bar between them: `<!--Needs: raspicam lidar|sonars-->`.
+A need is the key of a sensor (`ur.robot.base.SENSORS`). Several are separated by blanks, alternatives by a bar:
+`<!--Needs: raspicam lidar|sonars-->`.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ Need = tuple[str, ...]
 
 
 def read_needs(path: str, world: World) -> tuple[Need, ...]:
-    """As find_needs, for a file; nothing for one that cannot be read."""
+    """Return the needs of a file, as `find_needs` does; empty if it cannot be read."""
     try:
         return find_needs(parse_launch_file(path, world.read_bytes(path)))
     except OSError:
@@ -28,7 +28,7 @@ def read_needs(path: str, world: World) -> tuple[Need, ...]:
 
 
 def find_needs(parsed: LaunchFile) -> tuple[Need, ...]:
-    """The needs that a comment directly in `<launch>` names, in order."""
+    """Return the needs that a comment directly in `<launch>` names, in order."""
     launch = parsed.launch
     texts = [comment.text for comment in launch.comments] if launch is not None else []
     names = [
@@ -38,27 +38,27 @@ def find_needs(parsed: LaunchFile) -> tuple[Need, ...]:
 
 
 def list_lacks(base: Base, needs: Sequence[Need]) -> tuple[Need, ...]:
-    """The needs that a base does not meet."""
+    """Return the needs that a base does not meet."""
     return tuple(need for need in needs if not any(getattr(base, name, None) for name in need))
 
 
 def find_variants(package: Path, base: Base, needs: Sequence[Need]) -> tuple[str, ...]:
-    """The variants of the same base that meet all needs, '' for the plain one."""
+    """Return the variants of the same base that meet all needs, '' for the plain one."""
     variants = ("", *list_variants(package, base.name))
     return tuple(each for each in variants if not list_lacks(load_base(package, base.name, each), needs))
 
 
 def describe_need(need: Need) -> str:
-    """For people: `a lidar`, `a lidar or sonars`."""
+    """Describe a need: `a lidar`, `a lidar or sonars`."""
     return " or ".join(f"{SENSORS[name].article} {name}".strip() if name in SENSORS else name for name in need)
 
 
 def describe_lack(base: Base, lacks: Sequence[Need]) -> str:
-    """For people, as a clause: `magni has no lidar, no sonars`. `lacks` is not empty."""
+    """Describe unmet needs as a clause: `magni has no lidar, no sonars`. `lacks` must not be empty."""
     names = ", ".join(f"no {name}" for need in lacks for name in need)
     return f"{describe_base(base)} has {names}"
 
 
 def describe_base(base: Base) -> str:
-    """A base and its variant, as `ur use` writes them: `magni:lidar`."""
+    """Return a base and its variant, as `ur use` writes them: `magni:lidar`."""
     return f"{base.name}:{base.variant}" if base.variant else base.name

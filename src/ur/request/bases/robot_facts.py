@@ -29,10 +29,10 @@ def know_base(
     ask: Callable[[str], Facts | None] | None = None,
     robot_file: Callable[[], RobotFile | None] = load_robot_file,
 ) -> Selection:
-    """The selection with the base and variant of its robot, as far as they are known; `ask` is `read_facts`.
+    """Return the selection with the base and variant of its robot, if known; `ask` is `read_facts`.
 
-    The parameter server of a robot that runs goes before a simulated robot that is only selected. A base that was
-    selected together with a real robot stays. On the robot itself its file is read where no master runs.
+    The parameter server of a running robot takes precedence over a selected simulated robot. A base that was selected
+    together with a real robot stays. On the robot itself, its file is read if no master runs.
     """
     from ur.request.plan_files import is_this_computer
 
@@ -50,7 +50,7 @@ def know_base(
 
 
 def read_facts(master_uri: str) -> Facts | None:
-    """`/ur/base_name` and `/ur/variant` from a parameter server. None: no master answers, or they are not set."""
+    """Read `/ur/base_name` and `/ur/variant` from a parameter server; None without an answer, or if they are unset."""
     if (domain := read_domain(master_uri)) is not None:
         return _read_run_facts(master_uri, domain)
     from ur.run.master.client import Master, parse_master_uri
@@ -69,7 +69,7 @@ def read_facts(master_uri: str) -> Facts | None:
 
 
 def _read_run_facts(address: str, domain: str) -> Facts | None:
-    """The facts of the runs in a domain of ROS 2, while there are any."""
+    """Return the facts of the runs in a domain of ROS 2, if there are any."""
     from ur.run.middleware.facts import read_facts as read_file
     from ur.run.record.computer import read_computer
     from ur.run.record.registry import list_runs
@@ -84,9 +84,9 @@ def _read_run_facts(address: str, domain: str) -> Facts | None:
 def know_robot(
     selected: Selection, environment: Mapping[str, str], arguments: Iterable[Argument], report: Report
 ) -> Selection:
-    """The selection of a launch: as know_base, for the robot whose master is set. Raises UserError.
+    """Return the selection of a launch, as `know_base` does, for the robot whose master is set. Raises UserError.
 
-    Reports a ROS_MASTER_URI that was set by hand, and a base that runs and is not the selected one.
+    Reports a ROS_MASTER_URI that the user has set, and a running base that is not the selected one.
     """
     followed = _follow_master(selected, environment, report)
     known = know_base(followed, environment)

@@ -1,1 +1,1 @@
-"""Launches beside nodes that run, and robots that another client drives."""
+"""Launches beside running nodes, and robots that another client drives."""

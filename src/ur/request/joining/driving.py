@@ -1,4 +1,4 @@
-"""Conduct where another client drives the selected robot: from the options, or from the person at the terminal."""
+"""Mode of a run if another client drives the selected robot: from the options, or from the user at the terminal."""
 
 from __future__ import annotations
 
@@ -25,14 +25,14 @@ _LOST_ANSWERS: Mapping[str, Mode | None] = {"w": "watch", "t": "take", "q": None
 
 
 def computer_name() -> str:
-    """The name of this computer as others see it."""
+    """Return the name of this computer as others see it."""
     return socket.gethostname().partition(".")[0]
 
 
 def rename_taken(plan: Plan, robot: str, report: Report) -> Plan:
-    """Give nodes of this computer another name where a node elsewhere has theirs, and report it.
+    """Rename nodes of this computer whose name a node on another computer has, and report it.
 
-    `robot` is the machine of the nodes that do not start here.
+    `robot` is the machine of the nodes that start on the robot.
     """
     address = graph_address(os.environ)
     if read_domain(address) is not None:
@@ -53,10 +53,10 @@ def choose_mode(
     ask: Callable[[str], str] | None = None,
     read: Callable[[str], RobotLease] = read_lease,
 ) -> Mode | None:
-    """Choose the conduct on a robot; None: the person at the terminal does not want to begin.
+    """Choose the mode on a robot; None if the user at the terminal cancels.
 
-    A robot whose driver is out of reach is still that driver's: its run goes on there. It is taken over on purpose.
-    Raises UserError: another client drives, no option chooses what to do, and there is no terminal to ask at.
+    A driver that is out of range still has the lease, since its run continues; taking over requires a decision of the
+    user. Raises UserError if another client drives, no option sets the mode, and there is no terminal.
     """
     if options.mode != "drive" or not may_drive(nodes):
         return options.mode
@@ -72,7 +72,7 @@ def choose_mode(
 def ask_mode(description: str, ask: Callable[[str], str], *, lost: bool = False) -> Mode | None:
     """Ask until the answer is one of those offered; the end of the input means to quit.
 
-    Where the driver is `lost` no client would answer one that asks to drive.
+    If the driver is `lost`, asking it for the lease is not offered, since it would not answer.
     """
     answers = _LOST_ANSWERS if lost else _ANSWERS
     question = f"{description}\n  [w]atch, {'' if lost else '[a]sk to drive, '}[t]ake over, [q]uit? "
@@ -88,7 +88,7 @@ def ask_mode(description: str, ask: Callable[[str], str], *, lost: bool = False)
 
 
 def refuse(lease: RobotLease, robot: str) -> UserError:
-    """Make the error that another client drives the robot, or drove it and is out of reach."""
+    """Return the error that another client drives the robot, or drove it and is out of range."""
     return UserError(
         error(
             f"{describe_lease(lease, robot, time.time())}, expected a robot that no client drives",

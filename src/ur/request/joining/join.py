@@ -1,4 +1,4 @@
-"""Joining what runs already, before anything starts: nodes that would end others, and the client that drives."""
+"""Joining of running nodes before the start: nodes that would end others, and the client that drives."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Joined:
-    """A plan whose nodes have free names, without those that run already in the runs `owners`.
+    """A plan whose nodes have free names, without those that are already running in the runs `owners`.
 
-    `environment` is what its nodes on this computer learn of this run as a client.
+    `environment` are the variables that describe this run as a client to its nodes on this computer.
     """
 
     plan: Plan
@@ -30,10 +30,10 @@ class Joined:
 
 
 def join(loaded: LoadedPlan, client: str, report: Report) -> Joined | None:
-    """Decide what starts beside what runs at the master already. `client` is the id of this run.
+    """Decide which nodes start beside those that are already running at the master. `client` is the id of this run.
 
-    None: another client drives, and the person at the terminal does not want to go on. Raises UserError: a node that
-    runs would end, all of them run already, or another client drives and there is no terminal to ask at.
+    None: another client drives, and the user cancels. Raises UserError if a running node would end, all nodes are
+    already running, or another client drives and there is no terminal.
     """
     plan, options, selection = loaded.plan, loaded.request.options, loaded.request.selection
     assert plan is not None
@@ -61,7 +61,7 @@ def join(loaded: LoadedPlan, client: str, report: Report) -> Joined | None:
 
 
 def describe_client(client: str, mode: Mode, plan: Plan, *, simulated: bool, unattended: bool) -> Mapping[str, str]:
-    """The variables that `ur_nodes.motion.lease.view` reads; none where nothing can be driven."""
+    """Return the variables that `ur_nodes.motion.lease.view` reads; empty if no node can drive."""
     from ur.run.record.computer import describe_user, read_computer
     from ur.run.record.registry import make_run_name
     from ur.run.startup.node_selection import may_drive

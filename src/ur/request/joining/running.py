@@ -1,4 +1,4 @@
-"""Launches beside nodes that run at the master already: join their runs, start what is missing, replace nothing."""
+"""Launches beside running nodes at the master: join their runs, start the missing nodes, replace none."""
 
 from __future__ import annotations
 
@@ -30,9 +30,9 @@ _ROBOT_ARGUMENTS = {"robot_base": 0, "robot_variant": 1}  # their places in what
 
 
 def lock_launch(options: LaunchOptions, stack: ExitStack, report: Report) -> MasterLock:
-    """Make other launches of this user at the same master wait, as long as `stack` is open or until the release.
+    """Lock out other launches of this user at the same master, until `stack` closes or the lock is released.
 
-    A robot's share of a run and a mere master wait for no other launch.
+    A robot's share of a run, and a launch of a master alone, do not wait for other launches.
     """
     if options.part is not None or options.core:
         return MasterLock()
@@ -41,13 +41,13 @@ def lock_launch(options: LaunchOptions, stack: ExitStack, report: Report) -> Mas
 
 
 def find_master_uri(options: LaunchOptions) -> str:
-    """The address of the master of a launch, or of its domain of ROS 2."""
+    """Return the address of the master of a launch, or of its domain of ROS 2."""
     uri = graph_address(os.environ)
     return uri if options.port is None or read_domain(uri) else f"http://{parse_master_uri(uri).host}:{options.port}"
 
 
 def follow_world(request: LaunchRequest) -> LaunchRequest:
-    """Add the world of the simulated robot that runs, where the arguments leave it open."""
+    """Add the world of the running simulated robot, if the arguments do not set it."""
     options = request.options
     if options.part is not None or options.core or request.values.keys() & {"world", "world_file"}:
         return request
@@ -58,7 +58,7 @@ def follow_world(request: LaunchRequest) -> LaunchRequest:
 
 
 def refuse_second_master() -> None:
-    """Raise UserError when a master runs already, or ROS 2 has none, for a launch that starts a master alone."""
+    """Raise UserError if a launch of a master alone is useless: one is already running, or ROS 2 has none."""
     from ur.run.master.xml_rpc import Unanswered
 
     if read_domain(uri := graph_address(os.environ)) is not None:
@@ -74,10 +74,10 @@ def refuse_second_master() -> None:
 
 
 def join_running(loaded: LoadedPlan, report: Report) -> tuple[Plan, tuple[RunEntry, ...]]:
-    """The plan without the nodes that run already, and the runs of this user on this computer that it joins.
+    """Return the plan without running nodes, and the runs of this user on this computer that it joins.
 
-    Raises UserError: a node would end, the robot that runs is another than the arguments ask for, or every node of this
-    computer runs.
+    Raises UserError if a node would end, the running robot differs from the requested one, or every node of this
+    computer is already running.
     """
     plan, robot = loaded.plan, loaded.robot
     assert plan is not None
@@ -110,7 +110,7 @@ def join_running(loaded: LoadedPlan, report: Report) -> tuple[Plan, tuple[RunEnt
 
 
 def describe_join(decision: Decision) -> list[str]:
-    """Describe what is joined: 'joining the robot that m_wander.7952 started'."""
+    """Describe the joined runs: 'joining the robot that m_wander.7952 started'."""
     lines = [
         f"joining the robot that {run} started" if run else "joining the robot that runs already"
         for run in dict.fromkeys(each.run for each in decision.base)
@@ -134,7 +134,7 @@ def _list_runs(uri: str) -> list[RunEntry]:
 
 
 def _await_stopping(entries: Sequence[RunEntry], report: Report) -> list[RunEntry]:
-    """Those of these runs that go on, once those that are stopping have ended, or take too long."""
+    """Wait for stopping runs to end, within a time limit; return the runs that continue."""
     left = []
     for entry in entries:
         from ur.run.remote.local_runs import is_stopping, wait_exit
@@ -155,7 +155,10 @@ def _find_world(entry: RunEntry) -> str:
 
 
 def _find_held(names: Collection[str], entries: Iterable[RunEntry], uri: str, *, elsewhere: bool) -> list[Held]:
-    """Those of these nodes that run. With `elsewhere` nodes of other computers are none: ours get other names."""
+    """Return the nodes, of these, that are running.
+
+    With `elsewhere`, nodes of other computers are left out: those of this computer are renamed.
+    """
     found: dict[str, tuple[str, Definition | None]] = {}
     for entry in entries:
         claims = read_claims(entry.folder)

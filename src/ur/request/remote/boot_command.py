@@ -29,7 +29,7 @@ _PREPARE_LIMIT = 900.0  # s for a download over a slow network
 class BootRequest:
     """A launch file of a package with arguments, or, with an empty `package`, the argv of a command.
 
-    `name` is the service's, unless the user gives another. `page`: it is that of `ur web`, which has neither.
+    `name` is the default name of the service. `page`: the service is `ur web`, which has neither.
     """
 
     name: str
@@ -40,7 +40,7 @@ class BootRequest:
 
 
 def parse_request(argv: Sequence[str]) -> BootRequest:
-    """Parse one of the four forms. Raises UserError: a program that starts no launch file, or a page with arguments."""
+    """Parse one of the four forms. Raises UserError for a program without a launch file, or a page with arguments."""
     first, rest = argv[0], tuple(argv[1:])
     if first == PAGE:
         if rest:
@@ -59,7 +59,10 @@ def parse_request(argv: Sequence[str]) -> BootRequest:
 
 
 def make_line(request: BootRequest, shell: Shell, robot: str, ros2: Ros2Robot | None = None) -> str:
-    """The command line of the service. Raises UserError: not on the robot, a wrong argument, a terminal is needed."""
+    """Return the command line of the service.
+
+    Raises UserError if the file is not on the robot, an argument is wrong, or a terminal is needed.
+    """
     setting = source_line(ros2, robot) if ros2 else ""
     line = _make_line(request, shell, robot, ros2, setting)
     return f"{setting}; {line}" if setting else line
@@ -89,9 +92,10 @@ def _make_line(request: BootRequest, shell: Shell, robot: str, ros2: Ros2Robot |
 
 
 def bring_library(request: BootRequest, shell: SshShell, user: str, report: Callable[[Change], None]) -> int:
-    """Copy this project to the robot when a launch file of it is wanted; return how many changes that took.
+    """Copy this project to the robot if one of its launch files is requested; return the number of changes.
 
-    `report` gets each change. Raises UserError when it is not set up there: its nodes could not run.
+    `report` is called with each change. Raises UserError if it is not set up on the robot, so that its nodes could not
+    run.
     """
     if request.package != PACKAGE.name and not request.page:
         return 0
@@ -137,7 +141,7 @@ def _facts(launch: RobotLaunch) -> dict[str, str]:
 
 
 def _refuse_terminal(request: BootRequest, arguments: Sequence[str]) -> None:
-    """Refuse programs that want a terminal, as far as this computer knows the file: a robot that boots has none."""
+    """Refuse programs that need a terminal, if this computer has the file: a booting robot has none."""
     from ur.launchfile.address import resolve_addresses
     from ur.launchfile.plan.load import load_plan
     from ur.launchfile.world.system import SystemWorld

@@ -15,7 +15,7 @@ from ur.source.diagnostic import UserError, error
 
 
 def check_name(name: str, help: str, *, master: bool = False) -> None:
-    """Raise UserError, with the advice `help`, for a name that no boot service can have; `master` allows its own."""
+    """Raise UserError, with the advice `help`, for an invalid name of a boot service; `master` permits that name."""
     if not is_unit_name(name) and not (master and name == MASTER):
         message = f"{name!r} is not a name for a boot service, expected lower case letters, digits, - and _"
         raise UserError(error(message, rule="bad-name", help=help))
@@ -29,10 +29,10 @@ def has_service(shell: Shell, name: str) -> bool:
 def install_services(
     shell: Shell, user: str, name: str, line: str, report: Callable[[Change], None], *, master: bool = True
 ) -> int:
-    """Install the master's service, and that of a command line unless it is ""; return how many changes that took.
+    """Install the master's service, and that of a command line unless it is ""; return the number of changes.
 
-    On ROS 2 there is no master. `report` gets each change. The shell has to be root's, or to know how to become root.
-    Raises UserError.
+    On ROS 2 there is no master. `report` is called with each change. The shell has to be root's, or has found how to
+    use sudo. Raises UserError.
     """
 
     def make(facts: ComputerFacts) -> list[Wanted]:
@@ -46,7 +46,7 @@ def install_services(
 
 
 def remove_services(shell: Shell, names: Sequence[str]) -> tuple[list[str], bool]:
-    """Stop and remove services, all without names: a line for each that is removed, and whether that succeeded."""
+    """Stop and remove services, without names all; return a line for each removed one, and whether that succeeded."""
     patterns = " ".join(f"{FOLDER}/{PREFIX}{name}.service" for name in names or ["*"])
     script = (
         f'for f in {patterns}; do [ -e "$f" ] || continue; u=${{f##*/}}; '

@@ -1,4 +1,4 @@
-"""Connections to the robot that a command is about: the ROBOT that it names, else the selected one."""
+"""Connections to the robot of a command: the named ROBOT, else the selected one."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ from ur.source.progress_line import show_progress
 def connect_robot(
     address: Address, *, password: Secret | None = None, options: Sequence[str] = ()
 ) -> AbstractContextManager[SshShell]:
-    """Log in as `ur.robot.ssh.openssh.connect` does; the terminal shows which robot it waits for."""
+    """Log in as `ur.robot.ssh.openssh.connect` does; the terminal shows the robot that is waited for."""
     return connect(address, password=password, options=options, waiting=show_progress)
 
 
 def robot_address(robot: str | None) -> Address:
-    """The address of ROBOT on a command line. Raises UserError: none is given and none is selected."""
+    """Return the address of ROBOT on a command line. Raises UserError if none is given and none is selected."""
     if robot is None:
         selected = current_selection(os.environ)
         if selected.simulated:

@@ -1,8 +1,8 @@
-"""Guard of a connection, on the robot: a program of one file that needs the standard library alone.
+"""Program that guards a connection, on the robot: one file that uses only the standard library.
 
-It prints a number every PERIOD s, and reads those that come back. When one arrives, the connection was there when it
-was sent: that time (s of the steady clock) is written into the file that is its argument, and the program beside it
-drives only while it is fresh. It ends with its connection, and removes the file.
+It prints a number every PERIOD s, and reads the returned ones. A returned number proves that the connection worked when
+it was sent: that time (s, monotonic) is written to the file that is its argument, and the program beside it drives only
+while it is recent. It ends with its connection, and removes the file.
 """
 
 from __future__ import annotations

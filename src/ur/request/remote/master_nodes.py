@@ -1,4 +1,4 @@
-"""The nodes that a ROS master knows, asked for without ROS."""
+"""The nodes that a ROS master knows, read without ROS."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ _FAILURES = (CallRefused, Unanswered, OSError, ValueError, TypeError, IndexError
 
 
 def list_node_names(host: str, timeout: float) -> list[str] | None:
-    """The nodes that the master at an address knows; None when no master answers."""
+    """Return the nodes that the master at an address knows; None if no master answers."""
     try:
         _, _, state = call_method((host, MASTER_PORT), "getSystemState", ["/ur"], timeout)
         return sorted({node for group in state for _, nodes in group for node in nodes})
@@ -22,7 +22,7 @@ def list_node_names(host: str, timeout: float) -> list[str] | None:
 
 
 def list_nodes(host: str) -> list[RegisteredNode]:
-    """The nodes, with host and port in the address of each; empty when no master answers."""
+    """Return the nodes, with the host and port of each address; empty if no master answers."""
     found = []
     for name in list_node_names(host, 2.0) or ():
         with suppress(*_FAILURES):  # it ended in the meantime

@@ -43,7 +43,7 @@ _WITH_US = ("setpriv", "--pdeathsig", "TERM", "--")  # it ends when this process
 
 @dataclass(frozen=True, slots=True)
 class SharedProgram:
-    """A program whose robot's nodes run on the robot, and the others, `here`, on this computer.
+    """A program whose robot's nodes run on the robot, and the other ones (`here`) on this computer.
 
     `run` is the id of the robot's run, '' for none; `client` is the id of this run among those that use the robot's.
     """
@@ -57,9 +57,9 @@ class SharedProgram:
     again: ShareAgain
 
     def follow(self) -> int:
-        """Show what the robot's run prints until it ends or we are to end; returns the exit code.
+        """Print the output of the robot's run until it ends or this process is to end; return the exit code.
 
-        A connection that breaks is made again: the run goes on meanwhile. A detached run is left alone.
+        A broken connection is re-established, while the run continues. A detached run is not followed.
         """
         if self.detached or not self.run:
             return 0
@@ -108,11 +108,11 @@ class SharedProgram:
 
 @contextmanager
 def start_there(loaded: LoadedPlan, client: str, report: Report) -> Iterator[SharedProgram]:
-    """Start the robot's nodes on the robot, or find them running; leave them with the context.
+    """Start the robot's nodes on the robot, or find them running; unregister from them with the context.
 
-    They end when no other computer uses them. A run that is detached and has no node on this computer continues.
-    `client` is the id of this run. Raises UserError: no route to the robot, no installation on it that
-    could start nodes, no such launch file on it.
+    They end when no other computer uses them. A detached run without a node on this computer continues. `client` is the
+    id of this run. Raises UserError if the robot cannot be reached, has no installation that could start nodes, or
+    lacks the launch file.
     """
     plan, launch = loaded.plan, loaded.request
     assert plan is not None
@@ -157,14 +157,14 @@ def start_there(loaded: LoadedPlan, client: str, report: Report) -> Iterator[Sha
 
 
 def describe_client(client: str, nodes: tuple[str, ...], *, detached: bool) -> Client:
-    """This run as a client of the robot's."""
+    """Return this run as a client of the robot's."""
     computer = read_computer()
     name = computer.host.partition(".")[0]
     return Client(client, name, describe_user(computer, os.getuid()), os.getpid(), nodes, detached)
 
 
 def _make_again(address: Address, request: ShareRequest, argv: Sequence[str]) -> ShareAgain:
-    """Make the object that starts the robot's run again after a restart of the robot."""
+    """Return the object that starts the robot's run again after a restart of the robot."""
 
     def begin() -> tuple[str, str]:
         answer = _ask(address, request, START_SECONDS)
@@ -183,7 +183,7 @@ def _make_again(address: Address, request: ShareRequest, argv: Sequence[str]) ->
 
 
 def name_file(request: LaunchRequest, robot: str) -> list[str]:
-    """The names that mean the launch file on the robot, too: a package and a file name. Raises UserError."""
+    """Return names of the launch file that are also valid on the robot: a package and a file name. Raises UserError."""
     names, world = list(request.names), request.files.world
     path = Path(request.files.paths[0])
     if len(names) >= 2 and path.name == names[1] and names[0] != "-":
@@ -206,13 +206,13 @@ def name_file(request: LaunchRequest, robot: str) -> list[str]:
 
 
 def choose_options(options: LaunchOptions) -> tuple[str, ...]:
-    """The options that count for the robot's nodes as well."""
+    """Return the options that also apply to the robot's nodes."""
     chosen = [each for name in options.only for each in ("--only", name)]
     return (*chosen, *(each for name in options.except_ for each in ("--except", name)))
 
 
 def find_new_name(robot: str) -> str:
-    """The name of a robot that has been renamed from this computer since it was known here by `robot`; else that."""
+    """Return the present name of a robot, which may have been renamed from this computer since."""
     selected = current_selection(os.environ)
     known = _list_known()
     return selected.robot if robot not in known and selected.robot in known else robot
@@ -237,7 +237,10 @@ def _ask(address: Address, request: ShareRequest, seconds: float) -> ShareAnswer
 
 
 def _end(address: Address, request: ShareRequest, robot: str) -> None:
-    """Leave the robot's run; where that fails it keeps running, which is reported. `robot` is its present name."""
+    """Unregister from the robot's run; if that fails it keeps running, which is reported.
+
+    `robot` is its present name.
+    """
     if robot != request.machine:
         address = replace(address, host=f"{robot}.local")
     try:

@@ -1,6 +1,6 @@
-"""Programs of a robot with ROS 2, which run there: the terminal of this computer is theirs, over ssh.
+"""Programs of a robot with ROS 2, which run on the robot, with the terminal of this computer over ssh.
 
-DDS stays on the robot. A guard proves the connection many times a second, so that keys drive only while it is there.
+DDS stays on the robot. A guard verifies the connection many times per second, so that keys drive only while it works.
 """
 
 from __future__ import annotations
@@ -27,12 +27,12 @@ exit 2"""
 
 
 def find_robot_file(shell: Shell) -> RobotFile | None:
-    """The robot file of a robot; None where it has none. Raises UserError: it cannot be used."""
+    """Read the robot file of a robot; None if it has none. Raises UserError for an invalid file."""
     return parse_robot_file(shell.run(f"cat {ROBOT_FILE} 2>/dev/null").out)
 
 
 def read_robot(shell: SshShell) -> tuple[RobotFile, Ros2Robot]:
-    """The robot file of a robot that has ROS 2. Raises UserError: it has none, or is not set up."""
+    """Read the robot file of a robot with ROS 2. Raises UserError if it has no ROS 2, or is not set up."""
     found = find_robot_file(shell)
     if found is None or found.ros2 is None:
         name = shell.address.host.removesuffix(".local")
@@ -42,7 +42,7 @@ def read_robot(shell: SshShell) -> tuple[RobotFile, Ros2Robot]:
 
 
 def remote_script(robot: str, ros2: Ros2Robot, argv: Sequence[str], link: str = "") -> str:
-    """The script that runs `ur` on a robot, in the domain and with the middleware of its nodes.
+    """Return the script that runs `ur` on a robot, in the domain and with the middleware of its nodes.
 
     `link` is the file of the guard; '' for programs that do not drive by the terminal.
     """
@@ -51,7 +51,7 @@ def remote_script(robot: str, ros2: Ros2Robot, argv: Sequence[str], link: str = 
 
 
 def program_arguments(robot: RobotFile, argv: Sequence[str], declared: Collection[str]) -> list[str]:
-    """The arguments of a program on a robot whose drivers run already; those of the user stay."""
+    """Return the arguments of a program on a robot whose drivers are already running; those of the user stay."""
     assert robot.ros2
     own = {"robot_base": robot.base, "robot_variant": robot.variant, **robot.ros2.arguments()}
     given = {each.partition(":=")[0] for each in argv}
@@ -63,10 +63,10 @@ def program_arguments(robot: RobotFile, argv: Sequence[str], declared: Collectio
 
 @contextmanager
 def guard_link(shell: SshShell) -> Iterator[str]:
-    """Prove the connection to a robot while the context lasts; yield the file of the proofs there.
+    """Verify the connection to a robot while the context lasts; yield the path of the robot's file with the last proof.
 
-    It uses the same connection as the terminal, whose bytes stay in order: keys that a cut has held back arrive before
-    the first new proof, and drive nothing.
+    It uses the same connection as the terminal, whose bytes stay in order: keys that an outage has delayed arrive
+    before the first new proof, and drive nothing.
     """
     link = f"/dev/shm/ur-link-{secrets.token_hex(8)}"  # noqa: S108 - a new name that cannot be guessed
     program = files("ur.request.remote").joinpath("link_guard.py").read_text("utf-8")

@@ -1,4 +1,4 @@
-"""Repeated questions to robots, to all at once: whether they answer, their nodes, services and clocks."""
+"""Periodic queries of all robots in parallel: whether they answer, their nodes, services and clocks."""
 
 from __future__ import annotations
 
@@ -23,11 +23,11 @@ AT_ONCE = 16
 
 
 class RobotPoller:
-    """Asks robots in the background while it is open; use as a context manager. `changed` is called from other threads.
+    """Queries robots in the background while its context lasts. `changed` is called from other threads.
 
-    `answers` holds the latest of each, by its host name. No question takes longer than `seconds`, but for those over
-    ssh. `former` gives names under which an address was known here. Robots whose names are `known` have threads of
-    their own, so that a crowd of strangers that do not answer is not waited for.
+    `answers` has the latest answer of each, by its host name. No query takes longer than `seconds`, except those over
+    ssh. `former` returns names under which an address was known before. Robots whose names are `known` have separate
+    threads, so that they do not wait for many unknown ones that do not answer.
     """
 
     def __init__(
@@ -57,7 +57,7 @@ class RobotPoller:
             pool.shutdown(wait=True)
 
     def ask(self, sightings: Iterable[Announcement]) -> None:
-        """Ask those who were not asked lately."""
+        """Query the robots that were not queried recently."""
         now = time.monotonic()
         for one in sightings:
             if one.address and self._next.get(one.host, 0.0) <= now:
@@ -67,7 +67,7 @@ class RobotPoller:
                     pool.submit(question, one).add_done_callback(self._notify)
 
     def is_settled(self, sightings: Iterable[Announcement]) -> bool:
-        """Return whether no more answers are expected soon of the robots found; of a crowd, of the known ones."""
+        """Return whether no more answers of these robots are expected soon; of many robots, those of the known ones."""
         waited = [one for one in sightings if one.address]
         if len(waited) > AT_ONCE:
             waited = [one for one in waited if one.name in self._known]

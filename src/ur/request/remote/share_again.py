@@ -1,4 +1,4 @@
-"""Start a robot's share of a run again after the robot's restart, or report the reason for a failure."""
+"""Restart of a robot's share of a run after the robot's restart, with a report of the reason for a failure."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ echo "$up ${20} $(getconf CLK_TCK) $(systemctl is-system-running 2>/dev/null)"
 
 @dataclass(frozen=True, slots=True)
 class Health:
-    """The time since a robot started (s), whether it is shutting down, and whether a ROS master answers on it."""
+    """The time since a robot booted (s), whether it is shutting down, and whether a ROS master answers on it."""
 
     age: float
     stopping: bool
@@ -37,10 +37,12 @@ class Health:
 
 @dataclass(slots=True)
 class ShareAgain:
-    """Starts a share again. `begin` asks the robot for it; returns the id of its run, and '' or why it does not start.
+    """Restarts a share.
 
-    `examine` and `begin` raise UserError while there is no way to the robot. `age` is that of our own run (s);
-    `command` is what a person types to start everything again.
+    `begin` requests it from the robot, and returns the id of its run, and the reason of a failure or ''.
+
+    `examine` and `begin` raise UserError while the robot cannot be reached. `age` is that of this run (s); `command` is
+    the command that starts everything again.
     """
 
     robot: str
@@ -55,9 +57,9 @@ class ShareAgain:
     _busy: threading.Lock = field(default_factory=threading.Lock)
 
     def start(self) -> str:
-        """Start the share again once the robot has restarted, or has a master again; return '' or what went wrong.
+        """Restart the share once the robot has restarted, or has a master again; return '' or the reason of a failure.
 
-        A master that does not return although the robot did not restart was ended on purpose, and stays so.
+        If the master does not return although the robot did not restart, a user has ended it, and it is not restarted.
         """
         begun = self.clock()
         problem = "it does not answer"
@@ -76,14 +78,14 @@ class ShareAgain:
         return self._explain(f"its nodes were not started again: {problem}")
 
     def has_restarted(self) -> bool:
-        """Return whether the robot has restarted since our run began. False while the robot does not answer."""
+        """Return whether the robot has restarted since this run began. False while the robot does not answer."""
         try:
             return self.examine().age < self.age()
         except UserError:
             return False
 
     def close(self) -> None:
-        """Start nothing any more; returns once nothing is being started."""
+        """Prevent further starts; return once no start is in progress."""
         self.over.set()
         if self._busy.acquire(timeout=LIMIT):
             self._busy.release()
@@ -100,7 +102,7 @@ class ShareAgain:
 
 
 def examine_robot(address: Address) -> Health:
-    """Examine a robot over ssh. Raises UserError."""
+    """Inspect a robot over ssh. Raises UserError."""
     with connect(address) as shell:
         done = shell.run(_SCRIPT, timeout=10.0)
     return replace(parse_health(done.out), master=_has_master(address.host))
@@ -115,7 +117,7 @@ def _has_master(host: str) -> bool:
 
 
 def parse_health(text: str) -> Health:
-    """Parse the output of the script. A robot with an unreadable answer counts as running for ever."""
+    """Parse the output of the script. A robot with an unreadable answer counts as running forever."""
     try:
         uptime, started, rate, *state = text.split()
         return Health(float(uptime) - float(started) / float(rate), state == ["stopping"])
@@ -124,7 +126,7 @@ def parse_health(text: str) -> Health:
 
 
 class LinkReporter:
-    """Print changes of the link to a robot while a run is followed that has no nodes on this computer."""
+    """Prints changes of the link to a robot while a run without nodes on this computer is followed."""
 
     def __init__(self, robot: str, host: str, report: Callable[[str], None]) -> None:
         self._robot, self._report = robot, report

@@ -1,4 +1,4 @@
-"""Messages about a robot's share of a run: its nodes, its end, and reasons why it did not start."""
+"""Messages about a robot's share of a run: its nodes, its end, and reasons for a failed start."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ _MISSING = frozenset({"missing-file", "unknown-package"})  # of the command line
 
 
 def describe_part(robot: str, answer: ShareAnswer, count: int) -> list[str]:
-    """Describe what runs on the robot, in a line or two."""
+    """Describe the nodes that run on the robot, in a line or two."""
     lines = []
     if answer.renamed_from:
         lines.append(f"{robot}: its nodes ran under its old name {answer.renamed_from} and are started again")
@@ -29,13 +29,13 @@ def describe_part(robot: str, answer: ShareAnswer, count: int) -> list[str]:
 
 
 def describe_end(robot: str, answer: ShareAnswer) -> list[str]:
-    """Describe what became of the robot's nodes when this run has left them."""
+    """Describe the state of the robot's nodes after this run has unregistered from them."""
     lines = [f"{robot}: {run} has ended" for run in answer.ended]
     return [*lines, *(f"{robot}: {run} goes on for {', '.join(answer.clients)}" for run in answer.kept)]
 
 
 def explain_problem(robot: str, problem: Problem) -> UserError:
-    """Explain a problem of the robot's, as an error of ours."""
+    """Convert a problem of the robot to an error of this computer."""
     help_ = problem.help or f"ur doctor {robot}"
     if problem.rule in _MISSING and not problem.place:
         help_ = f"is it in the workspace of this computer? then: ur sync {robot}"

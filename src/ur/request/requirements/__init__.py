@@ -1,1 +1,1 @@
-"""Packages and files that programs need, installed or checked before a start."""
+"""Packages and files that programs need, installed or checked before the start."""

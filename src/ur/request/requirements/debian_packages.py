@@ -1,4 +1,4 @@
-"""Debian packages that only some programs need, installed when one of those is started first."""
+"""Debian packages that only some programs need, installed when such a program is first started."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _APT = ("apt-get", "-q", "-o", "DPkg::Lock::Timeout=300")
 
 @dataclass(frozen=True, slots=True)
 class Account:
-    """The account that asks for packages: its number, the program sudo, and the Debian root that it is in."""
+    """The account that requests packages: its user id, the program sudo, and the Debian root that it is in."""
 
     uid: Callable[[], int] = os.geteuid
     sudo: Callable[[], str | None] = lambda: _find_program("sudo")
@@ -37,8 +37,8 @@ def install_debian(
 ) -> None:
     """Install the first set of Debian packages unless one of the sets is installed already.
 
-    `title` describes that, for people. With `ask` sudo may ask for a password on the terminal. A system without dpkg
-    is left alone. Raises UserError: the packages could not be installed, or no user may.
+    `title` describes the installation for the user. With `ask` sudo may ask for a password on the terminal. A system
+    without dpkg is not changed. Raises UserError if the packages cannot be installed, or the user may not.
     """
     if _find_program("dpkg-query") is None or any(not list_missing(names) for names in alternatives):
         return
@@ -59,7 +59,7 @@ def install_debian(
 
 
 def remove_debian(names: Sequence[str]) -> None:
-    """Remove Debian packages, and leave what else is installed. Raises UserError."""
+    """Remove Debian packages, and no others. Raises UserError."""
     command = "apt-get remove " + " ".join(names)
     root = _root_prefix(names, command, ask=True, state="could not be removed")
     settings = f"apt's sources, or try it by hand: sudo {command}"
@@ -67,7 +67,7 @@ def remove_debian(names: Sequence[str]) -> None:
 
 
 def list_missing(names: Sequence[str]) -> list[str]:
-    """List those of the Debian packages that are not installed."""
+    """Return the Debian packages, of these, that are not installed."""
     import subprocess  # only where a program needs packages
 
     query = ["dpkg-query", "--show", "--showformat=${Package} ${db:Status-Status}\n", *names]
@@ -84,7 +84,7 @@ def _root_prefix(
     state: str = "are missing and could not be installed",
     account: Account = _ACCOUNT,
 ) -> list[str]:
-    """The arguments in front of a command that root has to run. Raises UserError when no user here may become root."""
+    """Return the arguments in front of a command that needs root. Raises UserError if the user cannot become root."""
     import subprocess
 
     if account.root(os.environ) is not None:

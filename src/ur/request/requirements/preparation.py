@@ -37,7 +37,7 @@ Install = Callable[[Sequence[str], str, str], None]
 
 
 class InstallDebian(Protocol):
-    """As `install_debian`."""
+    """The interface of `install_debian`."""
 
     def __call__(self, alternatives: Sequence[Sequence[str]], title: str, *, ask: bool = True) -> None:
         """Install Debian packages."""
@@ -45,7 +45,7 @@ class InstallDebian(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class PythonNeed:
-    """Modules that a lock file of this project holds, and their names for people."""
+    """Modules that a lock file of this project contains, and their description for the user."""
 
     lock: str
     modules: tuple[str, ...]
@@ -54,7 +54,7 @@ class PythonNeed:
 
 @dataclass(frozen=True, slots=True)
 class DebianNeed:
-    """Alternative sets of Debian packages that are needed when the private parameter `condition` is true."""
+    """Alternative sets of Debian packages that are needed if the private parameter `condition` is true."""
 
     condition: str
     alternatives: tuple[tuple[str, ...], ...]
@@ -63,7 +63,7 @@ class DebianNeed:
 
 @dataclass(frozen=True, slots=True)
 class FileNeed:
-    """A file that the private parameter `path` names has to be there when the parameter `condition` is true."""
+    """A file, named by the private parameter `path`, that must exist if the parameter `condition` is true."""
 
     path: str
     condition: str
@@ -80,10 +80,10 @@ def prepare(
     library: Path = PACKAGE,
     view: bool = False,
 ) -> bool:
-    """Install what the plan's programs on this computer lack, and return whether RViz was installed.
+    """Install the missing requirements of the plan's programs on this computer; return whether RViz was installed.
 
-    Only programs of the launch library are read, and RViz. Without RViz a `view` cannot start; other programs start all
-    the same, so no password is asked for then. Raises UserError: that failed, or a file is missing.
+    Only programs of the launch library, and RViz, are considered. Without RViz a `view` cannot start; other programs
+    start nevertheless, so no password is asked for then. Raises UserError if that fails, or a file is missing.
     """
     parameters = {each.name: each.value for each in plan.params}
     wanted: dict[str, PythonNeed] = {}
@@ -117,9 +117,9 @@ def prepare(
 
 
 def prepare_world(files: Sequence[str], plan: Plan, world: World, *, complete: bool) -> World:
-    """Install what the plan needs, and return a world that knows it.
+    """Install the requirements of the plan, and return a world that includes them. Raises UserError.
 
-    `complete`: the plan holds the nodes of every computer, and may need a display. Raises UserError.
+    `complete`: the plan has the nodes of every computer, and may need a display.
     """
     from ur.launchfile.world.system import SystemWorld
 
@@ -129,7 +129,7 @@ def prepare_world(files: Sequence[str], plan: Plan, world: World, *, complete: b
 
 
 def needs_rviz(plan: Plan, world: World) -> bool:
-    """Determine whether the plan has a node of RViz for this computer, which has a display and no RViz."""
+    """Return whether the plan has a node of RViz for this computer, which has a display and no RViz."""
     if not has_display(world.environment) or not any(
         node.package == "rviz" for node in filter(plan.is_local, plan.nodes)
     ):
@@ -142,9 +142,9 @@ def needs_rviz(plan: Plan, world: World) -> bool:
 
 
 def read_needs(program: Path) -> tuple[PythonNeed | DebianNeed | FileNeed, ...]:
-    """Read what a program's head names; nothing where it cannot be read.
+    """Read the requirements in a program's head; empty if it cannot be read.
 
-    Raises ValueError for a line with too few parts.
+    Raises ValueError for an incomplete line.
     """
     try:
         lines = [line.strip() for line in read_head_lines(program)]

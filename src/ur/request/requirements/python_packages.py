@@ -1,4 +1,4 @@
-"""Python packages that only some verbs and programs need, installed when one of those is used first."""
+"""Python packages that only some verbs and programs need, installed when one of those is first used."""
 
 from __future__ import annotations
 
@@ -25,22 +25,22 @@ _STEMS = {"install": "install", "remove": "remov"}
 
 
 class DiskFullError(UserError):
-    """An installation that failed because there was no room on the disk: another attempt cannot succeed either."""
+    """An installation that failed because the disk is full, so that another attempt would fail as well."""
 
 
 def need(module: str, lock: str) -> None:
-    """Ensure that a module is installed: install the lock file that holds it. Raises UserError when that fails."""
+    """Ensure that a module is installed: install the lock file that contains it. Raises UserError if that fails."""
     need_all([module], lock, f"what {lock} holds")
 
 
 def need_all(
     modules: Sequence[str], lock: str, title: str, *, folder: Path | None = None, pip: Sequence[str] = ()
 ) -> None:
-    """Ensure that modules are installed: install the lock file that holds them. Raises UserError when that fails.
+    """Ensure that modules are installed: install the lock file that contains them. Raises UserError if that fails.
 
-    `title` describes that, for people. Two that want the same at once wait for one another. A terminal shows what
-    goes on. `pip` is the command to install with, pip of the running Python unless given; `folder`, a clone of this
-    project other than the one that runs.
+    `title` describes the installation for the user. Simultaneous installations wait for each other. A terminal shows
+    the progress. `pip` is the command to install with, pip of the running Python unless given; `folder`, a clone of
+    this project other than the one that runs.
     """
     if all(map(find_spec, modules)):
         return
@@ -70,11 +70,10 @@ def run_installer(
     show: Callable[[str], AbstractContextManager[Callable[[str], None]]] = show_progress,
     end: Callable[[Popen[str]], None] | None = None,
 ) -> None:
-    """Run pip or apt-get, with its progress on a terminal. Raises UserError when it fails.
+    """Run pip or apt-get, with its progress on a terminal. Raises UserError if it fails, DiskFullError for a full disk.
 
-    It is a DiskFullError where the disk is full. `missing` is what it installs, or with `verb` "remove" what it
-    removes; `settings`, where people find out why that failed. `show` shows
-    lines of progress, `end` ends the process.
+    `missing` are the packages that it installs, or with `verb` "remove" removes; `settings` names the place of settings
+    that may cause a failure. `show` shows lines of progress, `end` ends the process.
     """
     import subprocess  # only for an installation
 
@@ -119,7 +118,7 @@ def _failure(missing: str, reason: str, help_: str, verb: str) -> UserError:
 
 @contextmanager
 def _turn(path: Path) -> Iterator[None]:
-    """Alone in this for as long as it takes. Raises UserError where the file cannot be written."""
+    """Hold an exclusive lock while the context lasts. Raises UserError if the file cannot be written."""
     try:
         path.parent.mkdir(exist_ok=True)
         file = path.open("w")

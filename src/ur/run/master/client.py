@@ -21,7 +21,7 @@ SystemState = tuple[NodesByName, NodesByName, NodesByName]
 
 @dataclass(frozen=True, slots=True)
 class Master:
-    """A client of the master at an address. Calls raise Unanswered without an answer, Refused on a failure status."""
+    """A client of the master at an address. Calls raise Unanswered, or CallRefused on a failure status."""
 
     uri: str
     host: str
@@ -33,7 +33,7 @@ class Master:
         return _value(call_method((self.host, self.port), method, [CALLER, *arguments], self.timeout))
 
     def call_many(self, calls: Sequence[tuple[str, tuple[object, ...]]]) -> list[Any]:
-        """Call many methods in one request. Each result is the value, or a Refused in its place."""
+        """Call many methods in one request. Each result is the value, or a CallRefused in its place."""
         batch = [{"methodName": name, "params": [CALLER, *arguments]} for name, arguments in calls]
         results = call_method((self.host, self.port), "system.multicall", [batch], self.timeout)
         if not isinstance(results, list) or len(results) != len(batch):

@@ -1,4 +1,4 @@
-"""Rules about the XML of a launch file, which reading it reports."""
+"""Rules about the XML of a launch file, reported by its parser."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""`<arg>`: declaring arguments, and passing them to an included file."""
+"""`<arg>`: declares arguments, and passes them to an included file."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ ARG_ATTRIBUTES = ("name", "value", "default", "doc")
 
 
 def resolve_arg(element: Element, draft: Draft, scope: Scope) -> None:
-    """Declare an argument, or inside `<include>` pass one. Raises Refused."""
+    """Declare an argument, or inside `<include>` pass one. Raises TagRefused."""
     name: str | None = None
     try:
         check_attributes(element, ARG_ATTRIBUTES, draft, scope)
@@ -81,7 +81,7 @@ def _overridden(element: Element, name: str, scope: Scope) -> TagRefused:
 
 
 def trace_arg(element: Element, draft: Draft, scope: Scope, passed_to: Span | None = None) -> None:
-    """Note what an `<arg>` that was resolved did, when a caller asks for it."""
+    """Record the effect of a resolved `<arg>`, if the caller wants a trace."""
     if draft.trace is None:
         return
     name = element.attributes.get("name", "")
@@ -98,7 +98,7 @@ def trace_arg(element: Element, draft: Draft, scope: Scope, passed_to: Span | No
 
 
 def check_passed(scope: Scope) -> None:
-    """After the children of an `<include>`: each argument has to carry a value. Raises Refused."""
+    """Check after the children of an `<include>` that each argument has a value. Raises TagRefused."""
     for name, child in scope.declared.items():
         if scope.passing is not None and name not in scope.passing:
             raise refuse(
@@ -111,7 +111,7 @@ def check_passed(scope: Scope) -> None:
 
 
 def check_used(element: Element, draft: Draft, scope: Scope) -> None:
-    """After an included file: it has to declare every argument that it was passed. Raises Refused."""
+    """Check after an included file that it declares every passed argument. Raises TagRefused."""
     unknown = [name for name in scope.handed_over if name not in scope.declared]
     if not unknown:
         return
@@ -136,7 +136,7 @@ def check_used(element: Element, draft: Draft, scope: Scope) -> None:
 
 
 def warn_missing(draft: Draft, scope: Scope) -> None:
-    """At the end of a file: required arguments that were not given and nothing used. roslaunch does not mind."""
+    """Warn at the end of a file about required arguments that are neither given nor used, which roslaunch accepts."""
     for name, element in scope.missing.items():
         note = (Note(f"'{name}' is declared here", element.value_span("name")),)
         if scope.chain:

@@ -1,4 +1,4 @@
-"""Reading a tag's attributes: substituted, checked, converted. Errors point at the attribute."""
+"""Reading of a tag's attributes: substituted, checked, converted. Errors point at the attribute."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def _known_names(known: tuple[str, ...]) -> frozenset[str]:
 
 
 def check_attributes(element: Element, known: tuple[str, ...], draft: Draft, scope: Scope) -> None:
-    """Warn of attributes that roslaunch does not know: it reads over them."""
+    """Warn about attributes that roslaunch does not know and ignores."""
     if element.attributes.keys() <= _known_names(known):
         return
     for name in element.attributes:
@@ -38,7 +38,7 @@ def check_attributes(element: Element, known: tuple[str, ...], draft: Draft, sco
 
 
 def read_optional(element: Element, name: str, draft: Draft, scope: Scope) -> str | None:
-    """An attribute's value with `$(...)` replaced; None when it is not there. Raises Refused."""
+    """Return an attribute's value with `$(...)` replaced; None if it is missing. Raises TagRefused."""
     value = element.attributes.get(name)
     if not value or "$" not in value:
         return value
@@ -46,7 +46,7 @@ def read_optional(element: Element, name: str, draft: Draft, scope: Scope) -> st
 
 
 def read_required(element: Element, name: str, draft: Draft, scope: Scope) -> str:
-    """As read_optional, for an attribute that has to be there."""
+    """Return a required attribute as `read_optional` does. Raises TagRefused."""
     value = element.attributes.get(name)
     if value is None:
         raise missing_attribute(element, name)
@@ -54,7 +54,7 @@ def read_required(element: Element, name: str, draft: Draft, scope: Scope) -> st
 
 
 def missing_attribute(element: Element, name: str) -> TagRefused:
-    """An exception to raise when an attribute is not there."""
+    """Return the exception for a missing attribute."""
     near = did_you_mean(name, element.attributes)
     return refuse(
         f"<{element.name}> without attribute '{name}', expected one",
@@ -66,7 +66,7 @@ def missing_attribute(element: Element, name: str) -> TagRefused:
 
 
 def resolve_value(value: str, element: Element, name: str, draft: Draft, scope: Scope, shift: int = 0) -> str:
-    """A text in an attribute, `shift` characters from its start, with `$(...)` replaced. Raises Refused."""
+    """Return a text in an attribute, `shift` characters from its start, with `$(...)` replaced. Raises TagRefused."""
     try:
         return substitute(value, scope, draft.world, draft.budget)
     except SubstitutionProblem as problem:
@@ -121,7 +121,7 @@ def _explain_missing_argument(name: str, span: Span, scope: Scope) -> TagRefused
 
 
 def is_wanted(element: Element, draft: Draft, scope: Scope) -> bool:
-    """Return whether `if` and `unless` let a tag take part. Raises Refused when they are not booleans."""
+    """Return whether `if` and `unless` enable a tag. Raises TagRefused if they are not booleans."""
     attributes = element.attributes
     if "if" not in attributes and "unless" not in attributes:
         return True
@@ -152,7 +152,7 @@ def _condition(value: str, element: Element, name: str) -> bool:
 
 
 def read_flag(element: Element, name: str, draft: Draft, scope: Scope) -> bool:
-    """A boolean attribute: `true` or `false`, False when it is not there. Raises Refused; 1 and 0 are refused too."""
+    """Return a boolean attribute: `true` or `false`, False if it is missing. Raises TagRefused, also for 1 and 0."""
     value = read_optional(element, name, draft, scope)
     if value is None:
         return False
@@ -160,7 +160,7 @@ def read_flag(element: Element, name: str, draft: Draft, scope: Scope) -> bool:
 
 
 def as_flag(value: str, element: Element, name: str) -> bool:
-    """`true` or `false` in any case. Raises Refused."""
+    """Parse `true` or `false` in any case. Raises TagRefused."""
     if value.lower() in ("true", "false"):
         return value.lower() == "true"
     raise refuse(
@@ -173,7 +173,7 @@ def as_flag(value: str, element: Element, name: str) -> bool:
 
 
 def as_number(value: str, element: Element, name: str) -> float:
-    """A number. Raises Refused."""
+    """Parse a number. Raises TagRefused."""
     try:
         return float(value)
     except ValueError:

@@ -28,9 +28,9 @@ _Machine = MachineSpec | None
 
 
 def resolve_body(element: Element, draft: Draft, scope: Scope, machine: _Machine) -> _Machine:
-    """Resolve the tags inside `<launch>` or `<group>`. Gives back the default machine that is in force at its end.
+    """Resolve the tags inside `<launch>` or `<group>`; return the default machine at its end.
 
-    What is refused is reported to the draft, and the next tag is looked at.
+    A refused tag is reported to the draft, and resolution continues with the next tag.
     """
     for child in element.elements:
         try:
@@ -47,7 +47,7 @@ def resolve_body(element: Element, draft: Draft, scope: Scope, machine: _Machine
 
 
 def resolve_file(parsed: LaunchFile, draft: Draft, scope: Scope) -> bool:
-    """Resolve a file that nothing includes. Returns False where it cannot be resolved; the draft holds the reasons."""
+    """Resolve a top-level file. Returns False if it cannot be resolved; the draft has the reasons."""
     for found in parsed.diagnostics:
         draft.add_diagnostic(found, ())
     if parsed.launch is None or parsed.diagnostics:
@@ -62,7 +62,7 @@ def resolve_file(parsed: LaunchFile, draft: Draft, scope: Scope) -> bool:
 
 
 def check_launch_tag(launch: Element, draft: Draft, scope: Scope | None) -> None:
-    """The attributes of `<launch>` itself: `deprecated`, and a condition that roslaunch reads and forgets."""
+    """Check the attributes of `<launch>` itself: `deprecated`, and a condition, which roslaunch ignores."""
     if "if" in launch.attributes and "unless" in launch.attributes:
         raise refuse(
             "<launch> with both 'if' and 'unless', expected none",

@@ -1,4 +1,4 @@
-"""Namespaces of tags, and the private one of a node."""
+"""Namespaces of tags, and the private namespace of a node."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from ur.launchfile.syntax import Element
 
 
 def resolve_namespace(element: Element, draft: Draft, scope: Scope, node_name: str | None = None) -> str:
-    """The namespace that `ns` gives a tag; notes `clear_params`. Raises Refused."""
+    """Return the namespace that `ns` gives a tag, and record `clear_params`. Raises TagRefused."""
     given: str | None = None
     if "ns" in element.attributes:
         given = read_optional(element, "ns", draft, scope)
@@ -56,9 +56,9 @@ def _cleared(element: Element, namespace: str, given: str | None, node_name: str
 
 
 def private_scope(element: Element, name: str, namespace: str, scope: Scope) -> Scope:
-    """The scope in which a node's own <param> and <rosparam> are resolved. Raises Refused.
+    """Return the scope in which a node's own <param> and <rosparam> are resolved. Raises TagRefused.
 
-    roslaunch copies the names that $(anon) has given so far.
+    As in roslaunch, it copies the names that $(anon) has created so far.
     """
     private = Scope(namespace, scope.filename, scope.args)
     try:

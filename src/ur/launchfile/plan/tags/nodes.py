@@ -37,7 +37,7 @@ DEFAULT_TIME_LIMIT = 60.0
 
 
 def resolve_node(element: Element, draft: Draft, scope: Scope, default_machine: MachineSpec | None) -> None:
-    """Add a `<node>` with its parameters to the draft. Raises Refused."""
+    """Add a `<node>` with its parameters to the draft. Raises TagRefused."""
     check_attributes(element, NODE_ATTRIBUTES, draft, scope)
     name = read_required(element, "name", draft, scope)
     node = _resolve(element, name, draft, scope, default_machine, is_test=False)
@@ -45,7 +45,7 @@ def resolve_node(element: Element, draft: Draft, scope: Scope, default_machine: 
 
 
 def resolve_test(element: Element, draft: Draft, scope: Scope, default_machine: MachineSpec | None) -> None:
-    """Add a `<test>` with its parameters to the draft. Raises Refused."""
+    """Add a `<test>` with its parameters to the draft. Raises TagRefused."""
     check_attributes(element, TEST_ATTRIBUTES, draft, scope)
     name = read_optional(element, "name", draft, scope)
     for attribute in ("respawn", "respawn_delay", "output"):

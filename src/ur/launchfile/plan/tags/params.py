@@ -30,7 +30,7 @@ _LISTED = 8  # files of a folder that a message names
 
 
 def resolve_param(element: Element, draft: Draft, scope: Scope, *, force_private: bool = False) -> None:
-    """Set the parameter of a `<param>`: in the plan, or in the scope when nodes are to get it. Raises Refused."""
+    """Set the parameter of a `<param>`: in the plan, or in the scope of later nodes. Raises TagRefused."""
     check_attributes(element, PARAM_ATTRIBUTES, draft, scope)
     type_name = element.attributes.get("type") or "auto"
     sources = [name for name in _SOURCES if name in element.attributes]
@@ -93,7 +93,7 @@ def _value(text: str, source: str, type_: ParamType, element: Element, draft: Dr
 def convert_param(
     text: str, type_: ParamType, element: Element, source: str, reads_angles: bool, budget: Budget | None = None
 ) -> ParamValue:
-    """A text as a value of a `<param>`. Raises Refused, which points at attribute `source`."""
+    """Convert a text to a value of a `<param>`. Raises TagRefused, which points at attribute `source`."""
     if type_ == "yaml":
         try:
             return read_yaml(text, reads_angles, budget).value
@@ -121,7 +121,7 @@ def _read_file(path: str, element: Element, attribute: str, draft: Draft) -> byt
 
 
 def missing_file(path: str, problem: OSError, element: Element, attribute: str, draft: Draft) -> TagRefused:
-    """An exception to raise when a file cannot be read, with the name of one that is near, or in that folder."""
+    """Return the exception for an unreadable file, with a similar name, or one in that folder."""
     reason = (problem.strerror or str(problem)).lower()
     folder, _, name = path.rpartition("/")
     near = did_you_mean(name, (each for each in draft.world.list_folder(folder or ".") if each != name))
@@ -154,7 +154,7 @@ def _read_text(path: str, element: Element, attribute: str, draft: Draft) -> str
 
 
 def resolve_rosparam(element: Element, draft: Draft, scope: Scope) -> None:
-    """Set the parameters of a `<rosparam>`, or note its dump or delete. Raises Refused."""
+    """Set the parameters of a `<rosparam>`, or record its dump or delete. Raises TagRefused."""
     check_attributes(element, ROSPARAM_ATTRIBUTES, draft, scope)
     command, namespace, file, param, substitutes = (
         read_optional(element, name, draft, scope) for name in ROSPARAM_ATTRIBUTES

@@ -1,4 +1,4 @@
-"""`<!--ready: topic scan 5 Hz; service static_map; frame map; action move_base-->`: when a node is of use to others."""
+"""`<!--ready: topic scan 5 Hz; service static_map; frame map; action move_base-->`: readiness conditions of a node."""
 
 from __future__ import annotations
 
@@ -15,15 +15,15 @@ EXPECTED = (
 
 
 def is_ready_comment(text: str) -> bool:
-    """Return whether the text of a comment states conditions."""
+    """Return whether the text of a comment states readiness conditions."""
     return _READY.match(text) is not None
 
 
 def parse_ready(text: str, node: str, namespace: str) -> tuple[tuple[ReadyCondition, ...], tuple[str, ...]]:
-    """The conditions of a `ready:` comment of a node, names in full, and what of it is no condition.
+    """Parse the conditions of a node's `ready:` comment, with full names; also return its invalid parts.
 
-    Names are relative to the node's namespace, `~name` to the node. Remappings are not applied: they are names as the
-    master knows them.
+    Names are relative to the node's namespace, `~name` to the node. Remappings are not applied: the names are those on
+    the master.
     """
     conditions = []
     wrong = []

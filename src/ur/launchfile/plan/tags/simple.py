@@ -23,7 +23,7 @@ _NO_LONGER = ("ros-root", "ros-package-path", "ros-ip", "ros-hostname")
 
 
 def read_remap(element: Element, draft: Draft, scope: Scope) -> tuple[str, str]:
-    """The two names of a `<remap>`. Raises Refused."""
+    """Return the two names of a `<remap>`. Raises TagRefused."""
     check_attributes(element, ("from", "to"), draft, scope)
     names = [canonical_name(read_required(element, name, draft, scope)) for name in ("from", "to")]
     for attribute, name in zip(("from", "to"), names, strict=True):
@@ -44,7 +44,7 @@ def read_remap(element: Element, draft: Draft, scope: Scope) -> tuple[str, str]:
 
 
 def resolve_env(element: Element, draft: Draft, scope: Scope, target: Scope) -> None:
-    """Set an environment variable for the nodes of `target`. Raises Refused."""
+    """Set an environment variable for the nodes of `target`. Raises TagRefused."""
     check_attributes(element, ("name", "value"), draft, scope)
     name = read_required(element, "name", draft, scope)
     value = read_required(element, "value", draft, scope)
@@ -54,7 +54,7 @@ def resolve_env(element: Element, draft: Draft, scope: Scope, target: Scope) -> 
 
 
 def resolve_machine(element: Element, draft: Draft, scope: Scope) -> MachineSpec | None:
-    """Add a `<machine>`; gives it back when it becomes the default. Raises Refused."""
+    """Add a `<machine>`; return it if it becomes the default. Raises TagRefused."""
     for name in _NO_LONGER:
         if read_optional(element, name, draft, scope):
             raise refuse(
@@ -101,7 +101,7 @@ def resolve_machine(element: Element, draft: Draft, scope: Scope) -> MachineSpec
 
 
 def guess_env_loader(world: World) -> str:
-    """The environment script that roslaunch assumes on another computer."""
+    """Return the environment script that roslaunch assumes on another computer."""
     distro = world.environment.get("ROS_DISTRO")
     if distro is None:
         path = os.path.join(world.environment.get("ROS_ETC_DIR", "/etc/ros"), "distro")

@@ -1,9 +1,8 @@
-"""Limits of what a launch file makes `ur` compute: units of work, charged before it is done. Pure.
+"""Limits on the computation for a launch file: units of work, charged before it is done. Pure.
 
-Expressions, angles, YAML texts and parameters of a file, with all that it includes, share one budget.
-
-A unit is some tenths of a microsecond, and at most about 100 bytes. `weigh` is linear in what a function of Python
-reads; what takes Python more than linear time has a cost of its own (`COSTS`).
+Expressions, angles, YAML texts and parameters of a file, with all its includes, share one budget. A unit is some tenths
+of a microsecond, and at most about 100 bytes. `weigh` is linear in the data that a Python function reads; functions
+that take more than linear time have separate costs (`COSTS`).
 """
 
 from __future__ import annotations
@@ -26,7 +25,7 @@ _DIVISION = 180_000  # square bits per unit: schoolbook division
 
 
 class ExpressionProblem(Exception):  # noqa: N818 - carries a finding to where its place is known
-    """Something is wrong with an expression. `start` and `end` are offsets in it; equal when the place is not known.
+    """Something is wrong with an expression. `start` and `end` are offsets in it; equal if the position is unknown.
 
     `subject` and `kind` are as in a Diagnostic.
     """
@@ -67,14 +66,14 @@ class Budget:
         self._end = self.left - PER_EXPRESSION
 
     def charge(self, units: int) -> None:
-        """Take units away for what is no expression. Raises TooLong when there are not so many."""
+        """Charge units for work outside of expressions. Raises TooLong if too few are left."""
         self.left -= units
         if self.left < 0:
             self.left = 0
             raise TooLong("takes too long to read, together with all expressions, YAML and parameters of this file")
 
     def spend(self, units: int) -> None:
-        """Take units away. Raises TooLong when there are not so many."""
+        """Charge units. Raises TooLong if too few are left."""
         self.left -= units
         if self.left < max(self._end, 0):
             self.left = max(self._end, 0)
@@ -82,7 +81,7 @@ class Budget:
             raise TooLong("takes too long to compute" if self._end >= 0 else whole)
 
     def weigh(self, *values: object) -> None:
-        """Spend what values weigh, parts of parts included: as often as they are reached, as Python looks at them."""
+        """Charge for the size of values, nested parts included, each as often as Python reads it."""
         pending: list[Iterable[Any]] = [values]
         while pending:
             items = pending.pop()
@@ -110,12 +109,12 @@ class Budget:
 
 
 def hash_cost(size: int) -> int:
-    """The units that so many entries of a set or dict may cost when all have one hash."""
+    """Return the cost of a set or dict with `size` entries if all have the same hash."""
     return size * size // _COLLISIONS
 
 
 def divide_cost(left: object, right: object) -> int:
-    """The units of a division of integers, or of their greatest common divisor."""
+    """Return the cost of a division of integers, or of their greatest common divisor."""
     if isinstance(left, int) and isinstance(right, int):
         return left.bit_length() * right.bit_length() // _DIVISION
     return 0

@@ -1,4 +1,4 @@
-"""Texts to values, as roslaunch converts them."""
+"""Conversion of texts to values, as in roslaunch."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ CONDITIONS = ("true", "false", "1", "0")
 
 
 def read_type(text: str) -> ParamType | None:
-    """The type that a `type=` attribute names; None for one that roslaunch does not know."""
+    """Return the type that a `type=` attribute names; None for one that roslaunch does not know."""
     return _TYPES.get(text.lower().strip())
 
 
@@ -39,7 +39,7 @@ def guess_value(text: str) -> bool | int | float | str:
 
 
 def read_boolean(text: str) -> bool:
-    """Type `bool`: true, false, 1 or 0 in any case. Raises ValueError."""
+    """Parse type `bool`: true, false, 1 or 0 in any case. Raises ValueError."""
     lowered = text.lower().strip()
     if lowered in ("true", "1"):
         return True
@@ -49,7 +49,7 @@ def read_boolean(text: str) -> bool:
 
 
 def convert_scalar(text: str, type_: ParamType) -> ParamValue:
-    """A text as a value of a type other than `yaml`. Raises ValueError whose text names what was expected."""
+    """Convert a text to a type other than `yaml`. Raises ValueError, whose text names the expected value."""
     if type_ == "auto":
         return guess_value(text)
     if type_ == "bool":

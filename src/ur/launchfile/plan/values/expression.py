@@ -1,9 +1,9 @@
 """`$(eval ...)`: the Python expressions that roslaunch evaluates, without Python's eval.
 
-roslaunch hands the text to Python's `eval` after refusing double underscores. Everything that can harm is left out here
-(files, imports, introspection, endless computing); what launch files compute with is the same, values and quirks
-included: constants and functions of `math` win over arguments of the same name, and inside a comprehension only its own
-variables and Python's built-in functions are known (before Python 3.12).
+roslaunch passes the text to Python's `eval` after refusing double underscores. This evaluator omits everything harmful
+(files, imports, introspection, endless computing); the features that launch files use are the same, including values
+and quirks: constants and functions of `math` take precedence over arguments of the same name, and inside a
+comprehension only its own variables and Python's built-in functions are known (before Python 3.12).
 """
 
 from __future__ import annotations
@@ -31,12 +31,13 @@ def evaluate_expression(
     known: Iterable[str] = (),
     budget: Budget | None = None,
 ) -> str:
-    """The value of an expression as a text. `commands` are `arg`, `env`, ...; `look_up` gives an argument's value.
+    """Return the value of an expression as a text.
 
-    `look_up` raises KeyError for an unknown name; `known` are the names it knows, for suggestions. What is computed is
-    taken from `budget`, one of its own unless the expressions of a whole file share one. Raises
-    ExpressionProblem with the place in the text; what `commands` and `look_up` raise as Refused or SubstitutionProblem
-    passes through.
+    `commands` are `arg`, `env`, ...; `look_up` returns an argument's value.
+
+    `look_up` raises KeyError for an unknown name; `known` are the names it knows, for suggestions. The computation is
+    charged to `budget`, a new one unless all expressions of a file share one. Raises ExpressionProblem with the
+    position in the text; a TagRefused or SubstitutionProblem of `commands` and `look_up` passes through.
     """
     if "__" in text:
         start = text.find("__")

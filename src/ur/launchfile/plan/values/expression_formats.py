@@ -1,4 +1,4 @@
-"""The three kinds of formats in `$(eval ...)`, which make texts of bounded length and reach only what is given."""
+"""The three kinds of formats in `$(eval ...)`, limited in length and in the attributes they reach."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ CONVERSIONS: Mapping[str, Callable[[object], str]] = {"s": str, "r": repr, "a": 
 
 
 def apply_format(left: Any, right: object) -> object:
-    """Compute `left % right`: a remainder, or a text by its format."""
+    """Compute `left % right`: a remainder, or a formatted text."""
     if isinstance(left, (str, bytes)):
         text = left if isinstance(left, str) else left.decode("latin-1")
         if "*" in text:
@@ -30,13 +30,13 @@ def _check_widths(pattern: str) -> None:
 
 
 def format_value(value: object, pattern: str) -> str:
-    """Python's `format`, for patterns that do not ask for huge texts."""
+    """Format like Python's `format`, except for patterns that result in huge texts."""
     _check_widths(pattern)
     return format(value, pattern)
 
 
 def format_text(text: str, *arguments: object, **keywords: object) -> str:
-    """Python's `str.format`, in which a field reaches parts and plain attributes of a value, and nothing else.
+    """Format like Python's `str.format`, with access to items and plain attributes of a value only.
 
     Python's own reaches everything: from a function its globals, and from there the environment.
     """

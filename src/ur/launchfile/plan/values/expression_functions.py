@@ -1,4 +1,4 @@
-"""Functions and operators of `$(eval ...)`, kept from computing for ever or filling the memory."""
+"""Functions and operators of `$(eval ...)`, limited in time and memory."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ _METHODS: Mapping[type, frozenset[str]] = {
 
 
 def size_of(value: object) -> int:
-    """The size of a value: characters, items, or bits / 8. Raises ExpressionProblem when it is too large to go on."""
+    """Return the size of a value: characters, items, or bits / 8. Raises ExpressionProblem if it is too large."""
     if isinstance(value, (str, bytes, list, tuple, dict, set, frozenset)):
         size = len(value)
     elif isinstance(value, int):
@@ -126,7 +126,7 @@ def _listed(function: Callable[..., Iterable[object]]) -> Callable[..., object]:
 
 
 def find_method(value: object, name: str) -> object:
-    """A method or plain attribute of a value that is safe to use. Raises AttributeError."""
+    """Return a method or plain attribute of a value that is safe to use. Raises AttributeError."""
     for type_, names in _METHODS.items():
         if isinstance(value, type_) and name in names:
             return _bounded_method(value, name) if isinstance(value, str) else getattr(value, name)

@@ -1,5 +1,5 @@
 # ruff: noqa: N802, D102 - methods have the names of the nodes of the syntax tree
-"""Names, operators, containers and calls of the expressions in `$(eval ...)`, each paid from a budget."""
+"""Names, operators, containers and calls of the expressions in `$(eval ...)`, each charged to a budget."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ class Operations:
         self.at: ast.expr | None = None
 
     def problem(self, message: str, node: ast.expr, help_: str | None = None, subject: str = "") -> ExpressionProblem:
-        """A problem at the place of a node."""
+        """Return a problem at the position of a node."""
 
         def offset(column: int) -> int:
             return self.shift + len(self.text.encode()[:column].decode(errors="replace"))
@@ -55,7 +55,7 @@ class Operations:
         return ExpressionProblem(message, start, end, help_, subject=subject)
 
     def visit(self, node: ast.expr) -> object:
-        """The value of a part of the expression."""
+        """Return the value of a part of the expression."""
         method = getattr(self, f"visit_{type(node).__name__}", None)
         if method is None:
             raise self.problem(
@@ -69,7 +69,7 @@ class Operations:
         return value
 
     def charged(self, name: str, function: Callable[..., object], subject: object = None) -> Callable[..., object]:
-        """A function, or a method of `subject`, that takes what it costs from the budget at each call."""
+        """Return a function, or a method of `subject`, whose calls are charged to the budget."""
         extra = COSTS.get(name)
         self.budget.spend(PER_FUNCTION)
 
@@ -82,7 +82,7 @@ class Operations:
         return call
 
     def made(self, value: object) -> object:
-        """A value that was computed, its size taken from the budget."""
+        """Return a computed value after charging its size to the budget."""
         self.budget.spend(functions.size_of(value))
         return value
 
@@ -224,7 +224,7 @@ class Operations:
         return function(*arguments, **keywords)
 
     def collect(self, items: Iterable[object]) -> set[object]:
-        """A set of values, paid for as if all had the same hash."""
+        """Return a set of values, charged as if all had the same hash."""
         found: set[object] = set()
         for item in items:
             self.budget.weigh(item)
@@ -233,7 +233,7 @@ class Operations:
         return found
 
     def map_pairs(self, pairs: Iterable[tuple[object, object]]) -> dict[object, object]:
-        """A dict, paid for likewise."""
+        """Return a dict, charged in the same way."""
         found: dict[object, object] = {}
         for key, value in pairs:
             self.budget.weigh(key)

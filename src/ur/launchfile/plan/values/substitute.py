@@ -1,7 +1,7 @@
 """Values of `$(...)`, exactly as roslaunch computes them.
 
 roslaunch works on text: it replaces each `$(...)` everywhere in the value it has so far, those other than `find` first.
-So a value that an argument brings in may hold a `$(find)` of its own, which is resolved; any other command stays.
+So the value of an argument may contain a `$(find)`, which is resolved; any other command stays.
 """
 
 # Paths are texts here: pathlib would change what roslaunch prints, and costs too much in hot loops.
@@ -30,7 +30,7 @@ MAX_RESULT = 1024 * 1024
 
 
 class MissingArgument(SubstitutionProblem):
-    """`$(arg name)` of an argument that has no value. `name` is the argument's."""
+    """`$(arg name)` of an argument without a value. `name` is the argument's."""
 
     def __init__(self, name: str, start: int, end: int) -> None:
         super().__init__(f"argument '{name}' has no value", start, end, "undeclared-argument")
@@ -38,9 +38,9 @@ class MissingArgument(SubstitutionProblem):
 
 
 def substitute(value: str, scope: Scope, world: World, budget: Budget) -> str:
-    """A value with every `$(...)` replaced; what expressions compute is taken from the budget.
+    """Return a value with every `$(...)` replaced; expressions are charged to the budget.
 
-    Raises SubstitutionProblem; Refused when the cause was reported before.
+    Raises SubstitutionProblem, or TagRefused if the cause was already reported.
     """
     if "$" not in value:
         return value
@@ -137,7 +137,7 @@ def _only_word(piece: Substitution, what: str) -> str:
 
 
 def look_up_argument(name: str, scope: Scope, start: int, end: int) -> str:
-    """The value of an argument. Raises MissingArgument; Refused when its value could not be found out earlier."""
+    """Return the value of an argument. Raises MissingArgument, or TagRefused if it could not be resolved earlier."""
     try:
         return scope.args[name]
     except KeyError:
@@ -147,7 +147,7 @@ def look_up_argument(name: str, scope: Scope, start: int, end: int) -> str:
 
 
 def folder_of(filename: str, world: World) -> str:
-    """`$(dirname)`: the folder of the launch file."""
+    """Resolve `$(dirname)`: the folder of the launch file."""
     return world.absolute(os.path.dirname(filename))
 
 

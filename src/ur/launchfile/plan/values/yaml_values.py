@@ -1,4 +1,4 @@
-"""YAML as roslaunch reads it: PyYAML's safe loader with ROS's angles, and the place of every key."""
+"""YAML as roslaunch reads it: PyYAML's safe loader with ROS's angles, and the position of every key."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ _NOT_SIMPLE = re.compile(
 
 
 class YamlProblem(Exception):  # noqa: N818 - carries a finding to where its place is known
-    """A text is no YAML that roslaunch could load. `offset` is where, in characters."""
+    """A text is not YAML that roslaunch could load. `offset` is the position, in characters."""
 
     def __init__(self, message: str, offset: int = 0, help: str | None = None) -> None:
         super().__init__(message)
@@ -48,7 +48,7 @@ class Document:
         self._keys: dict[int, dict[str, tuple[yaml.Node, yaml.Node]]] = {}  # by the id of a node, which `_node` keeps
 
     def place_of(self, path: tuple[str, ...]) -> tuple[int, int]:
-        """Start and end, in characters, of the key that a path of keys leads to, or of the nearest that has a place."""
+        """Return start and end, in characters, of the key at a path of keys, or of the nearest key with a position."""
         node = self._node
         place = (0, 0)
         for key in path:
@@ -69,10 +69,10 @@ class Document:
 
 
 def read_yaml(text: str, reads_angles: bool, budget: Budget | None = None) -> Document:
-    """The value of a text; an empty mapping for none. `reads_angles`: `deg(...)` and `rad(...)` are numbers.
+    """Return the value of a text; an empty mapping for an empty text.
 
-    What reading takes is taken from `budget`, that of the launch file. Raises YamlProblem, also for values that aliases
-    make larger than any parameter of a robot.
+    `reads_angles`: `deg(...)` and `rad(...)` are numbers. Reading is charged to `budget`, that of the launch file.
+    Raises YamlProblem, also for values that aliases make larger than any parameter of a robot.
     """
     import yaml  # takes 10 ms, and most launch files hold no YAML
 
@@ -106,7 +106,10 @@ def read_yaml(text: str, reads_angles: bool, budget: Budget | None = None) -> Do
 
 
 def read_yaml_once(text: str, reads_angles: bool, budget: Budget | None = None) -> Document:
-    """As read_yaml, and kept: a check loads the same parameter file for many cases. The value is not to be changed."""
+    """Read as `read_yaml` does, and cache it: a check loads the same file in many cases.
+
+    The value must not be changed.
+    """
     return _read_known(text, reads_angles, _Payer(budget))
 
 

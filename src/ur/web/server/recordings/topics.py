@@ -78,7 +78,7 @@ def select(chosen: tuple[str, ...], published: Iterable[PublishedTopic]) -> Topi
 def list_topics(master: str) -> tuple[PublishedTopic, ...]:
     """List the topics that are published at a master; this blocks.
 
-    Raises Unanswered, Refused or UserError if there is no answer of a master.
+    Raises Unanswered, CallRefused or UserError if there is no answer of a master.
     """
     found = parse_master_uri(master).call("getPublishedTopics", "")
     if not isinstance(found, list):
