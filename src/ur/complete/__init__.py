@@ -1,3 +1,3 @@
-"""Completion candidates after `ur ...`, and the few lines that make bash, zsh and fish ask for it."""
+"""Completion candidates after `ur ...`, and the lines by which bash, zsh and fish request them."""
 
 from __future__ import annotations

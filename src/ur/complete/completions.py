@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 
 class Completion(NamedTuple):
-    """Something to insert. `open` ones are not finished: no blank follows (`speed:=`, `launch/`)."""
+    """A text to insert. `open` ones are incomplete: no blank follows (`speed:=`, `launch/`)."""
 
     text: str
     help: str = ""
@@ -17,9 +17,9 @@ class Completion(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Line:
-    """A command line up to the cursor: finished words after `ur`, and the beginning of the one that is typed.
+    """A command line up to the cursor: complete arguments after `ur`, and the beginning of the present one.
 
-    `raw` is that beginning as it is typed, quotes and all.
+    `raw` is that beginning as typed, with its quotes.
     """
 
     words: tuple[str, ...]
@@ -28,7 +28,7 @@ class Line:
 
 
 class Option(NamedTuple):
-    """An option of a verb: all its names, what it does, whether a value follows, and which ones if that is known."""
+    """An option of a verb: its names, its description, whether a value follows, and the values if they are known."""
 
     names: tuple[str, ...]
     help: str
@@ -40,12 +40,12 @@ Source = Callable[[], Iterable[Completion]]
 
 
 class NameSources(NamedTuple):
-    """The sources of names; each is asked when it is needed.
+    """The sources of names, each called on demand.
 
     `sources` are by kind (`program`, `robot`, `run`, `node`, `base`, `selection`, `rule`, `verb`); `kinds` of
-    arguments, and `options`, by verb; `launch_file` is the launch file that a program starts; `values` those that an
-    argument of a launch file may have; `names` what a launch file with its arguments holds: parameters, arguments,
-    remaps and nodes.
+    arguments, and `options`, by verb; `launch_file` is the launch file that a program starts; `values` are those of an
+    argument of a launch file; `names` are the names in a launch file with its arguments: parameters, arguments, remaps
+    and nodes.
     """
 
     sources: Mapping[str, Source] = {}

@@ -19,7 +19,7 @@ _YAML = (".yaml", ".yml")
 
 
 def complete_launch(words: Sequence[str], prefix: str, world: World, known: NameSources) -> Iterator[Completion]:
-    """List what may follow `ur launch WORDS`: a package or file, a file of the package, then arguments."""
+    """Yield candidates after `ur launch WORDS`: a package or file, a file of the package, then arguments."""
     plain = split_argv(words)[0]
     path, _ = find_address(plain, world)
     if path is not None:
@@ -32,7 +32,7 @@ def complete_launch(words: Sequence[str], prefix: str, world: World, known: Name
 
 
 def complete_packages(prefix: str, world: World) -> Iterator[Completion]:
-    """Packages by name."""
+    """Yield packages by name."""
     if "/" in prefix or prefix.startswith("."):
         return
     try:
@@ -43,7 +43,7 @@ def complete_packages(prefix: str, world: World) -> Iterator[Completion]:
 
 
 def complete_paths(prefix: str, world: World, *, every: bool = False) -> Iterator[Completion]:
-    """Folders and launch files by path; `every`: all files. `.launch.xml` only where no `.launch` fits."""
+    """Yield folders and launch files by path; `every`: all files. `.launch.xml` only if no `.launch` matches."""
     files: list[str] = []
     folder, slash, begin = prefix.rpartition("/")
     place = folder or ("/" if slash else ".")
@@ -81,7 +81,7 @@ def find_address(plain: Sequence[str], world: World) -> tuple[str | None, int]:
 
 
 def complete_files_of_package(package: str, prefix: str, world: World) -> Iterator[Completion]:
-    """The launch files of a package by their names alone; nothing where there is no such package."""
+    """Yield the launch files of a package by name; none if there is no such package."""
     try:
         top = world.find_package(package)
     except (PackageNotFound, OSError, ValueError):
@@ -107,7 +107,7 @@ def _names_below(folder: str, depth: int) -> Iterator[str]:
 def complete_arguments(
     path: str, words: Sequence[str], prefix: str, world: World, known: NameSources
 ) -> Iterator[Completion]:
-    """The arguments of a launch file as `name:=` with their documentation, or their values after `name:=`."""
+    """Yield the arguments of a launch file as `name:=` with their documentation, or their values after `name:=`."""
     given = values_of(split_argv(words)[1])
     begun = parse_argument(prefix)
     arguments = _read_arguments(path, words, world)

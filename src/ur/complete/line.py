@@ -1,4 +1,4 @@
-"""A command line as a shell splits it, also while quotes are still open."""
+"""A command line split as a shell does, also with open quotes."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from ur.complete.completions import Line
 
 
 class TypedWord(NamedTuple):
-    """A word of a command line: what the shell makes of it, how it is written, and the quote that is still open."""
+    """An argument of a command line: its value, its typed form, and the open quote, if any."""
 
     text: str
     raw: str
@@ -23,7 +23,7 @@ def split_line(text: str) -> Line:
 
 
 def read_word(raw: str) -> TypedWord:
-    """Read one word, or the beginning of one."""
+    """Parse one argument, or the beginning of one."""
     return _read(raw, 0)
 
 

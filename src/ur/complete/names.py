@@ -1,4 +1,4 @@
-"""Names on this computer that an argument may be: programs, robots, runs, maps, and the values of arguments."""
+"""Names on this computer for completion: programs, robots, runs, maps, and the values of arguments."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from ur.source.diagnostic import UserError
 
 
 def list_programs(environment: Mapping[str, str]) -> Iterator[Completion]:
-    """The programs, qualified by their package where two have one name."""
+    """Yield the programs, qualified by their package if two have the same name."""
     from ur.request.environment import PACKAGE
     from ur.request.programs import index_programs
 
@@ -23,7 +23,7 @@ def list_programs(environment: Mapping[str, str]) -> Iterator[Completion]:
 
 
 def program_launch_file(name: str, environment: Mapping[str, str]) -> str | None:
-    """The launch file that a program starts; None where there is none."""
+    """Return the launch file that a program starts, or None."""
     from ur.request.environment import PACKAGE
     from ur.request.programs import find_launch_file, find_program
 
@@ -34,7 +34,7 @@ def program_launch_file(name: str, environment: Mapping[str, str]) -> str | None
 
 
 def follow_selection(environment: dict[str, str]) -> dict[str, str]:
-    """Add the variables that the selected robot sets to an environment, which is returned."""
+    """Add the variables of the selected robot to an environment, and return it."""
     from ur.request.environment import current_selection, environment_changes
 
     with suppress(UserError):
@@ -43,7 +43,7 @@ def follow_selection(environment: dict[str, str]) -> dict[str, str]:
 
 
 def list_robots(environment: Mapping[str, str]) -> Iterator[Completion]:
-    """The robots that were set up from this computer."""
+    """Yield the robots that were set up from this computer."""
     from ur.robot.discovery.record import load_records, records_folder
 
     for record in load_records(records_folder(environment)):
@@ -51,7 +51,7 @@ def list_robots(environment: Mapping[str, str]) -> Iterator[Completion]:
 
 
 def list_selections() -> Iterator[Completion]:
-    """The simulated robots that `ur use` takes."""
+    """Yield the simulated robots that `ur use` accepts."""
     yield Completion("sim", "a simulated robot on this computer")
     for base in _bases():
         yield Completion(f"sim:{base.text}", base.help)
@@ -78,7 +78,7 @@ def _variants(base: str) -> Iterable[Completion]:
 
 
 def list_values(name: str, given: Mapping[str, str], environment: Mapping[str, str]) -> Iterable[Completion]:
-    """The values that an argument of a launch file may have, from its name; nothing for other names."""
+    """Return the values of a launch argument by its name; empty for other names."""
     from ur.request.environment import PACKAGE, current_selection
 
     if name == "robot_base":
@@ -102,14 +102,14 @@ def list_values(name: str, given: Mapping[str, str], environment: Mapping[str, s
 
 
 def list_maps(environment: Mapping[str, str]) -> Iterator[Completion]:
-    """The stored maps."""
+    """Yield the stored maps."""
     from ur.maps.store import own_store
 
     yield from (Completion(name, "a stored map") for name in own_store(environment).names())
 
 
 def list_rules() -> Iterator[Completion]:
-    """The rules of `ur check`, and their groups."""
+    """Yield the rules of `ur check`, and their groups."""
     from ur.check.catalogue import load_rules
 
     rules = load_rules()
@@ -118,7 +118,7 @@ def list_rules() -> Iterator[Completion]:
 
 
 def list_file_names(path: str, argv: Sequence[str], environment: Mapping[str, str]) -> Iterator[Completion]:
-    """The parameters, arguments, remaps and nodes of a launch file with its arguments. Raises UserError."""
+    """Yield the parameters, arguments, remaps and nodes of a launch file with its arguments. Raises UserError."""
     from ur.check.computer import make_world
     from ur.launchfile.query.explain import list_names
     from ur.request.arguments import split_argv
@@ -135,7 +135,7 @@ def list_file_names(path: str, argv: Sequence[str], environment: Mapping[str, st
 
 
 def list_run_names(environment: Mapping[str, str]) -> Iterator[Completion]:
-    """The runs of this user."""
+    """Yield the runs of this user."""
     from ur.run.record.computer import read_computer
     from ur.run.record.registry import list_runs
 
@@ -144,7 +144,7 @@ def list_run_names(environment: Mapping[str, str]) -> Iterator[Completion]:
 
 
 def list_running_nodes(environment: Mapping[str, str]) -> Iterator[Completion]:
-    """The nodes of this user's runs that have log files."""
+    """Yield the nodes of this user's runs that have log files."""
     from ur.run.record.computer import read_computer
     from ur.run.record.registry import list_runs
 

@@ -1,4 +1,4 @@
-"""Text that bash inserts for a candidate: only what replaces typed text, quoted as the text around it is."""
+"""Text that bash inserts for a candidate: only the part that replaces typed text, with matching quotes."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ _DOUBLE = re.compile(r'[$`"\\]')
 
 
 def quote_insertion(line: str, replaced: str | None, text: str) -> str | None:
-    """The text to insert in place of `replaced`, the end of `line`, so that the word becomes the candidate `text`.
+    """Return the text that replaces `replaced`, the end of `line`, so that the word becomes the candidate `text`.
 
-    Bash replaces less than a word where the word holds `:` or `=`, or where a quote is open; that quote is closed by
-    bash. None where the candidate does not go on with what stays. `replaced` is None for the whole last word.
+    Bash replaces only a part of a word with `:` or `=`, or with an open quote, which bash closes. None if the candidate
+    does not continue the remaining part. `replaced` is None for the whole last word.
     """
     kept = _find_kept(line, replaced)
     return _quote(text[len(kept.text) :], kept.quote) if kept and text.startswith(kept.text) else None

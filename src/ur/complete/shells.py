@@ -1,4 +1,4 @@
-"""The lines that bash, zsh and fish need. All the knowledge is in `ur` itself, which they ask."""
+"""The lines that bash, zsh and fish need. The candidates come from `ur` itself."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
 """Candidates for the arguments of verbs, by the kind of each.
 
-`path`: any file; `files`: packages, their launch files, and paths; `launch`: all that `ur launch` takes; `explain`: the
-same, and a name that the file holds. The last kind of a list with an ellipsis is repeated.
+`path`: any file; `files`: packages, their launch files, and paths; `launch`: all arguments of `ur launch`; `explain`:
+the same, and a name in the file. The last kind of a list with an ellipsis is repeated.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ _OPTIONS = {
 
 
 def complete_line(line: Line, world: World, known: NameSources) -> list[Completion]:
-    """List the candidates at the cursor, best first, nothing twice."""
+    """Return the candidates at the cursor, best first, without duplicates."""
     found: dict[str, Completion] = {}
     for each in _complete(line, world, known):
         if each.text.startswith(line.prefix):

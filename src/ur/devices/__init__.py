@@ -1,1 +1,1 @@
-"""Devices of a computer: what is plugged in, what it probably is, who may open it and who has it open."""
+"""Devices of a computer: connected hardware, its probable type, its permissions, and the programs that use it."""

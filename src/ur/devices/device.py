@@ -10,7 +10,7 @@ Kind = Literal["serial", "camera", "joystick", "i2c", "hid", "usb"]
 
 @dataclass(frozen=True, slots=True)
 class DeviceHolder:
-    """A process that has a device open: its number, program and user ('' where that is not known)."""
+    """A process that has a device open: its process id, program and user ('' if unknown)."""
 
     pid: int
     program: str
@@ -19,10 +19,10 @@ class DeviceHolder:
 
 @dataclass(frozen=True, slots=True)
 class Device:
-    """A device file and the hardware behind it. Empty texts where nothing is known.
+    """A device file and the hardware behind it.
 
-    `usb` is VENDOR:PRODUCT in hexadecimal, `port` the USB port that it is plugged into, as the kernel names it.
-    `links` are other names in /dev. `allowed`: the user who looked may read and write it now.
+    Unknown texts are empty. `usb` is VENDOR:PRODUCT in hexadecimal, `port` the USB port in the kernel's notation.
+    `links` are other names in /dev. `allowed`: the inspecting user may read and write it now.
     """
 
     path: str
@@ -42,7 +42,7 @@ class Device:
 
     @property
     def stable(self) -> str:
-        """The name that stays when it is plugged into another port or after another boot; '' where there is none."""
+        """The name that is the same at every USB port and after every boot; '' if there is none."""
         own = [link for link in self.links if link.count("/") == 2]
         lasting = [link for link in self.links if "/by-id/" in link]
         return [*own, *lasting, ""][0]
@@ -52,9 +52,10 @@ class Device:
 class DeviceSnapshot:
     """The devices of a computer at one moment, as one user sees them.
 
-    `groups` are those of the session that looked, `member` those that the next login gets. `complete`: the processes of
-    all users were seen. `grabbers` are programs that run and open serial devices of strangers, such as ModemManager.
-    `container`: the computer shows only what its host passes on. `ruled`: our udev rules are installed.
+    `groups` are those of the inspecting session, `member` those of the next login. `complete`: the processes of all
+    users were visible. `grabbers` are running programs that open unknown serial devices, such as ModemManager.
+    `container`: only devices that the host passes through are visible. `ruled`: this project's udev rules are
+    installed.
     """
 
     user: str = ""
@@ -69,9 +70,9 @@ class DeviceSnapshot:
 
 @dataclass(frozen=True, slots=True)
 class Expected:
-    """A device that a base needs: for which part, where, and which row of the table of known devices it is.
+    """A device that a base needs: its purpose, its path, and its row in the table of known devices.
 
-    `hardware` is '' where the base declares none; `path` is '' for any device of that kind, as a camera.
+    `hardware` is '' if the base declares none; `path` is '' for any device of that kind, such as a camera.
     """
 
     part: str

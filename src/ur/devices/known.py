@@ -1,4 +1,4 @@
-"""The table of known devices, and what a device probably is. Pure, but for reading the table itself."""
+"""The table of known devices, and the probable type of a device. Pure, except for reading the table itself."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ class KnownDevice:
     source: str
 
     def matches(self, device: Device) -> bool:
-        """Return whether a device may be this one."""
+        """Return whether a device may be of this type."""
         if self.match.startswith("/"):
             return device.path == self.match
         vendor, _, product = self.match.partition(":")
@@ -50,7 +50,7 @@ class KnownDevice:
 
 
 def parse_known(text: str) -> tuple[KnownDevice, ...]:
-    """Read the table. Raises ValueError, which names the line, where it is malformed."""
+    """Parse the table. Raises ValueError, which names the line, if it is malformed."""
     lines = [(n, line) for n, line in enumerate(text.splitlines(), 1) if line and not line.startswith("#")]
     if not lines or tuple(lines[0][1].split("\t")) != COLUMNS:
         raise ValueError(f"known_devices.tsv: expected the columns {' '.join(COLUMNS)}")
@@ -71,19 +71,19 @@ def parse_known(text: str) -> tuple[KnownDevice, ...]:
 
 @cache
 def load_known() -> tuple[KnownDevice, ...]:
-    """The table of known devices."""
+    """Return the table of known devices."""
     return parse_known((files(__package__) / "known_devices.tsv").read_text(encoding="utf-8"))
 
 
 def find_known(device: Device, table: Sequence[KnownDevice] | None = None) -> tuple[KnownDevice, ...]:
-    """The rows that a device may be, the surest first; one that names its product excludes those that do not."""
+    """Return the rows that may match a device, the most certain first; one that names its product excludes others."""
     rows = [row for row in (load_known() if table is None else table) if row.matches(device)]
     special = [row for row in rows if row.product]
     return tuple(sorted(special or rows, key=lambda row: not row.sure))
 
 
 def describe_device(device: Device, table: Sequence[KnownDevice] | None = None) -> str:
-    """Name a device in a few words, with "probably" where its id is that of a chip many devices have."""
+    """Name a device in a few words, with "probably" if its id is that of a chip in many devices."""
     rows = find_known(device, table)
     own = " ".join(dict.fromkeys(f"{device.manufacturer} {device.product}".split()))
     if not rows:
@@ -95,5 +95,5 @@ def describe_device(device: Device, table: Sequence[KnownDevice] | None = None) 
 
 
 def find_rows(hardware: str, table: Sequence[KnownDevice] | None = None) -> tuple[KnownDevice, ...]:
-    """The rows of a name that base files use; several where a device has had several ids."""
+    """Return the rows with a name of base files; several if a device has had several ids."""
     return tuple(row for row in (load_known() if table is None else table) if row.id == hardware)

@@ -15,9 +15,9 @@ LOGIN_PROMPT = "agetty"
 
 @dataclass(frozen=True, slots=True)
 class Need:
-    """An expected device and what became of it: its state, a sentence about it, and what to do ('' when ready).
+    """An expected device and the result of the search: its state, a sentence about it, and advice ('' if it is ready).
 
-    `unnamed`: it is plugged in, but the name that launch files use does not lead to it.
+    `unnamed`: it is connected, but the name that launch files use does not lead to it.
     """
 
     expected: Expected
@@ -28,12 +28,12 @@ class Need:
 
 
 def examine(snapshot: DeviceSnapshot, expected: Sequence[Expected]) -> list[Need]:
-    """Compare what is expected with what is there, in the order of `expected`."""
+    """Compare the expected devices with those of the computer, in the order of `expected`."""
     return [_examine(snapshot, each) for each in expected]
 
 
 def list_problems(snapshot: DeviceSnapshot) -> Iterator[tuple[State, Device, str]]:
-    """Name known devices that this user may not open, or that a program holds which is no driver."""
+    """Yield known devices that this user may not open, or that a program other than a driver has open."""
     for device in snapshot.devices:
         if not find_known(device) or device.kind == "usb":
             continue
@@ -45,7 +45,7 @@ def list_problems(snapshot: DeviceSnapshot) -> Iterator[tuple[State, Device, str
 
 
 def explain_access(snapshot: DeviceSnapshot, device: Device) -> str:
-    """Return what lets this user open a device."""
+    """Return the command or advice that lets this user open a device."""
     if device.group in snapshot.member and device.group not in snapshot.groups:
         return f"{snapshot.user} is in the group {device.group} since this session began: log in again"
     if device.group and device.group != "root" and (device.mode or 0) & 0o060 == 0o060:
@@ -54,7 +54,7 @@ def explain_access(snapshot: DeviceSnapshot, device: Device) -> str:
 
 
 def explain_holder(device: Device) -> str:
-    """Return how to free a device from the program that has it open."""
+    """Return the advice for freeing a device from the program that has it open."""
     holder, unit = device.holders[0], find_unit(device)
     if unit:
         return f"sudo systemctl disable --now {unit}"
@@ -62,7 +62,7 @@ def explain_holder(device: Device) -> str:
 
 
 def find_unit(device: Device) -> str:
-    """The systemd unit of the program that has a device open, if it is one that opens strangers' devices; else ''."""
+    """Return the systemd unit of the program that has a device open, if that program opens unknown devices; else ''."""
     units = {
         LOGIN_PROMPT: f"serial-getty@{device.path.rpartition('/')[2]}.service",
         "ModemManager": "ModemManager.service",

@@ -66,7 +66,7 @@ $(tr '\0\n' '  ' <"$p/cmdline" 2>/dev/null | head -c 200)";; esac; done"""
 
 
 def device_script(root: str = "") -> str:
-    """The script that prints a computer's devices, to be run as the user who wants them.
+    """Return the script that prints a computer's devices, to be run as the user who needs them.
 
     `root` is a folder with `sys`, `dev` and `proc` in it, for tests; it must need no quoting.
     """
@@ -93,7 +93,7 @@ def device_script(root: str = "") -> str:
 
 
 def parse_devices(output: str, root: str = "") -> DeviceSnapshot:
-    """Read what the script printed; what is missing in it, or makes no sense, is left out."""
+    """Parse the output of the script; missing or invalid parts are left out."""
     parts = [part.partition("\n")[::2] for part in output.replace("\0", "").split(_MARK)[1:]]
     named = dict(parts)
     user, groups, member = [*named.get("user", "").splitlines(), "", "", ""][:3]

@@ -1,4 +1,4 @@
-"""Questions to devices that answer without changing their state: the script that asks, and its answers."""
+"""Queries to devices that answer without changing their state: the script that sends them, and its answers."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ SECONDS = 3.0  # that one question may take
 
 
 def list_questions(snapshot: DeviceSnapshot) -> list[tuple[str, str, int]]:
-    """The questions worth asking: path, kind of question, baud rate. Devices in use are never asked."""
+    """Return the useful queries: path, kind of query, baud rate. Devices in use are never queried."""
     found = []
     for device in snapshot.devices:
         rows: Sequence[KnownDevice] = find_known(device)
@@ -28,13 +28,13 @@ def list_questions(snapshot: DeviceSnapshot) -> list[tuple[str, str, int]]:
 
 
 def probe_script(questions: Sequence[tuple[str, str, int]]) -> str:
-    """The shell command that asks them, one after the other, and prints a line of JSON: what each path answered."""
+    """Return the shell command that sends the queries one after the other, and prints the answers as JSON."""
     program = (files(__package__) / "probe_program.py").read_text(encoding="utf-8")
     return shlex.join(["python3", "-I", "-c", program, json.dumps(questions)])
 
 
 def parse_answers(output: str) -> Mapping[str, str]:
-    """The answer of each path; '' where the answer makes no sense. Foreign text is made harmless."""
+    """Return the answer of each path; '' if it is invalid. Untrusted text is escaped."""
     from ur.source.foreign.json_values import BadJsonError, read_json
 
     try:

@@ -1,6 +1,6 @@
-"""Ask serial devices what they are; runs alone, with the standard library only, also on a robot.
+"""Program that identifies serial devices; it uses only the standard library, and also runs on a robot.
 
-The argument is a JSON list of [path, kind of question, baud rate]. Prints a JSON mapping of path to answer.
+The argument is a JSON list of [path, kind of query, baud rate]. Prints a JSON mapping of path to answer.
 
 - `rplidar`: the request GET_INFO (A5 50) of Slamtec's protocol, answered with model, firmware, hardware and number.
 - `neato`: the command GetVersion of Neato's programmer's manual, answered with a table.
@@ -26,7 +26,7 @@ PACKET = 22  # bytes of an XV-11
 
 
 def main() -> None:
-    """Ask each path in turn; a path that has answered is not asked again."""
+    """Query each path in turn; a path that has answered is not queried again."""
     answers: dict[str, str] = {}
     for path, kind, baud in json.loads(sys.argv[1]):
         if not answers.get(path):
@@ -39,7 +39,7 @@ def main() -> None:
 
 
 def ask(path: str, kind: str, baud: int) -> str:
-    """Ask one device. Raises OSError."""
+    """Query one device. Raises OSError."""
     line = os.open(path, os.O_RDWR | os.O_NOCTTY | os.O_NONBLOCK)
     try:
         fcntl.ioctl(line, termios.TIOCEXCL)
@@ -88,7 +88,7 @@ def _read_xv11(line: int) -> str:
 
 
 def _count_packets(data: bytes) -> int:
-    """The number of packets with a valid checksum (sum of 10 words, doubled each time, of 15 bits)."""
+    """Return the number of packets with a valid checksum (sum of 10 words, doubled each time, of 15 bits)."""
     count, at = 0, 0
     while (at := data.find(b"\xfa", at)) >= 0 and at + PACKET <= len(data):
         packet = data[at : at + PACKET]

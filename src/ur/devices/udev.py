@@ -17,9 +17,9 @@ _HEAD = """\
 
 
 def write_rules(expected: Sequence[Expected] = (), table: Sequence[KnownDevice] | None = None) -> str:
-    """The text of the rules file for the devices of a base; the same for the same arguments.
+    """Return the rules file for the devices of a base; equal arguments give equal texts.
 
-    ModemManager leaves these devices alone, because it would send modem commands to them.
+    ModemManager ignores these devices, because it would send modem commands to them.
     """
     rows = [*_wanted(expected, load_known() if table is None else table)]
     return _HEAD + "".join(_rule(row) for row in rows)

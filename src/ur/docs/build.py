@@ -1,4 +1,4 @@
-"""From a launch repository to its documents. Reads files through a World and writes nothing."""
+"""Generation of a launch repository's documents. Reads files through a World and writes nothing."""
 
 from __future__ import annotations
 
@@ -21,15 +21,15 @@ _DIRECTORY = re.compile(r"(n|m|rviz)_\w+\Z")
 
 
 def build_documents(path: str, world: World) -> Documents:
-    """The documents of a package, a folder of packages, or any folder with launch files.
+    """Return the documents of a package, a folder of packages, or any folder with launch files.
 
-    Raises UserError when there is no such folder, or no launch file in it. Broken launch files are documented as such.
+    Raises UserError if there is no such folder, or no launch file in it. Invalid launch files are documented as such.
     """
     return describe_repository(collect_repository(path, world))
 
 
 def describe_repository(repository: DocumentedRepository, progress: Progress = no_progress) -> Documents:
-    """The documents of what was collected."""
+    """Return the documents of a collected repository."""
     describer = _Describer(repository, progress)
     packages = tuple(describer.describe_part(part) for part in repository.parts)
     return Documents(repository.root.rpartition("/")[2] or "/", repository.root, packages)

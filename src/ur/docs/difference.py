@@ -1,4 +1,4 @@
-"""Differences between files as they are and as they should be."""
+"""Differences between the present and the desired content of files."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ _MAX_LINES = 400
 
 
 def show_difference(path: str, old: str | None, new: str) -> str:
-    """A unified difference, empty for equal texts. `old` is None for a file that is not there."""
+    """Return a unified difference, empty for equal texts. `old` is None for a missing file."""
     if old == new:
         return ""
     lines = list(

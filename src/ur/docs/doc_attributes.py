@@ -1,4 +1,4 @@
-"""Comments after `<arg>` tags, written into them as `doc=`, where `roslaunch --ros-args` reads them."""
+"""Comments after `<arg>` tags, written into the tags as `doc=`, which `roslaunch --ros-args` reads."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ _ATTRIBUTE = re.compile(r"""(\s+)([^\s=>/"']+)(\s*=\s*)("[^"]*"|'[^']*')""")
 
 
 def add_doc_attributes(tree: LaunchFile) -> str:
-    """The text of a launch file whose documented arguments carry `doc=`; everything else stays as it is.
+    """Return a launch file in which documented arguments have `doc=`; everything else stays unchanged.
 
-    A comment wins over a `doc=` with another text. A file that is not well-formed stays as it is.
+    A comment takes precedence over a `doc=` with another text. A file that is not well-formed stays unchanged.
     """
     text = tree.source.text
     if tree.launch is None or tree.diagnostics:
@@ -30,7 +30,7 @@ def add_doc_attributes(tree: LaunchFile) -> str:
 
 
 def make_doc(markdown: str) -> str:
-    """A comment as the value of an attribute: one line, without anything that roslaunch would substitute."""
+    """Return a comment as the value of an attribute: one line, without anything that roslaunch would substitute."""
     return " ".join(markdown.split()).replace("$(", "$ (")
 
 

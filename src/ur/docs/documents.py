@@ -15,25 +15,25 @@ TargetState = Literal["found", "missing", "elsewhere", "candidate"]
 
 @dataclass(frozen=True, slots=True)
 class BaseCase:
-    """A base in one variant; both empty for files that depend on no base."""
+    """A base in one variant; both are empty for files that depend on no base."""
 
     base: str = ""
     variant: str = ""
 
     @property
     def label(self) -> str:
-        """For people: `magni (lidar)`."""
+        """Return the display text: `magni (lidar)`."""
         return f"{self.base} ({self.variant})" if self.variant else self.base
 
     @property
     def key(self) -> str:
-        """As `ur use` and the site's switch have it: `magni:lidar`."""
+        """Return the key of `ur use` and the site's switch: `magni:lidar`."""
         return f"{self.base}:{self.variant}" if self.variant else self.base
 
 
 @dataclass(frozen=True, slots=True)
 class Value:
-    """A text that holds in some cases; in all where `cases` is empty."""
+    """A text that applies in some cases; in all if `cases` is empty."""
 
     text: str
     cases: tuple[BaseCase, ...] = ()
@@ -54,7 +54,7 @@ class ArgumentDoc:
 
 @dataclass(frozen=True, slots=True)
 class ParamDoc:
-    """A parameter. `name` starts with `~` when it belongs to the node that holds it."""
+    """A parameter. `name` starts with `~` if it belongs to the node that contains it."""
 
     name: str
     values: tuple[Value, ...]
@@ -63,7 +63,7 @@ class ParamDoc:
 
 @dataclass(frozen=True, slots=True)
 class ParamFileDoc:
-    """A YAML file whose parameters are loaded: which file in which case, and the parameters' names."""
+    """A YAML file whose parameters are loaded: the file in each case, and the parameters' names."""
 
     files: tuple[Value, ...]
     names: tuple[str, ...]
@@ -72,7 +72,7 @@ class ParamFileDoc:
 
 @dataclass(frozen=True, slots=True)
 class TopicDoc:
-    """A topic, service or action that a node uses. `source` is how that is known; `rate` is in Hz."""
+    """A topic, service or action that a node uses. `source` is the evidence for it; `rate` is in Hz."""
 
     kind: str  # publishes, subscribes, offers service, ..., or uses
     name: str
@@ -82,7 +82,7 @@ class TopicDoc:
 
 @dataclass(frozen=True, slots=True)
 class NodeDoc:
-    """A `<node>` or `<test>` of a launch file. `conditions` are written ones; `only_with`: options that turn it on."""
+    """A `<node>` or `<test>` of a launch file. `conditions` are written ones; `only_with`: options that enable it."""
 
     names: tuple[Value, ...]
     package: tuple[Value, ...]
@@ -101,7 +101,7 @@ class NodeDoc:
 
 @dataclass(frozen=True, slots=True)
 class TargetDoc:
-    """A file that an include means. `path` is empty for one that is not part of the repository."""
+    """A file that an include refers to. `path` is empty for one outside of the repository."""
 
     name: str
     path: str
@@ -111,7 +111,7 @@ class TargetDoc:
 
 @dataclass(frozen=True, slots=True)
 class IncludeDoc:
-    """An `<include>` of a launch file: what is written, and the files it means."""
+    """An `<include>` of a launch file: its text, and the files it refers to."""
 
     written: str
     targets: tuple[TargetDoc, ...]
@@ -135,7 +135,7 @@ class TreeItem:
 
 @dataclass(frozen=True, slots=True)
 class TreeDoc:
-    """The nodes that a launch file starts in some cases (without any: in all)."""
+    """The nodes that a launch file starts in some cases (if empty: in all)."""
 
     cases: tuple[BaseCase, ...]
     root: TreeItem
@@ -174,7 +174,7 @@ class LaunchDoc:
 
     @property
     def name(self) -> str:
-        """The last part of the path."""
+        """Return the last part of the path."""
         return self.path.rpartition("/")[2]
 
 
@@ -194,7 +194,7 @@ class ProgramDoc:
 
 @dataclass(frozen=True, slots=True)
 class DirectoryDoc:
-    """A launch directory: what it is for, and the launch files in it."""
+    """A launch directory: its purpose, and the launch files in it."""
 
     path: str
     kind: Literal["node", "task", "view", "other"]
@@ -214,7 +214,7 @@ class BaseDoc:
 
 @dataclass(frozen=True, slots=True)
 class PackageDoc:
-    """A package, or a folder that is none. `path` is empty for the repository itself."""
+    """A package, or a folder that is not a package. `path` is empty for the repository itself."""
 
     name: str
     path: str

@@ -1,4 +1,4 @@
-"""Links in the Markdown of comments: they are written beside a launch file, and read from somewhere else."""
+"""Links in the Markdown of comments, which are written relative to a launch file but read elsewhere."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ _SCHEME = re.compile(r"[a-zA-Z][a-zA-Z0-9+.-]*:")
 
 
 def settle_links(text: str, folder: str, exists: Callable[[str], bool]) -> str:
-    """Markdown whose relative links start at the root of the repository; what leads nowhere becomes plain text.
+    """Return Markdown whose relative links start at the root of the repository; dead links become plain text.
 
-    `folder` is where the text was written, relative to the root; `exists` takes a path from there, too.
+    `folder` is the folder of the text, relative to the root; `exists` is called with a path relative to the root, too.
     """
 
     def settle(match: re.Match[str]) -> str:
@@ -31,7 +31,7 @@ def settle_links(text: str, folder: str, exists: Callable[[str], bool]) -> str:
 
 
 def map_links(text: str, place: Callable[[str], str | None]) -> str:
-    """Markdown in which each relative link leads where `place` puts it; one without a target is plain text."""
+    """Return Markdown in which `place` maps each relative link; one without a target becomes plain text."""
 
     def replace(match: re.Match[str]) -> str:
         mark, label, target = match.groups()

@@ -1,4 +1,4 @@
-"""Grouping by case: what is the same in all cases is written once, what differs with its cases."""
+"""Grouping by case: values that are the same in all cases are written once, others with their cases."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from ur.docs.documents import BaseCase, Value
 
 
 def vary(pairs: Iterable[tuple[BaseCase, str]], cases: tuple[BaseCase, ...]) -> tuple[Value, ...]:
-    """The texts of some cases as values; one that holds in all cases names none."""
+    """Return the texts of some cases as values; one that applies in all cases names none."""
     groups: dict[str, list[BaseCase]] = {}
     for case, text in pairs:
         groups.setdefault(text, []).append(case)
@@ -19,7 +19,7 @@ def vary(pairs: Iterable[tuple[BaseCase, str]], cases: tuple[BaseCase, ...]) -> 
 
 
 def name_cases(cases: Iterable[BaseCase]) -> str:
-    """For people: `stage, magni (plain, lidar)`; the variants of a base stand together."""
+    """Return a display text: `stage, magni (plain, lidar)`; the variants of a base are grouped."""
     by_base: dict[str, list[str]] = {}
     for case in cases:
         by_base.setdefault(case.base, []).append(case.variant)

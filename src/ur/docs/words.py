@@ -1,4 +1,4 @@
-"""Formatting: paths and values that are the same on every computer, conditions and types in words."""
+"""Formatting: paths and values that are the same on every computer, conditions and types as text."""
 
 from __future__ import annotations
 
@@ -20,15 +20,15 @@ _TYPES = {"int": "whole number", "double": "number", "bool": "true or false", "y
 
 
 class Words:
-    """Shows values of one launch file: without the folders of this computer, unknown ones by their names."""
+    """Formats values of one launch file: without the folders of this computer, unknown ones by their names."""
 
     def __init__(self, view: LaunchView, packages: Mapping[str, str]) -> None:
-        """`packages`: by folder; a folder that is no package has no name."""
+        """Create the formatter. `packages`: by folder; a folder that is not a package has no name."""
         self._folders = sorted(packages.items(), key=lambda pair: -len(pair[0]))
         self._required = [name for name, elements in view.declared.items() if all(map(_is_required, elements))]
 
     def show(self, text: str, given: Mapping[str, str] | None = None) -> str:
-        """A value in words that hold everywhere."""
+        """Return a value in a form that is valid on every computer."""
         if "/" in text:
             text = text.replace(HERE, "").replace(HERE.rstrip("/"), "")
             for folder, name in self._folders:
@@ -47,7 +47,7 @@ class Words:
 
 
 def describe_condition(element: Element) -> str:
-    """`if` and `unless` of a tag in words; nothing when it has neither."""
+    """Describe `if` and `unless` of a tag; empty if it has neither."""
     parts = []
     for word in ("if", "unless"):
         value = element.attributes.get(word)
@@ -80,7 +80,7 @@ def describe_type(name: str, default: str | None, used: Mapping[str, str]) -> st
 
 
 def types_from_use(view: LaunchView) -> dict[str, str]:
-    """Types of arguments that are a condition, or the value of a parameter with a type."""
+    """Return types of arguments that are a condition, or the value of a parameter with a type."""
     found: dict[str, str] = {}
     for element, _ in walk_elements(view.tree.launch):
         attributes = element.attributes
@@ -100,5 +100,5 @@ def _is_required(element: Element) -> bool:
 
 
 def join_words(words: Sequence[str]) -> str:
-    """`a, b and c`."""
+    """Return `a, b and c`."""
     return f"{', '.join(words[:-1])} and {words[-1]}" if len(words) > 1 else "".join(words)

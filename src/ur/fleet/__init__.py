@@ -1,1 +1,1 @@
-"""One command for several robots: a process for each, side by side, and a table of them."""
+"""One command for several robots: a process for each, in parallel, and a table of their states."""

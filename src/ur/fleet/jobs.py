@@ -1,4 +1,4 @@
-"""The state of a command that runs for several robots: which may begin, how each is, and how all ended. Pure."""
+"""The state of a command that runs for several robots: which jobs may start, their states, and the results. Pure."""
 
 from __future__ import annotations
 
@@ -12,7 +12,10 @@ INTERRUPTED = 130  # the exit code of a command that Ctrl-C has ended
 
 @dataclass(frozen=True, slots=True)
 class Job:
-    """The command for one robot. `stdin` is what it reads; with `asks`, it asks over its standard input instead."""
+    """The command for one robot.
+
+    `stdin` is its input; with `asks`, it asks for confirmation over standard input instead.
+    """
 
     name: str
     argv: tuple[str, ...]
@@ -24,7 +27,7 @@ class Job:
 class JobStatus:
     """The state of a job. Times are in s, of the same clock; `line` is the last line of its output.
 
-    `code` is the exit code of one that is done, with 128 added to the number of a signal.
+    `code` is the exit code of a finished job, with 128 added to the number of a signal.
     """
 
     name: str
@@ -39,62 +42,65 @@ Fleet = tuple[JobStatus, ...]
 
 
 def plan_fleet(jobs: Sequence[Job]) -> Fleet:
-    """The state before anything has begun."""
+    """Return the state before any job has started."""
     return tuple(JobStatus(job.name) for job in jobs)
 
 
 def find_startable(fleet: Fleet, limit: int) -> list[int]:
-    """The indices of the jobs that may begin now, in order, so that at most `limit` run. One that asks does not run."""
+    """Return the indices of the jobs that may start now, in order, so that at most `limit` run.
+
+    A job that asks does not count.
+    """
     free = limit - sum(each.phase == "running" for each in fleet)
     waiting = [index for index, each in enumerate(fleet) if each.phase == "waiting"]
     return waiting[: max(0, free)]
 
 
 def begin_job(fleet: Fleet, index: int, now: float) -> Fleet:
-    """The state after a job has begun."""
+    """Return the state after a job has started."""
     return _change(fleet, index, phase="running", began=now)
 
 
 def note_line(fleet: Fleet, index: int, line: str) -> Fleet:
-    """The state after a job has printed a line."""
+    """Return the state after a job has printed a line."""
     return _change(fleet, index, line=line)
 
 
 def note_question(fleet: Fleet, index: int) -> Fleet:
-    """The state after a job has asked whether it may go on."""
+    """Return the state after a job has asked for confirmation."""
     return _change(fleet, index, phase="asking")
 
 
 def are_all_asking(fleet: Fleet) -> bool:
-    """Return whether at least one job waits for an answer, and all others are done."""
+    """Return whether at least one job waits for an answer, and all others are finished."""
     phases = {each.phase for each in fleet}
     return "asking" in phases and phases <= {"asking", "done"}
 
 
 def answer_questions(fleet: Fleet) -> Fleet:
-    """The state after all questions were answered."""
+    """Return the state after all questions were answered."""
     return tuple(replace(each, phase="running") if each.phase == "asking" else each for each in fleet)
 
 
 def end_job(fleet: Fleet, index: int, code: int, now: float) -> Fleet:
-    """The state after a job has ended. `code` is that of subprocess: negative for a signal."""
+    """Return the state after a job has ended. `code` is that of subprocess: negative for a signal."""
     return _change(fleet, index, phase="done", code=code if code >= 0 else 128 - code, ended=now)
 
 
 def interrupt_fleet(fleet: Fleet, now: float) -> Fleet:
-    """The state after Ctrl-C has ended every job that was not done."""
+    """Return the state after Ctrl-C has ended every unfinished job."""
     return tuple(
         each if each.phase == "done" else replace(each, phase="done", code=INTERRUPTED, ended=now) for each in fleet
     )
 
 
 def is_over(fleet: Fleet) -> bool:
-    """Return whether every job is done."""
+    """Return whether every job is finished."""
     return all(each.phase == "done" for each in fleet)
 
 
 def find_exit_code(fleet: Fleet) -> int:
-    """The exit code of the whole: the highest of all jobs."""
+    """Return the exit code of the whole: the highest of all jobs."""
     return max((each.code or 0 for each in fleet), default=0)
 
 

@@ -1,4 +1,4 @@
-"""The output of each robot's command: a file of its own, which stays until the same command runs again."""
+"""The output of each robot's command: a separate file, which stays until the same command runs again."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ MOST_BYTES = 1 << 22  # of an output that is printed again; the file has all of 
 
 
 def logs_folder(environment: Mapping[str, str]) -> Path:
-    """The folder of these files, below the user's state folder (XDG base directory specification)."""
+    """Return the folder of these files, below the user's state folder (XDG base directory specification)."""
     return Path(user_folder("XDG_STATE_HOME", environment)) / "ubiquity_launches" / "fleet"
 
 
@@ -39,11 +39,11 @@ class LogFile:
         return self._read(max(0, size - TAIL), TAIL).splitlines()
 
     def size(self) -> int:
-        """The number of bytes so far."""
+        """Return the present number of bytes."""
         return os.fstat(self.descriptor).st_size
 
     def close(self) -> None:
-        """Close the file, which stays."""
+        """Close the file without deleting it."""
         os.close(self.descriptor)
 
     def _read(self, start: int, size: int) -> str:
@@ -52,9 +52,10 @@ class LogFile:
 
 
 def open_log(folder: Path, command: str, robot: str, kind: str = "log") -> LogFile:
-    """Open a new file for the output of a command on a robot. Only this user may read it. Raises OSError.
+    """Open a new file for the output of a command on a robot.
 
-    One that is there is replaced: who writes into it goes on unseen.
+    Only this user may read it. Raises OSError. An existing file is replaced: a process that still writes to it is not
+    affected.
     """
     folder.mkdir(mode=0o700, parents=True, exist_ok=True)
     path = folder / f"{_name(command)}-{_name(robot)}.{kind}"

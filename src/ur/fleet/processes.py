@@ -1,4 +1,4 @@
-"""The processes of a command that runs for several robots: begun, followed and ended together."""
+"""The processes of a command that runs for several robots: started, monitored and ended together."""
 
 from __future__ import annotations
 
@@ -43,13 +43,13 @@ Confirm = Callable[[Fleet, Sequence["Output"]], bool]
 
 @dataclass(slots=True)
 class Output:
-    """The output of a job. `errors` is apart from it where that was wanted."""
+    """The output of a job. `errors` is separate if that was requested."""
 
     log: LogFile
     errors: LogFile | None = None
 
     def close(self) -> None:
-        """Close the files, which stay."""
+        """Close the files without deleting them."""
         self.log.close()
         if self.errors:
             self.errors.close()
@@ -64,12 +64,12 @@ class _Child:
 
 
 class Processes:
-    """Runs a command for each robot; a context manager. Nothing of it runs any more at its end, however that comes."""
+    """Runs a command for each robot; a context manager. All processes have ended when it exits, for any reason."""
 
     def __init__(
         self, jobs: Sequence[Job], folder: Path, command: str, *, limit: int = AT_ONCE, errors_apart: bool = False
     ) -> None:
-        """Take the jobs, and the folder for the files with their output. `command` names these files."""
+        """Create the processes of jobs, with the folder for the files of their output. `command` names these files."""
         self._jobs = jobs
         self._limit = limit
         self._children: dict[int, _Child] = {}
@@ -91,10 +91,10 @@ class Processes:
             output.close()
 
     def run(self, show: Show, confirm: Confirm | None = None) -> Fleet:
-        """Run all to their ends; the state then. Raises KeyboardInterrupt after everything was ended.
+        """Run all jobs to their ends; return the final state. Raises KeyboardInterrupt after all were ended.
 
-        `show` is called now and then, and at each change. `confirm` is called once when no job runs and some ask
-        whether they may go on; its answer is given to all of these.
+        `show` is called periodically, and at each change. `confirm` is called once when no job runs and some ask for
+        confirmation; its answer is given to all of these.
         """
         try:
             while not is_over(self.fleet):
@@ -137,7 +137,7 @@ class Processes:
         self.fleet = begin_job(self.fleet, index, time.monotonic())
 
     def _wait(self, seconds: float) -> None:
-        """Wait until a process ends or asks, or `seconds` pass, and note it with the last lines."""
+        """Wait until a process ends or asks, or `seconds` pass, and record that with the last lines."""
         waited: list[int | socket.socket] = [child.handle for child in self._children.values()]
         waited += [child.questions for child in self._children.values() if child.questions]
         select.select(waited, [], [], seconds)
@@ -169,7 +169,7 @@ class Processes:
         self.fleet = answer_questions(self.fleet)
 
     def _end_all(self) -> None:
-        """End what still runs: as Ctrl-C does, then more firmly. A second Ctrl-C does not wait any longer."""
+        """End the running processes: as Ctrl-C does, then by stronger signals. A second Ctrl-C skips the wait."""
         for number, patience in STEPS:
             for child in self._children.values():
                 if child.process.poll() is None:
@@ -187,14 +187,14 @@ class Processes:
 
 
 def answer_confirmed(descriptor: int) -> bool:
-    """Ask the process that has started this one whether to go on, over a socket; for a job that `asks`."""
+    """Ask the parent process for confirmation over a socket; for a job that `asks`."""
     with socket.socket(fileno=os.dup(descriptor)) as parent:
         parent.sendall(ASK)
         return parent.recv(16) == YES
 
 
 def _read_question(questions: socket.socket) -> bytes | None:
-    """Read what has arrived: b"" at the end, None where nothing has."""
+    """Read available data: b"" at the end, None if there is none."""
     with suppress(BlockingIOError, ConnectionError):
         return questions.recv(16, socket.MSG_DONTWAIT)
     return None
@@ -215,5 +215,5 @@ def _close(child: _Child) -> None:
 
 
 def end_with_us() -> list[str]:
-    """The words in front of a command that is interrupted when this process is killed: prctl(2), PR_SET_PDEATHSIG."""
+    """Return the command prefix that interrupts a process when this process is killed: prctl(2), PR_SET_PDEATHSIG."""
     return ["setpriv", "--pdeathsig", "INT", "--"] if shutil.which("setpriv") else []

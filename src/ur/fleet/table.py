@@ -12,7 +12,7 @@ FEW_LINES = 4  # of output, that are an error and its help
 
 
 def describe_fleet(fleet: Fleet, now: float) -> list[str]:
-    """One line for each job: its name, how it is, for how long, and its last line of output."""
+    """Return one line for each job: its name, state, duration, and last line of output."""
     width = max((len(each.name) for each in fleet), default=0)
     states = [describe_state(each) for each in fleet]
     wide = max((len(each) for each in states), default=0)
@@ -23,13 +23,13 @@ def describe_fleet(fleet: Fleet, now: float) -> list[str]:
 
 
 def describe_end(status: JobStatus) -> str:
-    """The line about a job that is done, for output that is no terminal."""
+    """Return the line about a finished job, for output that is not a terminal."""
     line = f": {_line(status)}" if status.line else ""
     return f"{printable(status.name)}: {describe_state(status)} after {_seconds(status, status.ended).strip()}{line}"
 
 
 def describe_state(status: JobStatus) -> str:
-    """The state of a job in a word or two."""
+    """Return the state of a job in a word or two."""
     if status.phase != "done":
         return {"waiting": "waiting", "running": "running", "asking": "ready"}[status.phase]
     if status.code == INTERRUPTED:
@@ -38,7 +38,7 @@ def describe_state(status: JobStatus) -> str:
 
 
 def summarise(fleet: Fleet) -> str:
-    """The last line: how many robots succeeded, and the names of those that did not."""
+    """Return the last line: how many robots succeeded, and the names of the others."""
     good = sum(each.code == 0 for each in fleet)
     robots = "1 robot" if len(fleet) == 1 else f"{len(fleet)} robots"
     stopped = [each.name for each in fleet if each.code == INTERRUPTED]
@@ -50,7 +50,7 @@ def summarise(fleet: Fleet) -> str:
 
 
 def choose_line(lines: Sequence[str], code: int | None) -> str:
-    """The line that represents an output: the last one; of a short output that ended with an error, the first one."""
+    """Return the line that represents an output: the last one; of a short output with an error, the first one."""
     full = [line.strip() for line in lines if line.strip()]
     if not full:
         return ""

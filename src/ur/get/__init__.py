@@ -1,1 +1,1 @@
-"""Packages that launch files need: found, planned, installed and removed again."""
+"""Packages that launch files need: search, plan, installation and removal."""

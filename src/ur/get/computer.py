@@ -1,4 +1,4 @@
-"""Tables of this computer: rosdep's names, apt's packages, and the index of sources where one can be had."""
+"""Tables of this computer: rosdep's names, apt's packages, and the index of sources, if available."""
 
 from __future__ import annotations
 
@@ -38,29 +38,29 @@ _SECONDS = 20.0
 
 
 class PackageSources(Protocol):
-    """Texts and facts that a plan is made from. Nothing that is not here is an error."""
+    """Texts and facts from which a plan is made. Missing ones are not an error."""
 
     def read_rosdep(self) -> tuple[str, str]:
-        """The text of rosdep's table, and a note; the text is "" where there is none."""
+        """Return the text of rosdep's table, and a note; the text is "" if there is none."""
         ...
 
     def read_indexes(self, names: Sequence[str], /) -> tuple[tuple[tuple[str, str], ...], str]:
-        """Those distributions' names and the texts of their indexes, in order, and a note.
+        """Return the names of these distributions and the texts of their indexes, in order, and a note.
 
-        The name is "" for noetic and for an index that was asked for: these are given in place of DISTRIBUTIONS.
+        The name is "" for noetic and for requested indexes, which replace DISTRIBUTIONS.
         """
         ...
 
     def show_candidates(self, names: Sequence[str], /) -> Mapping[str, DebianPackage] | None:
-        """Those of the Debian packages that apt can install; None without apt."""
+        """Return the Debian packages, of these, that apt can install; None without apt."""
         ...
 
     def list_installed(self, names: Sequence[str], /) -> frozenset[str]:
-        """Those of the Debian packages that are installed."""
+        """Return the Debian packages, of these, that are installed."""
         ...
 
     def list_branches(self, url: str, /) -> Sequence[str] | None:
-        """List the branches of the repository at an address, the default one first; None where no user can be asked."""
+        """Return the branches of the repository at an address, the default one first; None if no user can be asked."""
         ...
 
 
@@ -71,11 +71,10 @@ def load_tables(
     hints: Sequence[SourceRepository] = (),
     names: Iterable[str] = (),
 ) -> tuple[Tables, tuple[str, ...]]:
-    """Read the tables for these packages, and notes on what is not here; the indexes only where one needs them.
+    """Read the tables for these packages, and return them with notes on missing ones. No package name is sent anywhere.
 
-    No name of a package leaves this computer.
-    `hints` are the repositories that files name, `names` the packages that are here, for a misspelt one.
-    Raises UserError: an index that was asked for cannot be read.
+    Indexes are read only if a package needs them. `hints` are the repositories that files name, `names` the installed
+    packages, for suggestions. Raises UserError if a requested index cannot be read.
     """
     wanted = tuple(missing)
     packages = [each.package for each in wanted]
@@ -101,13 +100,13 @@ def load_tables(
 
 
 def find_questions(plan: GetPlan) -> tuple[str, ...]:
-    """The addresses that would tell their servers the names of the packages that no table has, in order."""
+    """Return the addresses whose query would send package names that no table has, in order."""
     guesses = list_guesses(step.missing for step in plan.steps_by("unknown") if not step.missing.hidden)
     return tuple(dict.fromkeys(guess.url for _, guess in guesses))
 
 
 def confirm_tables(tables: Tables, plan: GetPlan, sources: PackageSources) -> Tables:
-    """Ask the servers at `find_questions`, and return the tables with their answers."""
+    """Query the servers at `find_questions`, and return the tables with their answers."""
     unknown = (step.missing for step in plan.steps_by("unknown") if not step.missing.hidden)
     return replace(tables, confirmed=confirm_guesses(unknown, sources.list_branches))
 
@@ -131,7 +130,10 @@ def _parse(text: str, distribution: str) -> tuple[Index | None, str]:
 
 
 class ThisComputer:
-    """The tables of this computer. `files` are indexes to read in place of ROS's own; `offline`: nothing is fetched."""
+    """The tables of this computer.
+
+    `files` are indexes to read in place of ROS's own; `offline`: nothing is downloaded.
+    """
 
     def __init__(self, environment: Mapping[str, str], files: Sequence[str] = (), *, offline: bool = False) -> None:
         self._cache = Path(user_folder("XDG_CACHE_HOME", environment)) / "ubiquity_launches"
@@ -139,7 +141,7 @@ class ThisComputer:
         self._offline = offline
 
     def read_rosdep(self) -> tuple[str, str]:
-        """See PackageSources. Debian's package is unpacked for its table, not installed."""
+        """See PackageSources. The Debian package is unpacked for its table, not installed."""
         kept = self._cache / "rosdep-debian.yaml"
         for path in (ROSDEP, kept):
             if text := _read(path):
@@ -150,7 +152,7 @@ class ThisComputer:
         return "", f"without rosdep's table (python3-rosdep2: {reason}) only apt's names were compared"
 
     def read_indexes(self, names: Sequence[str]) -> tuple[tuple[tuple[str, str], ...], str]:
-        """See PackageSources. Raises UserError: a file that was asked for and cannot be read."""
+        """See PackageSources. Raises UserError if a requested file cannot be read."""
         if self._files:
             return tuple(("", _read_given(path)) for path in self._files if names[0] == NEWEST), ""
         found: list[tuple[str, str]] = []

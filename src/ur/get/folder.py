@@ -35,10 +35,10 @@ _SKIPPED = frozenset({".git", ".hg", ".svn", "build", "devel", "node_modules"})
 
 @dataclass(slots=True)
 class _Found:
-    """The contents of the files of folders. `names`: the first file that names a package.
+    """The data collected from the files of folders. `names`: the first file that names a package.
 
-    `files`: paths below a package, each with the files that name it. `owners` are those of repositories and packages
-    at folders; `packages`, the folders of package.xml; `own`, the folders of repositories by their plain addresses.
+    `files`: paths below a package, each with the files that name it. `owners` are those of repositories and packages at
+    folders; `packages`, the folders of package.xml; `own`, the folders of repositories by their plain addresses.
     """
 
     names: dict[str, Path] = field(default_factory=dict)
@@ -55,9 +55,11 @@ class _Found:
 def folder_needs(
     folders: Sequence[str], environment: Mapping[str, str], progress: Progress = no_progress, *, manifests: bool = True
 ) -> Needs:
-    """Find what all launch files, xacro files and (`manifests`) package.xml below folders need. Raises UserError.
+    """Find the packages that all launch files, xacro files and (`manifests`) package.xml below folders need.
 
-    Packages in the folders count as installed: they are built there.
+    Raises UserError.
+
+    Packages in the folders count as installed, since they are built there.
     """
     for folder in folders:
         if not Path(folder).is_dir():
@@ -78,9 +80,9 @@ def folder_needs(
 
 
 def hints_above(path: Path) -> tuple[SourceRepository, ...]:
-    """The repositories that a file names, and those that the texts and lists beside and above it do.
+    """Return the repositories that a file names, and those that texts and lists beside it and in parent folders name.
 
-    The search ends with the repository or package that the file is in.
+    The search ends with the repository or package that contains the file.
     """
     hints: list[SourceRepository] = []
     links = [*read_links(text_of(path))]
@@ -102,13 +104,13 @@ def hints_above(path: Path) -> tuple[SourceRepository, ...]:
 
 
 def with_folders(folders: Sequence[str], environment: Mapping[str, str]) -> dict[str, str]:
-    """An environment in which ROS finds the packages of folders as well."""
+    """Return an environment in which ROS also finds the packages of folders."""
     paths = [str(Path(folder).resolve()) for folder in folders]
     return {**environment, "ROS_PACKAGE_PATH": os.pathsep.join([*paths, environment.get("ROS_PACKAGE_PATH", "")])}
 
 
 def dependencies_of_text(text: str) -> tuple[str, ...]:
-    """The packages that the text of a package.xml depends on; none for a damaged one."""
+    """Return the packages that the text of a package.xml depends on; empty for an invalid one."""
     try:
         return read_dependencies(text)
     except ValueError:
@@ -116,7 +118,7 @@ def dependencies_of_text(text: str) -> tuple[str, ...]:
 
 
 def text_of(path: Path) -> str:
-    """The text of a file; "" where it cannot be read."""
+    """Return the text of a file; "" if it cannot be read."""
     try:
         return read_text(path, _MAX_TEXT)
     except OSError:
@@ -212,10 +214,10 @@ def _list_texts(folder: str, found: _Found) -> Iterator[Path]:
 def find_renamed(
     package: str, paths: Collection[str], here: Iterable[str], has_file: Callable[[str, str], bool]
 ) -> str:
-    """Find the one package that is `package` under another name; "" where none or several may be.
+    """Find the only package that is `package` under another name; "" if there is none or several.
 
     Its name differs only in capitals and dashes, or it has the files that launch files expect in `package`: `paths`
-    below the package's folder. `has_file` is whether a package has a path.
+    below the package's folder. `has_file` returns whether a package has a path.
     """
     names = tuple(here)
     if like := [name for name in names if _plain(name) == _plain(package)]:

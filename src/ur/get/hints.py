@@ -40,10 +40,10 @@ _COMMON = re.compile(
 
 
 def read_hints(name: str, text: str, owner: str = "") -> Iterator[SourceRepository]:
-    """The repositories that a file of this name lists. Entries that cannot be used are left out.
+    """Yield the repositories that a file of this name lists. Invalid entries are left out.
 
     `owner` is the address ("https://github.com/NAME") that the relative addresses of submodules are below. A repository
-    that is put into a folder of another name comes a second time, with that name.
+    that is cloned into a folder of another name is yielded again with that name.
     """
     if name == ".gitmodules":
         yield from _submodules(text, owner)
@@ -56,7 +56,7 @@ def read_hints(name: str, text: str, owner: str = "") -> Iterator[SourceReposito
 
 
 def read_links(text: str) -> Iterator[SourceRepository]:
-    """The repositories that a text links to, each once, with the branch of a link to one."""
+    """Yield the repositories that a text links to, each once, with the branch of the link, if any."""
     found: dict[str, SourceRepository] = {}
     for each in islice(_LINK.finditer(text), _MAX_LINKS):
         name = each["name"].removesuffix(".git")
@@ -70,7 +70,10 @@ def read_links(text: str) -> Iterator[SourceRepository]:
 def join_hints(
     hints: Iterable[SourceRepository], links: Iterable[SourceRepository], own: Container[str]
 ) -> tuple[SourceRepository, ...]:
-    """List what files clone, then what they only link to, each once, without those at the plain addresses `own`."""
+    """Return the repositories that files clone, then those that are only linked, each once, without those in `own`.
+
+    `own` are plain addresses.
+    """
     found = dict.fromkeys(each for each in hints if plain_address(each.url) not in own)
     addresses = {plain_address(each.url) for each in found}
     found.update(
@@ -82,21 +85,21 @@ def join_hints(
 
 
 def plain_address(url: str) -> str:
-    """An address of git without what does not distinguish repositories: ".git", capitals, a slash, a user, ssh."""
+    """Return a git address without the parts that do not distinguish repositories: ".git", case, user, ssh ..."""
     address = re.sub(r"^https?://([^@/]+@)?(www\.)?", "", _secure(url).lower())
     return address.rstrip("/").removesuffix(".git")
 
 
 def find_hint(package: str, hints: Iterable[SourceRepository]) -> SourceRepository | None:
-    """The repository that has the name of a package, with "ros" or without."""
+    """Find the repository with the name of a package, with "ros" or without."""
     wanted = _plain(package)
     return next((hint for hint in hints if wanted in (_plain(hint.name), _stem(hint))), None)
 
 
 def find_related_hint(package: str, hints: Iterable[SourceRepository]) -> SourceRepository | None:
-    """The repository whose name, without "ros", begins the package's; of several the longest counts.
+    """Find the repository whose name, without "ros", begins the package's; of several the longest is used.
 
-    One that a text only links to must have "ros" in its name: others are of firmware, models, papers.
+    One that is only linked must have "ros" in its name: others are firmware, models, papers.
     """
     fitting = [
         hint
@@ -110,13 +113,13 @@ def find_related_hint(package: str, hints: Iterable[SourceRepository]) -> Source
 
 
 def is_of_family(package: str, hint: SourceRepository) -> bool:
-    """Return whether a package and a repository begin with the same word, which is more than a common one."""
+    """Return whether a package and a repository begin with the same word, unless that is a common one."""
     word = _plain(package).partition("_")[0]
     return len(word) >= _SHORTEST and not _COMMON.fullmatch(word) and _plain(hint.name).partition("_")[0] == word
 
 
 def parse_sources(text: str) -> dict[str, SourceRepository]:
-    """Read a table of repositories (see known_sources.tsv): by package. Raises ValueError, which names the line."""
+    """Parse a table of repositories (see known_sources.tsv) by package. Raises ValueError, which names the line."""
     found: dict[str, SourceRepository] = {}
     rows = [(n, line) for n, line in enumerate(text.splitlines(), 1) if line and not line.startswith("#")]
     for number, line in rows[1:]:
@@ -131,7 +134,7 @@ def parse_sources(text: str) -> dict[str, SourceRepository]:
 
 @cache
 def load_sources() -> dict[str, SourceRepository]:
-    """The table of repositories that no index of ROS holds."""
+    """Return the table of repositories that are in no index of ROS."""
     return parse_sources((files(__package__) / "known_sources.tsv").read_text(encoding="utf-8"))
 
 
@@ -178,7 +181,7 @@ def _clone(url: str, branch: str) -> SourceRepository | None:
 
 
 def _secure(url: object) -> str:
-    """The https address of one that needs a key or is not encrypted, on the hosts that have both."""
+    """Return the https address in place of one that needs a key or is not encrypted, for hosts that offer both."""
     text = url if isinstance(url, str) else ""
     if found := _SECURE_SHELL.fullmatch(text):
         return f"https://{found[1]}/{found[2]}"

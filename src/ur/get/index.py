@@ -1,4 +1,4 @@
-"""The index of a ROS distribution: which repository holds the source of a package."""
+"""The index of a ROS distribution: the source repositories of packages."""
 
 from __future__ import annotations
 
@@ -26,18 +26,18 @@ _DEPENDS = ("depend", "exec_depend", "run_depend", "build_depend", "build_export
 
 @dataclass(frozen=True, slots=True)
 class Index:
-    """Repositories by package, and the dependencies of those packages whose package.xml the index holds."""
+    """Repositories by package, and the dependencies of packages whose package.xml the index contains."""
 
     repositories: Mapping[str, SourceRepository] = field(default_factory=dict)
     dependencies: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
 
 
 def parse_index(text: str, distribution: str = "") -> Index:
-    """Read a distribution file (REP 143) or the cache that rosdistro makes of one.
+    """Parse a distribution file (REP 143) or rosdistro's cache of one.
 
-    `distribution` is noted in its repositories; "" stands for the one that most of its tags name, and for noetic. A
-    repository without a source is replaced by the one that its releases are made in. Repositories whose address is not
-    a plain one are left out. Raises ValueError.
+    `distribution` is stored in its repositories; "" stands for the one that most of its tags name, and for noetic. A
+    repository without a source is replaced by its release repository. Repositories with unusual characters in their
+    address are left out. Raises ValueError.
     """
     if len(text) > MAX_INDEX:
         raise ValueError(f"more than {MAX_INDEX:,} characters, expected a distribution file")
@@ -64,7 +64,7 @@ def parse_index(text: str, distribution: str = "") -> Index:
 
 
 def merge_indexes(indexes: Sequence[Index]) -> Index:
-    """One index of several: of those that have a package, the first counts."""
+    """Merge indexes: of those that have a package, the first takes precedence."""
     repositories: dict[str, SourceRepository] = {}
     dependencies: dict[str, tuple[str, ...]] = {}
     for index in reversed(indexes):
@@ -74,7 +74,7 @@ def merge_indexes(indexes: Sequence[Index]) -> Index:
 
 
 def read_dependencies(text: str) -> tuple[str, ...]:
-    """The packages that a package.xml depends on, each once. Raises ValueError for a text that is none."""
+    """Return the packages that a package.xml depends on, each once. Raises ValueError for an invalid text."""
     root = parse_xml(text, length=MAX_MANIFEST, elements=_MAX_ELEMENTS)
     if root.tag != "package":
         raise ValueError(f"<{root.tag}>, expected <package>")
@@ -83,7 +83,7 @@ def read_dependencies(text: str) -> tuple[str, ...]:
 
 
 def read_name(text: str) -> str:
-    """The name that a package.xml gives its package; "" for a text that is none."""
+    """Return the name in a package.xml; "" for an invalid text."""
     found = _NAME.search(text)
     return found[1] if found else ""
 
@@ -100,7 +100,7 @@ def _read_all(xmls: Mapping[object, object]) -> dict[str, tuple[str, ...]]:
 
 
 def _name_of(repositories: Mapping[object, object]) -> str:
-    """The distribution that most tags of releases name; "" for noetic, and where they name none."""
+    """Return the distribution that most release tags name; "" for noetic, and if they name none."""
     names = Counter(
         found[1]
         for entry in repositories.values()
@@ -147,7 +147,7 @@ def _text(value: object) -> str:
 
 
 def make_repository(name: str, source: object, distribution: str = "") -> SourceRepository | None:
-    """A repository of the keys `type`, `url` and `version`; None where one of them could harm a shell."""
+    """Return a repository from the keys `type`, `url` and `version`; None if one of them is unsafe in a shell."""
     if not isinstance(source, dict) or not _WORD.fullmatch(name) or "/" in name:
         return None
     kind, url = source.get("type"), source.get("url")

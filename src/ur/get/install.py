@@ -1,4 +1,4 @@
-"""Carry out a plan of `ur get`, and take back what was installed."""
+"""Execution of a plan of `ur get`, and removal of the installed packages."""
 
 from __future__ import annotations
 
@@ -21,8 +21,8 @@ from ur.source.diagnostic import UserError, error
 class InstallActions:
     """The changes to this computer, each of which a test can replace.
 
-    `install` and `remove` take Debian names, `simulate` the arguments of apt-get and returns what it prints,
-    `list_missing` names that are not installed, `make_package` makes xacro's in a folder.
+    `install` and `remove` take Debian names, `simulate` takes the arguments of apt-get and returns its output,
+    `list_missing` returns the names that are not installed, `make_package` builds the package xacro in a folder.
     """
 
     install: Callable[[Sequence[str]], None] = lambda names: install_debian([names], "what the launch files need")
@@ -35,8 +35,8 @@ class InstallActions:
 def install(plan: GetPlan, record: Path, packages: Path, actions: InstallActions | None = None) -> None:
     """Install the Debian and PyPI packages of a plan.
 
-    What is about to be installed is recorded first, with all that it brings along, so that an interruption can
-    be undone. After a failure the record has what was installed nevertheless. Raises UserError.
+    The packages, with all their dependencies, are recorded first, so that an interrupted installation can be undone.
+    After a failure the record has the packages that were installed nevertheless. Raises UserError.
     """
     actions = actions or InstallActions()
     known = before = load_record(record)
@@ -64,10 +64,10 @@ def install(plan: GetPlan, record: Path, packages: Path, actions: InstallActions
 
 
 def undo(record: Path, packages: Path, actions: InstallActions | None = None) -> InstallRecord:
-    """Remove what `install` has recorded, and nothing else; return what was removed.
+    """Remove the packages that `install` has recorded, and no others; return them.
 
-    Raises UserError: something that was installed later needs one of the packages, and nothing was removed; or apt-get
-    failed, and the record stays.
+    Raises UserError, without removing any, if a package installed later needs one of them; or if apt-get fails, with
+    the record unchanged.
     """
     actions = actions or InstallActions()
     known = load_record(record)
@@ -93,7 +93,7 @@ def undo(record: Path, packages: Path, actions: InstallActions | None = None) ->
 
 
 def simulate_apt(words: Sequence[str]) -> str:
-    """Return what `apt-get --simulate` prints; "" where it fails."""
+    """Return the output of `apt-get --simulate`; "" if it fails."""
     try:
         done = subprocess.run(
             ["apt-get", "-q", "--simulate", *words],

@@ -18,9 +18,9 @@ _FILE = re.compile(r"\$\(\s*find\s+([^\s()$]+)\s*\)/([\w.+-]+(?:/[\w.+-]+)*\.\w+
 
 
 def missing_of_plan(plan: Plan, world: World) -> tuple[Missing, ...]:
-    """The packages and programs that a plan's nodes on this computer lack, and the packages that its files name.
+    """Return the missing packages and programs of a plan's nodes on this computer, and of its files.
 
-    What a file of a missing package includes is not known before that package is here.
+    The includes of a file in a missing package are unknown until that package is installed.
     """
     found: dict[str, Missing] = {}
     for each in plan.diagnostics:
@@ -42,13 +42,13 @@ def missing_of_plan(plan: Plan, world: World) -> tuple[Missing, ...]:
 
 
 def named_packages(text: str) -> frozenset[str]:
-    """Every package that the text of a launch file or xacro file names, under any condition."""
+    """Return every package that the text of a launch file or xacro file names, under any condition."""
     names = (next(filter(None, each.groups()), "") for each in _NAMED.finditer(_without_comments(text)))
     return frozenset(name for name in names if PACKAGE_NAME.fullmatch(name))
 
 
 def named_files(text: str) -> frozenset[tuple[str, str]]:
-    """Every package with the path of a file below it that the text of a launch file or xacro file names."""
+    """Return every package and path below it that the text of a launch file or xacro file names."""
     return frozenset((package, path) for package, path in _FILE.findall(_without_comments(text)) if ".." not in path)
 
 
@@ -63,7 +63,7 @@ def _without_comments(text: str) -> str:
 
 
 def missing_of_names(names: Iterable[str] | Mapping[str, str], world: World) -> tuple[Missing, ...]:
-    """Those of the packages that are not installed, sorted; a mapping holds the files that name them."""
+    """Return the packages, of these, that are not installed, sorted; a mapping has the files that name them."""
     files = names if isinstance(names, Mapping) else {}
     return tuple(
         Missing(name, named_in=files.get(name, "")) for name in sorted(set(names)) if not is_installed(name, world)

@@ -16,23 +16,23 @@ from ur.source.suggest import get_command
 
 @dataclass(frozen=True, slots=True)
 class PackageOffer:
-    """Packages that are missing and could be searched for, sorted."""
+    """Missing packages that can be searched, sorted."""
 
     names: tuple[str, ...]
 
     @property
     def question(self) -> str:
-        """The question that is asked on a terminal."""
+        """Return the question for the terminal."""
         return f"{', '.join(self.names)} {'is' if len(self.names) == 1 else 'are'} missing; find out where to get that?"
 
     @property
     def help(self) -> str:
-        """The advice where no question can be asked."""
+        """Return the advice if no question can be asked."""
         command = f"ur get {' '.join(self.names)}" if len(self.names) > 1 else get_command(self.names[0])
         return f"{command} prints how to get what is missing, and asks before it installs"
 
     def count_installed(self, environment: Mapping[str, str]) -> int:
-        """The number of these packages that are found."""
+        """Return the number of these packages that are found."""
         from ur.launchfile.world.system import SystemWorld
 
         world = SystemWorld(add_own_package(environment))
@@ -40,12 +40,12 @@ class PackageOffer:
 
 
 def make_offer(names: Iterable[str]) -> PackageOffer | None:
-    """The offer for missing packages; None where none of them has a name that a package can have."""
+    """Return the offer for missing packages; None if none of them has a valid package name."""
     wanted = tuple(sorted(name for name in names if PACKAGE_NAME.fullmatch(name)))
     return PackageOffer(wanted) if wanted else None
 
 
 def install_xacro_package(environment: Mapping[str, str]) -> None:
-    """Make the ROS package xacro, recorded for `ur get --undo`. Raises UserError."""
+    """Build the ROS package xacro, and record it for `ur get --undo`. Raises UserError."""
     plan = GetPlan((InstallStep(Missing("xacro"), "pypi", ("xacro",)),))
     install(plan, record_path(environment), Path(own_packages(environment)))

@@ -1,4 +1,4 @@
-"""Repositories that the owner of a folder's repository may have beside it: guesses, until a server confirms them."""
+"""Guessed repositories of the same owner as a folder's repository, until a server confirms them."""
 
 from __future__ import annotations
 
@@ -33,27 +33,27 @@ _SECONDS = 20.0
 
 
 def owners_of_config(text: str) -> tuple[str, ...]:
-    """List the addresses of the owners of a repository's remotes ("https://github.com/NAME"), from git's config."""
+    """Return the addresses of the owners of a repository's remotes ("https://github.com/NAME"), from git's config."""
     return _owners(_CONFIG_URL.findall(text))
 
 
 def owners_of_manifest(text: str) -> tuple[str, ...]:
-    """List the addresses of the owners of the repository that a package.xml names."""
+    """Return the addresses of the owners of the repository that a package.xml names."""
     return _owners(_MANIFEST_URL.findall(text))
 
 
 def owners_of_repositories(repositories: Iterable[SourceRepository]) -> tuple[str, ...]:
-    """List the addresses of the owners of the first repositories that files of a folder name."""
+    """Return the addresses of the owners of the first repositories that files of a folder name."""
     return _owners(each.url for each in repositories)[:_OTHERS]
 
 
 def addresses_of(folder: Path) -> tuple[str, ...]:
-    """List the addresses of the remotes of the repository at a folder; nothing where git's config cannot be read."""
+    """Return the addresses of the remotes of the repository at a folder; empty if git's config cannot be read."""
     return tuple(_CONFIG_URL.findall(_read_config(folder)))
 
 
 def guess_repositories(missing: Missing, owners: Iterable[str] | None = None) -> Iterator[SourceRepository]:
-    """The repositories that would have the name of a package, for each of the owners that it may belong to."""
+    """Yield repositories with the name of a package, for each of its possible owners."""
     for owner in missing.owners if owners is None else owners:
         for name in dict.fromkeys((missing.package, missing.package.replace("_", "-"))):
             if repository := make_repository(name, {"type": "git", "url": f"{owner}/{name}.git"}):
@@ -61,7 +61,7 @@ def guess_repositories(missing: Missing, owners: Iterable[str] | None = None) ->
 
 
 def list_guesses(missing: Iterable[Missing]) -> tuple[tuple[str, SourceRepository], ...]:
-    """List the repositories that may hold packages, those of the folder's owners first, each with its package."""
+    """Return the repositories that may contain packages, those of the folder's owners first, each with its package."""
     wanted = [each for each in missing if not each.itself]
     own = ((each.package, guess) for each in wanted for guess in guess_repositories(each))
     others = ((each.package, guess) for each in wanted for guess in guess_repositories(each, each.others))
@@ -71,10 +71,10 @@ def list_guesses(missing: Iterable[Missing]) -> tuple[tuple[str, SourceRepositor
 def confirm_guesses(
     missing: Iterable[Missing], list_branches: Callable[[str], Sequence[str] | None]
 ) -> dict[str, SourceRepository | None]:
-    """Ask which guesses exist; return those by package, and None for a package of which no guess exists.
+    """Query which guesses exist; return those by package, and None for a package without an existing guess.
 
-    `list_branches` is `ask_server` or replaces it: where the server cannot be asked, nothing more is asked. The
-    version is the branch for ROS 1 of a repository that has one beside its default branch.
+    `list_branches` is `ask_server` or a replacement; the queries end if a server cannot be reached. The version is the
+    branch for ROS 1 of a repository that has one beside its default branch.
     """
     found: dict[str, SourceRepository | None] = {}
     for package, guess in list_guesses(missing):
@@ -89,7 +89,7 @@ def confirm_guesses(
 
 
 def choose_branch(branches: Sequence[str]) -> str:
-    """The branch for ROS 1 by its name, the newest; "" where the default one, which is first, is it or none is."""
+    """Return the newest branch for ROS 1 by its name; "" if the default one, which is first, is it or there is none."""
     for word in _ROS1:
         fitting = sorted((each for each in branches if word in _words(each)), key=lambda each: (len(each), each))
         if branches and branches[0] in fitting:
@@ -100,7 +100,7 @@ def choose_branch(branches: Sequence[str]) -> str:
 
 
 def owners_above(path: Path) -> tuple[str, ...]:
-    """List the owners of the repository that a folder or file is in."""
+    """Return the owners of the repository that contains a folder or file."""
     for folder in (path, *path.parents):
         if (folder / ".git").exists():
             return read_owners(folder)
@@ -108,7 +108,7 @@ def owners_above(path: Path) -> tuple[str, ...]:
 
 
 def read_owners(folder: Path) -> tuple[str, ...]:
-    """List the owners of the repository or submodule at a folder; nothing where git's config cannot be read."""
+    """Return the owners of the repository or submodule at a folder; empty if git's config cannot be read."""
     return owners_of_config(_read_config(folder))
 
 
@@ -116,9 +116,9 @@ Runner = Callable[[Sequence[str], dict[str, str]], "subprocess.CompletedProcess[
 
 
 def ask_server(url: str, run: Runner | None = None) -> tuple[str, ...] | None:
-    """List the branches of the public repository at an address, the default one first.
+    """Return the branches of the public repository at an address, the default one first; None without an answer.
 
-    None of a repository that does not exist or is empty. Returns None where the server cannot be asked.
+    The result is empty for a repository that does not exist or is empty.
     """
     # Outside of any repository, whose settings are not the user's, and without questions for a password.
     command = ["git", "-c", "credential.helper=", "ls-remote", "--quiet", "--symref", url, "HEAD", "refs/heads/*"]

@@ -1,4 +1,4 @@
-"""Missing packages and tables to a plan: a pure function."""
+"""Derivation of a plan from missing packages and tables: a pure function."""
 
 from __future__ import annotations
 
@@ -27,14 +27,13 @@ _NEAR = 0.93  # likeness of a misspelt name; related packages have similar ones,
 
 @dataclass(frozen=True, slots=True)
 class Tables:
-    """All that a plan is made from.
+    """The inputs of a plan.
 
-    `rosdep`: Debian names by ROS package. `candidates`: the packages that apt can install among those that were asked
-    about; None where there is no apt, and rosdep's table is believed. `installed`: names of Debian packages.
-    `index`: sources; None where there is none. `distribution`: that of packages.ros.org, "" without it. `hints`: the
-    repositories that files of a folder name. `known`: repositories of packages that no index has. `ros2`: the index of
-    ROS 2. `names`: packages that are here. `confirmed`: repositories that exist beside that of the
-    folder, None for a package that has none there.
+    `rosdep`: Debian names by ROS package. `candidates`: the queried packages that apt can install; None without apt,
+    where rosdep's table is trusted. `installed`: names of Debian packages. `index`: sources; None if not available.
+    `distribution`: that of packages.ros.org, "" without it. `hints`: the repositories that files of a folder name.
+    `known`: repositories of packages that are in no index. `ros2`: the index of ROS 2. `names`: installed packages.
+    `confirmed`: existing repositories of the folder's owners, None for a package without one.
     """
 
     rosdep: Mapping[str, tuple[str, ...]]
@@ -52,7 +51,7 @@ class Tables:
 def make_plan(
     missing: Iterable[Missing], tables: Tables, is_there: Callable[[str], bool], notes: Iterable[str] = ()
 ) -> GetPlan:
-    """Find the way to get each missing package. `is_there` is whether a ROS package is installed."""
+    """Determine the source of each missing package. `is_there` returns whether a ROS package is installed."""
     wanted: dict[str, Missing] = {}
     for each in missing:
         wanted.setdefault(each.package, each)

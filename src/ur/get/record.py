@@ -1,4 +1,4 @@
-"""The record of what `ur get` has installed, so that it can be removed again."""
+"""The record of the packages that `ur get` has installed, so that it can remove them."""
 
 from __future__ import annotations
 
@@ -21,23 +21,23 @@ DebianName = Annotated[str, Meta(pattern=r"^[a-z0-9][a-z0-9+.-]*\Z", description
 
 @dataclass(frozen=True, slots=True)
 class InstallRecord:
-    """Debian packages and packages from PyPI that were not installed before `ur get` was asked for them."""
+    """Debian packages and packages from PyPI that were not installed before `ur get` installed them."""
 
     debian: tuple[DebianName, ...] = ()
     pypi: tuple[str, ...] = ()
 
     def adding(self, debian: Iterable[str] = (), pypi: Iterable[str] = ()) -> InstallRecord:
-        """A record with more packages, each once."""
+        """Return a record with more packages, each once."""
         return InstallRecord(tuple(dict.fromkeys((*self.debian, *debian))), tuple(dict.fromkeys((*self.pypi, *pypi))))
 
 
 def record_path(environment: Mapping[str, str]) -> Path:
-    """The file of the record."""
+    """Return the file of the record."""
     return Path(user_folder("XDG_STATE_HOME", environment)) / "ubiquity_launches" / "get.json"
 
 
 def load_record(path: Path) -> InstallRecord:
-    """Read the record; empty where there is none. Raises UserError when it is damaged."""
+    """Read the record; empty if there is none. Raises UserError if it is damaged."""
     try:
         text = path.read_text(encoding="utf-8")
     except FileNotFoundError:
@@ -54,7 +54,7 @@ def load_record(path: Path) -> InstallRecord:
 
 
 def store_record(record: InstallRecord, path: Path) -> None:
-    """Write the record, or remove it when it is empty. Raises UserError; then the record is as it was."""
+    """Write the record, or remove it if it is empty. Raises UserError, with the record unchanged."""
     try:
         if record == InstallRecord():
             path.unlink(missing_ok=True)

@@ -11,12 +11,12 @@ WORKSPACE = "~/catkin_ws"
 
 
 def render_plan(plan: GetPlan) -> str:
-    """Write what is installed, what has to be built, and what is unknown; a line ends each part."""
+    """Return the packages to install, those to build, and unknown ones; each part ends with a summary line."""
     return "".join(f"{printable(line)}\n" for line in _lines(plan))
 
 
 def clone_command(repository: SourceRepository) -> str:
-    """The command that puts a repository's source into the workspace."""
+    """Return the command that clones a repository into the workspace."""
     target = f"{WORKSPACE}/src/{repository.name}"
     version = repository.version
     if repository.type == "git":

@@ -15,8 +15,8 @@ PACKAGE_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]{0,99}")  # REP 127, and the ca
 class SourceRepository:
     """A repository of source code, as the index of a ROS distribution names it.
 
-    `distribution` is that of the index ("kinetic"), "" where it is not an older one than noetic. `url` and `version`
-    hold only characters that a shell leaves alone; `type` is git, hg or svn. `linked`: a text only links to it.
+    `distribution` is that of the index ("kinetic"), "" unless it is older than noetic. `url` and `version` contain only
+    characters that are safe in a shell; `type` is git, hg or svn. `linked`: a text only links to it.
     """
 
     name: str
@@ -29,13 +29,13 @@ class SourceRepository:
 
 @dataclass(frozen=True, slots=True)
 class Missing:
-    """A package that is not installed. `program` is set where only this program of an installed package is missing.
+    """A package that is not installed.
 
-    `named_in` is a file that names it, where that is known. `owners` are the addresses below which its authors may
-    have it ("https://github.com/NAME"), `others` those of repositories that files of the folder clone, or
-    that begin with the package's first word and are linked to. `renamed` is the package of the same folder that is
-    probably meant; `hidden`, a folder that has its package.xml and in which ROS does not find it; `itself`, the folder
-    of the repository that has its name.
+    `program` is set if only this program of an installed package is missing. `named_in` is a file that names it, if
+    known. `owners` are the addresses of its possible authors ("https://github.com/NAME"), `others` those of
+    repositories that files of the folder clone, or of linked ones that begin with the package's first word. `renamed`
+    is the similar package of the same folder that is probably meant; `hidden`, a folder with its package.xml in which
+    ROS does not find it; `itself`, the folder of the repository with its name.
     """
 
     package: str
@@ -50,9 +50,9 @@ class Missing:
 
 @dataclass(frozen=True, slots=True)
 class Needs:
-    """Missing packages, a test for packages that are there, and notes on what could not be read.
+    """Missing packages, a test for installed ones, and notes on unreadable files.
 
-    `hints` are the repositories that the files of folders name, and `names` the packages that are there.
+    `hints` are the repositories that the files of folders name, and `names` the installed packages.
     """
 
     missing: tuple[Missing, ...]
@@ -64,13 +64,13 @@ class Needs:
 
 @dataclass(frozen=True, slots=True)
 class InstallStep:
-    """One missing package and the way to get it.
+    """One missing package and its source (`way`).
 
-    The way is "other" for a Debian package that is not one of ROS: a stranger's package.xml may name any.
-    `names` are Debian packages, or PyPI's project; `repository` is set for "source". `needs` are the packages that it
-    depends on and that are missing as well; None where its package.xml is unknown before it is here. `reason` says
-    for "unknown" why there is no way, and for "source" what is special about its repository. `here`: nothing has to be
-    installed, the reason says what to change in the folder. `chosen`: the user has agreed to it already.
+    The way is "other" for a Debian package outside of ROS, since an untrusted package.xml may name any. `names` are
+    Debian packages, or the project on PyPI; `repository` is set for "source". `needs` are its missing dependencies;
+    None while its package.xml is unknown. `reason` explains for "unknown" why there is no source, and for "source"
+    peculiarities of its repository. `here`: nothing has to be installed, and the reason describes the change in the
+    folder. `chosen`: the user has already agreed to it.
     """
 
     missing: Missing
@@ -85,21 +85,21 @@ class InstallStep:
 
 @dataclass(frozen=True, slots=True)
 class GetPlan:
-    """All missing packages with their ways, sorted by package. `notes` name the tables and indices that are missing."""
+    """All missing packages with their sources, sorted by package. `notes` name missing tables and indexes."""
 
     steps: tuple[InstallStep, ...]
     notes: tuple[str, ...] = ()
 
     def steps_by(self, way: Way) -> tuple[InstallStep, ...]:
-        """The steps of one way."""
+        """Return the steps of one way."""
         return tuple(step for step in self.steps if step.way == way)
 
     @property
     def debian(self) -> tuple[str, ...]:
-        """The Debian packages to install, each once."""
+        """Return the Debian packages to install, each once."""
         return tuple(dict.fromkeys(name for step in self.steps_by("debian") for name in step.names))
 
     @property
     def installs(self) -> bool:
-        """True where something of the plan is installed by `ur get` itself."""
+        """True if `ur get` itself installs a part of the plan."""
         return bool(self.steps_by("debian") or self.steps_by("pypi"))

@@ -1,4 +1,4 @@
-"""Names of Debian packages for ROS packages: the table of Debian's rosdep, and the rules that apt's names follow."""
+"""Debian package names of ROS packages: the table of Debian's rosdep, and the naming rules of apt packages."""
 
 from __future__ import annotations
 
@@ -24,16 +24,16 @@ PYPI: Mapping[str, str] = {"xacro": "xacro"}
 
 @dataclass(frozen=True, slots=True)
 class DebianPackage:
-    """A Debian package that apt can install. `for_ros`: its maintainers or its home page are ROS's."""
+    """A Debian package that apt can install. `for_ros`: its maintainers or home page belong to ROS."""
 
     name: str
     for_ros: bool
 
 
 def parse_table(text: str) -> dict[str, tuple[str, ...]]:
-    """Read a table of rosdep (`PACKAGE: {debian: [NAME, ...]}`); entries of another form are left out.
+    """Parse a table of rosdep (`PACKAGE: {debian: [NAME, ...]}`), without entries of another form.
 
-    Raises ValueError: the text is too long or is not such a table.
+    Raises ValueError if the text is too long or is not such a table.
     """
     if len(text) > _MAX_TABLE:
         raise ValueError(f"more than {_MAX_TABLE:,} characters, expected a table of rosdep")
@@ -52,7 +52,7 @@ def parse_table(text: str) -> dict[str, tuple[str, ...]]:
 
 
 def possible_names(package: str, distribution: str = "") -> tuple[tuple[str, ...], ...]:
-    """The sets of Debian packages that may hold a ROS package, best first, by the rules that apt's names follow.
+    """Return the sets of Debian packages that may contain a ROS package, best first, by the naming rules.
 
     `distribution` ("noetic") is that of packages.ros.org.
     """
@@ -63,7 +63,7 @@ def possible_names(package: str, distribution: str = "") -> tuple[tuple[str, ...
 
 
 def parse_candidates(text: str) -> dict[str, DebianPackage]:
-    """Read what `apt-cache show` prints: by name, the packages that apt can install."""
+    """Parse the output of `apt-cache show`: the packages that apt can install, by name."""
     found = {}
     for paragraph in text.split("\n\n"):
         fields = dict(line.split(": ", 1) for line in paragraph.splitlines() if ": " in line and line[0] != " ")
@@ -81,13 +81,13 @@ def parse_candidates(text: str) -> dict[str, DebianPackage]:
 
 
 def parse_simulation(text: str, verb: str) -> tuple[str, ...]:
-    """List the packages that `apt-get --simulate` would install (`verb` "Inst") or remove ("Remv")."""
+    """Return the packages that `apt-get --simulate` would install (`verb` "Inst") or remove ("Remv")."""
     lines = (line.split() for line in text.splitlines())
     return tuple(words[1].partition(":")[0] for words in lines if len(words) > 1 and words[0] == verb)
 
 
 def all_names(packages: Iterable[str], table: Mapping[str, tuple[str, ...]], distribution: str) -> tuple[str, ...]:
-    """Every Debian name that may belong to one of the packages: one question to apt answers for all of them."""
+    """Return every possible Debian name of the packages, for a single query to apt."""
     names: dict[str, None] = {}
     for package in packages:
         names.update(dict.fromkeys((*table.get(package, ()), *SPLIT.get(package, ()))))

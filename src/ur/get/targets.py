@@ -1,4 +1,4 @@
-"""Missing packages of what a command line names: launch files, packages, folders."""
+"""Missing packages of a command line's targets: launch files, packages, folders."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from ur.source.diagnostic import Severity, UserError, error
 
 
 def find_needs(words: Sequence[str], environment: Mapping[str, str]) -> Needs:
-    """Find what is missing for a launch file with its arguments, for folders, or for packages. Raises UserError."""
+    """Find the missing packages of a launch file with its arguments, of folders, or of packages. Raises UserError."""
     world = SystemWorld(environment)
     named = [word for word in words if ":=" not in word]
     if any(word.endswith(SUFFIXES) for word in named) or (len(named) == 1 and Path(named[0]).is_file()):

@@ -1,4 +1,4 @@
-"""PyPI's xacro as a ROS package of the user's, for releases that have no package of it."""
+"""PyPI's xacro as a ROS package of the user, for releases without a package of it."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ xacro.main()
 
 
 def install_xacro(packages: Path, run: Run = run_installer) -> None:
-    """Make the package `xacro` in the folder `packages`, completely or not at all. Raises UserError."""
+    """Build the package `xacro` in the folder `packages`, completely or not at all. Raises UserError."""
     target, new = packages / "xacro", packages / f".xacro.{os.urandom(4).hex()}.ur-new"
     try:
         make_folder(str(packages))
@@ -68,7 +68,7 @@ def install_xacro(packages: Path, run: Run = run_installer) -> None:
 
 
 def remove_package(folder: Path) -> None:
-    """Remove the folder of a package so that it is there completely or not at all. Raises OSError."""
+    """Remove the folder of a package atomically. Raises OSError."""
     replaced = folder.with_name(f".{folder.name}.{os.urandom(4).hex()}.ur-new")
     try:
         folder.rename(replaced)

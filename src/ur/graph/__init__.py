@@ -1,3 +1,3 @@
-"""Pictures of launch files and of what runs: trees and graphs, and the forms they are written in."""
+"""Pictures of launch files and of running nodes: trees and graphs, and their output formats."""
 
 from __future__ import annotations

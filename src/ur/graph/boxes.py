@@ -1,4 +1,4 @@
-"""Graphs of launch files, nodes and topics, as values that every drawer takes."""
+"""Graphs of launch files, nodes and topics, as values for all output formats."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class Branch:
 class GraphBox:
     """A box of a graph; `title` is its long form, `note` a second line.
 
-    `link` is the address that a picture leads to. `cases` are keys of those that the box exists in; none: all.
+    `link` is the target of the box in a picture. `cases` are keys of the cases in which the box exists; empty: all.
     """
 
     id: str
@@ -40,9 +40,10 @@ class GraphBox:
 
 @dataclass(frozen=True, slots=True)
 class Arrow:
-    """An arrow between two boxes, by id. `sure` is False where it depends on something; a `fault` must not be.
+    """An arrow between two boxes, by id.
 
-    `cases` are keys of those that the arrow exists in; none: all.
+    `sure` is False if it depends on conditions; a `fault` is an error. `cases` are keys of the cases in which the arrow
+    exists; empty: all.
     """
 
     source: str
@@ -55,7 +56,7 @@ class Arrow:
 
 @dataclass(frozen=True, slots=True)
 class DrawnGraph:
-    """Boxes and arrows, each once, in the order in which they were met."""
+    """Boxes and arrows, each once, in the order of their first occurrence."""
 
     boxes: tuple[GraphBox, ...]
     arrows: tuple[Arrow, ...]

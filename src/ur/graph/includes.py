@@ -12,7 +12,7 @@ _Place = tuple[tuple[str, int], ...]  # the <include> tags that lead to a file
 
 
 def build_trees(plan: Plan, files: Sequence[str]) -> tuple[Branch, ...]:
-    """A tree for each of the launch files that a plan was made of. `files` are absolute paths.
+    """Return a tree for each launch file of a plan. `files` are absolute paths.
 
     A file that could not be read is `missing`; one that includes itself is drawn once more, as `cycle`, and ends there.
     """
@@ -62,7 +62,7 @@ def _node(node: NodeSpec) -> Branch:
 
 
 def merge_trees(trees: Sequence[Branch]) -> DrawnGraph:
-    """The trees as one graph: a file that is included twice is one box."""
+    """Return the trees as one graph: a file that is included twice is one box."""
     boxes: dict[str, GraphBox] = {}
     arrows: dict[tuple[str, str], Arrow] = {}
     for tree in trees:
@@ -78,7 +78,7 @@ def merge_trees(trees: Sequence[Branch]) -> DrawnGraph:
 
 
 def walk_tree(tree: Branch) -> Iterator[tuple[Branch, Branch | None]]:
-    """Every branch with the one it grows from, top down."""
+    """Yield every branch with its parent, top down."""
     stack: list[tuple[Branch, Branch | None]] = [(tree, None)]
     while stack:
         branch, above = stack.pop()

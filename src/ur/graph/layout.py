@@ -1,9 +1,9 @@
 """Layout of a graph: boxes in layers from left to right, with few crossings.
 
-The method is Sugiyama's in its simplest form: arrows that close a circle are turned round, a box stands one layer right
-of the last that points to it, an arrow that passes a layer has a bend there, and layers are sorted by the mean place of
-their neighbours, to and fro.
-(K. Sugiyama, S. Tagawa, M. Toda, IEEE Transactions on Systems, Man, and Cybernetics 11(2), 1981.)
+The method is Sugiyama's in its simplest form: arrows that close a cycle are reversed, a box is one layer to the right
+of the last one that points to it, an arrow that crosses a layer has a bend there, and layers are sorted by the mean
+position of their neighbours, in both directions. (K. Sugiyama, S. Tagawa, M. Toda, IEEE Transactions on Systems, Man,
+and Cybernetics 11(2), 1981.)
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ class BoxPlace:
 
 @dataclass(frozen=True, slots=True)
 class GraphLayout:
-    """A layout in px: its size, the place of each box by id, and the points that a long arrow passes, by its ends."""
+    """A layout in px: its size, the position of each box by id, and the bends of long arrows, by their ends."""
 
     width: float
     height: float
@@ -44,7 +44,7 @@ class GraphLayout:
 
 
 def lay_out_graph(graph: DrawnGraph) -> GraphLayout:
-    """Place the boxes. Deterministic; linear in boxes and arrows but for the sorting."""
+    """Place the boxes. Deterministic; linear in boxes and arrows except for the sorting."""
     ids = [box.id for box in graph.boxes]
     sizes = {box.id: _measure(box) for box in graph.boxes}
     pairs = _break_circles(ids, graph.arrows)
@@ -81,7 +81,7 @@ def _through(place: BoxPlace) -> tuple[tuple[float, float], tuple[float, float]]
 def _bend_long_arrows(
     layers: list[list[str]], pairs: Sequence[tuple[str, str]]
 ) -> tuple[list[tuple[str, str]], dict[tuple[str, str], list[str]]]:
-    """Put a bend into each layer that an arrow passes; the arrows from layer to layer, and the bends of each."""
+    """Add a bend to each layer that an arrow crosses; return arrows between adjacent layers, and the bends of each."""
     level = {each: number for number, layer in enumerate(layers) for each in layer}
     links: list[tuple[str, str]] = []
     bends: dict[tuple[str, str], list[str]] = {}
@@ -96,7 +96,7 @@ def _bend_long_arrows(
 
 
 def _break_circles(ids: Sequence[str], arrows: Sequence[Arrow]) -> list[tuple[str, str]]:
-    """The arrows as pairs, those that go back to a box they come from turned round."""
+    """Return the arrows as pairs, with those that close a cycle reversed."""
     after: dict[str, list[str]] = {each: [] for each in ids}
     for arrow in arrows:
         after[arrow.source].append(arrow.target)

@@ -1,4 +1,4 @@
-"""Drawer of graphs: SVG as a file of its own, or as a part of a page that has the styles."""
+"""SVG output of graphs, as a separate file, or as a part of a page that has the styles."""
 
 from __future__ import annotations
 
@@ -32,15 +32,15 @@ _STYLE = """\
 
 
 def write_svg(graph: DrawnGraph, title: str) -> str:
-    """Draw a picture of its own, with `title` as its name; it follows the reader's light or dark scheme."""
+    """Return a separate picture with `title` as its name; it follows the reader's light or dark scheme."""
     return printable_lines(_draw(graph, title, 'xmlns="http://www.w3.org/2000/svg" role="img"', _STYLE))
 
 
 def draw_inline(graph: DrawnGraph, title: str) -> str:
-    """Draw a graph as an element of a page, of class `graph`; nothing for one without arrows.
+    """Return a graph as an element of a page, of class `graph`; empty for one without arrows.
 
-    Classes are the kinds of boxes, `note`, `label`, and `fault` and `unsure` of arrows. What exists in some cases
-    only carries them in `data-cases`.
+    Classes are the kinds of boxes, `note`, `label`, and `fault` and `unsure` of arrows. Items that exist in some cases
+    only list them in `data-cases`.
     """
     return _draw(graph, title, 'class="graph" role="group"', "") if graph.arrows else ""
 
@@ -107,7 +107,7 @@ def _draw_arrow(arrow: Arrow, picture: GraphLayout) -> str:
 
 
 def _dip(source: BoxPlace, target: BoxPlace) -> float | None:
-    """The lowest control point of an arrow that does not lead to the right; None for one that does."""
+    """Return the lowest control point of an arrow that does not lead to the right; None for one that does."""
     return None if target.x > source.x else max(source.y + source.height, target.y + target.height) + 26
 
 

@@ -26,7 +26,7 @@ _DOT_SHAPES = {"file": "note", "node": "ellipse", "topic": "box", "service": "cd
 
 
 def draw_tree(tree: Branch, *, unicode: bool = True) -> Iterator[Line]:
-    """The lines of an include tree."""
+    """Yield the lines of an include tree."""
     signs = _LINES if unicode else _PLAIN
     yield (tree.label, tree.kind), *_note(tree)
     yield from _draw_children(tree.children, "", signs)
@@ -46,7 +46,7 @@ def _note(branch: Branch) -> Line:
 
 
 def draw_graph(graph: DrawnGraph, *, unicode: bool = True) -> Iterator[Line]:
-    """The nodes of a graph, each with what it sends to which nodes, and what it receives from which."""
+    """Yield the nodes of a graph, each with its topics and nodes in both directions."""
     signs = _LINES if unicode else _PLAIN
     boxes = {box.id: box for box in graph.boxes}
     around = neighbours(graph)
@@ -79,7 +79,7 @@ def _connection(sign: str, middle: GraphBox, ends: Sequence[str], label: str) ->
 
 
 def write_mermaid(graph: DrawnGraph) -> str:
-    """A Mermaid flow chart."""
+    """Return a Mermaid flow chart."""
     lines = ["graph LR"]
     for box in graph.boxes:
         left, right = _SHAPES[box.kind]
@@ -99,7 +99,7 @@ def _escape(text: str) -> str:
 
 
 def write_dot(graph: DrawnGraph) -> str:
-    """A graph for graphviz."""
+    """Return a graph for Graphviz."""
     lines = ["digraph launch {", "  rankdir=LR;", '  node [fontname="sans-serif"];']
     for box in graph.boxes:
         colour = ", color=red, fontcolor=red" if box.kind == "missing" else ""

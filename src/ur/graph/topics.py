@@ -1,4 +1,4 @@
-"""Nodes and what they talk over: of a plan, without starting it, or of what a master knows."""
+"""Nodes and their topics, services and actions: of a plan, without starting it, or of a running master."""
 
 from __future__ import annotations
 
@@ -37,10 +37,10 @@ class _Builder:
 
 
 def graph_plan(plan: Plan) -> DrawnGraph:
-    """Graph of the topics, services and actions that the nodes of a plan are known to use.
+    """Return the graph of the topics, services and actions that the nodes of a plan use.
 
-    Known from `ready:` comments, the table of well-known nodes, the parameters and base of ours, and remaps: of other
-    nodes only the box is there.
+    Sources are `ready:` comments, the table of well-known nodes, the parameters and base of this project's nodes, and
+    remaps; other nodes are boxes without arrows.
     """
     builder = _Builder()
     params = {param.name: param.value for param in plan.params}
@@ -81,9 +81,9 @@ def _connect(builder: _Builder, node: str, use: NameUse) -> None:
 
 
 def graph_system(state: Sequence[Iterable[tuple[str, Sequence[str]]]], only: Iterable[str] = ()) -> DrawnGraph:
-    """Graph of the nodes and topics of a master: `state` is the result of `getSystemState`.
+    """Return the graph of the nodes and topics of a master: `state` is the result of `getSystemState`.
 
-    `only`: the nodes whose neighbourhood is wanted; without any, all. Services that every node has are left out.
+    `only`: the nodes whose neighbourhood is shown; if empty, all. Services that every node has are left out.
     """
     builder = _Builder()
     publishers, subscribers = (dict(each) for each in state[:2])
@@ -113,7 +113,7 @@ def _ends(arrow: Arrow) -> tuple[str, str]:
 
 
 def neighbours(graph: DrawnGraph) -> Mapping[str, tuple[list[Arrow], list[Arrow]]]:
-    """By id of a box: the arrows that leave it, and those that come in."""
+    """Return by id of a box its outgoing and its incoming arrows."""
     found: dict[str, tuple[list[Arrow], list[Arrow]]] = {box.id: ([], []) for box in graph.boxes}
     for arrow in graph.arrows:
         found[arrow.source][0].append(arrow)
@@ -122,9 +122,9 @@ def neighbours(graph: DrawnGraph) -> Mapping[str, tuple[list[Arrow], list[Arrow]
 
 
 def find_base_uses(node: NodeSpec, params: Mapping[str, ParamValue]) -> tuple[NameUse, ...]:
-    """Find what a simulator or driver adapter of ours publishes and subscribes because of its parameters and base.
+    """Return the topics that a simulator or driver adapter of this project uses because of its parameters and base.
 
-    Where the base is not known, a lidar's topic is in doubt. Empty for other nodes.
+    If the base is unknown, a lidar's topic is uncertain. Empty for other nodes.
     """
     find = _NODES.get(node.type) if node.package == _PACKAGE else None
     if find is None:

@@ -1,1 +1,1 @@
-"""Stored maps: folders that hold a map's picture beside the scans and the pose graph that it was drawn from."""
+"""Stored maps: folders with a map's picture, and the scans and the pose graph from which it was drawn."""

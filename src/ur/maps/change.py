@@ -1,4 +1,4 @@
-"""Changes of a stored map by hand, for every user interface: edits, turns, and the files that follow from them."""
+"""Manual changes of a stored map, for every user interface: edits, rotations, and the resulting files."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ PLACE = re.compile(r"[A-Za-z][A-Za-z0-9_-]{0,63}")
 
 
 def make_edit(kind: EditKind, points: list[Point]) -> MapEdit:
-    """Make an edit of points (m); two opposite corners stand for a rectangle. Raises UserError."""
+    """Return an edit with points (m); two opposite corners stand for a rectangle. Raises UserError."""
     if not all(math.isfinite(value) and abs(value) <= _FARTHEST for point in points for value in point):
         raise _bad(f"a point of {kind} is farther away than {_FARTHEST:g} m, expected metres in the frame of the map")
     if len(points) < 2 or len(points) > MOST_POINTS:
@@ -39,7 +39,7 @@ def make_edit(kind: EditKind, points: list[Point]) -> MapEdit:
 
 
 def add_edit(store: MapStore, name: str, edit: MapEdit) -> int:
-    """Change a map by an edit; returns the number of cells that differ. Raises UserError, or OSError."""
+    """Apply an edit to a map; return the number of changed cells. Raises UserError, or OSError."""
     name = store.resolve(name)
     with store.claim(name):
         record, image = store.record(name), read_map(store.picture(name))
@@ -48,7 +48,7 @@ def add_edit(store: MapStore, name: str, edit: MapEdit) -> int:
 
 
 def add_to_record(name: str, record: MapRecord, edits: Sequence[MapEdit]) -> MapRecord:
-    """The record of a map with more edits. Raises UserError: it would have too many."""
+    """Return the record of a map with more edits. Raises UserError if there would be too many."""
     after = replace(record, edits=(*record.edits, *edits))
     if len(after.edits) > MOST_EDITS or len(render_record(after)) > LARGEST:
         raise _bad(f"map {name!r} has {len(record.edits)} edits, expected fewer, or shorter ones")
@@ -56,7 +56,7 @@ def add_to_record(name: str, record: MapRecord, edits: Sequence[MapEdit]) -> Map
 
 
 def write_edits(store: MapStore, name: str, record: MapRecord, image: MapImage, edits: Sequence[MapEdit]) -> MapImage:
-    """Draw edits on the picture of a map that is claimed, and write it; `record` has them. Raises OSError."""
+    """Draw edits on the picture of a claimed map, and write it; `record` contains them. Raises OSError."""
     drawn = replace(image, values=apply_edits(image.values, image.resolution, image.origin, edits))
     # The record first: an edit that is made twice changes nothing more.
     store.write_record(name, record)
@@ -65,7 +65,7 @@ def write_edits(store: MapStore, name: str, record: MapRecord, image: MapImage, 
 
 
 def propose(store: MapStore, name: str) -> float:
-    """Find the turn (rad) that brings the walls of a map along the axes. Raises UserError."""
+    """Return the rotation (rad) that aligns the walls of a map with the axes. Raises UserError."""
     image = read_map(store.picture(store.resolve(name)))
     return propose_turn(image.values, image.resolution, image.origin)
 
@@ -116,7 +116,7 @@ def name_place(store: MapStore, name: str, waypoints: Path, place: str, pose: Or
 
 
 def move_places(places: Mapping[str, Origin], motion: Origin) -> dict[str, Origin]:
-    """Places (m, m, degrees) on a map that is moved by motion (m, m, rad)."""
+    """Return places (m, m, degrees) on a map that is moved by motion (m, m, rad)."""
     return {
         each: (*move_point((x, y), motion), math.remainder(degrees + math.degrees(motion[2]), 360.0))
         for each, (x, y, degrees) in places.items()
@@ -124,7 +124,7 @@ def move_places(places: Mapping[str, Origin], motion: Origin) -> dict[str, Origi
 
 
 def read_places(path: Path) -> dict[str, Origin]:
-    """Read the waypoints of a map: x, y in m, and degrees; none where there is no file. Raises UserError."""
+    """Read the waypoints of a map: x, y in m, and degrees; empty without a file. Raises UserError."""
     if not path.exists():
         return {}
     section = read_section(path, "a waypoint file")
@@ -147,7 +147,7 @@ def _write(store: MapStore, name: str, image: MapImage, origin: Origin) -> None:
 
 
 def next_graph_name(graph: str, scans: tuple[str, ...]) -> str:
-    """Name a file for a new pose graph of a map that has these files."""
+    """Return a file name for a new pose graph of a map with these files."""
     return f"graph_{max(int(each.split('_')[1].split('.')[0]) for each in (graph, *scans)) + 1}.npz"
 
 

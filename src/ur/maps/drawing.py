@@ -1,4 +1,4 @@
-"""Pictures of maps as lines of text: half a terminal cell for a pixel, or a character where there are no colours."""
+"""Pictures of maps as lines of text: half a terminal cell per pixel, or one character without colours."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _MOST_SAMPLES = 8  # a side, of a pixel
 
 
 def look_at(image: MapImage, view: Viewport) -> NDArray[np.uint8]:
-    """The pixels (view.height, view.width) of a map. One with a wall anywhere in it shows a wall."""
+    """Return the pixels (view.height, view.width) of a map. A pixel with a wall anywhere in it shows a wall."""
     finer = min(_MOST_SAMPLES, max(1, math.ceil(view.scale / image.resolution)))
     at = (np.arange(finer) + 0.5) / finer
     columns = (np.arange(view.width)[:, None] + at).ravel()
@@ -40,7 +40,7 @@ def look_at(image: MapImage, view: Viewport) -> NDArray[np.uint8]:
 def draw_lines(values: NDArray[np.int8], columns: int, rows: int, *, colour: bool) -> list[str]:
     """Draw cells (height, width), row 0 at the bottom, as at most `rows` lines of at most `columns` characters.
 
-    What is unknown round the map is cut off. A pixel with any wall in it shows a wall.
+    The unknown margin of the map is cut off. A pixel with any wall in it shows a wall.
     """
     seen = values >= 0
     if not seen.any() or columns < 1 or rows < 1:

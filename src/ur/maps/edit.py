@@ -1,4 +1,4 @@
-"""Changes of a map by hand: erase, draw walls, forbid areas, turn. Pure: cells (height, width) in, cells out."""
+"""Manual changes of a map: erase, draw walls, forbid areas, rotate. Pure: cells (height, width) in, cells out."""
 
 from __future__ import annotations
 
@@ -46,9 +46,9 @@ class Lattice(CellFrame):
 
 
 def apply_edits(values: Values, resolution: float, origin: Origin, edits: Sequence[MapEdit]) -> Values:
-    """Apply edits to the cells (height, width) of a map, row 0 at the bottom; what lies outside is ignored.
+    """Apply edits to the cells (height, width) of a map, row 0 at the bottom; edits outside are ignored.
 
-    Erased cells that were walls become floor. Cells on a wall, and those of a keep-out polygon, become walls.
+    Erased walls become floor. Cells on a wall, and those of a keep-out polygon, become walls.
     """
     if not edits:
         return values
@@ -70,14 +70,14 @@ def apply_edits(values: Values, resolution: float, origin: Origin, edits: Sequen
 
 
 def move_record(record: MapRecord, motion: Origin) -> MapRecord:
-    """Move the edits and zones of a record by a pose (m, m, rad): points p become motion * p."""
+    """Return a record with its edits and zones moved by a pose (m, m, rad): points p become motion * p."""
     edits = (replace(each, points=tuple(move_point(p, motion) for p in each.points)) for each in record.edits)
     zones = (replace(each, points=tuple(move_point(p, motion) for p in each.points)) for each in record.zones)
     return replace(record, edits=tuple(edits), zones=tuple(zones))
 
 
 def move_graph(graph: StoredGraph, motion: Origin) -> StoredGraph:
-    """Move the keyframes of a pose graph; what is known of their relative poses stays."""
+    """Return a pose graph with moved keyframes; the constraints between them stay."""
     poses: Points = graph.poses.copy()
     poses[:, :2] = move_points(poses[:, :2], motion)
     poses[:, 2] = np.remainder(poses[:, 2] + motion[2] + math.pi, 2.0 * math.pi) - math.pi
@@ -85,22 +85,22 @@ def move_graph(graph: StoredGraph, motion: Origin) -> StoredGraph:
 
 
 def move_point(point: tuple[float, float], motion: Origin) -> tuple[float, float]:
-    """Turn a point about (0, 0), then shift it."""
+    """Rotate a point about (0, 0), then shift it."""
     c, s = math.cos(motion[2]), math.sin(motion[2])
     return motion[0] + c * point[0] - s * point[1], motion[1] + s * point[0] + c * point[1]
 
 
 def move_points(points: Points, motion: Origin) -> Points:
-    """Turn points (..., 2) about (0, 0), then shift them."""
+    """Rotate points (..., 2) about (0, 0), then shift them."""
     c, s = math.cos(motion[2]), math.sin(motion[2])
     moved: Points = points @ np.array(((c, s), (-s, c))) + motion[:2]
     return moved
 
 
 def turn_values(values: Values, resolution: float, origin: Origin, motion: Origin) -> tuple[Values, Origin]:
-    """Draw a map anew whose points are moved by `motion`; returns the cells and the origin, whose yaw is 0.
+    """Redraw a map whose points are moved by `motion`; return the cells and the origin, whose yaw is 0.
 
-    For maps without scans: walls are kept, one cell thicker at most. Raises ValueError where the result is too large.
+    For maps without scans: walls are kept, one cell thicker at most. Raises ValueError if the result is too large.
     """
     height, width = values.shape
     frame = Lattice((height, width), resolution, origin)
@@ -122,9 +122,9 @@ def turn_values(values: Values, resolution: float, origin: Origin, motion: Origi
 
 
 def propose_turn(values: Values, resolution: float, origin: Origin) -> float:
-    """Find the turn (rad, at most an eighth of a circle either way) that brings most walls along the axes.
+    """Return the rotation (rad, at most an eighth of a circle either way) that aligns most walls with the axes.
 
-    The better one is that with the sharper profiles: sums of walls along rows and columns. 0 for a map without walls.
+    The best one has the sharpest profiles: sums of walls along rows and columns. 0 for a map without walls.
     """
     height, width = values.shape
     frame = Lattice((height, width), resolution, origin)
@@ -154,7 +154,7 @@ def propose_turn(values: Values, resolution: float, origin: Origin) -> float:
 
 
 def _inverse(motion: Origin) -> Origin:
-    """The motion that takes another one back."""
+    """Return the inverse of a motion."""
     c, s = math.cos(motion[2]), math.sin(motion[2])
     return -c * motion[0] - s * motion[1], s * motion[0] - c * motion[1], -motion[2]
 
@@ -173,7 +173,7 @@ def _line(frame: CellFrame, points: Points) -> NDArray[np.bool_]:
 def brush_line(frame: CellFrame, points: Points, width: float) -> NDArray[np.bool_]:
     """Mark the cells (height, width) whose centres a round brush of `width` m covers along points (n, 2), m.
 
-    However narrow the brush is, the line has no gaps. The work grows with the part of the line that is on the map.
+    Even with a narrow brush the line has no gaps. The work is proportional to the part of the line that is on the map.
     """
     marked = np.zeros(frame.shape, np.bool_)
     centres = frame.fractions_of_points(points) - 0.5  # row, column of centres
@@ -192,7 +192,7 @@ def brush_line(frame: CellFrame, points: Points, width: float) -> NDArray[np.boo
 
 
 def _distances(cells: Sequence[NDArray[np.intp]], start: Points, end: Points) -> Points:
-    """The distances of cells, as an open grid of rows and columns, from a part of a line; all in cells."""
+    """Return the distances of cells, as an open grid of rows and columns, from a line segment; all in cells."""
     down, right = end - start
     rows, columns = cells[0] - start[0], cells[1] - start[1]
     share = np.clip((rows * down + columns * right) / ((down * down + right * right) or 1.0), 0.0, 1.0)

@@ -1,4 +1,4 @@
-"""Editing a stored map step by step: points that are marked, changes made with them, undo. For any user interface."""
+"""Editor of a stored map, step by step: marked points, changes, undo. For every user interface."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _MOST_STEPS = 50  # that can be undone
 
 @dataclass(frozen=True, slots=True)
 class _Step:
-    """A change: the state `before` it, and the record that it `left`, by which later ones of others are noticed."""
+    """A change: the state `before` it, and the record `left` after it, to detect later changes by other programs."""
 
     title: str
     before: StoredMapState
@@ -32,9 +32,10 @@ class _Step:
 
 
 class EditSession:
-    """Changes one map. Each change is on the disk when its method returns, so that nothing is lost afterwards.
+    """Changes one map.
 
-    The methods return a line about what was done. They raise UserError, or OSError; then the map is as before.
+    Each change is on the disk when its method returns. The methods return a line that describes the change. They raise
+    UserError or OSError without a change.
     """
 
     def __init__(self, store: MapStore, name: str, waypoints: Path) -> None:
@@ -45,7 +46,7 @@ class EditSession:
         self._steps: list[_Step] = []
 
     def image(self) -> MapImage:
-        """Read the picture of the map as it is now."""
+        """Read the present picture of the map."""
         return read_map(self._store.picture(self.name))
 
     def places(self) -> dict[str, Origin]:
@@ -57,11 +58,11 @@ class EditSession:
         self.marks = (*self.marks, (x, y))
 
     def clear(self) -> None:
-        """Forget the points."""
+        """Remove the marked points."""
         self.marks = ()
 
     def draw(self, kind: EditKind) -> str:
-        """Draw with the points: a wall along them, or erase inside of them; two are corners of a rectangle."""
+        """Draw with the points: a wall along them, or erase inside of them; two points are corners of a rectangle."""
         edit = make_edit(kind, list(self.marks))
         with self._undoable(kind):
             count = add_edit(self._store, self.name, edit)
@@ -73,7 +74,7 @@ class EditSession:
         return self._store.record(self.name).zones
 
     def zone(self, kind: ZoneKind, percent: int = 0) -> str:
-        """Make a zone of the points, two are corners of a rectangle, under a name that is free."""
+        """Create a zone from the points, two are corners of a rectangle, under a free name."""
         zone = make_zone(fresh_zone_name(kind, self.zones()), kind, self.marks, percent)
         with self._undoable(f"zone {zone.name}"):
             put_zone(self._store, self.name, zone, self.image())
@@ -81,7 +82,7 @@ class EditSession:
         return describe_zone(zone)
 
     def delete_zone(self, x: float, y: float) -> str:
-        """Delete the zone that holds a point; of several the one that was made last."""
+        """Delete the zone that contains a point; of several, the latest one."""
         found = [each.name for each in self.zones() if is_inside((x, y), each.points)]
         if not found:
             raise UserError(error(f"no zone at ({x:.2f}, {y:.2f}), expected a point in one", rule="unknown-zone"))
@@ -90,7 +91,7 @@ class EditSession:
         return f"zone {found[-1]} is deleted"
 
     def rotate(self) -> str:
-        """Turn the map so that its walls lie along the axes."""
+        """Rotate the map so that its walls are aligned with the axes."""
         turn = propose(self._store, self.name)
         if not turn:
             return "the walls lie along the axes; nothing to do"
@@ -100,7 +101,7 @@ class EditSession:
         return f"turned by {math.degrees(turn):.1f} degrees"
 
     def set_origin(self, x: float, y: float) -> str:
-        """Make a point (m) the point (0, 0)."""
+        """Make a point (m) the origin (0, 0)."""
         with self._undoable("origin"):
             move_map(self._store, self.name, (-x, -y, 0.0), self._waypoints)
         self.marks = ()
@@ -113,7 +114,7 @@ class EditSession:
         return f"{title} is at {x:.2f} {y:.2f} {degrees:g}"
 
     def undo(self) -> str:
-        """Take the last change back."""
+        """Undo the last change."""
         if not self._steps:
             raise UserError(error("no change to undo, expected one made here", rule="not-undone"))
         step = self._steps[-1]
@@ -123,7 +124,7 @@ class EditSession:
 
     @contextmanager
     def _undoable(self, title: str) -> Iterator[None]:
-        """Note for `undo` the change that is made inside; none where that raises."""
+        """Record for `undo` the change that is made inside; nothing if it raises an exception."""
         before = read_state(self._store, self.name, self._waypoints)
         yield
         self._steps = [*self._steps, _Step(title, before, self._store.record(self.name))][-_MOST_STEPS:]
@@ -131,7 +132,7 @@ class EditSession:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class StoredMapState:
-    """A map as it was: record, picture, and the bytes of its pose graph and of its waypoints; None: no such file."""
+    """The state of a map: record, picture, and the bytes of its pose graph and waypoints; None: no such file."""
 
     record: MapRecord
     image: MapImage
@@ -147,9 +148,9 @@ def read_state(store: MapStore, name: str, waypoints: Path) -> StoredMapState:
 
 
 def restore_state(store: MapStore, name: str, waypoints: Path, state: StoredMapState, left: MapRecord) -> None:
-    """Bring a state back. `left` is the record that the change has left.
+    """Restore a state. `left` is the record after the change.
 
-    Raises UserError: another program has changed the map since; then nothing is changed. Or OSError.
+    Raises UserError, without a change, if another program has changed the map since; or OSError.
     """
     with store.claim(name):
         now = store.record(name)

@@ -1,4 +1,4 @@
-"""Maps from elsewhere, checked before they become maps of the store, and maps packed for another computer."""
+"""Import and export of maps: checked before they become maps of the store, and packed for another computer."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ _FILE = re.compile(r"map\.json|map\.yaml|map(_2)?\.pgm|(graph|scans)_[0-9]{1,6}\
 
 
 def pack_map(folder: Path) -> bytes:
-    """Pack the files of a map, which must not change meanwhile. Raises OSError, or UserError: it is too large."""
+    """Pack the files of a map, which must not change meanwhile. Raises OSError, or UserError if it is too large."""
     buffer = io.BytesIO()
     with tarfile.open(fileobj=buffer, mode="w:gz") as archive:
         for path in sorted(folder.iterdir()):
@@ -41,9 +41,9 @@ def pack_map(folder: Path) -> bytes:
 
 
 def unpack_map(data: bytes, folder: Path, place: str) -> None:
-    """Unpack a map into an empty folder and check every file of it. `place` is where it comes from.
+    """Unpack a map into an empty folder and check every file of it.
 
-    Raises UserError: it holds other files than those of a map, or one that cannot be used.
+    `place` names its origin. Raises UserError for files that do not belong to a map, or an invalid one.
     """
     try:
         unpack_archive(data, folder, _FILE.pattern, files=_MOST_FILES, size=_MOST_UNPACKED)
@@ -71,9 +71,9 @@ def check_map(folder: Path, place: str) -> None:
 
 
 def import_picture(store: MapStore, source: Path, name: str) -> MapImage:
-    """Make a map of the store from a map_server YAML file, or from the folder of a map.
+    """Import a map from a map_server YAML file, or from the folder of a map.
 
-    Raises UserError: the file cannot be used, or the name is taken.
+    Raises UserError if the file is invalid, or the name is taken.
     """
     if source.is_dir():
         with store.arriving(name) as folder:
@@ -92,7 +92,7 @@ def import_picture(store: MapStore, source: Path, name: str) -> MapImage:
 def export_picture(store: MapStore, name: str, target: Path) -> list[Path]:
     """Write the picture of a map as `target`.yaml and `target`.png (or .pgm, by the ending of `target`).
 
-    Returns the files. Raises UserError: no such map, or it is damaged; OSError.
+    Return the files. Raises UserError if the map does not exist or is damaged; or OSError.
     """
     from PIL import Image
 

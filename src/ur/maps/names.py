@@ -1,4 +1,4 @@
-"""Names of stored maps: words that mean the same to a shell, a launch file and a file system."""
+"""Names of stored maps, which are safe in a shell, a launch file and a file system."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ _RESERVED = frozenset({LATEST, "true", "false", "inf", "infinity", "nan", "none"
 
 
 def is_map_name(name: str) -> bool:
-    """Return whether a map may have this name."""
+    """Return whether a text is a valid name of a map."""
     return bool(_NAME.fullmatch(name)) and name.lower() not in _RESERVED and not name.endswith(".")
 
 
 def check_map_name(name: str) -> str:
-    """Return a name that a map may have. Raises UserError for any other text."""
+    """Return a valid name of a map unchanged. Raises UserError for any other text."""
     if is_map_name(name):
         return name
     if name.lower() in _RESERVED:
@@ -37,13 +37,13 @@ def check_map_name(name: str) -> str:
 
 
 def _offer(name: str) -> str:
-    """A name that differs only in its blanks; empty where that is none, either."""
+    """Return a valid name that differs only in its blanks; empty if there is none."""
     changed = re.sub(r"\s+", "_", name.strip())
     return f"name it {changed}" if changed != name and is_map_name(changed) else ""
 
 
 def fresh_name(day: str, taken: Collection[str]) -> str:
-    """Return a name that no map has yet: `map-DAY`, then `map-DAY-2` and so on."""
+    """Return a free name for a map: `map-DAY`, then `map-DAY-2` and so on."""
     name, number = f"map-{day}", 1
     while name in taken:
         number += 1

@@ -32,9 +32,9 @@ def write_picture(
 
     `values` (height, width) are -1 unknown, 0 to 100 occupied, row 0 at the bottom; `resolution` is m per cell,
     `origin` (m, m, rad) the pose of the lower left corner. Cells from `occupied` on are walls, those up to `free` are
-    floor, others are unknown. Folders that are missing are made. At every moment the YAML file is whole and names an
-    image that belongs to it: where it names `name`.pgm already, the new image is `name`_2.pgm, and the old one is
-    removed at the end.
+    floor, others are unknown. Missing folders are created. At every moment the YAML file is complete and names the
+    matching image: if it already names `name`.pgm, the new image is `name`_2.pgm, and the old one is removed at the
+    end.
     """
     file = name.with_name(f"{name.name}.yaml")
     images = [name.with_name(f"{name.name}{suffix}.pgm") for suffix in ("", "_2")]
@@ -48,7 +48,7 @@ def write_picture(
 
 
 def shades(values: NDArray[np.int8], occupied: int = _OCCUPIED_FROM, free: int = _FREE_BELOW) -> NDArray[np.uint8]:
-    """The grey pixels (height, width) of cells, row 0 on top."""
+    """Return the grey pixels (height, width) of cells, row 0 at the top."""
     pixels = np.full(values.shape, _GREY, np.uint8)
     pixels[(values >= 0) & (values <= free)] = _LIGHT
     pixels[(values >= occupied) & (values <= OCCUPIED)] = _DARK
@@ -56,7 +56,7 @@ def shades(values: NDArray[np.int8], occupied: int = _OCCUPIED_FROM, free: int =
 
 
 def describe_picture(image: str, resolution: float, origin: Origin) -> str:
-    """The text of a map's YAML file; `image` is relative to it."""
+    """Return the text of a map's YAML file; `image` is relative to it."""
     pose = ", ".join(f"{value:.6g}" for value in origin)
     return (
         f"{_image_line(image)}\nresolution: {resolution:g}\norigin: [{pose}]\nnegate: 0\n"
@@ -69,7 +69,7 @@ def _image_line(image: str) -> str:
 
 
 def _names(file: Path, image: str) -> bool:
-    """Test a map's YAML file, of ours or of upstream's, for the name of an image."""
+    """Return whether a map's YAML file, of this project or of upstream, names an image."""
     try:
         lines = read_text(file).splitlines()
     except FileNotFoundError:

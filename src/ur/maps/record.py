@@ -1,4 +1,4 @@
-"""The record of a stored map, `map.json`: which files belong to it, and what people want to know of it."""
+"""The record of a stored map, `map.json`: its files, and its description for the user."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ _ZoneName = Annotated[
 
 @dataclass(frozen=True, slots=True)
 class MapEdit:
-    """A change made by hand: `erase` a polygon, draw a `wall` along a line, or fill a `keep-out` polygon.
+    """A manual change: `erase` a polygon, draw a `wall` along a line, or fill a `keep-out` polygon.
 
     `points` are x, y in m in the frame of the map. With a `width` (m, 0: none) `erase` and `wall` are the stroke of a
     round brush along a line.
@@ -62,7 +62,7 @@ class MapEdit:
 
 @dataclass(frozen=True, slots=True)
 class Zone:
-    """An area with a name that the robot keeps out of, or drives slowly in: `percent` of its highest speed.
+    """A named area that the robot does not enter, or in which it drives slowly: `percent` of its highest speed.
 
     `points` are the corners of a polygon, x, y in m in the frame of the map. `percent` of a keep-out zone is 0.
     """
@@ -75,11 +75,11 @@ class Zone:
 
 @dataclass(frozen=True, slots=True)
 class MapRecord:
-    """`robot` is the robot that made the map; `made` and `changed` are seconds since 1970.
+    """The record of a map. `robot` is the robot that made it; `made` and `changed` are seconds since 1970.
 
-    `graph` and `scans` name files beside the record, '' and () where a map has no scans; `keyframes` is their number.
-    `edits` are applied in order to the picture that is drawn from the scans. `zones` are not in the picture:
-    localisation does not see them.
+    `graph` and `scans` name files beside the record, '' and () for a map without scans; `keyframes` is their number.
+    `edits` are applied in order to the picture drawn from the scans. `zones` are not in the picture: localisation does
+    not see them.
     """
 
     robot: str = ""
@@ -95,12 +95,12 @@ class MapRecord:
 
 
 def render_record(record: MapRecord) -> str:
-    """The text of a record."""
+    """Return the text of a record."""
     return json.dumps({"version": 1, **asdict(record)}, indent=1) + "\n"
 
 
 def read_record(folder: Path) -> MapRecord:
-    """Read the record in the folder of a map; an empty one where there is none. Raises UserError: not a record."""
+    """Read the record in the folder of a map; an empty one if there is no file. Raises UserError for an invalid one."""
     path = folder / RECORD
     try:
         data = read_file(path, LARGEST)
@@ -112,7 +112,7 @@ def read_record(folder: Path) -> MapRecord:
 
 
 def parse_record(data: bytes, path: Path) -> MapRecord:
-    """Parse the text of a record, which may come from anywhere. Raises UserError, which names `path`."""
+    """Parse the text of a record, which is untrusted. Raises UserError, which names `path`."""
     try:
         found = read_json(data, dict[str, object], LARGEST)
         if found.get("version") != 1:
@@ -125,17 +125,17 @@ def parse_record(data: bytes, path: Path) -> MapRecord:
 
 
 def read_zone(found: object) -> Zone:
-    """The zone that a value of JSON describes, as `dataclasses.asdict` writes it; it may come from anywhere.
+    """Parse a zone from an untrusted JSON value, as `dataclasses.asdict` writes it.
 
-    Raises ValueError, with a clause that names what was expected.
+    Raises ValueError, with a clause that names the expected value.
     """
     return _check_zone(convert_json(found, Zone))
 
 
 def read_edit(found: object) -> MapEdit:
-    """The edit that a value of JSON describes, as `dataclasses.asdict` writes it; it may come from anywhere.
+    """Parse an edit from an untrusted JSON value, as `dataclasses.asdict` writes it.
 
-    Raises ValueError, with a clause that names what was expected.
+    Raises ValueError, with a clause that names the expected value.
     """
     return _check_edit(convert_json(found, MapEdit))
 

@@ -34,8 +34,9 @@ _LENGTHS = ("hit_counts", "miss_counts")
 class StoredScan:
     """The scan of a keyframe in the frame of the robot, m.
 
-    `hits` (n, 2) are the ends of beams that hit something and `numbers` (n) those of the beams, rising; `misses` (m, 2)
-    are the ends of the others, as far as they leave the floor free. `origin` (2) is the place of the lidar.
+    `hits` (n, 2) are the ends of beams that hit an obstacle and `numbers` (n) the increasing numbers of these beams;
+    `misses` (m, 2) are the ends of the others, up to which the floor is free. `origin` (2) is the position of the
+    lidar.
     """
 
     hits: NDArray[np.float32]
@@ -46,10 +47,10 @@ class StoredScan:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class StoredGraph:
-    """A pose graph: `poses` (n, 3) of keyframes in m and rad, and what is known of their relative poses.
+    """A pose graph: `poses` (n, 3) of keyframes in m and rad, and edges, the constraints between them.
 
     Of each edge `ends` (e, 2) are the numbers of its keyframes, `relative` (e, 3) the pose of the second in the frame
-    of the first, `covariances` (e, 3, 3) its uncertainty; `robust` (e) edges count only unless others contradict.
+    of the first, `covariances` (e, 3, 3) its uncertainty; `robust` (e) edges have no effect if others contradict them.
     """
 
     poses: NDArray[np.float64]
@@ -60,7 +61,7 @@ class StoredGraph:
 
 
 def encode_scans(scans: Sequence[StoredScan]) -> bytes:
-    """The content of a file of scans."""
+    """Encode the content of a file of scans."""
     hits = np.concatenate([np.zeros((0, 2), np.float32), *(each.hits for each in scans)])
     misses = np.concatenate([np.zeros((0, 2), np.float32), *(each.misses for each in scans)])
     farthest = max((float(np.abs(each).max()) for each in (hits, misses) if each.size), default=0.0)
@@ -77,7 +78,7 @@ def encode_scans(scans: Sequence[StoredScan]) -> bytes:
 
 
 def read_scans(path: Path) -> list[StoredScan]:
-    """Read a file of scans. Raises UserError: it is missing, damaged, or not one."""
+    """Read a file of scans. Raises UserError if it is missing, damaged, or no such file."""
     found = _unpack(path, ("unit", "hits", "numbers", *_LENGTHS, "misses", "origins"))
     try:
         unit = float(found["unit"].reshape(1)[0])
@@ -112,7 +113,7 @@ def read_scans(path: Path) -> list[StoredScan]:
 
 
 def encode_graph(graph: StoredGraph) -> bytes:
-    """The content of a file with a pose graph."""
+    """Encode the content of a file with a pose graph."""
     rows, columns = np.triu_indices(3)
     return _pack(
         poses=graph.poses.astype(np.float64).reshape(-1, 3),
@@ -124,7 +125,7 @@ def encode_graph(graph: StoredGraph) -> bytes:
 
 
 def read_graph(path: Path) -> StoredGraph:
-    """Read a file with a pose graph. Raises UserError: it is missing, damaged, or not one."""
+    """Read a file with a pose graph. Raises UserError if it is missing, damaged, or no such file."""
     found = _unpack(path, ("poses", "ends", "relative", "covariances", "robust"))
     try:
         poses, ends = found["poses"], _whole(found["ends"], 2).astype(np.int32)
@@ -152,7 +153,7 @@ def read_graph(path: Path) -> StoredGraph:
 
 
 def _is_connected(ends: NDArray[np.int32], count: int) -> bool:
-    """Return whether every keyframe is reached from the first one."""
+    """Return whether every keyframe is connected with the first one."""
     group = np.arange(count)
     while True:
         low = np.minimum(group[ends[:, 0]], group[ends[:, 1]])

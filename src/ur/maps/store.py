@@ -30,12 +30,12 @@ _NEW = ".new-"
 
 @dataclass(frozen=True, slots=True)
 class MapStore:
-    """The stored maps of a user. A map is a folder of its name below `folder` that holds `map.yaml`."""
+    """The stored maps of a user. A map is a folder of its name below `folder` with a file `map.yaml`."""
 
     folder: Path
 
     def names(self) -> list[str]:
-        """The names of all maps, sorted; none where there is no folder."""
+        """Return the sorted names of all maps; empty without a folder."""
         try:
             found = [each.name for each in self.folder.iterdir() if is_map_name(each.name)]
         except OSError:
@@ -43,7 +43,7 @@ class MapStore:
         return sorted(name for name in found if (self.folder / name / PICTURE).is_file())
 
     def path(self, name: str) -> Path:
-        """Return the folder that a map of this name has. Raises UserError: a map cannot have it."""
+        """Return the folder for a map of this name. Raises UserError for an invalid name."""
         return self.folder / check_map_name(name)
 
     def picture(self, name: str) -> Path:
@@ -51,7 +51,7 @@ class MapStore:
         return self.path(name) / PICTURE
 
     def resolve(self, name: str) -> str:
-        """Return the name of an existing map; `latest` is the name of another one. Raises UserError: there is none."""
+        """Return the name of an existing map; `latest` is an alias of one. Raises UserError if it does not exist."""
         if name == LATEST:
             found = self.latest()
             if found is None:
@@ -82,7 +82,7 @@ class MapStore:
         replace_file(self.path(name) / RECORD, render_record(record))
 
     def latest(self) -> str | None:
-        """Return the last map that was made with the robot of this computer; None where there is none any more."""
+        """Return the latest map that was made with this computer's robot; None if it no longer exists."""
         try:
             name = (self.folder / LATEST).readlink().name
         except OSError:
@@ -90,13 +90,13 @@ class MapStore:
         return name if is_map_name(name) and (self.folder / name / PICTURE).is_file() else None
 
     def set_latest(self, name: str) -> None:
-        """Make `latest` the name of a map. Raises OSError."""
+        """Make `latest` an alias of a map. Raises OSError."""
         beside = self.folder / f"{_NEW}{os.urandom(4).hex()}"
         beside.symlink_to(check_map_name(name))
         beside.replace(self.folder / LATEST)
 
     def rename(self, before: str, after: str) -> None:
-        """Give a map another name. Raises UserError: no such map, the name is taken, or the map is in use."""
+        """Rename a map. Raises UserError if it does not exist, the name is taken, or the map is in use."""
         self.resolve(before)
         with self.claim(before):
             if self.path(after).exists():
@@ -115,7 +115,7 @@ class MapStore:
             sync_folder(str(self.folder))
 
     def delete(self, name: str) -> None:
-        """Delete a map: it is deleted whole, or not at all. Raises UserError: no such map, or the map is in use."""
+        """Delete a map, completely or not at all. Raises UserError if it does not exist, or is in use."""
         self.resolve(name)
         with self.claim(name):
             was_latest = self.latest() == name
@@ -126,7 +126,7 @@ class MapStore:
         self.tidy()
 
     def tidy(self) -> None:
-        """Remove what an interrupted deletion or import has left."""
+        """Remove the remains of an interrupted deletion or import."""
         for pattern in (f"{_DELETED}*", f"{_NEW}*"):
             for each in self.folder.glob(pattern):
                 shutil.rmtree(each, ignore_errors=True)
@@ -137,7 +137,7 @@ class MapStore:
     def arriving(self, name: str) -> Iterator[Path]:
         """Yield an empty folder that becomes the map `name` when the block ends without an exception.
 
-        Raises UserError: the name cannot be used, or another map has it.
+        Raises UserError if the name is invalid or taken.
         """
         target = self.path(name)
         if target.exists() and (target / PICTURE).exists():
@@ -159,7 +159,10 @@ class MapStore:
 
     @contextmanager
     def claim(self, name: str) -> Iterator[None]:
-        """Keep others from changing a map. Raises UserError: another program changes it now, for example `make_map`."""
+        """Lock a map against changes by other programs.
+
+        Raises UserError if one is changing it, for example `make_map`.
+        """
         folder = self.path(name)
         make_folder(str(folder))
         with (folder / _LOCK).open("a") as lock:
@@ -174,5 +177,5 @@ class MapStore:
 
 
 def own_store(environment: Mapping[str, str]) -> MapStore:
-    """Return the maps of the user whose environment this is."""
+    """Return the maps of the user with this environment."""
     return MapStore(Path(user_folder("XDG_DATA_HOME", environment), "ubiquity_launches", "maps"))

@@ -1,4 +1,4 @@
-"""The part of a map that a screen shows. A pixel is half a terminal cell: cells are about twice as high as wide."""
+"""The part of a map on a screen. A pixel is half a terminal cell: cells are about twice as high as wide."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ _FINEST, _COARSEST = 0.005, 5.0  # m per pixel
 
 @dataclass(frozen=True, slots=True)
 class Viewport:
-    """Map point in the middle, m per pixel, size in pixels. Rows go down, y goes up."""
+    """The map point in the middle, m per pixel, and the size in pixels. Rows go down, y goes up."""
 
     x: float
     y: float
@@ -21,23 +21,23 @@ class Viewport:
     height: int
 
     def to_map(self, column: float, row: float) -> tuple[float, float]:
-        """The map point of a place on the screen, in pixels from the top left corner."""
+        """Return the map point at a position on the screen, in pixels from the top left corner."""
         return self.x + (column - self.width / 2) * self.scale, self.y - (row - self.height / 2) * self.scale
 
     def to_pixel(self, x: float, y: float) -> tuple[float, float]:
-        """Column and row in pixels of a map point; it may be off the screen."""
+        """Return column and row in pixels of a map point, which may be off the screen."""
         return (x - self.x) / self.scale + self.width / 2, (self.y - y) / self.scale + self.height / 2
 
 
 def fit_viewport(bounds: tuple[float, float, float, float], width: int, height: int) -> Viewport:
-    """The viewport that just shows a box (left, bottom, right, top in m)."""
+    """Return the viewport that just contains a box (left, bottom, right, top in m)."""
     left, bottom, right, top = bounds
     scale = max((right - left) / max(width, 1), (top - bottom) / max(height, 1)) * MARGIN
     return Viewport((left + right) / 2, (bottom + top) / 2, _clamp(scale), width, height)
 
 
 def zoom_viewport(view: Viewport, factor: float, column: float | None = None, row: float | None = None) -> Viewport:
-    """`factor` times as large (below 1: smaller), with a pixel (default: the middle) staying where it is."""
+    """Return the view magnified by `factor` about a pixel (default: the middle), which stays in its place."""
     column = view.width / 2 if column is None else column
     row = view.height / 2 if row is None else row
     x, y = view.to_map(column, row)
@@ -46,18 +46,18 @@ def zoom_viewport(view: Viewport, factor: float, column: float | None = None, ro
 
 
 def pan_viewport(view: Viewport, columns: float, rows: float) -> Viewport:
-    """Move the view right and down by so many pixels."""
+    """Move the view right and down by a number of pixels."""
     return replace(view, x=view.x + columns * view.scale, y=view.y - rows * view.scale)
 
 
 def show_point(view: Viewport, x: float, y: float) -> Viewport:
-    """The same where a map point is on the screen; else moved so that the point is in the middle."""
+    """Return the same view if a map point is on the screen; else one with the point in the middle."""
     column, row = view.to_pixel(x, y)
     return view if 0 <= column < view.width and 0 <= row < view.height else replace(view, x=x, y=y)
 
 
 def resize_viewport(view: Viewport, width: int, height: int) -> Viewport:
-    """The same middle and scale on another size of screen."""
+    """Return the same middle and scale on a screen of another size."""
     return replace(view, width=width, height=height)
 
 

@@ -1,4 +1,4 @@
-"""Walls of a map in use: drawn and erased in one step. The map before stays beside it, so that it can be restored."""
+"""Walls of a map in use: drawn and erased in one step. The previous map is saved, so that it can be restored."""
 
 from __future__ import annotations
 
@@ -32,10 +32,10 @@ class _Note:
 
 
 def draw_walls(store: MapStore, name: str, strokes: Sequence[MapEdit], plan: CellFrame) -> MapImage:
-    """Draw and erase walls of a map, whole or not at all; return its new picture.
+    """Draw and erase walls of a map, completely or not at all; return its new picture.
 
-    `plan` are the cells of the map as the program has read it. Raises UserError: they are others now, or the map is
-    changed by another program at this moment; or OSError.
+    `plan` are the cells of the map as the program has read it. Raises UserError if they have changed, or another
+    program is changing the map; or OSError.
     """
     if not 0 < len(strokes) <= MOST_STROKES or any(each.kind == "keep-out" or not each.width for each in strokes):
         raise _refuse(f"{len(strokes)} strokes, expected 1 to {MOST_STROKES} that draw or erase walls")
@@ -55,9 +55,9 @@ def draw_walls(store: MapStore, name: str, strokes: Sequence[MapEdit], plan: Cel
 
 
 def restore_walls(store: MapStore, name: str) -> MapImage:
-    """Restore the map as it was before the last `draw_walls`; return its picture.
+    """Restore the map to its state before the last `draw_walls`; return its picture.
 
-    Raises UserError: there is no such map, or another program has changed the map since; or OSError.
+    Raises UserError if there is none, or another program has changed the map since; or OSError.
     """
     with store.claim(name):
         edits = _read_note(store, name)
@@ -79,7 +79,7 @@ def is_restorable(store: MapStore, name: str) -> bool:
 
 
 def _read_note(store: MapStore, name: str) -> int | None:
-    """The number of edits before the last change; None where that is not the last change. Raises UserError."""
+    """Return the number of edits before the last change; None if another change followed. Raises UserError."""
     try:
         note = read_json(read_file(store.path(name) / _NOTE, _LONGEST_NOTE), _Note)
     except (OSError, ValueError):
@@ -90,7 +90,7 @@ def _read_note(store: MapStore, name: str) -> int | None:
 
 
 def _fingerprint(record: MapRecord, image: MapImage) -> str:
-    """A text that differs where anything of a map but its zones does."""
+    """Return a text that differs between maps that differ in anything except their zones."""
     digest = hashlib.sha256(render_record(replace(record, zones=())).encode())
     digest.update(repr((image.resolution, image.origin, image.shape)).encode())
     digest.update(image.values.tobytes())

@@ -1,4 +1,4 @@
-"""The file of a map's named places, which `keyboard_navigate` reads and writes, too."""
+"""The file of a map's named places, which `keyboard_navigate` also reads and writes."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 """Masks of zones, as the costmap filters of Nav2 read them: grids over the zones, and files in map_server's format.
 
-A keep-out mask is 100 in the zones. A speed mask is there the percentage of the highest speed. 0 is no limit
+A keep-out mask is 100 in the zones. A speed mask has the percentage of the highest speed in them. 0 is no limit
 (docs.nav2.org, "Keepout Filter" and "Speed Filter", types 0 and 1 with base 0 and multiplier 1).
 """
 
@@ -24,7 +24,7 @@ _FORBIDDEN = 100
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Mask:
-    """`values` int8 (height, width), row 0 at the bottom; `resolution` in m; `origin` x, y of the lower left corner."""
+    """A mask: `values` int8 (height, width), row 0 at the bottom; `resolution` in m; `origin` x, y of its corner."""
 
     values: NDArray[np.int8]
     resolution: float
@@ -32,9 +32,9 @@ class Mask:
 
 
 def draw_mask(zones: Iterable[Zone], kind: ZoneKind, plan: CellFrame) -> Mask | None:
-    """Draw the zones of a kind on cells of the map's resolution; None where none of them lies on the map.
+    """Draw the zones of a kind on cells of the map's resolution; None if none of them is on the map.
 
-    The mask covers the zones as far as the map goes. Where speed zones overlap, the lowest percentage counts.
+    The mask covers the zones within the map. Where speed zones overlap, the lowest percentage applies.
     """
     chosen = [zone for zone in zones if zone.kind == kind]
     if not chosen:
@@ -58,7 +58,10 @@ def draw_mask(zones: Iterable[Zone], kind: ZoneKind, plan: CellFrame) -> Mask | 
 
 
 def write_masks(folder: Path, zones: Iterable[Zone], plan: CellFrame) -> None:
-    """Write the masks of a map beside it, each an image and a YAML file; one without a zone goes. Raises OSError."""
+    """Write the masks of a map beside it, each an image and a YAML file; remove those without a zone.
+
+    Raises OSError.
+    """
     zones = tuple(zones)
     for kind, name in _FILES.items():
         mask = draw_mask(zones, kind, plan)
@@ -80,7 +83,7 @@ def area_of(points: Iterable[tuple[float, float]]) -> float:
 
 
 def is_inside(point: tuple[float, float], points: tuple[tuple[float, float], ...]) -> bool:
-    """Test whether a point lies in a polygon, by the even-odd rule."""
+    """Return whether a point lies in a polygon, by the even-odd rule."""
     x, y = point
     inside = False
     for (ax, ay), (bx, by) in zip(points, (*points[1:], points[0]), strict=True):

@@ -1,4 +1,4 @@
-"""Zones of maps: where they are kept, and changes of them, for every user interface."""
+"""Zones of maps: their storage, and changes of them, for every user interface."""
 
 from __future__ import annotations
 
@@ -26,10 +26,10 @@ _SMALLEST = 0.01  # m^2
 
 
 def find_home(map_file: Path, environment: Mapping[str, str]) -> tuple[MapStore, str]:
-    """Return the store and the name under which the zones of a map are kept.
+    """Return the store and the name under which the zones of a map are stored.
 
     Those of a stored map are in its record. Those of any other map, which may be read-only, are in a folder of the
-    user's named after the map's file.
+    user, named after the map's file.
     """
     store = own_store(environment)
     file = map_file.resolve()
@@ -41,7 +41,7 @@ def find_home(map_file: Path, environment: Mapping[str, str]) -> tuple[MapStore,
 
 
 def make_zone(name: str, kind: ZoneKind, points: Iterable[Point], percent: int = 0) -> Zone:
-    """Make a zone of its corners (m); two opposite corners stand for a rectangle. Raises UserError."""
+    """Return a zone with corners (m); two opposite corners stand for a rectangle. Raises UserError."""
     corners = list(points)
     if not ZONE_NAME.fullmatch(name):
         raise _bad(
@@ -64,7 +64,7 @@ def make_zone(name: str, kind: ZoneKind, points: Iterable[Point], percent: int =
 def put_zone(store: MapStore, name: str, zone: Zone, plan: CellFrame) -> bool:
     """Store a zone of a map, in place of one with the same name; return whether it is new.
 
-    `plan` are the cells of the map. Raises UserError: the map is in use or has too many zones; or OSError.
+    `plan` are the cells of the map. Raises UserError if the map is in use or has too many zones; or OSError.
     """
     with store.claim(name):
         record = store.record(name)
@@ -78,7 +78,7 @@ def put_zone(store: MapStore, name: str, zone: Zone, plan: CellFrame) -> bool:
 
 
 def delete_zone(store: MapStore, name: str, zone: str, plan: CellFrame) -> None:
-    """Delete a zone of a map. Raises UserError: there is none of that name, or the map is in use; or OSError."""
+    """Delete a zone of a map. Raises UserError if it does not exist, or the map is in use; or OSError."""
     with store.claim(name):
         record = store.record(name)
         names = [each.name for each in record.zones]
@@ -94,14 +94,14 @@ def delete_zone(store: MapStore, name: str, zone: str, plan: CellFrame) -> None:
 
 
 def draw_masks(folder: Path) -> None:
-    """Write the masks of the zones in the record of a map that lies in a folder. Raises UserError, or OSError."""
+    """Write the masks of the zones in the record of the map in a folder. Raises UserError, or OSError."""
     zones = read_record(folder).zones
     if zones:
         write_masks(folder, zones, read_map(folder / PICTURE))
 
 
 def join_zones(zones: Iterable[Zone], others: Iterable[Zone]) -> tuple[Zone, ...]:
-    """Join the zones of two maps; of the second map those whose name is taken get another one."""
+    """Join the zones of two maps; zones of the second map whose name is taken are renamed."""
     joined = list(zones)
     for zone in others:
         taken = {each.name for each in joined}
@@ -117,7 +117,7 @@ def describe_zone(zone: Zone) -> str:
 
 
 def fresh_zone_name(kind: ZoneKind, zones: Iterable[Zone]) -> str:
-    """Return a name that no zone has yet: `keep-out`, then `keep-out-2` and so on; `slow` for a speed zone."""
+    """Return a free name for a zone: `keep-out`, then `keep-out-2` and so on; `slow` for a speed zone."""
     taken = {each.name for each in zones}
     stem: str = "slow" if kind == "speed" else kind
     name, number = stem, 1

@@ -1,6 +1,6 @@
-"""Text with positions, and diagnostics of it. The bottom layer: imports nothing of ours.
+"""Text with positions, and diagnostics about it. The bottom layer: it imports no other part of `ur`.
 
-The names are imported when they are asked for: all of them would take longer than Tab does otherwise.
+Public names are imported on first use: importing all of them would slow down completion.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""ANSI escape sequences of terminal output: styles, their removal, and when they may be sent."""
+"""ANSI escape sequences of terminal output: styles, their removal, and the conditions for sending them."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _COLOURLESS = ("", "0", "1", "2", "4", "7")  # reset, bold, dim, underlined, rev
 
 
 def paint(text: str, *styles: str) -> str:
-    """Return a text in styles that end behind it."""
+    """Return a text in styles that end after it."""
     return f"{''.join(styles)}{text}{RESET}"
 
 
@@ -33,7 +33,7 @@ def strip_colours(text: str) -> str:
 
 
 def cut_styled(line: str, columns: int) -> str:
-    """Cut a line to a width in characters, not counting its styles, which end behind it."""
+    """Cut a line to a width in characters, without counting its styles, which end after it."""
     shown, pieces, at = 0, [], 0
     while at < len(line) and shown < columns:
         style = STYLE.match(line, at)
@@ -43,12 +43,12 @@ def cut_styled(line: str, columns: int) -> str:
 
 
 def is_plain(environment: Mapping[str, str]) -> bool:
-    """Return True for a terminal that takes lines of text only: TERM is `dumb`, or not set."""
+    """Return True for a terminal without escape sequences: TERM is `dumb`, or not set."""
     return environment.get("TERM", "") in ("", "dumb")
 
 
 def allows_colour(environment: Mapping[str, str]) -> bool:
-    """Return False where NO_COLOR is set (no-color.org), or the terminal takes lines of text only."""
+    """Return False if NO_COLOR is set (no-color.org), or the terminal has no escape sequences."""
     return not environment.get("NO_COLOR") and not is_plain(environment)
 
 

@@ -26,9 +26,9 @@ def write_crash_report(
     shared: Path | None = None,
     random: Callable[[int], bytes] = os.urandom,
 ) -> Path | None:
-    """Write the traceback to a new file in the first folder that takes it, at last in `shared` or the temporary one.
+    """Write the traceback to a new file in the first writable folder, at last `shared` or the temporary folder.
 
-    Only the user can read the file. Return it; None when no folder can be written to. Never raises.
+    Only the user can read the file. Returns its path, or None if no folder is writable. Never raises.
     """
     text = f"{' '.join((program, *arguments))}\nPython {platform.python_version()}, {platform.platform()}\n\n"
     text += "".join(traceback.format_exception(problem))

@@ -1,4 +1,4 @@
-"""One shape for everything a tool finds, whichever tool it is."""
+"""Diagnostics: the common form of all findings."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 
 
 class Severity(Enum):
-    """The severity of a finding. Errors stop a program from working; warnings are conventions."""
+    """The severity of a finding. Errors prevent a program from working; warnings are about conventions."""
 
     ERROR = "error"
     WARNING = "warning"
@@ -19,7 +19,7 @@ class Severity(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Note:
-    """A related place or fact: the first definition, a step of the include chain."""
+    """A related position or fact: the first definition, a step of the include chain."""
 
     message: str
     span: Span | None = None
@@ -27,13 +27,13 @@ class Note:
 
 @dataclass(frozen=True, slots=True)
 class Diagnostic:
-    """A finding: the thing first, then what was expected; where; and one action that helps.
+    """A finding: the subject and the problem, the expected value, the position, and one action that helps.
 
-    `rule` is a kebab-case id that never changes its meaning. `span` is None when the finding is not in a text,
-    for instance when it is about the command line. The fields after `help` are for programs, so that messages can be
-    reworded freely: `subject` is the name that the finding is about: a package, an argument, a file; unless given, the
-    text at its place, a tag without its angle bracket. `kind` distinguishes findings of one rule; `expected` are values
-    that would be accepted; `reason` is the message without its subject.
+    `rule` is a kebab-case id whose meaning never changes. `span` is None if the finding is not in a text, for instance
+    if it is about the command line. The fields after `help` are for programs, so that messages can be reworded freely:
+    `subject` is the name that the finding is about: a package, an argument, a file; unless given, the text at its
+    place, a tag without its angle bracket. `kind` distinguishes findings of one rule; `expected` are values that would
+    be accepted; `reason` is the message without its subject.
     """
 
     severity: Severity
@@ -54,7 +54,7 @@ class Diagnostic:
 
 
 class UserError(Exception):
-    """Input that cannot be used, with the reasons. The only exception that crosses a stage because of user input."""
+    """Invalid input, with the reasons. It is the only exception for invalid user input that crosses a stage."""
 
     def __init__(self, *diagnostics: Diagnostic) -> None:
         super().__init__(*diagnostics)
@@ -76,10 +76,10 @@ def error(
     expected: tuple[str, ...] = (),
     reason: str = "",
 ) -> Diagnostic:
-    """A Diagnostic with severity ERROR."""
+    """Return a Diagnostic with severity ERROR."""
     return Diagnostic(Severity.ERROR, message, rule, span, notes, help, subject, kind, expected, reason)
 
 
 def error_about(subject: object, reason: str, *, rule: str, help: str | None = None) -> Diagnostic:
-    """An error without a place, whose message is the subject (a name or a path), a colon and the reason."""
+    """Return an error without a position, whose message is the subject (a name or a path), a colon and the reason."""
     return error(f"{subject}: {reason}", rule=rule, help=help, subject=str(subject), reason=reason)

@@ -1,4 +1,4 @@
-"""A text file and places in it."""
+"""A text file and positions in it."""
 
 from __future__ import annotations
 
@@ -7,14 +7,14 @@ from typing import NamedTuple
 
 
 class Position(NamedTuple):
-    """A place between two characters. Line and column count from 1, columns in characters."""
+    """A position between two characters. Line and column count from 1, columns in characters."""
 
     line: int
     column: int
 
 
 class SourceFile:
-    """A text and the path that it was read from. Equal to itself only: spans of one text share one object."""
+    """A text and the path that it was read from. Equality is identity: spans of one text share one object."""
 
     __slots__ = ("_line_starts", "path", "text")
 
@@ -27,17 +27,17 @@ class SourceFile:
         return f"SourceFile({self.path!r})"
 
     def position(self, offset: int) -> Position:
-        """Line and column of a character offset (0-based; the end of the text is allowed)."""
+        """Return line and column of a character offset (0-based; the end of the text is allowed)."""
         starts = self._starts()
         line = bisect_right(starts, offset)
         return Position(line, offset - starts[line - 1] + 1)
 
     def offset_of_line(self, number: int) -> int:
-        """The offset at which a line (1-based) begins."""
+        """Return the offset at which a line (1-based) begins."""
         return self._starts()[number - 1]
 
     def line(self, number: int) -> str:
-        """The text of a line (1-based) without its line break."""
+        """Return the text of a line (1-based) without its line break."""
         starts = self._starts()
         end = starts[number] if number < len(starts) else len(self.text)
         return self.text[starts[number - 1] : end].rstrip("\r\n")
@@ -62,12 +62,12 @@ class Span(NamedTuple):
 
     @property
     def position(self) -> Position:
-        """Its start, as line and column."""
+        """Return its start, as line and column."""
         return self.file.position(self.start)
 
     @property
     def text(self) -> str:
-        """The characters themselves."""
+        """Return the characters themselves."""
         return self.file.text[self.start : self.end]
 
     def __str__(self) -> str:

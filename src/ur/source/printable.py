@@ -1,9 +1,8 @@
-r"""Foreign text on a terminal or in a document: what could act there is shown as an escape instead.
+r"""Untrusted text on a terminal or in a document: control characters are shown as escapes.
 
-File names, launch files, announcements and robots' answers are foreign. `printable` is for one field of a line,
-`one_line` for words that are shown on one, `printable_lines` for a text of several lines; `guard_stream` for everything
-that is written to an open stream.
-A control character appears as Python would write it: `\x1b`, `\n`, `\u202e`.
+File names, launch files, announcements and robots' answers are untrusted. `printable` is for one field of a line,
+`one_line` for text that is shown on one line, `printable_lines` for a text of several lines; `GuardedStream` for all
+output to an open stream. A control character appears as Python writes it: `\x1b`, `\n`, `\u202e`.
 """
 
 from __future__ import annotations
@@ -27,22 +26,22 @@ _STREAM = rf"(\x1b\[[0-9;:]*[A-HJKSTm]|\x1b\[\?(?:25|1049)[hl]|\r)|{_LINES}"
 
 
 def printable(text: str) -> str:
-    """Make a text safe as a field of one line. Other texts come back as they are."""
+    """Escape control characters in one field of a line. Other texts are returned unchanged."""
     return text if text.isprintable() else re.sub(_FIELD, _escape, text)
 
 
 def printable_lines(text: str) -> str:
-    """Make a text safe, line breaks and tabs kept."""
+    """Escape control characters in a text, except line breaks and tabs."""
     return text if text.isprintable() else re.sub(_LINES, _escape, text)
 
 
 def one_line(text: str) -> str:
-    """The words of a text on one line; what a terminal would obey is a space."""
+    """Return a text on one line, with a space in place of each control character."""
     return " ".join("".join(each if each.isprintable() else " " for each in text).split())
 
 
 class OutputLost(Exception):  # noqa: N818 - says what happened
-    """Standard output takes nothing more: a full disk, a closed descriptor, a reader that has ended."""
+    """Standard output cannot be written: a full disk, a closed descriptor, or a reader that has ended."""
 
     def __init__(self, reason: OSError) -> None:
         super().__init__(str(reason))
@@ -50,18 +49,21 @@ class OutputLost(Exception):  # noqa: N818 - says what happened
 
 
 class GuardedStream:
-    """A text stream that escapes what acts on a terminal, except for colours, moves of the cursor and erasing.
+    """A text stream that escapes control sequences, except for colours, moves of the cursor and erasing.
 
-    Everything else is that of the stream: `buffer` takes bytes as they are.
+    Other attributes are those of the stream: `buffer` accepts raw bytes.
     """
 
     def __init__(self, stream: TextIO, *, essential: bool = False) -> None:
-        """Take a stream. Of one that is not `essential`, standard error, what cannot be written is lost."""
+        """Wrap a stream.
+
+        If it is not `essential`, as standard error is not, output that cannot be written is dropped.
+        """
         self._stream = stream
         self._essential = essential
 
     def write(self, text: str) -> int:
-        """Write a text; the number of characters that were given."""
+        """Write a text; return the number of its characters."""
         try:
             plain = text.replace("\n", "").isprintable()
             self._stream.write(text if plain else re.sub(_STREAM, _keep_or_escape, text))
@@ -70,7 +72,7 @@ class GuardedStream:
         return len(text)
 
     def flush(self) -> None:
-        """Write what waits. Raises OutputLost."""
+        """Write buffered text. Raises OutputLost."""
         try:
             self._stream.flush()
         except OSError as problem:
@@ -88,12 +90,12 @@ class GuardedStream:
             self.write(line)
 
     def __getattr__(self, name: str) -> object:
-        """Return an attribute of the stream for all that is not defined here."""
+        """Return any other attribute from the wrapped stream."""
         return getattr(self._stream, name)
 
 
 def open_closed_streams() -> None:
-    """Put something in place of standard output and error that are closed: else files that are opened take it."""
+    """Open replacements for closed standard output and error, whose descriptors other files would get otherwise."""
     for number, name, flags in ((1, "stdout", os.O_RDONLY), (2, "stderr", os.O_WRONLY)):
         if getattr(sys, name) is None:
             opened = os.open(os.devnull, flags)
@@ -106,7 +108,7 @@ def open_closed_streams() -> None:
 
 @contextmanager
 def guard_output() -> Iterator[None]:
-    """Guard standard output and standard error of this process."""
+    """Guard standard output and standard error of this process while the context lasts."""
     before = sys.stdout, sys.stderr
     sys.stdout, sys.stderr = (
         stream if stream is None else cast("TextIO", GuardedStream(stream, essential=stream is sys.stdout))

@@ -1,4 +1,4 @@
-"""Reports of progress: pure code reports its steps, and its caller decides where they are shown."""
+"""Reports of progress: pure code reports its steps, and its caller decides how to show them."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ _Item = TypeVar("_Item")
 
 
 def no_progress(text: str) -> None:
-    """Ignore a report: for callers that show none."""
+    """Ignore a report, for callers that show none."""
 
 
 def no_waiting(text: str) -> AbstractContextManager[object]:  # noqa: ARG001 - as Waiting has it
@@ -21,7 +21,7 @@ def no_waiting(text: str) -> AbstractContextManager[object]:  # noqa: ARG001 - a
 
 
 def counted(items: Sequence[_Item], verb: str, noun: str, progress: Progress) -> Iterator[_Item]:
-    """Yield the items, each reported before it is used: "checking 120 of 300 files"."""
+    """Yield the items, each reported before its use: "checking 120 of 300 files"."""
     total = len(items)
     for number, item in enumerate(items, 1):
         progress(f"{verb} {number} of {total} {noun}")

@@ -1,4 +1,4 @@
-"""One line on the terminal about what a command is doing, while it prints nothing else."""
+"""One line on the terminal about the present work of a command, while it prints nothing else."""
 
 from __future__ import annotations
 
@@ -22,12 +22,12 @@ _ERASE = "\r\x1b[K"
 
 @contextmanager
 def show_progress(text: str, *, quiet: float = QUIET) -> Iterator[Progress]:
-    """Print on standard error what is being done, once nothing was printed for `quiet` seconds; use it as a context.
+    """Show the present work on standard error after `quiet` seconds without output, while the context lasts.
 
-    Yields a function that takes what is done now. The line is erased before anything else is written to standard output
-    or standard error, and at the end. A terminal that cannot erase (TERM=dumb) gets a line now and then. Where standard
-    error is no terminal, and outside of the main thread, nothing is shown. Ask no question inside. Inside of another
-    such context, the text takes the place of the outer one's.
+    Yields a function that sets the text. The line is erased before any other output to standard output or standard
+    error, and at the end. A terminal that cannot erase (TERM=dumb) gets a new line now and then. Nothing is shown if
+    standard error is not a terminal, or outside of the main thread. Do not ask questions inside. Inside of another such
+    context, the text replaces that of the outer one.
     """
     out = sys.stderr
     if out is None or not out.isatty() or threading.current_thread() is not threading.main_thread():
@@ -58,7 +58,7 @@ def show_progress(text: str, *, quiet: float = QUIET) -> Iterator[Progress]:
 
 
 class ProgressLine:
-    """The line itself: drawn by `show` when it is due, erased by what else is written. Safe to use from two threads."""
+    """The line itself: drawn by `show` when it is due, erased by other output. Thread-safe."""
 
     def __init__(
         self,
@@ -68,7 +68,7 @@ class ProgressLine:
         environment: Mapping[str, str],
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
-        """Take the terminal `out`, what is done first, and the seconds of silence before that is shown."""
+        """Create the line for the terminal `out`, with the first text and the seconds of silence before it is shown."""
         self._out, self._text, self._quiet, self._clock = out, text, quiet, clock
         self._plain = environment.get("TERM", "dumb") in ("dumb", "")
         self._began = self._latest = clock()
@@ -77,12 +77,12 @@ class ProgressLine:
         self._lock = threading.Lock()
 
     def report(self, text: str) -> None:
-        """Take what is done now."""
+        """Set the text."""
         self._text = text
 
     @contextmanager
     def replaced(self, text: str) -> Iterator[Progress]:
-        """Show another text while this is open."""
+        """Replace the text while the context lasts."""
         before, self._text = self._text, text
         try:
             yield self.report
@@ -90,7 +90,7 @@ class ProgressLine:
             self._text = before
 
     def show(self) -> None:
-        """Draw the line when it is due and has changed."""
+        """Draw the line if it is due and has changed."""
         with self._lock:
             now = self._clock()
             due = now - self._latest >= self._quiet
@@ -107,12 +107,12 @@ class ProgressLine:
                 self._drawn = line
 
     def erase(self) -> None:
-        """Take the line off the screen."""
+        """Erase the line."""
         with self._lock:
             self._erase()
 
     def write(self, stream: TextIO, text: str) -> int:
-        """Write something else to a terminal, in place of the line."""
+        """Write other output to a terminal, in place of the line."""
         with self._lock:
             self._erase()
             written = stream.write(text)

@@ -1,7 +1,7 @@
-"""The files of this project, wherever it runs: a clone, a copy on a robot, or an installed wheel.
+"""The files of this project in each kind of installation: a clone, a copy on a robot, or an installed wheel.
 
-A clone and a copy have the same folders. A wheel holds the Python packages as every wheel does, and everything else in
-`_project`, a folder of the package `ur`; `setup.py` puts it there. Only this module knows the difference.
+A clone and a copy have the same folders. A wheel contains the Python packages, and all other files in `_project`, a
+folder of the package `ur` that `setup.py` creates. Only this module depends on the difference.
 """
 
 from __future__ import annotations
@@ -37,45 +37,46 @@ _LEFT_OUT = ("__pycache__", ".egg-info", ".pyc")
 
 
 def package_folder() -> Path:
-    """The folder of the Python package `ur`."""
+    """Return the folder of the Python package `ur`."""
     return Path(__file__).resolve().parents[1]
 
 
 def is_installed() -> bool:
-    """Return whether this runs from a wheel."""
+    """Return whether this process runs from a wheel."""
     return (package_folder() / DATA_FOLDER).is_dir()
 
 
 def project_folder() -> Path:
-    """The folder that holds the launch library, the locks and the set-up: of a clone or copy, or within the wheel."""
+    """Return the folder of the launch library, the locks and the set-up: of a clone or copy, or within the wheel."""
     package = package_folder()
     data = package / DATA_FOLDER
     return data if data.is_dir() else package.parents[1]
 
 
 def project_file(name: str) -> Path:
-    """The file that has a name in a clone: `requirements/run.lock`, `src/ur/system/releases.tsv`."""
+    """Return the file with this name in a clone: `requirements/run.lock`, `src/ur/system/releases.tsv`."""
     if is_installed() and name.startswith("src/"):
         return package_folder().parent / name.removeprefix("src/")
     return project_folder() / name
 
 
 def launch_library() -> Path:
-    """The ROS package of launch files."""
+    """Return the ROS package of launch files."""
     return project_folder() / LIBRARY
 
 
 def state_folder(environment: Mapping[str, str] = os.environ) -> Path:
-    """The folder that holds `.venv` and `.cache`: the clone or copy, or for a wheel a folder of the user's."""
+    """Return the folder of `.venv` and `.cache`: the clone or copy, or for a wheel a folder of the user."""
     if not is_installed():
         return project_folder()
     return Path(user_folder("XDG_DATA_HOME", environment)) / "ubiquity_launches"
 
 
 def list_files(root: Path | None = None) -> Iterator[tuple[str, Path, str]]:
-    """List what a copy of this project consists of, from a clone or a wheel: names as in a clone, sorted by part.
+    """Yield the files of a copy of this project, from a clone or a wheel: names as in a clone, sorted by part.
 
-    Yields the name, the file, and the target if the name is a link. `root` is the clone to list, else what runs.
+    Each item is the name, the file, and the target if it is a symbolic link. `root` is the clone to list, by default
+    the running project.
     """
     if root is None and is_installed():
         yield from _list_wheel()
@@ -112,7 +113,7 @@ def _walk(root: Path, parts: tuple[str, ...]) -> Iterator[tuple[str, Path]]:
 
 
 def describe_origin() -> str:
-    """Describe where this runs from: `clone FOLDER at COMMIT`, `copy FOLDER` on a robot, or `wheel in ENVIRONMENT`."""
+    """Describe the running installation: `clone FOLDER at COMMIT`, `copy FOLDER`, or `wheel in ENVIRONMENT`."""
     if is_installed():
         return f"wheel in {sys.prefix}"
     folder = project_folder()
@@ -123,7 +124,7 @@ def describe_origin() -> str:
 
 
 def _read_commit(folder: Path) -> str:
-    """The commit of a clone, '+changes' after it where files differ; empty without git."""
+    """Return the commit of a clone, followed by '+changes' if files differ; empty without git."""
     import subprocess
 
     command = ["git", "-C", str(folder), "describe", "--always", "--dirty=+changes", "--exclude=*"]

@@ -1,4 +1,4 @@
-"""Text files of people, read with an error that names what was expected."""
+"""Text files of the user, read with an error that names the expected content."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from ur.source.suggest import did_you_mean
 def read_source(
     path: str | Path, expected: str = "a readable text file", limit: int = MAX_BYTES, *, piped: bool = True
 ) -> SourceFile:
-    """Read a file of at most `limit` bytes as UTF-8. Raises UserError, which names the path, when that fails.
+    """Read a file of at most `limit` bytes as UTF-8. Raises UserError, which names the path.
 
     A path that another file names is not `piped`: it is never read from standard input or a shell's `<(...)`.
     """

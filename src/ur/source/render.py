@@ -1,4 +1,4 @@
-"""Diagnostics as text for people."""
+"""Diagnostics as text for display."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def shows_colour(stream: TextIO) -> bool:
 def render_human(diagnostics: Iterable[Diagnostic], *, colour: bool = False) -> str:
     """`path:line:column: severity: message [rule]`, the source line with a caret, notes, one help line.
 
-    Ends with a newline unless it is empty.
+    The text ends with a newline unless it is empty.
     """
     return "".join(line + "\n" for diagnostic in diagnostics for line in _lines(diagnostic, colour))
 
@@ -60,7 +60,7 @@ def _excerpt(span: Span, colour: bool, severity: Severity) -> Iterable[str]:
 
 
 def _one_cell_each(text: str) -> str:
-    """A source line in which each character stays above its caret: tabs are blanks, what is not printable is `?`."""
+    """Return a source line in which each character is one cell wide, above its caret: tabs are blanks, others `?`."""
     text = text.replace("\t", " ")
     return text if text.isprintable() else "".join(each if printable(each) == each else "?" for each in text)
 

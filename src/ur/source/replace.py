@@ -1,7 +1,7 @@
-"""Replacement of files that is complete or does not happen, also when the power is cut. One implementation for all.
+"""Atomic replacement of files, also in case of a power cut. The only implementation for all packages.
 
-Without `fsync`, a rename may reach the disk before the content of the file that it moves: after a power cut the file
-is then empty. This module uses the standard library only and imports nothing that takes long to load.
+Without `fsync`, a rename may reach the disk before the content of the file that it moves: after a power cut the file is
+then empty. This module uses the standard library only and imports nothing that is slow to load.
 """
 
 # Descriptors and exact paths throughout.
@@ -30,12 +30,12 @@ def replace_file(
     lasting: bool = True,
     sync: Sync = os.fsync,
 ) -> None:
-    """Write a file completely or leave it as it is. Raises OSError.
+    """Write a file completely or leave it unchanged. Raises OSError.
 
-    A symbolic link stays one: the file that it leads to is written. Without `follow`, for folders that another user
-    may have filled, a file takes its place. The permissions of a file stay; `mode`, less the umask, is for new ones.
-    With `parents`, folders that are missing are made. With `lasting`, the content is on the disk when this returns,
-    which a cache does not need; `sync` brings a descriptor there.
+    A symbolic link stays one: its target is written. Without `follow`, for folders that another user can write to, the
+    link is replaced by a file. The permissions of an existing file stay; `mode`, less the umask, is for new ones. With
+    `parents`, missing folders are created. With `lasting`, the content is on the disk when this returns, which a cache
+    does not need; `sync` is called for that with a descriptor.
     """
     folder, name = os.path.split(os.path.realpath(path) if follow else os.path.abspath(path))
     target = os.path.join(folder, name)
@@ -65,7 +65,7 @@ def replace_file(
 
 
 def make_folder(folder: str, *, mode: int = 0o775, lasting: bool = True, sync: Sync = os.fsync) -> None:
-    """Make a folder and those above it where they are missing; `mode` is less the umask. Raises OSError."""
+    """Create a folder and its missing parents; `mode` is less the umask. Raises OSError."""
     if os.path.isdir(folder):
         return
     above = os.path.dirname(folder.rstrip("/")) or "."
@@ -80,7 +80,7 @@ def make_folder(folder: str, *, mode: int = 0o775, lasting: bool = True, sync: S
 
 
 def sync_folder(folder: str, sync: Sync = os.fsync) -> None:
-    """Bring the names in a folder to the disk: what was made, renamed or removed there lasts. Raises OSError."""
+    """Sync the entries of a folder to the disk, so that created, renamed and removed files last. Raises OSError."""
     descriptor = os.open(folder, os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)
     try:
         sync(descriptor)

@@ -1,6 +1,6 @@
 """Users of a run: other runs that have joined it, and pages, as files in its control folder.
 
-They note themselves there. A run's program with the terminal finds the folder in `FOLDER_VARIABLE`, and reads them.
+A run's program with the terminal finds the folder in `FOLDER_VARIABLE`, and reads them.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ _MOST_USERS = 100
 
 
 def note_user(folder: str, name: str) -> None:
-    """Note that this process uses a run, under a name for people. Raises OSError: the run has ended."""
+    """Record that this process uses a run, under a display name. Raises OSError if the run has ended."""
     users = Path(folder, _USERS)
     users.mkdir(mode=0o700, exist_ok=True)
     unfinished = users / f".{os.getpid()}"
@@ -32,13 +32,13 @@ def note_user(folder: str, name: str) -> None:
 
 
 def forget_user(folder: str, name: str) -> None:
-    """Remove what `note_user` has noted."""
+    """Remove the record of `note_user`."""
     with suppress(OSError):
         _file(folder, name).unlink(missing_ok=True)
 
 
 def list_users(folder: str) -> list[str]:
-    """The names of the processes that use a run and are alive, each once."""
+    """Return the names of the running processes that use a run, each once."""
     try:
         files = sorted(Path(folder, _USERS).iterdir())[:_MOST_USERS]
     except OSError:
@@ -48,7 +48,7 @@ def list_users(folder: str) -> list[str]:
 
 
 def describe_users(names: Iterable[str]) -> str:
-    """The clause that these use the robot; empty for none."""
+    """Return the clause that these use the robot; empty if there are none."""
     known = list(names)
     if len(known) < 2:
         return f"{known[0]} uses this robot" if known else ""
@@ -56,7 +56,7 @@ def describe_users(names: Iterable[str]) -> str:
 
 
 def read_birth(pid: int) -> int | None:
-    """Read a process's start time in clock ticks since boot (field 22 of /proc/PID/stat, proc(5)); None: no process."""
+    """Read a process's start in clock ticks since boot (field 22 of /proc/PID/stat, proc(5)); None if it has ended."""
     try:
         with open(f"/proc/{pid}/stat", "rb") as file:  # noqa: PTH123 - as a path it takes longer, and it is read often
             words = file.read().rpartition(b")")[2].split()
@@ -66,7 +66,7 @@ def read_birth(pid: int) -> int | None:
 
 
 def _read_user(file: Path) -> str:
-    """The name of a user that is alive; '' for any other file."""
+    """Return the name of a user that is still running; '' for any other file."""
     try:
         with file.open(encoding="utf-8") as opened:
             pid, born, name = opened.read(_MOST_CHARACTERS).split(" ", 2)

@@ -1,4 +1,4 @@
-"""YAML files as people write them: read with positions, checked key by key, errors with did-you-mean."""
+"""YAML files written by users: read with positions, checked key by key, with suggestions for misspelt keys."""
 
 from __future__ import annotations
 
@@ -19,16 +19,16 @@ _REQUIRED: object = object()
 
 
 def read_section(path: str | Path, what: str, *, piped: bool = True) -> Section:
-    """The top-level mapping of a YAML file. `what` names the kind of file in errors: "a base file".
+    """Read the top-level mapping of a YAML file. `what` names the kind of file in errors: "a base file".
 
-    `piped` as in read_source: not for a path that another file names.
-    Raises UserError with file, line and column: unreadable, not YAML, or not a mapping.
+    `piped` as in read_source: not for a path that another file names. Raises UserError with file, line and column:
+    unreadable, not YAML, or not a mapping.
     """
     return parse_section(read_source(path, expected=what, piped=piped), what)
 
 
 def parse_section(file: SourceFile, what: str) -> Section:
-    """As read_section, for a text that is already there."""
+    """Parse the top-level mapping of a text, as `read_section` does."""
     try:
         node = compose_yaml(file.text)
     except yaml.MarkedYAMLError as problem:
@@ -51,7 +51,10 @@ def parse_section(file: SourceFile, what: str) -> Section:
 
 
 class Section:
-    """A mapping that is being read. Every accessor names what it expects; `finish` refuses keys that were not read."""
+    """A mapping that is being read.
+
+    Every accessor names the expected value; `finish` refuses keys that were not read.
+    """
 
     def __init__(self, file: SourceFile, node: yaml.MappingNode, name: str) -> None:
         self.file = file
@@ -72,22 +75,22 @@ class Section:
 
     @property
     def keys(self) -> tuple[str, ...]:
-        """The keys that are there, in order."""
+        """Return the present keys, in order."""
         return tuple(self._items)
 
     def has(self, key: str) -> bool:
-        """Return whether the key is there (and not null)."""
+        """Return whether the key is present (and not null)."""
         self._asked[key] = None
         return key in self._items and self._plain(self._items[key][1]) is not None
 
     def is_text(self, key: str) -> bool:
-        """Return whether the key has a plain text, where a mapping may stand, too."""
+        """Return whether the key has a plain text, for keys that may also have a mapping."""
         return self.has(key) and isinstance(self._plain(self._items[key][1]), str)
 
     def number(
         self, key: str, default: object = _REQUIRED, *, minimum: float | None = None, maximum: float | None = None
     ) -> float:
-        """A finite number within limits (inclusive)."""
+        """Read a finite number within limits (inclusive)."""
         value = self._get(key, default, "a number")
         if not _is_number(value):
             self.fail(key, f"{key}: {value!r} in {self.name}, expected a number")
@@ -96,7 +99,7 @@ class Section:
         return float(value)
 
     def integer(self, key: str, default: object = _REQUIRED, *, minimum: int | None = None) -> int:
-        """A whole number not below `minimum`."""
+        """Read a whole number not below `minimum`."""
         value = self._get(key, default, "a whole number")
         if isinstance(value, bool) or not isinstance(value, int):
             self.fail(key, f"{key}: {value!r} in {self.name}, expected a whole number")
@@ -105,7 +108,7 @@ class Section:
         return value
 
     def text(self, key: str, default: object = _REQUIRED, *, choices: Iterable[str] = ()) -> str:
-        """A string; with `choices`, one of them."""
+        """Read a string; with `choices`, one of them."""
         value = self._get(key, default, "a text")
         if not isinstance(value, str):
             self.fail(key, f"{key}: {value!r} in {self.name}, expected a text")
@@ -120,14 +123,14 @@ class Section:
         return value
 
     def boolean(self, key: str, default: object = _REQUIRED) -> bool:
-        """True or false; 0 and 1 count too."""
+        """Read true or false; 0 and 1 are accepted too."""
         value = self._get(key, default, "true or false")
         if value not in (True, False):
             self.fail(key, f"{key}: {value!r} in {self.name}, expected true or false")
         return bool(value)
 
     def numbers(self, key: str, length: int | None = None, default: object = _REQUIRED) -> tuple[float, ...]:
-        """A list of finite numbers, of a fixed length when one is given."""
+        """Read a list of finite numbers, of a fixed length if one is given."""
         expected = f"a list of {length} numbers" if length else "a list of numbers"
         value = self._get(key, default, expected)
         if isinstance(value, tuple):
@@ -141,7 +144,7 @@ class Section:
         return tuple(float(x) for x in value)
 
     def points(self, key: str, default: object = _REQUIRED, *, minimum: int = 0) -> tuple[tuple[float, float], ...]:
-        """A list of [x, y] pairs, at least `minimum` of them."""
+        """Read a list of [x, y] pairs, at least `minimum` of them."""
         value = self._get(key, default, "a list of [x, y] points")
         if isinstance(value, tuple):
             return value
@@ -154,17 +157,17 @@ class Section:
         return tuple((float(x), float(y)) for x, y in value)
 
     def section(self, key: str) -> Section:
-        """A mapping inside this one. Raises UserError when it is missing."""
+        """Read a mapping inside this one. Raises UserError if it is missing."""
         if not self.has(key):
             self.fail(key, f"{key} is missing in {self.name}, expected a mapping")
         return self._section(self._items[key][1], f"{self.name}, {key}")
 
     def optional_section(self, key: str) -> Section | None:
-        """A mapping inside this one, or None when it is not there."""
+        """Read a mapping inside this one, or None if it is missing."""
         return self.section(key) if self.has(key) else None
 
     def sections(self, key: str) -> Iterator[Section]:
-        """Each mapping of a list of mappings; nothing when the key is missing."""
+        """Yield each mapping of a list of mappings; empty if the key is missing."""
         if not self.has(key):
             return
         node = self._items[key][1]
@@ -174,22 +177,22 @@ class Section:
             yield self._section(item, f"{self.name}, {key} {number}")
 
     def subsections(self) -> Iterator[tuple[str, Section]]:
-        """Every key with its value as a mapping, for mappings whose keys are names the user chose."""
+        """Yield every key with its value as a mapping, for mappings whose keys are names chosen by the user."""
         for key in self._items:
             yield key, self.section(key)
 
     def merged(self, over: Section) -> Section:
-        """This mapping with the values of another laid over it, mapping by mapping; positions are kept."""
+        """Return this mapping with the values of another one merged over it, mapping by mapping; positions are kept."""
         return Section(self.file, _merge(self._node, over._node), self.name)
 
     def without(self, key: str) -> Section:
-        """This mapping without one of its keys."""
+        """Return this mapping without one of its keys."""
         pairs = [(k, v) for k, v in self._node.value if getattr(k, "value", None) != key]
         node = yaml.MappingNode(self._node.tag, pairs, self._node.start_mark, self._node.end_mark)
         return Section(self.file, node, self.name)
 
     def finish(self) -> None:
-        """Refuse keys that no accessor asked for: they are misspelt or misplaced."""
+        """Refuse keys that no accessor has read: they are misspelt or misplaced."""
         for key, (node, _) in self._items.items():
             if key not in self._asked:
                 near = did_you_mean(key, self._asked)
@@ -197,7 +200,7 @@ class Section:
                 self._fail(node, f"{key} is not known in {self.name}", help)
 
     def fail(self, key: str, message: str, help: str | None = None) -> NoReturn:
-        """Raise UserError at the value of a key (at the mapping when the key is missing)."""
+        """Raise UserError at the value of a key (at the mapping if the key is missing)."""
         self._fail(self._items[key][1] if key in self._items else self._node, message, help)
 
     def _fail(self, node: yaml.Node, message: str, help: str | None) -> NoReturn:

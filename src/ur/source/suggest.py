@@ -1,4 +1,4 @@
-"""Did you mean ...?"""
+"""Suggestions for misspelt names."""
 
 from __future__ import annotations
 
@@ -11,16 +11,16 @@ _MAX_ANSWERS = 10_000
 
 
 def did_you_mean(word: str, candidates: Iterable[str]) -> str | None:
-    """The candidate nearest to a misspelt word, or None when none is near enough.
+    """Return the candidate nearest to a misspelt name, or None if none is similar enough.
 
-    Of names that differ in case only, the last counts. A list that is asked about again, best as one frozenset, costs
-    next to nothing then.
+    Of names that differ in case only, the last is used. Repeated calls with the same list, preferably one frozenset,
+    are cheap.
     """
     return _index_of(frozenset(candidates)).nearest(word)
 
 
 def get_command(package: str) -> str:
-    """The command that gets a package; with a placeholder for a text that is no name and could harm a shell."""
+    """Return the command that gets a package; with a placeholder for an invalid name that is unsafe in a shell."""
     plain = package.isascii() and package.replace("_", "").replace("-", "").isalnum() and package[0] != "-"
     return f"ur get {package if plain else 'PACKAGE'}"
 
@@ -31,9 +31,9 @@ def _index_of(candidates: frozenset[str]) -> _Index:
 
 
 class _Index:
-    """Names with the letters that each holds, as bits: which names cannot be near is seen without comparing them.
+    """Names with the set of letters of each as bits, by which dissimilar names are skipped without a comparison.
 
-    Finds what difflib.get_close_matches(word, names, n=1) finds, whose bounds cost more than its comparisons.
+    The results are those of difflib.get_close_matches(word, names, n=1), whose bounds cost more than its comparisons.
     """
 
     def __init__(self, names: Iterable[str]) -> None:

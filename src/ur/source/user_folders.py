@@ -20,8 +20,8 @@ def user_folder(
 ) -> str:
     """Return the folder that an XDG variable names, or its default in the home folder.
 
-    A value that is not an absolute path is ignored, as the specification demands.
-    Plain text, because importing pathlib would slow the start of `ur`.
+    A value that is not an absolute path is ignored, as the specification demands. The result is a plain text, because
+    importing pathlib would slow down the start of `ur`.
     """
     folder = environment.get(variable, "")
     if folder.startswith("/"):

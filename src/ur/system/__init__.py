@@ -1,1 +1,1 @@
-"""The computer's own system: releases of Linux distributions, the packages of ROS 1, the Debian root."""
+"""The computer's operating system: releases of Linux distributions, the packages of ROS 1, the Debian root."""

@@ -1,6 +1,6 @@
-"""The Debian root, as a process sees it: whether it runs in there, and how packages are installed.
+"""The Debian root, as a process sees it: whether it runs in the root, and how packages are installed.
 
-`tools/debian_root.bash` makes, enters and removes the root, from outside and before there is a Python environment.
+`tools/debian_root.bash` creates, enters and removes the root, from outside and before a Python environment exists.
 """
 
 from __future__ import annotations
@@ -17,26 +17,26 @@ _VERSION = "/etc/debian_version"
 
 @dataclass(frozen=True, slots=True)
 class DebianRoot:
-    """A Debian root. `folder` holds the root file system itself (`root`) and programs that enter it (`bin`)."""
+    """A Debian root. `folder` contains the root file system itself (`root`) and programs that enter it (`bin`)."""
 
     folder: str
     version: str
 
     @property
     def programs(self) -> str:
-        """The folder of the programs of ROS that can be started from outside."""
+        """Return the folder of the ROS programs that can be started from outside."""
         return f"{self.folder}/bin"
 
 
 def find_root(environment: Mapping[str, str], *, mark: str = MARK) -> DebianRoot | None:
-    """Return the Debian root that this process runs in; None where ROS is this computer's own."""
+    """Return the Debian root that this process runs in; None if ROS is installed on the computer itself."""
     if not os.path.exists(mark):  # noqa: PTH110 - pathlib is not worth its import here
         return None
     return DebianRoot(data_folder(environment), _read_version())
 
 
 def data_folder(environment: Mapping[str, str]) -> str:
-    """Return the folder of the Debian root of a user, whether there is one or not."""
+    """Return the folder of a user's Debian root, whether it exists or not."""
     return f"{user_folder('XDG_DATA_HOME', environment)}/ubiquity_launches/debian-13"
 
 
@@ -48,7 +48,7 @@ def install_command(packages: str | Sequence[str], *, mark: str = MARK) -> str:
 
 
 def describe_system(root: DebianRoot | None) -> str:
-    """Return one line on whose ROS is used."""
+    """Return one line that names the system whose ROS is used."""
     if root is None:
         return "ROS: the packages of this computer"
     return f"ROS: Debian {root.version} in {root.folder}, since this computer's release has no ROS 1"

@@ -1,4 +1,4 @@
-"""The table of releases: whether a Linux distribution packages ROS 1. Pure, but for reading the table itself."""
+"""The table of releases: whether a Linux distribution packages ROS 1. Pure, except for reading the table itself."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _NO_HIT = 99
 class Release:
     """A row of the table; its columns are described at the head of releases.tsv. Empty values are ''.
 
-    `missing` is ("all", ...) where the release has no ROS package. `tried` is False for a derivative.
+    `missing` is ("all", ...) if the release has no ROS package. `tried` is False for a derivative.
     """
 
     id: str
@@ -40,7 +40,7 @@ class Release:
 
 @dataclass(frozen=True, slots=True)
 class System:
-    """Identification of a system, from its os-release. `name` is what it calls itself."""
+    """Identification of a system, from its os-release. `name` is its display name."""
 
     id: str = "linux"
     like: tuple[str, ...] = ()
@@ -52,7 +52,7 @@ class System:
 
 
 def parse_os_release(text: str) -> System:
-    """Read the text of an os-release file (os-release(5)). Lines that are no assignments are ignored."""
+    """Parse the text of an os-release file (os-release(5)). Lines that are not assignments are ignored."""
     values: dict[str, str] = {}
     for line in text.splitlines():
         key, equals, value = line.strip().partition("=")
@@ -74,7 +74,7 @@ def parse_os_release(text: str) -> System:
 
 
 def parse_releases(text: str) -> tuple[Release, ...]:
-    """Read the table. Raises ValueError, which names the line, where it is malformed."""
+    """Parse the table. Raises ValueError, which names the line, if it is malformed."""
     lines = [(n, line) for n, line in enumerate(text.splitlines(), 1) if line and not line.startswith("#")]
     if not lines or tuple(lines[0][1].split("\t")) != COLUMNS:
         raise ValueError(f"releases.tsv: expected the columns {' '.join(COLUMNS)}")
@@ -105,18 +105,18 @@ def _parse_row(number: int, line: str) -> Release:
 
 @cache
 def load_releases() -> tuple[Release, ...]:
-    """All rows of the table that the project brings along, in order."""
+    """Return all rows of the project's table, in order."""
     return parse_releases(files("ur.system").joinpath("releases.tsv").read_text("utf-8"))
 
 
 def load_ros_packages() -> tuple[str, ...]:
-    """The Debian packages of ROS 1 that the set-up installs; alternatives within an entry are separated by |."""
+    """Return the Debian packages of ROS 1 that the set-up installs; alternatives within an entry are separated by |."""
     lines = files("ur.system").joinpath("ros_packages.txt").read_text("utf-8").splitlines()
     return tuple(line for line in lines if line and not line.startswith("#"))
 
 
 def find_release(system: System) -> Release:
-    """The row of the table that counts for a system, in the order that the head of the table describes."""
+    """Return the row of the table for a system, by the order that the head of the table describes."""
     rows = load_releases()
     ranks = [_rank(row, system) for row in rows]
     best = min(ranks)
@@ -125,9 +125,9 @@ def find_release(system: System) -> Release:
 
 
 def check_robot_system(place: str, system: System) -> None:
-    """Raise UserError where a robot with this system cannot have ROS 1. `place` names its address or image.
+    """Raise UserError if a robot with this system cannot have ROS 1. `place` names its address or image.
 
-    A root of our own, which brings ROS 1 to users' computers, is not for robots.
+    The Debian root, which provides ROS 1 on users' computers, is not for robots.
     """
     if reason := describe_lack(system):
         raise UserError(
@@ -141,7 +141,7 @@ def check_robot_system(place: str, system: System) -> None:
 
 
 def describe_lack(system: System) -> str:
-    """Describe why a system has no packages of ROS 1, as a clause that begins with its name; '' where it has them."""
+    """Describe why a system has no packages of ROS 1, as a clause that begins with its name; '' if it has them."""
     release = find_release(system)
     if release.ros == "native":
         return ""
@@ -151,7 +151,7 @@ def describe_lack(system: System) -> str:
 
 
 def _rank(row: Release, system: System) -> int:
-    """The step of the look-up at which a row hits."""
+    """Return the step of the look-up at which a row matches."""
     testing = not system.version and system.codename and row.codename == system.codename
     if row.id == system.id and (row.version == system.version or testing):
         return 1
@@ -168,7 +168,7 @@ def _rank(row: Release, system: System) -> int:
 
 
 def _is_base(row: Release, system: System) -> bool:
-    """Return whether a derivative declares that it is made from the release of this row."""
+    """Return whether a derivative declares that it is based on the release of this row."""
     if system.ubuntu:
         return row.id == "ubuntu" and row.codename == system.ubuntu
     if system.debian:

@@ -1,4 +1,4 @@
-"""ROS of this computer: ROS 1 as its release packages it, the user's own ROS 2, the wheels of ROS 2, or none.
+"""ROS of this computer: ROS 1 as packaged, the user's own ROS 2, the wheels of ROS 2, or none.
 
 Without ROS, all nodes of a run are in one process.
 """
@@ -39,9 +39,9 @@ _WHEELS_MACHINES = ("x86_64",)
 
 @dataclass(frozen=True, slots=True)
 class Ros:
-    """ROS that nodes run with: its release, the folder that it is installed in, and the Python of nodes.
+    """The ROS of nodes: its release, its installation folder, and the Python of nodes.
 
-    `prefix` is empty for ROS 1. `sourced`: the environment has it already. Version 0 is none at all.
+    `prefix` is empty for ROS 1. `sourced`: the environment already has it. Version 0 means no ROS.
     """
 
     version: Literal[0, 1, 2]
@@ -52,7 +52,7 @@ class Ros:
 
     @property
     def wheels(self) -> bool:
-        """Return whether it is the wheels that the set-up has installed."""
+        """Return whether it consists of the wheels that the set-up has installed."""
         return os.path.basename(self.prefix) == WHEELS  # noqa: PTH119 - as above
 
     def __str__(self) -> str:
@@ -62,10 +62,10 @@ class Ros:
 
 
 def find_ros(wanted: str, environment: Mapping[str, str], state: str, *, root: str = "/", machine: str = "") -> Ros:
-    """Find the ROS of version `wanted` ("1", "2", "none"; "": ROS 1 where it is installed, else ROS 2, else none).
+    """Find the ROS of version `wanted` ("1", "2", "none"; "": ROS 1 if it is installed, else ROS 2, else none).
 
-    `state` is the state folder, `root` the root of the file system, `machine` the processor. Raises UserError: it is
-    not installed, or there is none where it could be.
+    `state` is the state folder, `root` the root of the file system, `machine` the processor. Raises UserError if it is
+    not installed.
     """
     python = os.path.join(state, ".venv/bin/python")
     if wanted == NONE:
@@ -86,9 +86,9 @@ def find_ros(wanted: str, environment: Mapping[str, str], state: str, *, root: s
 
 
 def choose_domain(environment: Mapping[str, str], uid: int, tables: tuple[str, ...] = _SOCKETS) -> str:
-    """The domain of the simulated robots of a user, in which no other robot is, unless a person has chosen one.
+    """Return the domain of a user's simulated robots, which no other robot uses, unless the user has chosen one.
 
-    It depends on the user's id; where nodes of another user are in it, the next one without any serves.
+    It depends on the user's id; if nodes of another user are in it, the next free one is used.
     """
     if chosen := environment.get("ROS_DOMAIN_ID"):
         return chosen
@@ -101,7 +101,7 @@ def choose_domain(environment: Mapping[str, str], uid: int, tables: tuple[str, .
 
 
 def users_of_domains(tables: tuple[str, ...] = _SOCKETS) -> dict[int, set[int]]:
-    """The users by domain whose nodes are in it on this computer: the ports of a domain depend on its number."""
+    """Return by domain the users whose nodes are in it on this computer: the ports of a domain depend on its number."""
     found: dict[int, set[int]] = {}
     for table in tables:
         try:
@@ -120,24 +120,24 @@ def users_of_domains(tables: tuple[str, ...] = _SOCKETS) -> dict[int, set[int]]:
 
 
 def facts_file(environment: Mapping[str, str], domain: str) -> str:
-    """The file of the facts of the runs in a domain of ROS 2, of this user."""
+    """Return the file with the facts of this user's runs in a domain of ROS 2."""
     folder = environment.get("XDG_RUNTIME_DIR", "")
     folder = folder if folder.startswith("/") else user_folder("XDG_STATE_HOME", environment)
     return f"{folder}/ubiquity_launches/facts-{domain}.json"
 
 
 def find_facts(environment: Mapping[str, str], domain: str) -> str:
-    """The file of the facts of a run: the one that an environment names, or that of its user's runs in a domain."""
+    """Return the file with the facts of a run: that of the environment, or that of the user's runs in a domain."""
     return environment.get("UR_FACTS") or facts_file(environment, domain)
 
 
 def viewer_socket(environment: Mapping[str, str]) -> str:
-    """The socket at which the process of all nodes takes those of viewers, without ROS."""
+    """Return the socket for viewers of the process with all nodes, without ROS."""
     return os.path.join(os.path.dirname(find_facts(environment, NONE)), "nodes.sock")  # noqa: PTH120 - as above
 
 
 def graph_address(environment: Mapping[str, str]) -> str:
-    """The address of what connects nodes: ROS_MASTER_URI, on ROS 2 `ros2://localhost/DOMAIN`."""
+    """Return the address of the middleware: ROS_MASTER_URI, on ROS 2 `ros2://localhost/DOMAIN`."""
     if environment.get("ROS_VERSION") == "0":
         return _NO_ROS
     if environment.get("ROS_VERSION") == "2":
@@ -146,14 +146,14 @@ def graph_address(environment: Mapping[str, str]) -> str:
 
 
 def read_domain(address: str) -> str | None:
-    """The domain in an address of `graph_address`, "none" without ROS; None for a master of ROS 1."""
+    """Return the domain in an address of `graph_address`, "none" without ROS; None for a master of ROS 1."""
     if address == _NO_ROS:
         return NONE
     return address.rpartition("/")[2] if address.startswith(_SCHEME) else None
 
 
 def node_command(environment: Mapping[str, str]) -> tuple[str, ...]:
-    """The command that runs a module of `ur_nodes` as a node, in its environment."""
+    """Return the command that runs a module of `ur_nodes` as a node, in its environment."""
     if environment.get("ROS_VERSION") == "0":
         return (sys.executable, "-I", "-m", "ur_nodes.one_process.viewer_program")
     if environment.get("ROS_VERSION") != "2":
@@ -164,7 +164,10 @@ def node_command(environment: Mapping[str, str]) -> tuple[str, ...]:
 
 
 def _find_users(environment: Mapping[str, str], python: str, root: str) -> Ros | None:
-    """The user's own ROS 2: the one that the shell has sourced, else the newest in /opt/ros. Raises UserError."""
+    """Return the user's own ROS 2: the one that the shell has sourced, else the newest in /opt/ros.
+
+    Raises UserError.
+    """
     distro = environment.get("ROS_DISTRO", "")
     prefixes = [each for each in environment.get("AMENT_PREFIX_PATH", "").split(os.pathsep) if each]
     if environment.get("ROS_VERSION") == "2" and prefixes and os.path.basename(prefixes[0]) != WHEELS:  # noqa: PTH119

@@ -1,4 +1,4 @@
-"""The variables that the set-up file of an installed ROS 2 sets."""
+"""The environment variables that the set-up file of an installed ROS 2 sets."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ _LEFT_OUT = ("_", "SHLVL", "PWD", "OLDPWD")
 
 
 def source_ros(prefix: str, environment: Mapping[str, str]) -> dict[str, str]:
-    """Run the set-up file of the ROS 2 in `prefix`; return what it changes in `environment`. Raises UserError."""
+    """Run the set-up file of the ROS 2 in `prefix`; return the changes of `environment`. Raises UserError."""
     file = f"{prefix}/setup.bash"
     command = ["bash", "--norc", "-c", _SCRIPT, "bash", file]
     try:

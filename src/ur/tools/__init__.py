@@ -1,1 +1,1 @@
-"""Tools for launch files beside their checks and documents: find, format, new, package."""
+"""Further tools for launch files: find, format, new, package."""

@@ -1,1 +1,1 @@
-"""The terminal interface of a run: a process of its own that controls the run over a socket."""
+"""The terminal interface of a run: a separate process that controls the run over a socket."""

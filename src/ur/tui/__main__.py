@@ -40,7 +40,7 @@ def main(argv: list[str]) -> int:
 
 
 def wait_begin(control: RunControl) -> list[RunEvent] | None:
-    """Wait until the run begins; the screen stays empty before. Return the events so far, None when it never begins."""
+    """Wait until the run begins; the screen stays empty before. Return the events so far, None if it never begins."""
     early: list[RunEvent] = []
     while not any(isinstance(event, RunStarted) for event in early):
         select.select([control], [], [])

@@ -1,4 +1,4 @@
-"""The interface on a large enough terminal, with the actions that change the run: nodes, all of it, debuggers."""
+"""The interface on a large enough terminal, with the actions that change the run: nodes, the run, debuggers."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from ur.tui.run_state import NodeRow
 
 
 class WatchApp(LogActions):
-    """Shows and controls one run. Ends with the run, or with `detached` while the run goes on."""
+    """Shows and controls one run. It ends with the run, or with `detached` while the run continues."""
 
     BINDINGS: ClassVar[list[BindingType]] = make_bindings()
 
@@ -36,7 +36,7 @@ class WatchApp(LogActions):
         self._command(RestartNode, "restart")
 
     def action_kill(self) -> None:
-        """SIGKILL a node, once that is confirmed."""
+        """SIGKILL a node after confirmation."""
         row = self._steerable()
         if row is None:
             return
@@ -49,7 +49,7 @@ class WatchApp(LogActions):
         self.push_screen(Question(f"Kill {row.name}?", choices, self.palette), answer)
 
     def action_debug(self) -> None:
-        """Debug a node; asks where that means to start it again."""
+        """Debug a node, after confirmation if that requires a restart."""
         row = self._steerable()
         if row is None:
             return
@@ -75,11 +75,11 @@ class WatchApp(LogActions):
         self.report(self.services.run_here(method.command) if method.here else self.services.run_beside(method.command))
 
     def action_stop_all(self) -> None:
-        """End the run, once that is confirmed."""
+        """End the run after confirmation."""
         self._ask_end(detach=False)
 
     def action_leave(self, _anyway: bool = False) -> None:
-        """Quit: end the run, or only this interface where the run goes on without it."""
+        """Quit: end the run, or only this interface if the run continues without it."""
         if not isinstance(self.screen, Question):
             self._ask_end(detach=self._may_leave)
 
@@ -101,7 +101,7 @@ class WatchApp(LogActions):
         self.push_screen(Question(title, tuple(choices), self.palette), answer)
 
     def action_interrupt(self) -> None:
-        """Ctrl-C: end the run now, as without an interface; of a detached run only ask."""
+        """Handle Ctrl-C: end the run immediately, as without an interface; for a detached run only ask."""
         if self._may_leave and not self._stops:
             self.action_leave()
         else:

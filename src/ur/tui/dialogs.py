@@ -1,4 +1,4 @@
-"""Questions, help, and a log file, over the main screen. One key answers; Escape always goes back."""
+"""Questions, help, and a log file, over the main screen. One key answers; Escape always closes."""
 
 from __future__ import annotations
 
@@ -26,12 +26,12 @@ class DialogAnswer:
 
 
 class Question(ModalScreen[str]):
-    """Asks; answers with the key of a choice, '' for none. Choices can be clicked too."""
+    """A question; returns the key of a choice, '' for none. Choices can also be clicked."""
 
     def __init__(
         self, title: str, choices: tuple[DialogAnswer, ...], palette: ScreenPalette, *, note: str = ""
     ) -> None:
-        """`note` is what people should know before they answer."""
+        """Create the question. `note` is information for the user's decision."""
         super().__init__(classes="dialog")
         self.title_text = printable(title)
         self._note = printable(note)
@@ -40,7 +40,7 @@ class Question(ModalScreen[str]):
         self._answered = False
 
     def compose(self) -> ComposeResult:
-        """The question above its answers."""
+        """Arrange the question above its answers."""
         with Vertical():
             yield Static(Text(self.title_text, style="bold"))
             if self._note:
@@ -50,11 +50,11 @@ class Question(ModalScreen[str]):
                 yield _Answer(choice, self._palette)
 
     def on_mount(self) -> None:
-        """Colours."""
+        """Set the colours."""
         _frame(self.query_one(Vertical), self._palette)
 
     def on_key(self, event: events.Key) -> None:
-        """An answer, or nothing."""
+        """Handle an answer, and ignore other keys."""
         event.stop()
         event.prevent_default()
         if any(choice.key == event.key for choice in self._choices):
@@ -63,7 +63,7 @@ class Question(ModalScreen[str]):
             self.answer("escape")
 
     def answer(self, key: str) -> None:
-        """Answer, once: the key or click after it may be the second of a pair."""
+        """Answer once: a following key or click may be the second of a double one."""
         if not self._answered:
             self._answered = True
             self.dismiss("" if key == "escape" else key)
@@ -93,7 +93,7 @@ class TextDialog(ModalScreen[None]):
         self._left = False
 
     def compose(self) -> ComposeResult:
-        """The title above the text."""
+        """Arrange the title above the text."""
         with Vertical():
             yield Static(Text(self._title, style="bold", no_wrap=True, overflow="ellipsis"))
             yield Static(" ")
@@ -101,7 +101,7 @@ class TextDialog(ModalScreen[None]):
                 yield Static(self._text)
 
     def on_mount(self) -> None:
-        """Begin where it matters."""
+        """Start at the relevant position."""
         _frame(self.query_one(Vertical), self._palette)
         scroll = self.query_one(VerticalScroll)
         scroll.focus()
@@ -109,7 +109,7 @@ class TextDialog(ModalScreen[None]):
             scroll.scroll_end(animate=False)
 
     def on_key(self, event: events.Key) -> None:
-        """Any of the keys that end a pager."""
+        """Close on any of the keys that end a pager."""
         if event.key in ("escape", "q", "l", "enter", "question_mark"):
             event.stop()
             if not self._left:
@@ -124,7 +124,7 @@ def _frame(box: Vertical, palette: ScreenPalette) -> None:
 
 
 def read_page(name: str, path: str, palette: ScreenPalette) -> TextDialog:
-    """The end of a node's log file."""
+    """Return a dialog with the end of a node's log file."""
     lines = read_last_lines(path, 2000, 512 * 1024)
     text = Text.from_ansi("\n".join(lines)) if lines else Text("(empty)")
     return TextDialog(f"{name}  {path}", text, palette, at_end=True)

@@ -1,4 +1,4 @@
-"""The log of a run as people read it: messages kept together, repeats counted, floods cut, memory bounded. Pure."""
+"""The log of a run for display: grouped messages, counted repetitions, limited floods and memory. Pure."""
 
 from __future__ import annotations
 
@@ -24,8 +24,8 @@ _CLOSED = re.compile("\x1b\\[0?m")
 class Entry:
     """A message of a node (`name` empty: of the run itself). `time` is when it arrived, s since the epoch.
 
-    `lines` may hold colours and nothing else that moves a terminal. `count` is how often it arrived in a row. `number`
-    only grows. `open` while the message goes on with any next line of the node.
+    `lines` may contain colours but no other control sequences. `count` is the number of its repetitions in a row.
+    `number` increases. `open` while the next line of the node belongs to the message.
     """
 
     number: int
@@ -41,7 +41,10 @@ class Entry:
 
 @dataclass(frozen=True, slots=True)
 class Filter:
-    """The filter of the log. `rank`: at least so bad; `node` and `text` empty: all; `muted` nodes are left out."""
+    """The filter of the log.
+
+    `rank` is the minimum severity; `node` and `text` empty: all; `muted` nodes are left out.
+    """
 
     node: str = ""
     rank: int = 0
@@ -60,7 +63,7 @@ class Filter:
 
 @dataclass(slots=True)
 class Journal:
-    """The log of a run. `entries` oldest first; `take_changes` returns what is new."""
+    """The log of a run. `entries` oldest first; `take_changes` returns the position of new ones."""
 
     entries: deque[Entry] = field(default_factory=lambda: deque(maxlen=MOST_ENTRIES))
     _last: dict[str, Entry] = field(default_factory=dict)
@@ -68,7 +71,7 @@ class Journal:
     _oldest_change: int | None = None
 
     def add(self, events: Iterable[OutputLine | Notice], now: float) -> None:
-        """Take what was printed since the last update. `now` in s since the epoch."""
+        """Add the lines printed since the last update. `now` in s since the epoch."""
         counts: dict[str, int] = {}
         for event in events:
             if isinstance(event, Notice):
@@ -83,13 +86,13 @@ class Journal:
                 self._add_flood(name, count - MOST_AT_ONCE, now)
 
     def clear(self) -> None:
-        """Forget everything."""
+        """Remove all entries."""
         self.entries.clear()
         self._last.clear()
         self._oldest_change = 0
 
     def take_changes(self) -> int | None:
-        """The number of the oldest entry that is new or has changed since this was last asked; None: nothing did."""
+        """Return the number of the oldest entry that is new or has changed since the last call, or None."""
         found, self._oldest_change = self._oldest_change, None
         return found
 
@@ -145,7 +148,7 @@ class Journal:
 
 
 def clean(text: str) -> str:
-    """A line that cannot move a cursor or ring a bell: colours stay, tabs become spaces, the rest `?`."""
+    """Return a line without cursor moves and the bell: colours stay, tabs become spaces, other controls `?`."""
     if text.isprintable():
         return text
     pieces = []
@@ -157,7 +160,7 @@ def clean(text: str) -> str:
 
 
 def strip_head(text: str) -> str:
-    """A message without `[ INFO] [1700000000.123]: ` in front, as rosconsole and rospy write it."""
+    """Return a message without the prefix `[ INFO] [1700000000.123]: ` of rosconsole and rospy."""
     found = _HEAD.match(text)
     return text[found.end() :] if found else text
 

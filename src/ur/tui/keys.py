@@ -1,4 +1,4 @@
-"""The keys: what each does, and how it is named. Bindings, the last line and the help page are made from this table."""
+"""The key bindings with their names. Bindings, the footer and the help page are made from this table."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ from ur.tui.palette import ScreenPalette
 
 @dataclass(frozen=True, slots=True)
 class KeyBinding:
-    """One row: textual's names of the keys, the action of the app, and for people the key and what it does.
+    """One row: textual's names of the keys, the action of the app, and the display name and description of the key.
 
-    `foot` is the word in the last line of the screen, '' for none; `group` for the help.
+    `foot` is the word in the footer, '' for none; `group` is that of the help.
     """
 
     keys: str
@@ -65,12 +65,15 @@ FOOT = "?q/dlxrsknvm"  # the last line names keys in this order, as many as ther
 
 
 def make_bindings() -> list[BindingType]:
-    """The bindings. They come before widgets, so that keys act in the order of typing; see `RunScreen.check_action`."""
+    """Return the bindings.
+
+    They come before widgets, so that keys act in the order of typing; see `RunScreen.check_action`.
+    """
     return [Binding(name, key.action, show=False, priority=True) for key in KEYS for name in key.keys.split(",")]
 
 
 def describe_foot(width: int, palette: ScreenPalette) -> Text:
-    """The last line: the most useful keys, as many as fit."""
+    """Return the footer: the most useful keys, as many as fit."""
     text = Text(no_wrap=True, overflow="ellipsis")
     named = {key.shown.partition(",")[0]: key.foot for key in KEYS}
     for key in FOOT:
@@ -81,7 +84,7 @@ def describe_foot(width: int, palette: ScreenPalette) -> Text:
 
 
 def describe_keys(palette: ScreenPalette) -> Table:
-    """The help page."""
+    """Return the help page."""
     table = Table.grid(padding=(0, 2))
     for number, group in groupby((key for key in KEYS if key.does), lambda key: key.group):
         if number:

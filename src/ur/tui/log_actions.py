@@ -1,4 +1,4 @@
-"""Keys that change what is shown: the cursor, the log and its filter, pages to read."""
+"""Keys that change the display: the cursor, the log and its filter, pages to read."""
 
 from __future__ import annotations
 
@@ -13,16 +13,16 @@ from ur.tui.run_screen import RANKS, RunScreen
 
 
 class LogActions(RunScreen):
-    """The actions that change what is shown."""
+    """The actions that change the display."""
 
     def action_move(self, by: int) -> None:
-        """Another node."""
+        """Move the cursor to another node."""
         self.nodes.move(by)
         if self.log_view.filter.node:
             self._filter_node()
 
     def action_page(self, by: int) -> None:
-        """Read the log."""
+        """Scroll the log by a page."""
         if isinstance(self.screen, TextDialog):
             scroll = self.screen.query_one(VerticalScroll)
             scroll.scroll_relative(y=by * max(1, scroll.size.height - 1), animate=False)
@@ -32,28 +32,28 @@ class LogActions(RunScreen):
         self.call_after_refresh(self.draw)
 
     def action_oldest(self) -> None:
-        """The beginning of the log."""
+        """Scroll to the beginning of the log."""
         self.log_view.scroll_home(animate=False, immediate=True)
         self.call_after_refresh(self.draw)
 
     def action_newest(self) -> None:
-        """The end of the log, and follow it."""
+        """Scroll to the end of the log, and follow it."""
         self.log_view.scroll_to_end()
         self.call_after_refresh(self.draw)
 
     def action_find(self) -> None:
-        """Ask for a text."""
+        """Ask for a text to search."""
         field = self.query_one("#find", Input)
         field.display = True
         field.value = self.log_view.filter.text
         self.set_focus(field)
 
     def on_input_changed(self, event: Input.Changed) -> None:
-        """Show while typing."""
+        """Apply the search text while typing."""
         self._filter(text=event.value)
 
     def on_input_submitted(self) -> None:
-        """Keep it."""
+        """Keep the search text."""
         self._close_find(keep=True)
 
     def _close_find(self, *, keep: bool) -> None:
@@ -65,7 +65,7 @@ class LogActions(RunScreen):
         self.set_focus(None)
 
     def action_only_node(self) -> None:
-        """Only the node under the cursor, or all again."""
+        """Show only the node under the cursor, or all nodes again."""
         if self.log_view.filter.node:
             self._filter(node="")
         else:
@@ -76,20 +76,20 @@ class LogActions(RunScreen):
         self._filter(node=row.name if row else "")
 
     def action_severity(self) -> None:
-        """Everything, warnings, errors, everything."""
+        """Switch between everything, warnings, and errors."""
         ranks = [rank for rank, _ in RANKS]
         self.rank = ranks[(ranks.index(self.rank) + 1) % len(ranks)]
         self._filter(rank=self.rank)
 
     def action_mute(self) -> None:
-        """Leave a node out of the log, or take it in again."""
+        """Hide a node in the log, or show it again."""
         row = self.nodes.chosen
         if row is not None:
             self._filter(muted=self.log_view.filter.muted ^ {row.name})
             self.nodes.refresh()
 
     def action_show_all(self) -> None:
-        """No filter."""
+        """Remove all filters."""
         self._close_find(keep=False)
         self.rank = 0
         self._filter(node="", rank=0, text="")
@@ -100,21 +100,21 @@ class LogActions(RunScreen):
         self.draw()
 
     def action_clear(self) -> None:
-        """An empty log."""
+        """Clear the log."""
         self.journal.clear()
         self.log_view.rebuild()
         self.draw()
 
     def action_help(self) -> None:
-        """Every key."""
+        """Show every key."""
         self.push_screen(TextDialog("Keys", describe_keys(self.palette), self.palette))
 
     def on_node_table_opened(self) -> None:
-        """A double click."""
+        """Open the log after a double click."""
         self.action_open_log()
 
     def action_open_log(self) -> None:
-        """A node's log file, in the pager."""
+        """Open a node's log file in the pager."""
         row = self.nodes.chosen
         if row is None:
             return
@@ -131,7 +131,7 @@ class LogActions(RunScreen):
             self.report(self.services.run_here([*pager, row.changed.log]))
 
     def report(self, problem: str) -> None:
-        """Show what went wrong ('' for nothing) and go on."""
+        """Show a problem ('' for none) and continue."""
         if problem:
             self.show_notice(problem)
         else:

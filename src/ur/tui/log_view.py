@@ -1,4 +1,4 @@
-"""The log of a run on the screen: only what is visible is ever drawn."""
+"""The log of a run on the screen: only visible lines are drawn."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ CLOCK_FROM = 100  # columns from which on there is room for the time
 
 @dataclass(frozen=True, slots=True)
 class LogRow:
-    """One line on the screen: letters `start` to `end` of a line of an entry, colours not counted."""
+    """One line on the screen: characters `start` to `end` of a line of an entry, colours not counted."""
 
     entry: Entry
     line: int
@@ -34,7 +34,7 @@ class LogRow:
 
 
 def wrap_entry(entry: Entry, width: int) -> list[LogRow]:
-    """The rows of an entry whose lines are cut after `width` cells."""
+    """Return the rows of an entry whose lines are broken after `width` cells."""
     rows = []
     for number, line in enumerate(entry.lines):
         text = strip_styles(line)
@@ -60,7 +60,7 @@ def _cut(text: str, width: int) -> list[tuple[int, int]]:
 
 
 def short_name(name: str, cells: int) -> str:
-    """A node's name in so many cells: without the slash in front, its beginning left out where it is too long."""
+    """Return a node's name in a number of cells: without its leading slash, and shortened from the left."""
     bare = printable(name.lstrip("/"))
     return bare if len(bare) <= cells else "…" + bare[1 - cells :]
 
@@ -85,21 +85,21 @@ class LogView(ScrollView, can_focus=False):
 
     @property
     def rows(self) -> list[LogRow]:
-        """Everything that can be scrolled to."""
+        """Return all rows that can be scrolled to."""
         return self._rows
 
     def show_changes(self) -> None:
-        """Take what is new in the journal."""
+        """Add new entries of the journal."""
         oldest = self._journal.take_changes()
         if oldest is not None:
             self._rebuild(oldest)
 
     def rebuild(self) -> None:
-        """Show everything anew: the filter or the width has changed."""
+        """Rebuild all rows after a change of the filter or the width."""
         self._rebuild(-1)
 
     def on_resize(self) -> None:
-        """Lines are cut elsewhere."""
+        """Rebuild the rows, since lines are broken elsewhere."""
         if self.size.width != self._width:
             self.rebuild()
         elif self._follows:
@@ -149,7 +149,7 @@ class LogView(ScrollView, can_focus=False):
         return (9 if self._width >= CLOCK_FROM else 0) + self._name_cells + 4
 
     def render_line(self, y: int) -> Strip:
-        """One line of what is visible."""
+        """Return one visible line."""
         palette = self.palette
         ground = Style(bgcolor=palette.ground)
         index = y + self.scroll_offset.y

@@ -1,4 +1,4 @@
-"""The table of nodes: one row each, a cursor, the mouse."""
+"""The table of nodes: one row per node, a cursor, and the mouse."""
 
 from __future__ import annotations
 
@@ -29,21 +29,21 @@ SIGNS: dict[Mood, str] = {"up": "●", "busy": "◐", "failed": "✖", "idle": "
 
 
 def format_memory(memory: int | None) -> str:
-    """Bytes for people, at most seven letters: `24 MB`."""
+    """Format a number of bytes in at most seven characters: `24 MB`."""
     if memory is None:
         return ""
     return f"{memory / 1e9:.1f} GB" if memory >= 1e9 else f"{memory / 1e6:.0f} MB"
 
 
 def format_cpu(cpu: float | None) -> str:
-    """Cores as per cent of one: `3 %`, at most six letters."""
+    """Format cores as per cent of one, in at most six characters: `3 %`."""
     return "" if cpu is None else f"{cpu * 100:.0f} %"
 
 
 def plan_columns(width: int, names: int, words: int) -> dict[str, int]:
-    """Divide the width into columns, one space between them included; what does not fit is left out.
+    """Divide the width into columns, one space between them included; columns that do not fit are left out.
 
-    `names` and `words` are the longest node name and the longest state. `last` takes the rest.
+    `names` and `words` are the lengths of the longest node name and state. `last` gets the rest.
     """
     columns = {"name": min(max(names, 4), 30, max(8, width // 3)) + 2, "state": min(max(words, 5), 22) + 2}
     rest = width - 3 - sum(columns.values())
@@ -59,7 +59,7 @@ class NodeTable(ScrollView, can_focus=False):
     """Shows rows; the cursor stays on its node."""
 
     class Opened(Message):
-        """A node was clicked while the cursor was on it already."""
+        """A node was clicked while the cursor was already on it."""
 
     def __init__(self, palette: ScreenPalette) -> None:
         super().__init__(id="nodes")
@@ -70,11 +70,11 @@ class NodeTable(ScrollView, can_focus=False):
 
     @property
     def chosen(self) -> NodeRow | None:
-        """The row under the cursor."""
+        """Return the row under the cursor."""
         return self._rows[self._cursor] if self._cursor < len(self._rows) else None
 
     def show(self, rows: tuple[NodeRow, ...]) -> None:
-        """Take new rows."""
+        """Set new rows."""
         if rows == self._rows:
             return
         chosen = self.chosen
@@ -89,7 +89,7 @@ class NodeTable(ScrollView, can_focus=False):
         self.choose(self._cursor + by)
 
     def choose(self, index: int) -> None:
-        """Put the cursor on a row."""
+        """Move the cursor to a row."""
         self._cursor = max(0, min(len(self._rows) - 1, index))
         top = self.scroll_offset.y
         height = max(1, self.size.height - 1)
@@ -100,7 +100,7 @@ class NodeTable(ScrollView, can_focus=False):
         self.refresh()
 
     def on_click(self, event: events.Click) -> None:
-        """Choose a node; once more opens its log."""
+        """Select a node; a second click opens its log."""
         index = event.y + self.scroll_offset.y - 1
         if event.y == 0 or index >= len(self._rows):
             return
@@ -110,7 +110,7 @@ class NodeTable(ScrollView, can_focus=False):
             self.post_message(self.Opened())
 
     def render_line(self, y: int) -> Strip:
-        """One line: the head first, which stays where it is."""
+        """Return one line; the header comes first and stays in place."""
         names = max((len(row.name.lstrip("/")) for row in self._rows), default=4)
         words = max((len(self._word(row)) for row in self._rows), default=5)
         columns = plan_columns(self.size.width, names, words)
@@ -183,7 +183,7 @@ def _cells(columns: dict[str, int], words: dict[str, str], styles: dict[str, Sty
 
 
 def describe_run(state: RunState, now: float, width: int, palette: ScreenPalette) -> Text:
-    """The first line: what runs, how many nodes are how, what they use together, for how long.
+    """Return the first line: the run, the number of nodes in each state, their total usage, and the duration.
 
     With few columns the labels get shorter, then the usage is left out, then the labels.
     """
@@ -223,7 +223,7 @@ def _describe_use(state: RunState, now: float, palette: ScreenPalette, *, use: b
 
 
 def describe_filter(filter_: Filter, level: str, *, follows: bool, width: int, palette: ScreenPalette) -> Text:
-    """The line between table and log: what the log shows."""
+    """Return the line between table and log, which describes the filter of the log."""
     words = [] if level == "everything" else [f"{level} only" if level == "errors" else "warnings and errors"]
     words += [f"only {filter_.node}"] if filter_.node else []
     words += [f"with {filter_.text!r}"] if filter_.text else []

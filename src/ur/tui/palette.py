@@ -12,7 +12,7 @@ from ur.tui.run_state import Mood
 
 @dataclass(frozen=True, slots=True)
 class ScreenPalette:
-    """Hex colours. `quiet` is for what is there but should not draw the eye, `chosen` the row under the cursor."""
+    """Hex colours. `quiet` is for secondary information, `chosen` for the row under the cursor."""
 
     light: bool
     text: str
@@ -26,11 +26,11 @@ class ScreenPalette:
     red: str
 
     def of_mood(self, mood: Mood) -> str:
-        """The colour of a node's state."""
+        """Return the colour of a node's state."""
         return {"up": self.green, "busy": self.yellow, "failed": self.red, "idle": self.quiet}[mood]
 
     def of_severity(self, severity: Severity) -> Style:
-        """The style of a message."""
+        """Return the style of a message."""
         colour = {"debug": self.quiet, "warning": self.yellow, "error": self.red, "fatal": self.red}.get(severity)
         return Style(color=colour or self.text, bold=severity == "fatal" or None)
 

@@ -46,25 +46,25 @@ Screen { layout: vertical; }
 
 
 class Services(Protocol):
-    """The services that the interface needs of the computer it runs on."""
+    """The services of the computer that the interface needs."""
 
     def now(self) -> float:
-        """The time, in s since the epoch."""
+        """Return the time in s since the epoch."""
 
     def has_content(self, path: str) -> bool:
         """Return whether a file exists and is not empty."""
 
     def find_pager(self) -> list[str] | None:
-        """The command that shows a file, None when there is none."""
+        """Return the command that shows a file, None if there is none."""
 
     def run_here(self, words: Sequence[str]) -> str:
-        """Run a command on our terminal, which is free meanwhile. Returns what went wrong, '' when nothing did."""
+        """Run a command on this terminal, which is released meanwhile. Return the problem, '' for none."""
 
     def debug(self, row: NodeRow, run: RunStarted) -> DebugMethods | str:
         """Return the debuggers for a node, or the reason why there is none."""
 
     def run_beside(self, words: Sequence[str]) -> str:
-        """Start a command that opens a window of its own. Returns what went wrong, '' when nothing did."""
+        """Start a command that opens a separate window. Return the problem, '' for none."""
 
 
 class RunScreen(FullScreenApp[str]):
@@ -84,7 +84,7 @@ class RunScreen(FullScreenApp[str]):
         early: Sequence[RunEvent] = (),
         driver: type[Driver] | None = None,
     ) -> None:
-        """`guest`: the run does not end when this interface does. `early`: the events so far."""
+        """Create the screen. `guest`: the run does not end with this interface. `early`: the events so far."""
         self.palette = LIGHT if light else DARK  # asked for by the constructor of the application
         super().__init__(driver_class=driver)
         self.state: RunState = begin_state()
@@ -102,14 +102,14 @@ class RunScreen(FullScreenApp[str]):
         self.parting: list[str] = []  # warnings since the run stops
 
     def get_css_variables(self) -> dict[str, str]:
-        """Textual's colours, ours where it draws by itself."""
+        """Return Textual's colours, replaced by the palette's where Textual draws by itself."""
         own = self.palette
         ground = ("scrollbar-background", "scrollbar-background-hover", "scrollbar-background-active")
         bars = {"scrollbar": own.chosen, "scrollbar-hover": own.quiet, "scrollbar-active": own.accent}
         return {**super().get_css_variables(), **bars, **dict.fromkeys(ground, own.ground)}
 
     def compose(self) -> ComposeResult:
-        """One column."""
+        """Arrange the widgets in one column."""
         yield Static(id="head")
         yield self.nodes
         yield Static(id="rule")
@@ -118,7 +118,7 @@ class RunScreen(FullScreenApp[str]):
         yield Static(id="foot")
 
     def on_mount(self) -> None:
-        """Begin to watch."""
+        """Start to follow the run."""
         self._begun = True
         own = self.palette
         self.use_theme(light=own.light)
@@ -132,7 +132,7 @@ class RunScreen(FullScreenApp[str]):
         self.take(self._early)
 
     def on_unmount(self) -> None:
-        """Watch no longer."""
+        """Stop following the run."""
         asyncio.get_running_loop().remove_reader(self.control.fileno())
 
     def _listen(self) -> None:
@@ -160,7 +160,7 @@ class RunScreen(FullScreenApp[str]):
         self.draw()
 
     def on_resize(self, event: events.Resize) -> None:
-        """The table gets at most two fifths of the height."""
+        """Limit the table to two fifths of the height."""
         self._fit(event.size.height)
         self.call_after_refresh(self.draw)
 
@@ -169,7 +169,7 @@ class RunScreen(FullScreenApp[str]):
         self.nodes.styles.height = min(wanted, max(min(4, height // 2), (height - 3) * 2 // 5))
 
     def draw(self) -> None:
-        """Bring everything up to date."""
+        """Update the whole screen."""
         if not self.is_running or not self._begun:
             return
         self._fit(self.size.height)
@@ -194,14 +194,14 @@ class RunScreen(FullScreenApp[str]):
         self.draw()
 
     async def on_event(self, event: events.Event) -> None:
-        """Handle an event. At a key the last remark has been read."""
+        """Handle an event. A key dismisses the last notice."""
         if isinstance(event, events.Key) and not event.is_forwarded and self._notice:
             self._notice = ""
             self.call_later(self.draw)
         await super().on_event(event)
 
     def check_action(self, action: str, parameters: tuple[object, ...]) -> bool:
-        """Leave keys to a dialog, and letters to a field in which they are typed."""
+        """Leave keys to a dialog, and letters to an input field."""
         if action in ("page", "interrupt") or (action == "leave" and parameters):
             return True
         if isinstance(self.screen, ModalScreen):

@@ -36,7 +36,7 @@ _NOISE = re.compile(
 
 @dataclass(frozen=True, slots=True)
 class NodeRow:
-    """A node as the table shows it. `cpu` in cores, `memory` in bytes; None: not measured, or it does not run."""
+    """A node as the table shows it. `cpu` in cores, `memory` in bytes; None: not measured, or not running."""
 
     changed: NodeChanged
     ready: bool = False
@@ -66,7 +66,7 @@ class NodeRow:
 
     @property
     def word(self) -> str:
-        """Its state in a word or two: `up`, `not ready`, `exit 3`, `SIGSEGV`, `again in 4 s`."""
+        """Return its state in a word or two: `up`, `not ready`, `exit 3`, `SIGSEGV`, `again in 4 s`."""
         now = self.changed
         if now.state == "running":
             return "up" if self.ready or now.core else "not ready"
@@ -82,7 +82,7 @@ class NodeRow:
 
     @property
     def remark(self) -> str:
-        """The remark of the row: what is missing, why it was not started, else what it printed last."""
+        """Return the remark of the row: missing conditions, the reason for a failed start, else its last output."""
         if self.changed.reason and not self.changed.held:
             return self.changed.reason
         if self.changed.state == "running" and self.missing and not self.changed.core:
@@ -92,7 +92,7 @@ class NodeRow:
 
 @dataclass(frozen=True, slots=True)
 class RunState:
-    """The whole run. `cause` is why it ends, None while it goes on; `exit_code` is set once it has ended.
+    """The whole run. `cause` is the reason of its end, None before; `exit_code` is set when it has ended.
 
     `link` describes a problem of the connection to the robot, '' while there is none.
     """
@@ -104,11 +104,11 @@ class RunState:
     link: str = ""
 
     def find(self, name: str) -> NodeRow | None:
-        """The row of a node."""
+        """Return the row of a node, or None."""
         return next((row for row in self.rows if row.name == name), None)
 
     def count(self) -> dict[Mood, int]:
-        """The number of nodes in each mood; the master and rosout do not count."""
+        """Return the number of nodes in each mood, without the master and rosout."""
         counts: dict[Mood, int] = dict.fromkeys(STANDING, 0)
         for row in self.rows:
             if not row.changed.core:
@@ -122,7 +122,7 @@ def begin_state() -> RunState:
 
 
 def apply_events(state: RunState, events: Sequence[RunEvent]) -> RunState:
-    """The state after these events, in their order. Costs time in proportion to events plus nodes."""
+    """Return the state after these events, in order. The time is proportional to events plus nodes."""
     rows = {row.name: row for row in state.rows}
     run, cause, exit_code = state.run, state.cause, state.exit_code
     last: dict[str, str] = {}
@@ -155,7 +155,7 @@ def apply_events(state: RunState, events: Sequence[RunEvent]) -> RunState:
 
 
 def describe_end(changed: NodeChanged) -> str:
-    """Describe the last end of a node: `SIGSEGV`, `exit 3`, `finished`; '' when it never ran."""
+    """Describe the last end of a node: `SIGSEGV`, `exit 3`, `finished`; '' if it never ran."""
     if changed.signal is not None:
         try:
             return signal.Signals(changed.signal).name

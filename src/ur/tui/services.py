@@ -1,4 +1,4 @@
-"""The computer that the interface runs on: its clock, its pager, its debuggers."""
+"""The computer of the interface: its clock, its pager, its debuggers."""
 
 from __future__ import annotations
 
@@ -20,14 +20,17 @@ from ur.tui.run_state import NodeRow
 
 
 class SystemServices:
-    """`ur.tui.run_screen.Services` for real. `suspend` gives the terminal to others for as long as it is entered."""
+    """The real `ur.tui.run_screen.Services`.
+
+    `suspend` releases the terminal to other programs while its context lasts.
+    """
 
     def __init__(self, environment: Mapping[str, str], suspend: Callable[[], AbstractContextManager[None]]) -> None:
         self._environment = environment
         self._suspend = suspend
 
     def now(self) -> float:
-        """The time, in s since the epoch."""
+        """Return the time in s since the epoch."""
         return time.time()
 
     def has_content(self, path: str) -> bool:
@@ -38,7 +41,7 @@ class SystemServices:
             return False
 
     def find_pager(self) -> list[str] | None:
-        """$PAGER where it can be run, else less; None when there is neither."""
+        """Return $PAGER if it can be run, else less; None if there is neither."""
         path = self._environment.get("PATH")
         try:
             chosen = shlex.split(self._environment.get("PAGER", ""))
@@ -49,7 +52,7 @@ class SystemServices:
         return ["less", "-R", "+G"] if shutil.which("less", path=path) else None
 
     def run_here(self, words: Sequence[str]) -> str:
-        """Run a command on our terminal. Returns what went wrong, '' when nothing did."""
+        """Run a command on this terminal. Return the problem, '' for none."""
         before = signal.signal(signal.SIGINT, lambda *_: None)  # Ctrl-C is meant for the command, not for us
         try:
             with self._suspend():
@@ -61,7 +64,7 @@ class SystemServices:
         return ""
 
     def run_beside(self, words: Sequence[str]) -> str:
-        """Start a command that opens a window or a pane of its own."""
+        """Start a command that opens a separate window or pane."""
         quiet = subprocess.DEVNULL
         try:
             process = subprocess.Popen(list(words), stdin=quiet, stdout=quiet, stderr=quiet, start_new_session=True)

@@ -1,4 +1,4 @@
-"""Choice and start of the interface beside the supervisor, which stays small: this imports little."""
+"""Choice and start of the interface in a separate process, so that the supervisor stays small: this imports little."""
 
 from __future__ import annotations
 
@@ -26,7 +26,8 @@ PATIENCE = 8.0  # s for the interface to leave the screen; a busy computer needs
 def choose_mode(*, terminal: bool, size: tuple[int, int], term: str, calm: bool, textual: bool) -> Mode:
     """Choose the interface: `plain` lines without a terminal (or a `dumb` one), `calm` on a small one, else `full`.
 
-    `terminal`: keyboard and screen are one, and ours. `size` in columns and rows; `textual`: the library is there.
+    `terminal`: keyboard and screen are the terminal of this process. `size` in columns and rows; `textual`: the library
+    is installed.
     """
     if not terminal or term in ("", "dumb"):
         return "plain"
@@ -35,7 +36,7 @@ def choose_mode(*, terminal: bool, size: tuple[int, int], term: str, calm: bool,
 
 
 def look_for_mode(environment: Mapping[str, str], *, calm: bool) -> Mode:
-    """`choose_mode` for standard input and output."""
+    """Return `choose_mode` for standard input and output."""
     from importlib.util import find_spec
 
     try:
@@ -49,7 +50,7 @@ def look_for_mode(environment: Mapping[str, str], *, calm: bool) -> Mode:
 
 
 class InterfaceProcess:
-    """The interface's process. Give `link` to the run; `close` when the run has ended."""
+    """The interface's process. Pass `link` to the run; call `close` when the run has ended."""
 
     def __init__(self, mode: Mode) -> None:
         ignore_background_write()
@@ -61,14 +62,14 @@ class InterfaceProcess:
         theirs.close()
 
     def note(self, severity: Severity, text: str) -> None:
-        """Pass a message on before the run begins: it is the first in the interface's log."""
+        """Pass on a message from before the run; it becomes the first in the interface's log."""
         from ur.run.clients.protocol import Notice, dump_line  # only where there is a message
 
         with suppress(OSError):
             self.link.sendall(dump_line(Notice(severity, text)))
 
     def close(self) -> None:
-        """Wait until it has left the screen (or end it), and make sure that the terminal is as it was."""
+        """Wait until it has left the screen (or end it), and restore the terminal."""
         with suppress(OSError):
             self.link.close()
         killed = not self._wait()

@@ -1,4 +1,4 @@
-"""The status of a run in one line, with warnings and errors above it: for small terminals and `--calm`."""
+"""The status of a run in one line, below warnings and errors: for small terminals and `--calm`."""
 
 from __future__ import annotations
 
@@ -28,14 +28,14 @@ WATCH = Watch(output=True, stats=False, readiness=True)
 
 @dataclass(frozen=True, slots=True)
 class StatusText:
-    """Text to write: lines that stay, and the line that is replaced next time."""
+    """Text to write: permanent lines, and the line that the next text replaces."""
 
     lines: tuple[str, ...]
     status: str
 
 
 def show_events(state: RunState, received: list[RunEvent], width: int) -> tuple[RunState, StatusText]:
-    """The state after these events, and what people see of them: notices, warnings and errors."""
+    """Return the state after these events, and their text for the user: notices, warnings and errors."""
     from ur.tui.journal import clean
 
     state = apply_events(state, received)
@@ -50,7 +50,7 @@ def show_events(state: RunState, received: list[RunEvent], width: int) -> tuple[
 
 
 def describe_status(state: RunState, width: int) -> str:
-    """The one line, at most `width` - 1 cells: counts of nodes, then the first that is not up."""
+    """Return the status in at most `width` - 1 cells: counts of nodes, then the first one that is not ready."""
     counts = state.count()
     parts = [(f"{counts[mood]} {SIGNS[mood][1]}", SIGNS[mood][0]) for mood in STANDING if counts[mood]]
     if state.cause is not None:
@@ -79,11 +79,10 @@ def show_status_line(
     guest: bool = False,
     early: Sequence[RunEvent] = (),
 ) -> tuple[str, int]:
-    """Show a run until it ends: `ended`, `killed` (its supervisor was) or `detached`; its code.
+    """Show a run until it ends; return `ended`, `killed` (its supervisor was) or `detached`, and its exit code.
 
-    Ctrl-C leaves a run that is detached or where we are a `guest`, and stops any other; again is faster. `early`: what
-    are the events so far; they were printed where this line appears.
-    Takes SIGINT over meanwhile.
+    Ctrl-C leaves a run that is detached or of which this process is a `guest`, and stops any other; repeated, it is
+    faster. `early` are the events so far, which were already printed. Handles SIGINT meanwhile.
     """
     if os.environ.get("NO_COLOR"):
         write = _without_colours(write)

@@ -1,4 +1,4 @@
-"""Display of a run on this terminal, with the interface that fits: for `ur launch` and `ur attach`."""
+"""Display of a run on this terminal, with the suitable interface: for `ur launch` and `ur attach`."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ MOST_REPORTED = 12  # lines about failures that stay on the screen afterwards
 def watch_run(
     control: RunControl, mode: str, environment: Mapping[str, str], *, ours: bool, early: Sequence[RunEvent] = ()
 ) -> tuple[str, int]:
-    """Show a run, `full` or `calm`, until it ends: `ended`, `killed` (its supervisor was) or `detached`; its code.
+    """Show a run until it ends; return `ended`, `killed` (its supervisor was) or `detached`, and its exit code.
 
-    `ours`: the run ends with this terminal. `early`: the events so far. What failed, and warnings about
-    the end, are shown once more afterwards, where they stay.
+    `mode` is `full` or `calm`. `ours`: the run ends with this terminal. `early`: the events so far. Failures, and
+    warnings about the end, are printed again afterwards, so that they stay on the terminal.
     """
     if ours:
         signal.signal(signal.SIGHUP, lambda *_: control.send(StopRun("the terminal was closed")))
@@ -63,7 +63,7 @@ def _watch_fully(
 def own_terminal(descriptor: int) -> bool:
     """Become the foreground group of the terminal, so that Ctrl-C in a pager or a debugger does not end the run.
 
-    False when it is not ours to take: we run in the background, or there is none.
+    Return False if this process runs in the background, or has no terminal.
     """
     try:
         if os.tcgetpgrp(descriptor) != os.getpgrp():

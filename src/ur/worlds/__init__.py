@@ -1,3 +1,3 @@
-"""World files and floor plans of the simulator: read, checked, and made from pictures."""
+"""World files and floor plans of the simulator: read, validated, and made from pictures."""
 
 from __future__ import annotations

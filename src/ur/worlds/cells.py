@@ -1,4 +1,4 @@
-"""Square cells of a plane: the cell of a point, the point of a cell, and the values below points."""
+"""Square cells of a plane: the cell of a point, the point of a cell, and the values at points."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class CellFrame:
 
     @property
     def shape(self) -> tuple[int, int]:
-        """The numbers of rows and columns."""
+        """Return the numbers of rows and columns."""
         raise NotImplementedError
 
     @property
@@ -45,21 +45,21 @@ class CellFrame:
 
     @property
     def bounds(self) -> tuple[float, float, float, float]:
-        """The smallest upright box that holds the grid: left, bottom, right, top in m."""
+        """Return the smallest axis-aligned box around the grid: left, bottom, right, top in m."""
         corners = np.array([(row, column) for row in (0, self.height) for column in (0, self.width)]) - 0.5
         points = self.points_of_cells(corners)
         (left, bottom), (right, top) = points.min(axis=0).tolist(), points.max(axis=0).tolist()
         return left, bottom, right, top
 
     def fractions_of_points(self, points: NDArray[np.floating]) -> NDArray[Any]:
-        """Points (..., 2) as (x, y) in m as (row, column) with fractions; the centre of cell (r, c) is at + 0.5."""
+        """Return the fractional (row, column) of points (..., 2), x, y in m; the centre of cell (r, c) is at + 0.5."""
         rows, columns = self.fractions_at(points[..., 0], points[..., 1])
         fractions = np.empty((*rows.shape, 2), rows.dtype)
         fractions[..., 0], fractions[..., 1] = rows, columns
         return fractions
 
     def fractions_at(self, xs: NDArray[np.floating], ys: NDArray[np.floating]) -> tuple[NDArray[Any], NDArray[Any]]:
-        """The rows and the columns (...) with fractions of points by their coordinates (...) in m."""
+        """Return the fractional rows and columns (...) of points with coordinates (...) in m."""
         x, y, yaw = self.origin
         dx, dy = xs - x, ys - y
         if yaw:
@@ -68,13 +68,13 @@ class CellFrame:
         return dy / self.resolution, dx / self.resolution
 
     def cells_of_points(self, points: NDArray[np.floating]) -> NDArray[np.intp]:
-        """The cells (..., 2) as (row, column) that hold points (..., 2) as (x, y) in m; may lie outside the grid."""
+        """Return the cells (..., 2), (row, column), of points (..., 2), x, y in m; they may be outside the grid."""
         fractions = self.fractions_of_points(points)
         cells: NDArray[np.intp] = np.floor(fractions, out=fractions).astype(np.intp)
         return cells
 
     def points_of_cells(self, cells: NDArray[np.integer] | NDArray[np.floating]) -> NDArray[np.float64]:
-        """The centres (..., 2) as (x, y) in m of cells (..., 2) as (row, column)."""
+        """Return the centres (..., 2), (x, y) in m, of cells (..., 2), (row, column)."""
         x, y, yaw = self.origin
         along = (np.asarray(cells[..., 1], dtype=np.float64) + 0.5) * self.resolution
         across = (np.asarray(cells[..., 0], dtype=np.float64) + 0.5) * self.resolution
@@ -82,7 +82,7 @@ class CellFrame:
         return np.stack((x + c * along - s * across, y + s * along + c * across), axis=-1)
 
     def contains(self, cells: NDArray[np.integer]) -> NDArray[np.bool_]:
-        """True for those of the cells (..., 2) that lie inside the grid."""
+        """Return True for cells (..., 2) inside of the grid."""
         rows, columns = cells[..., 0], cells[..., 1]
         height, width = self.shape
         inside: NDArray[np.bool_] = (rows >= 0) & (rows < height) & (columns >= 0) & (columns < width)
@@ -90,7 +90,7 @@ class CellFrame:
 
 
 def look_up(frame: CellFrame, values: NDArray[Value], points: NDArray[np.floating], outside: Any) -> NDArray[Value]:
-    """The values (...) of the cells below points (..., 2) in m; `outside` where the grid does not reach."""
+    """Return the values (...) at points (..., 2) in m; `outside` beyond the grid."""
     cells = np.floor(frame.fractions_of_points(points)).astype(np.int32)
     rows, columns, inside = cells[..., 0], cells[..., 1], frame.contains(cells)
     if inside.all():
@@ -103,7 +103,7 @@ def look_up(frame: CellFrame, values: NDArray[Value], points: NDArray[np.floatin
 def translate_cells(cells: NDArray[Any], table: NDArray[Value]) -> NDArray[Value]:
     """Replace each byte of an array (n, ...) by its entry of a table of 256; negative bytes count from its end.
 
-    By strips: an index of numpy takes eight bytes a cell.
+    It works in strips, since an index of numpy takes eight bytes per cell.
     """
     result = np.empty(cells.shape, table.dtype)
     codes = cells.view(np.uint8)

@@ -1,4 +1,4 @@
-"""The arguments of launch files that choose a world or a map: names, and paths of files."""
+"""Launch arguments that choose a world or a map: names, and paths of files."""
 
 from __future__ import annotations
 
@@ -18,15 +18,15 @@ _MARKS = ("./", "../", "~/")
 
 
 def is_path(value: str) -> bool:
-    """Return whether a value of `world` is the path of a file: other values are names of worlds."""
+    """Return whether a value of `world` is a path; other values are names of worlds."""
     return "/" in value or value.endswith((".yaml", ".yml"))
 
 
 def resolve_path(name: str, value: str, folder: Path, *, always: bool = False) -> str:
     """Make the value of an argument absolute if it is a relative path of a world or a map.
 
-    Without `always` only values that name an existing file, or begin with `./`, `../` or `~/`: launch files of others
-    may mean something else by the same argument.
+    Without `always` this applies only to values that name an existing file, or begin with `./`, `../` or `~/`: in other
+    launch files the argument may have another meaning.
     """
     if name not in PATHS or not value or (name == WORLD and not is_path(value)):
         return value
@@ -37,12 +37,12 @@ def resolve_path(name: str, value: str, folder: Path, *, always: bool = False) -
 
 
 def list_worlds(package: Path) -> tuple[str, ...]:
-    """The names of the worlds that a launch package holds, sorted."""
+    """Return the sorted names of the worlds in a launch package."""
     return tuple(sorted(path.stem for path in (package / "n_simulator" / "worlds").glob("*.yaml")))
 
 
 def explain_missing_world(path: str, package: Path) -> UserError:
-    """The error about a world file that does not exist: by its name where the launch library was to hold it."""
+    """Return the error about a missing world file: by its name if it should be in the launch library."""
     names = list_worlds(package)
     folder = package / "n_simulator" / "worlds"
     if Path(path).parent == folder:
@@ -61,7 +61,7 @@ def explain_missing_world(path: str, package: Path) -> UserError:
 
 
 def explain_missing_map(path: str) -> UserError:
-    """The error about a map file that does not exist."""
+    """Return the error about a missing map file."""
     near = did_you_mean(Path(path).name, _files_beside(path))
     help_ = f"did you mean {near!r}?" if near else "a map is a YAML file in the format of map_server"
     problem = "is a folder" if os.path.isdir(path) else "does not exist"  # noqa: PTH112 - fails nowhere

@@ -1,4 +1,4 @@
-"""Floor plans made from a picture or a size, as the image and the YAML file of a world."""
+"""Floor plans from a picture or a size, as the image and the YAML file of a world."""
 
 from __future__ import annotations
 
@@ -28,10 +28,10 @@ Levels = npt.NDArray[np.uint8]
 
 @dataclass(frozen=True, slots=True)
 class Drawing:
-    """A floor plan: grey `levels` with row 0 on top, the edge of a cell in m, and the cell (column, row) of the start.
+    """A floor plan: grey `levels`, row 0 at the top, the edge of a cell in m, and the cell (column, row) of the start.
 
-    The lower left corner of that cell is (0, 0). `added_wall`: floor reached the edge of the picture, and a
-    wall was drawn there.
+    The lower left corner of that cell is (0, 0). `added_wall`: the floor reached the edge of the picture, and a wall
+    was added there.
     """
 
     levels: Levels
@@ -41,14 +41,14 @@ class Drawing:
 
     @property
     def origin(self) -> tuple[float, float]:
-        """The lower left corner in m, seen from the start."""
+        """Return the lower left corner in m, relative to the start."""
         column, row = self.start
         rows = self.levels.shape[0]
         return -round(column * self.cell, 6), -round((rows - row) * self.cell, 6)
 
     @property
     def size(self) -> tuple[float, float]:
-        """Width and height in m."""
+        """Return width and height in m."""
         rows, columns = self.levels.shape
         return round(columns * self.cell, 6), round(rows * self.cell, 6)
 
@@ -65,7 +65,7 @@ def draw_room(width: float, height: float, cell: float = CELL) -> Drawing:
 def draw_picture(path: Path, width: float, cell: float = CELL) -> Drawing:
     """Make a floor plan of a picture that is `width` m wide: dark is wall, light is floor, grey 205 is unknown.
 
-    Raises UserError: no picture, no floor in it on which a robot has room, or too many cells.
+    Raises UserError for an invalid picture, one without enough floor for a robot, or too many cells.
     """
     pixels = _read_grey(path)
     height = width * pixels.shape[0] / pixels.shape[1]
@@ -87,7 +87,7 @@ def write_png(levels: Levels) -> bytes:
 
 
 def write_world(drawing: Drawing, image: str, title: str) -> str:
-    """Write the world file, which is a map in map_server's format as well, with every setting explained."""
+    """Return the world file, which is also a map in map_server's format, with comments on every setting."""
     x, y = drawing.origin
     width, height = drawing.size
     return f"""\
@@ -153,7 +153,7 @@ def _resample(levels: Levels, columns: int, rows: int) -> Levels:
 
 
 def _forget_outside(levels: Levels, cell: float) -> Levels:
-    """Make paper around closed walls unknown; without closed walls around enough floor it stays floor."""
+    """Mark the paper around closed walls as unknown; without closed walls around enough floor it stays floor."""
     from scipy.ndimage import label
 
     regions, _ = label(levels == FREE)
@@ -166,7 +166,7 @@ def _forget_outside(levels: Levels, cell: float) -> Levels:
 
 
 def _measure_room(levels: Levels, cell: float) -> npt.NDArray[np.float64]:
-    """The distance of each cell from what is not floor, m, as far as it matters."""
+    """Return the distance of each cell from the nearest cell that is not floor, m, up to the relevant limit."""
     from scipy.ndimage import distance_transform_edt
 
     room: npt.NDArray[np.float64] = distance_transform_edt(np.pad(levels == FREE, 1))[1:-1, 1:-1]
@@ -181,7 +181,7 @@ def _close(levels: Levels) -> tuple[Levels, bool]:
 
 
 def _find_start(levels: Levels, cell: float, path: Path) -> tuple[int, int]:
-    """The cell with room around it that is nearest to the middle of the picture."""
+    """Return the cell nearest to the middle of the picture with enough free space around it."""
     room = _measure_room(levels, cell)
     best = float(room.max())
     if best < _CLEAR:

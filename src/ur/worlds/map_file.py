@@ -1,7 +1,7 @@
 """Map files: a floor plan image and the YAML file beside it, in the format of map_server.
 
-Format: https://wiki.ros.org/map_server. Where its text and the behaviour of map_server differ (transparency), this
-follows the behaviour; both places are marked below.
+Format: https://wiki.ros.org/map_server. If its text and the behaviour of map_server differ (transparency), this module
+follows the behaviour; comments mark these cases.
 """
 
 from __future__ import annotations
@@ -33,23 +33,23 @@ class MapImage(CellFrame):
 
     @property
     def resolution(self) -> float:  # type: ignore[override]  # read-only, as in every subclass
-        """The side of a cell in m."""
+        """Return the side of a cell in m."""
         return self.file.resolution
 
     @property
     def origin(self) -> tuple[float, float, float]:  # type: ignore[override]
-        """The pose of the corner of cell (0, 0) in the map frame: m, m, rad."""
+        """Return the pose of the corner of cell (0, 0) in the map frame: m, m, rad."""
         return self.file.origin
 
     @property
     def shape(self) -> tuple[int, int]:
-        """The numbers of rows and columns."""
+        """Return the numbers of rows and columns."""
         height, width = self.values.shape
         return height, width
 
     @property
     def walls(self) -> NDArray[np.bool_]:
-        """The occupied cells. Of mode raw, values above `occupied_thresh` (as a share of 100) up to 100."""
+        """Return the occupied cells. In mode raw, those are values from above `occupied_thresh` (times 100) to 100."""
         if self.file.mode == "raw":
             walls: NDArray[np.bool_] = (self.values > 100.0 * self.file.occupied_thresh) & (self.values <= OCCUPIED)
             return walls
@@ -64,8 +64,8 @@ class MapImage(CellFrame):
 def read_map(path: str | Path) -> MapImage:
     """Read a map's YAML file, or the one that a world file of the simulator names as its floor plan, and its image.
 
-    Raises UserError, with file, line and column where there is one: no such file, broken YAML, a value that cannot be
-    used, an image that is missing or damaged.
+    Raises UserError, with file, line and column if known, for a missing file, invalid YAML, an invalid value, or a
+    missing or damaged image.
     """
     section = read_section(path, "a map file")
     if section.has("floor_plan") and not section.has("image"):
@@ -75,9 +75,9 @@ def read_map(path: str | Path) -> MapImage:
 
 
 def read_map_section(section: Section, folder: Path, *, inside: Path | None = None) -> MapImage:
-    """Read a map from a file that may hold other keys; with `inside`, its image is below that folder.
+    """Read a map from a file that may have other keys; with `inside`, its image must be below that folder.
 
-    Raises as `read_map`.
+    Raises the same errors as `read_map`.
     """
     file = parse_map_file(section, folder)
     return MapImage(file, _read_cells(file, section, inside))
@@ -104,7 +104,7 @@ def occupancy_of_pixels(pixels: NDArray[np.uint8], file: MapFile) -> NDArray[np.
 def _occupancy_of_averages(
     average: NDArray[np.float64], clear: NDArray[np.bool_] | None, file: MapFile
 ) -> NDArray[np.int8]:
-    """Return cell values (height, width) of average brightnesses 0 to 255; `clear`: the wholly transparent pixels."""
+    """Return cell values (height, width) of average brightnesses 0 to 255; `clear`: fully transparent pixels."""
     if file.negate:
         average = 255.0 - average
     if file.mode == "raw":
@@ -144,7 +144,7 @@ def _read_cells(file: MapFile, section: Section, inside: Path | None) -> NDArray
 
 
 def _pixels(image: Image.Image) -> NDArray[np.uint8]:
-    """The pixels (height, width, 1, 3 or 4); palettes are looked up, 16 bits become the upper 8."""
+    """Return the pixels (height, width, 1, 3 or 4); palettes are resolved, 16 bits become the upper 8."""
     if image.mode.startswith("I") or image.mode == "F":
         return (np.asarray(image).astype(np.int64) >> 8).clip(0, 255).astype(np.uint8)[..., None]
     if image.mode in ("1", "L"):

@@ -35,7 +35,7 @@ class MapFile:
 
 
 def parse_map_file(section: Section, folder: Path) -> MapFile:
-    """Parse the keys of a map file, and ignore others. `folder` holds a relative image. Raises UserError."""
+    """Parse the keys of a map file, and ignore others. `folder` is that of a relative image path. Raises UserError."""
     image = section.text("image")
     if not image:
         section.fail("image", "image: '' in a map file, expected the path of an image")

@@ -1,6 +1,6 @@
-"""A world of the simulator: a YAML file, read and checked.
+"""A world of the simulator: a YAML file, read and validated.
 
-The file names its floor plan, a map in map_server's format, or holds the keys of one itself: so every such map is a
+The file names its floor plan, a map in map_server's format, or has the keys of one itself: so every such map is a
 world, and a world file of that kind is a map.
 """
 
@@ -40,7 +40,7 @@ class Box:
 
 @dataclass(frozen=True, slots=True)
 class Drop:
-    """A rectangle without floor, as the top of a stair. `pose` is x, y (m) of its centre and yaw (rad)."""
+    """A rectangle without floor, such as the top of a stair. `pose` is x, y (m) of its centre and yaw (rad)."""
 
     pose: tuple[float, float, float]
     size: tuple[float, float]
@@ -56,8 +56,8 @@ class Drop:
 class Fiducial:
     """A square marker. `pose` is x, y, z (m), roll, pitch, yaw (rad) of its centre in the map.
 
-    Its x axis points to the right and y up as one reads it, z out of it. `size` (m) is the edge of the black square;
-    `dictionary` names one of OpenCV's: "5X5_1000".
+    Its x axis points to the right and y up in reading direction, z out of it. `size` (m) is the edge of the black
+    square; `dictionary` names one of OpenCV's: "5X5_1000".
     """
 
     id: int
@@ -92,7 +92,7 @@ def read_world(path: str | Path) -> WorldModel:
 
 
 def check_world(top: Section, path: Path) -> None:
-    """Raise UserError as read_world does for keys and values of a world file; other files are not read."""
+    """Raise UserError as `read_world` does for keys and values of a world file, without reading other files."""
     if top.has("image"):
         parse_map_file(top, path.parent)
     elif not top.text("floor_plan"):
@@ -163,7 +163,7 @@ def _drop(part: Section) -> Drop:
 
 
 def _fiducials(part: Section | None) -> tuple[Fiducial, ...]:
-    """One dictionary for all, a size for those without one, and the list `places`."""
+    """Read one dictionary for all markers, a size for those without one, and the list `places`."""
     if part is None:
         return ()
     dictionary = part.text("dictionary", "5X5_1000", choices=sorted(DICTIONARIES))

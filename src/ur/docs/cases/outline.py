@@ -11,7 +11,7 @@ from ur.launchfile.syntax import Element, LaunchFile
 
 @dataclass(frozen=True, slots=True)
 class FileOutline:
-    """By place of the tag: `<node>`, `<test>` and `<include>` in order, and every tag's conditions, outermost first."""
+    """The tags `<node>`, `<test>` and `<include>` by position, and every tag's conditions, outermost first."""
 
     nodes: tuple[Element, ...]
     includes: tuple[Element, ...]

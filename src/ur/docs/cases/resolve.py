@@ -1,4 +1,4 @@
-"""A launch file in every case: per base and variant, with its options as they are and changed one at a time."""
+"""A launch file in every case: per base and variant, with default options and with one option changed at a time."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ class Files:
     outline_of: Callable[[str], FileOutline]
 
     def list_dormant(self, path: str, taking_part: set[int]) -> Iterator[Element]:
-        """The conditional nodes and includes of a file that are not among those that take part."""
+        """Yield the conditional nodes and includes of a file that are not among those that take part."""
         outline = self.outline_of(path)
         if path not in self.views:
             return
@@ -54,7 +54,7 @@ class Resolution:
 
     @property
     def started(self) -> StartedFile:
-        """The started nodes and includes."""
+        """Return the started nodes and includes."""
         assert self.plan.started is not None
         return self.plan.started
 
@@ -70,7 +70,7 @@ class ResolvedCase:
 
     @property
     def resolutions(self) -> tuple[Resolution, ...]:
-        """All of them, the default first."""
+        """Return all resolutions, the default first."""
         return (self.default, *self.others)
 
 
@@ -79,7 +79,7 @@ def resolve_outcomes(
 ) -> tuple[ResolvedCase, ...]:
     """Resolve a launch file in each case, in the order of the bases; `given` arguments are the same in all.
 
-    What no case starts is looked for with other values of the arguments that its conditions speak of.
+    Tags that no case starts are searched with other values of the arguments that their conditions refer to.
     """
     default: dict[BaseCase, Resolution] = {}
     others: dict[BaseCase, list[Resolution]] = {}
@@ -146,7 +146,7 @@ def _load_with(
 
 
 def find_node(resolution: Resolution, start: int) -> NodeSpec | None:
-    """The node of the file itself whose tag starts here; None when it does not take part."""
+    """Find the node of the file itself whose tag starts at this offset; None if it does not take part."""
     plan = resolution.plan
     for node in plan.nodes:
         if node.origin.span.start == start:
@@ -155,12 +155,12 @@ def find_node(resolution: Resolution, start: int) -> NodeSpec | None:
 
 
 def find_include(resolution: Resolution, start: int) -> IncludeSpec | None:
-    """Likewise the include."""
+    """Find the include in the same way."""
     return next((include for include in resolution.plan.includes if include.origin.span.start == start), None)
 
 
 def list_switches(takes_part: Iterator[tuple[ResolvedCase, Resolution]]) -> str:
-    """The options that have to be changed for something that no default has; empty where a default has it."""
+    """Return the options that enable an element which no default enables; empty if a default enables it."""
     labels: dict[str, None] = {}
     for outcome, resolution in takes_part:
         if resolution is outcome.default:
@@ -170,7 +170,7 @@ def list_switches(takes_part: Iterator[tuple[ResolvedCase, Resolution]]) -> str:
 
 
 def list_assignments(element: Element, view: LaunchView, outline: FileOutline) -> Iterator[Assignment]:
-    """Values that may turn an element on, fewest changes first: of the arguments that its conditions speak of."""
+    """Yield values that may enable an element, fewest changes first, of the arguments that its conditions refer to."""
     domains = _find_domains(outline.raw_conditions.get(element.start, ()), view)
     tries = 0
     for count in range(1, min(MAX_CHANGED, len(domains)) + 1):
@@ -211,5 +211,5 @@ def _find_domains(conditions: Sequence[str], view: LaunchView) -> Mapping[str, t
 
 
 def _find_names(text: str) -> list[str]:
-    """The words of a condition that may be arguments: a quoted one is, if it is that of `arg`."""
+    """Return the words of a condition that may be arguments: a quoted one is, if it is that of `arg`."""
     return [*_ARGUMENT.findall(text), *_WORD.findall(_LITERAL.sub("", text))]

@@ -1,6 +1,6 @@
-"""Nodes that launch files start, put together from single files: each is resolved once per set of arguments.
+"""Nodes that launch files start, combined from single files: each is resolved once per set of arguments.
 
-The same as resolving every tree from its root (a test compares), in a fraction of the time.
+The result is that of resolving every tree from its root (a test compares them), in a fraction of the time.
 """
 
 from __future__ import annotations
@@ -23,10 +23,10 @@ MAX_FILES = 5_000  # that one root file may include, each set of arguments count
 
 @dataclass(eq=False, slots=True)
 class StartedFile:
-    """A launch file with the arguments it got: its own plan, and its nodes and includes with what they start, in order.
+    """A launch file with its arguments: its own plan, and its nodes and includes with the files they start, in order.
 
-    An include without a result could not be read, or leads back to a file that is being read. Names in `plan` start
-    with `HERE` where they are relative to the include.
+    An include without a result could not be read, or is recursive. Names in `plan` start with `HERE` if they are
+    relative to the include.
     """
 
     path: str
@@ -36,7 +36,7 @@ class StartedFile:
 
     @property
     def included(self) -> Iterator[tuple[IncludeSpec, StartedFile | None]]:
-        """The includes among the items."""
+        """Yield the includes among the items."""
         return (item for item in self.items if isinstance(item, tuple))
 
 
@@ -46,13 +46,13 @@ _Key = tuple[str, frozenset[tuple[str, str]], bool, int]
 
 @dataclass(frozen=True, slots=True)
 class StartedPlan(Plan):
-    """The plan of a root file alone, with the findings of everything below it, and what is below it."""
+    """The plan of a root file alone, with the findings of all files below it, and those files."""
 
     started: StartedFile | None = None
 
 
 class Starter:
-    """Resolves launch files of one world, and remembers each answer."""
+    """Resolves launch files of one world, and caches each result."""
 
     def __init__(self, trees: dict[str, LaunchFile]) -> None:
         self._trees = trees
@@ -63,7 +63,7 @@ class Starter:
         self._left = 0
 
     def load(self, path: str, words: Sequence[str], world: CachedWorld) -> StartedPlan:
-        """The plan of a root file that is given `NAME:=VALUE` arguments."""
+        """Return the plan of a root file with `NAME:=VALUE` arguments."""
         self._left = MAX_FILES
         started = self._start(path, read_assignments(words)[0], False, world, ())
         assert started is not None  # nothing is above a root
@@ -83,7 +83,7 @@ class Starter:
         )
 
     def findings_of(self, started: StartedFile) -> tuple[Diagnostic, ...]:
-        """List the findings in a file and in the files that it includes, each once."""
+        """Return the findings in a file and in the files that it includes, each once."""
         known = self._findings.get(id(started))
         if known is None:
             self._findings[id(started)] = ()  # for circles
@@ -160,7 +160,7 @@ class Starter:
 
 
 class _Same:
-    """A finding, equal to others at the same place."""
+    """A finding, equal to others at the same position."""
 
     __slots__ = ("_key", "finding")
 
@@ -177,7 +177,7 @@ class _Same:
 
 
 def walk_nodes(started: StartedFile, namespace: str = "/", depth: int = 0) -> Iterator[tuple[str, NodeSpec]]:
-    """Every node that is started, with its full name, in document order."""
+    """Yield every started node with its full name, in document order."""
     for item in started.items:
         if isinstance(item, NodeSpec):
             yield place_name(item.full_name, namespace), item
@@ -186,7 +186,7 @@ def walk_nodes(started: StartedFile, namespace: str = "/", depth: int = 0) -> It
 
 
 def find_taking_part(roots: Iterable[StartedFile]) -> dict[str, set[int]]:
-    """By path of a file: the places of its nodes and includes that take part below any of the roots."""
+    """Return by path of a file the offsets of its nodes and includes that take part below any of the roots."""
     found: dict[str, set[int]] = {}
     seen: set[int] = set()
     stack = list(roots)
@@ -200,12 +200,12 @@ def find_taking_part(roots: Iterable[StartedFile]) -> dict[str, set[int]]:
 
 
 def place_of(item: Item) -> int:
-    """The offset of the tag of a node or include."""
+    """Return the offset of the tag of a node or include."""
     return (item if isinstance(item, NodeSpec) else item[0]).origin.span.start
 
 
 def place_name(name: str, namespace: str) -> str:
-    """A name of a single file, as it is in the namespace in which the file is included."""
+    """Return a name of a single file in the namespace in which the file is included."""
     return namespace.rstrip("/") + "/" + name.removeprefix(HERE) if name.startswith(HERE) else name
 
 

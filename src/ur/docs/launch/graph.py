@@ -1,4 +1,4 @@
-"""The graph of a launch file: what it includes and starts, over all cases, two arrows deep at least."""
+"""The graph of a launch file: its includes and nodes, over all cases, at least two arrows deep."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ MAX_BOXES = 60
 
 @dataclass(frozen=True, slots=True)
 class _Edge:
-    """An arrow between two boxes, by id. `label` says when; `cases` are empty when in all.
+    """An arrow between two boxes, by id. `label` is its condition; `cases` are empty if it exists in all.
 
-    `new_cases` are the same where the arrow is for fewer cases than the box that it starts from.
+    `new_cases` are the same if the arrow exists in fewer cases than its source box.
     """
 
     source: str
@@ -28,9 +28,10 @@ class _Edge:
 
 
 def draw_graph(path: str, trees: Sequence[TreeDoc]) -> DrawnGraph:
-    """Boxes and arrows from the trees of a file. What occurs twice is one box; a large graph shows files only.
+    """Return boxes and arrows for the trees of a file.
 
-    The title of a box is the path of its file; cases are those of the documents, by key.
+    A repeated item is one box; a large graph shows files only. The title of a box is the path of its file; cases are
+    those of the documents, by key.
     """
     whole = _Drawing(path, trees, with_nodes=True)
     if len(whole.boxes) <= MAX_BOXES:

@@ -1,4 +1,4 @@
-"""A launch file and all facts that its page shows."""
+"""A launch file and all facts on its page."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ _NAMES = 4
 
 
 class LaunchDescriber:
-    """Describes the launch files of a repository. `bases` are all that it has, by name."""
+    """Describes the launch files of a repository. `bases` are all of its bases, by name."""
 
     def __init__(self, repository: DocumentedRepository, bases: Mapping[str, BaseDoc]) -> None:
         self.repository = repository
@@ -58,7 +58,7 @@ class LaunchDescriber:
                     self.includers.setdefault(target, {})[path] = None
 
     def list_open_includes(self, path: str) -> Iterator[Element]:
-        """The includes of a file that take part in no case, or whose file only the user knows."""
+        """Yield the includes of a file that take part in no case, or whose file depends on the user's input."""
         known: dict[int, bool] = {}
         for outcome in self.resolve(path):
             for resolution in outcome.resolutions:
@@ -68,30 +68,30 @@ class LaunchDescriber:
         yield from (element for element in self.outline_of(path).includes if not known.get(element.start, False))
 
     def show_path(self, path: str) -> str:
-        """A path from the root of the repository."""
+        """Return a path relative to the root of the repository."""
         return relative_path(path, self.repository.root)
 
     def find_inside(self, path: str) -> str | None:
-        """A path from the root of the repository; None for one that is not inside."""
+        """Return a path relative to the root of the repository; None for one outside of it."""
         shown = self.show_path(path)
         return None if is_unknown(path) or shown.startswith("..") else shown
 
     def outline_of(self, path: str) -> FileOutline:
-        """The tags of a file."""
+        """Return the tags of a file."""
         if path not in self.outlines:
             tree = self.repository.trees.get(path)
             self.outlines[path] = outline_file(tree) if tree is not None else FileOutline((), (), (), {}, {}, "")
         return self.outlines[path]
 
     def resolve(self, path: str) -> tuple[ResolvedCase, ...]:
-        """A file in every case."""
+        """Resolve a file in every case."""
         if path not in self.outcomes:
             view = self.repository.views[path]
             self.outcomes[path] = resolve_outcomes(view, self.files, self.repository.world, self.starter)
         return self.outcomes[path]
 
     def exists(self, path: str) -> bool:
-        """Return whether there is a file or folder at a path from the root of the repository."""
+        """Return whether a file or folder exists at a path relative to the root of the repository."""
         whole = f"{self.repository.root}/{path}"
         return self.repository.world.is_file(whole) or bool(self.repository.world.list_folder(whole))
 
@@ -105,7 +105,7 @@ class LaunchDescriber:
         return self.trees.make_trees(view.path, outcomes, Words(view, self.packages))
 
     def describe(self, view: LaunchView, started_by: tuple[str, ...]) -> LaunchDoc:
-        """Everything about a launch file."""
+        """Return all documentation of a launch file."""
         outcomes = self.resolve(view.path)
         words = Words(view, self.packages)
         outline = self.outline_of(view.path)
@@ -193,7 +193,7 @@ def describe_include(
     words: Words,
     show_path: Callable[[str], str],
 ) -> IncludeDoc:
-    """An `<include>`. Where its file depends on what only the user knows, every file that fits is named."""
+    """Describe an `<include>`. If its file depends on the user's input, every matching file is named."""
     found = [(o, w, spec) for o in outcomes for w in o.resolutions if (spec := find_include(w, element.start))]
     targets: dict[tuple[str, str, str], dict[BaseCase, None]] = {}
     for outcome, _, spec in found:

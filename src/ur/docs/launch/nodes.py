@@ -54,7 +54,7 @@ class NodeDescriber:
                         self.loaded.append((outcome, param))
 
     def describe(self, element: Element, conditions: tuple[str, ...]) -> NodeDoc:
-        """A `<node>` or `<test>`."""
+        """Describe a `<node>` or `<test>`."""
         found = [(o, w, node) for o in self.outcomes for w in o.resolutions if (node := find_node(w, element.start))]
         first = _first_per_case(found)
         specs = [(outcome, node) for outcome, _, node in first]
@@ -79,18 +79,18 @@ class NodeDescriber:
     def vary_or_written(
         self, specs: Sequence[tuple[ResolvedCase, NodeSpec]], field: str, written: str
     ) -> tuple[Value, ...]:
-        """An attribute of a node in every case; as it is written where the node never takes part."""
+        """Return an attribute of a node in every case; as written if the node never takes part."""
         if not specs:
             return (Value(written),)
         pairs = [(o.case, self.words.show(getattr(node, field), dict(o.given))) for o, node in specs]
         return vary(pairs, tuple(case for case, _ in pairs))
 
     def show_remap(self, remap: tuple[str, str]) -> tuple[str, str]:
-        """A remap without what belongs to this computer."""
+        """Return a remap without paths of this computer."""
         return self.words.show(remap[0]), self.words.show(remap[1])
 
     def describe_params(self, around: Element, nodes: Iterable[str] = ()) -> Iterator[ParamDoc]:
-        """The parameters that are set in the file itself, directly inside an element."""
+        """Yield the parameters that are set in the file itself, directly inside an element."""
         prefixes = tuple(f"{name}/" for name in nodes)
         for element in around.elements:
             if element.name not in ("param", "rosparam"):
@@ -102,7 +102,7 @@ class NodeDescriber:
     def describe_param(
         self, element: Element, found: list[tuple[ResolvedCase, ParamSpec]], prefixes: tuple[str, ...]
     ) -> Iterator[ParamDoc]:
-        """A parameter tag; a mapping in `<rosparam>` holds several parameters."""
+        """Yield the parameters of a parameter tag; a mapping in `<rosparam>` contains several."""
         by_name: dict[str, list[tuple[BaseCase, str]]] = {}
         for outcome, param in found:
             name = self.show_name(param.name, prefixes)
@@ -111,14 +111,14 @@ class NodeDescriber:
             yield ParamDoc(name, vary(pairs, self.cases), element.span.position.line)
 
     def show_name(self, name: str, prefixes: tuple[str, ...]) -> str:
-        """`~rate` for a parameter of the node around it."""
+        """Return `~rate` for a parameter of the node that contains it."""
         for prefix in prefixes:
             if name.startswith(prefix):
                 return "~" + self.words.show(name[len(prefix) :])
         return self.words.show(name)
 
     def show_value(self, element: Element, param: ParamSpec, outcome: ResolvedCase) -> str:
-        """The value; what a program prints or a file holds is shown as it is written."""
+        """Return the value; the output of a program or the content of a file is shown as written in the tag."""
         for attribute in ("command", "textfile", "binfile"):
             if element.name == "param" and attribute in element.attributes:
                 what = "what this prints: " if attribute == "command" else "the content of "
@@ -129,7 +129,7 @@ class NodeDescriber:
         return text if len(text) <= _LONG else text[: _LONG - 4] + " ..."
 
     def describe_param_files(self, around: Element, nodes: Iterable[str] = ()) -> Iterator[ParamFileDoc]:
-        """The YAML files that are loaded directly inside an element."""
+        """Yield the YAML files that are loaded directly inside an element."""
         prefixes = tuple(f"{name}/" for name in nodes)
         for element in around.elements:
             written = element.attributes.get("file", "")
@@ -156,7 +156,7 @@ class NodeDescriber:
         return tuple(found)
 
     def describe_topic(self, use: NameUse, outcome: ResolvedCase) -> TopicDoc:
-        """One name that a node has to do with."""
+        """Describe one name that a node uses."""
         name = self.words.show(use.name.replace(HERE, ""), dict(outcome.given))
         rate = f"{use.rate:g} Hz" if use.rate is not None else ""
         return TopicDoc(_USES[use.use], name, use.evidence, rate)

@@ -1,4 +1,4 @@
-"""Bases and variants that a launch file supports, and what the others lack."""
+"""Supported bases and variants of a launch file, and the unmet needs of the others."""
 
 from __future__ import annotations
 
@@ -23,9 +23,9 @@ def describe_support(
     *,
     takes_variant: bool,
 ) -> tuple[tuple[SupportDoc, ...], tuple[str, ...]]:
-    """For each case what is missing, and what is wrong in all of them.
+    """Return the unmet needs in each case, and the problems in all of them.
 
-    A file that does not ask for the variant works for a base one of whose variants has what it needs.
+    A file without an argument for the variant supports a base if one of its variants meets the needs.
     """
     wrong = {outcome.case: tuple(dict.fromkeys(_list_errors(outcome, words))) for outcome in outcomes}
     everywhere = tuple(text for text in wrong[outcomes[0].case] if all(text in texts for texts in wrong.values()))
@@ -58,7 +58,7 @@ def _list_errors(outcome: ResolvedCase, words: Words) -> Iterator[str]:
 
 
 def describe_finding(found: Diagnostic, words: Words) -> str:
-    """A finding in one line, with its place."""
+    """Describe a finding in one line, with its position."""
     message = words.show(found.message)
     if found.span is None:
         return message
@@ -67,7 +67,7 @@ def describe_finding(found: Diagnostic, words: Words) -> str:
 
 
 def list_unreadable(findings: Iterable[Diagnostic], path: str, words: Words) -> tuple[str, ...]:
-    """List the errors that made it impossible to read a file."""
+    """Return the errors that made it impossible to read a file."""
     return tuple(
         describe_finding(found, words)
         for found in findings

@@ -23,7 +23,7 @@ _Resolutions = Sequence[
 
 
 class TreeMaker:
-    """Makes trees. `views`: the launch files by path; `outlines` gives their tags, `show_path` formats a path."""
+    """Makes trees. `views`: the launch files by path; `outlines` returns their tags, `show_path` formats a path."""
 
     def __init__(
         self, views: Mapping[str, LaunchView], outlines: Callable[[str], FileOutline], show_path: Callable[[str], str]
@@ -34,7 +34,7 @@ class TreeMaker:
         self._items: dict[tuple[object, ...], TreeItem] = {}
 
     def make_trees(self, path: str, outcomes: Sequence[ResolvedCase], words: Words) -> tuple[TreeDoc, ...]:
-        """The trees of a file: one for all cases in which it is the same."""
+        """Return the trees of a file: one for all cases in which it is the same."""
         groups: dict[int, tuple[TreeItem, list[BaseCase]]] = {}
         taking_part = find_taking_part(resolution.started for outcome in outcomes for resolution in outcome.resolutions)
         for outcome in outcomes:
@@ -55,7 +55,7 @@ class TreeMaker:
         note: str = "",
         children: Sequence[TreeItem] = (),
     ) -> TreeItem:
-        """An item; the same object for the same content."""
+        """Return an item; the same object for the same content."""
         key = (kind, name, path, detail, note, *map(id, children))
         item = self._items.get(key)
         if item is None:
@@ -63,7 +63,7 @@ class TreeMaker:
         return item
 
     def outline_of(self, path: str) -> FileOutline:
-        """The tags of a file."""
+        """Return the tags of a file."""
         return self._outlines(path)
 
     def show_path(self, path: str) -> str:
@@ -71,7 +71,7 @@ class TreeMaker:
         return self._show_path(path)
 
     def targets_of(self, include: Element, written: str) -> list[str]:
-        """The files that a path in an include may mean, as they are shown."""
+        """Return the files that a path in an include may refer to, as displayed."""
         view = self._views.get(include.source.path)
         return [self._show_path(path) for path in match_paths(written, view)] if view is not None else []
 

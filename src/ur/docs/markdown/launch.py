@@ -1,4 +1,4 @@
-"""One launch file as a section."""
+"""One launch file as a section of the page."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from ur.graph.text import write_mermaid
 
 
 def write_launch_file(page: MarkdownPage, doc: LaunchDoc, title: str, level: int) -> None:
-    """Everything about a launch file; parts without content are left out."""
+    """Write the documentation of a launch file; empty parts are left out."""
     page.heading(level, title, key=f"launch {doc.path}")
     if doc.summary:
         page.paragraph(inline(doc.summary))

@@ -22,7 +22,7 @@ KIND_TITLES: dict[Kind, str] = {
 
 
 def render_markdown(documents: Documents, folder: str = "") -> str:
-    """`launches.md` for a file in `folder`: how links lead from there to the root of the repository ("", "../")."""
+    """Return `launches.md` for a file in `folder`, from which links lead to the root of the repository ("", "../")."""
     page = MarkdownPage(folder)
     single = len(documents.packages) == 1
     first = documents.packages[0]
@@ -76,7 +76,7 @@ def _write_how_to_run(page: MarkdownPage, package: PackageDoc, level: int) -> No
 
 
 def how_to_run(package: PackageDoc) -> list[str]:
-    """Command lines that start the programs of a package."""
+    """Return command lines that start the programs of a package."""
     lines = []
     programs = [program for program in package.programs if program.starts] or list(package.programs)
     if programs:

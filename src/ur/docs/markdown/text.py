@@ -1,4 +1,4 @@
-"""Writing Markdown that GitHub and others show the same: headings with known anchors, tables, code."""
+"""Markdown that GitHub and other renderers show equally: headings with known anchors, tables, code."""
 
 from __future__ import annotations
 
@@ -17,10 +17,13 @@ _HEADING = re.compile(r"#{1,6}\s+(.*?)\s*#*\Z")
 
 
 class MarkdownPage:
-    """A page in the making. Links to headings may come before the heading; one that never comes is no link."""
+    """A page under construction. Links may precede their headings; a link without a heading becomes plain text."""
 
     def __init__(self, folder: str = "") -> None:
-        """`folder` leads from the page to the root of the repository: empty, or with a slash at its end."""
+        """Start a page.
+
+        `folder` is the prefix of paths to the root of the repository: empty, or with a slash at its end.
+        """
         self._folder = folder
         self._lines: list[str] = []
         self._slugs: dict[str, int] = {}
@@ -28,14 +31,14 @@ class MarkdownPage:
         self._trees: dict[tuple[tuple[tuple[BaseCase, ...], int], ...], tuple[str, str]] = {}
 
     def note_trees(self, trees: tuple[TreeDoc, ...], title: str, key: str) -> tuple[str, str] | None:
-        """Remember where trees are shown; title and key of the heading where they are already."""
+        """Record where trees are shown; return title and key of the heading if they are already on the page."""
         identity = tuple((tree.cases, id(tree.root)) for tree in trees)
         known = self._trees.get(identity)
         self._trees.setdefault(identity, (title, key))
         return known
 
     def heading(self, level: int, title: str, key: str = "") -> None:
-        """A heading; links name it by its key."""
+        """Add a heading, with a key for links to it."""
         title = printable(title)
         slug = _SLUG.sub("", title.lower()).replace(" ", "-")
         count = self._slugs.get(slug)
@@ -49,15 +52,15 @@ class MarkdownPage:
         self.line()
 
     def line(self, text: str = "") -> None:
-        """One line."""
+        """Add one line."""
         self._lines.append(text)
 
     def paragraph(self, text: str) -> None:
-        """A paragraph of its own."""
+        """Add a separate paragraph."""
         self._lines += [text, ""]
 
     def markdown(self, text: str) -> None:
-        """Markdown of an author: its headings become bold, so that they do not mix with those of the page."""
+        """Add an author's Markdown: its headings become bold, so that they do not mix with those of the page."""
         fenced = False
         for line in map_links(text, self.place).splitlines():
             if line.lstrip().startswith("```"):
@@ -72,7 +75,7 @@ class MarkdownPage:
         self.line()
 
     def table(self, head: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
-        """A table; columns without content are left out."""
+        """Add a table; empty columns are left out."""
         used = [i for i in range(len(head)) if any(row[i] for row in rows)]
         self.line(f"| {' | '.join(head[i] for i in used)} |")
         self.line(f"|{'---|' * len(used)}")
@@ -81,24 +84,24 @@ class MarkdownPage:
         self.line()
 
     def code_block(self, lines: Sequence[str], language: str) -> None:
-        """Lines of code."""
+        """Add lines of code."""
         self._lines += [f"```{language}", *map(printable, lines), "```", ""]
 
     def link_to(self, label: str, key: str) -> str:
-        """A link to a heading of this page."""
+        """Return a link to a heading of this page."""
         return f"\x00{key}\x01{label}\x00"
 
     def source_link(self, path: str, label: str = "") -> str:
-        """A link to a file of the repository."""
+        """Return a link to a file of the repository."""
         return f"[{escape_text(label or path)}]({self.place(path)})"
 
     def place(self, path: str) -> str:
-        """The path of a file of the repository, relative to the page."""
+        """Return the path of a file of the repository, relative to the page."""
         target = posixpath.normpath(self._folder + path) if self._folder else path
         return printable(target).replace(" ", "%20").replace("(", "%28").replace(")", "%29")
 
     def text(self) -> str:
-        """The page."""
+        """Return the page."""
 
         def resolve(match: re.Match[str]) -> str:
             key, _, label = match.group(1).partition("\x01")
@@ -109,7 +112,7 @@ class MarkdownPage:
 
 
 def code(text: str) -> str:
-    """Any text as inline code."""
+    """Return a text as inline code."""
     text = " ".join(text.split())
     if not text:
         return ""
@@ -121,19 +124,19 @@ def code(text: str) -> str:
 
 
 def inline(text: str) -> str:
-    """Markdown of one line."""
+    """Return Markdown of one line."""
     return escape_tags(" ".join(text.split()))
 
 
 def escape_tags(text: str) -> str:
-    """Markdown in which `<` outside of code is the character, and no tag."""
+    """Return Markdown in which `<` outside of code is the character, not a tag."""
     if "<" not in text and "&" not in text:
         return text
     return _CODE_OR_TAG.sub(lambda m: {"<": "&lt;", "&": "&amp;"}.get(m.group(), m.group()), text)
 
 
 def escape_text(text: str) -> str:
-    """A plain text that Markdown shows as it is."""
+    """Escape a plain text so that Markdown shows it unchanged."""
     return re.sub(r"([\\`*\[\]<>|])|(?<![^\W_])(_)|(_)(?![^\W_])", lambda m: "\\" + m.group(), printable(text))
 
 

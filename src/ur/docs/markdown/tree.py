@@ -12,7 +12,7 @@ MAX_LINES = 400
 
 
 def write_trees(page: MarkdownPage, trees: Sequence[TreeDoc], title: str, key: str) -> None:
-    """Write the started nodes by case; the second time that it would be the same, a link to the first."""
+    """Write the started nodes by case; a repetition becomes a link to the first one."""
     first = page.note_trees(tuple(trees), title, key)
     if first is not None:
         page.paragraph(f"What it starts stands at {page.link_to(*first)}.")

@@ -23,7 +23,7 @@ _NAME = re.compile(r"\w+\Z")
 
 
 def read_base(path: str, name: str, world: World) -> BaseDoc:
-    """Read a base file; one that cannot be understood gives an empty description."""
+    """Read a base file; an invalid one results in an empty description."""
     try:
         whole = parse_section(SourceFile(path, world.read_bytes(path).decode("utf-8", "replace")), "a base file")
         summary = whole.text("summary", "")
@@ -45,13 +45,13 @@ def _features(base: Section) -> tuple[str, ...]:
 
 
 def find_lacks(needs: Iterable[str], features: Iterable[str]) -> tuple[str, ...]:
-    """The needs that features do not meet; a need may name alternatives: `lidar|raspicam`."""
+    """Return the needs that features do not meet; a need may name alternatives: `lidar|raspicam`."""
     there = set(features)
     return tuple(need for need in needs if not there & set(need.split("|")))
 
 
 def infer_bases(views: Iterable[LaunchView]) -> tuple[str, ...]:
-    """The bases of files whose package names none: from the names of files and from values that are compared."""
+    """Return the bases of files whose package has none: from the names of files and from compared values."""
     found: set[str] = set()
     for view in views:
         if "robot_base" not in view.declared:
@@ -71,12 +71,12 @@ def _from_comparison(value: str) -> Iterator[str]:
 
 
 def list_choices(written: str, piece: str, view: LaunchView) -> Iterator[str]:
-    """List the values of a piece of a path for which a file or folder exists; other pieces may be anything."""
+    """Yield the values of a piece of a path for which a file or folder exists; other pieces may be anything."""
     yield from match_paths(written, view, until=piece)
 
 
 def match_paths(written: str, view: LaunchView, until: str = "") -> list[str]:
-    """The files that a written path may mean, with any arguments; the texts of `until` when it is given."""
+    """Return the files that a written path may refer to with any arguments; with `until`, its texts."""
     start, names = _start_of(written, view)
     if start is None:
         return []

@@ -27,7 +27,7 @@ _TAG = re.compile(r"<[^>]*>")
 
 @dataclass(frozen=True, slots=True)
 class RepositoryPart:
-    """A package of the repository, or what of it belongs to none."""
+    """A package of the repository, or its files outside of packages."""
 
     package: Package
     is_package: bool
@@ -38,7 +38,7 @@ class RepositoryPart:
 
 @dataclass(frozen=True, slots=True)
 class DocumentedRepository:
-    """Everything that is documented, and the world in which it is resolved. `findings`: what could not be read."""
+    """All documented items, and the world in which they are resolved. `findings` are about unreadable files."""
 
     root: str
     parts: tuple[RepositoryPart, ...]
@@ -50,9 +50,9 @@ class DocumentedRepository:
 
 
 def collect_repository(path: str, world: World, progress: Progress = no_progress) -> DocumentedRepository:
-    """Read a package (by name or folder), a folder of packages, or any folder that holds launch files.
+    """Read a package (by name or folder), a folder of packages, or any folder with launch files.
 
-    Raises UserError when there is no such folder, or no launch file in it.
+    Raises UserError if there is no such folder, or no launch file in it.
     """
     cached = CachedWorld(world)
     targets = collect_targets([path], cached)
@@ -191,5 +191,5 @@ def _describe(manifest: str, world: CachedWorld) -> str:
 
 
 def relative_path(path: str, root: str) -> str:
-    """A path as seen from the root of the repository."""
+    """Return a path relative to the root of the repository."""
     return path[len(root) + 1 :] if path.startswith(root + "/") else posixpath.relpath(path, root)

@@ -17,7 +17,7 @@ _LONG = 160
 
 
 def find_summary(view: LaunchView) -> str:
-    """`<!--Summary: ...-->` as one line; else the first sentence of the first comment that is prose; else nothing."""
+    """Return `<!--Summary: ...-->` as one line; else the first sentence of the first prose comment; else nothing."""
     for comment in _outer_comments(view):
         heading = heading_of(comment)
         if heading and heading[0] == "Summary":
@@ -29,7 +29,7 @@ def find_summary(view: LaunchView) -> str:
 
 
 def find_overview(view: LaunchView) -> str:
-    """The Markdown of `<!--Overview: ...-->`, without the indentation; else the first comment that is prose."""
+    """Return the Markdown of `<!--Overview: ...-->`, without indentation; else the first prose comment."""
     for comment in _outer_comments(view):
         title, colon, text = comment.text.partition(":")
         if colon and title.strip() == "Overview":
@@ -38,7 +38,7 @@ def find_overview(view: LaunchView) -> str:
 
 
 def find_needs(view: LaunchView) -> tuple[str, ...]:
-    """The words of `<!--Needs: lidar-->`."""
+    """Return the words of `<!--Needs: lidar-->`."""
     for comment in _outer_comments(view):
         heading = heading_of(comment)
         if heading and heading[0] == "Needs":
@@ -47,13 +47,13 @@ def find_needs(view: LaunchView) -> tuple[str, ...]:
 
 
 def find_argument_doc(element: Element, launch: Element) -> str:
-    """The Markdown of the comment `<!--name: ...-->` after an `<arg>`, else of its `doc=`."""
+    """Return the Markdown of the comment `<!--name: ...-->` after an `<arg>`, else of its `doc=`."""
     text = find_argument_comment(element, launch)
     return clean_markdown(element.attributes.get("doc", "")) if text is None else text
 
 
 def find_argument_comment(element: Element, launch: Element) -> str | None:
-    """The text of the comment after an `<arg>` that documents it; None when there is none."""
+    """Return the text of the comment after an `<arg>` that documents it; None if there is none."""
     for comment in comments_after(launch, element):
         title, colon, text = comment.text.partition(":")
         if colon and title.strip() == element.attributes.get("name") and text.strip():
@@ -62,7 +62,7 @@ def find_argument_comment(element: Element, launch: Element) -> str | None:
 
 
 def clean_markdown(text: str) -> str:
-    """A text without the indentation that it has in its file."""
+    """Return a text without the indentation in its file."""
     return inspect.cleandoc(text.expandtabs()).strip()
 
 

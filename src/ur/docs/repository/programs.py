@@ -25,7 +25,7 @@ class LaunchCall:
 
 
 def read_headings(source: SourceFile) -> Mapping[str, str]:
-    """`##Summary: ...`, `##Overview: ...` and the `##` lines that follow each, as Markdown by heading."""
+    """Return `##Summary: ...`, `##Overview: ...` and the `##` lines that follow each, as Markdown by heading."""
     found: dict[str, list[str]] = {}
     current: list[str] | None = None
     for line in source.text.splitlines():
@@ -40,7 +40,7 @@ def read_headings(source: SourceFile) -> Mapping[str, str]:
 
 
 def find_starts(source: SourceFile) -> tuple[LaunchCall, ...]:
-    """The launch files that a program names where it runs roslaunch or `ur launch`."""
+    """Return the launch files that a program names where it runs roslaunch or `ur launch`."""
     starts = []
     for command in _COMMAND.finditer(source.text):
         text = command.group().replace("\\\n", " ")

@@ -1,4 +1,4 @@
-"""The world of a launch repository alone: documents are the same on every computer, with any packages installed."""
+"""The world of a launch repository alone, so that documents are the same with any installed packages."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ _ELSEWHERE = f"/{_UNKNOWN}"
 
 
 class RepositoryWorld:
-    """Packages of the repository as they are; every other one has an imaginary folder. No environment variables."""
+    """Packages of the repository as they are; every other package has an imaginary folder. No environment variables."""
 
     def __init__(self, world: World, packages: Mapping[str, str]) -> None:
         self._world = world
@@ -29,7 +29,7 @@ class RepositoryWorld:
         return self._packages.keys()
 
     def find_in_package(self, package: str, path: str) -> str | None:  # noqa: ARG002 - World
-        """See World. What is installed somewhere else does not count."""
+        """See World. Installed files outside of the repository are ignored."""
         return None
 
     def find_files(self, package: str, name: str) -> tuple[str, ...]:  # noqa: ARG002 - World
@@ -45,11 +45,14 @@ class RepositoryWorld:
         return ()
 
     def is_file(self, path: str) -> bool:
-        """See World. A parameter file that cannot be known counts as one."""
+        """See World. A parameter file with an unknown path counts as existing."""
         return path.endswith((".yaml", ".yml")) if _UNKNOWN in path else self._world.is_file(path)
 
     def read_bytes(self, path: str) -> bytes:
-        """See World. What is elsewhere, or cannot be known, counts as empty: the node that reads it is still there."""
+        """See World.
+
+        A file outside of the repository, or with an unknown path, counts as empty, so that its node is kept.
+        """
         return b"{}" if _UNKNOWN in path else self._world.read_bytes(path)
 
     def list_folder(self, path: str) -> tuple[str, ...]:
@@ -63,7 +66,7 @@ class RepositoryWorld:
         return self._world.absolute(path)
 
     def make_anonymous(self, prefix: str) -> str:
-        """See World. The same every time."""
+        """See World. The name is always the same."""
         return f"{prefix}_anonymous"
 
 
@@ -73,11 +76,11 @@ def is_elsewhere(path: str) -> bool:
 
 
 def show_elsewhere(path: str) -> str:
-    """Such a path as it is written: `$(find package)/rest`."""
+    """Return such a path as written: `$(find package)/rest`."""
     package, slash, rest = path.removeprefix(_ELSEWHERE).partition("/")
     return f"$(find {package}){slash}{rest}"
 
 
 def is_unknown(text: str) -> bool:
-    """Return whether a text holds something that only the person who starts a file knows."""
+    """Return whether a text contains a value that depends on the user's input."""
     return _UNKNOWN in text

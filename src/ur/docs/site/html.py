@@ -28,7 +28,7 @@ def _markdown() -> MarkdownIt:
 
 @lru_cache(maxsize=8192)
 def inline(text: str) -> str:
-    """Markdown of one line as HTML, without links."""
+    """Return Markdown of one line as HTML, without links."""
     text = map_links(" ".join(text.split()), lambda _target: None)
     if not _SPECIAL.search(text):
         return escape(text)
@@ -37,7 +37,7 @@ def inline(text: str) -> str:
 
 
 def blocks(text: str, place: Place) -> str:
-    """Markdown as HTML; its headings become small ones, its relative links lead to pages of the site."""
+    """Return Markdown as HTML; its headings become small ones, its relative links lead to pages of the site."""
     parser = _markdown()
     tokens = parser.parse(map_links(text, place))
     for token in tokens:
@@ -48,23 +48,23 @@ def blocks(text: str, place: Place) -> str:
 
 
 def code(text: str) -> str:
-    """A text as code."""
+    """Return a text as code."""
     return f"<code>{escape(text)}</code>" if text else '<span class="quiet">(empty)</span>'
 
 
 def link(target: str, content: str, extra: str = "") -> str:
-    """A link around HTML."""
+    """Return a link around HTML."""
     return f'<a href="{escape(target)}"{extra}>{content}</a>'
 
 
 def cases_attribute(cases: Iterable[BaseCase]) -> str:
-    """The HTML attribute that the base switch reads."""
+    """Return the HTML attribute that the base switch reads."""
     keys = " ".join(case.key for case in cases if case.base)
     return f' data-cases="{escape(keys)}"' if keys else ""
 
 
 def show_values(values: Sequence[Value]) -> str:
-    """A value that may differ from base to base."""
+    """Return a value that may differ between bases."""
     if len(values) == 1 and not values[0].cases:
         return code(values[0].text)
     parts = []
@@ -76,7 +76,7 @@ def show_values(values: Sequence[Value]) -> str:
 
 
 def table(head: Sequence[str], rows: Sequence[Sequence[str]], label: str) -> str:
-    """A table of HTML cells that scrolls by itself; columns without content are left out."""
+    """Return a table of HTML cells that scrolls separately; empty columns are left out."""
     used = [i for i in range(len(head)) if any(row[i] for row in rows)]
     header = "".join(f'<th scope="col">{head[i]}</th>' for i in used)
     body = "".join(f"<tr>{''.join(_cell(row[i], head[i], i == used[0]) for i in used)}</tr>" for row in rows)
@@ -95,5 +95,5 @@ def _cell(content: str, title: str, first: bool) -> str:
 
 
 def section(anchor: str, title: str, content: str) -> str:
-    """A part of a page, with a heading that links reach."""
+    """Return a part of a page, with a heading that links can target."""
     return f'<section aria-labelledby="{anchor}"><h2 id="{anchor}">{escape(title)}</h2>{content}</section>'

@@ -99,7 +99,7 @@ def render_page(
     cases: Sequence[BaseCase] = (),
     toc: Sequence[tuple[str, str]] = (),
 ) -> str:
-    """A whole page. `cases` are those that its file is resolved for; `toc` are anchors and titles of its parts."""
+    """Return a whole page. `cases` are those of its file; `toc` are anchors and titles of its parts."""
     up = "../" * name.count("/")
     own = " ".join(case.key for case in cases if case.base)
     whole = title if title == plan.title else f"{title} · {plan.title}"
@@ -179,5 +179,5 @@ def _toc(toc: Sequence[tuple[str, str]]) -> str:
 
 
 def way_between(page: str, other: str) -> str:
-    """A link from one page of the site to another."""
+    """Return a relative link from one page of the site to another."""
     return posixpath.relpath(other, posixpath.dirname(page) or ".")

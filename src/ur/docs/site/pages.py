@@ -1,4 +1,4 @@
-"""The pages of programs and launch files, and the first page."""
+"""The pages of programs and launch files, and the index page."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ class Pages:
         self.by_path = {doc.path: doc for package in documents.packages for doc in package.launch_files}
 
     def render_index(self) -> str:
-        """The first page: how to run, and everything by its summary."""
+        """Return the index page: commands, and all items with their summaries."""
         parts = [f"<h1>{escape(self.plan.title)}</h1>"]
         single = len(self.documents.packages) == 1
         toc: list[tuple[str, str]] = []
@@ -52,7 +52,7 @@ class Pages:
         return render_page(self.plan, "index.html", self.plan.title, "".join(parts), toc=toc)
 
     def list_package(self, package: PackageDoc) -> list[tuple[str, str, str]]:
-        """Anchor, title and content of each part about a package."""
+        """Return anchor, title and content of each part about a package."""
         lines = "\n".join(escape(line) for line in how_to_run(package))
         found = [("run", "How to run", f'<pre class="run" tabindex="0"><code>{lines}</code></pre>')]
         if package.programs:
@@ -72,14 +72,14 @@ class Pages:
         return found
 
     def card(self, name: str, page: str, summary: str, support: Sequence[SupportDoc]) -> str:
-        """A link with a summary; it is pale for a base on which the file does not work."""
+        """Return a link with a summary; it is pale for a base that the file does not support."""
         lacking = " ".join(each.case.key for each in support if each.missing)
         attribute = f' data-not-on="{escape(lacking)}"' if lacking else ""
         text = f"<p>{inline(summary)}</p>" if summary else ""
         return f"<li{attribute}>{link(page, escape(name))}{text}</li>"
 
     def render_program(self, doc: ProgramDoc) -> str:
-        """The page of a program."""
+        """Return the page of a program."""
         page = self.plan.program_pages[doc.path]
         parts = [f"<h1>{escape(doc.name)}</h1>"]
         if doc.summary:
@@ -103,7 +103,7 @@ class Pages:
         return self.finish(page, doc.name, parts, sections, cases)
 
     def render_launch_file(self, doc: LaunchDoc) -> str:
-        """The page of a launch file."""
+        """Return the page of a launch file."""
         page = self.plan.launch_pages[doc.path]
         head = [f"<h1>{escape(self.plan.labels[doc.path])}</h1>"]
         if doc.summary:
@@ -136,19 +136,19 @@ class Pages:
         sections: Sequence[tuple[str, str, str]],
         cases: Sequence[BaseCase],
     ) -> str:
-        """A page of a head and sections."""
+        """Return a page of a head and sections."""
         content = "".join(head) + "".join(section(*each) for each in sections)
         toc = [(anchor, heading) for anchor, heading, _ in sections]
         return render_page(self.plan, page, title, content, cases, toc)
 
     def place(self, path: str, page: str) -> str | None:
-        """The URL of a path of the repository, relative to a page; None for a path that is not on the site."""
+        """Return the URL of a path of the repository, relative to a page; None for a path that is not on the site."""
         bare, hash_, _ = path.partition("#")
         target = self.plan.launch_pages.get(bare) or self.plan.program_pages.get(bare)
         return way_between(page, target) if target is not None and not hash_ else None
 
     def link_to(self, path: str, page: str) -> str:
-        """A launch file or program by its name."""
+        """Return a link to a launch file or program, with its name."""
         name = escape(self.plan.labels.get(path, path.rpartition("/")[2]))
         target = self.place(path, page)
         return link(target, name) if target else f"<code>{name}</code>"
@@ -163,7 +163,7 @@ class Pages:
         return f'<p class="neighbours">{" ".join(parts)}</p>' if parts else ""
 
     def trees(self, trees: Sequence[TreeDoc], page: str) -> str:
-        """A tree per group of cases."""
+        """Return one tree per group of cases."""
         parts = []
         for tree in trees:
             names = name_cases(tree.cases)
@@ -174,7 +174,7 @@ class Pages:
         return "".join(parts)
 
     def tree_item(self, item: TreeItem, page: str, budget: list[int]) -> str:
-        """An item of a tree with what is below it."""
+        """Return an item of a tree with its children."""
         budget[0] -= 1
         if budget[0] < 0:
             return "<li>…</li>" if budget[0] == -1 else ""
@@ -184,7 +184,7 @@ class Pages:
         return f'<li class="{item.kind}">{self.tree_label(item, page)}{note}{inner}</li>'
 
     def tree_label(self, item: TreeItem, page: str) -> str:
-        """The label of an item."""
+        """Return the label of an item."""
         if item.kind == "file" or (item.kind == "off" and item.path):
             return self.link_to(item.path, page)
         if item.kind == "node":
@@ -235,7 +235,7 @@ def _bases_table(package: PackageDoc) -> str:
 
 
 def draw_svg(graph: DrawnGraph, label: str, link_of: Callable[[str], str | None]) -> str:
-    """The graph as an `<svg>`; nothing for one without arrows. `link_of`: the page of a path, None for no link."""
+    """Return the graph as an `<svg>`; empty for one without arrows. `link_of`: the page of a path, None for no link."""
     boxes = tuple(_link(box, link_of) for box in graph.boxes)
     # What an arrow says stands in the box that it leads to.
     arrows = tuple(replace(arrow, label="") for arrow in graph.arrows)
@@ -252,7 +252,7 @@ def _cut(text: str) -> str:
 
 
 def show_source(text: str, *, xml: bool) -> str:
-    """Lines with anchors `L1`, `L2`, ...; comments, tags and values in colours."""
+    """Return lines with anchors `L1`, `L2`, ...; comments, tags and values in colours."""
     painted = "".join(_paint(text.expandtabs(4), _XML if xml else _SHELL))
     lines = painted.removesuffix("\n").split("\n")
     body = "\n".join(f'<span class="line" id="L{n}">{_close(line)}</span>' for n, line in enumerate(lines, 1))

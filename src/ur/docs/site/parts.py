@@ -13,14 +13,14 @@ _SOURCES = {"ready": "ready comment", "table": "documentation of the program", "
 
 
 class Parts:
-    """Tables about one launch file. `place`: where the page of a path is, None for no page."""
+    """Tables about one launch file. `place`: the location of a path's page, None for no page."""
 
     def __init__(self, doc: LaunchDoc, place: Callable[[str], str | None]) -> None:
         self.doc = doc
         self.place = place
 
     def sections(self) -> list[tuple[str, str, str]]:
-        """Anchor, title and content of the parts that there are."""
+        """Return anchor, title and content of the parts that are not empty."""
         doc = self.doc
         found: list[tuple[str, str, str]] = []
         if doc.arguments:
@@ -39,7 +39,7 @@ class Parts:
         return found
 
     def argument_row(self, argument: ArgumentDoc) -> tuple[str, ...]:
-        """An argument; its name leads to the line that declares it."""
+        """Return the row of an argument; its name links to the line that declares it."""
         shown = {
             "required": '<strong class="required">required</strong>',
             "optional": code(argument.default),
@@ -50,7 +50,7 @@ class Parts:
         return (name, escape(argument.type), shown + condition, inline(argument.doc))
 
     def node_row(self, node: NodeDoc) -> tuple[str, ...]:
-        """A node; its name leads to its tag."""
+        """Return the row of a node; its name links to its tag."""
         return (
             _line_link(node.line, show_values(node.names)),
             f"{show_values(node.package)} {show_values(node.type)}",
@@ -60,7 +60,7 @@ class Parts:
         )
 
     def param_rows(self) -> Iterable[tuple[str, ...]]:
-        """Parameters of nodes, then those of the file."""
+        """Return parameters of nodes, then those of the file."""
         for node in self.doc.nodes:
             yield from self.rows_of(node.names[0].text, node.params, node.param_files)
         yield from self.rows_of("", self.doc.params, self.doc.param_files)
@@ -68,7 +68,7 @@ class Parts:
     def rows_of(
         self, owner: str, params: Iterable[ParamDoc], files: Iterable[ParamFileDoc]
     ) -> Iterable[tuple[str, ...]]:
-        """The parameters of a node; those of a YAML file fold."""
+        """Return the parameters of a node; those of a YAML file can be folded."""
         of = code(owner) if owner else ""
         for file in files:
             names = ", ".join(f"<code>{escape(name)}</code>" for name in file.names)
@@ -89,7 +89,7 @@ class Parts:
                 yield (name, "remaps", f"{code(old)} to {code(new)}", "")
 
     def include_row(self, include: IncludeDoc) -> tuple[str, ...]:
-        """An include with the files that it means."""
+        """Return the row of an include with the files that it refers to."""
         targets = []
         for target in include.targets:
             page = self.place(target.path) if target.path else None

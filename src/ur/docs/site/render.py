@@ -1,4 +1,4 @@
-"""The site as texts by name: pages, style, script, the index that the search looks into."""
+"""The site as texts by file name: pages, style, script, and the search index."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _ASSETS = ("style.css", "site.js")
 
 
 def render_site(documents: Documents) -> dict[str, str]:
-    """Every file of the site by its name; the manifest names them all, one in a line."""
+    """Return every file of the site by its name; the manifest lists them, one per line."""
     plan = plan_site(documents)
     pages = Pages(documents, plan)
     site = {"index.html": pages.render_index()}
@@ -37,7 +37,7 @@ def render_site(documents: Documents) -> dict[str, str]:
 
 
 def read_manifest(text: str) -> list[str]:
-    """The names in a manifest; ones that lead out of the site are left alone."""
+    """Return the names in a manifest; names outside of the site are ignored."""
     return [name for name in text.splitlines() if name and not name.startswith("/") and ".." not in name.split("/")]
 
 

@@ -1,4 +1,4 @@
-"""The one reader of files that other people have made: special files, sizes, nesting and counts are limited here.
+"""The only reader of untrusted files: it limits special files, sizes, nesting and counts.
 
 `files` opens them, `yaml_text` and `xml_text` read what they hold, `pictures` unpacks them.
 """

@@ -1,7 +1,7 @@
-"""Archives of other people, unpacked by a process of its own with limits of memory and processor time.
+"""Untrusted archives, unpacked by a separate process with limits of memory and processor time.
 
-The headers of an archive can be as long as its sender likes, and the libraries that unpack archives read them whole.
-Run as a program, this module unpacks what standard input gives.
+The headers of an archive can have any length, and the libraries that unpack archives read them whole. Run as a program,
+this module unpacks its standard input.
 """
 
 from __future__ import annotations
@@ -21,10 +21,10 @@ _PATIENCE = 120.0  # s in all
 
 
 def unpack_archive(data: bytes, folder: Path, names: str, *, files: int, size: int) -> None:
-    """Unpack a gzipped tar archive into a folder that exists and is empty.
+    """Unpack a gzipped tar archive into an existing, empty folder.
 
     Its members are at most `files` plain files with names that match the regular expression `names`, and have at most
-    `size` bytes together. Raises ValueError, whose text names the mistake; then some files may be in the folder.
+    `size` bytes in total. Raises ValueError, whose text names the mistake; then some files may be in the folder.
     """
     command = [sys.executable, "-I", "-m", __name__, str(folder), names, str(files), str(size)]
     try:

@@ -1,6 +1,6 @@
-"""Files of other people, opened within limits: regular files of a limited size, which never block.
+"""Untrusted files, opened within limits: regular files of a limited size, which never block.
 
-This module imports little, since Tab needs it for hundreds of files.
+This module imports little, since completion uses it for hundreds of files.
 """
 
 # Descriptors and exact paths throughout.
@@ -31,8 +31,8 @@ def read_file(
 ) -> bytes:
     """Return the content of a regular file of at most `limit` bytes.
 
-    Links are followed; with `inside`, to files below that folder only. Raises OSError, which names the path: there is
-    no such file, it is a pipe, device, socket or folder, is larger, or lies outside of the folder.
+    Links are followed; with `inside`, to files below that folder only. Raises OSError, which names the path, for a
+    missing file, a pipe, device, socket or folder, a larger file, or one outside of the folder.
     """
     descriptor = open_descriptor(path, limit, inside=inside)
     try:
@@ -48,13 +48,16 @@ def read_text(
     inside: str | os.PathLike[str] | None = None,
     errors: str = "replace",
 ) -> str:
-    """As read_file, as UTF-8 with line breaks as Python reads texts. With `errors` "strict", raises ValueError."""
+    """Read a file as `read_file` does, as UTF-8 with universal line breaks.
+
+    Raises ValueError if `errors` is "strict".
+    """
     data = read_file(path, limit, inside=inside)
     return data.replace(b"\r\n", b"\n").replace(b"\r", b"\n").decode("utf-8", errors)
 
 
 def read_head(path: str | os.PathLike[str]) -> str:
-    """Return the first 64 KiB of a regular file as text, however large it is. Raises OSError as read_file."""
+    """Return the first 64 KiB of a regular file as text. Raises OSError as `read_file` does."""
     descriptor = open_descriptor(path, sys.maxsize)
     try:
         return os.read(descriptor, _BLOCK).replace(b"\r\n", b"\n").decode("utf-8", "replace")
@@ -63,7 +66,7 @@ def read_head(path: str | os.PathLike[str]) -> str:
 
 
 def read_pipe(path: str, limit: int = MAX_BYTES) -> bytes:
-    """Return what a pipe or file gives that a person has named on the command line; waits for its end."""
+    """Return the content of a pipe or file that the user has named on the command line; wait for its end."""
     descriptor = os.open(path, os.O_RDONLY | os.O_CLOEXEC)
     try:
         return _read_all(descriptor, limit, path)
@@ -74,9 +77,9 @@ def read_pipe(path: str, limit: int = MAX_BYTES) -> bytes:
 def open_file(
     path: str | os.PathLike[str], limit: int = MAX_BYTES, *, inside: str | os.PathLike[str] | None = None
 ) -> BinaryIO:
-    """Open a file as read_file does, for what is read in parts: large meshes, pictures. The caller closes it.
+    """Open a file as `read_file` does, to be read in chunks: large meshes, pictures. The caller closes it.
 
-    A file that grows after it was opened may give more than `limit` bytes.
+    A file that grows after it was opened may have more than `limit` bytes.
     """
     return open(open_descriptor(path, limit, inside=inside), "rb")
 
@@ -84,7 +87,7 @@ def open_file(
 def open_descriptor(
     path: str | os.PathLike[str], limit: int = MAX_BYTES, *, inside: str | os.PathLike[str] | None = None
 ) -> int:
-    """Return a descriptor of a file as open_file does."""
+    """Return a descriptor of a file, opened as `open_file` does."""
     name, flags = os.fspath(path), _FLAGS
     if "\0" in name:
         raise OSError(errno.EINVAL, "a path with a NUL character", name)

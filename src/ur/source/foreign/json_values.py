@@ -1,8 +1,8 @@
-"""JSON of other people and programs, read as values: a type carries its limits, and a text beyond them is refused.
+"""Untrusted JSON, decoded to values: types declare limits, and a text beyond them is refused.
 
-A limit is declared where the field is: `Annotated[int, Meta(ge=0, le=100)]` or one of the types below. What derives
-from `ForeignValue` is read without unknown fields; of dataclasses they are ignored, so that versions of a program
-understand each other. Where start-up time counts, import this module in a function.
+A limit is declared with its field: `Annotated[int, Meta(ge=0, le=100)]` or one of the types below. Subclasses of
+`ForeignValue` refuse unknown fields; dataclasses ignore them, so that versions of a program understand each other.
+Where start-up time matters, import this module in a function.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ _NOUNS = {
 
 
 class BadJsonError(ValueError):
-    """A text that is not JSON, or not a value of the expected type. The message is the reason, in a line."""
+    """A text that is not JSON, or not a value of the expected type. The message is the reason, in one line."""
 
 
 class ForeignValue(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
@@ -47,7 +47,7 @@ class ForeignValue(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
 
 class PrintableValue(ForeignValue, frozen=True):
-    """A value whose texts are printable when it is read, each on one line."""
+    """A value whose texts are checked to be printable, each on one line."""
 
 
 @overload
@@ -55,7 +55,7 @@ def read_json(text: object, kind: type[Kind], longest: int = _ANY_TEXT) -> Kind:
 @overload
 def read_json(text: object, kind: object, longest: int = _ANY_TEXT) -> Any: ...
 def read_json(text: object, kind: Any, longest: int = _ANY_TEXT) -> Any:
-    """The value of a type that a text of at most `longest` characters or bytes is. Raises BadJsonError."""
+    """Decode a text of at most `longest` characters or bytes to a type. Raises BadJsonError."""
     if not isinstance(text, (str, bytes)) or len(text) > longest:
         raise BadJsonError(f"expected a text of at most {longest} characters")
     try:
@@ -67,7 +67,7 @@ def read_json(text: object, kind: Any, longest: int = _ANY_TEXT) -> Any:
 
 
 def read_json_names(text: str, kind: type[Kind], longest: int) -> Kind:
-    """As read_json, for texts with names of files that are not UTF-8, which Python holds as halves of pairs."""
+    """Decode like `read_json` a text with file names that are not UTF-8, which Python stores as surrogates."""
     if len(text) > longest:
         raise BadJsonError(f"expected a text of at most {longest} characters")
     try:
@@ -82,7 +82,7 @@ def convert_json(value: object, kind: type[Kind]) -> Kind: ...
 @overload
 def convert_json(value: object, kind: object) -> Any: ...
 def convert_json(value: object, kind: Any) -> Any:
-    """The value of a type that parsed JSON is. Raises BadJsonError."""
+    """Convert parsed JSON to a type. Raises BadJsonError."""
     try:
         return _check(msgspec.convert(value, kind))
     except msgspec.ValidationError as problem:
@@ -92,7 +92,7 @@ def convert_json(value: object, kind: Any) -> Any:
 
 
 def write_json(value: object) -> str:
-    """A value as JSON in one line. A number that is not finite becomes null, half of a surrogate pair '?'."""
+    """Encode a value as JSON in one line. A number that is not finite becomes null, a lone surrogate '?'."""
     try:
         return msgspec.json.encode(value).decode()
     except UnicodeEncodeError:  # bytes of a file's name that are not UTF-8, as Python holds them
@@ -101,7 +101,7 @@ def write_json(value: object) -> str:
 
 
 def write_json_names(value: object) -> str:
-    """A value as JSON that read_json_names reads."""
+    """Encode a value as JSON for `read_json_names`."""
     return json.dumps(msgspec.to_builtins(value))
 
 
@@ -150,7 +150,7 @@ def _explain_value(value: object, kind: Any, problem: str) -> str:
 
 
 def _list_fields(kind: Any) -> dict[str, tuple[Any, bool]]:
-    """The types of fields by their names in JSON, and whether a field is required."""
+    """Return the types of fields by their names in JSON, and whether each is required."""
     if not is_dataclass(kind):
         return {each.encode_name: (each.type, each.required) for each in msgspec.structs.fields(kind)}
     hints = get_type_hints(kind, include_extras=True)
@@ -173,7 +173,7 @@ def _expect(name: str, kind: Any) -> str:
 
 
 def describe_type(kind: Any) -> str:
-    """The values of a type in words: its description, or its limits."""
+    """Describe the values of a type: its description, or its limits."""
     found = get_origin(kind)
     if found is Annotated:
         inner, *metas = get_args(kind)

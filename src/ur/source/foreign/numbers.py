@@ -1,4 +1,4 @@
-"""Numbers in texts that other programs and computers have written: read, or None."""
+"""Parsing of numbers in texts from other programs and computers; None for an invalid one."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ _DECIMAL = re.compile(r"[+-]?(?:[0-9]{1,18}(?:\.[0-9]{0,30})?|\.[0-9]{1,30})(?:[
 
 
 def parse_integer(text: str, base: int = 10) -> int | None:
-    """An integer of at most 18 ASCII digits; None for any other text."""
+    """Parse an integer of at most 18 ASCII digits; None for any other text."""
     if _INTEGER.fullmatch(text) is None:
         return None
     try:
@@ -19,5 +19,5 @@ def parse_integer(text: str, base: int = 10) -> int | None:
 
 
 def parse_decimal(text: str) -> float | None:
-    """A finite number in decimal or scientific notation; None for any other text."""
+    """Parse a finite number in decimal or scientific notation; None for any other text."""
     return float(text) if _DECIMAL.fullmatch(text) else None

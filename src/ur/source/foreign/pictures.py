@@ -1,4 +1,4 @@
-"""Picture files of other people, opened within limits of format, pixels and unpacked size."""
+"""Untrusted picture files, opened within limits of format, pixels and unpacked size."""
 
 from __future__ import annotations
 
@@ -37,8 +37,7 @@ def open_picture(
     """Open a picture in one of these formats without decoding it; with `inside`, only below that folder.
 
     Raises OSError (PIL.UnidentifiedImageError for another format), or ValueError for one with more pixels than
-    `largest` or more than MAX_UNPACKED bytes. What decodes it raises OSError, ValueError or SyntaxError for a damaged
-    one.
+    `largest` or more than MAX_UNPACKED bytes. Decoding a damaged picture raises OSError, ValueError or SyntaxError.
     """
     if isinstance(source, (str, Path)):
         with open_file(source, MAX_FILE, inside=inside) as file, warnings.catch_warnings():
@@ -81,7 +80,7 @@ def _check_plain(file: IO[bytes]) -> None:
 
 
 class _Metered:
-    """A file that ends in an error where a library reads it in too many small pieces, as it does comments and tags."""
+    """A file that raises an error if a library reads it in too many small pieces, as it does for comments and tags."""
 
     def __init__(self, file: IO[bytes]) -> None:
         self._file = file

@@ -1,4 +1,4 @@
-"""XML of other people: read without document types, and within limits of depth and number."""
+"""Untrusted XML: parsed without document types, and within limits of depth and number."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ MAX_LENGTH = 20_000_000  # bytes or characters
 def parse_xml(text: str | bytes, *, length: int = MAX_LENGTH, elements: int = MAX_ELEMENTS) -> Element:
     """Return the root element of a document.
 
-    Raises ValueError, whose text is the reason: not well-formed, a document type (which entities need), more characters
-    than `length`, more elements than `elements`, or elements nested deeper than MAX_DEPTH.
+    Raises ValueError, whose text is the reason: not well-formed, a document type (required for entities), more
+    characters than `length`, more elements than `elements`, or elements nested deeper than MAX_DEPTH.
     """
     if len(text) > length:
         raise ValueError(f"{len(text):,} characters, expected at most {length:,}")

@@ -1,4 +1,4 @@
-"""YAML of other people: its nesting before a parser recurses into it, its numbers, and what its aliases grow to."""
+"""Untrusted YAML, with limits on its nesting (before parsing), its numbers, and the expansion of its aliases."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ _Loader: type[yaml.SafeLoader] = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 
 
 def load_yaml(text: str, values: int = MAX_VALUES) -> Any:
-    """Return the value of a text of at most `values` values, counted with its aliases. None for an empty one.
+    """Return the value of a text of at most `values` values, including aliases; None for an empty text.
 
-    Raises ValueError, whose text is the reason in one line: not YAML, nested too deep, or too large.
+    Raises ValueError, whose text is the reason in one line: not YAML, nested too deeply, or too large.
     """
     try:
         node = compose_yaml(text)
@@ -57,7 +57,7 @@ def construct_yaml(node: yaml.Node, values: int = MAX_VALUES) -> object:
 def check_depth(text: str) -> None:
     """Raise yaml.YAMLError for a text that is nested deeper than MAX_DEPTH, or is not YAML.
 
-    libyaml composes nodes by recursion in C: a text of 100 kB can exhaust the stack, which no exception reports.
+    libyaml composes nodes by recursion in C: a text of 100 kB can exhaust the stack, without an exception.
     """
     if sum(map(text.count, "[{-?:")) <= _SAFE_COUNT:
         return  # each level of nesting takes one of these characters
@@ -76,7 +76,7 @@ def check_depth(text: str) -> None:
 
 
 def check_size(top: yaml.Node, values: int = MAX_VALUES) -> None:
-    """Raise yaml.YAMLError for a node that aliases make larger than `values` values, or that contains itself."""
+    """Raise yaml.YAMLError for a node with more than `values` values including aliases, or one that contains itself."""
     counts: dict[int, int] = {}
 
     def count(node: yaml.Node) -> int:
@@ -103,7 +103,7 @@ def check_size(top: yaml.Node, values: int = MAX_VALUES) -> None:
 
 
 def describe_problem(problem: yaml.YAMLError) -> str:
-    """Return what is wrong with a text, in one line, with the line of the text where it is known."""
+    """Describe an error in a text in one line, with the line number if it is known."""
     if not isinstance(problem, yaml.MarkedYAMLError):
         return " ".join(str(problem).split())[:200]
     mark = problem.problem_mark or problem.context_mark

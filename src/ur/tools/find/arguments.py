@@ -1,4 +1,4 @@
-"""The places of one argument: its declaration, its uses, where other files pass it, and where programs give it.
+"""The occurrences of one argument: declaration, uses, and passed values in other files and programs.
 
 With `pass_all_args`, an argument of the including file and that of the included one are the same.
 """
@@ -17,7 +17,7 @@ _COMMENT = re.compile(r"\s*(\w+)\s*:")
 
 
 def find_sharing_files(path: str, name: str, views: Mapping[str, LaunchView]) -> Set[str]:
-    """The files that have an argument in common: `path`, and those that get or give it by `pass_all_args`."""
+    """Return the files that share an argument: `path`, and those that pass it on or get it by `pass_all_args`."""
     finder = IncludeFinder(views.values())
     links: dict[str, set[str]] = {}
     for view in views.values():
@@ -38,7 +38,7 @@ def find_sharing_files(path: str, name: str, views: Mapping[str, LaunchView]) ->
 def find_argument(
     path: str, name: str, views: Mapping[str, LaunchView], programs: Iterable[SourceFile] = ()
 ) -> Iterator[Occurrence]:
-    """Every place of the argument `name` of the launch file `path`."""
+    """Yield every occurrence of the argument `name` of the launch file `path`."""
     files = find_sharing_files(path, name, views)
     finder = IncludeFinder(views.values())
     for file in sorted(files):

@@ -15,10 +15,7 @@ KINDS: tuple[Kind, ...] = get_args(Kind)
 
 @dataclass(frozen=True, slots=True)
 class Occurrence:
-    """A place that defines something or uses it.
-
-    `name` is in full; `note` is how it is used, where that is not clear.
-    """
+    """A position that defines or uses something. `name` is the full name; `note` explains an unobvious use."""
 
     kind: Kind
     name: str
@@ -28,7 +25,7 @@ class Occurrence:
 
 
 class WantedName:
-    """A name to look for: `scan` means `/scan` and `/robot/scan`; `*` and `?` stand for any characters."""
+    """A name to search: `scan` matches `/scan` and `/robot/scan`; `*` and `?` match any characters."""
 
     def __init__(self, name: str) -> None:
         self.name = name
@@ -37,5 +34,5 @@ class WantedName:
         self._pattern = re.compile(pattern)
 
     def matches(self, name: str) -> bool:
-        """Return whether a full name (or a path, or an argument) is meant."""
+        """Return whether a full name (or a path, or an argument) matches."""
         return self._pattern.match(name if name.startswith("/") else f"/{name}") is not None

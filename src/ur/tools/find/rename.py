@@ -1,4 +1,4 @@
-"""Another name for an argument, everywhere, proved by the plans: they differ by nothing but that name."""
+"""Renaming of an argument in all files, verified by the plans: they differ only in that name."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def rename_argument(
     world: World,
     programs: Iterable[SourceFile] = (),
 ) -> tuple[Span, ...]:
-    """The places that `new` has to replace. Raises UserError where that would change what a file means.
+    """Return the spans that `new` has to replace. Raises UserError if that would change the meaning of a file.
 
     `path` is a launch file that declares the argument `old`; `views` are all files that may use it.
     """
@@ -50,7 +50,7 @@ def rename_argument(
 
 
 def apply_rename(spans: Iterable[Span], new: str) -> dict[str, str]:
-    """The texts of all files with `new` at the places."""
+    """Return the texts of all files with `new` in the spans."""
     by_file: dict[str, list[Span]] = {}
     for span in spans:
         by_file.setdefault(span.file.path, []).append(span)

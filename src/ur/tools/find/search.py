@@ -1,4 +1,4 @@
-"""Going through launch files and programs for everything that has a name."""
+"""Search of launch files and programs for everything that has a name."""
 
 from __future__ import annotations
 
@@ -29,10 +29,10 @@ def find_name(
     kinds: Iterable[Kind] = KINDS,
     progress: Progress = no_progress,
 ) -> tuple[Occurrence, ...]:
-    """Every definition and use of a name, sorted by kind, name and place, definitions first.
+    """Return every definition and use of a name, sorted by kind, name and position, definitions first.
 
     `paths` are files, folders and packages. Launch files are resolved for every base and variant, so names that depend
-    on arguments are found; what depends on arguments that were not given is not. Raises UserError for a bad path.
+    on arguments are found, except for required arguments that are not given. Raises UserError for a bad path.
     """
     cached = CachedWorld(world)
     targets = collect_targets(paths, cached)

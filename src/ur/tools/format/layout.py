@@ -1,4 +1,4 @@
-"""Pieces to text: two blanks a level, attributes in one order, one blank line at most."""
+"""Layout of pieces as text: two blanks a level, attributes in one order, one blank line at most."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _LAST = ("if", "unless")
 
 
 def lay_out(tag: Tag, depth: int = 0) -> Iterator[str]:
-    """The lines of a tag and its contents. Laying out its own result changes nothing."""
+    """Yield the lines of a tag and its contents. The layout is idempotent."""
     indent = _STEP * depth
     opening = [*_opening(tag, indent)]
     closing = f"</{tag.name}>"
@@ -42,7 +42,7 @@ def lay_out(tag: Tag, depth: int = 0) -> Iterator[str]:
 
 
 def lay_out_note(note: CommentPiece, indent: str) -> str:
-    """A comment at an indentation: its further lines move with the first."""
+    """Return a comment at an indentation: its further lines move with the first."""
     first, *others = note.text.split("\n")
     shift = len(indent) - note.column if note.column is not None else 0
     return "\n".join([first.rstrip() if others else first, *(_moved(line, shift) for line in others)])
@@ -82,7 +82,7 @@ def _opening(tag: Tag, indent: str) -> Iterator[str]:
 
 
 def sort_attributes(tag: str, attributes: Sequence[tuple[str, str]]) -> list[tuple[str, str]]:
-    """Attributes in conventional order."""
+    """Return attributes in conventional order."""
     first = _FIRST.get(tag, ())
 
     def rank(attribute: tuple[str, str]) -> tuple[int, str]:

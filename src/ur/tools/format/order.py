@@ -28,10 +28,10 @@ class _Unit:
 
 
 def sort_pieces(launch: Tag) -> Tag:
-    """`<launch>` in conventional order, as far as the arguments that depend on others allow.
+    """Return `<launch>` in conventional order, as far as the dependencies between arguments allow.
 
-    An argument that is computed from an optional one counts as optional, so nothing moves before what it needs. Titles
-    such as `<!-- Required arguments -->` are written anew when the file has one of them.
+    An argument that is computed from an optional one counts as optional, so no argument moves before its dependencies.
+    Titles such as `<!-- Required arguments -->` are written anew when the file has one of them.
     """
     titled = any(_is_title(piece) for piece in launch.inside)
     units = _units([piece for piece in launch.inside if not _is_title(piece)])
@@ -74,7 +74,7 @@ def _rank(tag: Tag, optional: set[str]) -> int:
 
 
 def _belongs(piece: Piece, unit: _Unit) -> bool:
-    """Return whether a comment behind a tag speaks of it: on its line, or under the argument's name."""
+    """Return whether a comment after a tag documents it: on its line, or under the argument's name."""
     last = unit.pieces[-1].what
     if piece.same_line and isinstance(last, Tag | CommentPiece) and isinstance(piece.what, CommentPiece):
         return True

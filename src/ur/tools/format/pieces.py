@@ -1,4 +1,4 @@
-"""A launch file as pieces to lay out: tags with their attributes as written, comments, and what else is between."""
+"""A launch file as pieces for the layout: tags with their attributes as written, comments, and everything else."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _OTHER = re.compile(r"(\s*)(<!\[CDATA\[.*?\]\]>|<\?.*?\?>|[^\s<](?:[^<]*[^\s<])?
 class Tag:
     """An element.
 
-    `attributes` are name and value with its quotes, both as written; `verbatim` is its content when no character of it
+    `attributes` are name and value with its quotes, both as written; `verbatim` is its content if no character of it
     may change (the YAML of a `<rosparam>`).
     """
 
@@ -29,7 +29,7 @@ class Tag:
 
 @dataclass(frozen=True, slots=True)
 class CommentPiece:
-    """A comment, from `<!--` to `-->`. `column` is how far its first line was indented; None behind something."""
+    """A comment, from `<!--` to `-->`. `column` is the indentation of its first line; None after other content."""
 
     text: str
     column: int | None
@@ -37,14 +37,14 @@ class CommentPiece:
 
 @dataclass(frozen=True, slots=True)
 class Other:
-    """Something that means nothing to roslaunch, and that is kept: stray text, processing instructions."""
+    """Content that roslaunch ignores, and that is kept: stray text, processing instructions."""
 
     text: str
 
 
 @dataclass(frozen=True, slots=True)
 class Piece:
-    """One of them in its place: whether a blank line stood before it, and whether it shared the line before it."""
+    """A piece in its context: whether a blank line precedes it, and whether it continues the previous line."""
 
     what: Tag | CommentPiece | Other
     blank_before: bool = False
@@ -52,7 +52,7 @@ class Piece:
 
 
 def read_pieces(root: Element) -> Tag:
-    """The pieces of an element that was parsed without errors."""
+    """Return the pieces of an element that was parsed without errors."""
     whole = root.source.text
     tag = root.tag_span
     attributes = tuple(_attributes(tag.text, len(root.name) + 1))
@@ -65,7 +65,7 @@ def read_pieces(root: Element) -> Tag:
 
 
 def make_note(text: str, before: str) -> CommentPiece:
-    """A comment; `before` is the text before it."""
+    """Return a comment; `before` is the text before it."""
     line = before.rpartition("\n")[2]
     return CommentPiece(text, None if line.strip() else len(line.expandtabs(4)))
 
@@ -96,7 +96,7 @@ def _others(gap: str) -> Iterator[Piece]:
 
 
 def end_of(element: Element) -> int:
-    """The offset of the end of an element, its end tag included."""
+    """Return the offset of the end of an element, its end tag included."""
     tag = element.tag_span
     if tag.text.endswith("/>") or element.end <= element.start:
         return tag.end

@@ -1,4 +1,4 @@
-"""Formatting a launch file: read, lay out, order, prove."""
+"""Formatting of a launch file: read, lay out, order, verify."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from ur.tools.format.pieces import Tag, end_of, read_pieces
 
 @dataclass(frozen=True, slots=True)
 class Formatted:
-    """A launch file laid out. `kept`: what is left as it was, although it is not conventional, and why."""
+    """A formatted launch file. `kept`: the part that is unchanged although it is not conventional, with the reason."""
 
     path: str
     before: str
@@ -31,15 +31,15 @@ class Formatted:
 
     @property
     def changed(self) -> bool:
-        """Return whether anything is different."""
+        """Return whether the text has changed."""
         return self.text != self.before
 
 
 def format_file(path: str, data: bytes, world: World, package: Package | None = None) -> Formatted:
-    """A launch file in conventional layout and order, as far as that changes no plan.
+    """Return a launch file in conventional layout and order, as far as that changes no plan.
 
-    `path` is absolute. Raises UserError with what is wrong for a file that cannot be parsed, or is not UTF-8. Lines end
-    as on Linux afterwards.
+    `path` is absolute. Raises UserError with the errors of a file that cannot be parsed, or is not UTF-8. The result
+    has Unix line ends.
     """
     before, encoding = decode_text(data)
     if encoding not in ("ascii", "utf-8") or not data.endswith(before.encode()):
@@ -91,7 +91,7 @@ def _may_move(tree: LaunchFile) -> bool:
 
 
 def same_content(before: LaunchFile, after: LaunchFile) -> bool:
-    """Return whether two files hold the same tags, comments and texts; those directly in `<launch>` in any order.
+    """Return whether two files contain the same tags, comments and texts; those directly in `<launch>` in any order.
 
     Comments that title a group of arguments do not count, nor blanks in comments.
     """
@@ -119,7 +119,7 @@ def _plans(path: str, package: Package | None, world: World) -> Iterator[object]
 
 
 def describe_plan(plan: Plan) -> object:
-    """A plan as a value to compare: all that it means, without the places of origin."""
+    """Return a plan as a value for comparison: all of its content, without the positions of origin."""
     reported = Counter((found.severity, found.rule, found.message) for found in plan.diagnostics)
     return reported, [
         _plain(getattr(plan, field.name)) for field in fields(plan) if field.name not in ("diagnostics", "files")
@@ -127,7 +127,7 @@ def describe_plan(plan: Plan) -> object:
 
 
 def _plain(value: object) -> object:
-    """A value of a plan without the places of its origin."""
+    """Return a value of a plan without the positions of its origin."""
     if is_dataclass(value) and not isinstance(value, type):
         return [_plain(getattr(value, f.name)) for f in fields(value) if not isinstance(getattr(value, f.name), Origin)]
     if isinstance(value, tuple | list):

@@ -1,4 +1,4 @@
-"""A base from a description: the file with its surroundings, and the figures that a user gives."""
+"""A base from a description: the file with its surroundings, and the properties that a user gives."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ FIGURES: dict[str, tuple[str, float, float]] = {
 
 
 def check_source(source: Path) -> None:
-    """Raise UserError for a description that does not exist, before anything is asked."""
+    """Raise UserError for a description that does not exist, before any question."""
     if not source.exists():
         near = did_you_mean(source.name, (each.name for each in source.absolute().parent.glob("*")))
         help_ = f"did you mean '{near}'?" if near else "give the path of the robot's description"
@@ -43,14 +43,14 @@ def check_source(source: Path) -> None:
 
 
 def refuse_arguments(arguments: Sequence[str]) -> None:
-    """Refuse arguments of a command without a file that could take them. Raises UserError."""
+    """Refuse arguments for xacro if no xacro file is given. Raises UserError."""
     if arguments:
         message = f"unexpected argument '{arguments[0]}', expected --from with the xacro file that takes it"
         raise UserError(error(message, rule="bad-value", help="leave it out, or add --from FILE"))
 
 
 def look_around(source: Path) -> Surroundings:
-    """The surroundings of the file of a description. Raises UserError where it is not there."""
+    """Return the surroundings of a description's file. Raises UserError if it does not exist."""
     from ur.robot.description.surroundings import find_surroundings
 
     try:
@@ -65,7 +65,7 @@ def load_file(
 ) -> LoadedDescription:
     """Read a description with the xacro and the packages of this computer. Raises UserError.
 
-    `consent` is asked, with what would run, before a xacro runs that cannot be confined; without it none does.
+    `consent` is called with the command before xacro runs unconfined; without it, xacro never does.
     """
     from ur.request.environment import own_packages
     from ur.robot.description.expansion.xacro import ExpansionComputer
@@ -77,7 +77,7 @@ def load_file(
 
 
 def list_packages(around: Surroundings) -> dict[str, str]:
-    """The folders of packages by name: those of this computer, and before them the file's own and those beside it."""
+    """Return the folders of packages by name: the file's own and those beside it come before this computer's."""
     from ur.launchfile.world.packages import package_name_in
     from ur.launchfile.world.system import SystemWorld
     from ur.request.environment import add_own_package
@@ -96,7 +96,7 @@ def list_packages(around: Surroundings) -> dict[str, str]:
 
 
 def read_number(key: str, answer: str) -> float:
-    """The number that a user has typed for a figure. Raises UserError, which names what is expected."""
+    """Parse the user's answer for a property. Raises UserError, which names the expected value."""
     try:
         return float(answer)
     except ValueError:
@@ -107,14 +107,14 @@ def read_number(key: str, answer: str) -> float:
 
 
 def usual_figure(key: str) -> float:
-    """The value that is suggested for a figure."""
+    """Return the suggested value of a property."""
     from ur.robot.description.reading import QUESTIONS
 
     return min(FIGURES[key][1], QUESTIONS[key][1])
 
 
 def check_figure(key: str, given: float | None) -> float | None:
-    """A figure of a base, if it is in the range of base files. Raises UserError."""
+    """Return a property of a base if it is in the range of base files. Raises UserError."""
     question, _, least = FIGURES[key]
     if given is None or least <= given <= _MOST:  # not so for NaN
         return given
@@ -124,7 +124,7 @@ def check_figure(key: str, given: float | None) -> float | None:
 
 
 def check_measured(key: str, value: float) -> float:
-    """A figure of a base that follows from a description, if a robot can have it. Raises UserError."""
+    """Return a property from a description if it is plausible for a robot. Raises UserError."""
     from ur.robot.description.reading import QUESTIONS
 
     least, most = QUESTIONS[key]
@@ -137,7 +137,7 @@ def check_measured(key: str, value: float) -> float:
 
 
 def check_arguments(source: Path, arguments: Sequence[str]) -> None:
-    """Raise UserError for an argument of a xacro file that has not the form NAME:=VALUE."""
+    """Raise UserError for an argument of a xacro file that does not have the form NAME:=VALUE."""
     for each in arguments:
         if not re.match(r"\w+:=", each):
             message = f"unexpected argument '{each}', expected ARG:=VALUE for '{source.name}'"
@@ -145,7 +145,7 @@ def check_arguments(source: Path, arguments: Sequence[str]) -> None:
 
 
 def missing_figures(source: Path, reading: DescriptionReading, lidar: bool | None) -> UserError:
-    """The error that names all figures which a description does not give, with the options that give them."""
+    """Return the error that names all properties that a description does not define, with their options."""
     asks = lidar is None and not reading.has_lidar
     names = ", ".join([*(key.replace("_", " ") for key in reading.open), *(["a lidar"] if asks else [])])
     options = " ".join(f"--{key.replace('_', '-')} {usual_figure(key):g}" for key in reading.open)
@@ -155,7 +155,7 @@ def missing_figures(source: Path, reading: DescriptionReading, lidar: bool | Non
 
 
 def describe_left_out(loaded: LoadedDescription, around: Surroundings) -> list[str]:
-    """Notes on files of a description that were not read."""
+    """Return notes on files of a description that were not read."""
     notes = []
     if loaded.missing:
         names = " ".join(loaded.missing)
@@ -167,7 +167,7 @@ def describe_left_out(loaded: LoadedDescription, around: Surroundings) -> list[s
 
 
 def describe_reading(reading: DescriptionReading) -> str:
-    """Describe what was read from a description: a line for each figure, sensor and note."""
+    """Describe the content of a description: a line for each property, sensor and note."""
     rows = [
         f"read: {key.replace('_', ' ')} {figure.value:.4g} ({figure.source})"
         for key, figure in reading.figures.items()

@@ -1,4 +1,4 @@
-"""Drivers of a new base by the names of those that are part of this project: its lines, and its launch file."""
+"""Drivers of a new base, chosen by the names of this project's drivers: lines of base.yaml, and a launch file."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ _INCLUDE = """\
 
 
 def check_driver(option: str, name: str | None, sensor: str) -> None:
-    """Raise UserError for a name that is no driver of a base (`sensor` '') or of that sensor."""
+    """Raise UserError for a name that is not a driver of a base (`sensor` '') or of that sensor."""
     known = [each for each, driver in OWN_DRIVERS.items() if driver.sensor == sensor]
     if name is None or name in known:
         return
@@ -44,13 +44,13 @@ def check_driver(option: str, name: str | None, sensor: str) -> None:
 
 
 def driver_lines(driver: str | None, lidar: str | None) -> str:
-    """The lines of base.yaml that name the drivers."""
+    """Return the lines of base.yaml that name the drivers."""
     lines = f"driver: {driver} # {OWN_DRIVERS[driver].what}, at {OWN_DRIVERS[driver].device}\n" if driver else ""
     return lines + (f"drivers: {{lidar: {lidar}}} # at {OWN_DRIVERS[lidar].device}\n" if lidar else "")
 
 
 def driver_files(name: str, package: str, driver: str | None, lidar: str | None) -> list[NewFile]:
-    """The launch file that starts the drivers of base `name` of a package; none without a driver."""
+    """Return the launch file that starts the drivers of base `name` of a package; empty without a driver."""
     used = [each for each in (driver, lidar) if each]
     if not driver:
         return []

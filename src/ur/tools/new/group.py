@@ -51,7 +51,7 @@ DISPLAYS = {"sensor_msgs/LaserScan": "LaserScan", "sensor_msgs/Range": "Range", 
 
 
 def plan_multi(name: str, summary: str, parts: Sequence[IncludedPart]) -> tuple[NewFile, ...]:
-    """A launch file that includes others: what they need and no other file gives becomes an argument of it."""
+    """Plan a launch file that includes others; their required arguments that no other file sets become its own."""
     arguments: dict[str, NewArgument] = {}
     body: list[str] = []
     for part in parts:
@@ -91,9 +91,9 @@ def _handed(part: IncludedPart, arguments: dict[str, NewArgument]) -> Iterator[t
 def plan_rviz(
     name: str, summary: str, package: str, frame: str = "odom", topics: Sequence[tuple[str, str]] = ()
 ) -> tuple[NewFile, ...]:
-    """A view: its launch file and its configuration.
+    """Plan a view: its launch file and its RViz configuration.
 
-    `topics` are names and message types; those of types that RViz has no display for are left out.
+    `topics` are names and message types; those of types without a display in RViz are left out.
     """
     folder = f"rviz_{name}"
     shown = [(topic, DISPLAYS[kind]) for topic, kind in topics if kind in DISPLAYS]
@@ -129,7 +129,7 @@ def _topic_key(display: str) -> str:
 
 
 def plan_program(name: str, summary: str, package: str, launch: str) -> tuple[NewFile, ...]:
-    """A program in `bin` that starts a launch file of its package."""
+    """Plan a program in `bin` that starts a launch file of its package."""
     text = "\n".join(
         [
             "#!/bin/bash",

@@ -17,7 +17,7 @@ MACHINE = NewArgument("machine", "Where the node runs.", default="localhost")
 
 
 def write_launch(summary: str, overview: str, arguments: Sequence[NewArgument], body: Iterable[str]) -> str:
-    """Summary, Overview, arguments by kind with their documentation, and the lines of the rest."""
+    """Return a launch file: Summary, Overview, arguments by kind with documentation, and the lines of the rest."""
     lines = ["<launch>", f"  <!--Summary: {as_comment(summary)}-->"]
     paragraph = fill(as_comment(overview), _WIDTH - 4, break_long_words=False, break_on_hyphens=False)
     lines += ["  <!--Overview:", *(f"    {line}" for line in paragraph.splitlines()), "  -->"]
@@ -34,12 +34,12 @@ def write_launch(summary: str, overview: str, arguments: Sequence[NewArgument], 
 
 
 def attribute(name: str, value: str) -> str:
-    """`name="value"`, escaped."""
+    """Return `name="value"`, escaped."""
     return f"{name}={quoteattr(value)}"
 
 
 def as_comment(text: str) -> str:
-    """A text as comments allow it: in one line, without two dashes in a row."""
+    """Return a text as valid content of a comment: in one line, without two dashes in a row."""
     words = " ".join(text.split())
     while "--" in words:
         words = words.replace("--", "-")
@@ -47,7 +47,7 @@ def as_comment(text: str) -> str:
 
 
 def hand_on(names: Iterable[tuple[str, str]]) -> Iterator[str]:
-    """The `<arg>` tags of an include, which hand on arguments (theirs, ours)."""
+    """Yield the `<arg>` tags of an include, which pass on arguments (theirs, ours)."""
     yield from (f'  <arg name="{theirs}" value="$(arg {ours})"/>' for theirs, ours in names)
 
 

@@ -12,7 +12,7 @@ _ORDINARY = re.compile(r"\W+")
 
 
 def plan_node(request: NodeRequest, package: str) -> tuple[NewFile, ...]:
-    """The launch file, and the parameter files that it loads."""
+    """Plan the launch file, and the parameter files that it loads."""
     folder = f"n_{request.name}"
     files = [NewFile(f"{folder}/launch/{folder}.launch.xml", _launch(request, package))]
     text = _parameters(request)

@@ -14,10 +14,10 @@ _READERS = {"number", "integer", "text", "boolean", "texts", "points", "any"}
 
 
 def read_defaults(source: str) -> Mapping[str, object]:
-    """Literal defaults of calls such as `get_param("~near", 0.7)` or `parameters.number("near", 0.7)`, by name.
+    """Return literal defaults of calls such as `get_param("~near", 0.7)` or `parameters.number("near", 0.7)`, by name.
 
-    A default that is computed is left out, and so is a parameter that is read with two different defaults. A source
-    that is not Python has none.
+    A computed default is left out, and so is a parameter that is read with two different defaults. A source that is not
+    Python has none.
     """
     if len(source) > _MOST_CHARACTERS:
         return {}
@@ -35,7 +35,7 @@ def read_defaults(source: str) -> Mapping[str, object]:
 
 
 def add_defaults(observed: Observed, defaults: Mapping[str, object]) -> Observed:
-    """Give the parameters that the node read, and that had no value, the default of its source."""
+    """Set the defaults of the source on parameters that the node read and that had no value."""
     values = {name: defaults.get(name) if value is None else value for name, value in observed.parameters.items()}
     return replace(observed, parameters=values)
 

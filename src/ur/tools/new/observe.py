@@ -1,4 +1,4 @@
-"""Observe a running node: it is started with a master of its own, and what it registers there is recorded."""
+"""Observation of a running node: it is started with a separate master, and its registrations are recorded."""
 
 from __future__ import annotations
 
@@ -30,8 +30,8 @@ def observe_node(
 ) -> Observed:
     """Start a node and return what it registers with its master. The node and the master end with this call.
 
-    `command` gets `__name` and `__log` in addition. Waits until nothing new was called for a while, at most `seconds`.
-    Raises UserError: the node ends before it registers, or never does.
+    `command` gets `__name` and `__log` in addition. Waits until there was no new call for a while, at most `seconds`.
+    Raises UserError if the node ends before it registers, or never does.
     """
     with tempfile.TemporaryDirectory() as folder, _master(folder, environment) as (port, listener):
         own = {**environment, "ROS_MASTER_URI": f"http://localhost:{port}", "ROS_HOSTNAME": "localhost"}
@@ -62,7 +62,7 @@ def observe_node(
 
 
 class _Listener:
-    """Forwards every call to the master, and remembers what the node asked."""
+    """Forwards every call to the master, and records the node's requests."""
 
     def __init__(self, master: str) -> None:
         self._master = ServerProxy(master, allow_none=True)
@@ -101,7 +101,7 @@ class _Listener:
             self.latest = time.monotonic()
 
     def observed(self) -> Observed:
-        """The output of the node."""
+        """Return the observed interface of the node."""
         with self._lock:
             values = self._master.getParam(NAME, NAME)
         known = dict(_flatten(values[2])) if isinstance(values, list) and values[0] == 1 else {}

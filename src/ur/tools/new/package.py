@@ -34,7 +34,7 @@ Nodes and programs of this package, each executable (`chmod +x`).
 
 
 def plan_package(name: str, summary: str, maintainer: str, email: str, license_name: str) -> tuple[NewFile, ...]:
-    """An empty package, ready for `ur new node`."""
+    """Plan an empty package, ready for `ur new node`."""
     text = _PACKAGE.format(
         name=name,
         summary=escape_text(summary),
@@ -90,7 +90,7 @@ _CAMERA = """\
 
 
 def write_base(request: BaseRequest) -> str:
-    """The text of a base.yaml: a rectangle on two driven wheels and two casters."""
+    """Return the text of a base.yaml: a rectangle on two driven wheels and two casters."""
     front, side = request.length / 2.0, request.width / 2.0
     text = _BASE.format(
         summary=json.dumps(" ".join(request.summary.split()), ensure_ascii=False),  # YAML reads it as JSON does

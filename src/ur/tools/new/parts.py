@@ -1,4 +1,4 @@
-"""Requests for new files, and the files that are written."""
+"""Requests for new files, and the resulting files."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ class NewFile:
 
 @dataclass(frozen=True, slots=True)
 class NewArgument:
-    """An `<arg>`: required when it has neither a default nor a value."""
+    """An `<arg>`: required if it has neither a default nor a value."""
 
     name: str
     doc: str
@@ -36,9 +36,9 @@ class NodeTopic:
 
 @dataclass(frozen=True, slots=True)
 class Observed:
-    """The observed interface of a node: `services` beside those of every node, `parameters` by name below the node.
+    """The observed interface of a node: `services` without those of every node, `parameters` by name below the node.
 
-    A parameter that the node asked for and that is not set is None.
+    A parameter that the node requested and that is not set is None.
     """
 
     topics: tuple[NodeTopic, ...] = ()
@@ -62,9 +62,9 @@ class NodeRequest:
 
 @dataclass(frozen=True, slots=True)
 class IncludedPart:
-    """A launch file that another includes: how `$(find)` names it, and its arguments by name.
+    """A launch file that another one includes: its `$(find)` path, and its arguments by name.
 
-    `arguments` holds their defaults, None for required ones; `docs` their comments.
+    `arguments` are their defaults, None for required ones; `docs` their comments.
     """
 
     file: str

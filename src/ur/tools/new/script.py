@@ -1,4 +1,4 @@
-"""The first script of a user's: what `ur new script` writes."""
+"""The first script of a user, written by `ur new script`."""
 
 from __future__ import annotations
 
@@ -21,6 +21,6 @@ with Robot() as robot:
 
 
 def plan_script(name: str, summary: str) -> tuple[NewFile, ...]:
-    """A script that drives half a metre; `summary` says what it is for, in one line."""
+    """Plan a script that drives half a metre; `summary` is its purpose, in one line."""
     text = " ".join(summary.split()).replace("\\", "").replace('"', "'")
     return (NewFile(f"{name}.py", _SCRIPT.format(summary=f"{text.rstrip('.')}.")),)

@@ -1,4 +1,4 @@
-"""The package that gets new files, or a workspace of a base."""
+"""The package, or the workspace of a base, that receives new files."""
 
 from __future__ import annotations
 
@@ -17,16 +17,16 @@ _NAME_A_PACKAGE = "change to the folder of a package, name one with --package, o
 
 @dataclass(frozen=True, slots=True)
 class TargetPackage:
-    """The package that gets new files."""
+    """The package that receives new files."""
 
     name: str
     folder: Path
 
 
 def find_target(place: str | None, help_: str = _NAME_A_PACKAGE) -> TargetPackage:
-    """The package of a name or folder, or the one around the current folder.
+    """Return the package with a name or folder, or the one around the current folder.
 
-    Raises UserError: no such folder or package, or no package around the folder, with the advice `help_`.
+    Raises UserError if there is no such folder or package, or no package around the folder, with the advice `help_`.
     """
     if place is not None and not Path(place).is_dir():
         from ur.launchfile.world.protocol import PackageNotFound
@@ -49,10 +49,10 @@ def find_target(place: str | None, help_: str = _NAME_A_PACKAGE) -> TargetPackag
 
 @dataclass(frozen=True, slots=True)
 class BaseDestination:
-    """The destination of a base: the folder of its files, and the package of the bases that it is like.
+    """The destination of a base: the folder of its files, and the package of the bases that it resembles.
 
-    In a workspace, `prefix` is before the path of each file, `url` is where RViz finds the files, and `marker` is what
-    makes the folder one; all are empty in a package.
+    In a workspace, `prefix` precedes the path of each file, `url` is where RViz finds the files, and `marker` is the
+    file that identifies the folder as one; all are empty in a package.
     """
 
     target: TargetPackage
@@ -62,12 +62,12 @@ class BaseDestination:
     marker: tuple[NewFile, ...] = ()
 
     def place_files(self, files: Iterable[NewFile]) -> list[NewFile]:
-        """Those files where they go, and the marker of a new workspace."""
+        """Return the files at their destination, with the marker of a new workspace."""
         return [*self.marker, *(replace(file, path=f"{self.prefix}{file.path}") for file in files)]
 
 
 def target_of(package: str | None, workspace: str | None) -> BaseDestination:
-    """The destination that is asked for; without one the package around the current folder. Raises UserError."""
+    """Return the requested destination; by default the package around the current folder. Raises UserError."""
     from ur.request.environment import PACKAGE
     from ur.robot.base.search import MARKER
 
@@ -85,7 +85,7 @@ def target_of(package: str | None, workspace: str | None) -> BaseDestination:
 
 
 def next_step(place: BaseDestination, name: str) -> str:
-    """The commands that use the new base."""
+    """Return the commands that use the new base."""
     if not place.prefix:
         return f"ur use sim:{name}"
     return f"export CMAKE_PREFIX_PATH={place.target.folder}:$CMAKE_PREFIX_PATH, then ur use sim:{name}"

@@ -1,4 +1,4 @@
-"""Writing new files: all of them or none, and none over another."""
+"""Writing of new files: all of them or none, without overwriting any."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from ur.tools.new.parts import NewFile
 
 
 def write_files(package: Path, files: Sequence[NewFile]) -> None:
-    """Write files below a package. Raises UserError, and leaves nothing, when one is there or cannot be written."""
+    """Write files below a package. Raises UserError, without writing any, if one exists or cannot be written."""
     there = [file.path for file in files if os.path.lexists(package / file.path)]
     if there:
         raise UserError(

@@ -1,4 +1,4 @@
-"""The install rules in a CMakeLists.txt: a block of its own, written and replaced as a whole."""
+"""The install rules in a CMakeLists.txt: a separate block, written and replaced as a whole."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ def choose_folders(names: Iterable[str]) -> tuple[str, ...]:
 
 
 def write_block(folders: Iterable[str], files: Iterable[str] = ()) -> str:
-    """The rules that install folders, and launch files beside package.xml, with their permissions."""
+    """Return the rules that install folders, and launch files beside package.xml, with their permissions."""
     lines = [_BEGIN]
     for kind, names in (("DIRECTORY", tuple(folders)), ("FILES", tuple(sorted(files)))):
         if names:
@@ -33,7 +33,7 @@ def write_block(folders: Iterable[str], files: Iterable[str] = ()) -> str:
 
 
 def describe_changes(before: str, after: str) -> tuple[str, ...]:
-    """Differences between the install rules of two texts of a CMakeLists.txt, one line each, empty for equal texts."""
+    """Describe the differences between the install rules of two versions of a CMakeLists.txt, one line each."""
     if before == after:
         return ()
     old, new = _read_names(before), _read_names(after)
@@ -43,14 +43,14 @@ def describe_changes(before: str, after: str) -> tuple[str, ...]:
 
 
 def _read_names(text: str) -> frozenset[str]:
-    """The folders and files that the block installs."""
+    """Return the folders and files that the block installs."""
     block = _BLOCK.search(text)
     rules = re.findall(r"install\((?:DIRECTORY|FILES)\n(.*?)\n  DESTINATION", block.group() if block else "", re.DOTALL)
     return frozenset(name.strip() for rule in rules for name in rule.splitlines())
 
 
 def put_block(text: str, block: str) -> str:
-    """The text of a CMakeLists.txt with the block: it replaces an earlier block, else it is appended."""
+    """Return a CMakeLists.txt with the block: it replaces an earlier block, else it is appended."""
     if _BLOCK.search(text):
         return _BLOCK.sub(lambda _: block, text, count=1)
     return text.rstrip("\n") + "\n\n" + block

@@ -1,4 +1,4 @@
-"""The dependencies in a package.xml: read, compared, added without touching another line."""
+"""The dependencies in a package.xml: read, compared, added without changing other lines."""
 
 from __future__ import annotations
 
@@ -14,17 +14,17 @@ _FORMAT_1 = re.compile(r"<package(?![^>]*\bformat=\"[23]\")[^>]*>")
 
 
 def read_run_dependencies(text: str) -> frozenset[str]:
-    """The packages that are needed to run it."""
+    """Return the run dependencies of a package."""
     return frozenset(name for _, name in _RUN.findall(_COMMENT.sub("", text)))
 
 
 def read_optional(text: str) -> frozenset[str]:
-    """The packages that it can do without, named in `<!--ur: optional NAME NAME: REASON-->`."""
+    """Return the optional packages, named in `<!--ur: optional NAME NAME: REASON-->`."""
     return frozenset(name for names in _OPTIONAL.findall(text) for name in names.replace(",", " ").split())
 
 
 def add_run_dependencies(text: str, names: Iterable[str]) -> str:
-    """The same package.xml with more of them, behind the last dependency, but for those there and optional ones."""
+    """Return the package.xml with further dependencies after the last one, except for existing and optional ones."""
     missing = sorted(set(names) - read_run_dependencies(text) - read_optional(text))
     if not missing:
         return text

@@ -19,10 +19,10 @@ _STARTS = re.compile(r"^[^#\n]*\b(?:ur\"?|ros)\s?(?:launch|run)\s+(?:-\S+\s+)*([
 
 
 def find_used_packages(folder: str, world: World, progress: Progress = no_progress) -> tuple[Package, dict[str, Span]]:
-    """The package in a folder, and by name the packages that it uses, each with the first place that does.
+    """Return the package in a folder, and by name the packages that it uses, each with its first use.
 
-    Launch files are resolved for every base, variant and option; programs in `bin` count, too. The package itself and
-    what depends on arguments that were not given are left out. Raises UserError for a folder without package.xml.
+    Launch files are resolved for every base, variant and option; programs in `bin` count, too. The package itself, and
+    uses that depend on arguments without a value, are left out. Raises UserError for a folder without package.xml.
     """
     cached = CachedWorld(world)
     targets = collect_targets([folder], cached)

@@ -1,1 +1,1 @@
-"""Terminal interfaces that fill the screen: what `ur launch` and the programs of the nodes share."""
+"""Full-screen terminal interfaces: modules shared by `ur launch` and the programs of the nodes."""

@@ -1,4 +1,4 @@
-"""A Textual application whose caller reports its crash. Import it where a screen is about to be shown."""
+"""A Textual application whose caller reports its crash. To be imported only when a screen is shown."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ class FullScreenApp(App[Result], Generic[Result]):
 
     @property
     def problem(self) -> Exception | None:
-        """The exception that ended the application; its caller reports it."""
+        """Return the exception that ended the application, for its caller to report."""
         return self._exception
 
     def use_theme(self, *, light: bool) -> None:

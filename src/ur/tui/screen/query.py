@@ -18,7 +18,7 @@ _END = re.compile(rb"\x1b\[\?[0-9;]*c")
 
 
 def measure_terminal(screen: int) -> tuple[int, int] | None:
-    """Return columns and rows of the terminal behind a descriptor; None where they are not known."""
+    """Return columns and rows of the terminal behind a descriptor; None if they are unknown."""
     try:
         columns, rows = os.get_terminal_size(screen)
     except OSError:
@@ -27,7 +27,7 @@ def measure_terminal(screen: int) -> tuple[int, int] | None:
 
 
 def is_light(environment: Mapping[str, str], answer: bytes) -> bool:
-    """Return True for a light background: as the terminal answered, else as COLORFGBG states, else dark."""
+    """Return True for a light background: by the terminal's answer, else by COLORFGBG, else dark."""
     found = _COLOUR.search(answer)
     if found is None:
         return environment.get("COLORFGBG", "").rpartition(";")[2] in ("7", "15")
@@ -37,16 +37,16 @@ def is_light(environment: Mapping[str, str], answer: bytes) -> bool:
 
 
 def typed_text(answer: bytes) -> str:
-    """Return what was typed meanwhile: the answer of a terminal without its control sequences."""
+    """Return the text that the user has typed meanwhile: the answer without control sequences."""
     text = _SEQUENCE.sub(b"", answer).decode("utf-8", "ignore")
     return "".join(letter for letter in text if letter.isprintable() or letter in "\r\n")
 
 
 def ask_background(source: int, screen: int, limit: float = 0.3) -> bytes:
-    """Ask a terminal for its background and return its answer within `limit` s; empty when there is none.
+    """Ask a terminal for its background and return its answer within `limit` s; empty without one.
 
-    The answer may hold what a person typed meanwhile (`typed_text`).
-    `source` is the descriptor of its keyboard, `screen` that of its output. Its modes are as before afterwards.
+    The answer may contain text that the user typed meanwhile (`typed_text`). `source` is the descriptor of its
+    keyboard, `screen` that of its output. Its modes are restored afterwards.
     """
     try:
         before = termios.tcgetattr(source)
