@@ -155,10 +155,7 @@ def _find_world(entry: RunEntry) -> str:
 
 
 def _find_held(names: Collection[str], entries: Iterable[RunEntry], uri: str, *, elsewhere: bool) -> list[Held]:
-    """Return the nodes, of these, that are running.
-
-    With `elsewhere`, nodes of other computers are left out: those of this computer are renamed.
-    """
+    """Return the nodes, of these, that are running; with `elsewhere`, without those of other computers."""
     found: dict[str, tuple[str, Definition | None]] = {}
     for entry in entries:
         claims = read_claims(entry.folder)
