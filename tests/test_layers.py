@@ -88,6 +88,7 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
     "ur_nodes.frames": ("ur.source", "ur.robot.description", "ur_nodes.geometry", "ur_nodes.ports", "ur_nodes.run"),
     "ur_nodes.drivers": (
         "ur.source",
+        "ur.devices.driver_health",
         "ur.robot.base",
         "ur_nodes.geometry",
         "ur_nodes.motion.wheel_drive",

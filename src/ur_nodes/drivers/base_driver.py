@@ -7,7 +7,8 @@ import math
 from ur.robot.base import Base
 from ur_nodes.drivers.base_topics import BaseTopics
 from ur_nodes.drivers.boards.board import MotorBoard
-from ur_nodes.drivers.line import REPORT, Connect, LineSettings, LineUser, describe_loss
+from ur_nodes.drivers.health import HealthMeter, Report
+from ur_nodes.drivers.lines.line import REPORT, Connect, LineSettings, LineUser, describe_loss
 from ur_nodes.drivers.odometer import CounterOdometry
 from ur_nodes.drivers.readings import Contacts, Counts, DeviceIdentity, MeasuredBeams, Motors, Power, Reading
 from ur_nodes.motion.wheel_drive import WheelDrive
@@ -23,7 +24,10 @@ _BAD, _TOO_BAD, _WORST = 3, 6, 15  # an implausible reading adds to what a plaus
 class BaseDriver:
     """Moves the base within its limits while commands are fresh, its board answers and its counts make sense."""
 
-    def __init__(self, node: Node, base: Base, board: MotorBoard, connect: Connect) -> None:
+    def __init__(
+        self, node: Node, base: Base, board: MotorBoard, connect: Connect, report: Report = lambda _: None
+    ) -> None:
+        """`report` gets the health of the board."""
         self._node, self._board = node, board
         self._drive = WheelDrive(base, board.period)
         self._radius = base.wheels.radius
@@ -38,7 +42,10 @@ class BaseDriver:
         node.every(board.period, self._beat, steady=True)
         node.on_end(self._end)
         user = LineUser(self._opened, self._received, self._lost)
+        self._empty = base.battery.voltage_empty if base.battery else 0.0
+        self._rejected = board.rejected
         self._line = connect(user, LineSettings(board.baud, board.stop(), leave=board.leave()))
+        self._health = HealthMeter(node, self._line.name, board.name, report)
 
     def _command(self, command: Twist) -> None:
         self._commanded = self._node.steady()
@@ -76,6 +83,7 @@ class BaseDriver:
         self._drive.halt()
         self._odometer.forget()
         self._node.log.info(f"{self._line.name} is open, expecting {self._board.name}")
+        self._health.note(open=True, reason="", problem="", held="", voltage=0.0)
         self._line.write(self._board.stop())
         self._greet(self._node.steady())
 
@@ -87,6 +95,7 @@ class BaseDriver:
         self._open = False
         self._drive.halt()
         self._topics.forget()
+        self._health.note(open=False, reason=reason)
         self._node.log.error(describe_loss(self._line, reason, self._board.name))
 
     def _report_silence(self) -> None:
@@ -95,14 +104,19 @@ class BaseDriver:
 
     def _received(self, data: bytes, stamp: int) -> None:
         late = (self._node.now() - stamp) / SECOND
+        frames = 0
         for reading in self._board.take(data):
             self._take(reading, stamp, self._node.steady() - late)
+            frames += isinstance(reading, Counts)
+        self._health.count(frames, self._board.rejected - self._rejected)
+        self._rejected = self._board.rejected
 
     def _take(self, reading: Reading, stamp: int, time: float) -> None:
         if isinstance(reading, Counts):
             self._take_counts(reading, stamp, time)
         elif isinstance(reading, Power):
             self._topics.battery = reading
+            self._health.note(voltage=_amount(reading.voltage), empty=reading.voltage < self._empty)
         elif isinstance(reading, Contacts):
             self._topics.send_contacts(reading)
         elif isinstance(reading, MeasuredBeams):
@@ -133,13 +147,16 @@ class BaseDriver:
         elif self._problem and not reason:
             self._node.log.info(f"{self._line.name}: {self._board.name} drives again")
         self._problem = reason
+        self._health.note(held=reason)
 
     def _take_identity(self, identity: DeviceIdentity) -> None:
         if identity.problem:
             self._unfit = identity.problem
+            self._health.note(problem=identity.problem)
             self._node.log.error(f"{self._line.name}: {self._board.name}: {identity.problem}", every=REPORT)
         elif not self._known:
             self._node.log.info(f"{self._line.name}: {self._board.name}: {identity.text}")
+            self._health.note(firmware=identity.text)
         self._known = True
 
     def _end(self) -> None:
@@ -147,3 +164,8 @@ class BaseDriver:
         self._line.write(self._board.stop())
         self._line.write(self._board.leave())
         self._line.close()
+
+
+def _amount(value: float) -> float:
+    """A value that is measured; 0.0 for no number."""
+    return value if 0.0 <= value < 1000.0 else 0.0

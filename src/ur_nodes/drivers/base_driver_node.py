@@ -5,7 +5,8 @@ from __future__ import annotations
 import sys
 
 from ur_nodes.drivers.base_driver import BaseDriver
-from ur_nodes.drivers.boards import BOARDS
+from ur_nodes.drivers.boards import BOARDS, make_board
+from ur_nodes.drivers.health import report_to_file
 from ur_nodes.drivers.settings import connect_serial, read_base
 from ur_nodes.ports.node import Node
 from ur_nodes.run import run
@@ -18,7 +19,7 @@ def start(node: Node) -> None:
     board = node.parameters.text("board", "") or own
     if board not in BOARDS:
         node.parameters.fail("board", board, f"one of {', '.join(BOARDS)}", BOARDS)
-    BaseDriver(node, base, BOARDS[board](base), connect_serial(node, base.driver))
+    BaseDriver(node, base, make_board(board, base), connect_serial(node, base.driver), report_to_file(node))
 
 
 if __name__ == "__main__":

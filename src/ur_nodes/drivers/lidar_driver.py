@@ -5,9 +5,10 @@ from __future__ import annotations
 import math
 
 from ur.robot.base import Lidar
+from ur_nodes.drivers.health import HealthMeter, Report
 from ur_nodes.drivers.lidars.lidar import LidarProtocol
 from ur_nodes.drivers.lidars.turns import TurnCollector
-from ur_nodes.drivers.line import REPORT, Connect, LineSettings, LineUser, describe_loss
+from ur_nodes.drivers.lines.line import REPORT, Connect, LineSettings, LineUser, describe_loss
 from ur_nodes.drivers.readings import DeviceIdentity, MeasuredBeams
 from ur_nodes.ports.node import Node
 from ur_nodes.ports.values import Scan
@@ -19,7 +20,16 @@ _ASK_AGAIN = 3.0  # s without beams, after which the lidar is greeted again: its
 class LidarDriver:
     """Publishes a scan for each turn; greets the lidar again when it measures nothing."""
 
-    def __init__(self, node: Node, lidar: Lidar, protocol: LidarProtocol, connect: Connect, offset: float) -> None:
+    def __init__(
+        self,
+        node: Node,
+        lidar: Lidar,
+        protocol: LidarProtocol,
+        connect: Connect,
+        offset: float,
+        report: Report = lambda _: None,
+    ) -> None:
+        """`report` gets the health of the lidar."""
         self._node, self._protocol = node, protocol
         self._sweep = TurnCollector(lidar, offset)
         self._scans = node.publish(lidar.topic, Scan)
@@ -29,7 +39,9 @@ class LidarDriver:
         node.every(_LOOK, self._look, steady=True)
         node.on_end(self._end)
         settings = LineSettings(protocol.baud, dtr=protocol.dtr)
+        self._rejected = protocol.rejected
         self._line = connect(LineUser(self._opened, self._received, self._lost), settings)
+        self._health = HealthMeter(node, self._line.name, protocol.name, report)
 
     def _look(self) -> None:
         now = self._node.steady()
@@ -43,6 +55,7 @@ class LidarDriver:
         self._measured = -math.inf
         self._sweep.forget()
         self._node.log.info(f"{self._line.name} is open, expecting {self._protocol.name}")
+        self._health.note(open=True, reason="", problem="")
         self._greet()
 
     def _greet(self) -> None:
@@ -51,22 +64,29 @@ class LidarDriver:
 
     def _lost(self, reason: str) -> None:
         self._open = False
+        self._health.note(open=False, reason=reason)
         self._node.log.error(describe_loss(self._line, reason, self._protocol.name))
 
     def _received(self, data: bytes, stamp: int) -> None:
+        frames = 0
         for reading in self._protocol.take(data):
             if isinstance(reading, MeasuredBeams):
+                frames += 1
                 self._measured = self._node.steady()
                 for scan in self._sweep.take(reading, stamp):
                     self._scans.send(scan)
             elif isinstance(reading, DeviceIdentity):
                 self._take_identity(reading)
+        self._health.count(frames, self._protocol.rejected - self._rejected)
+        self._rejected = self._protocol.rejected
 
     def _take_identity(self, identity: DeviceIdentity) -> None:
         if identity.problem:
+            self._health.note(problem=identity.problem)
             self._node.log.error(f"{self._line.name}: {self._protocol.name}: {identity.problem}", every=REPORT)
         elif identity.text != self._known:
             self._known = identity.text
+            self._health.note(firmware=identity.text)
             self._node.log.info(f"{self._line.name}: {self._protocol.name}: {identity.text}")
 
     def _end(self) -> None:

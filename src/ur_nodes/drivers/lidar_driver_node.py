@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 
 from ur.source.diagnostic import UserError, error
+from ur_nodes.drivers.health import report_to_file
 from ur_nodes.drivers.lidar_driver import LidarDriver
 from ur_nodes.drivers.lidars import LIDARS
 from ur_nodes.drivers.settings import connect_serial, read_base
@@ -22,7 +23,7 @@ def start(node: Node) -> None:
     if kind not in LIDARS:
         node.parameters.fail("lidar", kind, f"one of {', '.join(LIDARS)}", LIDARS)
     offset = node.parameters.number("offset", 0.0)
-    LidarDriver(node, base.lidar, LIDARS[kind](), connect_serial(node, driver), offset)
+    LidarDriver(node, base.lidar, LIDARS[kind](), connect_serial(node, driver), offset, report_to_file(node))
 
 
 if __name__ == "__main__":

@@ -7,8 +7,8 @@ from pathlib import Path
 
 from ur.robot.base import Base, UpstreamDriver, load_base
 from ur.source.project import launch_library
-from ur_nodes.drivers.line import Connect, DeviceLine, LineSettings, LineUser
-from ur_nodes.drivers.serial_line import SerialLine
+from ur_nodes.drivers.lines.line import Connect, DeviceLine, LineSettings, LineUser
+from ur_nodes.drivers.lines.serial_line import SerialLine
 from ur_nodes.ports.node import Node
 from ur_nodes.ports.parameters import Parameters
 

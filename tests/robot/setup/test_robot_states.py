@@ -13,6 +13,7 @@ from ur.robot.discovery.ask import clock_offset
 from ur.robot.robot_file import ROBOT_FILE, RobotFile, load_robot_file
 from ur.robot.setup.facts import ABSENT, ComputerFacts, FileState
 from ur.robot.setup.keys import HOST_KEY
+from ur.robot.setup.raspberry_pi import serial_header
 from ur.robot.setup.robot_states import (
     AVAHI,
     CLOUD,
@@ -38,7 +39,13 @@ FACTS = ComputerFacts(
     "debian bookworm",
     "1",
     frozenset(),
-    files={HOST_KEY: FileState(f"{HOST} root@robot\n"), CLOUD: ABSENT, AVAHI: ABSENT, str(ROBOT_FILE): ABSENT},
+    files={
+        **dict.fromkeys(serial_header.FILES, ABSENT),
+        HOST_KEY: FileState(f"{HOST} root@robot\n"),
+        CLOUD: ABSENT,
+        AVAHI: ABSENT,
+        str(ROBOT_FILE): ABSENT,
+    },
 )
 VIEWER = ViewerFacts("pat", "laptop", f"{OWN} pat@laptop\n", f"{HOST}\n")
 ROBOT = WantedRobot("bob", "magni", "lidar")

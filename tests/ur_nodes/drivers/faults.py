@@ -19,9 +19,9 @@ from tests.ur_nodes.drivers.test_base_driver import REST, make_rig
 from ur_nodes.drivers.boards import BOARDS
 
 LIMIT = 0.3  # s
-UNPLUGGED = {"create2": 3.0, "magni": 0.7, "neato": 0.4}
+UNPLUGGED = {"create2": 3.0, "magni": 0.7, "neato": 0.4, "turtlebot3": 0.7}
 """s; an unplugged board is stopped by its own watchdog: a Create 2 has none, a Magni's is a guess of its stand-in, the
-commands of a Neato last 0.35 s."""
+commands of a Neato last 0.35 s, a TurtleBot3 waits 0.5 s for its heartbeat."""
 FAST = 0.25  # m/s
 
 

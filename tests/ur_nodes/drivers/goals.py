@@ -26,6 +26,7 @@ BASES = {
     "create2": ("create2", "lidar"),
     "magni": ("magni", "lidar"),
     "neato": ("botvac", ""),
+    "turtlebot3": ("create2", "lidar"),
 }
 LONGEST = 300.0  # s for a goal
 

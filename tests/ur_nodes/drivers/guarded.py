@@ -30,8 +30,8 @@ import sys, time
 from tests.base_contract import load
 from tests.ur_nodes.drivers.threads import ThreadedNode
 from ur_nodes.drivers.boards import BOARDS
-from ur_nodes.drivers.line import LineSettings, LineUser
-from ur_nodes.drivers.serial_line import SerialLine
+from ur_nodes.drivers.lines.line import LineSettings, LineUser
+from ur_nodes.drivers.lines.serial_line import SerialLine
 board = BOARDS[sys.argv[1]](load("create2", ""))
 user = LineUser(lambda: None, lambda data, stamp: None, lambda reason: None)
 line = SerialLine(ThreadedNode(), sys.argv[2], user, LineSettings(board.baud, board.stop(), leave=board.leave()))

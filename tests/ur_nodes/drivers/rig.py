@@ -16,10 +16,11 @@ from tests.ur_nodes.first_drive.stage import DrivenStage
 from ur.robot.base import Base
 from ur.worlds.world_file import read_world
 from ur_nodes.drivers.base_driver import BaseDriver
-from ur_nodes.drivers.boards import BOARDS
+from ur_nodes.drivers.boards import make_board
+from ur_nodes.drivers.health import Report
 from ur_nodes.drivers.lidar_driver import LidarDriver
 from ur_nodes.drivers.lidars import LIDARS
-from ur_nodes.drivers.line import DeviceLine, LineSettings, LineUser
+from ur_nodes.drivers.lines.line import DeviceLine, LineSettings, LineUser
 from ur_nodes.memory.node import MemoryNode
 from ur_nodes.ports.node import SECOND, Node
 from ur_nodes.simulator import simulator_node
@@ -113,8 +114,14 @@ class DriverRig(DrivenStage):
     """A stage whose robot is driven through the devices of a base; `firmware` is that of the board."""
 
     def __init__(
-        self, base: str = "create2", *, change: Callable[[Base], Base] | None = None, **parameters: Any
+        self,
+        base: str = "create2",
+        *,
+        change: Callable[[Base], Base] | None = None,
+        report: Report = lambda _: None,
+        **parameters: Any,
     ) -> None:
+        self._report = report
         self.cables: dict[str, Cable] = {}
         self._change = change or (lambda base: base)
         self.lines: list[MemoryLine] = []
@@ -146,8 +153,8 @@ class DriverRig(DrivenStage):
     def _start_base(self, node: Node) -> None:
         assert self.base.driver
         driver = self.base.driver
-        board = BOARDS[driver.protocol](self.base)
-        self.driver = BaseDriver(node, self.base, board, self._connect(node, driver.device))
+        board = make_board(driver.protocol, self.base)
+        self.driver = BaseDriver(node, self.base, board, self._connect(node, driver.device), self._report)
 
     def _start_lidar(self, node: Node) -> None:
         assert self.base.lidar

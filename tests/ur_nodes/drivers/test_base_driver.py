@@ -15,6 +15,7 @@ from tests.ur_nodes.drivers.rig import DriverRig
 from ur.robot.base import Base
 from ur.robot.base.own_drivers import OWN_DRIVERS
 from ur_nodes.drivers.boards import BOARDS
+from ur_nodes.drivers.health import Report
 from ur_nodes.ports.node import SECOND
 from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.values import Battery, Joints, Odometry, Transform
@@ -35,8 +36,8 @@ def with_board(name: str) -> Any:
     return change
 
 
-def make_rig(name: str) -> DriverRig:
-    return DriverRig("create2", change=with_board(name))
+def make_rig(name: str, report: Report = lambda _: None) -> DriverRig:
+    return DriverRig("create2", change=with_board(name), report=report)
 
 
 def drive_off(rig: DriverRig) -> None:

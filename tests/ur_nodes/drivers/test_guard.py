@@ -11,10 +11,10 @@ import pytest
 from tests.ur_nodes.drivers.guarded import GuardedBoard
 from tests.ur_nodes.drivers.threads import ThreadedNode
 
-from ur_nodes.drivers import guard_program
 from ur_nodes.drivers.boards import BOARDS
-from ur_nodes.drivers.line import LineSettings, LineUser
-from ur_nodes.drivers.serial_line import SerialLine
+from ur_nodes.drivers.lines import guard_program
+from ur_nodes.drivers.lines.line import LineSettings, LineUser
+from ur_nodes.drivers.lines.serial_line import SerialLine
 from ur_nodes.simulator.devices.terminal import DeviceTerminal
 
 

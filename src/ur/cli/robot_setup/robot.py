@@ -22,6 +22,7 @@ from ur.cli.robot_setup.questions import ask_task, check_names, list_known_tasks
 from ur.cli.robot_setup.rename import rename
 from ur.cli.robot_setup.ros2 import find_ros2, put_mux_between, take_back_ros2
 from ur.cli.robot_setup.several import make_argv, set_up_each
+from ur.cli.robot_setup.wheels import offer_wheel_test, wheels
 from ur.cli.robot_setup.wifi import wifi
 from ur.cli.robots.fleet import ALL
 from ur.devices.needs import examine
@@ -129,10 +130,9 @@ def setup(
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     _check_robots(hosts, file, every=every, described=bool(name or base or variant), name=name, host_key=host_key)
     fingerprints: Mapping[str, str] = {}
+    tasks = list_known_tasks() if every else [ask_task(host, name, base, variant) for host in hosts]
     if file:
         tasks, fingerprints = read_tasks(Path(file))
-    else:
-        tasks = list_known_tasks() if every else [ask_task(host, name, base, variant) for host in hosts]
     if host_key:
         fingerprints = {tasks[0].robot.name: read_fingerprint(host_key)}
     check_names(tasks)
@@ -150,7 +150,8 @@ def setup(
     if undo or dry_run:
         look = partial(take_back_ros2 if undo else _preview, viewer=viewer)
         return max(refused, *(_guard(task, look) for task in tasks))
-    work = partial(_set_up, here=here, viewer=viewer, alone=not one_of_several, between=between)
+    ask = sys.stdin.isatty() and sys.stdout.isatty() and passwords_from is None and not (yes or one_of_several)
+    work = partial(_set_up, here=here, viewer=viewer, alone=not one_of_several, between=between, ask=ask)
     return max(refused, _guard(tasks[0], work))
 
 
@@ -201,7 +202,7 @@ def _check_robots(
         raise click.UsageError("--host-key is for one HOST, expected host_key in --from FILE for several")
 
 
-def _set_up(task: Task, here: LocalShell, viewer: ViewerFacts, *, alone: bool, between: bool) -> int:
+def _set_up(task: Task, here: LocalShell, viewer: ViewerFacts, *, alone: bool, between: bool, ask: bool) -> int:
     report = ChangeReporter(task.robot.name if alone else "", live=alone and sys.stdout.isatty())
     task = find_ros2(task, report)
     count = set_up(task, here, viewer, report, report.show_progress)
@@ -223,6 +224,8 @@ def _set_up(task: Task, here: LocalShell, viewer: ViewerFacts, *, alone: bool, b
     chosen = alone and select_robot(task)
     use = "it is selected" if chosen else f"select it: ur use {task.robot.name}"
     report(f"ready after {changes}; {use}" if count else "nothing to do: it is ready")
+    if count:
+        offer_wheel_test(task, ask=ask)
     return 0
 
 
@@ -285,5 +288,5 @@ def _print_checks(task: Task, checks: Sequence[Check]) -> None:
     Console(soft_wrap=not sys.stdout.isatty()).print(table)
 
 
-for _change in (rename, wifi, network):
+for _change in (rename, wifi, network, wheels):
     command.add_command(_change)

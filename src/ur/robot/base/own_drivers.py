@@ -35,6 +35,7 @@ OWN_DRIVERS: Mapping[str, OwnDriver] = {
     "create2": OwnDriver("an iRobot Create 2 or Roomba", "", "/dev/create", 115200, "create"),
     "magni": OwnDriver("the motor board of a Magni", "", "/dev/ttyAMA0", 38400, "pi-uart"),
     "neato": OwnDriver("a Neato Botvac or XV-11", "", "/dev/neato", 115200, "neato"),
+    "turtlebot3": OwnDriver("the OpenCR board of a TurtleBot3", "", "/dev/opencr", 1000000, "opencr"),
     "rplidar": OwnDriver("an RPLIDAR, standard scans", "lidar", "/dev/rplidar", 115200, "rplidar"),
     "rplidar_express": OwnDriver("an RPLIDAR, express scans", "lidar", "/dev/rplidar", 115200, "rplidar"),
     "ld06": OwnDriver("an LDROBOT LD06 or LD19", "lidar", "/dev/ttyUSB0", 230400),

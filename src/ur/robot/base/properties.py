@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from ur.robot.base.sensors import Sensors
+from ur.robot.base.wiring import Wiring
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,7 +68,8 @@ class UpstreamDriver:
     `node` is the launch directory that starts it ('' when there is none), `device` where the hardware is ('' when it is
     no device file), `baud` its speed (0 when that means nothing), `install` one line on how to get the package,
     `hardware` its id in the table of known devices (`ur.devices.known`; '' when it has none). `protocol` is the name of
-    a driver of this project (`ur.robot.base.own_drivers`), '' for upstream's.
+    a driver of this project (`ur.robot.base.own_drivers`), '' for upstream's; `wiring` is what differs from the wiring
+    that its board expects.
     """
 
     part: str
@@ -79,6 +81,7 @@ class UpstreamDriver:
     install: str
     hardware: str = ""
     protocol: str = ""
+    wiring: Wiring = field(default_factory=Wiring)
 
 
 @dataclass(frozen=True, slots=True)

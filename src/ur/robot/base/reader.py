@@ -11,6 +11,7 @@ from ur.robot.base.outline import Point, find_crossing, is_inside, measure_area
 from ur.robot.base.own_drivers import OWN_DRIVERS
 from ur.robot.base.properties import Base, Caster, MotionLimits, OdometryErrors, UpstreamDriver, Wheels
 from ur.robot.base.sensors import Sensor, read_sensors
+from ur.robot.base.wiring import WIRING_NAMES, Wiring
 from ur.source.section import Section
 from ur.source.suggest import did_you_mean
 
@@ -133,9 +134,16 @@ def _driver(name: str, parent: Section, key: str) -> UpstreamDriver:
         protocol = part.text("protocol", choices=_names_of(name))
         device = _word(part, "device", r"/dev/[\w./:-]+", "a device file, as /dev/ttyAMA0", "")
         baud = part.integer("baud", 0, minimum=0)
+        wiring = _wiring(wires) if name == "base" and (wires := part.optional_section("wiring")) else Wiring()
         part.finish()
-        return _own_driver(name, protocol, device, baud)
+        return replace(_own_driver(name, protocol, device, baud), wiring=wiring)
     return _upstream_driver(name, part)
+
+
+def _wiring(part: Section) -> Wiring:
+    wiring = Wiring(**{name: part.boolean(name, False) for name in WIRING_NAMES})
+    part.finish()
+    return wiring
 
 
 def _names_of(part: str) -> list[str]:

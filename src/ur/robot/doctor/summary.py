@@ -6,6 +6,7 @@ import re
 from collections.abc import Mapping
 
 from ur.robot.doctor.findings import ComputerPair
+from ur.robot.doctor.rules.drivers import describe_driver, read_drivers
 from ur.robot.doctor.side import Side
 from ur.robot.ros2.seen_graph import NAMES, Ros2, domain_of, middleware_of
 
@@ -46,6 +47,7 @@ _TITLES = (
         "ROS 2",
         "set up by ur",
         "workspace",
+        "drivers",
     ),
 )
 
@@ -73,6 +75,7 @@ def _cells(side: Side) -> list[str]:
         "; ".join(describe_ros2(side.ros2)) or "none",
         side.ur,
         f"{len(side.workspace)} packages{', built' if side.built else ''}",
+        "; ".join(map(describe_driver, read_drivers(side))) or "none run",
     ]
 
 

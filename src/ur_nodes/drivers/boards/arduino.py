@@ -38,6 +38,7 @@ class Arduino:
         self._scale = scale_of(base)
         self.counts_per_turn = self._scale.counts_per_turn
         self._buffer = b""
+        self.rejected = 0
 
     def greet(self) -> bytes:
         """Ask for its name."""
@@ -61,7 +62,9 @@ class Arduino:
         *lines, self._buffer = (self._buffer + data).split(b"\n")
         self._buffer = self._buffer[-LONGEST:]
         for line in lines:
-            yield from _read(line.strip())
+            readings = list(_read(line.strip()))
+            self.rejected += bool(line.strip()) and not readings
+            yield from readings
 
 
 def make_line(text: str) -> bytes:

@@ -22,6 +22,10 @@ class MotorBoard(Protocol):
     counts_per_turn: float
     """of a wheel"""
 
+    @property
+    def rejected(self) -> int:
+        """Pieces that began as a frame and were none since the start: damaged ones, and noise."""
+
     def greet(self) -> bytes:
         """Return what is sent once the line is open, and again while the device does not answer."""
 

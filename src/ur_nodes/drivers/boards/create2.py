@@ -44,6 +44,11 @@ class Create2:
         self._driving: bool | None = None
         self._state: tuple[int, ...] = ()  # all but the counters
 
+    @property
+    def rejected(self) -> int:
+        """See MotorBoard."""
+        return self._frames.rejected
+
     def greet(self) -> bytes:
         """Start, Safe, and the stream of its sensors."""
         self._driving, self._state = None, ()

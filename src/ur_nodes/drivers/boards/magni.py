@@ -45,6 +45,11 @@ class Magni:
         self._silent = self._beats = 0
         self._left = [0.0, 0.0]  # of the last speeds
 
+    @property
+    def rejected(self) -> int:
+        """See MotorBoard."""
+        return self._frames.rejected
+
     def greet(self) -> bytes:
         """Ask for the firmware's version and the options of the board."""
         return make_packet(_READ, _FIRMWARE) + make_packet(_READ, _OPTIONS)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Protocol
 
+from ur_nodes.drivers.frames import FrameReader
 from ur_nodes.drivers.readings import Reading
 
 
@@ -16,6 +17,10 @@ class LidarProtocol(Protocol):
     baud: int
     dtr: bool
     """The level of the modem line DTR, which switches the motors of some adapters."""
+
+    @property
+    def rejected(self) -> int:
+        """Pieces that began as a frame and were none since the start: damaged ones, and noise."""
 
     def greet(self) -> bytes:
         """Return what is sent once the line is open, and again while the device does not answer."""
@@ -29,6 +34,13 @@ class LidarProtocol(Protocol):
 
 class SendingLidar:
     """A lidar that measures whenever it has power, and listens to nothing."""
+
+    _frames: FrameReader
+
+    @property
+    def rejected(self) -> int:
+        """See LidarProtocol."""
+        return self._frames.rejected
 
     def greet(self) -> bytes:
         """See LidarProtocol."""

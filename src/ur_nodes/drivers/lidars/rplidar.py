@@ -71,6 +71,7 @@ class RplidarStandard(_Rplidar):
         super().__init__()
         self._buffer = b""
         self._synced = False
+        self.rejected = 0
 
     def greet(self) -> bytes:
         """Stop, ask who and how it is, start the motor and the scan."""
@@ -84,6 +85,7 @@ class RplidarStandard(_Rplidar):
         while len(self._buffer) >= (5 if self._synced else 5 * _RUN):
             right = _count_right(self._buffer)
             if right < (1 if self._synced else _RUN):
+                self.rejected += self._synced
                 self._synced = False
                 self._buffer = self._buffer[1:]
                 continue
@@ -102,11 +104,12 @@ class RplidarExpress(_Rplidar):
         super().__init__()
         self._packets = FrameReader(b"", fixed(_PACKET), _is_packet, _PACKET)
         self._last: tuple[float, NDArray[np.void]] | None = None
-        self._rejected = 0
+        self._rejected = self.rejected = 0
+        self._runs = False
 
     def greet(self) -> bytes:
         """Stop, ask who and how it is, start the motor and the express scan."""
-        self._last = None
+        self._last, self._runs = None, False
         self._packets.clear()
         return _STOP + _PAUSE + _INFO + _PAUSE + _HEALTH + _PAUSE + _PACE + _EXPRESS
 
@@ -117,7 +120,8 @@ class RplidarExpress(_Rplidar):
             word = int.from_bytes(packet[2:4], "little")
             start, cabins = (word & 0x7FFF) / 64.0, np.frombuffer(packet, _CABIN, _CABINS, 4)
             gap = self._packets.rejected != self._rejected  # a packet is missing, and the angles of its beams
-            self._rejected = self._packets.rejected
+            self.rejected += gap and self._runs
+            self._rejected, self._runs = self._packets.rejected, True
             last = None if gap or word & 0x8000 else self._last
             self._last = (start, cabins)
             if last is not None:

@@ -31,6 +31,11 @@ class Ydlidar:
     def __init__(self) -> None:
         self._frames = FrameReader(b"\xaa\x55", _measure, _is_valid, _HEAD.size + 2 * _MOST)
 
+    @property
+    def rejected(self) -> int:
+        """See LidarProtocol."""
+        return self._frames.rejected
+
     def greet(self) -> bytes:
         """Start to scan."""
         return _STOP + _START

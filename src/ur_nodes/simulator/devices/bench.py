@@ -14,6 +14,7 @@ from ur_nodes.simulator.devices.firmware import Firmware
 from ur_nodes.simulator.devices.lidars import LdRobotFirmware, RplidarFirmware, Xv11Firmware, YdlidarFirmware
 from ur_nodes.simulator.devices.magni import MagniFirmware
 from ur_nodes.simulator.devices.neato import NeatoFirmware
+from ur_nodes.simulator.devices.opencr import OpenCrFirmware
 from ur_nodes.simulator.devices.plant import Plant
 from ur_nodes.simulator.devices.terminal import DeviceTerminal
 from ur_nodes.simulator.simulation import Simulation
@@ -23,6 +24,7 @@ FIRMWARES: Mapping[str, Callable[[Plant], Firmware]] = {
     "create2": Create2Firmware,
     "magni": MagniFirmware,
     "neato": NeatoFirmware,
+    "turtlebot3": OpenCrFirmware,
     "rplidar": RplidarFirmware,
     "rplidar_express": RplidarFirmware,
     "ld06": LdRobotFirmware,

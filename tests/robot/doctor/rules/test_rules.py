@@ -7,15 +7,18 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from msgspec.structs import replace as replace_fields
 from tests.robot.doctor.pairs import BOB, LAPTOP, NOBODY, PAIR, ROBOT, WIFI
 from tests.robot.doctor.rules.ros2.cases import CASES as ROS2_CASES
 
 from ur.devices.device import Device, DeviceHolder, DeviceSnapshot, Expected
+from ur.devices.driver_health import DriverHealth
 from ur.robot.doctor.findings import AdvertisedNode, ComputerPair, Owner
 from ur.robot.doctor.messages import Message
 from ur.robot.doctor.rules import KINDS, diagnose, diagnose_alone
 from ur.robot.doctor.side import Disk, FailedUnit, Setting, Side
 from ur.robot.doctor.wifi import WirelessLink
+from ur.source.foreign.json_values import write_json
 from ur.system.releases import System
 
 STOPPED = {"ssh.service": "active", "avahi-daemon.service": "inactive", "chrony.service": "active"}
@@ -23,6 +26,7 @@ NO_CHRONY = {**STOPPED, "avahi-daemon.service": "active", "chrony.service": "ina
 NO_SSH = {**NO_CHRONY, "chrony.service": "active", "ssh.service": "inactive", "ssh.socket": "inactive"}
 DEVICE = Device("/dev/ttyUSB0", "serial", "10c4:ea60", links=("/dev/rplidar",), mode=0o660, group="dialout")
 MASTER = {"ROS_MASTER_URI": "http://bob.local:11311"}
+DRIVER = DriverHealth("/dev/create", "iRobot Create 2 or Roomba", open=True, frames=66.0, voltage=16.0)
 OTHER = {"std_msgs/String.msg": Message("xyz", "/usr/share/std_msgs")}
 
 
@@ -73,6 +77,17 @@ CASES = [
     ("low-memory", there(memory_free=40.0)),
     ("under-voltage", there(observed={"throttled": "throttled=0x50005\n"})),
     ("under-voltage", there(observed={"throttled": "0x10000\n"})),
+    *(
+        (rule, there(observed={"drivers": f"3 {write_json(health)}\n"}))
+        for rule, health in (
+            ("driver-without-device", replace_fields(DRIVER, open=False, reason="no such file or directory")),
+            ("driver-refuses", replace_fields(DRIVER, problem="firmware 20, expected 35 or later")),
+            ("driver-silent", replace_fields(DRIVER, frames=0.0)),
+            ("damaged-frames", replace_fields(DRIVER, damaged=3.0)),
+            ("motors-held", replace_fields(DRIVER, held="its motors have no power (emergency stop?)")),
+            ("empty-battery", replace_fields(DRIVER, voltage=11.0, empty=True)),
+        )
+    ),
     ("failing-boot-service", there(failing=(FailedUnit("ubiquity-drive.service", 7),))),
     ("failed-service", there(failing=(FailedUnit("a.service"),))),
     ("missing-package", there(packages={name: "1" for name in ROBOT.packages if name != "xauth"})),

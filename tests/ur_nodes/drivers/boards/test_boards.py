@@ -6,12 +6,15 @@ from typing import Any
 
 import pytest
 from tests.base_contract import load
+from tests.ur_nodes.drivers.mutations import StillPlant
 
 from ur_nodes.drivers.boards import BOARDS
 from ur_nodes.drivers.boards.arduino import make_line
 from ur_nodes.drivers.boards.create2 import check
 from ur_nodes.drivers.boards.magni import make_packet
+from ur_nodes.drivers.boards.opencr import make_packet as opencr_packet
 from ur_nodes.drivers.readings import Contacts, Counts, DeviceIdentity, MeasuredBeams, Motors, Power
+from ur_nodes.simulator.devices.opencr import OpenCrFirmware
 
 
 def make(name: str) -> Any:
@@ -28,6 +31,35 @@ def make(name: str) -> Any:
 )
 def test_packets_of_magni_are_those_of_its_protocols_examples(packet: bytes, text: str) -> None:
     assert packet == bytes.fromhex(text)
+
+
+@pytest.mark.parametrize(
+    ("packet", "text"),
+    [  # the examples of the e-Manual, "Read (0x02)" and "Write (0x03)", for the id 1
+        (opencr_packet(0x02, 0x84, b"\x04\x00", 1), "ff ff fd 00 01 07 00 02 84 00 04 00 1d 15"),
+        (opencr_packet(0x03, 0x74, b"\x00\x02\x00\x00", 1), "ff ff fd 00 01 09 00 03 74 00 00 02 00 00 ca 89"),
+    ],
+)
+def test_packets_of_opencr_are_those_of_its_manuals_examples(packet: bytes, text: str) -> None:
+    assert packet == bytes.fromhex(text)
+
+
+def test_opencr_reads_the_manuals_status_and_stuffs_what_looks_like_a_header() -> None:
+    status = bytes.fromhex("ff ff fd 00 01 08 00 55 00 a6 00 00 00 8c c0")
+    assert list(make("turtlebot3").take(status)) == []  # 4 bytes: not what this driver asks for
+    packet = opencr_packet(0x03, 0x96, b"\xff\xff\xfd\x01", 1)
+    assert b"\xff\xff\xfd\xfd\x01" in packet
+    assert packet[5] == 3 + 4 + 1 + 2
+
+
+def test_opencr_of_another_firmware_is_refused_and_motors_that_do_not_answer_are_reported() -> None:
+    firmware = OpenCrFirmware(StillPlant())  # type: ignore[arg-type]
+    firmware.power = False
+    firmware._table[0:2] = b"\x01\x00"
+    board = make("turtlebot3")
+    readings = list(board.take(firmware.take(board.greet())))
+    assert any(isinstance(each, DeviceIdentity) and "flash the one for ROS 2" in each.problem for each in readings)
+    assert any(isinstance(each, Motors) and not each.ready and "power switch" in each.reason for each in readings)
 
 
 def test_magni_gets_the_speeds_that_ubiquity_motor_sends() -> None:

@@ -6,6 +6,7 @@ from ur.robot.doctor.findings import ComputerPair, Finding
 from ur.robot.doctor.rules import (
     clock,
     devices,
+    drivers,
     environment,
     login,
     machine,
@@ -32,6 +33,7 @@ RULES: tuple[Rule, ...] = (
     *machine.RULES,
     *services.RULES,
     *devices.RULES,
+    *drivers.RULES,
     *packages.RULES,
     *ros2.RULES,
 )

@@ -10,8 +10,8 @@ from typing import Any
 
 from tests.ur_nodes.drivers.threads import ThreadedNode
 
-from ur_nodes.drivers.line import LineSettings, LineUser
-from ur_nodes.drivers.serial_line import SerialLine
+from ur_nodes.drivers.lines.line import LineSettings, LineUser
+from ur_nodes.drivers.lines.serial_line import SerialLine
 from ur_nodes.simulator.devices.terminal import DeviceTerminal
 
 WAIT = 20.0  # s

@@ -16,7 +16,7 @@ from importlib.resources import files
 
 import serial
 
-from ur_nodes.drivers.line import LineSettings, LineUser
+from ur_nodes.drivers.lines.line import LineSettings, LineUser
 from ur_nodes.ports.node import Node
 
 _PAUSE = 0.3  # s between two attempts to open it
@@ -105,7 +105,7 @@ class SerialLine:
 
     def _open(self) -> None:
         if not self._closed:
-            self._node.work(partial(_open, self.name, self._settings), self._take_port, self.name)
+            self._node.work(partial(open_port, self.name, self._settings), self._take_port, self.name)
 
     def _take_port(self, opened: serial.Serial | str) -> None:
         if isinstance(opened, str):
@@ -154,7 +154,7 @@ class SerialLine:
             os.close(guard)
 
 
-def _open(path: str, settings: LineSettings) -> serial.Serial | str:
+def open_port(path: str, settings: LineSettings) -> serial.Serial | str:
     """Open a device; or why it cannot be."""
     try:
         port = serial.Serial(baudrate=settings.baud, timeout=0, exclusive=True)

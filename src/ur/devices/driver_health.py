@@ -1,0 +1,83 @@
+"""The health of a device as its driver sees it, in a file that `ur doctor` reads."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Annotated
+
+from msgspec import Meta
+
+from ur.source.foreign.json_values import BadJsonError, PrintableValue, read_json, write_json
+
+FOLDER = "ubiquity_launches/drivers"
+OLD = 20.0  # s after which a file is that of a driver that no longer runs
+_LONGEST = 4000
+_MOST_FILES = 20
+
+Text = Annotated[str, Meta(max_length=300)]
+Amount = Annotated[float, Meta(ge=0.0, lt=1e6)]
+
+
+class DriverHealth(PrintableValue, frozen=True):
+    """A driver's device: its file and kind, whether it is open, and why not.
+
+    `firmware` is its own account; `problem` why it cannot be used at all, `held` why its motors do not obey now.
+    `frames` that were understood and `damaged` ones are per second, of the last seconds; `voltage` is that of its
+    battery (V, 0.0: not measured), which is `empty` below what the base file says.
+    """
+
+    device: Text
+    kind: Text
+    open: bool = False
+    reason: Text = ""
+    firmware: Text = ""
+    problem: Text = ""
+    held: Text = ""
+    frames: Amount = 0.0
+    damaged: Amount = 0.0
+    voltage: Amount = 0.0
+    empty: bool = False
+
+
+OBSERVE_DRIVERS = f"""\
+for f in "${{XDG_RUNTIME_DIR:-/run/user/$(id -u)}}/{FOLDER}"/*.json "$HOME/.cache/{FOLDER}"/*.json; do
+[ ! -f "$f" ] || echo "$(($(date +%s) - $(stat -c %Y "$f"))) $(head -c {_LONGEST} "$f")"
+done | head -n {_MOST_FILES}"""
+"""The script that prints them: a line each, with its age in seconds."""
+
+
+def parse_drivers(text: str) -> tuple[DriverHealth, ...]:
+    """Read what the script printed, of drivers that run; what makes no sense is left out."""
+    found = []
+    for line in text.splitlines()[:_MOST_FILES]:
+        age, _, record = line.partition(" ")
+        if not age.lstrip("-").isdecimal() or len(age) > 9 or int(age) > OLD:
+            continue
+        try:
+            found.append(read_json(record, DriverHealth, _LONGEST))
+        except BadJsonError:
+            continue
+    return tuple(found)
+
+
+def health_file(node: str, environment: Mapping[str, str] = os.environ) -> Path:
+    """Return the file of the driver that is a node of this name."""
+    folder = environment.get("XDG_RUNTIME_DIR") or Path.home() / ".cache"
+    name = "".join(each if each.isalnum() or each in "_-" else "." for each in node.strip("/"))
+    return Path(folder, FOLDER, f"{name or 'driver'}.json")
+
+
+def write_health(path: Path, health: DriverHealth) -> str:
+    """Write a file in one step; return why that failed, '' where it did not."""
+    try:
+        path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
+        number, new = tempfile.mkstemp(dir=path.parent, prefix=".health")
+        with os.fdopen(number, "w", encoding="utf-8") as file:
+            file.write(write_json(health))
+        Path(new).replace(path)
+    except OSError as problem:
+        return problem.strerror or str(problem)
+    return ""

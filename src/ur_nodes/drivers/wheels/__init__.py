@@ -1,0 +1,1 @@
+"""The test of wheels off the ground: `ur robot wheels`."""
