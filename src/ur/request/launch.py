@@ -97,7 +97,7 @@ def load(launch: Launch) -> Staged:
     if options.core:
         refuse_second_master()
     paths = loaded.request.files.paths
-    world = prepare_world(paths, loaded.plan, loaded.world, complete=options.part is None)
+    world = prepare_world(paths, loaded.plan, loaded.world, launch.reporter.report, complete=options.part is None)
     return Staged(loaded, loaded.plan, world, release)
 
 

@@ -5,12 +5,15 @@ Their heads name them, below `##Summary:` and `##Overview:`:
     ##Python: vision.lock: cv2 gtsam: OpenCV and gtsam (110 MB)
     ##Debian: camera_needed: libegl1 libgl1-mesa-dri | libosmesa6: OpenGL for the simulated camera (41 MB)
     ##File: map_file: read_only_map: a map of fiducials: drive once with 'ur run fiducial_slam', which builds it
+    ##Package: nav2: nav2_msgs: no goal can be sent to Nav2: install Nav2
 
 The first names a lock file, the modules that it holds and what people call them: where one is missing it is installed.
 The second names a private parameter that says whether the Debian packages are needed, alternative sets of packages, and
 what people call them: where no set is complete the first is installed.
 The third names a private parameter that is the path of a file, another that says whether it has to be there, what the
 file is, and how to come by it.
+The fourth names a private parameter that says whether a ROS package is needed, the package, what cannot be done without
+it, and what to do: where it is missing, a line says so, and all starts.
 RViz is installed likewise where a node of the plan needs it and there is a display; only a view insists on it.
 """
 
@@ -24,6 +27,7 @@ from typing import Protocol
 from ur.launchfile.plan.specs import NodeSpec, Plan
 from ur.launchfile.world.protocol import PackageNotFound, World
 from ur.request.environment import PACKAGE
+from ur.request.options import Report
 from ur.request.programs import read_head_lines
 from ur.request.requirements.debian_packages import install_debian
 from ur.request.requirements.python_packages import need_all
@@ -31,7 +35,7 @@ from ur.run.process.missing_package import is_packaged
 from ur.run.startup.node_selection import check_display, has_display, is_view
 from ur.source.diagnostic import UserError, error
 
-_PYTHON, _DEBIAN, _FILE = "##Python:", "##Debian:", "##File:"
+_PYTHON, _DEBIAN, _FILE, _PACKAGE = "##Python:", "##Debian:", "##File:", "##Package:"
 _RVIZ = "RViz (77 MB to download)"
 Install = Callable[[Sequence[str], str, str], None]
 
@@ -71,6 +75,19 @@ class FileNeed:
     help: str
 
 
+@dataclass(frozen=True, slots=True)
+class PackageNeed:
+    """A ROS package without which something cannot be done when the private parameter `condition` is true."""
+
+    condition: str
+    package: str
+    lost: str
+    help: str
+
+
+Need = PythonNeed | DebianNeed | FileNeed | PackageNeed
+
+
 def prepare(
     plan: Plan,
     world: World,
@@ -99,7 +116,7 @@ def prepare(
                 continue
             elif isinstance(need, DebianNeed):
                 packages[need.alternatives] = need.title
-            else:
+            elif isinstance(need, FileNeed):
                 _check_file(node, str(parameters.get(f"{node.full_name}/{need.path}", "")), need)
     for each in wanted.values():
         install(each.modules, each.lock, each.title)
@@ -116,16 +133,42 @@ def prepare(
     return True
 
 
-def prepare_world(files: Sequence[str], plan: Plan, world: World, *, complete: bool) -> World:
+def prepare_world(files: Sequence[str], plan: Plan, world: World, report: Report, *, complete: bool) -> World:
     """Install the requirements of the plan, and return a world that includes them. Raises UserError.
+
+    Missing ROS packages are reported.
 
     `complete`: the plan has the nodes of every computer, and may need a display.
     """
     from ur.launchfile.world.system import SystemWorld
 
+    for text in name_missing(plan, world):
+        report("warning", text)
+
     if complete:
         check_display(files, plan.nodes, world.environment)
     return SystemWorld(world.environment) if prepare(plan, world, view=is_view(files)) else world
+
+
+def name_missing(plan: Plan, world: World, library: Path = PACKAGE) -> list[str]:
+    """Name the ROS packages that programs of the plan lack, with what cannot be done without them."""
+    parameters = {each.name: each.value for each in plan.params}
+    lines = []
+    for node, executable in _local_programs(plan, world, library):
+        for need in read_needs(executable):
+            wanted = isinstance(need, PackageNeed) and parameters.get(f"{node.full_name}/{need.condition}") is True
+            if isinstance(need, PackageNeed) and wanted and not _is_installed(need.package, world):
+                line = f"warning: {node.full_name}: package '{need.package}' is not installed: {need.lost}"
+                lines.append(f"{line}\n  help: {need.help}")
+    return lines
+
+
+def _is_installed(package: str, world: World) -> bool:
+    try:
+        world.find_package(package)
+    except PackageNotFound:
+        return False
+    return True
 
 
 def needs_rviz(plan: Plan, world: World) -> bool:
@@ -134,14 +177,10 @@ def needs_rviz(plan: Plan, world: World) -> bool:
         node.package == "rviz" for node in filter(plan.is_local, plan.nodes)
     ):
         return False
-    try:
-        world.find_package("rviz")
-    except PackageNotFound:
-        return True
-    return False
+    return not _is_installed("rviz", world)
 
 
-def read_needs(program: Path) -> tuple[PythonNeed | DebianNeed | FileNeed, ...]:
+def read_needs(program: Path) -> tuple[Need, ...]:
     """Read the requirements in a program's head; empty if it cannot be read.
 
     Raises ValueError for an incomplete line.
@@ -150,7 +189,7 @@ def read_needs(program: Path) -> tuple[PythonNeed | DebianNeed | FileNeed, ...]:
         lines = [line.strip() for line in read_head_lines(program)]
     except OSError:
         return ()
-    needs: list[PythonNeed | DebianNeed | FileNeed] = []
+    needs: list[Need] = []
     for line in lines:
         if line.startswith(_PYTHON):
             lock, modules, title = (part.strip() for part in line.removeprefix(_PYTHON).split(":", 2))
@@ -161,6 +200,9 @@ def read_needs(program: Path) -> tuple[PythonNeed | DebianNeed | FileNeed, ...]:
         elif line.startswith(_FILE):
             path, condition, what, how = (part.strip() for part in line.removeprefix(_FILE).split(":", 3))
             needs.append(FileNeed(path, condition, what, how))
+        elif line.startswith(_PACKAGE):
+            condition, package, lost, how = (part.strip() for part in line.removeprefix(_PACKAGE).split(":", 3))
+            needs.append(PackageNeed(condition, package, lost, how))
     return tuple(needs)
 
 
