@@ -37,6 +37,7 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
     "ur.docs": ("ur.source", "ur.launchfile", "ur.check", "ur.graph"),
     "ur.tools.find": ("ur.source", "ur.launchfile", "ur.check", "ur.tools.format"),
     "ur.tools.format": ("ur.source", "ur.launchfile", "ur.check"),
+    "ur.tools.convert": ("ur.source", "ur.launchfile", "ur.check"),
     "ur.lsp": (
         "ur.source",
         "ur.launchfile",

@@ -28,7 +28,6 @@ ELSEWHERE = {
     "ur/check/rules/library": "likewise",
     "ur/check/rules/text": "likewise",
     "ur/cli/runs": "commands are tested as programs: tests/cli/ and tests/run/",
-    "ur/cli/workspace": "commands are tested as programs: tests/robot/sync/, tests/hosts/",
     "ur/docs/launch": "whole documents: tests/docs/ and tests/docs/site/",
     "ur/docs/repository": "whole documents: tests/docs/ and tests/docs/site/",
     "ur/robot/base/sensors": "sensors are read as part of base files: tests/robot/test_base.py, tests/robot/base/",

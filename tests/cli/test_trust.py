@@ -31,6 +31,7 @@ CALLS = {
     "check": "check .",
     "package": "package .",
     "format": "format --check .",
+    "convert": "convert a.launch",
     "find": "find a",
     "docs": "docs . --output -",
     "explain": "explain a.launch a",

@@ -141,6 +141,21 @@ WRITING = (
         needs_ros=False,
     ),
     Verb(
+        "convert",
+        "ur.cli.workspace.convert",
+        "Convert launch files of ROS 1 to XML for ros2 launch.",
+        _SECTION,
+        arguments=("files",),
+        descriptions=("A launch file, which is printed, or a package or a folder.",),
+        examples=(
+            ("ur convert wander.launch", "Print a launch file as one of ROS 2."),
+            ("ur convert my_robot --output ~/ros2_ws/src/my_robot", "Convert the launch files of a package."),
+            ("ur convert ubiquity_launches --prefix ~/ur_ros2", "Start this project's programs with ros2 launch."),
+        ),
+        trust=Trust(LAUNCH, writes="with `--output` and `--prefix`, the converted files"),
+        needs_ros=False,
+    ),
+    Verb(
         "find",
         "ur.cli.files.find",
         "Find where a name in launch files is defined and used.",

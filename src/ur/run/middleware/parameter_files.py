@@ -11,6 +11,7 @@ import json
 from collections.abc import Mapping, Sequence
 
 from ur.launchfile.plan.specs import NodeSpec, ParamValue, Plan
+from ur.launchfile.ros2_values import convert_map
 
 _SIMULATED_TIME = "use_sim_time"
 _DESCRIPTION = "robot_description"
@@ -73,34 +74,5 @@ def _put(found: dict[str, object], path: list[str], value: ParamValue) -> None:
 
 
 def _format(found: Mapping[str, object]) -> str:
-    plain = _convert_map(found)
+    plain = convert_map(found)
     return json.dumps({"/**": {"ros__parameters": plain}}, indent=1) + "\n" if plain else "{}\n"
-
-
-def _convert_map(values: Mapping[str, object]) -> dict[str, object]:
-    converted = {str(name): _convert(value) for name, value in values.items()}
-    return {name: value for name, value in converted.items() if value not in (None, {}, [])}
-
-
-def _convert(value: object) -> object:
-    if isinstance(value, dict):
-        return _convert_map(value)
-    if isinstance(value, (list, tuple)):
-        return _convert_list(list(value))
-    if isinstance(value, bytes):
-        return list(value)
-    return value
-
-
-def _convert_list(items: list[object]) -> object:
-    named = [each for each in items if isinstance(each, dict) and isinstance(each.get("name"), str)]
-    if items and len(named) == len(items):
-        return _convert_map({each["name"]: {k: v for k, v in each.items() if k != "name"} for each in named})
-    if any(isinstance(each, (dict, list, tuple)) for each in items):
-        return json.dumps(items)
-    numbers = [float(each) for each in items if isinstance(each, (int, float)) and not isinstance(each, bool)]
-    if len(numbers) == len(items) and any(isinstance(each, float) for each in items):
-        return numbers
-    if len({type(each) for each in items}) > 1:
-        return [str(each) for each in items]
-    return items
