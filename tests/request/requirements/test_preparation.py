@@ -9,7 +9,7 @@ from ur.launchfile.plan.load import load_plan
 from ur.launchfile.plan.specs import Plan
 from ur.launchfile.world.protocol import PackageNotFound
 from ur.launchfile.world.system import SystemWorld
-from ur.request.requirements.preparation import prepare
+from ur.request.requirements.preparation import name_missing, prepare
 from ur.source.diagnostic import UserError, error
 
 LIBRARY = Path(__file__).parents[3] / "ubiquity_launches"
@@ -147,3 +147,16 @@ def load_program(name: str, *arguments: str) -> tuple[Plan, SystemWorld]:
     world = SystemWorld({"ROS_PACKAGE_PATH": f"{LIBRARY}:/usr/share", "HOME": "/home/nobody"})
     path = LIBRARY / name / "launch" / f"{name}.launch.xml"
     return load_plan([str(path)], ["robot_base:=magni", *arguments], world), world
+
+
+def test_missing_messages_of_nav2_are_named_where_nav2_drives(tmp_path: Path) -> None:
+    path = LIBRARY / "m_keyboard_navigate" / "launch" / "m_keyboard_navigate.launch.xml"
+    (line,) = name_missing(*load(path, "navigation:=nav2"))
+    assert line.startswith("warning: /keyboard_navigate: package 'nav2_msgs' is not installed: no goal can be sent")
+    assert "  help: Nav2 needs ROS 2" in line
+    assert name_missing(*load(path)) == []
+    (tmp_path / "nav2_msgs").mkdir()
+    (tmp_path / "nav2_msgs" / "package.xml").write_text("<package>\n  <name>nav2_msgs</name>\n</package>\n")
+    installed = SystemWorld({"ROS_PACKAGE_PATH": f"{LIBRARY}:{tmp_path}", "HOME": "/home/user"})
+    plan = load_plan([str(path)], ["robot_base:=magni", "navigation:=nav2"], installed)
+    assert name_missing(plan, installed) == []
