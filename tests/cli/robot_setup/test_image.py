@@ -12,6 +12,7 @@ from pathlib import Path
 
 import pytest
 import yaml
+from tests.forking import ForkingPython
 from tests.robot.image.images import (
     CLOUD_ROOT,
     KEY,
@@ -35,27 +36,26 @@ UR = (sys.executable, "-m", "ur", "image", "prepare")
 class Place:
     """A folder with an image, a key, and a home folder for what `ur` remembers."""
 
-    def __init__(self, folder: Path) -> None:
-        self.folder = folder
+    def __init__(self, folder: Path, python: ForkingPython) -> None:
+        self.folder, self._python = folder, python
         self.image = make_ubuntu(folder / "ubuntu.img")
         (folder / "key.pub").write_text(f"{KEY}\n")
         (folder / "home").mkdir()
 
     def run(self, *words: str, stdin: str = "\n\n", code: int = 0, user: tuple[str, ...] = ()) -> tuple[str, str]:
         environment = {"HOME": str(self.folder / "home"), "PATH": os.environ.get("PATH", PATHS), "LC_ALL": "C.UTF-8"}
-        done = subprocess.run(
-            [*user, *UR, *words],
-            cwd=self.folder,
-            env=environment,
-            input=stdin,
-            capture_output=True,
-            text=True,
-            check=False,
-            timeout=120,
-        )
-        assert done.returncode == code, (done.stdout, done.stderr)
-        assert "Traceback" not in done.stderr
-        return done.stdout, done.stderr
+        given, arguments = stdin.encode(), ("image", "prepare", *words)
+        if user:
+            command = (*user, *UR, *words)
+            done = subprocess.run(
+                command, cwd=self.folder, env=environment, input=given, capture_output=True, check=False, timeout=120
+            )
+        else:
+            done = self._python.run("ur", *arguments, folder=self.folder, environment=environment, given=given)
+        out, errors = done.stdout.decode(), done.stderr.decode()
+        assert done.returncode == code, (out, errors)
+        assert "Traceback" not in errors
+        return out, errors
 
     def prepare(self, *words: str, stdin: str = "\n\n", code: int = 0, user: tuple[str, ...] = ()) -> tuple[str, str]:
         who = ("--name", "bob", "--base", "magni", "--key", "key.pub", "--passwords-from", "0")
@@ -66,9 +66,17 @@ class Place:
         return {each.name for each in self.folder.iterdir()} - {"key.pub", "home"}
 
 
+@pytest.fixture(scope="module")
+def python(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ForkingPython]:
+    modules = ("ur.cli.main", "ur.cli.robot_setup.image")
+    python = ForkingPython(tmp_path_factory.mktemp("python"), sys.executable, "-I", modules=modules)
+    yield python
+    python.close()
+
+
 @pytest.fixture
-def place(tmp_path: Path) -> Place:
-    return Place(tmp_path)
+def place(tmp_path: Path, python: ForkingPython) -> Place:
+    return Place(tmp_path, python)
 
 
 def test_image_is_prepared_and_its_robot_is_remembered(place: Place) -> None:
@@ -199,8 +207,8 @@ def shared() -> Iterator[Path]:
 
 
 @pytest.mark.skipif(os.geteuid() != 0, reason="only root can become an ordinary user")
-def test_ordinary_user_prepares_images_of_both_kinds(shared: Path) -> None:
-    place = Place(shared)
+def test_ordinary_user_prepares_images_of_both_kinds(shared: Path, python: ForkingPython) -> None:
+    place = Place(shared, python)
     make_cloud(shared / "cloud.img")
     for path in (shared, *shared.rglob("*")):
         shutil.chown(path, "nobody")
