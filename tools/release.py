@@ -34,6 +34,7 @@ _VERSION = re.compile(r'^(version = "|  <version>)([^"<]*)', re.MULTILINE)
 _PLACES = ("pyproject.toml", "ubiquity_launches/package.xml")  # a test compares them
 _UNRELEASED = "## Unreleased"
 _NEVER_RELEASED = re.compile(r"^## \d+\.\d+\.\d+, not yet released\n", re.MULTILINE)
+_SECTIONS = ("", *(f"### {name}" for name in ("Added", "Changed", "Deprecated", "Removed", "Fixed", "Security")))
 _TRY = """\
 import subprocess, sys
 from ur.cli.verbs import VERBS
@@ -89,9 +90,22 @@ def close_changelog(text: str, version: str, date: str) -> tuple[str, str]:
     changes, separator, older = rest.partition("\n## ")
     if not heading or not re.search(r"^- ", changes, re.MULTILINE):
         raise ReleaseError("CHANGELOG.md has no changes under '## Unreleased', expected what this release changes")
-    changes = f"{never_released}\n\n{changes.strip()}".strip("\n")
+    changes = _merge_sections(never_released, changes.strip())
     closed = f"{before}{_UNRELEASED}\n\n## {version} - {date}\n\n{changes}\n{separator}{older}"
     return closed, changes
+
+
+def _merge_sections(first: str, second: str) -> str:
+    """The changes of both, those under one heading together; where the first have subjects, the second are one more."""
+    sections: dict[str, str] = {}
+    for text in (first, second):
+        for part in re.split(r"^(?=### )", text, flags=re.MULTILINE):
+            title = "" if (heading := re.match("### .*", part)) is None else heading[0]
+            before, changes = sections.get(title, ""), part.removeprefix(title).strip("\n")
+            subject = "**More**" if before.startswith("**") else ""
+            sections[title] = "\n\n".join(filter(None, (before, changes and subject, changes)))
+    titles = sorted(sections, key=lambda title: _SECTIONS.index(title) if title in _SECTIONS else len(_SECTIONS))
+    return "\n\n".join(filter(None, (text for title in titles if sections[title] for text in (title, sections[title]))))
 
 
 def _take_never_released(text: str) -> tuple[str, str]:

@@ -72,6 +72,15 @@ def test_changes_of_a_version_that_was_never_released_belong_to_the_release() ->
     assert text.endswith("- Zero.\n\n### Added\n\n- One.\n\n## 0.0.1 - 2025-01-01\n\n- Older.\n")
 
 
+def test_changes_under_the_same_heading_come_together() -> None:
+    never = "The first.\n\n### Added\n\n**Maps**\n\n- One.\n\n### Security\n\n- Two.\n"
+    unreleased = "### Added\n\n- Three.\n\n### Fixed\n\n- Four.\n"
+    text = f"# Changelog\n\n## Unreleased\n\n{unreleased}\n## 0.1.0, not yet released\n\n{never}"
+    _, changes = close_changelog(text, "0.1.0", "2026-02-03")
+    added = "### Added\n\n**Maps**\n\n- One.\n\n**More**\n\n- Three."
+    assert changes == f"The first.\n\n{added}\n\n### Fixed\n\n- Four.\n\n### Security\n\n- Two."
+
+
 def test_clone_with_changes_is_refused(clone: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (clone / "README.md").write_text("changed")
     assert main(["9.9.9", "--without-tests"], clone) == 2
