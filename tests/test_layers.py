@@ -270,7 +270,7 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
     ),
     "ur_nodes.assistant": (
         *("ur.source", "ur.worlds", "ur_nodes.geometry", "ur_nodes.motion", "ur_nodes.navigation.goals"),
-        *("ur_nodes.ports", "ur_nodes.run", "ur_nodes.client", "ur_nodes.web.server_link"),
+        *("ur_nodes.ports", "ur_nodes.run", "ur_nodes.client", "ur_nodes.web.server_link", "ur_nodes.exploration"),
     ),
     "ur_nodes.pictures": ("ur.source", "ur_nodes.ports", "ur_nodes.run"),
     "ur_nodes.camera": ("ur.source", "ur.devices", "ur_nodes.pictures", "ur_nodes.ports", "ur_nodes.run"),

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import base64
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -19,6 +20,9 @@ from ur.mcp.calls import TOOLS
 from ur.mcp.grants import Area
 from ur_nodes.motion.lease.client import LeaseClient
 from ur_nodes.motion.lease.view import Identity
+from ur_nodes.ports.node import Publisher
+from ur_nodes.ports.qualities import Quality
+from ur_nodes.ports.values import Map
 
 
 @pytest.fixture
@@ -213,3 +217,37 @@ async def test_client_of_an_older_version_of_the_protocol_answers_pings(robot: A
         assert isinstance(client, Client)
         assert "driven" in text_of(await client.call_tool("drive", {"forward": 0.1, "seconds": 0.5}))
         assert robot.assistant.client != "an assistant"
+
+
+def hide_right_half(robot: AssistedRobot, beyond: float) -> tuple[Publisher[Map], Map]:
+    """Show a map whose part beyond x (m) is unknown. Returns its publisher, and the whole map."""
+    maps: list[Map] = []
+    robot.stage.client.subscribe("map", Map, maps.append, Quality.LATCHED)
+    robot.step(0.5)
+    whole = maps[-1]
+    values = whole.grid.values.copy()
+    values[:, int((beyond - whole.grid.origin[0]) / whole.grid.resolution) :] = -1
+    publisher = robot.stage.bus.node("mapping").publish("map", Map, Quality.LATCHED)
+    publisher.send(replace(whole, grid=replace(whole.grid, values=values)))
+    robot.step(0.5)
+    return publisher, whole
+
+
+async def test_robot_explores_until_the_map_is_complete(robot: AssistedRobot) -> None:
+    robot.grant(speed=0.3)
+    publisher, whole = hide_right_half(robot, 0.8)
+    async with robot.connect() as client:
+        task = asyncio.create_task(client.call_tool("explore", {"seconds": 120.0}))
+        await wait_for_motion(robot)
+        publisher.send(whole)
+        result = await task
+        assert not result.is_error, text_of(result)
+        assert "the map is complete" in text_of(result)
+
+
+async def test_exploration_stays_in_the_area_of_the_grant(robot: AssistedRobot) -> None:
+    robot.grant(speed=0.3, within=(Area(-0.4, -0.4, 0.3, 0.4),))
+    hide_right_half(robot, 0.8)
+    async with robot.connect() as client:
+        assert "call again to go on" in text_of(await client.call_tool("explore", {"seconds": 12.0}))
+    assert max(x for *_, x, _ in robot.samples) < 0.3

@@ -17,6 +17,7 @@ from ur.mcp.calls import (
     NamesGiven,
     PlaceGiven,
     ProgramGiven,
+    TimeGiven,
     ToolArguments,
     VelocityGiven,
 )
@@ -121,7 +122,7 @@ class Assistant:
         if tool.name == "stop":
             self._link.send({"do": "stop"})
             return True, "stopped"
-        if isinstance(request, (PlaceGiven, VelocityGiven)):
+        if isinstance(request, (PlaceGiven, VelocityGiven, TimeGiven)):
             return await self._drive(request, alive)
         values = dict(await self.look())
         return True, mark_data(json.dumps(values))
@@ -140,7 +141,7 @@ class Assistant:
             done, text = await run_command(["run", request.name, "--unattended", *words], limit=20.0)
         return done, mark_data(text)
 
-    async def _drive(self, request: PlaceGiven | VelocityGiven, alive: Alive) -> tuple[bool, str]:
+    async def _drive(self, request: PlaceGiven | VelocityGiven | TimeGiven, alive: Alive) -> tuple[bool, str]:
         """Drive, with a beat for each sign of life of the client, until the robot's end has answered."""
         if self.look_at_grant() is None:
             return False, NO_GRANT
@@ -148,6 +149,8 @@ class Assistant:
         if isinstance(request, PlaceGiven):
             yaw = None if request.heading is None else math.radians(request.heading)
             message = {"do": "go", "x": request.x, "y": request.y, "yaw": yaw, "seconds": request.seconds}
+        elif isinstance(request, TimeGiven):
+            message = {"do": "explore", "seconds": request.seconds}
         else:
             values = {"forward": request.forward, "turn": request.turn, "seconds": request.seconds}
             message = {"do": "drive", **values}

@@ -47,6 +47,12 @@ class VelocityGiven(ToolArguments, frozen=True):
     seconds: Annotated[float, Meta(gt=0.0, le=5.0)] = 1.0
 
 
+class TimeGiven(ToolArguments, frozen=True):
+    """Seconds at most."""
+
+    seconds: Annotated[float, Meta(gt=0.0, le=120.0)] = 60.0
+
+
 class GrantAsked(ToolArguments, frozen=True):
     """For how long, how fast (m/s), and why."""
 
@@ -101,6 +107,9 @@ TOOLS = {
             PlaceGiven,
         ),
         AssistantTool("drive", "Drive at a velocity for at most 5 s, then stop.", VelocityGiven),
+        AssistantTool(
+            "explore", "Drive to places from which the map grows, and wait; call again until it is complete.", TimeGiven
+        ),
         AssistantTool("stop", "Stop what this assistant drives.", NothingGiven),
         AssistantTool(
             "start_program", "Start a program on the robot; the grant has to include programs.", ProgramGiven

@@ -44,6 +44,13 @@ class GoCall(ForeignValue, frozen=True, tag_field="do", tag="go"):
     seconds: Annotated[float, Meta(gt=0.0, le=600.0)] = 60.0
 
 
+class ExploreCall(ForeignValue, frozen=True, tag_field="do", tag="explore"):
+    """Drive to places from which the map grows, until it is complete; for `seconds` at most."""
+
+    id: _Number
+    seconds: Annotated[float, Meta(gt=0.0, le=600.0)] = 60.0
+
+
 class StopCall(ForeignValue, frozen=True, tag_field="do", tag="stop"):
     """Stop what the assistant has begun."""
 
@@ -55,4 +62,4 @@ class LookCall(ForeignValue, frozen=True, tag_field="do", tag="look"):
     picture: bool = False
 
 
-Message = LifeSign | SetGrant | DriveCall | GoCall | StopCall | LookCall
+Message = LifeSign | SetGrant | DriveCall | GoCall | ExploreCall | StopCall | LookCall

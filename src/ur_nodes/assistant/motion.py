@@ -6,14 +6,17 @@ import itertools
 import math
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
+from ur.source.diagnostic import UserError
+from ur_nodes.assistant.exploration import AssistedExploration, make_exploration
 from ur_nodes.assistant.grant import DriveGrant, HeldGrant
-from ur_nodes.assistant.messages import DriveCall, GoCall
+from ur_nodes.assistant.messages import DriveCall, ExploreCall, GoCall
 from ur_nodes.client.driver_text import describe_lost, name_holder
 from ur_nodes.client.mux import MuxLink
 from ur_nodes.client.navigation import NavigationTopics
 from ur_nodes.client.snapshot import LastGoalState, heading_there
+from ur_nodes.exploration.status import describe_status
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.motion.challenge.freshness import FRESHNESS
 from ur_nodes.motion.challenge.link import ChallengeLink, stamped_name
@@ -30,6 +33,7 @@ _PATIENCE = 2.0  # s: for the lease
 _SILENCE = 1.0  # s without a beat after which the motion is given up; the robot is at rest long before
 _POSE_AGE = 0.5  # s
 
+MotionCall = DriveCall | GoCall | ExploreCall
 Answer = Callable[[int, bool, str], None]
 """Takes the id of a call, whether it has succeeded, and a text."""
 
@@ -38,7 +42,7 @@ Answer = Callable[[int, bool, str], None]
 class AssistedMotion:
     """A motion that a call has begun at a time (s); `goal` is the number of the goal that was sent, 0 before."""
 
-    call: DriveCall | GoCall
+    call: MotionCall
     began: float
     driving_since: float | None = None
     goal: int = 0
@@ -69,6 +73,7 @@ class AssistedDriving:
         self.lease: Lease | None = None
         self._held: HeldGrant | None = None
         self._motion: AssistedMotion | None = None
+        self._exploration: AssistedExploration | None = None
         self._beat_at = -math.inf  # s
         self._numbers = itertools.count(1)
         self._requests = node.publish(f"{mux}/lease_request", str, Quality.EVERY)
@@ -96,7 +101,7 @@ class AssistedDriving:
         if self._motion is not None and answer is not None:
             self._go_on(self._motion, answer)
 
-    def begin(self, call: DriveCall | GoCall) -> None:
+    def begin(self, call: MotionCall) -> None:
         """Begin a motion, if it may begin now."""
         if self._motion is not None:
             self._give(call.id, False, "refused: another call drives the robot")
@@ -106,6 +111,8 @@ class AssistedDriving:
         grant = self.grant
         if isinstance(call, GoCall) and grant is not None and not grant.allows(call.x, call.y):
             self._finish("refused: that place is outside of the area of the grant")
+        elif isinstance(call, ExploreCall) and (problem := self._begin_exploration()):
+            self._finish(f"refused: {problem}")
         else:
             self._check()
 
@@ -152,8 +159,11 @@ class AssistedDriving:
     def _find_delay(self, motion: AssistedMotion, now: float) -> str:
         if motion.driving_since is None:
             return "refused: the mux does not give the lease" if now - motion.began > _PATIENCE else ""
-        if now - motion.driving_since > motion.call.seconds and isinstance(motion.call, GoCall):
+        late = now - motion.driving_since > motion.call.seconds
+        if late and isinstance(motion.call, GoCall):
             return "stopped: not there within the time of the call; call again to go on"
+        if late and isinstance(motion.call, ExploreCall) and self._exploration is not None:
+            return f"stopped: call again to go on; {describe_status(self._exploration.status)}"
         return ""
 
     def _take_lease(self, text: str) -> None:
@@ -172,11 +182,12 @@ class AssistedDriving:
         if not mine or lease is None or lease.terms != terms:
             return
         if motion.driving_since is None:
-            motion = AssistedMotion(motion.call, motion.began, self._node.steady())
+            motion = replace(motion, driving_since=self._node.steady())
             if isinstance(motion.call, GoCall):
-                motion = AssistedMotion(
-                    motion.call, motion.began, motion.driving_since, self._send_goal(motion.call, answer)
-                )
+                call = motion.call
+                yaw = heading_there(self._topics.robot.pose(), call.x, call.y) if call.yaw is None else call.yaw
+                goal = self._send_goal(Pose2(call.x, call.y, yaw), answer, any_heading=call.yaw is None)
+                motion = replace(motion, goal=goal)
             self._motion = motion
         self._move(motion, answer)
 
@@ -189,19 +200,47 @@ class AssistedDriving:
                 self._velocities.send(StampedTwist(answer, self._identity.client, Twist(call.forward, call.turn)))
             return
         goal = self._topics.goal()
-        if goal.number != motion.goal:
+        if motion.goal and goal.number != motion.goal:
             self._finish("stopped: another client has sent a goal")
+        elif isinstance(call, ExploreCall):
+            self._explore(motion, answer)
         elif goal.state is LastGoalState.REACHED:
             self._finish("reached", done=True)
         elif goal.over:
             self._finish(f"refused: {goal.text or goal.state.value}")
 
-    def _send_goal(self, call: GoCall, answer: int) -> int:
+    def _begin_exploration(self) -> str:
+        """Return why the robot cannot explore, '' where it can."""
+        try:
+            self._exploration = self._exploration or make_exploration(self._node)
+        except UserError as problem:
+            return str(problem)
+        self._exploration.begin()
+        return ""
+
+    def _explore(self, motion: AssistedMotion, answer: int) -> None:
+        """Report the end of the last goal, and drive to the next place."""
+        exploration, grant, robot = self._exploration, self.grant, self._topics.robot.pose()
+        if exploration is None or grant is None or robot is None:
+            return
+        if exploration.status.ended:
+            self._finish(describe_status(exploration.status), done=True)
+            return
+        goal = self._topics.goal()
+        if motion.goal and goal.over:
+            exploration.note_end(goal.state is LastGoalState.REACHED, goal.text)
+            motion = replace(motion, goal=0)
+        found = exploration.take_place(robot, lambda place: grant.allows(place.x, place.y))
+        if found.place is not None:
+            motion = replace(motion, goal=self._send_goal(found.place, answer, any_heading=False))
+        elif found.cancel and motion.goal:
+            self._topics.cancel_goals()
+        self._motion = motion
+
+    def _send_goal(self, place: Pose2, answer: int, *, any_heading: bool) -> int:
         start = f"{self._node.name}-{next(self._numbers)}-{time.time():.3f}"
-        start = write_any_heading(start) if call.yaw is None else start
-        yaw = heading_there(self._topics.robot.pose(), call.x, call.y) if call.yaw is None else call.yaw
-        goal_id = write_goal_id(start, self._identity.client, answer)
-        return self._topics.send_goal(goal_id, Pose2(call.x, call.y, yaw))
+        start = write_any_heading(start) if any_heading else start
+        return self._topics.send_goal(write_goal_id(start, self._identity.client, answer), place)
 
     def _request(
         self, action: Action, answer: int, grant: DriveGrant | None, terms: Terms | None, note: str = ""

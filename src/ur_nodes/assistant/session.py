@@ -12,7 +12,7 @@ import numpy as np
 
 from ur.source.foreign.json_values import convert_json
 from ur.worlds.drawing import write_png
-from ur_nodes.assistant.messages import DriveCall, GoCall, LifeSign, LookCall, Message, SetGrant, StopCall
+from ur_nodes.assistant.messages import DriveCall, ExploreCall, GoCall, LifeSign, LookCall, Message, SetGrant, StopCall
 from ur_nodes.assistant.motion import AssistedDriving
 from ur_nodes.client.driver_text import describe_driver
 from ur_nodes.client.mux import MuxLink, describe_emergency
@@ -56,7 +56,7 @@ class AssistantSession:
                 self._driving.beat()
             case SetGrant():
                 self._driving.set_grant(found.grant)
-            case DriveCall() | GoCall():
+            case DriveCall() | GoCall() | ExploreCall():
                 self._driving.begin(found)
             case StopCall():
                 self._driving.stop()

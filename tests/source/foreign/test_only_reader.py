@@ -73,7 +73,7 @@ ALLOWED = {
     "ur/cli/robots/mcp.py": LOG,
     "ur/mcp/action_log.py": STATE,
     "ur/mcp/grants.py": KERNEL,
-    "ur/mcp/serve.py": OURS,
+    "ur/mcp/resources.py": OURS,
     "ur/maps/exchange.py": WRITTEN,
     "ur/maps/scan_file.py": MAP,
     "ur/maps/store.py": WRITTEN,
