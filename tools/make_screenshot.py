@@ -1,15 +1,18 @@
 """Make docs/images/keyboard_navigate.svg: the real terminal program over a robot that stands still in the maze.
 
-Usage: tools/make_screenshot.py [OUTPUT] [COLUMNSxROWS] [dark|light]. The same input gives the same file.
+Usage: tools/make_screenshot.py [OUTPUT] [COLUMNSxROWS] [dark|light] [DRIVER]. The same input gives the same file.
+DRIVER is the name of another program that drives: docs/images/assistant.svg has that of an assistant.
 """
 
 from __future__ import annotations
 
 import asyncio
 import math
+import os
 import re
 import sys
 import tempfile
+import time
 from pathlib import Path
 
 import numpy as np
@@ -25,6 +28,7 @@ from ur_nodes.client.snapshot import GoalReport, LastGoalState, RobotSnapshot
 from ur_nodes.client.waypoints import WaypointStore
 from ur_nodes.geometry.grid import Grid, load_map
 from ur_nodes.geometry.pose import Pose2
+from ur_nodes.motion.lease.view import LeaseView
 from ur_nodes.teleop.navigate.app import NavigateApp
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -32,6 +36,7 @@ MAP = ROOT / "ubiquity_launches/n_map_server/maps/maze.yaml"
 START = Pose2(0.0, 0.0, 0.0)
 ROBOT_AT = 0.62  # of the way
 GOAL = Pose2(12.1, 7.65, math.pi / 2)
+SINCE = 39720.0  # s since 1970: 11:02
 PLACES = {"dock": START, "kitchen": Pose2(16.6, 1.65, 0.0), "desk": Pose2(6.4, 4.65, 0.0)}
 
 
@@ -94,8 +99,8 @@ def cast_scan(grid: Grid, pose: Pose2, reach: float = 8.0) -> NDArray[np.float64
     return ends
 
 
-def make_snapshot() -> RobotSnapshot:
-    """The robot some way along its path."""
+def make_snapshot(driver: str = "") -> RobotSnapshot:
+    """The robot some way along its path; a program of another computer drives, unless `driver` is empty."""
     grid = load_map(MAP)
     path = find_path(grid, START, GOAL)
     at = int(len(path) * ROBOT_AT)
@@ -107,18 +112,19 @@ def make_snapshot() -> RobotSnapshot:
         scan=cast_scan(grid, pose),
         path=path[at:],
         goal=GoalReport(1, GOAL, LastGoalState.DRIVING),
-        speed=0.5,
+        speed=0.2 if driver else 0.5,
         spread=0.04,
+        lease=LeaseView("held", "desk", driver, SINCE, link_age=0.0) if driver else LeaseView(),
     )
 
 
-async def take_screenshot(size: tuple[int, int], light: bool) -> str:
+async def take_screenshot(size: tuple[int, int], light: bool, driver: str = "") -> str:
     """The screen as SVG."""
     with tempfile.TemporaryDirectory() as folder:
         store = WaypointStore(Path(folder) / "maze.yaml")
         for name, place in PLACES.items():
             store.remember(name, place)
-        app = NavigateApp(StillNavigator(make_snapshot()), lambda _: store, title="maze", light=light)
+        app = NavigateApp(StillNavigator(make_snapshot(driver)), lambda _: store, title="maze", light=light)
         async with app.run_test(size=size) as pilot:
             for line in app.query(Input):
                 line.cursor_blink = False
@@ -134,8 +140,11 @@ def main() -> None:
     target = Path(sys.argv[1]) if len(sys.argv) > 1 else ROOT / "docs/images/keyboard_navigate.svg"
     columns, rows = sys.argv[2].split("x") if len(sys.argv) > 2 else ("96", "32")
     light = len(sys.argv) > 3 and sys.argv[3] == "light"
+    os.environ["TZ"] = "UTC"
+    time.tzset()
+    driver = sys.argv[4] if len(sys.argv) > 4 else ""
     target.parent.mkdir(parents=True, exist_ok=True)
-    target.write_text(asyncio.run(take_screenshot((int(columns), int(rows)), light)), encoding="utf-8")
+    target.write_text(asyncio.run(take_screenshot((int(columns), int(rows)), light, driver)), encoding="utf-8")
     print(f"{target}: {target.stat().st_size // 1024} kB")
 
 

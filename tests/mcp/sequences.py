@@ -143,6 +143,7 @@ def _ordinary(choose: random.Random) -> tuple[str, dict[str, Any]]:
         (
             ("look", {}),
             ("stop", {}),
+            ("explore", {"seconds": round(choose.uniform(0.5, 20.0), 1)}),
             ("drive", {"forward": forward, "turn": turn, "seconds": round(choose.uniform(0.2, 4.0), 1)}),
             ("drive", {"forward": forward, "turn": 0.0, "seconds": 2.0}),
             ("go_to", {"x": round(choose.uniform(-2.0, 2.0), 1), "y": round(choose.uniform(-1.0, 1.0), 1)}),

@@ -18,6 +18,7 @@ from tests.mcp.robot import AssistedRobot, text_of
 from ur.mcp.assistant import MARK
 from ur.mcp.calls import TOOLS
 from ur.mcp.grants import Area
+from ur_nodes.client.mux import MuxLink
 from ur_nodes.motion.lease.client import LeaseClient
 from ur_nodes.motion.lease.view import Identity
 from ur_nodes.ports.node import Publisher
@@ -159,6 +160,19 @@ async def test_person_who_takes_over_ends_the_grant(robot: AssistedRobot) -> Non
         assert "desk (keyboard) has taken over" in text_of(await task)
         assert robot.files.find(robot.assistant.id) is None
         assert "no grant is in force" in text_of(await client.call_tool("drive", {"forward": 0.1}))
+
+
+async def test_emergency_stop_ends_the_grant(robot: AssistedRobot) -> None:
+    robot.grant(speed=0.3)
+    person = MuxLink(robot.stage.bus.node("desk"), "cmd_vel_mux")
+    async with robot.connect() as client:
+        task = asyncio.create_task(client.call_tool("go_to", {"x": 0.9, "y": 0.0}))
+        await wait_for_motion(robot)
+        person.ask("stop")
+        assert "an emergency stop, and the grant has ended" in text_of(await task)
+        assert robot.files.find(robot.assistant.id) is None
+    robot.step(0.5)
+    assert robot.samples[-1][1] < 0.01
 
 
 HOSTILE: tuple[tuple[str, dict[str, object], str], ...] = (

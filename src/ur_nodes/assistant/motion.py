@@ -66,7 +66,7 @@ class AssistedDriving:
         answer: Answer,
         revoke: Callable[[str], None],
     ) -> None:
-        """`revoke` is called with the reason when another client has taken over: the grant is void then."""
+        """`revoke` is called with the reason when a person has taken over or stopped the robot: the grant has ended."""
         self._node, self._topics, self._stop, self._identity = node, topics, stop, identity
         self._give, self._revoke = answer, revoke
         self.link = ChallengeLink(node, mux, self._check)
@@ -74,6 +74,7 @@ class AssistedDriving:
         self._held: HeldGrant | None = None
         self._motion: AssistedMotion | None = None
         self._exploration: AssistedExploration | None = None
+        self._stopped = False  # by an emergency stop
         self._beat_at = -math.inf  # s
         self._numbers = itertools.count(1)
         self._requests = node.publish(f"{mux}/lease_request", str, Quality.EVERY)
@@ -122,18 +123,23 @@ class AssistedDriving:
             self._finish(why)
 
     def _check(self) -> None:
-        """End the motion where it may not go on."""
-        motion = self._motion
-        if motion is None:
+        """End the motion where it may not go on, and the grant with a new emergency stop or a take-over."""
+        motion, stopped = self._motion, self._stop.view().stopped is True
+        if stopped and not self._stopped and self._held is not None:
+            self._end_grant("an emergency stop")
+        self._stopped = stopped
+        if motion is None or self._motion is None:
             return
         view = view_lease(self.lease, self._identity.client, None, self.link.link_age())
         if view.other and motion.driving_since is not None:
-            reason = f"{name_holder(view)} has taken over"
-            self._held = None
-            self._finish(f"stopped: {reason}, and the grant has ended")
-            self._revoke(reason)
+            self._end_grant(f"{name_holder(view)} has taken over")
         elif why := self._find_hindrance(motion, view):
             self._finish(why)
+
+    def _end_grant(self, reason: str) -> None:
+        self._held = None
+        self.stop(f"stopped: {reason}, and the grant has ended")
+        self._revoke(reason)
 
     def _find_hindrance(self, motion: AssistedMotion, view: LeaseView) -> str:
         """The reason why a motion may not go on, '' for none."""
