@@ -15,6 +15,9 @@ from ur.source.user_folders import user_folder
 MOST_BYTES = 1000
 """Bytes of a text."""
 
+REPORT_REQUEST = "requested by ur report"
+"""The text that has a black box write at once."""
+
 _SOCKETS = "sockets"
 
 

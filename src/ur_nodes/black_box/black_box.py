@@ -8,6 +8,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from ur.recordings.black_boxes import REPORT_REQUEST
 from ur_nodes.black_box.recording_file import RecordingError, write_recording
 from ur_nodes.black_box.ring import Ring
 from ur_nodes.black_box.selection import MOST_TOPICS, select_topics
@@ -22,6 +23,7 @@ from ur_nodes.ports.values import Result
 _BUMPER = re.compile(r"/(?:\w+/)*(bumper|cliff)/\w+", re.ASCII)
 _LOOK = 1.0  # s between two looks at the graph
 _MOST_REASONS = 50
+_AT_ONCE = 0.2  # s, in which what has been sent arrives
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,7 +79,8 @@ class BlackBox:
         if len(self._reasons) < _MOST_REASONS:
             self._reasons.append(text)
         if first:
-            self._node.after(self._settings.after, self._write, steady=True)
+            after = _AT_ONCE if text == REPORT_REQUEST else self._settings.after
+            self._node.after(after, self._write, steady=True)
 
     def _write_on_request(self, _request: Trigger) -> Result:
         self.happened("requested")

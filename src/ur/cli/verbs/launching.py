@@ -59,6 +59,24 @@ LAUNCHING = (
         trust=Trust("log files of your runs"),
     ),
     Verb(
+        "report",
+        "ur.cli.runs.report",
+        "Write what happened in a run into one archive.",
+        _SECTION,
+        arguments=("run",),
+        descriptions=("A run, active or ended, or the beginning of its name; the latest unless given.",),
+        examples=(
+            ("ur report", "Report the run that is active, or the latest that has ended."),
+            ("ur report m_wander --output why.zip", "Choose among several runs, and name the archive."),
+        ),
+        trust=Trust(
+            "records, logs and recordings of your runs, the answers of the ROS master",
+            starts="`git`, in the current folder",
+            sends="a request to the black boxes on this computer, questions to the ROS master",
+            writes="an archive, without secrets",
+        ),
+    ),
+    Verb(
         "restart",
         "ur.cli.runs.restart",
         "Stop a node and start it again.",

@@ -1,0 +1,78 @@
+"""`ur report`: what happened in a run, as one archive."""
+
+from __future__ import annotations
+
+import os
+import time
+from pathlib import Path
+
+import click
+
+from ur.cli.runs.detached import choose_run
+from ur.cli.runs.logs import find_ended_run
+from ur.run.record.ended import EndedRun
+from ur.run.record.entry import RunEntry
+from ur.source.diagnostic import UserError, error_about
+
+_AFTER_END = 120.0  # s after a run in which its black box may still write
+_WITHIN = 10.0  # s for the black box to write
+_LOOK = 0.1  # s
+
+
+@click.command("report")
+@click.argument("run", required=False)
+@click.option("-o", "--output", metavar="FILE", help="The archive; report_RUN.zip here unless given.")
+def command(run: str | None, output: str | None) -> int:
+    """Write what happened in a run into one archive.
+
+    It holds the newest recording of the black box, logs, parameters, versions, the changes of the workspace, and
+    report.html, a page that shows them without a network. Of a run that is active, the black box writes its memory
+    first. Passwords, keys, tokens, names of wireless networks and of home folders are removed; removed.txt lists where.
+    """
+    from ur.recordings.black_boxes import recordings_folder
+    from ur.report.archive import list_run_recordings, write_report
+    from ur.report.sources import collect
+    from ur.request.requirements.python_packages import need_all
+
+    ended = find_ended_run(run)
+    entry = choose_run(run) if ended is None else ended.entry
+    need_all(["mcap", "rosbags"], "recordings.lock", "what recordings need (12 MB to download)")
+    folder = Path(recordings_folder(os.environ))
+    if ended is None:
+        _await_recording(folder)
+    path = Path(output or f"report_{entry.run}.zip").absolute()
+    sources = collect(entry, ended, os.environ, Path.cwd())
+    recordings = list_run_recordings(folder, entry.started, _end_of(ended))
+    try:
+        report = write_report(path, _title(entry), sources, recordings)
+    except OSError as problem:
+        reason = (problem.strerror or str(problem)).lower()
+        raise UserError(
+            error_about(path, f"{reason}, expected a file that can be written", rule="unwritable-file")
+        ) from None
+    for each in report.missing:
+        click.echo(f"warning: the report is without {each}", err=True)
+    click.echo(f"{report.path}: {report.size / 1e6:.1f} MB")
+    click.echo(f"secrets were removed in {len(report.removed)} places; removed.txt in it lists them", err=True)
+    return 0
+
+
+def _await_recording(folder: Path) -> None:
+    """Have the black boxes that run write, and wait until one has."""
+    from ur.recordings.black_boxes import REPORT_REQUEST, notify_black_boxes
+    from ur.report.archive import list_run_recordings
+
+    begin = time.time()
+    if not notify_black_boxes(os.environ, REPORT_REQUEST):
+        return
+    until = time.monotonic() + _WITHIN
+    while time.monotonic() < until and not list_run_recordings(folder, begin, begin + 3600.0):
+        time.sleep(_LOOK)
+
+
+def _end_of(ended: EndedRun | None) -> float:
+    return time.time() + 1.0 if ended is None else ended.ended + _AFTER_END
+
+
+def _title(entry: RunEntry) -> str:
+    return f"{entry.title}, {time.strftime('%Y-%m-%d %H:%M', time.localtime(entry.started))}"

@@ -1,0 +1,85 @@
+"""The archive of a report: one zip, complete or absent, without secrets."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+import zipfile
+from collections.abc import Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+
+from ur.report.page import make_page
+from ur.report.recording import Recording, copy_recording
+from ur.report.secrets import SecretFilter
+from ur.report.sources import RunSources, write_values
+
+MOST_BYTES = 20_000_000
+_MOST_IN_PAGE = 100_000  # characters of a file that the page repeats
+
+
+@dataclass(frozen=True, slots=True)
+class Report:
+    """A report that was written: its bytes, a line for each kind of removed secrets and file, and what is missing."""
+
+    path: Path
+    size: int
+    removed: tuple[str, ...]
+    missing: tuple[str, ...]
+
+
+def write_report(path: Path, title: str, sources: RunSources, recordings: Sequence[Path]) -> Report:
+    """Write the archive. `recordings` are files of the black box, newest last, of which the newest is taken.
+
+    Raises OSError.
+    """
+    secrets = SecretFilter()
+    for tree in sources.values.values():
+        secrets.learn(tree)
+        secrets.learn_text(write_values(tree))
+    for text in sources.texts.values():
+        secrets.learn_text(text)
+    missing = []
+    with tempfile.TemporaryDirectory(prefix=".ur_report_", dir=path.parent) as folder:
+        copy = Path(folder, "recording.mcap")
+        recording = Recording()
+        if recordings:
+            try:
+                recording = copy_recording(recordings[-1], copy, secrets)
+            except (OSError, ValueError) as problem:
+                missing.append(f"the recording: {problem}")
+        else:
+            missing.append("a recording: the black box has written none during the run")
+        if copy.exists() and copy.stat().st_size > MOST_BYTES * 3 // 4:
+            copy.unlink()
+            missing.append("the recording: it is too large")
+        files = {name: write_values(secrets.clean_values(tree, name)) for name, tree in sources.values.items() if tree}
+        files |= {name: secrets.clean(text, name) for name, text in sources.texts.items()}
+        run = secrets.clean_values(sources.values.get("run.json", {}), "report.html")
+        removed = tuple(f"{file}: {count} times a {kind}" for (file, kind), count in sorted(secrets.removed.items()))
+        shown = {name: text[-_MOST_IN_PAGE:] for name, text in files.items()}
+        files["report.html"] = make_page(secrets.clean(title, "report.html"), run, recording, shown, removed)
+        files["removed.txt"] = "\n".join([*removed, *(f"missing: {each}" for each in missing)]) + "\n"
+        unfinished = Path(folder, "report.zip")
+        with unfinished.open("wb") as file:
+            os.fchmod(file.fileno(), 0o600)
+            with zipfile.ZipFile(file, "w", zipfile.ZIP_DEFLATED) as archive:
+                for name, text in files.items():
+                    archive.writestr(name, text)
+                if copy.exists():
+                    archive.write(copy, "recording.mcap", zipfile.ZIP_STORED)
+            file.flush()
+            os.fsync(file.fileno())
+        size = unfinished.stat().st_size
+        unfinished.replace(path)
+    return Report(path, size, removed, tuple(missing))
+
+
+def list_run_recordings(folder: Path, begin: float, end: float) -> list[Path]:
+    """The recordings of a folder that were written in a time (s since 1970), oldest first."""
+    found: list[tuple[float, Path]] = []
+    with suppress(OSError):
+        paths = [each for each in folder.iterdir() if each.suffix == ".mcap" and not each.name.startswith(".")]
+        found = [(each.stat().st_mtime, each) for each in paths]
+    return [each for moment, each in sorted(found) if begin <= moment <= end]

@@ -1,0 +1,157 @@
+"""Secrets in texts and in bytes of messages, found by the names that they have, by their form, and by their values."""
+
+from __future__ import annotations
+
+import base64
+import re
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping
+from urllib.parse import quote
+
+_STRONG = (
+    "passw(?:or)?d|passphrase|passcode|secret|token|api[_-]?key|access[_-]?key|private[_-]?key|credential|psk|ssid"
+    "|authorization|cookie"
+)
+_WEAK = "pass|pwd|auth|key|pin|wpa|bearer"  # parts of other words, too
+_NAME = rf"(?:[\w.-]*(?:{_STRONG})[\w.-]*|(?:[\w.-]*[^a-zA-Z\s])?(?:{_WEAK})(?:[\d_.-][\w.-]*)?)"
+_QUOTED = r"\"(?P<{0}a>[^\"\n]*)\"|'(?P<{0}b>[^'\n]*)'"
+_IS_SECRET = re.compile(rf"(?:.*/)?{_NAME}", re.IGNORECASE)
+_PATTERNS: tuple[tuple[str, re.Pattern[str]], ...] = (
+    ("private key", re.compile(r"(?P<a>-----BEGIN [A-Z ]*PRIVATE KEY-----[\s\S]*?(?:-----END [A-Z ]*-----|\Z))")),
+    ("password in an address", re.compile(r"://(?P<a>[^/\s@\"'<>]+)@")),
+    (
+        "value with the name of a secret",
+        re.compile(
+            rf"(?<![\w.-]){_NAME}[\"']?\s*(?:"
+            rf"(?::=|=)\s*(?:{_QUOTED.format('a')}|(?P<aplain>[^\s\"'&;<>]+))"
+            rf"|:\s*(?:{_QUOTED.format('c')}|(?P<cplain>[^\n\"'<>]+)))",
+            re.IGNORECASE,
+        ),
+    ),
+    (
+        "value of an option with the name of a secret",
+        re.compile(rf"(?<!\S)--?{_NAME}\s+(?:{_QUOTED.format('a')}|(?P<aplain>[^\s\"'-][^\s\"']*))", re.IGNORECASE),
+    ),
+    ("authorization", re.compile(r"\b(?:bearer|basic|digest)\s+(?P<a>[\w.~+/=-]{8,})", re.IGNORECASE)),
+    (
+        "token",
+        re.compile(
+            r"\b(?P<a>gh[pousr]_\w{16,}|github_pat_\w{16,}|glpat-[\w-]{16,}|sk-[\w-]{16,}|AKIA[0-9A-Z]{12,}"
+            r"|xox[abprs]-[\w-]{10,}|AIza[\w-]{30,}|eyJ[\w-]{8,}\.[\w-]+\.[\w-]+)"
+        ),
+    ),
+    ("name of a home folder", re.compile(r"/(?:home|Users)/(?P<a>[^/\s:\"'<>,;)\]}]+)")),
+)
+_LEAST = 4  # characters of a value that is removed wherever it stands
+_PLAIN = frozenset({"true", "false", "none", "null", "auto", "default", "home", "root"})
+
+Removed = Counter[tuple[str, str]]
+"""How often something was removed, by the file and the kind."""
+
+
+class SecretFilter:
+    """Learns the values of secrets, then removes them. `removed` counts what it has removed."""
+
+    def __init__(self) -> None:
+        self._values: dict[str, str] = {}  # with their kinds
+        self.removed: Removed = Counter()
+
+    def learn(self, values: object, name: str = "") -> None:
+        """Learn the values of a tree of mappings and lists whose names are those of secrets."""
+        if isinstance(values, Mapping):
+            for key, value in values.items():
+                below = str(key) if not is_secret_name(name) else name
+                self.learn(value, below)
+        elif isinstance(values, list | tuple):
+            for each in values:
+                self.learn(each, name)
+        elif is_secret_name(name):
+            self._keep(str(values), "value with the name of a secret")
+
+    def learn_text(self, text: str) -> None:
+        """Learn the values that a text gives away."""
+        for _, begin, end, kind in _spans(text):
+            self._keep(text[begin:end], kind)
+
+    def _keep(self, value: str, kind: str) -> None:
+        for each in (value.strip(), *(re.split(r"[:@]", value) if kind == "password in an address" else ())):
+            if len(each) >= _LEAST and each.lower() not in _PLAIN and not each.startswith("[removed"):
+                self._values.setdefault(each, kind)
+
+    def clean(self, text: str, file: str) -> str:
+        """A text without secrets."""
+        spans = list(self._find(text, utf8=False))
+        parts = []
+        place = 0
+        for begin, end, kind in _merge(spans):
+            parts += [text[place:begin], f"[removed: {kind}]"]
+            self.removed[file, kind] += 1
+            place = end
+        return "".join([*parts, text[place:]])
+
+    def clean_values(self, values: object, file: str, name: str = "") -> object:
+        """As `clean`, for a tree of mappings, lists and values."""
+        if isinstance(values, Mapping):
+            return {
+                self.clean(str(key), file): self.clean_values(value, file, name if is_secret_name(name) else str(key))
+                for key, value in values.items()
+            }
+        if isinstance(values, list | tuple):
+            return [self.clean_values(each, file, name) for each in values]
+        if is_secret_name(name) and values not in (None, "", True, False):
+            self.removed[file, "value with the name of a secret"] += 1
+            return "[removed: value with the name of a secret]"
+        return self.clean(values, file) if isinstance(values, str) else values
+
+    def clean_bytes(self, data: bytes, file: str) -> bytes:
+        """Bytes of a message with `*` in place of secrets: its lengths stay what they were."""
+        text = data.decode("latin-1")
+        found = _merge(list(self._find(text, utf8=True)))
+        if not found:
+            return data
+        made = bytearray(data)
+        for begin, end, kind in found:
+            made[begin:end] = b"*" * (end - begin)
+            self.removed[file, kind] += 1
+        return bytes(made)
+
+    def _find(self, text: str, *, utf8: bool) -> Iterator[tuple[int, int, str]]:
+        for _, begin, end, kind in _spans(text):
+            yield begin, end, kind
+        for value, kind in self._values.items():
+            for form in _forms(value):
+                sought = form.encode().decode("latin-1") if utf8 else form
+                place = text.find(sought)
+                while place >= 0:
+                    yield place, place + len(sought), kind
+                    place = text.find(sought, place + len(sought))
+
+
+def is_secret_name(name: str) -> bool:
+    """Return whether a parameter, a variable or an argument of this name has a secret for a value."""
+    return bool(name) and _IS_SECRET.fullmatch(name) is not None
+
+
+def _forms(value: str) -> tuple[str, ...]:
+    packed = base64.b64encode(value.encode("utf-8", "surrogatepass")).decode().rstrip("=")
+    forms = {value, quote(value, safe="", errors="replace"), packed, value.replace("\\", "\\\\").replace('"', '\\"')}
+    return tuple(each for each in forms if len(each) >= _LEAST)
+
+
+def _spans(text: str) -> Iterator[tuple[str, int, int, str]]:
+    for kind, pattern in _PATTERNS:
+        for match in pattern.finditer(text):
+            for name, value in match.groupdict().items():
+                if value and value.strip() and not value.startswith("[removed"):
+                    yield name, match.start(name), match.end(name), kind
+
+
+def _merge(spans: Iterable[tuple[int, int, str]]) -> list[tuple[int, int, str]]:
+    merged: list[tuple[int, int, str]] = []
+    for begin, end, kind in sorted(spans):
+        if merged and begin < merged[-1][1]:
+            first, last, before = merged[-1]
+            merged[-1] = (first, max(last, end), before)
+        else:
+            merged.append((begin, end, kind))
+    return merged

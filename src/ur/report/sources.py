@@ -1,0 +1,174 @@
+"""What a report holds besides the recording: logs, parameters, environment, versions, changes and load."""
+
+from __future__ import annotations
+
+import os
+import platform
+import re
+import subprocess
+import time
+import xmlrpc.client
+from collections.abc import Mapping
+from contextlib import suppress
+from dataclasses import dataclass, field
+from importlib import metadata
+from pathlib import Path
+
+from ur.run.record.ended import EndedRun
+from ur.run.record.entry import RunEntry
+from ur.source.foreign.json_values import write_json
+
+_MOST_LOG = 1_000_000  # bytes from the end of a log
+_MOST_LOGS = 8_000_000  # of all logs
+_MOST_CHANGES = 500_000
+_WITHIN = 1.0  # s for a master or for git
+_NAMES = re.compile(
+    r"(ROS|UR|AMENT|COLCON|CMAKE|PYTHON|RMW|CYCLONEDDS|FASTRTPS|XDG|LANG|DISPLAY|TERM|PATH|HOME|USER)\w*"
+)
+
+
+@dataclass(frozen=True, slots=True)
+class RunSources:
+    """Texts by the names of their files, and trees of values by the name of theirs."""
+
+    texts: dict[str, str] = field(default_factory=dict)
+    values: dict[str, object] = field(default_factory=dict)
+
+
+def collect(entry: RunEntry, ended: EndedRun | None, environment: Mapping[str, str], folder: Path) -> RunSources:
+    """Collect what is known of a run; what cannot be read is left out. `folder` is that of the workspace."""
+    texts = read_logs(Path(entry.log_folder))
+    if changes := read_changes(folder):
+        texts["workspace.diff"] = changes
+    run: dict[str, object] = {
+        "run": entry.run,
+        "launch file": entry.title,
+        "started": _clock(entry.started),
+        "computer": entry.host,
+        "master": entry.master_uri,
+        "arguments": read_arguments(entry.pid) if ended is None else [],
+    }
+    if ended is not None:
+        run |= {"ended": _clock(ended.ended), "exit code": ended.exit_code, "cause": ended.cause}
+        texts["last_lines.txt"] = "\n".join(ended.lines) + "\n"
+    values: dict[str, object] = {
+        "run.json": run,
+        "parameters.json": read_parameters(entry.master_uri) if ended is None else {},
+        "environment.json": {name: value for name, value in sorted(environment.items()) if _NAMES.match(name)},
+        "versions.json": read_versions(),
+        "system.json": read_system(),
+    }
+    return RunSources(texts, values)
+
+
+def read_logs(folder: Path) -> dict[str, str]:
+    """The ends of the log files of a run, newest first, as far as they are small enough together."""
+    found: dict[str, str] = {}
+    left = _MOST_LOGS
+    with suppress(OSError):
+        files = [path for path in folder.iterdir() if path.suffix == ".log" and path.is_file()]
+        for path in sorted(files, key=lambda each: each.stat().st_mtime, reverse=True):
+            with suppress(OSError), path.open("rb") as file:
+                size = file.seek(0, os.SEEK_END)
+                file.seek(max(0, size - min(_MOST_LOG, left)))
+                text = file.read(_MOST_LOG).decode("utf-8", "replace")
+                if text:
+                    left -= len(text)
+                    found[f"logs/{path.name}"] = text
+            if left <= 0:
+                break
+    return found
+
+
+def read_arguments(pid: int) -> list[str]:
+    """The command line of a run that is active."""
+    with suppress(OSError):
+        data = Path(f"/proc/{pid}/cmdline").read_bytes()
+        return [each.decode("utf-8", "replace") for each in data.split(b"\0") if each]
+    return []
+
+
+def read_parameters(uri: str) -> object:
+    """The parameters of a master of ROS 1; none where there is none."""
+    if not uri.startswith("http"):
+        return {}
+
+    class Transport(xmlrpc.client.Transport):
+        def make_connection(self, host: object) -> object:  # type: ignore[override]
+            connection = super().make_connection(host)  # type: ignore[arg-type]
+            connection.timeout = _WITHIN
+            return connection
+
+    try:
+        with xmlrpc.client.ServerProxy(uri, transport=Transport()) as master:
+            answer: object = master.getParam("/ur_report", "/")
+    except Exception:  # of the network, of XML-RPC and its parser
+        return {}
+    match answer:
+        case [1, _, dict(values)]:
+            return _plain(values)
+    return {}
+
+
+def read_versions() -> dict[str, object]:
+    """The versions of this computer's system, of ROS and of Python's packages."""
+    release = {}
+    with suppress(OSError):
+        release = platform.freedesktop_os_release()
+    packages = {each.name: each.version for each in metadata.distributions() if each.name}
+    return {
+        "system": release.get("PRETTY_NAME", platform.system()),
+        "kernel": platform.release(),
+        "machine": platform.machine(),
+        "python": platform.python_version(),
+        "ros": os.environ.get("ROS_DISTRO", ""),
+        "packages": dict(sorted(packages.items())),
+    }
+
+
+def read_changes(folder: Path) -> str:
+    """The commit of a workspace and its differences from it, as git has them; '' where there is no repository."""
+    texts = []
+    for command in (("log", "-1", "--format=%H %cI"), ("status", "--short"), ("diff", "HEAD", "--no-ext-diff")):
+        try:
+            done = subprocess.run(
+                ["git", "-c", "core.fsmonitor=false", "-C", str(folder), *command],
+                capture_output=True,
+                timeout=_WITHIN,
+                check=True,
+                stdin=subprocess.DEVNULL,
+            )
+        except (OSError, subprocess.SubprocessError):
+            break
+        texts.append(done.stdout[:_MOST_CHANGES].decode("utf-8", "replace"))
+    return "\n".join(texts)
+
+
+def read_system() -> dict[str, object]:
+    """The load, memory and free disk of this computer now."""
+    found: dict[str, object] = {"time": _clock(time.time()), "load": list(os.getloadavg()), "cpus": os.cpu_count()}
+    with suppress(OSError, ValueError):
+        lines = Path("/proc/meminfo").read_text(encoding="ascii").splitlines()[:5]
+        found["memory"] = {line.partition(":")[0]: line.partition(":")[2].strip() for line in lines}
+    with suppress(OSError):
+        found["uptime in s"] = float(Path("/proc/uptime").read_text(encoding="ascii").split()[0])
+        status = os.statvfs("/")
+        found["free disk in MB"] = status.f_bavail * status.f_frsize // 1_000_000
+    return found
+
+
+def write_values(values: object) -> str:
+    """A tree of values as JSON."""
+    return write_json(values) + "\n"
+
+
+def _plain(value: object) -> object:
+    if isinstance(value, Mapping):
+        return {str(key): _plain(each) for key, each in value.items()}
+    if isinstance(value, list | tuple):
+        return [_plain(each) for each in value]
+    return value if isinstance(value, bool | int | float | str) or value is None else str(value)
+
+
+def _clock(seconds: float) -> str:
+    return time.strftime("%Y-%m-%d %H:%M:%S", time.localtime(seconds))
