@@ -24,6 +24,7 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
     "ur.robot": ("ur.source", "ur.system", "ur.devices"),
     "ur.worlds": ("ur.source",),
     "ur.recordings": ("ur.source",),
+    "ur.report": ("ur.source", "ur.run.record"),
     "ur.fleet": ("ur.source",),
     "ur.maps": ("ur.source", "ur.worlds"),
     "ur.check": ("ur.source", "ur.launchfile", "ur.robot", "ur.worlds"),

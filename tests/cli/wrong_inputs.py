@@ -118,6 +118,7 @@ attach nobody
 logs
 logs talker
 logs talker --run nothing
+report nothing
 restart talker
 restart talker --run nothing
 wait

@@ -70,7 +70,7 @@ def plant(chance: random.Random, count: int) -> tuple[RunSources, list[str], lis
             environment[f"ROS_{number}_{name}"] = secret
             lines.append(f"base64 {base64.b64encode(secret.encode()).decode()} and {quote(secret, safe='')}")
         elif place == 2:
-            arguments.append(f"{name}:={secret}")
+            arguments += [f"--{name}", secret] if number % 4 else [f"{name}:={secret}"]
             said.append(f"started with {secret}")
         elif place == 3:
             lines.append(chance.choice(SHAPES).format(value=secret))

@@ -49,6 +49,7 @@ def write_report(path: Path, title: str, sources: RunSources, recordings: Sequen
                 recording = copy_recording(recordings[-1], copy, secrets)
             except (OSError, ValueError) as problem:
                 missing.append(f"the recording: {problem}")
+                copy.unlink(missing_ok=True)
         else:
             missing.append("a recording: the black box has written none during the run")
         if copy.exists() and copy.stat().st_size > MOST_BYTES * 3 // 4:

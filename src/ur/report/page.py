@@ -19,11 +19,13 @@ body { max-width: 960px; margin: 0 auto; padding: 1rem }
 h1 { font-size: 1.5rem } h2 { font-size: 1.15rem; margin-top: 2rem }
 svg { width: 100%; height: auto; background: #8881; border-radius: 6px }
 table { border-collapse: collapse; width: 100% } td, th { text-align: left; padding: .15rem .5rem; vertical-align: top;
- border-bottom: 1px solid #8884; overflow-wrap: anywhere }
+ border-bottom: 1px solid #8884; overflow-wrap: anywhere; min-width: 4.5rem }
 pre { overflow: auto; max-height: 30rem; background: #8881; padding: .6rem; border-radius: 6px; font-size: 12px }
 .error, .fatal { color: #d33 } .warning { color: #b70 } .event { fill: #d33 } .line { fill: none; stroke: #27c;
- stroke-width: 1.5 } .walls { fill: currentColor } .track { fill: none; stroke: #d33; vector-effect: non-scaling-stroke;
- stroke-width: 2 } .wide { overflow-x: auto } small { opacity: .7 } text { fill: currentColor; font-size: 13px }
+ stroke-width: 1.5; vector-effect: non-scaling-stroke } .plot { height: 100px } .ends { display: flex; margin: 0;
+ justify-content: space-between }
+ .walls { fill: currentColor } .track { fill: none; stroke: #d33; vector-effect: non-scaling-stroke;
+ stroke-width: 2 } .wide { overflow-x: auto } small { opacity: .7 }
 """
 
 
@@ -85,20 +87,18 @@ def _timeline(found: Recording) -> str:
     for moment, level, _ in found.log:
         if level in ("warning", "error", "fatal"):
             x = (moment - found.begin) * scale
-            marks.append(f'<rect class="{level}" fill="currentColor" x="{x:.1f}" y="20" width="2" height="20"/>')
+            marks.append(f'<rect class="{level}" fill="currentColor" x="{x:.1f}" y="15" width="3" height="30"/>')
     for moment, text in found.events:
         x = (moment - found.begin) * scale
-        marks.append(f'<circle class="event" cx="{x:.1f}" cy="30" r="6"><title>{escape(text)}</title></circle>')
-    ends = (
-        f'<text x="4" y="58">{_clock(found.begin)}</text>'
-        f'<text x="{_WIDTH - 4}" y="58" text-anchor="end">{_clock(found.end)}</text>'
-    )
+        marks.append(f'<circle class="event" cx="{x:.1f}" cy="30" r="9"><title>{escape(text)}</title></circle>')
     events = [(f"{_clock(moment)} ({moment - found.end:+.1f} s)", text) for moment, text in found.events]
-    return f'<svg viewBox="0 0 {_WIDTH} 64">{"".join(marks)}{ends}</svg>{_table(("time", "event"), events)}'
+    ends = f'<p class="ends"><small>{_clock(found.begin)}</small><small>{_clock(found.end)}</small></p>'
+    svg = f'<svg viewBox="0 0 {_WIDTH} 60">{"".join(marks)}</svg>'
+    return f"{svg}{ends}{_table(('time', 'event'), events)}"
 
 
 def _map(found: Recording) -> str:
-    track = found.track if len(found.track) > 1 else found.odometry
+    track = found.track or ([] if found.grid else found.odometry)
     if found.grid is None and not track:
         return "<p>There is neither a map nor a track.</p>"
     walls, box = _walls(found.grid) if found.grid else ("", None)
@@ -107,11 +107,12 @@ def _map(found: Recording) -> str:
         box = (min(xs) - 1.0, min(ys) - 1.0, max(xs) - min(xs) + 2.0, max(ys) - min(ys) + 2.0)
     x, y, width, height = box
     points = " ".join(f"{px:.3f},{py:.3f}" for px, py in thin(track))
+    end = f'<circle class="event" cx="{track[-1][0]:.3f}" cy="{track[-1][1]:.3f}" r="0.2"/>' if track else ""
     return (
         f'<svg viewBox="{x:.3f} {-y - height:.3f} {width:.3f} {height:.3f}"><g transform="scale(1,-1)">'
-        f'<path class="walls" d="{walls}"/><polyline class="track" points="{points}"/></g></svg>'
+        f'<path class="walls" d="{walls}"/><polyline class="track" points="{points}"/>{end}</g></svg>'
         f"<p><small>{width:.1f} m by {height:.1f} m; the track is that of "
-        f"{'localisation' if len(found.track) > 1 else 'the odometry'}.</small></p>"
+        f"{'localisation' if found.track else 'the odometry'}, and the dot its end.</small></p>"
     )
 
 
@@ -141,8 +142,10 @@ def _plot(values: Sequence[tuple[float, float]], unit: str) -> str:
         for moment, value in thin(values)
     )
     return (
-        f'<svg viewBox="0 0 {_WIDTH} {_HEIGHT}"><polyline class="line" points="{points}"/>'
-        f'<text x="4" y="16">{high:.2f} {unit}</text><text x="4" y="{_HEIGHT - 4}">{low:.2f}</text></svg>'
+        f'<svg class="plot" viewBox="0 0 {_WIDTH} {_HEIGHT}" preserveAspectRatio="none">'
+        f'<polyline class="line" points="{points}"/></svg>'
+        f'<p class="ends"><small>{low:.2f} to {high:.2f} {unit}</small>'
+        f"<small>{_clock(begin)} to {_clock(end)}</small></p>"
     )
 
 

@@ -63,8 +63,11 @@ class SecretFilter:
                 below = str(key) if not is_secret_name(name) else name
                 self.learn(value, below)
         elif isinstance(values, list | tuple):
+            before = ""
             for each in values:
-                self.learn(each, name)
+                self.learn(each, before or name)
+                option = each.lstrip("-") if isinstance(each, str) and each.startswith("-") else ""
+                before = option if is_secret_name(option) else ""
         elif is_secret_name(name):
             self._keep(str(values), "value with the name of a secret")
 

@@ -16,12 +16,14 @@ from pathlib import Path
 
 from ur.run.record.ended import EndedRun
 from ur.run.record.entry import RunEntry
+from ur.run.record.plan_record import plan_path, read_plan
 from ur.source.foreign.json_values import write_json
 
 _MOST_LOG = 1_000_000  # bytes from the end of a log
 _MOST_LOGS = 8_000_000  # of all logs
 _MOST_CHANGES = 500_000
 _WITHIN = 1.0  # s for a master or for git
+_STAMP = re.compile(r"(\d{4}-\d\d-\d\d \d\d:\d\d:\d\d)[,.](\d{3})")
 _NAMES = re.compile(
     r"(ROS|UR|AMENT|COLCON|CMAKE|PYTHON|RMW|CYCLONEDDS|FASTRTPS|XDG|LANG|DISPLAY|TERM|PATH|HOME|USER)\w*"
 )
@@ -36,8 +38,13 @@ class RunSources:
 
 
 def collect(entry: RunEntry, ended: EndedRun | None, environment: Mapping[str, str], folder: Path) -> RunSources:
-    """Collect what is known of a run; what cannot be read is left out. `folder` is that of the workspace."""
+    """Collect what is known of a run; what cannot be read is left out. Without a plan, `folder` is the workspace."""
+    plan = read_plan(plan_path(entry.log_folder, entry.run))
+    files = plan.get("files")
+    if isinstance(files, list) and files and isinstance(files[0], str) and Path(files[0]).is_absolute():
+        folder = Path(files[0]).parent
     texts = read_logs(Path(entry.log_folder))
+    texts["logs/all.txt"] = merge_logs(texts)
     if changes := read_changes(folder):
         texts["workspace.diff"] = changes
     run: dict[str, object] = {
@@ -46,13 +53,13 @@ def collect(entry: RunEntry, ended: EndedRun | None, environment: Mapping[str, s
         "started": _clock(entry.started),
         "computer": entry.host,
         "master": entry.master_uri,
-        "arguments": read_arguments(entry.pid) if ended is None else [],
     }
     if ended is not None:
         run |= {"ended": _clock(ended.ended), "exit code": ended.exit_code, "cause": ended.cause}
         texts["last_lines.txt"] = "\n".join(ended.lines) + "\n"
     values: dict[str, object] = {
         "run.json": run,
+        "plan.json": plan,
         "parameters.json": read_parameters(entry.master_uri) if ended is None else {},
         "environment.json": {name: value for name, value in sorted(environment.items()) if _NAMES.match(name)},
         "versions.json": read_versions(),
@@ -80,12 +87,18 @@ def read_logs(folder: Path) -> dict[str, str]:
     return found
 
 
-def read_arguments(pid: int) -> list[str]:
-    """The command line of a run that is active."""
-    with suppress(OSError):
-        data = Path(f"/proc/{pid}/cmdline").read_bytes()
-        return [each.decode("utf-8", "replace") for each in data.split(b"\0") if each]
-    return []
+def merge_logs(logs: Mapping[str, str]) -> str:
+    """The lines of logs by time, each with the name of its node; one without a time follows the line before it."""
+    lines: list[tuple[str, int, str]] = []
+    for file, text in logs.items():
+        name = file.removeprefix("logs/").removesuffix(".log")
+        moment = ""
+        for line in text.splitlines():
+            if stamp := _STAMP.search(line):
+                moment = f"{stamp[1]}.{stamp[2]}"
+            if moment:
+                lines.append((moment, len(lines), f"{moment} {name}: {line}"))
+    return "\n".join(line for _, _, line in sorted(lines)) + "\n"
 
 
 def read_parameters(uri: str) -> object:
@@ -129,7 +142,11 @@ def read_versions() -> dict[str, object]:
 def read_changes(folder: Path) -> str:
     """The commit of a workspace and its differences from it, as git has them; '' where there is no repository."""
     texts = []
-    for command in (("log", "-1", "--format=%H %cI"), ("status", "--short"), ("diff", "HEAD", "--no-ext-diff")):
+    for command in (
+        ("log", "-1", "--format=%H %cI"),
+        ("status", "--short"),
+        ("diff", "HEAD", "--no-ext-diff", "--no-textconv"),
+    ):
         try:
             done = subprocess.run(
                 ["git", "-c", "core.fsmonitor=false", "-C", str(folder), *command],

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import socket
+import sys
 import time
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
@@ -71,6 +72,10 @@ def claim(entry: RunEntry, nodes: Sequence[NodeSpec], plan: Plan, options: RunOp
 
         with suppress(OSError):  # a full disk: what runs is still seen, once it runs
             write_claims(entry.folder, make_claims(nodes, plan.params, (each.run for each in options.owners)))
+    from ur.run.record.plan_record import plan_path, write_plan
+
+    with suppress(OSError):  # a report is then without the plan
+        write_plan(plan_path(entry.log_folder, entry.run), plan, nodes, sys.argv)
     for owner in options.owners:
         with suppress(OSError):  # it ends, and this run with it
             note_user(owner.folder, entry.run)

@@ -1,0 +1,195 @@
+"""The archive of a report: what it holds, and the page in a browser."""
+
+from __future__ import annotations
+
+import shutil
+import struct
+import subprocess
+import zipfile
+from pathlib import Path
+
+import pytest
+from mcap.reader import make_reader
+from mcap.writer import CompressionType, Writer
+from rosbags.typesys import Stores, get_typestore
+from tests.docs.chromium import Chromium, find_chromium
+
+from ur.report.archive import MOST_BYTES, list_run_recordings, write_report
+from ur.report.page import make_page
+from ur.report.recording import Grid, Recording
+from ur.report.sources import RunSources, collect, merge_logs, read_changes, read_parameters
+from ur.run.record.ended import EndedRun
+from ur.run.record.entry import RunEntry
+
+START = 1_700_000_000_000_000_000
+STORE = get_typestore(Stores.ROS1_NOETIC)
+
+
+def odometry(x: float) -> bytes:
+    position = struct.pack("<7d", x, 0.5 * x, 0.0, 0.0, 0.0, 0.0, 1.0) + bytes(36 * 8)
+    header = struct.pack("<III", 0, 0, 0) + struct.pack("<I", 4) + b"odom" + struct.pack("<I", 4) + b"base"
+    return header + position + struct.pack("<6d", 0.3, 0.0, 0.0, 0.0, 0.0, 0.1) + bytes(36 * 8)
+
+
+def grid() -> bytes:
+    cells = bytes([100, 100, 100, 100, 0, 100, 100, 255, 100])
+    head = struct.pack("<III", 0, 0, 0) + struct.pack("<I", 3) + b"map" + struct.pack("<IIfII", 0, 0, 0.5, 3, 3)
+    return head + struct.pack("<7d", -1.0, -1.0, 0, 0, 0, 0, 1) + struct.pack("<I", 9) + cells
+
+
+def definition(name: str) -> bytes:
+    return STORE.generate_msgdef(name, ros_version=1)[0].encode()
+
+
+@pytest.fixture
+def recording(tmp_path: Path) -> Path:
+    path = tmp_path / "black_box.mcap"
+    with path.open("wb") as file:
+        writer = Writer(file, compression=CompressionType.ZSTD)
+        writer.start(profile="ros1", library="test")
+        channels = {}
+        for topic, kind in (("/odom", "nav_msgs/Odometry"), ("/map", "nav_msgs/OccupancyGrid")):
+            full = kind.replace("/", "/msg/")
+            schema = writer.register_schema(kind, "ros1msg", definition(full))
+            channels[topic] = writer.register_channel(topic, "ros1", schema)
+        writer.add_message(channels["/map"], START, grid(), START)
+        for number in range(200):
+            moment = START + number * 100_000_000
+            writer.add_message(channels["/odom"], moment, odometry(number * 0.01), moment)
+        writer.add_metadata("events", {f"{START / 1e9 + 15.0:.3f}": "bumper left was touched <b>"})
+        writer.finish()  # type: ignore[no-untyped-call]
+    return path
+
+
+SOURCES = RunSources(
+    {"logs/move_base.log": "[INFO] <script>alert(1)</script>\n"},
+    {"run.json": {"run": "wander.1", "exit code": 1}, "parameters.json": {"speed": 0.5}},
+)
+
+
+def test_archive_holds_recording_page_and_files(tmp_path: Path, recording: Path) -> None:
+    report = write_report(tmp_path / "report.zip", "wander", SOURCES, [recording])
+    assert report.size < MOST_BYTES
+    assert report.path.stat().st_mode & 0o777 == 0o600
+    with zipfile.ZipFile(report.path) as archive:
+        assert archive.testzip() is None
+        names = set(archive.namelist())
+        page = archive.read("report.html").decode()
+        archive.extract("recording.mcap", tmp_path)
+    assert names >= {
+        "recording.mcap",
+        "report.html",
+        "run.json",
+        "parameters.json",
+        "logs/move_base.log",
+        "removed.txt",
+    }
+    assert "bumper left was touched &lt;b&gt;" in page
+    assert "<script>" not in page
+    assert "http" not in page
+    with recording.open("rb") as before, (tmp_path / "recording.mcap").open("rb") as after:
+        old, new = (list(make_reader(file).iter_messages()) for file in (before, after))
+    assert [(each[1].topic, each[2].log_time, each[2].data) for each in new] == [
+        (each[1].topic, each[2].log_time, each[2].data) for each in old
+    ]
+
+
+def test_recording_has_an_index_and_right_checksums(tmp_path: Path, recording: Path) -> None:
+    write_report(tmp_path / "report.zip", "wander", SOURCES, [recording])
+    with zipfile.ZipFile(tmp_path / "report.zip") as archive:
+        archive.extract("recording.mcap", tmp_path)
+    with (tmp_path / "recording.mcap").open("rb") as file:
+        reader = make_reader(file, validate_crcs=True)
+        summary = reader.get_summary()
+        assert summary is not None
+        assert summary.statistics is not None
+        assert summary.statistics.message_count == len(list(reader.iter_messages())) == 201
+
+
+def test_broken_recording_is_named_and_left_out(tmp_path: Path, recording: Path) -> None:
+    broken = tmp_path / "broken.mcap"
+    broken.write_bytes(recording.read_bytes()[:300])
+    report = write_report(tmp_path / "report.zip", "wander", SOURCES, [broken])
+    assert any("recording" in each for each in report.missing)
+    with zipfile.ZipFile(report.path) as archive:
+        assert "recording.mcap" not in archive.namelist()
+
+
+def test_nothing_is_left_where_the_archive_cannot_be_written(tmp_path: Path, recording: Path) -> None:
+    (tmp_path / "folder").mkdir()
+    (tmp_path / "folder" / "full").write_text("")
+    with pytest.raises(OSError, match=r"[Nn]ot a directory"):
+        write_report(tmp_path / "folder" / "full" / "report.zip", "wander", SOURCES, [recording])
+    assert [path.name for path in (tmp_path / "folder").iterdir()] == ["full"]
+
+
+def test_recordings_are_those_of_the_time_of_the_run(tmp_path: Path, recording: Path) -> None:
+    moment = recording.stat().st_mtime
+    assert list_run_recordings(tmp_path, moment - 1.0, moment + 1.0) == [recording]
+    assert list_run_recordings(tmp_path, moment + 1.0, moment + 2.0) == []
+    assert list_run_recordings(tmp_path / "none", 0.0, 1.0) == []
+
+
+def test_logs_are_merged_by_their_times() -> None:
+    logs = {
+        "logs/a.log": "no time\n[INFO] 2026-11-26 14:00:02,000: second\ntraceback\n",
+        "logs/b.log": "[INFO] 2026-11-26 14:00:01,500: first\n",
+    }
+    lines = merge_logs(logs).splitlines()
+    assert [line.split(" ", 2)[2] for line in lines] == [
+        "b: [INFO] 2026-11-26 14:00:01,500: first",
+        "a: [INFO] 2026-11-26 14:00:02,000: second",
+        "a: traceback",
+    ]
+
+
+def test_run_that_has_ended_is_collected(tmp_path: Path) -> None:
+    (tmp_path / "wander.log").write_text("[INFO] 2026-11-26 14:00:02,000: hello\n")
+    entry = RunEntry("wander.1", 1, 1, "wander", "", str(tmp_path), 1_700_000_000.0, False, "bob")
+    ended = EndedRun(entry, 1_700_000_100.0, 1, "/wander died", ("[/wander] died",))
+    sources = collect(entry, ended, {"ROS_DISTRO": "noetic", "OTHER": "x"}, tmp_path)
+    assert sources.texts["logs/wander.log"].endswith("hello\n")
+    assert sources.values["environment.json"] == {"ROS_DISTRO": "noetic"}
+    run = sources.values["run.json"]
+    assert isinstance(run, dict)
+    assert (run["exit code"], run["cause"]) == (1, "/wander died")
+
+
+def test_changes_of_a_workspace_are_those_of_git(tmp_path: Path) -> None:
+    if shutil.which("git") is None:
+        pytest.skip("git is not installed")
+    assert read_changes(tmp_path) == ""
+    git = ["git", "-C", str(tmp_path), "-c", "user.name=a", "-c", "user.email=a@b"]
+    (tmp_path / "file").write_text("one\n")
+    for command in (["init", "-q"], ["add", "."], ["commit", "-qm", "first"]):
+        subprocess.run([*git, *command], check=True)
+    (tmp_path / "file").write_text("two\n")
+    assert "+two" in read_changes(tmp_path)
+
+
+def test_parameters_of_a_master_that_is_not_there_are_none() -> None:
+    assert read_parameters("http://127.0.0.1:9") == {}
+    assert read_parameters("") == {}
+
+
+def test_page_shows_a_report_without_errors_at_each_size(tmp_path: Path) -> None:
+    program = find_chromium()
+    if program is None:
+        pytest.skip("Chromium is not installed")
+    recording = Recording(begin=10.0, end=130.0)
+    recording.events = [(70.0, "the emergency stop was pressed")]
+    recording.log = [(20.0, "warning", "/amcl: slow"), (71.0, "error", "/move_base: <gave up>")]
+    recording.speeds = [(10.0 + number, number % 3 * 0.1) for number in range(120)]
+    recording.turns = recording.speeds
+    recording.track = [(0.0, 0.0), (0.5, 0.5)]
+    recording.grid = Grid(3, 3, 0.5, -1.0, -1.0, bytes([100, 100, 100, 100, 0, 100, 100, 255, 100]))
+    recording.topics = {"/odom": ("nav_msgs/Odometry", 120, 4000)}
+    page = tmp_path / "report.html"
+    page.write_text(make_page("wander <1>", {"run": "wander.1"}, recording, {"a.txt": "<i>"}, ["a: 1 times a token"]))
+    with Chromium(program, tmp_path) as browser:
+        for width in (390, 1200):
+            browser.resize(width, 800)
+            browser.open(page.as_uri())
+            assert browser.run("document.documentElement.scrollWidth <= innerWidth")
+            assert browser.run("document.querySelectorAll('svg').length") == 4
+        assert browser.complaints == []
