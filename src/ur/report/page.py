@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from html import escape
 from itertools import groupby
 
-from ur.report.recording import Grid, Recording, thin
+from ur.report.recording import DrawnMap, Recording, thin
 
 _WIDTH, _HEIGHT = 900, 120
 _OCCUPIED = 50
@@ -116,7 +116,7 @@ def _map(found: Recording) -> str:
     )
 
 
-def _walls(grid: Grid) -> tuple[str, tuple[float, float, float, float]]:
+def _walls(grid: DrawnMap) -> tuple[str, tuple[float, float, float, float]]:
     size = grid.resolution
     parts = []
     for row in range(grid.height):

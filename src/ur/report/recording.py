@@ -1,4 +1,4 @@
-"""The recording in a report: a copy without secrets, and what the page shows of it."""
+"""The recording in a report: a copy without secrets, and the values that the page shows."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _MOST_POINTS = 2000
 
 
 @dataclass(frozen=True, slots=True)
-class Grid:
+class DrawnMap:
     """A map: cells as in nav_msgs/OccupancyGrid, from below; the corner and the size of a cell in m."""
 
     width: int
@@ -33,7 +33,7 @@ class Grid:
 
 @dataclass(slots=True)
 class Recording:
-    """What a page shows: times are in s since 1970, `speeds` and `turns` values of the odometry, `track` is in the map.
+    """The content of a page: times in s since 1970, `speeds` and `turns` of the odometry, and `track` in the map.
 
     `topics` has the number of messages and bytes of each.
     """
@@ -46,7 +46,7 @@ class Recording:
     turns: list[tuple[float, float]] = field(default_factory=list)
     track: list[tuple[float, float]] = field(default_factory=list)
     odometry: list[tuple[float, float]] = field(default_factory=list)
-    grid: Grid | None = None
+    grid: DrawnMap | None = None
     topics: dict[str, tuple[str, int, int]] = field(default_factory=dict)
 
 
@@ -145,7 +145,7 @@ def _note(
         corner = info.origin.position
         cells = bytes(value.data.tobytes())
         if info.width * info.height == len(cells):
-            found.grid = Grid(
+            found.grid = DrawnMap(
                 int(info.width), int(info.height), float(info.resolution), float(corner.x), float(corner.y), cells
             )
 

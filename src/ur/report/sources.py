@@ -1,4 +1,4 @@
-"""What a report holds besides the recording: logs, parameters, environment, versions, changes and load."""
+"""The content of a report besides the recording: logs, parameters, environment, versions, changes and load."""
 
 from __future__ import annotations
 

@@ -51,5 +51,5 @@ def read_plan(path: Path) -> dict[str, object]:
 
 
 def describe_origin(origin: Origin) -> str:
-    """Where something was written: file and line, then those of the includes."""
+    """The place where something was written: file and line, then those of the includes."""
     return ", included at ".join(f"{span.file.path}:{span.position.line}" for span in (origin.span, *origin.includes))
