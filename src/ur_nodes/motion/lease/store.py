@@ -52,8 +52,10 @@ class LeaseStore:
 
 
 def make_store(environment: Mapping[str, str], mux: str, run: str) -> LeaseStore:
-    """The store of a mux, a node of this name, at the master of the environment: a file in ROS's folder."""
+    """The store of a mux, a node of this name, at the master or domain of the environment: a file in ROS's folder."""
     home = environment.get("ROS_HOME") or str(Path(environment.get("HOME") or os.sep) / ".ros")
-    key = f"{environment.get('ROS_MASTER_URI', '')}\0{mux}"
+    ros2 = environment.get("ROS_VERSION") == "2"
+    graph = environment.get("ROS_DOMAIN_ID") or "0" if ros2 else environment.get("ROS_MASTER_URI", "")
+    key = f"{graph}\0{mux}"
     name = f"{mux.strip('/').replace('/', '.')[:64]}-{zlib.crc32(key.encode()):08x}.json"
     return LeaseStore(Path(home, "ur_lease", name), run)

@@ -42,6 +42,14 @@ def test_each_mux_of_each_master_has_a_file_of_its_own(tmp_path: Path) -> None:
     assert {path.parent for path in made} == {tmp_path / ".ros" / "ur_lease"}
 
 
+def test_each_domain_of_ros2_has_a_file_of_its_own_in_every_shell(tmp_path: Path) -> None:
+    def path_of(**environment: str) -> Path:
+        return make_store({"HOME": str(tmp_path), "ROS_VERSION": "2", **environment}, "/mux", "").path
+
+    assert path_of(ROS_DOMAIN_ID="1") != path_of(ROS_DOMAIN_ID="2")
+    assert path_of(ROS_DOMAIN_ID="0") == path_of() == path_of(ROS_MASTER_URI="http://a:1")
+
+
 @pytest.mark.parametrize(
     "content",
     [b"", b"{", b"[]", b"\xff\xfe", b"[" * 9999, b'{"run": "run-1", "lease": {"state": "held"}}', b'{"lease": 1}'],
