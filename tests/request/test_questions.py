@@ -6,10 +6,12 @@ import io
 import json
 import subprocess
 import sys
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
 import pytest
+from tests.forking import ForkingPython
 
 from ur.cli.main import main
 
@@ -33,6 +35,25 @@ FILE = """<launch>
   <test pkg="nodes" type="one" test-name="tested" args="1"/>
 </launch>
 """
+
+
+Roslaunch = Callable[..., str]
+
+
+@pytest.fixture(scope="module")
+def roslaunch(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Roslaunch]:
+    """The installed roslaunch, imported once: what it prints for arguments in a folder."""
+    if not ROSLAUNCH.exists():
+        pytest.skip("python3-roslaunch is not installed")
+    python = ForkingPython(tmp_path_factory.mktemp("roslaunch"), "/usr/bin/python3", modules=["roslaunch"])
+
+    def answer(words: list[str], folder: Path, **more: str) -> str:
+        done = python.run(str(ROSLAUNCH), *words, folder=folder, environment={**_environment(folder), **more})
+        assert done.returncode == 0, done.stderr
+        return done.stdout.decode()
+
+    yield answer
+    python.close()
 
 
 @pytest.fixture
@@ -75,30 +96,22 @@ def _ur(words: list[str], folder: Path, stdin: str = "", **more: str) -> subproc
     ],
     ids=" ".join,
 )
-def test_answers_are_those_of_roslaunch(words: list[str], folder: Path) -> None:
-    if not ROSLAUNCH.exists():
-        pytest.skip("python3-roslaunch is not installed")
+def test_answers_are_those_of_roslaunch(words: list[str], folder: Path, roslaunch: Roslaunch) -> None:
     asked = [*words, str(folder / "a.launch"), "port:=7"]
-    theirs = _run([str(ROSLAUNCH), *asked], folder)
-    assert theirs.returncode == 0, theirs.stderr
-    assert _ur(asked, folder).stdout == theirs.stdout
+    assert _ur(asked, folder).stdout == roslaunch(asked, folder)
 
 
-def test_args_name_only_variables_that_differ(folder: Path) -> None:
-    if not ROSLAUNCH.exists():
-        pytest.skip("python3-roslaunch is not installed")
-    asked = ["--args", "first", str(folder / "a.launch"), "port:=7"]
+def test_args_name_only_variables_that_differ(folder: Path, roslaunch: Roslaunch) -> None:
+    asked = ["--args", "g/first", str(folder / "a.launch"), "port:=7"]
     more = {"ROS_NAMESPACE": "/g", "TWO_WORDS": "x y", "ROS_MASTER_URI": "http://robot:11311"}
-    ours, theirs = _ur(asked, folder, **more).stdout, _run([str(ROSLAUNCH), *asked], folder, **more).stdout
+    ours, theirs = _ur(asked, folder, **more).stdout, roslaunch(asked, folder, **more)
     # In ROS_NAMESPACE /g the node is /g/g/first; roslaunch resolves what is asked for in it, too.
     assert ours == theirs
 
 
-def test_files_are_those_of_roslaunch(folder: Path) -> None:
-    if not ROSLAUNCH.exists():
-        pytest.skip("python3-roslaunch is not installed")
+def test_files_are_those_of_roslaunch(folder: Path, roslaunch: Roslaunch) -> None:
     asked = ["--files", str(folder / "a.launch"), "port:=7"]
-    theirs = _run([str(ROSLAUNCH), *asked], folder).stdout.splitlines()
+    theirs = roslaunch(asked, folder).splitlines()
     assert _ur(asked, folder).stdout.splitlines() == sorted(theirs)
 
 
