@@ -21,7 +21,7 @@ _LETTERS = " .#"
 _MOST_SAMPLES = 8  # a side, of a pixel
 
 
-def look_at(image: MapImage, view: Viewport) -> NDArray[np.uint8]:
+def sample_pixels(image: MapImage, view: Viewport) -> NDArray[np.uint8]:
     """Return the pixels (view.height, view.width) of a map. A pixel with a wall anywhere in it shows a wall."""
     finer = min(_MOST_SAMPLES, max(1, math.ceil(view.scale / image.resolution)))
     at = (np.arange(finer) + 0.5) / finer

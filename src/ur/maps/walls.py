@@ -23,7 +23,7 @@ _LONGEST_NOTE = 1000
 
 
 @dataclass(frozen=True, slots=True)
-class _Note:
+class _UndoRecord:
     """The number of edits before the last change, and the fingerprint of the map after it."""
 
     version: int
@@ -50,7 +50,7 @@ def draw_walls(store: MapStore, name: str, strokes: Sequence[MapEdit], plan: Cel
         write_edits(store, name, after, image, strokes)
         drawn = read_map(store.picture(name))
         left = _fingerprint(store.record(name), drawn)
-        replace_file(note, write_json(_Note(1, len(record.edits), left)) + "\n")
+        replace_file(note, write_json(_UndoRecord(1, len(record.edits), left)) + "\n")
         return drawn
 
 
@@ -81,7 +81,7 @@ def is_restorable(store: MapStore, name: str) -> bool:
 def _read_note(store: MapStore, name: str) -> int | None:
     """Return the number of edits before the last change; None if another change followed. Raises UserError."""
     try:
-        note = read_json(read_file(store.path(name) / _NOTE, _LONGEST_NOTE), _Note)
+        note = read_json(read_file(store.path(name) / _NOTE, _LONGEST_NOTE), _UndoRecord)
     except (OSError, ValueError):
         return None
     record = store.record(name)

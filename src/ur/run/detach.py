@@ -56,7 +56,7 @@ def _detach(entry: RunEntry, writer: int) -> None:
     null = os.open(os.devnull, os.O_RDONLY)
     try:
         log = open_run_log(entry)
-    except UserError:  # a full disk: the run goes on, its log does not
+    except UserError:  # a full disk: the run continues without its log
         log = os.open(os.devnull, os.O_WRONLY)
     for descriptor, number in ((null, 0), (log, 1), (log, 2)):
         os.dup2(descriptor, number)

@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterator
 from contextlib import suppress
 
 Task = Callable[[], None]
-SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)  # those that ask a run to end
+SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)  # signals that request the end of a run
 
 
 class Inbox:
@@ -35,10 +35,10 @@ class Inbox:
     def post(self, task: Task) -> None:
         """Queue a task for the loop. May be called from any thread. No effect after `close`."""
         with self._open:
-            if self._closed:  # the number of the pipe may be another file's by now
+            if self._closed:  # the descriptor may belong to another file by now
                 return
             self._tasks.append(task)
-            with suppress(BlockingIOError):  # full: the loop wakes up anyway
+            with suppress(BlockingIOError):  # the pipe is full: the loop wakes up anyway
                 os.write(self._writer, b"\0")
 
     def clear(self) -> None:

@@ -53,7 +53,7 @@ def run_plan(plan: Plan, world: World, host: ProcessHost, console: Console, opti
         claim(entry, nodes, plan, options)
         if keep_terminal := any(
             node.terminal for node in nodes
-        ):  # such a program tells its user who else uses the robot; others see what roslaunch gives
+        ):  # such a program shows the robot's other users; other programs get the environment of roslaunch
             environment[FOLDER_VARIABLE] = entry.folder
         _begin(host, environment, entry, keep_terminal=keep_terminal)
         terminal = None if detached else find_terminal()

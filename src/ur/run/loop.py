@@ -183,7 +183,7 @@ class _Loop:
             self._outputs.read(descriptor)
 
     def _handle_signal(self, signum: int) -> None:
-        # roslaunch exits with 0 after Ctrl-C; a program that owns the terminal has not done what it was asked to.
+        # roslaunch exits with 0 after Ctrl-C; a program that owns the terminal has not fulfilled its task.
         code = 0 if self._run.terminal_program is None else 128 + signum
         typed = signum == signal.SIGINT and self._terminal is not None and self._terminal.in_foreground()
         self._handle_event(StopRequested(CTRL_C if typed else signal.Signals(signum).name, code))

@@ -34,8 +34,9 @@ class RunOptions:
     viewer: socket.socket | None = None  # see ur.run.run.RunClients
     events: int | None = None
     timings: Timings | None = None
-    restart_share: Callable[[], str] | None = None  # has the robot start its nodes again; '' or why it cannot
+    # Has the robot start its nodes again; returns '' or the reason of a failure
+    restart_share: Callable[[], str] | None = None
     environment: Mapping[str, str] = field(default_factory=dict)
     owners: tuple[RunEntry, ...] = ()  # see ur.run.run.Run
-    call_registered: Callable[[], None] | None = None  # called once others can see which nodes this run starts
+    call_registered: Callable[[], None] | None = None  # called when other launches can see the nodes of this run
     call_started: Callable[[RunEntry], None] | None = None  # the run is detached: called once every node was started

@@ -42,7 +42,7 @@ def make_run_folder(environment: Mapping[str, str], run_id: str) -> str:
         if not latest.exists():
             latest.symlink_to(folder)
     except OSError:
-        return str(folder)  # a convenience only
+        return str(folder)  # for convenience only
     return str(folder)
 
 
@@ -85,7 +85,7 @@ def is_local_address(address: str) -> bool:
     for family, kind, protocol, _, where in found:
         try:
             with socket.socket(family, kind, protocol) as probe:
-                probe.bind(where)  # only an address of ours can be bound
+                probe.bind(where)  # only a local address can be bound
                 return True
         except OSError:  # noqa: PERF203 - a name may have several addresses
             continue

@@ -70,14 +70,14 @@ def claim(entry: RunEntry, nodes: Sequence[NodeSpec], plan: Plan, options: RunOp
     if entry.folder:
         from ur.run.join.claims import make_claims, write_claims
 
-        with suppress(OSError):  # a full disk: what runs is still seen, once it runs
+        with suppress(OSError):  # a full disk: other launches still find the nodes while they run
             write_claims(entry.folder, make_claims(nodes, plan.params, (each.run for each in options.owners)))
     from ur.run.record.plan_record import plan_path, write_plan
 
     with suppress(OSError):  # a report is then without the plan
         write_plan(plan_path(entry.log_folder, entry.run), plan, nodes, sys.argv)
     for owner in options.owners:
-        with suppress(OSError):  # it ends, and this run with it
+        with suppress(OSError):  # it is ending, and this run ends with it
             note_user(owner.folder, entry.run)
     if options.call_registered is not None:
         options.call_registered()
@@ -96,7 +96,7 @@ def plan_clients(here: Registered, nodes: tuple[NodeSpec, ...], options: RunOpti
     call = options.call_started
 
     def describe() -> RunStarted:
-        from ur.run.clients.protocol import RunStarted  # only for those who watch
+        from ur.run.clients.protocol import RunStarted  # imported late: only for clients
 
         return RunStarted(
             run=entry.run,

@@ -60,8 +60,8 @@ class Run:
     log_name: str = ""  # the stem of the log of the run itself, where that is detached
     log_bounds: LogBounds = field(default_factory=LogBounds)
     restart_share: Callable[[], Event] | None = None  # StartShare; None: no robot has a share
-    middleware: Middleware | None = None  # asked which nodes are up, while a client wants to know
-    timings: Timings | None = None  # told once every node is up
+    middleware: Middleware | None = None  # returns which nodes are ready, while a client requests it
+    timings: Timings | None = None  # called when every node is ready
     clients: RunClients = field(default_factory=RunClients)
     owners: tuple[RunEntry, ...] = ()  # runs that this one has joined: it ends with the first of them
     list_joined: Callable[[], Sequence[str]] | None = None  # the ids of the runs that have joined this one

@@ -13,7 +13,7 @@ from ur.run.process.command import UnitProgram
 from ur.run.process.host_client import ProcessHost
 from ur.run.run import Run
 
-MOST_STARTS = 100  # processes whose open files are held at once, until they are sent
+MOST_STARTS = 100  # processes whose files are open at once before they are sent
 FILES_KEPT = 3  # of a process: its log, and one end each of standard output and error
 FILES_SENT = 2  # the other ends
 

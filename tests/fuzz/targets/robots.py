@@ -24,7 +24,7 @@ from ur.robot.remote_run import ask_part
 from ur.robot.setup.facts import FactsRequest, parse_facts
 from ur.robot.ssh.public_key import parse_public_key
 from ur.robot.ssh.shell import ShellResult
-from ur.robot.sync.sync import look_at
+from ur.robot.sync.sync import list_workspaces
 from ur.run.remote.protocol import parse_answer, parse_request
 from ur.source.diagnostic import UserError
 
@@ -117,7 +117,7 @@ def _sync(data: bytes, folder: Path) -> None:
     shutil.which = lambda *_, **__: "/usr/bin/rsync"  # type: ignore[assignment]  # the scan of this computer goes on
     robot: Any = _Robot(_text(data))
     with suppress(UserError):
-        there = look_at(robot, folder, None).there
+        there = list_workspaces(robot, folder, None).there
         assert not any(".." in path.split("/") or path.startswith("/") for path in there.files), "a path leads out"
 
 

@@ -19,9 +19,9 @@ from ur.robot.commit_confirm.guard import (
     UNIT,
     arm_script,
     confirm_script,
-    look_script,
     parse_last,
     pending_script,
+    state_script,
 )
 from ur.robot.commit_confirm.guarded import GuardedChange, Order, pack_order
 from ur.robot.setup.facts import ComputerFacts, FileState
@@ -253,7 +253,7 @@ def test_change_while_the_robot_is_set_up_is_given_up(robot: RobotDisk) -> None:
 def test_only_a_change_that_is_made_can_be_confirmed(robot: RobotDisk) -> None:
     robot.arm()
     assert robot.run(confirm_script("abc")).returncode == EARLY
-    assert robot.run(look_script("abc")).returncode == EARLY
+    assert robot.run(state_script("abc")).returncode == EARLY
     assert robot.run(confirm_script("def")).returncode == ENDED
     robot.write("change/pending/applied", "")
     (robot.folder / "change/pending/open").rename(robot.folder / "change/pending/closed")

@@ -14,7 +14,7 @@ import pytest
 import ur.system
 from ur.robot.setup import engine
 from ur.robot.setup.change import Change, ChangeScript
-from ur.robot.setup.engine import apply_change, bring_about, plan_together
+from ur.robot.setup.engine import apply_change, apply_states, plan_together
 from ur.robot.setup.facts import ComputerFacts, FactsRequest
 from ur.robot.setup.made import RECORD
 from ur.robot.setup.wanted import WantedLine
@@ -101,7 +101,7 @@ class Restless:
 def test_set_up_that_never_comes_to_an_end_is_ended() -> None:
     restless, facts = Restless(), ComputerFacts("pat", "/home/pat", "laptop", "", "", frozenset())
     with pytest.raises(UserError, match="still not as wanted"):
-        engine.bring_about(
+        engine.apply_states(
             LocalShell(),
             lambda _: [restless],
             "pat",
@@ -162,7 +162,7 @@ def test_independent_changes_need_no_look_between_them_and_all_are_as_wanted(tmp
     user = getpass.getuser()
     names = ("a", "b", "c")
     wanted = [WantedLine(name, str(tmp_path / name), name) for name in names]
-    _, count = bring_about(
+    _, count = apply_states(
         CountedShell(), lambda _: wanted, user, FactsRequest(user), root=False, report=lambda _: None
     )
     assert count == 3

@@ -146,7 +146,7 @@ trees = st.dictionaries(paths, files, max_size=5).map(make_tree)
 plans = st.tuples(trees, trees, trees)
 
 
-def bring_about(here: Tree, there: Tree, plan: SyncPlan, count: int | None = None) -> dict[Side, Tree]:
+def apply_states(here: Tree, there: Tree, plan: SyncPlan, count: int | None = None) -> dict[Side, Tree]:
     """Both sides after the first `count` steps, with what a file system does to folders."""
     sides: dict[Side, Tree] = {"here": dict(here), "there": dict(there)}
     for step in sorted(plan.steps, key=lambda each: each.after is not None)[:count]:
@@ -175,7 +175,7 @@ def remember(plan: SyncPlan) -> dict[str, Agreed]:
 def test_no_change_of_either_side_is_lost(case: tuple[Tree, Tree, Tree]) -> None:
     here, there, last = case
     plan = compare(manifest(here), manifest(there), agreed(last))
-    after = bring_about(here, there, plan)
+    after = apply_states(here, there, plan)
     for side in (here, there):
         for path, each in side.items():
             changed = path not in last or last[path].identity != each.identity
@@ -196,7 +196,7 @@ def test_only_what_was_not_changed_since_is_deleted_or_replaced(case: tuple[Tree
 def test_both_sides_are_alike_afterwards_but_for_conflicts(case: tuple[Tree, Tree, Tree]) -> None:
     here, there, last = case
     plan = compare(manifest(here), manifest(there), agreed(last))
-    after = bring_about(here, there, plan)
+    after = apply_states(here, there, plan)
     open_paths = {each.path for each in plan.conflicts}
     for path in {*after["here"], *after["there"]} - open_paths:
         mine, yours = after["here"].get(path), after["there"].get(path)
@@ -207,7 +207,7 @@ def test_both_sides_are_alike_afterwards_but_for_conflicts(case: tuple[Tree, Tre
 @given(plans)
 def test_trees_stay_trees(case: tuple[Tree, Tree, Tree]) -> None:
     here, there, last = case
-    for side in bring_about(here, there, compare(manifest(here), manifest(there), agreed(last))).values():
+    for side in apply_states(here, there, compare(manifest(here), manifest(there), agreed(last))).values():
         assert make_tree(side) == side
 
 
@@ -215,7 +215,7 @@ def test_trees_stay_trees(case: tuple[Tree, Tree, Tree]) -> None:
 def test_second_sync_finds_nothing_new(case: tuple[Tree, Tree, Tree]) -> None:
     here, there, last = case
     plan = compare(manifest(here), manifest(there), agreed(last))
-    after = bring_about(here, there, plan)
+    after = apply_states(here, there, plan)
     again = compare(manifest(after["here"]), manifest(after["there"]), remember(plan))
     if not again.notes:  # one side may have become empty
         assert [step for step in again.steps if (step.before or step.after) != file("", kind="folder")] == []
@@ -226,10 +226,10 @@ def test_second_sync_finds_nothing_new(case: tuple[Tree, Tree, Tree]) -> None:
 def test_interrupted_sync_is_finished_by_the_next(case: tuple[Tree, Tree, Tree], count: int) -> None:
     here, there, last = case
     plan = compare(manifest(here), manifest(there), agreed(last))
-    whole = bring_about(here, there, plan)
-    part = bring_about(here, there, plan, count)  # and nothing of it was remembered
+    whole = apply_states(here, there, plan)
+    part = apply_states(here, there, plan, count)  # and nothing of it was remembered
     rest = compare(manifest(part["here"]), manifest(part["there"]), agreed(last))
-    after = bring_about(part["here"], part["there"], rest)
+    after = apply_states(part["here"], part["there"], rest)
     if not plan.notes and not rest.notes:
         assert without_folders(after) == without_folders(whole)
 

@@ -10,7 +10,7 @@ import click
 from ur.cli.changing import ChangeReporter, show_changes
 from ur.complete.shells import SCRIPTS
 from ur.robot.setup.change import Change
-from ur.robot.setup.engine import apply_change, bring_about, gather, look, plan_changes, plan_undo
+from ur.robot.setup.engine import apply_change, apply_states, gather, gather_facts, plan_changes, plan_undo
 from ur.robot.setup.facts import ComputerFacts
 from ur.robot.setup.viewer_states import base_request, wanted_here
 from ur.robot.setup.wanted import Wanted
@@ -38,7 +38,7 @@ def command(dry_run: bool, undo: bool, only_mine: bool, yes: bool) -> int:
 
     with show_progress("examining this computer"):
         items = want(gather(shell, base))
-        facts = look(shell, items, user, base, root=False)
+        facts = gather_facts(shell, items, user, base, root=False)
     changes = plan_undo(items, facts) if undo else plan_changes(items, facts)
     if not changes:
         click.echo("nothing to take back" if undo else "nothing to do: this computer is set up")
@@ -60,6 +60,6 @@ def command(dry_run: bool, undo: bool, only_mine: bool, yes: bool) -> int:
         def report(change: Change) -> None:
             reporter(f"  {change.title} ...")
 
-        bring_about(shell, want, user, base, root=False, report=report, progress=reporter.show_progress)
+        apply_states(shell, want, user, base, root=False, report=report, progress=reporter.show_progress)
         reporter("this computer is set up; open a new terminal to use it")
     return 0

@@ -15,7 +15,7 @@ from textual.strip import Strip
 from textual.widget import Widget
 from textual.widgets import Input, Static
 
-from ur.maps.drawing import FREE_PIXEL, WALL_PIXEL, look_at
+from ur.maps.drawing import FREE_PIXEL, WALL_PIXEL, sample_pixels
 from ur.maps.editing import EditSession
 from ur.maps.record import Zone
 from ur.maps.viewport import Viewport, fit_viewport, show_point, zoom_viewport
@@ -91,7 +91,7 @@ class MapCanvas(Widget, can_focus=False):
         view = self.view
         if view is None or not view.width or not view.height:
             return
-        pixels = look_at(self._image, view)
+        pixels = sample_pixels(self._image, view)
         over: dict[tuple[int, int], tuple[str, str]] = {}
         for zone in self._zones:
             self._outline(zone, view, over)

@@ -163,7 +163,7 @@ def remember(old: str, new: str) -> None:
     from ur.robot.commit_confirm.rename import WantedKnownName
     from ur.robot.discovery.record import load_records, records_folder, render_record
     from ur.robot.selection import selection_path, store_selection
-    from ur.robot.setup.engine import bring_about
+    from ur.robot.setup.engine import apply_states
     from ur.robot.setup.facts import FactsRequest
     from ur.robot.setup.wanted import Wanted, WantedFile
     from ur.robot.ssh.shell import LocalShell
@@ -183,7 +183,7 @@ def remember(old: str, new: str) -> None:
         return items
 
     user = getpass.getuser()
-    bring_about(
+    apply_states(
         LocalShell(),
         make,
         user,

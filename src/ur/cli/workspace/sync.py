@@ -19,7 +19,7 @@ from ur.robot.sync.memory import load_memory, memory_path, store_memory
 from ur.robot.sync.paths import check_paths, lock_sync, name_this_computer, refuse_sync, workspace_path
 from ur.robot.sync.show import describe_plan, summarise
 from ur.robot.sync.steps import SIDES, Side, SyncPlan
-from ur.robot.sync.sync import WORKSPACE, SyncOutcome, carry_out, look_at
+from ur.robot.sync.sync import WORKSPACE, SyncOutcome, carry_out, list_workspaces
 from ur.source.printable import printable
 from ur.source.progress_line import show_progress
 
@@ -77,11 +77,13 @@ def command(
     memory_file = memory_path(name, os.environ)
     with lock_sync(memory_file), connect_robot(address) as shell:
         with show_progress(f"listing the workspaces here and on {name}"):
-            look = look_at(shell, root, load_memory(memory_file))
-        agreed = look.last.agreed if look.last else {}
-        check_paths(dict(zip(paths, only, strict=True)), {*look.here.files, *look.there.files, *agreed}, root, name)
+            contents = list_workspaces(shell, root, load_memory(memory_file))
+        agreed = contents.last.agreed if contents.last else {}
+        check_paths(
+            dict(zip(paths, only, strict=True)), {*contents.here.files, *contents.there.files, *agreed}, root, name
+        )
         sides: Sequence[Side] = ["there"] if only_to else ["here"] if only_from else SIDES
-        plan = compare(look.here, look.there, agreed, to=sides, take=take, only=only if "" not in only else [])
+        plan = compare(contents.here, contents.there, agreed, to=sides, take=take, only=only if "" not in only else [])
         click.echo("\n".join(map(printable, [*describe_plan(plan, name), summarise(plan, name)])))
         if dry_run:
             return 1 if plan.conflicts else 0
@@ -89,7 +91,7 @@ def command(
             return 1
         outcome = carry_out(
             plan,
-            look.pair,
+            contents.pair,
             shell,
             name=name_this_computer(name),
             stamp=time.strftime("%Y-%m-%d-%H%M%S"),

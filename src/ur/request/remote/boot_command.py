@@ -13,7 +13,7 @@ from ur.robot.boot.units import LIBRARIES, command_line, launch_line, page_line,
 from ur.robot.deploy.repository import read_repository
 from ur.robot.robot_file import ROBOT_FILE, Ros2Robot
 from ur.robot.setup.change import Change
-from ur.robot.setup.engine import bring_about
+from ur.robot.setup.engine import apply_states
 from ur.robot.setup.facts import FactsRequest
 from ur.robot.ssh.openssh import SshShell
 from ur.robot.ssh.shell import Shell, quote
@@ -100,7 +100,7 @@ def bring_library(request: BootRequest, shell: SshShell, user: str, report: Call
     if request.package != PACKAGE.name and not request.page:
         return 0
     wanted = read_repository()
-    _, count = bring_about(shell, lambda _: [wanted], user, FactsRequest(user), root=False, report=report)
+    _, count = apply_states(shell, lambda _: [wanted], user, FactsRequest(user), root=False, report=report)
     if shell.run(f"for d in {' '.join(LIBRARIES)}; do [ -r $d/.venv/ready-run ] && exit; done; exit 1").code:
         raise _problem(
             f"{shell.address.host}: {PACKAGE.name} is there and not set up, and its nodes need that",

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 
 from ur.robot.boot.units import FOLDER, MASTER, PREFIX, UnitFile, is_unit_name, master_unit, program_unit
 from ur.robot.setup.change import Change
-from ur.robot.setup.engine import bring_about
+from ur.robot.setup.engine import apply_states
 from ur.robot.setup.facts import ComputerFacts, FactsRequest
 from ur.robot.setup.packages import WantedService
 from ur.robot.setup.wanted import Wanted, WantedFile
@@ -41,7 +41,7 @@ def install_services(
             units.append(program_unit(name, line, user, facts.home, master=master))
         return [item for unit in units for item in _want(unit)]
 
-    _, count = bring_about(shell, make, user, FactsRequest(user), root=True, report=report)
+    _, count = apply_states(shell, make, user, FactsRequest(user), root=True, report=report)
     return count
 
 

@@ -178,7 +178,7 @@ def confirm_script(identity: str) -> str:
     return (_SETTLE + _CONFIRM).replace("@ID@", quote(identity))
 
 
-def look_script(identity: str) -> str:
+def state_script(identity: str) -> str:
     """Return the script that reads a change's state without confirming it.
 
     Exit codes: EARLY the change is pending; ENDED see `parse_last`.

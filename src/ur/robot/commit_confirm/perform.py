@@ -18,9 +18,9 @@ from ur.robot.commit_confirm.guard import (
     Ended,
     arm_script,
     confirm_script,
-    look_script,
     parse_last,
     pending_script,
+    state_script,
 )
 from ur.robot.commit_confirm.guarded import Order, pack_order
 from ur.robot.setup.facts import ComputerFacts
@@ -149,7 +149,7 @@ def come_back(
                     if not link.find_sudo(sudo):
                         doubts[address] = f"{address}: sudo refuses"
                         continue
-                    done = link.run(confirm_script(identity) if new else look_script(identity), root=True)
+                    done = link.run(confirm_script(identity) if new else state_script(identity), root=True)
             except UserError as problem:
                 doubts[address] = problem.diagnostics[0].message
                 continue

@@ -58,7 +58,7 @@ def inspect_route(here: Shell, address: Address, rule: str, reason: str) -> Rout
     if not resolves:
         return RouteState((), rule=rule, reason=reason)
     ping = here.run(f"ping -q -n -c 2 -i 0.2 -W 1 {quote(resolves[0])}").code == 0
-    port = _knock(resolves[0])
+    port = _probe_port(resolves[0])
     host_key = _fetch(address) if rule in ("changed-host-key", "unknown-host-key") else None
     twin = here.run(f"timeout 2 getent ahostsv4 {quote(_short(address) + '-2.local')}").out.split()[:1]
     return RouteState(resolves, ping, port, rule, reason, host_key, tuple(twin))
@@ -70,7 +70,7 @@ def _fetch(address: Address) -> HostKey | None:
     return None
 
 
-def _knock(address: str) -> Port:
+def _probe_port(address: str) -> Port:
     try:
         socket.create_connection((address, 22), timeout=PORT_SECONDS).close()
     except ConnectionRefusedError:

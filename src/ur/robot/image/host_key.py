@@ -7,7 +7,7 @@ import getpass
 from ur.robot.image.seed import HostKeyPair
 from ur.robot.image.volume import run_tool
 from ur.robot.setup.change import Change
-from ur.robot.setup.engine import bring_about
+from ur.robot.setup.engine import apply_states
 from ur.robot.setup.facts import ComputerFacts, FactsRequest
 from ur.robot.setup.keys import known_host
 from ur.robot.setup.wanted import Wanted, WantedFolder
@@ -38,4 +38,4 @@ def know_host_key(name: str, pair: HostKeyPair) -> None:
         return None
 
     user = getpass.getuser()
-    bring_about(LocalShell(), make, user, FactsRequest(user), root=False, report=ignore)
+    apply_states(LocalShell(), make, user, FactsRequest(user), root=False, report=ignore)

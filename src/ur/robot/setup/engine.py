@@ -42,7 +42,7 @@ def gather(shell: Shell, request: FactsRequest, *, root: bool = False) -> Comput
     return parse_facts(request, done.out)
 
 
-def look(shell: Shell, wanted: Sequence[Wanted], user: str, base: FactsRequest, *, root: bool) -> ComputerFacts:
+def gather_facts(shell: Shell, wanted: Sequence[Wanted], user: str, base: FactsRequest, *, root: bool) -> ComputerFacts:
     """Gather the facts that these wanted states need, and those of `base`."""
     return gather(shell, reduce(FactsRequest.__or__, [item.request(user) for item in wanted], base), root=root)
 
@@ -119,7 +119,7 @@ def apply_change(
             )
 
 
-def bring_about(
+def apply_states(
     shell: Shell,
     make: Make,
     user: str,

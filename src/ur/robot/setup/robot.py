@@ -14,7 +14,7 @@ from ur.robot.boot.units import LIBRARIES, set_base_script
 from ur.robot.discovery.record import RobotRecord, records_folder, render_record
 from ur.robot.setup.change import Change
 from ur.robot.setup.contact import forget_contact, note_contact
-from ur.robot.setup.engine import Progress, apply_change, bring_about, gather, look, plan_changes, plan_undo
+from ur.robot.setup.engine import Progress, apply_change, apply_states, gather, gather_facts, plan_changes, plan_undo
 from ur.robot.setup.facts import ComputerFacts, FactsRequest
 from ur.robot.setup.internet.share import share_internet
 from ur.robot.setup.keys import HOST_KEY, KEY, allowed_key, known_host, own_keys
@@ -52,7 +52,7 @@ def prepare_viewer(shell: Shell, user: str) -> ViewerFacts:
         return own_keys(user, facts.hostname, facts.file(HOST_KEY).text)
 
     with _alone_here():
-        bring_about(shell, make, user, base, root=False, report=lambda _: None)
+        apply_states(shell, make, user, base, root=False, report=lambda _: None)
     facts = gather(shell, base)
     return ViewerFacts(user, facts.hostname, facts.file(KEY + ".pub").text or "", facts.file(HOST_KEY).text)
 
@@ -62,7 +62,7 @@ def preview(task: Task, shell: SshShell, viewer: ViewerFacts) -> list[Change]:
     user = task.address.user
     base = base_request(user)
     items = _wanted(task, shell, viewer, gather(shell, base, root=True))
-    return plan_changes(items, look(shell, items, user, base, root=True))
+    return plan_changes(items, gather_facts(shell, items, user, base, root=True))
 
 
 def take_back(task: Task, viewer: ViewerFacts, report: Report) -> int:
@@ -74,7 +74,7 @@ def take_back(task: Task, viewer: ViewerFacts, report: Report) -> int:
     base = base_request(user)
     with open_robot(task, report) as shell:
         items = _wanted(task, shell, viewer, gather(shell, base, root=True))
-        changes = plan_undo(items, look(shell, items, user, base, root=True))
+        changes = plan_undo(items, gather_facts(shell, items, user, base, root=True))
         for change in changes:
             report(f"{change.title}: taken back")
             apply_change(shell, change)
@@ -106,7 +106,7 @@ def set_up(task: Task, here: Shell, viewer: ViewerFacts, report: Report, progres
             note_contact(task.host_key)
         _check_robot(task, shell)
         set_clock(shell, time.time, report)
-        facts, count = bring_about(
+        facts, count = apply_states(
             shell,
             lambda facts: _wanted(task, shell, viewer, facts),
             user,
@@ -239,7 +239,7 @@ def _remember(task: Task, host: str, here: Shell, viewer: ViewerFacts, facts: Co
         ]
 
     with _alone_here():
-        return bring_about(
+        return apply_states(
             here,
             make,
             viewer.user,

@@ -60,7 +60,7 @@ def check_known(address: Address) -> str:
     Returns `known`, `unknown-host-key`, `changed-host-key`, or, where no host key was offered, the rule of the failure
     (see `explain_failure`). No secret and no public key is sent.
     """
-    done = _knock(address, ["StrictHostKeyChecking=yes"])
+    done = _probe_host_key(address, ["StrictHostKeyChecking=yes"])
     if done.code == 0:
         return "known"
     rule = explain_failure(address, done.err).diagnostics[0].rule
@@ -76,7 +76,7 @@ def fetch_host_key(address: Address) -> HostKey:
         offered = folder / "offered"
         files = [f"UserKnownHostsFile={offered}", "GlobalKnownHostsFile=/dev/null", "HashKnownHosts=no"]
         # The file is private and removed at the end of this call: its content is only read.
-        done = _knock(address, [*files, "StrictHostKeyChecking=accept-new", "HostKeyAlgorithms=ssh-ed25519"])
+        done = _probe_host_key(address, [*files, "StrictHostKeyChecking=accept-new", "HostKeyAlgorithms=ssh-ed25519"])
         text = offered.read_text(errors="replace") if offered.exists() else ""
     with_names = text.splitlines()[:1]
     try:
@@ -94,7 +94,7 @@ def fetch_host_key(address: Address) -> HostKey:
         raise explain_failure(address, done.err) from None
 
 
-def _knock(address: Address, settings: list[str]) -> ShellResult:
+def _probe_host_key(address: Address, settings: list[str]) -> ShellResult:
     """Connect up to the exchange of the host key. The login is tried with method `none`, which sends no credentials."""
     none = ["BatchMode=yes", "PreferredAuthentications=none", "PubkeyAuthentication=no", "PasswordAuthentication=no"]
     none += ["KbdInteractiveAuthentication=no", "GSSAPIAuthentication=no", "HostbasedAuthentication=no"]

@@ -36,7 +36,7 @@ class SyncSide:
 
 
 @dataclass(frozen=True, slots=True)
-class Look:
+class WorkspaceContents:
     """The content of both sides without ignored files; the pair, and its state at the last sync."""
 
     here: Manifest
@@ -93,7 +93,7 @@ class _Prepared:
 Answer = TypeVar("Answer", _Scan, _Applied, _Prepared)
 
 
-def look_at(shell: SshShell, root: Path, last: SyncMemory | None) -> Look:
+def list_workspaces(shell: SshShell, root: Path, last: SyncMemory | None) -> WorkspaceContents:
     """List both workspaces. Raises UserError."""
     agreed = last.agreed if last else {}
     answers = {}
@@ -110,7 +110,7 @@ def look_at(shell: SshShell, root: Path, last: SyncMemory | None) -> Look:
     patterns = [*answers["here"].ignore, *answers["there"].ignore]
     sides = [drop_ignored(Manifest(answers[side].files, answers[side].skipped), patterns) for side in SIDES]
     pair = WorkspacePair(answers["here"].root, answers["there"].root, answers["there"].machine)
-    return Look(sides[0], sides[1], pair, last if last and last.pair == pair else None)
+    return WorkspaceContents(sides[0], sides[1], pair, last if last and last.pair == pair else None)
 
 
 def carry_out(

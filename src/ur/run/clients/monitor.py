@@ -25,7 +25,7 @@ class Monitor:
         self._poll = poll
         self._console = console
         self._terminal = terminal
-        self._publisher: RunPublisher | None = None  # most runs are never watched
+        self._publisher: RunPublisher | None = None  # imported late: most runs have no subscriber
         self._viewer: int | None = None
         self._polled: dict[int, int] = {}
         if plan.listener is not None:
@@ -169,4 +169,4 @@ def translate_command(command: RunCommand) -> Event:
             return RestartWanted(name, prefix)
         case StopRun(reason):
             return StopRequested(reason)
-    raise ValueError(command)  # Watch, which Subscribers keep to themselves
+    raise ValueError(command)  # Watch, which Subscribers handle themselves

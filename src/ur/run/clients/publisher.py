@@ -30,7 +30,7 @@ from ur.run.process.stats import Usage, read_usage
 from ur.run.supervisor.state import RunPhase, State, UnitState, UnitStatus
 
 SAMPLE_PERIOD = 1.0  # s between two samples of what nodes use
-TAIL_PERIOD = 0.1  # s between two looks into log files
+TAIL_PERIOD = 0.1  # s between two reads of log files
 _NODE_STATES: dict[UnitStatus, NodeState] = {
     UnitStatus.WAITING: "waiting",
     UnitStatus.STARTING: "starting",

@@ -22,7 +22,7 @@ from ur.run.clients.protocol import (
 from ur.run.output.console import Sink
 
 MOST_COMMAND_BYTES = 64 * 1024
-MOST_BACKLOG = 20_000  # events; who does not read for so long is let go
+MOST_BACKLOG = 20_000  # events; a client that does not read for so long is disconnected
 
 
 class Subscribers:

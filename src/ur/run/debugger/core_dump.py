@@ -102,7 +102,7 @@ def _iterate_notes(core: bytes) -> Iterator[tuple[int, bytes]]:
                 continue
             place, _, _, length = struct.unpack_from(order + ("4Q" if wide else "4I"), core, at + (8 if wide else 4))
             yield from _split_notes(core[place : place + length], order)
-    except (struct.error, OverflowError):  # it is cut short, or no core file at all
+    except (struct.error, OverflowError):  # the file is truncated, or not a core file
         return
 
 

@@ -62,7 +62,7 @@ def read_node_facts(name: str, program: str, folder: str, pid: int | None, run_p
         try:
             return DebuggedNode(target, program, pid, os.readlink(f"/proc/{pid}/exe"))  # noqa: PTH115 - a magic link
         except FileNotFoundError:
-            pass  # it has just ended
+            pass  # the process has just ended
     if target.kind != "binary":
         return DebuggedNode(target, program)
     core, why = find_core_dump(os.path.realpath(program), folder, read_core_rules(run_pid))
@@ -112,7 +112,7 @@ def _find_modules(python: str, names: tuple[str, ...]) -> set[str]:
         return {name for name in names if importlib.util.find_spec(name) is not None}
     argv = [python, "-c", f"import importlib.util as u; print(*(n for n in {names!r} if u.find_spec(n)))"]
     try:
-        done = subprocess.run(  # in the root folder: it would import what lies in the current one
+        done = subprocess.run(  # in the root folder, since the interpreter would import modules of the current one
             argv, stdin=subprocess.DEVNULL, capture_output=True, timeout=20, check=False, text=True, cwd="/"
         )
     except (OSError, subprocess.TimeoutExpired):

@@ -118,7 +118,7 @@ def attach(pid: int, argv: list[str]) -> int:
     A process that is killed while a debugger holds it stays until the debugger handles it: its run would wait for it.
     """
     for signum in (signal.SIGINT, signal.SIGQUIT):
-        signal.signal(signum, lambda *_: None)  # meant for the debugger, which is in our process group
+        signal.signal(signum, lambda *_: None)  # Ctrl-C is for the debugger, which is in this process group
     before = termios.tcgetattr(0) if os.isatty(0) else None
     try:
         process = subprocess.Popen(argv)
@@ -131,7 +131,7 @@ def attach(pid: int, argv: list[str]) -> int:
             return process.wait(LOOK_PERIOD)
         except subprocess.TimeoutExpired:  # noqa: PERF203 - a look every third of a second
             dead = dead + 1 if _is_zombie(pid) else 0
-    with contextlib.suppress(OSError):  # of another user: sudo
+    with contextlib.suppress(OSError):  # a process of another user: sudo
         process.kill()
         process.wait()
     if before is not None:
@@ -178,7 +178,7 @@ def _serve(link: socket.socket, controller: int, argv: list[str], end: int) -> i
     with link:
         link.settimeout(PATIENCE)
         try:
-            term = link.recv(100).decode("ascii", "replace")  # the program writes to that terminal, not to ours
+            term = link.recv(100).decode("ascii", "replace")  # the program writes to its own terminal, not to this one
         except OSError:
             term = ""
         socket.send_fds(link, [b"pane"], [controller])
@@ -191,7 +191,7 @@ def _run_on(argv: list[str], end: int, environment: Mapping[str, str]) -> int:
 
     def own_terminal() -> None:
         os.setsid()
-        libc.prctl(_PR_SET_PDEATHSIG, int(signal.SIGKILL), 0, 0, 0)  # whoever kills us means the program
+        libc.prctl(_PR_SET_PDEATHSIG, int(signal.SIGKILL), 0, 0, 0)  # a signal to this process is meant for the program
         fcntl.ioctl(0, termios.TIOCSCTTY, 0)
 
     try:
@@ -202,7 +202,7 @@ def _run_on(argv: list[str], end: int, environment: Mapping[str, str]) -> int:
     os.close(end)
 
     def forward(signum: int, _frame: object) -> None:
-        # A debugger takes SIGINT for a pause and goes on: whoever ends the run means its end.
+        # A debugger pauses on SIGINT; a signal from the run is meant to end it.
         wanted = signal.SIGTERM if signum == signal.SIGINT else signum
         with contextlib.suppress(OSError):
             os.killpg(process.pid, wanted)

@@ -66,7 +66,7 @@ def signal_group(pid: int, signum: int) -> None:
     try:
         os.killpg(pid, signum)
     except ProcessLookupError:
-        # Its first instruction is to become the leader of a group; it may not have come that far.
+        # Its first instruction makes it the leader of a group; it may not have been executed yet.
         try:
             os.kill(pid, signum)
         except ProcessLookupError:
@@ -75,7 +75,7 @@ def signal_group(pid: int, signum: int) -> None:
         return
     if signum in (signal.SIGTERM, signal.SIGINT):
         try:
-            os.killpg(pid, signal.SIGCONT)  # a stopped process hears nothing
+            os.killpg(pid, signal.SIGCONT)  # a stopped process handles no signals
         except OSError:
             return
 

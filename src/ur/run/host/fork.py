@@ -15,8 +15,8 @@ TYPE_CHECKING = False
 if TYPE_CHECKING:
     from typing import NoReturn
 
-RECORD = 4096  # bytes that a pipe takes in one piece, pipe(7)
-NOT_EXECUTED = 127  # the exit code of a process that could not become its program, as a shell's
+RECORD = 4096  # bytes that a pipe transfers atomically, pipe(7)
+NOT_EXECUTED = 127  # exit code of a process that could not execute its program, as in a shell
 
 
 class ProcessCreator:

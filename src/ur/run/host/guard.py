@@ -18,14 +18,14 @@ ALL_ENDED = b"ended\n"  # what guard.sh expects of a host that has left nothing 
 
 def run_guarded(descriptor: int) -> NoReturn:
     """Fork the process host, which serves the supervisor behind a socket, and guard it."""
-    inherit_orphans()  # which the shell that this turns into goes on to do
+    inherit_orphans()  # the shell that replaces this process does that
     cgroup = make_cgroup(os.getpid())
     reader, writer = os.pipe2(os.O_CLOEXEC)
     host = os.fork()
     if host == 0:
         _run_host(descriptor, writer)
     if cgroup is not None:
-        cgroup.take(host)  # while it gets ready: this may take as long
+        cgroup.take(host)  # s for its start, which may take as long
     for signum in IGNORED:
         signal.signal(signum, signal.SIG_IGN)
     os.close(descriptor)
@@ -34,7 +34,7 @@ def run_guarded(descriptor: int) -> NoReturn:
 
 
 def _run_host(descriptor: int, writer: int) -> NoReturn:
-    from ur.run.host.server import serve  # the guard needs none of it
+    from ur.run.host.server import serve  # unused by the guard
 
     try:
         serve(descriptor)

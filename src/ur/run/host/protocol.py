@@ -20,9 +20,9 @@ if TYPE_CHECKING:
 
 _INT = calcsize("i")
 
-# Where a process is started, always as the leader of a process group: in a session of its own; in the host's; or there
-# as the group that owns the terminal on its standard input. Nodes share the host's where they can: Linux gives every
-# session the same share of the processors (sched(7), autogroup), and fifty sessions of nodes starve their master.
+# The kinds of a new process, which always leads a process group: in its own session; in the host's; or in the host's
+# as the group that owns the terminal on its standard input. Nodes share the host's session if possible: Linux gives
+# each session the same share of the processors (sched(7), autogroup), and fifty sessions starve their master.
 SESSION = "session"
 GROUP = "group"
 FOREGROUND = "foreground"

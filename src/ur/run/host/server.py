@@ -30,19 +30,19 @@ if TYPE_CHECKING:
 
 MOST_WAITING = 200  # processes that are created before any of them runs; each takes half a MB meanwhile
 INTERRUPT_SECONDS = 0.7  # s that processes get to end after the supervisor died
-KILL_SECONDS = 3.0  # s that they get to die of SIGKILL after that
+KILL_SECONDS = 3.0  # s that they get after SIGKILL
 
 
 def serve(descriptor: int) -> None:
     """Serve the supervisor behind a socket until it closes, then end all processes."""
-    os.set_inheritable(descriptor, False)  # a node that held our end would hide our death
+    os.set_inheritable(descriptor, False)  # a node with a copy of this descriptor would hide the end of this process
     inherit_orphans()
     name_process(b"ur-host")
     # Blocked as well as ignored: a signal that reaches a new process before it is ready is kept for it, signal(7).
     signal.pthread_sigmask(signal.SIG_BLOCK, IGNORED)
     for signum in IGNORED:
         signal.signal(signum, signal.SIG_IGN)
-    gc.freeze()  # what a new process does not touch is not copied for it
+    gc.freeze()  # memory that a new process does not modify is not copied for it
     host = _Host(Socket(fileno=descriptor))
     try:
         host.serve()
@@ -57,7 +57,7 @@ class _Host:
 
     def __init__(self, link: Socket) -> None:
         self._link = link
-        # The supervisor may be busy sending; if both waited for the other to receive, both would wait for ever.
+        # The supervisor may be busy sending; if both waited for the other to receive, both would block forever.
         self._unsent = bytearray()
         self._creator = ProcessCreator()
         self._names: dict[int, str] = {}  # by process id

@@ -8,7 +8,7 @@ else:
 
 __all__ = ["IGNORED", "signal"]
 
-IGNORED = tuple(  # what guard and host do not want to hear, and a node has to hear again
+IGNORED = tuple(  # ignored by guard and host, and restored for nodes
     getattr(signal, name)
     for name in ("SIGINT", "SIGTERM", "SIGHUP", "SIGQUIT", "SIGTSTP", "SIGTTIN", "SIGTTOU", "SIGPIPE")
 )

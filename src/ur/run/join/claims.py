@@ -15,7 +15,7 @@ from ur.source.foreign.json_values import read_json, write_json
 BASE_FILE = "/m_robot_base/launch/m_robot_base.launch.xml"
 _FILE = "claims.json"
 _MAX_BYTES = 4 << 20
-_MAX_VALUE = 200  # characters, beyond which a hash stands for a value
+_MAX_VALUE = 200  # characters, beyond which a value is stored as a hash
 
 Definition = Mapping[str, str]
 """A node's program, arguments, remaps and private parameters, by names such as `param world_file`."""

@@ -12,7 +12,7 @@ from ur.run.record.registry import list_runs
 from ur.run.supervisor.events import Event, Evicted, Exited
 from ur.source.diagnostic import UserError
 
-_PATIENCE = 5.0  # s; a busy computer answers late, and a port that no program listens at refuses at once
+_PATIENCE = 5.0  # s; a busy computer answers late, and a port without a listener refuses at once
 _MAX_DEPTH = 64
 
 

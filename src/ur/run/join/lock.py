@@ -15,7 +15,7 @@ from ur.run.record.entry import runs_folders
 from ur.system.ros import read_domain
 
 _PERIOD = 0.05  # s
-_PATIENCE = 2.0  # s of silence, after which the wait is reported
+_PATIENCE = 2.0  # s of waiting, after which the wait is reported
 
 
 class MasterLock:

@@ -22,7 +22,7 @@ from ur.source.run_users import read_birth
 from ur.system.ros import find_facts, read_domain
 
 START_SECONDS = 60.0
-_PATIENCE = 2.0  # s of silence, after which the wait is reported
+_PATIENCE = 2.0  # s of waiting, after which the wait is reported
 _PERIOD = 0.05  # s
 
 

@@ -60,7 +60,7 @@ class Master:
         settings = [("setParam", item) for item in parameters.items()]
         if not removals and not settings:
             return
-        results = self.call_many([*removals, *settings])[len(removals) :]  # deleting what is not there is fine
+        results = self.call_many([*removals, *settings])[len(removals) :]  # deleting a missing parameter is no error
         for (_, (name, _)), result in zip(settings, results, strict=True):
             if isinstance(result, CallRefused):
                 raise CallRefused(f"{name}: {result}")
@@ -108,7 +108,7 @@ def parse_master_uri(uri: str) -> Master:
     host, _, port = rest.rstrip("/").rpartition(":")
     literal = len(host) > 2 and host.startswith("[") and host.endswith("]")
     bad = not host or (not literal and any(each in host for each in ":[]"))
-    # Only ASCII digits: str.isdigit() also knows others, some of which int() refuses.
+    # Only ASCII digits: str.isdigit() also accepts others, some of which int() refuses.
     if bad or not found or scheme != "http" or not re.fullmatch("[0-9]{1,5}", port) or not 0 < int(port) < 65536:
         raise UserError(
             error(

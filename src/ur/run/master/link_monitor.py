@@ -16,9 +16,9 @@ from ur.run.master.client import Master
 from ur.run.master.xml_rpc import CallRefused, Unanswered
 from ur.run.supervisor.events import Event, LinkLost, LinkRestored, MasterReplaced, MasterReturned, RobotMasterLost
 
-PERIOD = 0.3  # s between two questions
+PERIOD = 0.3  # s between two polls
 LOST_AFTER = 1.0  # s without an answer from the robot, after which the link is lost
-ENDED_AFTER = 3.0  # s in which the robot says that no master runs, after which the master has ended
+ENDED_AFTER = 3.0  # s of answers without a master, after which the master counts as ended
 LONGEST_QUESTION, SHORTEST_QUESTION = 0.5, 0.2  # s for an answer
 
 
@@ -30,7 +30,7 @@ class MasterState:
     run_id: str = ""
 
 
-BUSY = MasterState(-1)  # the robot takes connections, and its master is slow
+BUSY = MasterState(-1)  # the robot accepts connections, but its master is slow
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,7 +100,7 @@ def _ask(master: Master, addresses: AddressCache, limit: float, over: Flag) -> t
     except (ConnectionRefusedError, ConnectionResetError):
         return MasterState(None), time.monotonic()
     except OSError:
-        over.wait(max(0.0, end - time.monotonic()))  # an unreachable network says so at once
+        over.wait(max(0.0, end - time.monotonic()))  # an unreachable network is reported at once
         return None, time.monotonic()
     alive = time.monotonic()
     try:
@@ -109,4 +109,4 @@ def _ask(master: Master, addresses: AddressCache, limit: float, over: Flag) -> t
     except Unanswered:
         return BUSY, alive
     except (CallRefused, ValueError, TypeError):
-        return MasterState(None), alive  # something answers, and is no master
+        return MasterState(None), alive  # a server answers that is not a master

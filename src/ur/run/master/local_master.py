@@ -48,7 +48,7 @@ def find_master_programs(master: Master, world: World, options: RunOptions) -> t
                 )
             )
     assert rosmaster is not None
-    from ur.robot.boot.units import MASTER_WORKERS  # now: only where a master is started
+    from ur.robot.boot.units import MASTER_WORKERS  # imported late: only if a master is started
 
     argv = (
         rosmaster,
@@ -72,7 +72,7 @@ def find_master_programs(master: Master, world: World, options: RunOptions) -> t
 
 def roscore_parameters(world: World, environment: Mapping[str, str]) -> dict[str, ParamValue]:
     """Return the parameters that roscore sets on its master."""
-    # What roscore.xml sets by running `rosversion`, line breaks included.
+    # The values that roscore.xml sets from `rosversion`, line breaks included.
     version = ""
     try:
         text = world.read_bytes(world.find_package("roslaunch") + "/package.xml").decode("utf-8", "replace")

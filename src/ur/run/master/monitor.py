@@ -11,9 +11,9 @@ from ur.run.master.xml_rpc import CallRefused, Unanswered
 from ur.run.paths import is_local_address
 from ur.run.supervisor.events import Event, MasterLost, MasterReplaced, MasterReturned
 
-PERIOD = 3.0  # s between two looks
-LOST_PERIOD = 0.5  # the same while it does not answer
-MISSES = 2  # in a row, before it counts as lost: a busy computer may answer late
+PERIOD = 3.0  # s between two polls
+LOST_PERIOD = 0.5  # the same while the master does not answer
+MISSES = 2  # failures in a row before the master counts as lost: a busy computer may answer late
 
 
 def start_watch(master: Master | None, report: Callable[[Event], None]) -> threading.Event:

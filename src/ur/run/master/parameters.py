@@ -103,7 +103,7 @@ def _convert(spec: ParamSpec, out: bytes, err: bytes, code: int) -> ParamValue:
 
 
 def _parse_yaml(text: str) -> ParamValue:
-    from ur.source.foreign.yaml_text import load_yaml  # only where a command prints YAML
+    from ur.source.foreign.yaml_text import load_yaml  # imported late: only if a command prints YAML
 
     found: ParamValue = load_yaml(text)
     return found

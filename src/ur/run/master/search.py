@@ -16,8 +16,8 @@ from ur.run.paths import is_local_address
 from ur.source.diagnostic import UserError, error
 from ur.source.printable import printable
 
-NAMED_SECONDS = 1.5  # after which a server that does not answer is named: a master answers within milliseconds
-BUSY_SECONDS = 3.0  # for which it may be a master that is busy, or one that is ending
+NAMED_SECONDS = 1.5  # s after which a silent server is named: a master answers within milliseconds
+BUSY_SECONDS = 3.0  # s for which a silent server may be a busy or ending master
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,7 +47,7 @@ def read_run_id(master: Master, options: RunOptions, console: Console, patience:
     is one that closes connections, or accepts no more of them. Raises UserError for a server that is no master, and for
     a master on another computer that does not answer.
     """
-    # A local server is named sooner than a robot behind a slow network is given up.
+    # A local server is named sooner than a robot behind a slow network is declared unreachable.
     timeout = min(master.timeout, patience.named)
     began = time.monotonic()
     warned = False
@@ -91,7 +91,7 @@ def find_listener(port: int) -> str | None:
 
 def _open_files(folder: Path) -> Iterator[str]:
     for each in folder.iterdir():
-        with suppress(FileNotFoundError):  # closed meanwhile
+        with suppress(FileNotFoundError):  # the file was closed meanwhile
             yield str(each.readlink())
 
 

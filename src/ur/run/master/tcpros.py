@@ -11,7 +11,7 @@ from urllib.parse import urlsplit
 
 from ur.run.master.xml_rpc import CallRefused, Unanswered, call_method
 
-LONGEST_MESSAGE = 256 << 20  # bytes; more is no message
+LONGEST_MESSAGE = 256 << 20  # bytes; anything larger is not a message
 
 
 class NoTopic(Exception):  # noqa: N818 - says what happened

@@ -35,7 +35,7 @@ def _set_parameters(plan: Plan, master: Master, extra: Mapping[str, ParamValue],
             try:
                 master.call("deleteParam", each.name)
             except CallRefused:
-                continue  # not there
+                continue  # the parameter does not exist
     values = plain_values(plan.params)
     printed = commands.collect()
     ordered = {spec.name: printed[spec.name] if spec.name in printed else values[spec.name] for spec in plan.params}
@@ -54,6 +54,6 @@ def _dump_parameters(master: Master, name: str, file: str) -> None:
 
 def remove_registrations(master: Master, names: list[str]) -> Event:
     """Unregister nodes from the master that did not do so themselves."""
-    with suppress(Unanswered, CallRefused):  # a master that has ended has nothing registered
+    with suppress(Unanswered, CallRefused):  # a master that has ended has no registrations
         master.remove_dead_nodes(names)
     return Unregistered()

@@ -19,7 +19,7 @@ MAX_ANSWER = 16 * 1024 * 1024  # bytes; all parameters of a large robot are some
 MAX_HEAD = 64 * 1024
 MAX_VALUES = 500_000
 MAX_DEPTH = 100
-_SLICE = 256 * 1024  # bytes between two looks at the clock
+_SLICE = 256 * 1024  # bytes between two checks of the clock
 
 
 class Unanswered(Exception):  # noqa: N818 - says what happened
@@ -109,7 +109,7 @@ def parse_response(data: bytes, deadline: float | None = None, clock: Callable[[
 
 
 def _refuse_entity(*_: object) -> None:
-    raise ValueError("an entity is declared")  # which may stand for more than fits into memory
+    raise ValueError("an entity is declared")  # entities, which may expand beyond the memory
 
 
 class _Reader:
@@ -197,7 +197,7 @@ def _post(address: tuple[str, int], body: bytes, timeout: float) -> bytes:
 def _connect(host: str, port: int, deadline: float) -> socket.socket:
     problem: OSError = OSError("no address")
     plain = host.isascii() and all(0 < len(label) < 64 for label in host.split("."))
-    name = host.encode() if plain else host  # IDNA, which takes 0.5 MB, is only for names that need it
+    name = host.encode() if plain else host  # IDNA, which takes 0.5 MB, is imported only for names that need it
     for family, kind, protocol, _, address in socket.getaddrinfo(name, port, type=socket.SOCK_STREAM):
         link = socket.socket(family, kind, protocol)
         try:

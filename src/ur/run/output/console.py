@@ -69,7 +69,7 @@ class Sink:
                 self._rest = self._rest[os.write(self.descriptor, self._rest[:PIECE]) :]
             except BlockingIOError:
                 return
-            except OSError:  # there is no reader any more
+            except OSError:  # the reader has ended
                 self._lines.clear()
                 self._waiting.clear()
                 self._rest = b""
@@ -94,7 +94,7 @@ class Console:
         }
         self._held: list[tuple[Sink, bytes]] | None = None
         self._newest = ""  # what was put last
-        self.silent = False  # while somebody else shows everything
+        self.silent = False  # while another process shows the output
 
     @property
     def is_terminal(self) -> bool:
@@ -138,7 +138,7 @@ class Console:
         try:
             if os.get_terminal_size(sink.descriptor).columns <= len(new):
                 return False
-            # What is typed below the line stays, and so does the cursor.
+            # Text typed below the line stays, and so does the cursor.
             os.write(sink.descriptor, f"\x1b7\x1b[A\r{after.rstrip()}\x1b[K\x1b8".encode())
         except OSError:
             return False

@@ -10,7 +10,7 @@ from collections.abc import Callable
 
 MARK = b"... older lines were removed here"
 _COLLAPSE_RANGE = 8  # fallocate(2): FALLOC_FL_COLLAPSE_RANGE
-_BLOCK = 4096  # what is removed is a multiple of it, whatever the file system's own blocks are
+_BLOCK = 4096  # the removed length is a multiple of it, independent of the file system's own block size
 _CHUNK = 1 << 20  # bytes copied at once
 _FIRST_LINES = 64 * 1024  # bytes in which a line break is searched for
 
@@ -49,7 +49,7 @@ def _collapse(file: int, length: int) -> bool:
     """Have the file system remove the first `length` bytes; False if it cannot."""
     try:
         fallocate = ctypes.CDLL(None).fallocate64
-    except (OSError, AttributeError):  # another C library
+    except (OSError, AttributeError):  # a C library without this function
         return False
     fallocate.argtypes = (ctypes.c_int, ctypes.c_int, ctypes.c_int64, ctypes.c_int64)
     return bool(fallocate(file, _COLLAPSE_RANGE, 0, length) == 0)

@@ -11,7 +11,7 @@ from ur.source.diagnostic import UserError, error
 BOUND_VARIABLE = "UR_LOG_MB"
 _DEFAULT_MB = 32
 _LARGEST_MB = 1_000_000
-_FILES = 16  # full files that a run may have before each of them gets less
+_FILES = 16  # full files that a run may have before the limit of each is reduced
 _SHORTEST, _LONGEST = 0.5, 5.0  # s between two checks
 _ROSOUT = "rosout.log"  # its node does not append, and starts another file after 100 MB
 
@@ -117,7 +117,7 @@ class LogRotation:
                     elif stem in self._names and number.isdigit():
                         os.unlink(entry.path)  # noqa: PTH108 - pathlib is not worth its import here
         except OSError:
-            return sizes, fixed  # the folder was removed, or a file just now
+            return sizes, fixed  # the folder, or a file, was removed meanwhile
         return sizes, fixed
 
 

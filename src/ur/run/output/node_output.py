@@ -10,9 +10,9 @@ from collections.abc import Callable
 LONGEST_LINE = 16 * 1024  # bytes; a longer one is cut into pieces
 KEPT_LINES = 12  # of each node, for crash reports
 MOST_READ = 64 * 1024  # bytes at once: what a pipe holds, pipe(7)
-FLOOD_PIPE = 1024 * 1024  # bytes that the pipe of a node that floods is made to hold, where that is allowed
+FLOOD_PIPE = 1024 * 1024  # bytes to which the pipe of a flooding node is enlarged, if permitted
 FLOOD_PAUSE = 0.1  # s between two reads of such a pipe
-MOST_SHOWN = 5000  # lines of one node that people see in each period
+MOST_SHOWN = 5000  # lines of one node that are displayed in each period
 PERIOD = 2.0  # s
 
 
@@ -97,7 +97,7 @@ class Stream:
         self._lines = LineSplitter()
         self._allowance = Allowance()
         self._buffer = bytearray()  # of a node that floods
-        self.may_pause = False  # the node floods, and its pipe holds what it prints in FLOOD_PAUSE
+        self.may_pause = False  # the node floods, and its pipe holds the output of FLOOD_PAUSE
         os.set_blocking(descriptor, False)
 
     def read(self, recent: deque[str]) -> bool:
@@ -148,7 +148,7 @@ class Stream:
         count, lines = self._lines.skip(bytes(self._buffer[end:size]), KEPT_LINES)
         self._allowance.take(count + self._buffer.count(b"\n", 0, end), now)
         recent.extend(map(make_printable, lines))
-        # Half of what the pipe holds must be free, so that the node does not wait for us.
+        # Half of the pipe's capacity must be free, so that the node does not block.
         self.may_pause = MOST_READ < len(self._buffer) > 2 * size
         return True
 

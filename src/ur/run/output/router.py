@@ -18,7 +18,7 @@ from ur.run.process.command import UnitProgram
 if TYPE_CHECKING:
     from ur.run.clients.protocol import OutputSource
 
-MOST_TAIL = 256 * 1024  # bytes of a log that are read back at once; who prints faster is not read anyway
+MOST_TAIL = 256 * 1024  # bytes of a log that are read back at once; faster output is unreadable anyway
 
 
 @dataclass(slots=True)
@@ -27,7 +27,7 @@ class _Output:
     log: int
     streams: list[Stream]
     recent: deque[str]
-    direct: bool = False  # something goes to the log without passing us
+    direct: bool = False  # some output is written to the log directly by the node
     read_back: int = 0
     splitter: LineSplitter | None = None
 
@@ -138,7 +138,7 @@ class NodeOutputs:
         """Read the remaining output of a node that has ended."""
         output = self._outputs.get(name)
         for stream in list(output.streams) if output else ():
-            limit = 64  # a child that goes on printing must not keep us here
+            limit = 64  # a child that continues to print must not block this loop
             while limit and select.select([stream.descriptor], [], [], 0)[0] and self.read(stream.descriptor):
                 limit -= 1
 
@@ -237,13 +237,13 @@ def _size(path: str) -> int:
 def _open_log(path: str, *, fresh: bool) -> int:
     flags = os.O_WRONLY | os.O_CREAT | os.O_APPEND | os.O_CLOEXEC | (os.O_TRUNC if fresh else 0)
     try:
-        return os.open(path, flags, 0o600)  # what nodes print may hold passwords
+        return os.open(path, flags, 0o600)  # output of nodes may contain passwords
     except OSError:
         return os.open(os.devnull, os.O_WRONLY | os.O_CLOEXEC)
 
 
 def _open_pseudo_terminal() -> tuple[int, int]:
-    # Programs print line by line to a terminal; through a pipe their output would come in late blocks.
+    # Programs write line by line to a terminal; through a pipe their output would arrive in late blocks.
     import termios
 
     reader, writer = os.openpty()

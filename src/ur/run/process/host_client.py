@@ -88,7 +88,7 @@ class ProcessHost:
             status = os.waitpid(self.pid, 0)[1]
         except ChildProcessError:
             return
-        if os.WIFSIGNALED(status):  # guard and host were killed: what they left is ours now
+        if os.WIFSIGNALED(status):  # guard and host were killed: this process has inherited their children
             kill_descendants(2.0)
             from ur.run.host.cgroup import find_cgroup  # almost never
 

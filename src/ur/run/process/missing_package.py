@@ -8,7 +8,7 @@ from ur.source.suggest import get_command
 from ur.system.debian_root import install_command
 
 OS_RELEASE = Path("/etc/os-release")
-# Debian and Ubuntu split some ROS packages: the program is in one, what makes it known as a package in another.
+# Debian and Ubuntu split some ROS packages: one has the program, another one the package's manifest.
 _NAMES = {
     "image_transport": "image-transport-tools libimage-transport-dev",
     "image_view": "ros-image-view libimage-view-dev",

@@ -17,7 +17,7 @@ from ur.source.suggest import did_you_mean
 SOCKET = "control"
 DESCRIPTION = "run.json"
 MOST_CHARACTERS = 100_000
-_LATEST = 1e12  # s since the epoch; what calculates with times later than that fails
+_LATEST = 1e12  # s since the epoch; calculations with later times fail
 
 
 def register_run(entry: RunEntry, environment: Mapping[str, str], uid: int) -> tuple[RunEntry, socket.socket] | None:
@@ -143,8 +143,8 @@ def _make_private(root: str) -> None:
 
 
 def _is_private(root: str, uid: int) -> bool:
-    # Whoever owns the folder above, or may write to it, can put another one in the place of this one at any time; in
-    # /tmp that may be anybody who was there first. A group may be the user's own.
+    # The owner of the parent folder, and every user who may write to it, can replace this folder at any time; in
+    # /tmp that may be any user. A group may be the user's own.
     for folder, open_to in ((os.path.dirname(root), 0o002), (root, 0o022)):  # noqa: PTH120 - likewise
         status = os.lstat(folder)
         if not stat.S_ISDIR(status.st_mode) or status.st_uid != uid or status.st_mode & open_to:
@@ -162,7 +162,7 @@ def _read_entry(folder: str) -> RunEntry | None:
     from ur.source.foreign.json_values import convert_json, read_json
 
     try:
-        # A FIFO in its place would be waited for; nothing else that is no file has a description.
+        # A FIFO in its place would block; other special files have no description.
         descriptor = os.open(f"{folder}/{DESCRIPTION}", os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)
         with open(descriptor, "rb") as file:  # noqa: PTH123 - likewise
             if not stat.S_ISREG(os.fstat(descriptor).st_mode):

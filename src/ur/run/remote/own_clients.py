@@ -17,7 +17,7 @@ def hold_client(identity: str, folder: Path) -> Iterator[None]:
     path = folder / identity
     try:
         lock = _lock_file(path)
-    except OSError:  # a full disk: others of this computer take it for gone
+    except OSError:  # a full disk: other runs of this computer consider the client ended
         yield
         return
     try:
@@ -58,7 +58,7 @@ def _lock_file(path: Path) -> int:
             fcntl.flock(lock, fcntl.LOCK_EX)
             if path.stat().st_ino == os.fstat(lock).st_ino:
                 return lock
-        except FileNotFoundError:  # somebody else listed it before it was locked, and has removed it
+        except FileNotFoundError:  # another process listed it before it was locked, and has removed it
             pass
         except OSError:
             os.close(lock)

@@ -46,7 +46,7 @@ from ur.run.remote.start import scope, start_share
 from ur.source.diagnostic import UserError
 
 END_SECONDS = 25.0
-SILENCE_SECONDS = 60.0  # in which clients that gave no sign when the last other one left may give one
+SILENCE_SECONDS = 60.0  # s in which clients without a sign, when the last other one left, may give one
 _AGAIN_SECONDS = 2.0
 _WAIT = "--end-when-silent"
 
@@ -63,7 +63,7 @@ def begin(request: ShareRequest) -> ShareAnswer:
             entry = find_share(runs, request)
         renamed_from = ""
         if entry is not None and entry.host != computer.host:
-            # Its nodes and its master are registered under a name that nobody can look up any more.
+            # Its nodes and its master are registered under a name that can no longer be resolved.
             renamed_from = entry.host
             if not _stop(entry):
                 return ShareAnswer(problem=_not_ended(entry.run, request.machine))

@@ -15,7 +15,7 @@ from ur.run.master.xml_rpc import CallRefused, Unanswered
 from ur.run.remote.protocol import Client
 from ur.source.diagnostic import UserError
 
-PATIENCE = 3.0  # s for all clients together; a name that is gone costs 5 s to look up
+PATIENCE = 3.0  # s for all clients together; the look-up of a name that has disappeared takes 5 s
 START_SECONDS = 60.0  # in which the nodes of a new client register
 
 

@@ -24,7 +24,7 @@ def start_share(request: ShareRequest, running: Sequence[str]) -> tuple[str, Pro
         tempfile.TemporaryFile("w+") as err,
         tempfile.TemporaryDirectory() as folder,
     ):
-        # Files: a pipe would be kept open by what lives on.
+        # Files: processes that continue to run would keep a pipe open.
         report = Path(folder, "problems.json")
         process = subprocess.Popen(
             [*scope(), sys.executable, "-I", "-m", "ur", *launch_arguments(request, running, str(report))],

@@ -14,7 +14,7 @@ from ur.run.process.missing_package import describe_install
 from ur.source.diagnostic import Diagnostic, UserError, error
 
 VIEWERS = ("rviz", "image_view")  # packages whose nodes need a display
-# Executables that command a robot, ours and those that ours stand in for.
+# Executables that command a robot: this project's, and the upstream ones that they replace.
 COMMANDERS = frozenset(
     {"joy_node", "keyboard_navigate_node", "teleop_node", "teleop_twist_joy", "teleop_twist_keyboard.py"}
 )

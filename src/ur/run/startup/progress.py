@@ -56,7 +56,7 @@ class StartProgress:
         asked = self._monitor.wants_readiness or self._timings is not None or self.due is not None
         wanted = asked and state.phase is RunPhase.RUNNING
         if self._probe is None and wanted and self._middleware is not None:
-            from ur.run.startup.readiness import ReadinessProbe  # only for those who wait
+            from ur.run.startup.readiness import ReadinessProbe  # imported late: only if a client waits
 
             self._probe = ReadinessProbe(self._middleware.view, self._conditions, self._take_readiness)
         if self._probe is not None and not wanted:
@@ -100,12 +100,12 @@ class StartProgress:
             self._probe = None
 
     def _take_readiness(self, name: str, pid: int, missing: tuple[str, ...]) -> None:
-        self._inbox.post(lambda: self._note_readiness(name, pid, missing))  # it speaks in a thread of its own
+        self._inbox.post(lambda: self._note_readiness(name, pid, missing))  # it reports from a separate thread
 
     def _note_readiness(self, name: str, pid: int, missing: tuple[str, ...]) -> None:
         each = None if self._state is None else self._state.find(name)
         if each is None or each.pid != pid:
-            return  # that was another process of this name
+            return  # it was an earlier process of this name
         self._monitor.note_readiness(name, missing)
         if self._count is not None:
             self._count.note(name, up=not missing)

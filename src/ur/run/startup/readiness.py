@@ -10,8 +10,8 @@ from collections.abc import Callable, Mapping, Sequence
 from ur.launchfile.plan.specs import ReadyCondition
 from ur.run.middleware.protocol import TF_TOPICS, GraphView, NoGraph, ReceivedMessages, RunGraph
 
-PERIOD = 0.1  # s between two looks while something is missing
-STALE = 2.0  # s without a message after which a topic does not come any more
+PERIOD = 0.1  # s between two checks while a condition is unmet
+STALE = 2.0  # s without a message after which a topic counts as silent
 
 Report = Callable[[str, int, tuple[str, ...]], None]
 

@@ -7,9 +7,9 @@ import os
 from ur.run.output.console import Console
 from ur.run.process.terminal import Terminal
 
-_PERIOD = 0.2  # s between looks
+_PERIOD = 0.2  # s between checks
 _LONGEST = 60.0  # s
-_SHELLS = ("sh", "dash", "bash")  # that start the program itself, and read from pipes until then
+_SHELLS = ("sh", "dash", "bash")  # launchers that start the program itself, and read from pipes until then
 
 
 class StartCount:
@@ -27,7 +27,7 @@ class StartCount:
         self._total, self._terminal, self._console = total, terminal, console
         self._up: set[str] = set()
         self._pid, self._end = 0, 0.0
-        self._written: int | None = None  # bytes that the program had written when its interpreter began
+        self._written: int | None = None  # bytes that the program had written when its interpreter started
         self._shown = self._describe()
         console.inform(self._shown)
 
@@ -67,7 +67,7 @@ class StartCount:
             with open(f"/proc/{self._pid}/io", encoding="ascii") as file:  # noqa: PTH123 - pathlib is not worth its import
                 written = next(int(line[6:]) for line in file if line.startswith("wchar:"))
         except (OSError, ValueError, StopIteration):
-            return False  # it has ended, or is another user's
+            return False  # the process has ended, or belongs to another user
         if self._written is None and not shell:
             self._written = written
         return shell or written == self._written

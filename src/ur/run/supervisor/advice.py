@@ -46,7 +46,7 @@ def _advise_unstarted(crash: Crash) -> str:
 
 _DEBUG_GDB = "ur launch --debug {name}=gdb ... shows where"
 
-# The most telling text first; {0} is what the pattern caught.
+# The most specific text first; {0} is the match of the pattern.
 _BY_TEXT: tuple[tuple[str, str], ...] = (
     (r"(?:ModuleNotFoundError|ImportError): No module named '?([\w.]+)", "install the Python package that has {0!r}: "
      "apt-cache search python3-{0}; a ROS package may need its workspace sourced"),

@@ -10,7 +10,7 @@ from ur.run.supervisor.actions import Action, StartUnit
 from ur.run.supervisor.state import RunPhase, State, TimeLimits, UnitState, UnitStatus
 
 Step = tuple[State, list[Action]]
-SIGNALS = (SIGINT, SIGTERM, SIGKILL)  # one after the other, ever stronger
+SIGNALS = (SIGINT, SIGTERM, SIGKILL)  # in order of increasing strength
 
 _ORDER = list(RunPhase)
 

@@ -61,7 +61,7 @@ def _end_with(state: State, each: UnitState, death: ReportDeath, now: float) -> 
     """End the run because of this unit's end."""
     unit, status = each.unit, death.status
     if not unit.terminal:
-        # roslaunch exits with 0 then; a run that has a program of ours in front has not done what it was asked to.
+        # roslaunch exits with 0 then; a run with a program of this project in front has not fulfilled its task.
         counts = unit.core or any(other.unit.terminal for other in state.units)
         code = int(bool(death.evicted_by) or (counts and not status.clean))
         state, actions = begin_end(state, f"{unit.name} is required and has ended", code, now)
@@ -69,7 +69,7 @@ def _end_with(state: State, each: UnitState, death: ReportDeath, now: float) -> 
     state, actions = begin_end(state, "", status.shell_code or int(bool(death.evicted_by)), now)
     if death.evicted_by:
         return state, [replace(death, ends_run=True), *actions]
-    if status.code is not None or status.signal == SIGINT:  # then it has said itself why it ends
+    if status.code is not None or status.signal == SIGINT:  # then it has already reported the reason of its end
         return state, actions
     return state, [replace(death, ends_run=True), *actions]
 
@@ -93,7 +93,7 @@ def _end_when_idle(state: State, reported: list[Action], now: float) -> Step:
         other.status is not UnitStatus.ENDED or other.held for other in nodes
     ):
         return state, reported
-    # As roslaunch, which has no limit to respawning: otherwise only what never started counts.
+    # As in roslaunch, which has no limit to respawning: otherwise only units that never started count.
     failed = any(other.exit == ExitStatus() or other.gave_up for other in nodes)
     state, actions = begin_end(state, "every node has ended", int(failed), now)
     return state, reported + actions
@@ -106,5 +106,5 @@ def _is_storm(quick_deaths: int, status: ExitStatus, limits: TimeLimits) -> bool
 
 
 def _backoff(quick_deaths: int, limits: TimeLimits) -> float:
-    # The first restart is as prompt as roslaunch's; only a unit that keeps dying is slowed down.
+    # The first restart is as prompt as in roslaunch; only a unit that keeps dying is delayed.
     return 0.0 if quick_deaths < 2 else min(limits.longest_backoff, 0.25 * 2.0 ** min(quick_deaths - 2, 16))

@@ -37,13 +37,14 @@ def apply_request(state: State, wanted: StartWanted | StopWanted | RestartWanted
 def press_unit(state: State, each: UnitState, now: float) -> Step:
     """Send the next, stronger signal to a unit that is to stop."""
     if each.pressure >= len(SIGNALS):
-        return put_unit(state, replace(each, deadline=None)), []  # it hangs in the kernel; the end of the run copes
+        # The process hangs in the kernel; the end of the run handles that
+        return put_unit(state, replace(each, deadline=None)), []
     signum = SIGNALS[each.pressure]
     reported: list[Action] = [ReportPressure((each.unit.name,), signum)] if each.pressure and each.deadline else []
     wait = signal_patience(state.limits, each.pressure)
     state = put_unit(state, replace(each, pressure=each.pressure + 1, deadline=now + wait))
     if each.status is UnitStatus.STARTING:
-        return state, reported  # it hears the signal once it is there
+        return state, reported  # it gets the signal once it exists
     return state, [*reported, SignalUnit(each.unit.name, signum)]
 
 

@@ -32,7 +32,7 @@ def advance_end(state: State, now: float) -> Step:
     if state.phase is RunPhase.STOPPING_CORE:
         left = [each for each in state.units if each.alive]
         if left:
-            # The last core unit first: rosout says goodbye to a master that is still there.
+            # The last core unit first: rosout unregisters from a master that still runs.
             if state.pressure > 1:
                 return state, []
             deadline = state.deadline or now + state.limits.core

@@ -79,14 +79,14 @@ class TimeLimits:
     interrupt: float = 3.0  # from SIGINT to SIGTERM
     terminate: float = 1.0  # from SIGTERM to SIGKILL
     core: float = 0.6  # from SIGINT to SIGKILL of the master and of rosout together
-    sweep: float = 0.3  # from SIGTERM to SIGKILL of what nodes left behind
+    sweep: float = 0.3  # from SIGTERM to SIGKILL of remaining processes of nodes
     unregister: float = 1.0
-    master: float = 15.0  # from start to answer of a master of our own
-    robot: float = 120.0  # for which a robot may answer and have no master, before the run ends
-    quick_death: float = 10.0  # a unit that lived shorter than this is restarted ever more slowly
+    master: float = 15.0  # from start to answer of this run's own master
+    robot: float = 120.0  # for which a robot may answer without a master before the run ends
+    quick_death: float = 10.0  # a unit that ran shorter than this is restarted with growing delays
     longest_backoff: float = 30.0
-    quick_deaths: int = 10  # in a row, after which a unit is not started again; 0: always again, as roslaunch does
-    bad_inputs: int = 3  # the same for units that exit with 2: what they were given does not change by itself
+    quick_deaths: int = 10  # ends in a row, after which a unit is not restarted; 0: no limit, as in roslaunch
+    bad_inputs: int = 3  # the same for units that exit with 2: their arguments do not change by themselves
 
 
 @dataclass(frozen=True, slots=True)
@@ -103,7 +103,7 @@ class UnitState:
     pid: int | None = None
     since: float = 0.0
     due: float | None = None
-    quick_deaths: int = 0  # in a row
+    quick_deaths: int = 0  # ends in a row
     restarts: int = 0
     exit: ExitStatus | None = None
     request: StopRequest | None = None
@@ -131,9 +131,9 @@ class State:
     pressure: int = 0
     exit_code: int = 0
     cause: str | None = None
-    reviving: bool = False  # parameters go up again, to a master that has lost them
-    stale: bool = False  # they could not be set: the master went once more
-    shared: bool = False  # a robot has a share of the run, which we start again after its restart
+    reviving: bool = False  # parameters are set again on a master that has lost them
+    stale: bool = False  # they could not be set: the master was lost again
+    shared: bool = False  # the robot has a share of the run, which this run restarts after the robot's restart
     places: Mapping[str, int] = field(default_factory=dict, compare=False, repr=False)  # in `units`, by name
 
     def find(self, name: str) -> UnitState | None:

@@ -125,7 +125,8 @@ def _proceed(state: State, event: Event, now: float) -> Step:
         case ParametersSet() if state.reviving:
             return restart_all(state, now)
         case SetupFailed() if state.reviving:
-            return replace(state, reviving=False, stale=True), []  # the master has ended once more; it is looked after
+            # The master has ended again; its monitor reports a new one
+            return replace(state, reviving=False, stale=True), []
         case SetupFailed(reason) if is_before(state, RunPhase.STOPPING_NODES):
             return begin_end(state, reason, 1, now, failed=True)
         case NothingLeft() if state.phase is RunPhase.SWEEPING:
@@ -180,7 +181,7 @@ def follow_master(state: State, event: Event, now: float) -> Step:
             return state, [ReportMaster(lost=False), *actions]
         case MasterReplaced() | RobotMasterLost() if state.shared:
             if state.reviving:
-                return state, []  # the master that the robot's share starts is seen here, too
+                return state, []  # the master started by the robot's share is detected here, too
             return replace(state, reviving=True), [ReportRevival(), StartShare()]
         case MasterReplaced():
             return replace(state, reviving=True, stale=False), [ReportRevival(), SetParameters()]

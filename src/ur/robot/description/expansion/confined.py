@@ -55,7 +55,7 @@ class _Comparison(ctypes.Structure):
     )
 
 
-def give_up_rights(library: str) -> None:
+def drop_privileges(library: str) -> None:
     """Restrict this process to computing and to open file descriptors. Raises OSError if that fails."""
     seccomp = ctypes.CDLL(library, use_errno=True)
     seccomp.seccomp_init.restype = ctypes.c_void_p
@@ -192,7 +192,7 @@ def main() -> NoReturn:
     _limit(order["memory"], order["seconds"])
     if order["seccomp"]:
         try:
-            give_up_rights(order["seccomp"])
+            drop_privileges(order["seccomp"])
         except (OSError, AttributeError) as problem:
             _write({"end": "not confined", "problem": str(problem)})
             sys.exit(0)

@@ -10,7 +10,7 @@ from ur.robot.boot.units import FOLDER, PREFIX
 from ur.robot.robot_file import ROBOT_FILE
 from ur.robot.ros2.seen_graph import SeenGraph
 from ur.robot.setup.change import Change
-from ur.robot.setup.engine import apply_change, bring_about, look, plan_undo
+from ur.robot.setup.engine import apply_change, apply_states, gather_facts, plan_undo
 from ur.robot.setup.facts import ComputerFacts, FactsRequest
 from ur.robot.setup.packages import WantedService
 from ur.robot.setup.robot_states import WantedRobot, base_request, robot_file
@@ -61,7 +61,7 @@ def take_over(shell: SshShell, robot: WantedRobot, report: Callable[[str], None]
         report(change.title)
 
     files = _want_files(plan.unit, plan.files)
-    _, count = bring_about(shell, lambda _: files, user, request, root=True, report=report_change)
+    _, count = apply_states(shell, lambda _: files, user, request, root=True, report=report_change)
     if count and not _wait_remapped(shell, plan):
         give_back(shell, report)
         raise UserError(
@@ -85,7 +85,7 @@ def take_over(shell: SshShell, robot: WantedRobot, report: Callable[[str], None]
             WantedService("mux", _MUX),
         ]
 
-    _, more = bring_about(shell, make, user, request, root=True, report=report_change)
+    _, more = apply_states(shell, make, user, request, root=True, report=report_change)
     taken = ", ".join(f"{name} ({kind.rpartition('/')[2]})" for name, kind in driver.topics.items())
     report(f"the mux alone reaches the base; it takes over {taken}")
     return later, count + more
@@ -103,7 +103,7 @@ def give_back(shell: SshShell, report: Callable[[str], None]) -> int:
         shell.run(f"systemctl disable --now {_MUX}", root=True)
         items.append(WantedFile("mux at boot", f"{FOLDER}/{_MUX}", mux, then="systemctl daemon-reload"))
     user = shell.address.user
-    changes = plan_undo(items, look(shell, items, user, FactsRequest(user), root=True)) if items else []
+    changes = plan_undo(items, gather_facts(shell, items, user, FactsRequest(user), root=True)) if items else []
     for change in changes:
         report(f"{change.title}: taken back")
         apply_change(shell, change)
