@@ -118,8 +118,8 @@ def test_network_that_refuses_the_password_leaves_the_robot_as_it_was(pair: Benc
     [
         ("wifi bob --ssid Labb", WIFI_PASSWORD, "did you mean 'Lab'?"),
         ("wifi bob --ssid Lab", "short", "expected 8 to 63"),
-        ("wifi bob --ssid Lab", "", "it wants a password, and none is given"),
-        ("wifi bob --forget Lab", "", "the robot knows no network of this name"),
+        ("wifi bob --ssid Lab", "", "it requires a password, and none was given"),
+        ("wifi bob --forget Lab", "", "the robot has no network with this name"),
         ("network bob --address 10.77.0.99", "", "is not a host address with a prefix length"),
         ("network bob --dhcp --device eth7", "", "no network device 'eth7'"),
     ],

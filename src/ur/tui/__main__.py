@@ -34,7 +34,7 @@ def main(argv: list[str]) -> int:
             log_folder = next((event.log_folder for event in early if isinstance(event, RunStarted)), "")
             report = write_crash_report(problem, "ur-tui", [Path(log_folder)] if log_folder else [])
             sys.stderr.write(describe_crash(problem, "ur launch", report) + "\n")
-            sys.stderr.write("  help: the run goes on, with plain lines as output\n")
+            sys.stderr.write("  help: the run continues, with plain lines as output\n")
             return EXIT_CODE
     return 0
 

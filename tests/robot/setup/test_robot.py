@@ -14,7 +14,7 @@ from ur.robot.ssh.shell import ShellResult
 @pytest.mark.parametrize(
     ("said", "given", "message", "help"),
     [
-        ("sudo: a password is required", False, "sudo wants a password", "expected the password of ros"),
+        ("sudo: a password is required", False, "sudo requires a password", "expected the password of ros"),
         ("sudo: 1 incorrect password attempt", True, "sudo refuses this password", "expected the password of ros"),
         ("ros is not in the sudoers file.", True, "ros may not use sudo", "usermod"),
         ("Sorry, user ros may not run sudo on bob.", False, "ros may not use sudo", "usermod"),

@@ -53,7 +53,7 @@ def test_run_on_ros2_starts_no_master_and_names_its_domain(tmp_path: Path) -> No
 
 
 def test_port_of_a_master_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(UserError, match="--port 11312 chooses the port of a master, which ROS 2 has not"):
+    with pytest.raises(UserError, match="--port 11312 chooses the port of a master, which ROS 2 does not have"):
         find_ros2(make_environment(tmp_path), RunOptions(port=11312))
 
 

@@ -53,13 +53,13 @@ def describe_base(
 def _ask_for_lidar(reading: DescriptionReading) -> bool | None:
     """Ask the user about a lidar; None without a terminal, and then the robot has none."""
     while sys.stdin.isatty():
-        question = "the file has no lidar, which the way to a goal needs: add a usual one on top? [Y/n]"
+        question = "the file has no lidar, which navigation requires; add a typical one on top? [Y/n]"
         answer = click.prompt(question, default="y", show_default=False, type=str).strip().lower()
         if answer in ("y", "yes", "n", "no"):
             return answer[0] == "y"
         click.echo(f"error: '{answer}' is no answer, expected y or n", err=True)
     if not reading.open:
-        click.echo("note: the file has no lidar, which the way to a goal needs; --lidar adds a usual one", err=True)
+        click.echo("note: the file has no lidar, which navigation requires; --lidar adds a typical one", err=True)
     return None
 
 

@@ -26,7 +26,7 @@ def set_up_each(tasks: Sequence[Task], make: Callable[[Task], list[str]], passwo
             passwords=dict.fromkeys(by_name, passwords),
         )
     except KeyboardInterrupt:
-        sys.stderr.write("interrupted; the same command goes on where it stopped\n")
+        sys.stderr.write("interrupted; the same command continues where it stopped\n")
         raise
 
 

@@ -23,7 +23,7 @@ IMPATIENCE = 8.0  # s after which a run is asked again; asking again sends stron
 
 @click.command("stop")
 @click.argument("run", required=False)
-@click.option("--node", metavar="NODE", help="Stop only this node; the run goes on.")
+@click.option("--node", metavar="NODE", help="Stop only this node; the run continues.")
 @click.option("--all", "every", is_flag=True, help="Stop every run.")
 def command(run: str | None, node: str | None, every: bool) -> int:
     """End a run, or one of its nodes.

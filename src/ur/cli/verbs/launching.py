@@ -111,7 +111,7 @@ LAUNCHING = (
         descriptions=(_RUN,),
         examples=(
             ("ur stop", "End the only run."),
-            ("ur stop m_wander --node wander", "Stop one node; the run goes on."),
+            ("ur stop m_wander --node wander", "Stop one node; the run continues."),
             ("ur stop --all", "End every run of this computer."),
         ),
         trust=_ASK_RUN,

@@ -62,7 +62,7 @@ def refuse_second_master() -> None:
     from ur.run.master.xml_rpc import Unanswered
 
     if read_domain(uri := graph_address(os.environ)) is not None:
-        raise UserError(error("--core starts a master, which ROS 2 has not", rule="bad-options", help="ur run PROGRAM"))
+        raise UserError(error("--core starts a master; ROS 2 has none", rule="bad-options", help="ur run PROGRAM"))
     master = parse_master_uri(uri)
     try:
         master.get_run_id()

@@ -26,7 +26,7 @@ def become_root(shell: SshShell, given: Secret | None, ask: Callable[[], Secret]
     if is_root:
         refuse_pending(shell)
         return candidates
-    reason = "sudo refuses this password" if candidates else "sudo wants a password"
+    reason = "sudo refuses this password" if candidates else "sudo requires a password"
     raise UserError(
         error(
             f"{shell.place}: {reason}, expected that of {shell.address.user}, who may use sudo",

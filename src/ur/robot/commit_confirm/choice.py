@@ -51,7 +51,7 @@ def choose_network(
         raise UserError(
             error_about(
                 ssid,
-                "it wants a password, and none is given",
+                "it requires a password, and none was given",
                 rule="missing-answer",
                 help="run this in a terminal, or give --passwords-from FD",
             )
@@ -86,7 +86,7 @@ def find_known(networks: Networks, name: str) -> Profile:
         raise UserError(
             error_about(
                 name,
-                f"the robot knows no network of this name, expected one of: {', '.join(names) or 'none'}",
+                f"the robot has no network with this name, expected one of: {', '.join(names) or 'none'}",
                 rule="unknown-network",
                 help=f"did you mean {near!r}?" if near else None,
             )

@@ -92,7 +92,7 @@ def _unpack(packed: IO[bytes], source: Path) -> IO[bytes]:
                     source,
                     f"holds {len(images)} images, expected one file that ends in .img",
                     rule="unknown-image",
-                    help="unpack it, then prepare what is in it",
+                    help="unpack it, then prepare its content",
                 )
             )
         return archive.open(images[0])

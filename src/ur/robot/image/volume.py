@@ -166,9 +166,7 @@ def _quote(path: str) -> str:
 def _compare(path: str, found: bytes | None, wanted: bytes | None) -> None:
     if found != wanted:
         raise UserError(
-            error_about(
-                path, "what was written is not there afterwards", rule="failed-change", help="is its disk full?"
-            )
+            error_about(path, "the written file cannot be read back", rule="failed-change", help="is its disk full?")
         )
 
 

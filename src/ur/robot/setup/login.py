@@ -152,7 +152,7 @@ def is_password(shell: SshShell, password: Secret) -> bool:
 def explain_sudo(address: Address, reported: str, *, given: bool) -> UserError:
     """Return the error for sudo's output; `given`: a password was tried."""
     user = address.user
-    message = "sudo refuses this password" if given else "sudo wants a password"
+    message = "sudo refuses this password" if given else "sudo requires a password"
     help = f"expected the password of {user}, who may use sudo"
     if "not in the sudoers file" in reported or "may not run sudo" in reported or "not allowed to" in reported:
         message, help = f"{user} may not use sudo there", f"as root there: usermod --append --groups sudo {user}"

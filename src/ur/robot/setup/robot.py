@@ -181,7 +181,11 @@ def wait_for_boot(task: Task, before: str, at: str, report: Report) -> None:
                     if boot != before:
                         if name == task.robot.name and address == task.later:
                             return
-                        reason = "its name leads elsewhere" if name == task.robot.name else f"it calls itself {name}"
+                        reason = (
+                            "its name resolves to another computer"
+                            if name == task.robot.name
+                            else f"its host name is {name}"
+                        )
                         continue
                     reason = "it has not shut down yet"
                     if time.monotonic() > patience and shell.find_sudo(find_passwords(task)):
@@ -196,7 +200,7 @@ def wait_for_boot(task: Task, before: str, at: str, report: Report) -> None:
             task.later,
             f"not back {BOOT_SECONDS:g} s after its reboot: {reason}",
             rule="no-boot",
-            help="is it in the same network? then run this again: it goes on where it stopped",
+            help="is it in the same network? then run this again: it continues where it stopped",
         )
     )
 

@@ -44,7 +44,7 @@ def explain_failure(address: Address, reported: str) -> UserError:
     return UserError(error_about(str(address), f"no login: {last}", rule="no-login", help=_AGAIN))
 
 
-_AGAIN = "check the network (ur doctor), then run this again: it goes on where it stopped"
+_AGAIN = "check the network (ur doctor), then run this again: it continues where it stopped"
 _FAILURES = (
     (
         "IDENTIFICATION HAS CHANGED",
@@ -63,7 +63,7 @@ _FAILURES = (
         "pam_nologin(8)",
         NOT_STARTED,
         "it is starting or about to stop, and takes no logins",
-        "wait a minute, then run this again: it goes on where it stopped",
+        "wait a minute, then run this again: it continues where it stopped",
     ),
     ("Permission denied", "refused", "the login was refused", "check user and password, or run: ur robot setup {host}"),
     (

@@ -179,7 +179,7 @@ def _exchange(process: subprocess.Popen[bytes], text: bytes, end: float, most: i
 
 
 _NO_ROOT = "run this in a terminal, as a user who may use sudo"
-_LATE = "check the network (ur doctor), then run this again: it goes on where it stopped"
+_LATE = "check the network (ur doctor), then run this again: it continues where it stopped"
 
 
 def quote(*words: str) -> str:

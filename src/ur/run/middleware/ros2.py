@@ -115,7 +115,7 @@ def find_ros2(environment: Mapping[str, str], options: RunOptions) -> DomainMidd
 def find_domain(kind: type[Domain], environment: Mapping[str, str], options: RunOptions) -> Domain:
     """Find the domain as `find_ros2` does, for a class of middleware."""
     if options.port is not None:
-        message = f"--port {options.port} chooses the port of a master, which ROS 2 has not"
+        message = f"--port {options.port} chooses the port of a master, which ROS 2 does not have"
         raise UserError(error(message, rule="bad-options", help="ROS_DOMAIN_ID chooses the domain"))
     address = graph_address(environment)
     facts = find_facts(environment, address.rpartition("/")[2])

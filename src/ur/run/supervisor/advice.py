@@ -77,7 +77,7 @@ _BY_TEXT: tuple[tuple[str, str], ...] = (
 
 _BY_SIGNAL: dict[int, str] = {
     signal.SIGSEGV: _DEBUG_GDB,
-    signal.SIGABRT: "the last lines name what it gave up on; " + _DEBUG_GDB,
+    signal.SIGABRT: "the last lines name the cause; " + _DEBUG_GDB,
     signal.SIGFPE: _DEBUG_GDB,
     signal.SIGBUS: "is the disk or /dev/shm full? df -h; " + _DEBUG_GDB,
     signal.SIGILL: "it was built for another processor: build it here",
@@ -85,8 +85,8 @@ _BY_SIGNAL: dict[int, str] = {
     signal.SIGKILL: "it was killed; if the kernel did, for want of memory: journalctl -k | grep -i oom",
     signal.SIGTERM: "it was stopped: by rosnode kill, another node with its name, or the system",
     signal.SIGINT: "it was stopped: by rosnode kill, another node with its name, or the system",
-    signal.SIGHUP: "its terminal went away: ur launch --detach keeps a run",
-    signal.SIGPIPE: "what read its output went away",
+    signal.SIGHUP: "its terminal was closed: ur launch --detach keeps a run",
+    signal.SIGPIPE: "the reader of its output has ended",
     signal.SIGXCPU: "it used more processor time than it may: ulimit -t",
     signal.SIGXFSZ: "it wrote a larger file than it may: ulimit -f",
 }

@@ -10,7 +10,7 @@ from ur.source.diagnostic import UserError, error
 FIRST_PORT = 8090
 """The port of a page that runs as a service; others take the first free one from here on."""
 
-LISTENERS = "everybody in this network can read what the page and the robot say: use a network that you trust"
+LISTENERS = "every computer in this network can read the data of the page and the robot: use a network that you trust"
 
 
 def make_link(host: str, port: int, token: str) -> str:

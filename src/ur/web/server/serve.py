@@ -121,7 +121,7 @@ async def serve(
             if options.foxglove:
                 viewers = f"ws://{address}:{port}{VIEWER_PATH}?token={gate.sessions.invite_viewer(options.role)}"
                 report(f"Foxglove and Lichtblick: open a connection (Foxglove WebSocket) to {viewers}")
-                report("this address is good until the server ends; anyone who has it sees what the robot sees")
+                report("this address is good until the server ends; everyone with it sees the robot's data")
             if options.phone:
                 report(LISTENERS)
             elif options.browser and _has_browser():

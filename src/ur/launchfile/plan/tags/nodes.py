@@ -88,7 +88,7 @@ def _resolve(
 ) -> NodeSpec:
     if not is_legal_name(name) and "$(anon " not in name:  # where such names stay as they are written
         draft.warn(
-            f"'{name}' is no legal ROS name, expected a letter, then letters, digits and '_'",
+            f"'{name}' is not a legal ROS name, expected a letter, then letters, digits and '_'",
             element.value_span("name" if element.attributes.get("name") else "test-name"),
             scope,
             "bad-name",

@@ -106,7 +106,7 @@ def _comment(file: str, variable: str, where: Where) -> FixCommand:
 RULES: tuple[Rule, ...] = (
     PairRule(
         {
-            "wrong-master": "shells look for the ROS master somewhere else",
+            "wrong-master": "shells use another ROS master",
             "wrong-ros-ip": "nodes tell an address that is not their computer's",
             "wrong-ros-hostname": "nodes tell a name that others do not know",
         },

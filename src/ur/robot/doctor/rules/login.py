@@ -141,7 +141,7 @@ RULES: tuple[Rule, ...] = (
         {
             "key-refused": "the robot does not take this computer's key",
             "no-login-there": "this computer does not take the robot's key",
-            "unknown-host-key-there": "the robot knows no host key of this computer, or an old one",
+            "unknown-host-key-there": "the robot has no host key of this computer, or an old one",
         },
         check_keys,
     ),

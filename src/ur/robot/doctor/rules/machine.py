@@ -43,7 +43,7 @@ def check_disks(where: Where, side: Side) -> Iterator[Finding]:
             yield Finding(
                 "full-disk",
                 f"{side.name}: {disk.free:.0f} MB are left on {disk.place}" + (f"; {what}" if what else ""),
-                "" if commands else f"what takes the room: sudo du -xhd 2 {disk.place} | sort -h | tail",
+                "" if commands else f"find large folders: sudo du -xhd 2 {disk.place} | sort -h | tail",
                 commands,
             )
 

@@ -53,7 +53,7 @@ def _check_time(where: Where, side: Side, graph: SeenGraph) -> Iterator[Finding]
         yield Finding(
             "ros2-no-clock",
             f"{side.name}: {_list(simulated)} takes the time from /clock (use_sim_time), and no node publishes it; "
-            "timers stand still and tf refuses data",
+            "timers stop and tf refuses data",
             "start the simulator or the recording, or give the node the computer's time:",
             tuple(_set_time(where, side, simulated, "false")),
         )
