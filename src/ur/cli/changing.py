@@ -13,7 +13,7 @@ import click
 from ur.robot.setup.change import Change
 from ur.source.printable import printable, printable_lines
 
-PROGRESS_SECONDS = 15.0  # between lines of progress where they cannot be written over one another
+PROGRESS_SECONDS = 15.0  # s between lines of progress on output where they cannot be overwritten
 
 _CLEAR = "\r\033[K"
 
@@ -35,7 +35,7 @@ class ChangeReporter:
 
     def __init__(self, name: str, *, live: bool = False) -> None:
         self._prefix, self._live = f"{printable(name)}: " if name else "", live
-        self._shown = 0.0  # when progress was printed last
+        self._shown = 0.0  # time of the last printed progress
         self._lock = threading.Lock()  # progress comes from another thread
 
     def __call__(self, text: str) -> None:

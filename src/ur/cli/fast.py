@@ -24,7 +24,7 @@ def launch_fast(argv: Sequence[str]) -> int | None:
     names, query = found
     try:
         if query is not None:
-            gc.disable()  # nothing lives long enough to be worth collecting
+            gc.disable()  # garbage collection is useless in such a short process
         from ur.cli.launch.act import act_on, ask, explain_problem
         from ur.source.diagnostic import UserError
         from ur.source.printable import guard_output, open_closed_streams

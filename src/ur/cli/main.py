@@ -82,7 +82,7 @@ def _dispatch(argv: list[str], load: Callable[[str], click.Command]) -> int:
 
 
 def _wants_help(argv: list[str]) -> bool:
-    # What follows a program or a command of another computer is its own.
+    # Arguments after a program, or after a command of another computer, belong to that.
     end = 2 if argv[0] == "run" else len(argv)
     return any(word in ("--help", "-h") for word in argv[1:end])
 
@@ -102,7 +102,7 @@ def _version_option() -> click.Option:
     )
 
 
-_REFUSALS = {  # of the system, which are no defect of this program
+_REFUSALS = {  # errors of the system, not of this program
     errno.EACCES: "list the permissions of all folders above it: namei -l {}",
     errno.EPERM: "list the permissions of all folders above it: namei -l {}",
     errno.ENAMETOOLONG: "choose a shorter name",

@@ -83,7 +83,7 @@ def describe_usage_error(problem: click.UsageError, argv: Sequence[str]) -> str:
 def _describe(problem: click.UsageError, argv: Sequence[str]) -> tuple[str, str]:
     context = problem.ctx
     where = context.command_path if context is not None and context.parent is not None else "ur"
-    if context is None and argv[0] in VERBS:  # click does not say where an option lacks its value
+    if context is None and argv[0] in VERBS:  # click does not report an option without its value
         where = _name_command(argv)
     help_line = f"'{where} --help' lists the options"
     if isinstance(problem, click.NoSuchOption):
@@ -152,7 +152,7 @@ def _describe_value(problem: click.BadParameter, argv: Sequence[str]) -> str:
 
 
 def _find_refused(param: click.Parameter, context: click.Context, argv: Sequence[str]) -> str | None:
-    # click's exception does not hold the value, so the command's own parser reads the arguments once more.
+    # click's exception does not contain the value, so the command's own parser reads the arguments again.
     rest = list(argv)
     for name in context.command_path.split()[1:]:
         rest = rest[rest.index(name) + 1 :]

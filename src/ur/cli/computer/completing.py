@@ -30,7 +30,7 @@ _RUN_COMMANDS = {
 
 def answer_completion(words: Sequence[str]) -> int:
     """Print the candidates for a command line up to the cursor; none if an error occurs."""
-    gc.disable()  # nothing lives long enough to be worth collecting
+    gc.disable()  # garbage collection is useless in such a short process
     with suppress(Exception):
         from ur.launchfile.world.system import SystemWorld
 

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
     from ur.check.run import CheckReport
 
-_INTERVAL = 0.3  # seconds between two looks for changes
+_INTERVAL = 0.3  # s between two checks for changes
 
 
 @click.command("check")

@@ -42,7 +42,7 @@ def command(path: str, check: bool, output: str | None, site: str | None, doc_at
     import gc
 
     was_enabled = gc.isenabled()
-    gc.disable()  # all that is made is needed until the end
+    gc.disable()  # all objects are needed until the end
     try:
         return _make(path, check, output, site, doc_attributes)
     finally:
@@ -74,7 +74,7 @@ def _write_documents(
         click.echo(_page(repository, repository.root, progress), nl=False)
         return 0
     target = Path(output) if output else Path(repository.root) / PAGE
-    # A link that the repository brings along may lead anywhere.
+    # A symbolic link in the repository may lead anywhere.
     page = _page(repository, str(target.absolute().parent), progress)
     return _settle({target: page}, check, follow=output is not None)
 
@@ -94,7 +94,7 @@ def _page(repository: DocumentedRepository, folder: str, progress: Progress) -> 
     from ur.docs.build import describe_repository
     from ur.docs.markdown.page import render_markdown
 
-    # Links in the page lead from its folder to the repository.
+    # Links in the page are relative to its folder.
     way = os.path.relpath(repository.root, folder)
     return render_markdown(describe_repository(repository, progress), "" if way == "." else f"{way}/")
 
@@ -125,7 +125,7 @@ def _settle(files: Mapping[Path, str], check: bool, *, brief: bool = False, foll
             name = _short(path)
             differences.append(f"{name} is out of date\n" if brief else show_difference(name, old, text))
             if not check:
-                # A site, as opposed to launch files, can be made again.
+                # Unlike launch files, a site can be generated again.
                 _write(path, text, lasting=not brief, follow=follow)
     if not check:
         names = ", ".join(_short(path) for path in sorted(files)[:3]) + (", ..." if len(files) > 3 else "")
@@ -163,7 +163,7 @@ def _settle_site(repository: DocumentedRepository, folder: Path, check: bool, pr
 
 
 def _prepare(folder: Path) -> None:
-    # Only a folder that this verb has made is filled: other people's index.html must survive.
+    # Only a folder made by this verb is filled, so that no other index.html is overwritten.
     from ur.docs.site.render import MANIFEST
     from ur.source.diagnostic import UserError, error, error_about
 

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from ur.get.steps import GetPlan, Needs
 
 _SHOWN = 10  # addresses
-_ROUNDS = 5  # what was installed may name more
+_ROUNDS = 5  # rounds: installed packages may name further ones
 
 
 @dataclass(slots=True)
@@ -49,7 +49,7 @@ class _Choices:
         return self.others
 
     def _confirm(self, question: str) -> bool:
-        # `--yes` is no answer to these: it is given for what ROS needs.
+        # `--yes` does not answer these questions: it is for packages that ROS needs.
         asks = sys.stdin.isatty() and not self.yes and not self.dry_run
         return asks and click.confirm(question, default=False, err=True)
 

@@ -50,7 +50,7 @@ def new_world(name: str | None, picture: str | None, width: float | None, size: 
     if picture:
         path = Path(picture).expanduser()
         if not path.is_file():
-            draw_picture(path, 1.0)  # fails before anybody is asked for more
+            draw_picture(path, 1.0)  # fails before further questions
         metres = width if width is not None else _ask_width(name, picture)
         _check_length("--width", metres, 0.5, 1000.0)
         drawing = draw_picture(path, metres, cell)

@@ -15,9 +15,9 @@ from ur.source.diagnostic import Diagnostic, UserError
 if TYPE_CHECKING:
     from ur.request.options import LaunchOptions, Query, StartReporter
 
-# What optparse finds wrong ends roslaunch with 2, everything later with 1.
+# roslaunch exits with 2 for errors that optparse finds, and with 1 for later ones.
 _WRONG_ARGUMENTS = frozenset({"bad-argument", "bad-options", "refused-option"})
-# Questions about the files: no robot is asked for its base where one is selected.
+# Queries about the files: no robot is contacted for its base.
 _OF_FILES = frozenset({"nodes", "files", "find-node", "args"})
 
 

@@ -10,7 +10,7 @@ import click
 
 from ur.source.diagnostic import UserError, error
 
-# roslaunch 1.16's own; '--dump-params' may be written '--dump' there, which is an option of ours.
+# roslaunch 1.16's own options; there, '--dump-params' may be abbreviated '--dump', which is a different option here.
 ROSLAUNCH = (
     "--files", "--args", "--nodes", "--find-node", "--child", "--local", "--screen", "--required", "--log",
     "--server_uri", "--run_id", "--wait", "--port", "--core", "--pid", "--no-summary", "--dump-params",
@@ -18,7 +18,7 @@ ROSLAUNCH = (
     "--sigint-timeout", "--sigterm-timeout", "--help",
 )  # fmt: skip
 _SECONDS = click.FloatRange(min=0, min_open=True, max=1e6)
-# There is no summary, no check of the log folder's size and no change of the title that could be left out.
+# roslaunch's options about its summary, the log folder's size and the title have no effect.
 _NOTHING_TO_DO = ("--no-summary", "--skip-log-check", "--disable-title")
 _REFUSED = {
     "-c": "ur has no child mode; it is how roslaunch starts itself on other computers",
@@ -121,7 +121,8 @@ GROUPS: Mapping[str, tuple[click.Option, ...]] = {
 """The options that the help shows, by the title of their group; `--help` is in the last one, too."""
 
 _HIDDEN = (
-    # How the laptop starts what belongs to the robot: see ur.run.remote.share. NAME is this computer's there.
+    # Used by the laptop to start the robot's nodes: see ur.run.remote.share. NAME is this computer's in the launch
+    # file.
     click.Option(["--part"], hidden=True, metavar="NAME"),
     click.Option(["--runs-already"], hidden=True, multiple=True, metavar="NODE"),
     click.Option(["--report"], hidden=True, metavar="FILE"),

@@ -32,7 +32,7 @@ def run_launch(
     argv: Sequence[str], selection: Selection, options: LaunchOptions, reporter: StartReporter, detach: Detach | None
 ) -> int:
     """Run the launch file of a command line, and return the exit code once it has ended. Raises UserError."""
-    from ur.run.process.host_client import start_host  # now, not before: help and completion need none of it
+    from ur.run.process.host_client import start_host  # imported late: help and completion do not need it
 
     with ExitStack() as stack, closing(start_host()) as host:  # its start overlaps with the reading of the launch file
         from ur.cli.launch.missing import make_xacro, offer

@@ -58,9 +58,9 @@ def send_map(store: MapStore, name: str, robot: str, new_name: str) -> str:
         f"mkdir -p {_FOLDER} && cd {_FOLDER} || exit 1; [ ! -e {target}/map.yaml ] || exit {_EXISTS}; "
         'find . -maxdepth 1 -name ".new-*" -mmin +15 -exec rm -rf {} +; '  # of a robot that was switched off
         'new=".new-$$"; trap \'rm -rf "$new"\' EXIT; trap "exit 1" HUP INT TERM; mkdir "$new" && '
-        # Where the network is cut, nobody tells the robot that no more will arrive.
+        # If the network fails, the robot is not informed that no more data follow.
         f'timeout {_SECONDS:g} base64 -d | tar -xzf - -C "$new" && sync "$new"/* || exit 1; '
-        # A mapping that has just begun has its folder and lock already, but no picture yet.
+        # A mapping that has just started has a folder and a lock, but no picture yet.
         f"[ ! -d {target} ] || flock -n -E {_IN_USE} {target}/.lock rm -rf {target} || exit; "
         f'[ ! -e {target} ] || exit {_EXISTS}; mv -T "$new" {target}'
     )

@@ -144,7 +144,7 @@ class EditApp(FullScreenApp[None]):
     #help { height: auto; max-height: 3; color: $text-muted; padding: 0 1; }
     #name { height: 1; border: none; padding: 0 1; display: none; }
     """
-    AUTO_FOCUS = None  # keys are the map's until a name is asked for
+    AUTO_FOCUS = None  # keys belong to the map until a name is asked for
 
     def __init__(self, session: EditSession, *, light: bool = False) -> None:
         super().__init__()

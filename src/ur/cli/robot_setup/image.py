@@ -145,7 +145,7 @@ def _write_seed(
 
 def _protect(image: Path, device: DiskDevice | None) -> None:
     if device is None:
-        image.chmod(0o600)  # also one that an earlier version has prepared, with the mode of the download
+        image.chmod(0o600)  # also one prepared by an earlier version, with the mode of the download
         click.echo("only you can read this file: it holds the robot's host key and hashes of its passwords")
 
 
@@ -211,7 +211,7 @@ def _opened(source: Path, target: Path | None) -> Iterator[tuple[Path, Commit, D
 
 
 def _write_copy(source: Path, target: Path, writes: Sequence[Write]) -> None:
-    target = target.resolve()  # a link stays a link
+    target = target.resolve()  # a symbolic link stays one
     with _copied(source, target, f"copying {source}") as (beside, finish):
         write_all(beside, writes)
         finish()
@@ -288,7 +288,7 @@ def _print_next_step(options: SeedOptions) -> None:
         click.echo(f"its host key is {HostKey(options.host_key.public).fingerprint}, and known to this computer")
         click.echo(f"boot {name} from it, then: ur robot setup {options.user}@{name}.local {choices}")
         return
-    with suppress(UserError):  # no ssh here
-        if run_tool(["ssh-keygen", "-F", f"{name}.local"]).returncode == 0:  # of what had this name before
+    with suppress(UserError):  # no ssh on this computer
+        if run_tool(["ssh-keygen", "-F", f"{name}.local"]).returncode == 0:  # keys of an earlier robot with this name
             choices += " --new-host-key"
     click.echo(f"boot {name} from it, then: ur robot setup {options.user}@{name}.local {choices}")

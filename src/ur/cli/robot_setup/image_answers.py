@@ -23,7 +23,7 @@ from ur.source.diagnostic import UserError, error, error_about
 from ur.source.section import read_section
 
 _KEY = re.compile(r"(ssh-ed25519|ssh-rsa|ecdsa-sha2-\S+|sk-\S+) [A-Za-z0-9+/]+=*( .*)?")
-_USER = re.compile(r"[a-z][a-z0-9-]{0,31}")  # what userconf of Raspberry Pi OS takes; cloud-init takes more
+_USER = re.compile(r"[a-z][a-z0-9-]{0,31}")  # accepted by userconf of Raspberry Pi OS; cloud-init accepts more
 _ZONES = Path("/usr/share/zoneinfo")
 
 

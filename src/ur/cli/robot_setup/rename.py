@@ -109,7 +109,7 @@ def _check_free(there: Shell, here: Shell, name: str, facts: ComputerFacts) -> N
     print_line(f"looking whether {name}.local is free")
     with (
         show_progress(f"looking up {name}.local"),
-        ThreadPoolExecutor(2) as pool,  # each waits for seconds for an answer
+        ThreadPoolExecutor(2) as pool,  # each waits seconds for an answer
     ):
         answers = list(pool.map(lambda shell: shell.run(f"getent ahostsv4 {name}.local").out, (there, here)))
     own = {*facts.addresses, "127.0.1.1"}

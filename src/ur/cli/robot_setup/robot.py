@@ -166,7 +166,7 @@ def _meet(
         met.append(confirm_host_key(task, fingerprint=wanted, yes=yes, new_host_key=new_host_key))
         return 0
 
-    # One after the other: there is one terminal for questions. A refused robot does not stop the others.
+    # One after the other: there is only one terminal for questions. A refused robot does not stop the others.
     refused = max(_guard(task, meet) for task in tasks)
     return met, refused
 
@@ -209,7 +209,7 @@ def _set_up(task: Task, here: LocalShell, viewer: ViewerFacts, *, alone: bool, b
     if between:
         task, more = put_mux_between(task, report)
         count += more
-    # Looked at through the new name, by key, with strict host keys: as it will be used.
+    # Verified through the new name, by key, with strict host keys: as it will be used.
     with open_robot(replace(task, address=task.later, host_key=None, first_contact=False), report) as there:
         checks = verify(task, here, there, viewer, wait_for_master)
         needs = [need for need in examine(inspect_devices(there), task.devices) if need.state != "ready"]

@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     from rich.live import Live
 
 _LONGEST_REPORT = 64 << 20  # characters
-MOST_LINES = 60  # of the output of one robot that are printed after the table; its file has all of it
+MOST_LINES = 60  # lines of one robot's output that are printed after the table; its file has all of them
 ALL = click.option("--all", "every", is_flag=True, help="All robots that were set up from this computer, side by side.")
 
 
@@ -163,7 +163,7 @@ def _is_refused(address: Address, reported: str) -> bool:
 
 
 def _make_job(name: str, argv: Sequence[str], password: Secret | None, *, asks: bool = False) -> Job:
-    # Unbuffered, so that the table shows what happens now.
+    # Unbuffered, so that the table shows the present state.
     command = (sys.executable, "-I", "-u", "-m", "ur", *argv)
     return Job(name, command, stdin=f"{password.reveal()}\n" if password else "", asks=asks)
 

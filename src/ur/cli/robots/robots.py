@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from rich.console import RenderableType
 
 REFRESH = 1.0  # s between checks for changes, with --watch
-SETTLE_SECONDS = 6.0  # the longest that robots which are starting are waited for, beyond the time to look
+SETTLE_SECONDS = 6.0  # the longest wait for starting robots, beyond the requested time
 Look = Callable[[], list[RobotRow]]
 
 
@@ -138,7 +138,7 @@ def _watch(look: Look, changed: threading.Event, as_json: bool) -> list[RobotRow
     try:
         show(look, changed, as_json)
     except KeyboardInterrupt:
-        rows = look()  # the way to end it
+        rows = look()  # Ctrl-C ends it
     return rows
 
 
@@ -179,7 +179,7 @@ def _picture(rows: Sequence[RobotRow]) -> RenderableType:
     from rich.text import Text
 
     table = Table()
-    has_ros2 = any(row.ros for row in rows)  # 80 columns have room for the usual ones
+    has_ros2 = any(row.ros for row in rows)  # the usual columns fit into 80 characters
     titles = ("robot", "address", "base", "variant", *(["ROS"] if has_ros2 else []), "runs", "clock", "version", "seen")
     for title in titles:
         table.add_column(title, overflow="fold")

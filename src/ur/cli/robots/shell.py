@@ -59,7 +59,7 @@ def run_in_front(command: Sequence[str]) -> int:
     early: list[int] = []
 
     def hand_on(number: int, _: object) -> None:
-        if number == signal.SIGINT:  # that one comes from the terminal, to both
+        if number == signal.SIGINT:  # the terminal sends it to both processes
             return
         if running:
             running[0].send_signal(number)
@@ -67,7 +67,7 @@ def run_in_front(command: Sequence[str]) -> int:
             early.append(number)
 
     numbers = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
-    # Before it starts, so that nothing ends us alone. It does not inherit them: handlers end with exec.
+    # Before the start, so that no signal ends this process alone. It does not inherit them: handlers end with exec.
     before = [signal.signal(number, hand_on) for number in numbers]
     try:
         running.append(subprocess.Popen(command))

@@ -76,7 +76,7 @@ def install_ros(version: str) -> None:
             raise
     else:
         return
-    import subprocess  # rarely: it is installed once
+    import subprocess  # imported late: only for an installation
 
     script = str(project_file("tools/set_up.bash"))
     code = subprocess.run(["bash", script, f"ros{version}", str(state_folder())], check=False).returncode

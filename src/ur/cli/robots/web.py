@@ -64,7 +64,7 @@ def command(
     login. The page shows the robot whose program runs, for example `ur run keyboard_navigate`, and waits for it where
     none does.
     """
-    if prepare_3d:  # for the page, when its 3D view is opened first
+    if prepare_3d:  # for the page, when its 3D view is first opened
         need_all(["jupyter_threejs_sage"], "three.lock", "what the 3D view needs (1 MB to download)")
         return 0
     if sessions or end is not None:
@@ -75,7 +75,7 @@ def command(
         return serve_there(selection, port, [*(["--look"] if look else []), "--days", str(days)])
     viewers = [_read_origin(each) for each in origins]
     need_all(["aiohttp", "segno"], "web.lock", "what the page needs (2 MB to download)")
-    if prepare:  # for `ur boot install web`, which then has a service run with --service
+    if prepare:  # for `ur boot install web`, which then runs a service with --service
         return 0
     foxglove = foxglove or bool(viewers)
     if foxglove:

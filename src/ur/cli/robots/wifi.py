@@ -26,7 +26,7 @@ from ur.source.progress_line import show_progress
 
 TICK = 1.0  # s
 KEPT = 3600  # samples
-SETTLE = 2  # seconds in which nothing can be settled yet
+SETTLE = 2  # s in which no echo can be settled yet
 
 
 @click.command("wifi")
@@ -72,7 +72,7 @@ def command(robot: str | None, watch: bool, seconds: int | None, log: Path | Non
                 for sample in ticks:
                     click.echo(describe_sample(sample, names))
         except KeyboardInterrupt:
-            pass  # the way to end it
+            pass  # Ctrl-C ends it
     print_summary(samples, names, meter, log)
     return 0 if any(not sample.gap for sample in samples) else 1
 

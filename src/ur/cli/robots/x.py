@@ -40,7 +40,7 @@ def command(robot: str, argv: tuple[str, ...], check: bool) -> int:
             )
         )
     address = robot_address(robot)
-    # Trusted forwarding: OpenGL, and with it RViz, needs extensions that untrusted clients are refused.
+    # Trusted forwarding: OpenGL, and with it RViz, needs extensions that untrusted clients do not get.
     options = ["-Y", "-o", "ExitOnForwardFailure=yes"]
     if not check:
         return run_ssh(address, options, argv)

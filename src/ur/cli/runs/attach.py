@@ -70,7 +70,7 @@ def end_with_reader(descriptor: int) -> None:
 
     def wait() -> None:
         poll = select.poll()
-        poll.register(descriptor, 0)  # errors and hang-ups are reported always
+        poll.register(descriptor, 0)  # errors and hang-ups are always reported
         poll.poll()
         os._exit(128 + signal.SIGPIPE)
 

@@ -54,7 +54,7 @@ def leave_out_joined(runs: list[RunEntry]) -> list[RunEntry]:
 
 def list_own_ended() -> list[EndedRun]:
     """Return the ended runs of this user on this computer, latest last."""
-    list_own_runs()  # turns those that were killed into ended ones
+    list_own_runs()  # converts killed runs to ended ones
     return list_ended(os.environ, os.getuid(), read_computer())
 
 

@@ -17,8 +17,8 @@ from ur.run.remote.local_runs import wait_exit
 from ur.source.diagnostic import UserError, error
 from ur.source.progress_line import show_progress
 
-JOINED_SECONDS = 10.0  # that the runs get which end because they had joined this one
-IMPATIENCE = 8.0  # s after which a run is asked again; asking again sends stronger signals
+JOINED_SECONDS = 10.0  # s for runs that end because they had joined this one
+IMPATIENCE = 8.0  # s after which the request is repeated, which sends stronger signals
 
 
 @click.command("stop")
@@ -68,7 +68,7 @@ def _stop_run(client: RunClient) -> None:
         events = client.receive()
         if events is None or any(isinstance(event, RunEnded) for event in events):
             break
-    while client.receive() is not None:  # its process ends after its last event
+    while client.receive() is not None:  # the process ends after its last event
         select.select([client], [], [], 1.0)
 
 

@@ -21,7 +21,7 @@ from ur.robot.ssh.shell import LocalShell, Shell, quote
 from ur.source.diagnostic import UserError, error, error_about
 from ur.source.progress_line import show_progress
 
-END_SECONDS = 15.0  # longer than build_attached takes over all its steps
+END_SECONDS = 15.0  # longer than build_attached takes for all its steps
 
 
 @click.command("build")
@@ -96,7 +96,7 @@ def run_attached(argv: Sequence[str]) -> int:
     try:
         return process.wait()
     except KeyboardInterrupt:
-        # Once more would leave it to end by itself.
+        # A second interrupt would leave the program running.
         signal.signal(signal.SIGINT, signal.SIG_IGN)
         if process.stdin:
             process.stdin.close()

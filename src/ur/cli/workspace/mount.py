@@ -54,14 +54,14 @@ def command(robot: str | None, at: Path | None, over: bool, folder: str) -> int:
         raise _problem(
             f"{target}: {mounted[0].source} is mounted there", "ur unmount, or choose another place with --at"
         )
-    with connect_robot(address) as shell:  # for its words, which are better than those of sshfs
+    with connect_robot(address) as shell:  # for its error messages, which are better than those of sshfs
         if shell.run(f"cd && [ -d {quote(folder)} ]").code:
             raise _problem(f"{address}: {folder} is not there, expected a folder", "name another one with --folder")
     made = _make_folder(target, hide=over)
     try:
         _mount(address, folder, target)
     except BaseException:
-        if mounts_of(_mounts_at(target), address.host):  # sshfs mounts before it has an answer to its first question
+        if mounts_of(_mounts_at(target), address.host):  # sshfs mounts before its first request is answered
             _unmount(target)
         if made:
             with suppress(OSError):
