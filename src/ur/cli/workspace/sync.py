@@ -77,13 +77,11 @@ def command(
     memory_file = memory_path(name, os.environ)
     with lock_sync(memory_file), connect_robot(address) as shell:
         with show_progress(f"listing the workspaces here and on {name}"):
-            contents = list_workspaces(shell, root, load_memory(memory_file))
-        agreed = contents.last.agreed if contents.last else {}
-        check_paths(
-            dict(zip(paths, only, strict=True)), {*contents.here.files, *contents.there.files, *agreed}, root, name
-        )
+            both = list_workspaces(shell, root, load_memory(memory_file))
+        agreed = both.last.agreed if both.last else {}
+        check_paths(dict(zip(paths, only, strict=True)), {*both.here.files, *both.there.files, *agreed}, root, name)
         sides: Sequence[Side] = ["there"] if only_to else ["here"] if only_from else SIDES
-        plan = compare(contents.here, contents.there, agreed, to=sides, take=take, only=only if "" not in only else [])
+        plan = compare(both.here, both.there, agreed, to=sides, take=take, only=only if "" not in only else [])
         click.echo("\n".join(map(printable, [*describe_plan(plan, name), summarise(plan, name)])))
         if dry_run:
             return 1 if plan.conflicts else 0
@@ -91,7 +89,7 @@ def command(
             return 1
         outcome = carry_out(
             plan,
-            contents.pair,
+            both.pair,
             shell,
             name=name_this_computer(name),
             stamp=time.strftime("%Y-%m-%d-%H%M%S"),
