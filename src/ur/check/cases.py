@@ -245,7 +245,7 @@ def _is_sure(found: Diagnostic, case: StartCase, unknowns: Unknowns, world: Cach
     if found.span is not None and found.span.file.path == "<command line>":
         return False
     if found.rule == "missing-argument" and found.kind == NOT_GIVEN:
-        return False  # an argument of the file itself: whoever starts it gives it
+        return False  # an argument of the file itself, set when it is started
     if found.rule == "bad-eval" and found.kind != NOT_PYTHON:
         return not (unknowns.any_used or case.flipped)  # the result may depend on something unknown
     if found.rule in _ABOUT_VALUES and unknowns.tried and found.span is not None and "$" in found.span.text:

@@ -54,7 +54,7 @@ class PlanChecks:
             yield None
         if not found_in:
             return
-        # A file that others include is judged there, with what they pass: here only what no argument changes.
+        # A file that others include is checked with their arguments: here only findings that no argument changes.
         passed = inclusions.passed.get(view.path, frozenset())
         missing = {_place_of(found) for found, _ in found_in}
         if by_defaults or list_unknown(view) != list_unknown(view, passed):

@@ -213,7 +213,7 @@ class CheckSession:
         package = self.sources.targets.package_of(path)
         self._index.comments[path] = read_line_suppressions(source) if source is not None else ()
         if source is None:
-            return ()  # what loads it reports it
+            return ()  # its loader reports it
         if kind == _YAML:
             return self._visitor.visit_yaml_file(YamlView(source, package))
         if package is None:

@@ -142,7 +142,7 @@ class CheckSources:
         return (*self.views.values(), *self.neighbours.values())
 
     def _merge_includes(self) -> None:
-        # In the order of the files, so that what is named first stays the same.
+        # In the order of the files, so that the first named one stays the same.
         self.inclusions = merge_includes(self._includes[view.path] for view in self._all_views())
 
 

@@ -95,7 +95,7 @@ def find_uses(element: Element) -> Iterator[tuple[str, Span]]:
 def _names_in(value: str) -> Iterator[tuple[str, int, int]]:
     try:
         pieces = parse_substitutions(value)
-    except SubstitutionProblem:  # reported where it is resolved; what can be read of it still counts as used
+    except SubstitutionProblem:  # reported where it is resolved; its readable parts still count as used
         yield from ((match.group(), match.start(), match.end()) for match in _WORD.finditer(value))
         return
     for piece in pieces:
@@ -103,5 +103,6 @@ def _names_in(value: str) -> Iterator[tuple[str, int, int]]:
             for match in _WORD.finditer(piece.content):
                 offset = piece.start + len("$(eval ")
                 yield match.group(), offset + match.start(), offset + match.end()
-        elif piece.command not in _OTHER_COMMANDS:  # a misspelt command, reported elsewhere, was meant to use something
+        # A misspelt command, which is reported elsewhere, probably uses an argument
+        elif piece.command not in _OTHER_COMMANDS:
             yield from ((word.text, word.start, word.end) for word in piece.words)

@@ -44,7 +44,7 @@ class Visitor:
     def visit_launch_file(self, view: LaunchView) -> Iterable[Diagnostic]:
         """Apply the rules to a launch file's tree."""
         if view.tree.launch is None or view.tree.diagnostics:
-            return  # half a file says nothing about the other half
+            return  # a half-read file has no reliable findings
         for element in walk_possible(view.tree.launch):
             yield from _ask(self._element, view.package, element, view)
         yield from _ask(self._launch_file, view.package, view)

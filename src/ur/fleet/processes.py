@@ -34,7 +34,7 @@ from ur.fleet.table import choose_line
 AT_ONCE = 16
 PERIOD = 0.25  # s between two pictures
 ASK, YES, NO = b"ask\n", b"yes\n", b"no\n"
-# Longer than any command takes to end what it has started on its robot.
+# Longer than any command takes to end its processes on its robot.
 STEPS = ((signal.SIGINT, 25.0), (signal.SIGTERM, 5.0), (signal.SIGKILL, 5.0))
 
 Show = Callable[[Fleet, float], None]
@@ -122,7 +122,7 @@ class Processes:
                 stdin=theirs.fileno() if theirs else subprocess.PIPE,
                 stdout=output.log.descriptor,
                 stderr=(output.errors or output.log).descriptor,
-                start_new_session=True,  # Ctrl-C is for us, and no question comes to this terminal
+                start_new_session=True,  # Ctrl-C is for this process only, and no question uses this terminal
             )
         finally:
             if theirs:
@@ -205,7 +205,7 @@ def _send(process: subprocess.Popen[bytes], number: int) -> None:
         if number == signal.SIGKILL:
             os.killpg(process.pid, number)
         else:
-            process.send_signal(number)  # what it has started is its own to end
+            process.send_signal(number)  # the command ends its own children
 
 
 def _close(child: _Child) -> None:

@@ -18,7 +18,7 @@ from ur.source.diagnostic import UserError, error
 from ur.source.foreign.files import read_text
 from ur.source.progress import Progress, no_progress
 
-_FEW = 3  # files: of fewer all have to be there
+_FEW = 3  # number of files; if there are fewer, all of them must exist
 _SHARE = 0.8  # of more: some were removed since
 
 SUFFIXES = (".launch", ".launch.xml", ".test")

@@ -29,7 +29,7 @@ _LINK = re.compile(
 )
 _SECURE_SHELL = re.compile(rf"(?:ssh://)?git@({_HOSTS})[:/](.+)")
 _NO_OWNERS = frozenset({"orgs", "topics", "user-attachments", "settings", "sponsors", "marketplace", "apps"})
-_MAX_LINKS = 200  # of one file: more is no document that somebody has written about a robot
+_MAX_LINKS = 200  # of one file: a document about a robot has fewer
 _ROS = re.compile(r"^ros_|(_ros|_ros1)?(_pkgs?|_packages?)?$")  # what is added to the name of what a repository is for
 _SHORTEST = 5  # letters of a stem that is more than a common word
 # Words that begin the names of packages of many authors.

@@ -49,7 +49,7 @@ def install(plan: GetPlan, record: Path, packages: Path, actions: InstallActions
             actions.install(plan.debian)
         except BaseException:
             absent = set(actions.list_missing(new)) if new else set()
-            with suppress(UserError):  # then the record names more than there is, which undo leaves out
+            with suppress(UserError):  # then the record names more than is installed, which undo skips
                 store_record(before.adding(debian=[name for name in new if name not in absent]), record)
             raise
     for step in plan.steps_by("pypi"):

@@ -80,7 +80,7 @@ def _find_way(missing: Missing, tables: Tables, is_there: Callable[[str], bool])
 
 
 def _find_source(missing: Missing, tables: Tables) -> tuple[SourceRepository | None, str]:
-    # The index first: a list of somebody's workspace may name a fork of his. A name that is only like it comes late.
+    # The index first: the list of a workspace may name a private fork. A merely similar name comes late.
     package = missing.package
     indexed = tables.index.repositories.get(package) if tables.index else None
     if indexed and indexed.distribution not in ROS2:
@@ -154,7 +154,7 @@ def _place(missing: Missing) -> str:
 
 
 def _debian_names(package: str, tables: Tables) -> tuple[str, ...]:
-    # Names that only look alike, such as a game called as a robot, are no candidates: they must be ROS's.
+    # Names that are only similar, such as a game with the name of a robot, are no candidates: they must belong to ROS.
     known = tables.rosdep.get(package)
     sets = possible_names(package, tables.distribution)
     if tables.candidates is None:

@@ -100,7 +100,7 @@ def graph_system(state: Sequence[Iterable[tuple[str, Sequence[str]]]], only: Ite
 
 
 def _around(graph: DrawnGraph, nodes: frozenset[str]) -> DrawnGraph:
-    # The nodes, their topics, and who else speaks there.
+    # The nodes, their topics, and other nodes on these topics.
     own = {box.id for box in graph.boxes if box.label in nodes}
     topics = {end for each in graph.arrows for end in (each.source, each.target) if {each.source, each.target} & own}
     kept = own | topics | {end for each in graph.arrows for end in _ends(each) if set(_ends(each)) & (topics - own)}

@@ -17,7 +17,7 @@ from ur.source.replace import make_folder, replace_file, sync_folder
 from ur.source.suggest import did_you_mean
 from ur.source.user_folders import user_folder
 
-if TYPE_CHECKING:  # what reads records takes time to import, and the start of a program reads none
+if TYPE_CHECKING:  # imported late: reading records is slow to import and not needed at the start of a program
     from ur.maps.record import MapRecord
 
 PICTURE = "map.yaml"

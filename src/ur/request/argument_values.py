@@ -10,7 +10,7 @@ from ur.request.arguments import Argument
 from ur.source.diagnostic import Diagnostic, Severity, error
 from ur.source.suggest import did_you_mean
 
-# By rule, or by rule and kind: what the value has to be.
+# By rule, or by rule and kind: the expected value.
 _EXPECTED = {
     ("bad-boolean", ""): "true or false",
     ("bad-number", ""): "a number",

@@ -76,7 +76,7 @@ def _with_variables(changes: Mapping[str, str | None], argv: Sequence[str], shel
 
 
 def _set(name: str, value: str, known: str | None) -> str:
-    # Long lists of folders are written with what the shell has already.
+    # Long lists of folders are shortened by references to the shell's variables.
     front = value.removesuffix(f":{known}")
     if known and front != value:
         return f'{shlex.quote(f"{name}={front}")}:"${name}"'

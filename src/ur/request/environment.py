@@ -173,7 +173,7 @@ def _marked(environment: Mapping[str, str]) -> Selection | None:
 
 
 def _package_path(environment: Mapping[str, str], package: Path) -> str:
-    # What `ur get` has made comes last: a package of the system or a workspace takes its place.
+    # Packages that `ur get` has built come last: those of the system or a workspace take precedence.
     found = _in_front(str(package), environment.get("ROS_PACKAGE_PATH", ""), "/usr/share")
     made = own_packages(environment)
     there = os.path.isdir(made)  # noqa: PTH112 - this runs at each Tab

@@ -125,7 +125,7 @@ def place(launch: Launch, staged: Staged) -> Staged:
     robot = staged.loaded.robot
     if not robot or not any(node.machine == robot for node in staged.plan.nodes):
         return staged
-    from ur.request.remote.on_robot import start_there  # ssh, and what comes with it: only where it is needed
+    from ur.request.remote.on_robot import start_there  # imported late: ssh and its modules, only if needed
 
     started = start_there(replace(staged.loaded, plan=staged.plan), launch.client, launch.reporter.report)
     part = launch.stack.enter_context(started)

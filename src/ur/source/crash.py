@@ -36,7 +36,7 @@ def write_crash_report(
         path = folder / f"{program}-crash-{os.getpid()}-{random(2).hex()}.log"
         try:
             folder.mkdir(parents=True, exist_ok=True)
-            # Exclusive: in a folder for everybody, somebody may have put a link of this name.
+            # Exclusive: in a shared folder another user may have created a link of this name.
             descriptor = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600)
             with open(descriptor, "w", encoding="utf-8", errors="backslashreplace") as file:  # noqa: PTH123
                 file.write(text)

@@ -102,7 +102,7 @@ def open_closed_streams() -> None:
             if opened != number:
                 os.dup2(opened, number)
                 os.close(opened)
-            # What is written to standard output is refused, as on a full disk; nobody could be told of errors.
+            # Standard output is refused, as on a full disk; errors could not be reported.
             setattr(sys, name, os.fdopen(number, "w", encoding="utf-8", closefd=False))
 
 

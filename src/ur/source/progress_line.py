@@ -14,7 +14,7 @@ from ur.source.printable import printable
 from ur.source.progress import Progress, no_progress
 
 QUIET = 2.0  # s of silence before the line appears
-PERIOD = 0.25  # s between looks at what there is to show
+PERIOD = 0.25  # s between updates of the line
 PLAIN_PERIOD = 15.0  # s between lines on a terminal that cannot erase
 _WIDTH = 80
 _ERASE = "\r\x1b[K"
@@ -151,7 +151,7 @@ class _Watched:
 
 
 def _is_in_front(out: TextIO) -> bool:
-    # A command in the background must not write over what is typed.
+    # A command in the background must not overwrite typed text.
     try:
         return os.tcgetpgrp(out.fileno()) == os.getpgrp()
     except (OSError, ValueError):

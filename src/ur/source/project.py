@@ -13,7 +13,7 @@ from pathlib import Path
 
 from ur.source.user_folders import user_folder
 
-# What runs, and what it is set up with: no tests, no documents, nothing that was made on this computer.
+# The running files, and those of the set-up: no tests, no documents, no generated files.
 PARTS = (
     "src",
     "ubiquity_launches",

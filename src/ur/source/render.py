@@ -52,7 +52,7 @@ def _excerpt(span: Span, colour: bool, severity: Severity) -> Iterable[str]:
     if not text.strip():
         return
     width = max(1, min(span.end - span.start, len(text) - column + 1))
-    start = max(0, column - 100)  # a caret far to the right helps nobody
+    start = max(0, column - 100)  # a caret far to the right is of no use
     shown = _one_cell_each(text[start : start + 160])
     carets = "^" * min(width, max(1, 160 - (column - 1 - start)))
     yield f"  {line:>4} | {shown}"

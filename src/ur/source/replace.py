@@ -43,7 +43,7 @@ def replace_file(
         make_folder(folder, lasting=lasting, sync=sync)
     permissions = _permissions(target)
     beside = os.path.join(folder, f".{name[:200]}.{os.urandom(4).hex()}.ur-new")
-    # Exclusive: nobody's link or file of this name is written to.
+    # Exclusive: no existing link or file of this name is written to.
     descriptor = os.open(beside, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, mode)
     try:
         with open(descriptor, "wb") as file:  # noqa: PTH123 - a descriptor

@@ -20,7 +20,7 @@ from ur.tui.palette import ScreenPalette
 
 MOST_ROWS = 20_000
 NAME_CELLS = 22
-CLOCK_FROM = 100  # columns from which on there is room for the time
+CLOCK_FROM = 100  # columns above which the time is shown
 
 
 @dataclass(frozen=True, slots=True)

@@ -137,7 +137,7 @@ class RunScreen(FullScreenApp[str]):
 
     def _listen(self) -> None:
         loop = asyncio.get_running_loop()
-        loop.remove_reader(self.control.fileno())  # not again before what came was drawn
+        loop.remove_reader(self.control.fileno())  # not again before the received events were drawn
         received = self.control.receive()
         if received is None:
             self.exit("ended" if self.state.exit_code is not None else "killed")

@@ -53,7 +53,7 @@ class SystemServices:
 
     def run_here(self, words: Sequence[str]) -> str:
         """Run a command on this terminal. Return the problem, '' for none."""
-        before = signal.signal(signal.SIGINT, lambda *_: None)  # Ctrl-C is meant for the command, not for us
+        before = signal.signal(signal.SIGINT, lambda *_: None)  # Ctrl-C is meant for the command, not for this process
         try:
             with self._suspend():
                 subprocess.run(list(words), check=False)

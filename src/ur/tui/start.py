@@ -63,7 +63,7 @@ class InterfaceProcess:
 
     def note(self, severity: Severity, text: str) -> None:
         """Pass on a message from before the run; it becomes the first in the interface's log."""
-        from ur.run.clients.protocol import Notice, dump_line  # only where there is a message
+        from ur.run.clients.protocol import Notice, dump_line  # imported late: only for a message
 
         with suppress(OSError):
             self.link.sendall(dump_line(Notice(severity, text)))

@@ -118,7 +118,7 @@ def show_status_line(
             sys.stdout.flush()
             if state.exit_code is not None:
                 return "ended", state.exit_code
-            time.sleep(0.1)  # what comes faster is shown together
+            time.sleep(0.1)  # s in which events are shown together
     finally:
         signal.signal(signal.SIGINT, before)
         os.close(reader)

@@ -66,7 +66,7 @@ def _merge(group: list[Hit]) -> Diagnostic:
 
 
 def _once_per_package(found: list[Diagnostic]) -> Iterable[Diagnostic]:
-    # A package that is not there is one finding per file, however often the file speaks of it.
+    # A missing package is one finding per file, however often the file names it.
     groups: dict[tuple[str, str, str], list[Diagnostic]] = {}
     for finding in sorted(found, key=_order):
         if finding.span is not None and finding.rule in ("unknown-package", "package-not-installed"):

@@ -20,7 +20,7 @@ _TRUTHS = ("true", "false")
 def _find_argument_in_prefix(element: Element, view: LaunchView) -> Iterable[RuleFinding]:
     value = element.attributes.get(_PREFIX, "")
     for piece in _pieces(value):
-        # An argument in front is a command with its options, `gdb --args`: the words are what it is for.
+        # An argument at the beginning is a command with its options, `gdb --args`: it is meant to be split.
         if piece.command == "arg" and value[: piece.start].strip() and not _is_plain(_name(piece), view):
             yield _found(element, _PREFIX, piece)
 

@@ -130,7 +130,7 @@ class Starter:
         return started
 
     def _literal_defaults(self, path: str) -> dict[str, str]:
-        # Handing over what is the default anyway changes nothing: one answer serves both.
+        # Passing a default explicitly changes nothing: one result is used for both.
         known = self._defaults.get(path)
         if known is None:
             known = self._defaults[path] = {}
@@ -228,7 +228,7 @@ def _explain(include: IncludeSpec, started: StartedFile) -> Iterator[Diagnostic]
 
 
 def _as_included(found: Diagnostic, include: IncludeSpec, child: StartedFile) -> Diagnostic:
-    # Seen from the root an argument may be given; here somebody should have passed it.
+    # From the root an argument may be given; here an including file should have passed it.
     if found.rule == "missing-argument" and found.kind == NOT_GIVEN:
         message = f"argument '{found.subject}' of {child.path} is required and was not passed"
         return Diagnostic(found.severity, message, found.rule, include.origin.span, subject=found.subject)

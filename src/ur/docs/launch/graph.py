@@ -112,7 +112,7 @@ class _Drawing:
 
 
 def _describe(box: GraphBox, edges: Sequence[_Edge]) -> GraphBox:
-    # The note of a box is what all arrows to it have in common.
+    # The note of a box is the common part of all arrows to it.
     labels = {edge.label for edge in edges}
     cases = dict.fromkeys(case for edge in edges for case in edge.cases)
     whole = any(not edge.cases for edge in edges)

@@ -168,7 +168,7 @@ def _directory_of(path: str) -> str:
 
 
 def _summarise(nodes: tuple[NodeDoc, ...], includes: tuple[IncludeDoc, ...]) -> str:
-    # For a file that says nothing about itself.
+    # For a file without documentation of its own.
     names = list(dict.fromkeys(value.text for node in nodes for value in node.names))
     files = list(dict.fromkeys(target.name for include in includes for target in include.targets))
     parts = []

@@ -98,7 +98,7 @@ def how_to_run(package: PackageDoc) -> list[str]:
 
 
 def _choose_example(docs: Sequence[LaunchDoc]) -> LaunchDoc | None:
-    # What people start: nobody includes it, and it includes most.
+    # Files that users start: no other file includes them, and they include most.
     whole = [doc for doc in docs if not doc.problems]
     return min(whole, key=lambda d: (bool(d.included_by), not d.started_by, -len(d.includes), d.path), default=None)
 

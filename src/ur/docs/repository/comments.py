@@ -74,7 +74,7 @@ def _outer_comments(view: LaunchView) -> Iterator[Comment]:
 
 
 def _first_prose(view: LaunchView) -> str:
-    # Comments before the first tag; afterwards they speak of what follows them.
+    # Comments before the first tag; later ones describe the tag that follows them.
     launch = view.tree.launch
     candidates = list(view.tree.comments)
     for child in launch.children if launch is not None else ():

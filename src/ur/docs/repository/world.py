@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping
 
 from ur.launchfile.world import World
 
-# A letter that no launch file uses, the one that marks what is unknown: findings that speak of it are dropped.
+# A letter that no launch file uses, the marker of unknown values: findings that contain it are dropped.
 _UNKNOWN = "ǂ"
 _ELSEWHERE = f"/{_UNKNOWN}"
 

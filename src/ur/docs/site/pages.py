@@ -237,7 +237,7 @@ def _bases_table(package: PackageDoc) -> str:
 def draw_svg(graph: DrawnGraph, label: str, link_of: Callable[[str], str | None]) -> str:
     """Return the graph as an `<svg>`; empty for one without arrows. `link_of`: the page of a path, None for no link."""
     boxes = tuple(_link(box, link_of) for box in graph.boxes)
-    # What an arrow says stands in the box that it leads to.
+    # The label of an arrow is in the box that it leads to.
     arrows = tuple(replace(arrow, label="") for arrow in graph.arrows)
     return draw_inline(DrawnGraph(boxes, arrows), label)
 

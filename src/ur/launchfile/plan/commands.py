@@ -84,7 +84,7 @@ def run_commands(plan: Plan, run: CommandRunner) -> Plan:
 
 
 def _run(command: str, run: CommandRunner) -> CommandResult | str:
-    # A text says why there is no result.
+    # A text is the reason for a missing result.
     try:
         words = shlex.split(command)
     except ValueError as problem:

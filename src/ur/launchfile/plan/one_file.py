@@ -16,7 +16,7 @@ from ur.launchfile.world.protocol import World
 from ur.source.diagnostic import error, error_about
 from ur.source.suggest import did_you_mean
 
-# A letter that no launch file uses: what starts with this is relative to where the file is included.
+# A letter that no launch file uses: names that start with it are relative to the including file's namespace.
 HERE = "/ǁ/"
 
 

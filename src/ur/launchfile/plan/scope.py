@@ -59,7 +59,7 @@ class Scope:
         child.missing = dict(self.missing)
         child.poisoned = set(self.poisoned)
         child.env = self.env[:]
-        # roslaunch shares a list that holds something, so that what an include adds is seen after it; an empty one not.
+        # As in roslaunch, a list that is not empty is shared, so that additions of an include are visible after it.
         child.params = self.params or []
         child.chain = self.chain
         return child

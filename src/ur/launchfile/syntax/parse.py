@@ -37,7 +37,7 @@ def parse_launch_file(path: str, data: bytes) -> LaunchFile:
     builder.run(data)
     launches = builder.launches
     ros2 = find_ros2(builder.source, builder.root)
-    if ros2 is not None:  # nothing else that could be said of it would help
+    if ros2 is not None:  # no other finding about it would help
         return LaunchFile(builder.source, builder.root, None, tuple(builder.outer_comments), (ros2,))
     if not builder.diagnostics and len(launches) != 1:
         builder.diagnostics.append(_not_one_launch(builder.source, builder.root, launches))

@@ -131,7 +131,7 @@ class SystemWorld:
         return tuple(path for path in paths if accept(path))
 
     def _walk(self, package: str) -> Iterator[str]:
-        # Every file of a package, in the order in which roslib.packages.find_resource looks at them.
+        # Every file of a package, in the order of roslib.packages.find_resource.
         folder = self.find_package(package)
         for place in [*self._catkin().find(("lib", "libexec", "share"), package), folder]:
             for directory, folders, files in walk_links(place):

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 _WORLDS = "/n_simulator/worlds/"
 _STOP_SECONDS = 10.0
-_ROBOT_ARGUMENTS = {"robot_base": 0, "robot_variant": 1}  # their places in what `read_facts` returns
+_ROBOT_ARGUMENTS = {"robot_base": 0, "robot_variant": 1}  # indexes into the result of `read_facts`
 
 
 def lock_launch(options: LaunchOptions, stack: ExitStack, report: Report) -> MasterLock:

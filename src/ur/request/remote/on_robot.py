@@ -257,7 +257,7 @@ def _end(address: Address, request: ShareRequest, robot: str) -> None:
 
 
 def _is_anonymous(name: str) -> bool:
-    # Such a name has another host and process in it there: see SystemWorld.make_anonymous.
+    # There, such a name contains another host and process: see SystemWorld.make_anonymous.
     host = os.uname().nodename.replace(".", "_").replace("-", "_")
     return f"_{host}_{os.getpid()}_" in name
 

@@ -61,7 +61,7 @@ class RobotPoller:
         now = time.monotonic()
         for one in sightings:
             if one.address and self._next.get(one.host, 0.0) <= now:
-                self._next[one.host] = float("inf")  # until this answer is there
+                self._next[one.host] = float("inf")  # until this answer has arrived
                 pool = self._pools[one.name in self._known]
                 for question in (self._answers, self._nodes, self._services, self._twin):
                     pool.submit(question, one).add_done_callback(self._notify)

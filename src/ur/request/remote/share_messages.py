@@ -7,7 +7,8 @@ from collections.abc import Sequence
 from ur.run.remote.protocol import Problem, ShareAnswer
 from ur.source.diagnostic import UserError, error_about
 
-_MISSING = frozenset({"missing-file", "unknown-package"})  # of the command line: the launch file is not there
+# Of the command line: the launch file does not exist on the robot
+_MISSING = frozenset({"missing-file", "unknown-package"})
 
 
 def describe_part(robot: str, answer: ShareAnswer, count: int) -> list[str]:

@@ -45,7 +45,7 @@ def need_all(
     if all(map(find_spec, modules)):
         return
     with _turn((folder or state_folder()) / ".cache" / "on_demand.lock"):
-        importlib.invalidate_caches()  # whoever had the turn before may have installed it
+        importlib.invalidate_caches()  # the previous holder of the lock may have installed it
         missing = [module for module in modules if find_spec(module) is None]
         if missing:
             path = (folder or project_folder()) / "requirements" / lock

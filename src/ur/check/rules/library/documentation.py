@@ -82,7 +82,7 @@ def _find_unknown_documentation(view: LaunchView) -> Iterable[RuleFinding]:
         heading = heading_of(child)
         if heading is None or heading[0] in view.declared or heading[0].lower() in KNOWN_HEADINGS:
             continue
-        # A comment of another kind may hold a colon, too: a name has no capital, and stands after an <arg>.
+        # Other comments may contain a colon, too: a name has no capital letter, and follows an <arg>.
         near = did_you_mean(heading[0], view.declared)
         if near or (after_arg and heading[0].islower()):
             yield RuleFinding(

@@ -15,7 +15,7 @@ _SUPPRESSED = """
 
 
 def _remove_comment(found: Diagnostic) -> tuple[TextEdit, ...]:
-    # With its line, when nothing else stands there; only when it speaks of one rule.
+    # With its line, if nothing else is on it; only if it names a single rule.
     if found.span is None or "," in found.span.text.partition(":")[2].partition(":")[0]:
         return ()
     file, start, end = found.span

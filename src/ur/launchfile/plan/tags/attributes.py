@@ -83,7 +83,7 @@ def explain_problem(problem: SubstitutionProblem, span: Span, scope: Scope) -> T
 
 def _explain_missing_argument(name: str, span: Span, scope: Scope) -> TagRefused:
     if scope.passing is not None and scope.parent is not None:
-        scope = scope.parent  # what an <include> passes on is the including file's
+        scope = scope.parent  # arguments of an <include> are resolved in the including file
     declaration = scope.declared.get(name)
     if declaration is None:
         near = did_you_mean(name, set(scope.declared) | set(scope.args))

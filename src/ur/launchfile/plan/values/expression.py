@@ -70,7 +70,7 @@ def evaluate_expression(
         raise ExpressionProblem("nested too deep") from None
     except TooLong as problem:
         raise evaluator.problem(str(problem), evaluator.at or tree.body) from None
-    except Exception as problem:  # whatever Python says about the user's expression
+    except Exception as problem:  # any warning of Python about the user's expression
         raise evaluator.problem(f"{problem} ({type(problem).__name__})", evaluator.at or tree.body) from None
 
 

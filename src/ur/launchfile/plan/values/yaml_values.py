@@ -115,7 +115,7 @@ def read_yaml_once(text: str, reads_angles: bool, budget: Budget | None = None) 
 
 @dataclass(frozen=True)
 class _Payer:
-    # Equal to all others: what one file has paid for, others need not pay for again.
+    # Equal to all others: what one file has been charged for is not charged again.
     budget: Budget | None = field(compare=False)
 
 
@@ -133,7 +133,7 @@ def _charge(budget: Budget | None, units: int) -> None:
 
 
 def _read_fast(text: str, reads_angles: bool, budget: Budget | None) -> Document | None:
-    # None: let PyYAML's own parser decide, and find the words for what is wrong.
+    # None: PyYAML's own parser decides, and words the error.
     if _SIMPLE.fullmatch(text) is None or _NOT_SIMPLE.search(text) is not None:
         return None
     import yaml
@@ -194,7 +194,7 @@ def _read_degrees(loader: yaml.SafeLoader, node: yaml.ScalarNode) -> float:
 
 
 def _read_radians(loader: yaml.SafeLoader, node: yaml.ScalarNode) -> float:
-    # roslaunch evaluates the text as Python, where only `pi` is meant to be known.
+    # roslaunch evaluates the text as Python, in which only `pi` is intended to be known.
     text = loader.construct_scalar(node).strip()
     inner = text[4:-1] if text.startswith("rad(") else text
     import yaml
