@@ -36,9 +36,9 @@ def start(node: Node) -> BlackBox:
     """Start the guard, and record."""
     settings, size = read_settings(node.parameters)
     guard = GuardProcess(size, settings.folder, settings.kept)
+    socket = EventSocket(node, os.environ, lambda text: box.happened(text))
+    node.on_end(socket.close)  # before the black box ends, which writes what has happened last
     box = BlackBox(node, settings, Ring(memoryview(guard.block)))
-    socket = EventSocket(node, os.environ, box.happened)
-    node.on_end(socket.close)
     node.on_end(guard.end)
     return box
 
