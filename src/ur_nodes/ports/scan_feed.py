@@ -17,7 +17,7 @@ from ur_nodes.ports.values import Scan
 LONGEST_QUEUE = 30  # scans
 LONGEST_TURN = 1.0  # s between the first and the last beam; what takes longer is no turn of a lidar
 SILENCE = 15.0  # s without a scan before the log reports it, and again after as long
-_ARRIVAL = 3.0  # s: the first scan may come before the first transforms
+_ARRIVAL = 10.0  # s: the first scan may come before the transforms of a node that takes long to start
 
 
 class ScanFeed:

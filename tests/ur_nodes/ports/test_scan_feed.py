@@ -56,3 +56,14 @@ def test_scan_of_a_robot_that_moves_is_given_as_if_measured_at_once(ends: float)
     assert given.ranges[0] == pytest.approx(1.1, abs=0.002)  # the first beam looks back, 0.1 s before the middle
     assert given.ranges[50] == pytest.approx(1.0, abs=0.002)
     assert given.time_increment == 0.0
+
+
+def test_missing_mount_is_reported_once_its_node_has_had_time_to_start() -> None:
+    bus = Bus()
+    user = bus.node("user")
+    feed = ScanFeed(user, "", "base", lambda _scan, _odometry: None)
+    user.every(0.5, lambda: feed.mount("laser"))
+    bus.run(9.0)
+    assert user.lines == []
+    bus.run(3.0)
+    assert user.lines == [("warn", "no transform from laser to base, expected one")]
