@@ -99,6 +99,7 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
     ),
     "ur_nodes.drivers.boards": ("ur.source", "ur.robot.base", "ur_nodes.drivers.frames", "ur_nodes.drivers.readings"),
     "ur_nodes.drivers.lidars": (
+        "ur.source",
         "ur.robot.base",
         "ur_nodes.ports.values",
         "ur_nodes.drivers.frames",

@@ -9,7 +9,7 @@ from ur_nodes.drivers.health import HealthMeter, Report
 from ur_nodes.drivers.lidars.lidar import LidarProtocol
 from ur_nodes.drivers.lidars.turns import TurnCollector
 from ur_nodes.drivers.lines.line import REPORT, Connect, LineSettings, LineUser, describe_loss
-from ur_nodes.drivers.readings import DeviceIdentity, MeasuredBeams
+from ur_nodes.drivers.readings import DeviceIdentity, MeasuredBeams, Reply
 from ur_nodes.ports.node import Node
 from ur_nodes.ports.values import Scan
 
@@ -77,6 +77,8 @@ class LidarDriver:
                     self._scans.send(scan)
             elif isinstance(reading, DeviceIdentity):
                 self._take_identity(reading)
+            elif isinstance(reading, Reply):
+                self._line.write(reading.data)
         self._health.count(frames, self._protocol.rejected - self._rejected)
         self._rejected = self._protocol.rejected
 

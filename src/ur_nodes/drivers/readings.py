@@ -55,6 +55,13 @@ class DeviceIdentity:
     problem: str = ""
 
 
+@dataclass(frozen=True, slots=True)
+class Reply:
+    """Bytes that the device is to get next, as the answer to what it has sent."""
+
+    data: bytes
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class MeasuredBeams:
     """Measurements of a lidar in the order in which they were made, arrays (n,).
@@ -75,4 +82,4 @@ class MeasuredBeams:
     complete: bool = False
 
 
-Reading = Counts | Power | Contacts | Motors | DeviceIdentity | MeasuredBeams
+Reading = Counts | Power | Contacts | Motors | DeviceIdentity | MeasuredBeams | Reply

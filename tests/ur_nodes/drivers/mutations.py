@@ -18,7 +18,7 @@ from tests.base_contract import load
 from ur_nodes.drivers.boards import BOARDS
 from ur_nodes.drivers.frames import FrameReader
 from ur_nodes.drivers.lidars import LIDARS
-from ur_nodes.drivers.readings import Counts, MeasuredBeams
+from ur_nodes.drivers.readings import Counts, MeasuredBeams, Reply
 from ur_nodes.simulator.devices.bench import FIRMWARES
 
 GROWTH = 10_000  # bytes that a parser may keep
@@ -58,12 +58,13 @@ def parsers() -> dict[str, Callable[[], Any]]:
     return {**boards, **LIDARS}
 
 
-def stream(name: str, seconds: float = 3.0) -> list[bytes]:
+def stream(name: str, seconds: float = 6.0) -> list[bytes]:
     """What the stand-in sends, in pieces as it sends them, after it was greeted."""
     plant = StillPlant()
     firmware = FIRMWARES[name](plant)  # type: ignore[arg-type]
     parser = parsers()[name]()
     pieces = [firmware.take(parser.greet())]
+    pieces += [firmware.take(each.data) for each in parser.take(pieces[0]) if isinstance(each, Reply)]
     while plant.time < seconds:
         plant.time += 0.02
         asked = firmware.take(parser.drive(0.1, 0.2)) if name in BOARDS else b""
@@ -95,6 +96,7 @@ def attack(name: str, count: int, seed: int) -> None:
     """Give a parser so many mutated pieces; AssertionError where it misbehaves, and what it raises."""
     source = random.Random(f"{name} {seed}")
     pieces, parser = stream(name), parsers()[name]()
+    list(parser.take(pieces[0]))  # a Hokuyo answers with its parameters
     counts, most = Counts if name in BOARDS else MeasuredBeams, 0
     damaged = mutate(pieces, source)
     for number in range(count):

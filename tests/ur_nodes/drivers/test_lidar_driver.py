@@ -51,7 +51,7 @@ def test_scans_are_what_the_lidar_measured_at_the_angles_at_which_it_did(name: s
     rig = make_rig(name)
     scans = rig.record("scan", Scan)
     rig.bus.run(2.0)
-    assert len(scans) in (9, 10)
+    assert len(scans) in (8, 9, 10)  # a Hokuyo sends whole turns, and begins after its second answer
     exact = rig.simulation.scan(0)
     turn = scans[-1]
     there = ~np.isnan(turn.ranges)
@@ -71,7 +71,7 @@ def test_stamp_is_the_time_of_the_first_beam_and_increments_reach_the_last(name:
     for scan in scans:
         assert scan.scan_time == pytest.approx(TURN, abs=0.03)
         assert abs(scan.time_increment) * 360 == pytest.approx(scan.scan_time, rel=0.01)
-        assert (scan.time_increment > 0.0) is (name == "xv11")
+        assert (scan.time_increment > 0.0) is (name in ("hokuyo", "xv11"))
     # A head turns from the start on, and is half a turn from its zero when it measures the first beam of the array.
     for scan in scans:
         late = (scan.stamp / SECOND - BEGUN - 0.25 * TURN) % TURN - 0.25 * TURN

@@ -38,6 +38,7 @@ OWN_DRIVERS: Mapping[str, OwnDriver] = {
     "turtlebot3": OwnDriver("the OpenCR board of a TurtleBot3", "", "/dev/opencr", 1000000, "opencr"),
     "rplidar": OwnDriver("an RPLIDAR, standard scans", "lidar", "/dev/rplidar", 115200, "rplidar"),
     "rplidar_express": OwnDriver("an RPLIDAR, express scans", "lidar", "/dev/rplidar", 115200, "rplidar"),
+    "hokuyo": OwnDriver("a Hokuyo URG or UTM", "lidar", "/dev/hokuyo", 115200, "hokuyo"),
     "ld06": OwnDriver("an LDROBOT LD06 or LD19", "lidar", "/dev/ttyUSB0", 230400),
     "xv11": OwnDriver("the lidar of a Neato XV-11, alone", "lidar", "/dev/xv11_lidar", 115200, "xv11-lidar"),
     "ydlidar": OwnDriver("a YDLIDAR X2 or X4", "lidar", "/dev/ydlidar", 128000, "ydlidar"),

@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping
 from ur_nodes.drivers.lidars.ldrobot import LdRobot
 from ur_nodes.drivers.lidars.lidar import LidarProtocol
 from ur_nodes.drivers.lidars.rplidar import RplidarExpress, RplidarStandard
+from ur_nodes.drivers.lidars.scip import Scip
 from ur_nodes.drivers.lidars.xv11 import Xv11
 from ur_nodes.drivers.lidars.ydlidar import Ydlidar
 
@@ -14,6 +15,7 @@ LIDARS: Mapping[str, Callable[[], LidarProtocol]] = {
     "rplidar": RplidarStandard,
     "rplidar_express": RplidarExpress,
     "ld06": LdRobot,
+    "hokuyo": Scip,
     "xv11": Xv11,
     "ydlidar": Ydlidar,
 }

@@ -11,6 +11,7 @@ from ur.source.diagnostic import UserError, error
 from ur_nodes.simulator.devices.arduino import ArduinoFirmware
 from ur_nodes.simulator.devices.create2 import Create2Firmware
 from ur_nodes.simulator.devices.firmware import Firmware
+from ur_nodes.simulator.devices.hokuyo import HokuyoFirmware
 from ur_nodes.simulator.devices.lidars import LdRobotFirmware, RplidarFirmware, Xv11Firmware, YdlidarFirmware
 from ur_nodes.simulator.devices.magni import MagniFirmware
 from ur_nodes.simulator.devices.neato import NeatoFirmware
@@ -28,6 +29,7 @@ FIRMWARES: Mapping[str, Callable[[Plant], Firmware]] = {
     "rplidar": RplidarFirmware,
     "rplidar_express": RplidarFirmware,
     "ld06": LdRobotFirmware,
+    "hokuyo": HokuyoFirmware,
     "xv11": Xv11Firmware,
     "ydlidar": YdlidarFirmware,
 }

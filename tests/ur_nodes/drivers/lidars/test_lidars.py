@@ -10,8 +10,10 @@ import pytest
 
 from ur_nodes.drivers.lidars import LIDARS
 from ur_nodes.drivers.lidars.ldrobot import check
+from ur_nodes.drivers.lidars.scip import Scip, decode
+from ur_nodes.drivers.lidars.scip import check as scip_check
 from ur_nodes.drivers.lidars.ydlidar import correction
-from ur_nodes.drivers.readings import MeasuredBeams
+from ur_nodes.drivers.readings import DeviceIdentity, MeasuredBeams, Reply
 
 # The worked example of the LD06's manual.
 LD06 = bytes.fromhex("542c6808ab7ee000e4dc00e2d900e5d500e3d300e4d000e9cd00e4ca00e2c700e9c500e5c200e5c000e5be823a1a50")
@@ -31,6 +33,38 @@ def test_example_of_the_manual_of_an_ld06_is_read() -> None:
     assert beams.ranges[:2].tolist() == pytest.approx([0.224, 0.220])
     assert beams.clockwise
     assert beams.turn_time == pytest.approx(360.0 / 2152)
+
+
+@pytest.mark.parametrize("line", ["AMIN:44;7", "AMAX:725;o", "AFRT:384;6", "SCAN:600;e", "DMAX:5600;_"])
+def test_sums_of_scip_are_those_of_its_examples(line: str) -> None:
+    body, _, end = line.partition(";")
+    assert chr(scip_check(body.encode())) == end
+    assert decode(b"1Dh").tolist() == [5432]  # the example of the specification: 5432 mm
+
+
+def test_hokuyo_asks_for_the_steps_of_its_model_and_leaves_out_damaged_lines() -> None:
+    lidar = Scip()
+    rows = ("DMIN:20;4", "DMAX:5600;_", "ARES:1024;\\", "AMIN:44;7", "AMAX:725;o", "AFRT:384;6", "SCAN:600;e")
+    (reply,) = lidar.take(("PP\n00P\n" + "\n".join(rows) + "\n\n").encode())
+    assert reply == Reply(b"MD0044072500000\n")
+    scan = b"".join(row + bytes((scip_check(row), 10)) for row in (b"0000", *[b"1Dh" * 21] * 32, b"1Dh" * 10))
+    (beams,) = lidar.take(b"MD0044072500000\n99b\n" + scan + b"\n")
+    assert isinstance(beams, MeasuredBeams)
+    assert len(beams.ranges) == 682
+    assert beams.ranges[0] == 5.432
+    assert np.degrees(beams.phases[340]) == pytest.approx(0.0)
+    assert beams.turn_time == pytest.approx(0.1)
+    (beams,) = lidar.take(b"MD0044072500000\n99b\n" + scan.replace(b"1Dh", b"1Di", 1) + b"\n")
+    assert isinstance(beams, MeasuredBeams)
+    assert np.isnan(beams.ranges[:21]).all()
+    assert not np.isnan(beams.ranges[21:]).any()
+    assert list(lidar.take(b"MD0044072500000\n99b\n" + scan[:-20] + b"\n\n")) == []
+    assert lidar.rejected == 2
+
+
+def test_hokuyo_that_refuses_to_measure_is_named() -> None:
+    (identity,) = Scip().take(b"MD0044072500000\n0Aq\n\n")
+    assert identity == DeviceIdentity("", "it refuses to measure (status 0A); switch it off and on again")
 
 
 def test_standard_sample_of_an_rplidar_has_64ths_of_a_degree_and_quarters_of_mm() -> None:
