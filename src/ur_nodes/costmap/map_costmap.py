@@ -75,6 +75,14 @@ class MapCostmap:
         box, self._changed = self._changed, None
         return box
 
+    def explains(self, points: NDArray[np.float64]) -> NDArray[np.bool_]:
+        """Mark the points (n, 2) in the map that are an obstacle of it or near one; also those outside of it."""
+        cells = self._plain.cells_of_points(points)
+        inside = self._plain.contains(cells)
+        explained = ~inside
+        explained[inside] = self._is_known(cells[inside])
+        return explained
+
     def update(self, sensor: Pose2, beams: Beams) -> bool:
         """Clear and mark with a scan taken from `sensor` (in the map). Returns whether anything changed."""
         box = trace_beams(self._occupied, self._plain, sensor, beams, self._reach, ignore=self._is_known)

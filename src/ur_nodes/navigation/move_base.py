@@ -170,7 +170,7 @@ class MoveBase:
                 now=now,
                 motion=self._world.motion(self._sent, now),
                 odom=self._world.odom() or Pose2(0.0, 0.0, 0.0),
-                local=self._world.local_costmap.occupied(),
+                local=self._world.surroundings(now),
                 answer=answer,
                 trouble=self._world.trouble(now),
                 path_blocked=self._path_blocked,
@@ -249,7 +249,10 @@ class MoveBase:
         self._key += 1
         heading = None if self._any_heading() else self._goal.yaw
         place, goal = (pose.x, pose.y), (self._goal.x, self._goal.y)
-        request = PlanRequest(self._key, place, goal, *costs, yaw=pose.yaw, heading=heading, careful=careful)
+        people = self._world.people_in_map(self._now())
+        request = PlanRequest(
+            self._key, place, goal, *costs, yaw=pose.yaw, heading=heading, careful=careful, people=people
+        )
         self._plans.ask(request)
 
     def _any_heading(self) -> bool:

@@ -3,10 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections import deque
-from dataclasses import dataclass, field
 
-from ur_nodes.costmap.costmap import Costmap
 from ur_nodes.costmap.footprint import Footprint
 from ur_nodes.geometry.pose import Pose2, wrap_angle
 from ur_nodes.navigation.leg_follower import Driving, LegFollower, legs_back
@@ -21,38 +18,16 @@ from ur_nodes.navigation.navigator_step import (
 from ur_nodes.navigation.planning.legs import Leg
 from ur_nodes.navigation.planning.outline_plan import is_long
 from ur_nodes.navigation.planning.path_geometry import Points
-from ur_nodes.navigation.steering.local_plan import sweep_is_free
+from ur_nodes.navigation.pursuit import DrivenTrack, Pursuit
+from ur_nodes.navigation.steering.local_plan import LocalCommand, sweep_is_free
 from ur_nodes.navigation.steering.recovery import Behaviour, Recovery, move_to_recover
 from ur_nodes.navigation.steering.rollout import FollowSettings, RolloutState
 from ur_nodes.navigation.steering.speed_profile import SpeedLimits, approach, limit_speeds, turn_rate
+from ur_nodes.navigation.steering.surroundings import Surroundings
 
-_TRACK_STEP, _TRACK_TURN = 0.05, 0.1  # m, rad between poses of the track that is kept
-_TRACK = 120  # such poses
 _ASTRAY, _ASTRAY_TIGHT = 0.4, 0.15  # m beside a path, and beside one that was made for the outline
+_WAIT_PAUSE = 1.0  # s between two plans while people are in the way
 _TIGHT_PAUSE = 2.0  # s between plans of such a path, which take longer
-
-
-@dataclass(slots=True)
-class _Run:
-    """The state of the pursuit of one goal."""
-
-    goal: Pose2
-    phase: NavigatorPhase
-    phase_since: float
-    any_heading: bool = False
-    path: Points | None = None
-    legs: LegFollower | None = None
-    last_turn: float | None = None
-    retreat: LegFollower | None = None
-    asked: float | None = None
-    last_asked: float = -math.inf
-    stuck_since: float | None = None
-    trouble_since: float | None = None
-    moved_at: float = 0.0
-    moved_from: Pose2 | None = None
-    recovery: Recovery = field(default_factory=Recovery)
-    reason: str = ""
-    sent: tuple[float, float] = (0.0, 0.0)
 
 
 class Navigator:
@@ -66,8 +41,8 @@ class Navigator:
         self._share = 1.0
         self._follow = follow
         self._footprint = footprint
-        self._track: deque[Pose2] = deque(maxlen=_TRACK)
-        self._run: _Run | None = None
+        self._track = DrivenTrack()
+        self._run: Pursuit | None = None
 
     @property
     def phase(self) -> NavigatorPhase:
@@ -86,7 +61,7 @@ class Navigator:
         `any_heading`: it is reached at its place with any heading.
         """
         sent = self._run.sent if self._run else (0.0, 0.0)
-        self._run = _Run(goal, NavigatorPhase.PLANNING, now, any_heading, sent=sent, moved_at=now)
+        self._run = Pursuit(goal, NavigatorPhase.PLANNING, now, any_heading, sent=sent, moved_at=now)
 
     def stop(self) -> None:
         """Pursue nothing any more. The caller stops the robot."""
@@ -104,7 +79,7 @@ class Navigator:
             return stopped
         assert inputs.motion is not None
         assert inputs.local is not None
-        self._remember(inputs.motion.pose)
+        self._track.remember(inputs.motion.pose)
         run.recovery = run.recovery.forgotten(inputs.motion.pose, self._settings.progress_distance)
         if inputs.answer is not None:
             ended = self._take_answer(run, inputs.answer, inputs)
@@ -122,7 +97,7 @@ class Navigator:
             run.asked = run.last_asked = inputs.now
         return out
 
-    def _check_trouble(self, run: _Run, inputs: NavigatorInputs) -> NavigatorOutputs | None:
+    def _check_trouble(self, run: Pursuit, inputs: NavigatorInputs) -> NavigatorOutputs | None:
         trouble = inputs.trouble or ("" if inputs.motion and inputs.local else "no pose of the robot")
         if not trouble:
             run.trouble_since = None
@@ -136,7 +111,7 @@ class Navigator:
             return self._end(Ending.FAILED, trouble)
         return NavigatorOutputs(command=(0.0, 0.0), log=f"stopped: {trouble}" if first else "")
 
-    def _take_answer(self, run: _Run, answer: PlanAnswer, inputs: NavigatorInputs) -> NavigatorOutputs | None:
+    def _take_answer(self, run: Pursuit, answer: PlanAnswer, inputs: NavigatorInputs) -> NavigatorOutputs | None:
         run.asked = None
         if answer.path is not None:
             run.path, run.last_turn, run.reason = answer.path, answer.last_turn, ""
@@ -149,12 +124,16 @@ class Navigator:
             return self._end(Ending.FAILED, answer.reason)
         return None
 
-    def _plan(self, run: _Run, _motion: RolloutState, _local: Costmap, inputs: NavigatorInputs) -> NavigatorOutputs:
+    def _plan(
+        self, run: Pursuit, _motion: RolloutState, _local: Surroundings, inputs: NavigatorInputs
+    ) -> NavigatorOutputs:
         if inputs.now - run.phase_since > self._settings.planner_patience:
             return self._get_stuck(run, inputs, run.reason or "planning took too long")
         return NavigatorOutputs(command=self._braked(run), plan=self._may_ask(run, inputs.now, 0.5))
 
-    def _drive(self, run: _Run, motion: RolloutState, local: Costmap, inputs: NavigatorInputs) -> NavigatorOutputs:
+    def _drive(
+        self, run: Pursuit, motion: RolloutState, local: Surroundings, inputs: NavigatorInputs
+    ) -> NavigatorOutputs:
         assert run.legs is not None
         pose = motion.pose
         held = RolloutState(pose, *run.sent)
@@ -165,6 +144,9 @@ class Navigator:
                 return self._turn(run, motion, local, inputs)
             return NavigatorOutputs(command=self._braked(run), plan=self._may_ask(run, inputs.now, 0.5))
         step = driven.command
+        if step.waits:
+            return self._wait(run, step, inputs)
+        run.waited_since = None
         if self._is_stuck(run, step.blocked, inputs, pose):
             return self._get_stuck(run, inputs, run.reason or _blocked_at(pose, inputs.odom))
         astray = driven.away > (_ASTRAY_TIGHT if run.legs.is_tight else _ASTRAY)
@@ -175,7 +157,22 @@ class Navigator:
         command, plan = (step.speed, step.turn), wanted or periodic
         return NavigatorOutputs(command=command, plan=plan, careful=step.blocked, ahead=step.ahead)
 
-    def _turn(self, run: _Run, motion: RolloutState, local: Costmap, inputs: NavigatorInputs) -> NavigatorOutputs:
+    def _wait(self, run: Pursuit, step: LocalCommand, inputs: NavigatorInputs) -> NavigatorOutputs:
+        """Stop for people, who move on sooner or later, and look for a path round them."""
+        first = run.waited_since is None
+        run.waited_since = inputs.now if run.waited_since is None else run.waited_since
+        if inputs.now - run.waited_since > self._settings.people_patience:
+            run.waited_since = None
+            return self._get_stuck(run, inputs, "people are in the way")
+        run.moved_at, run.stuck_since = inputs.now, None
+        plan = self._may_ask(run, inputs.now, _WAIT_PAUSE)
+        return NavigatorOutputs(
+            command=(step.speed, step.turn), plan=plan, ahead=step.ahead, log="waiting for people" if first else ""
+        )
+
+    def _turn(
+        self, run: Pursuit, motion: RolloutState, local: Surroundings, inputs: NavigatorInputs
+    ) -> NavigatorOutputs:
         if run.path is not None:  # it may end beside a goal that cannot be reached
             x, y = run.path[-1].tolist()
             end = inputs.odom.compose(Pose2(x, y, run.goal.yaw))
@@ -198,12 +195,17 @@ class Navigator:
         most = abs(ahead) / (1.5 * self._settings.period)
         rate = max(-most, min(most, turn_rate(ahead, self._limits)))
         turn = approach(run.sent[1], rate, self._limits.turn_acceleration * self._settings.period)
-        free = abs(turn) < 0.02 or sweep_is_free(RolloutState(motion.pose, 0.0, turn), 0.3, local, self._footprint)
-        if self._is_stuck(run, not free, inputs, motion.pose):
+        trial = RolloutState(motion.pose, 0.0, turn)
+        free = abs(turn) < 0.02 or sweep_is_free(trial, 0.3, local, self._footprint)
+        if not free and sweep_is_free(trial, 0.3, Surroundings(local.costmap), self._footprint):  # but for people
+            run.moved_at, run.stuck_since = inputs.now, None
+        elif self._is_stuck(run, not free, inputs, motion.pose):
             return self._get_stuck(run, inputs, "no room to turn at the goal")
         return NavigatorOutputs(command=(speed, turn) if free else self._braked(run))
 
-    def _recover(self, run: _Run, motion: RolloutState, local: Costmap, inputs: NavigatorInputs) -> NavigatorOutputs:
+    def _recover(
+        self, run: Pursuit, motion: RolloutState, local: Surroundings, inputs: NavigatorInputs
+    ) -> NavigatorOutputs:
         behaviour = run.recovery.behaviour
         assert behaviour is not None
         if behaviour in (Behaviour.CLEAR_FAR, Behaviour.CLEAR_ALL):
@@ -225,11 +227,11 @@ class Navigator:
             return NavigatorOutputs(command=(0.0, 0.0), plan=True)
         return NavigatorOutputs(command=(move.speed, move.turn))
 
-    def _after_recovery(self, run: _Run, pose: Pose2, now: float) -> None:
+    def _after_recovery(self, run: Pursuit, pose: Pose2, now: float) -> None:
         run.recovery = Recovery(run.recovery.tried + 1, began=pose)
         self._enter(run, NavigatorPhase.PLANNING, now)
 
-    def _get_stuck(self, run: _Run, inputs: NavigatorInputs, reason: str) -> NavigatorOutputs:
+    def _get_stuck(self, run: Pursuit, inputs: NavigatorInputs, reason: str) -> NavigatorOutputs:
         behaviour = run.recovery.behaviour if self._settings.recovery_enabled else None
         if behaviour is None:
             tried = " (after clearing, turning and backing off)" if self._settings.recovery_enabled else ""
@@ -238,12 +240,12 @@ class Navigator:
         run.recovery = Recovery(run.recovery.tried)
         run.retreat = None
         if behaviour is Behaviour.BACK_OFF and is_long(self._footprint):
-            legs = legs_back(self._track, 2.0 * self._footprint.circumscribed)
+            legs = legs_back(self._track.poses, 2.0 * self._footprint.circumscribed)
             run.retreat = LegFollower(legs) if legs else None
         self._enter(run, NavigatorPhase.RECOVERING, inputs.now)
         return NavigatorOutputs(command=(0.0, 0.0), log=f"{reason}; recovering: {behaviour.value}")
 
-    def _is_stuck(self, run: _Run, blocked: bool, inputs: NavigatorInputs, pose: Pose2) -> bool:
+    def _is_stuck(self, run: Pursuit, blocked: bool, inputs: NavigatorInputs, pose: Pose2) -> bool:
         """No command for the controller's patience, or commanded to move and not moving."""
         if not blocked:
             run.stuck_since = None
@@ -260,7 +262,7 @@ class Navigator:
             return True
         return inputs.now - run.moved_at > self._settings.progress_timeout
 
-    def _may_ask(self, run: _Run, now: float, least: float) -> bool:
+    def _may_ask(self, run: Pursuit, now: float, least: float) -> bool:
         """Return True when a plan may be requested: none is being made (or too long), the last is `least` s old."""
         waiting = run.asked is not None and now - run.asked < 10.0
         return not waiting and now - run.last_asked >= least
@@ -269,24 +271,14 @@ class Navigator:
     def _driving(self) -> Driving:
         return Driving(self._footprint, self._limits, self._follow, self._settings.period)
 
-    def _remember(self, pose: Pose2) -> None:
-        """Keep the poses that the robot has passed, in the odometry frame."""
-        last = self._track[-1] if self._track else None
-        if (
-            last is None
-            or math.hypot(pose.x - last.x, pose.y - last.y) > _TRACK_STEP
-            or abs(wrap_angle(pose.yaw - last.yaw)) > _TRACK_TURN
-        ):
-            self._track.append(pose)
-
-    def _braked(self, run: _Run) -> tuple[float, float]:
+    def _braked(self, run: Pursuit) -> tuple[float, float]:
         period = self._settings.period
         return (
             approach(run.sent[0], 0.0, self._limits.acceleration * period),
             approach(run.sent[1], 0.0, self._limits.turn_acceleration * period),
         )
 
-    def _enter(self, run: _Run, phase: NavigatorPhase, now: float) -> None:
+    def _enter(self, run: Pursuit, phase: NavigatorPhase, now: float) -> None:
         run.phase, run.phase_since, run.stuck_since = phase, now, None
         run.moved_from, run.moved_at = None, now
 

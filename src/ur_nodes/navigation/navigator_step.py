@@ -5,13 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import Enum
 
-from ur_nodes.costmap.costmap import Costmap
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.navigation.planning.legs import Leg
 from ur_nodes.navigation.planning.path_geometry import Points
 from ur_nodes.navigation.steering.recovery import Behaviour
 from ur_nodes.navigation.steering.rollout import RolloutState
+from ur_nodes.navigation.steering.surroundings import Surroundings
 
 
 class NavigatorPhase(Enum):
@@ -45,6 +45,7 @@ class NavigatorSettings:
     planner_period: float = 0.0
     planner_patience: float = 5.0
     controller_patience: float = 5.0
+    people_patience: float = 30.0
     trouble_patience: float = 5.0
     recovery_enabled: bool = True
     progress_timeout: float = 10.0
@@ -69,8 +70,8 @@ class PlanAnswer:
 class NavigatorInputs:
     """The world at one control step.
 
-    `motion` is in the odometry frame, `odom` the pose of the map in that frame, `local` the costmap round the robot in
-    that frame. `trouble` is the reason why the robot must not move, '' when it may. `path_blocked`: the map with all
+    `motion` is in the odometry frame, `odom` the pose of the map in that frame, `local` what is round the robot
+    in that frame. `trouble` is the reason why the robot must not move, '' when it may. `path_blocked`: the map with all
     obstacles shows an obstacle on the path that is being followed. `speed_mask`: percentages of the speed limit, on
     the map. `share` (0 to 1) of all speeds is allowed by the client that limits the robot.
     """
@@ -78,7 +79,7 @@ class NavigatorInputs:
     now: float
     motion: RolloutState | None
     odom: Pose2
-    local: Costmap | None
+    local: Surroundings | None
     answer: PlanAnswer | None = None
     trouble: str = ""
     path_blocked: bool = False

@@ -2,18 +2,25 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
-from ur_nodes.costmap.costmap import FREE, LETHAL, Costmap
+from ur_nodes.costmap.costmap import FREE, INSCRIBED, LETHAL, Costmap
 from ur_nodes.costmap.footprint import Footprint
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.navigation.navigator_step import PlanAnswer
+from ur_nodes.navigation.people.tracked_people import MARGIN, NO_PEOPLE, TrackedPeople
 from ur_nodes.navigation.planning.global_plan import NoPathError, PlanSettings, plan_path, traversal_weights
 from ur_nodes.navigation.planning.legs import points_of_legs
 from ur_nodes.navigation.planning.outline_motions import Steering
 from ur_nodes.navigation.planning.outline_plan import fit_outline, is_long
+from ur_nodes.navigation.planning.path_geometry import Points
+
+_STANDING = 0.3  # m/s: slower people are planned round
+_ROOM = 0.05  # m more than what the local planner keeps
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -22,7 +29,7 @@ class PlanRequest:
 
     With `yaw` (rad), the robot's, the path is made for its outline; `heading` (rad) is that at the goal, None: any.
     `careful`: the robot could not follow the path before. `static` are the costs of the map and its keep-out zones,
-    `zones` those of the zones alone.
+    `zones` those of the zones alone. The path leads round `people` (in the map) who stand, where it can.
     """
 
     key: int
@@ -34,6 +41,7 @@ class PlanRequest:
     yaw: float | None = None
     heading: float | None = None
     careful: bool = False
+    people: TrackedPeople = NO_PEOPLE
 
 
 def answer_request(request: PlanRequest, settings: PlanSettings, footprint: Footprint | None = None) -> PlanAnswer:
@@ -42,7 +50,7 @@ def answer_request(request: PlanRequest, settings: PlanSettings, footprint: Foot
     The path of a long robot is one that its `footprint` fits on, where such a path was found.
     """
     try:
-        path = plan_path(request.costmap, request.start, request.goal, settings)
+        path = _plan_round_people(request, settings, footprint)
         if footprint is None or request.yaw is None or not is_long(footprint):
             return PlanAnswer(path)
         start, weights = Pose2(*request.start, request.yaw), traversal_weights(settings)
@@ -68,3 +76,39 @@ def answer_request(request: PlanRequest, settings: PlanSettings, footprint: Foot
     except NoPathError as problem:
         return PlanAnswer(None, str(problem), hopeless="goal" in str(problem))
     return PlanAnswer(None, f"{reason}, because of obstacles that the map does not show")
+
+
+def _plan_round_people(request: PlanRequest, settings: PlanSettings, footprint: Footprint | None) -> Points:
+    """Plan with room to people who stand, or without where there is no such path. Raises NoPathError."""
+    people = request.people
+    standing = np.hypot(*people.velocities.T) < _STANDING
+    if footprint is None or not standing.any():
+        return plan_path(request.costmap, request.start, request.goal, settings)
+    try:
+        costmap = _with_people(request, people.places[standing], people.radii[standing], footprint.inscribed)
+        return plan_path(costmap, request.start, request.goal, settings)
+    except NoPathError:
+        return plan_path(request.costmap, request.start, request.goal, settings)
+
+
+def _with_people(
+    request: PlanRequest, places: NDArray[np.float64], radii: NDArray[np.float64], inscribed: float
+) -> Costmap:
+    """Costs with discs round people in which the robot's middle must not be; not where it is already, or at the goal."""
+    costmap = request.costmap
+    costs = costmap.costs.copy()
+    for place, radius in zip(places, radii.tolist(), strict=True):
+        room = radius + MARGIN + _ROOM + inscribed
+        for end in (request.start, request.goal):
+            room = min(room, math.dist(place, end) - costmap.resolution)
+        row, column = costmap.cells_of_points(place).tolist()
+        reach = math.ceil(max(room, 0.0) / costmap.resolution)
+        box = (
+            slice(max(0, row - reach), max(0, row + reach + 1)),
+            slice(max(0, column - reach), max(0, column + reach + 1)),
+        )
+        part = costs[box]
+        cells = np.moveaxis(np.indices(part.shape), 0, -1) + (box[0].start, box[1].start)
+        inside = np.hypot(*np.moveaxis(costmap.points_of_cells(cells) - place, -1, 0)) < room
+        part[inside & (part != LETHAL)] = INSCRIBED
+    return Costmap(costs, costmap.resolution, costmap.origin)

@@ -6,9 +6,10 @@ from collections import deque
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ur_nodes.costmap.costmap import Costmap
-from ur_nodes.costmap.layers import beams_of_scan, level_beams
+from ur_nodes.costmap.layers import Beams, beams_of_scan, level_beams
 from ur_nodes.costmap.map_costmap import MapCostmap
 from ur_nodes.costmap.rolling_costmap import RollingCostmap
 from ur_nodes.costmap.sonar import beams_of_range, without_walls
@@ -16,8 +17,11 @@ from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.geometry.transform_tree import ExtrapolationError, TransformError
 from ur_nodes.navigation.move_base_settings import MoveBaseSettings
+from ur_nodes.navigation.people.tracked_people import NO_PEOPLE, TrackedPeople
+from ur_nodes.navigation.people.tracker import PeopleTracker
 from ur_nodes.navigation.planning.outline_plan import is_long
 from ur_nodes.navigation.steering.rollout import RolloutState
+from ur_nodes.navigation.steering.surroundings import Surroundings
 from ur_nodes.navigation.zone_masks import ZoneMasks
 from ur_nodes.ports.newest_work import NewestWork
 from ur_nodes.ports.node import Node
@@ -62,6 +66,7 @@ class WorldView:
         self.global_costmap: MapCostmap | None = None
         self.map_problem = ""
         self.maps = 0  # used so far
+        self._tracker = PeopleTracker()
         self._scan: Scan | None = None
         self._used: int | None = None  # the stamp of the last scan that was worked in, ns
         self._laid = False
@@ -101,7 +106,22 @@ class WorldView:
         sensor, beams = level_beams(mount, beams_of_scan(scan, inf_is_valid=source.inf_is_valid))
         self.local_costmap.update(robot.newest, robot.in_odom.compose(sensor), beams)
         if self.global_costmap is not None and robot.in_map is not None:
-            self.global_costmap.update(robot.in_map.compose(sensor), beams)
+            walkers = self._track_people(seconds_of(scan.stamp), sensor, beams, robot, self.global_costmap)
+            lasting = Beams(beams.angles, beams.ranges, beams.hits & ~walkers)
+            self.global_costmap.update(robot.in_map.compose(sensor), lasting)
+
+    def surroundings(self, now: float) -> Surroundings:
+        """What the robot must not touch, at a time in s."""
+        return Surroundings(self.local_costmap.occupied(), self._tracker.people(now))
+
+    def people_in_map(self, now: float) -> TrackedPeople:
+        """The people round the robot in the map."""
+        people, odom = self._tracker.people(now), self.odom()
+        if odom is None or not len(people.places):
+            return NO_PEOPLE
+        back = odom.inverse()
+        turned = Pose2(0.0, 0.0, back.yaw).transform_points(people.velocities)
+        return TrackedPeople(back.transform_points(people.places), turned, people.radii)
 
     def motion(self, sent: tuple[float, float], now: float) -> RolloutState | None:
         """Extrapolate the robot's newest pose in the odometry frame to `now`, with the command that was sent."""
@@ -171,11 +191,28 @@ class WorldView:
         self._scan, self._used = None, None
         self._ranges.clear()
         self.local_costmap.clear()
+        self._tracker.forget()
 
     def costmaps(self) -> tuple[Costmap, Costmap, Costmap | None] | None:
         """The costs of the whole map: with obstacles, which change with the next update, without, and zones alone."""
         layered = self.global_costmap
         return (layered.costmap, layered.static, layered.zones) if layered else None
+
+    def _track_people(
+        self, stamp: float, sensor: Pose2, beams: Beams, robot: _Place, world: MapCostmap
+    ) -> NDArray[np.bool_]:
+        """Track people in a scan. Return the beams (n) that end at people who walk, who will not stay there."""
+        assert robot.in_map is not None
+        walkers = np.zeros(len(beams.angles), bool)
+        hits = np.flatnonzero(beams.hits)
+        angles = beams.angles[hits]
+        points = beams.ranges[hits, None] * np.stack((np.cos(angles), np.sin(angles)), axis=-1)
+        placed = robot.in_odom.compose(sensor)
+        in_odom = placed.transform_points(points)
+        explained = world.explains(robot.in_map.compose(sensor).transform_points(points))
+        self._tracker.update(stamp, placed[:2], in_odom, explained)
+        walkers[hits] = self._tracker.are_walkers(in_odom)
+        return walkers
 
     def _forbid(self) -> None:
         if self.global_costmap is not None:

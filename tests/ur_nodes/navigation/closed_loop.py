@@ -32,6 +32,7 @@ from ur_nodes.navigation.planning.outline_plan import fit_outline, is_long
 from ur_nodes.navigation.steering.recovery import Behaviour
 from ur_nodes.navigation.steering.rollout import FollowSettings, RolloutState
 from ur_nodes.navigation.steering.speed_profile import SpeedLimits
+from ur_nodes.navigation.steering.surroundings import Surroundings
 
 STAGE = (
     (0.20, 0.15),
@@ -141,7 +142,7 @@ class ClosedLoop:
                     self.now,
                     motion,
                     self._odom_of_map(),
-                    self.local_costs.occupied(),
+                    Surroundings(self.local_costs.occupied()),
                     answer,
                     "",
                     blocked,

@@ -12,12 +12,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ur_nodes.costmap.costmap import Costmap
 from ur_nodes.costmap.footprint import Footprint
 from ur_nodes.geometry.pose import Pose2
+from ur_nodes.navigation.people.tracked_people import approaches
 from ur_nodes.navigation.planning.outline_grid import overlaps
 from ur_nodes.navigation.steering.rollout import Floats, FollowSettings, ReferencePath, RolloutState, roll_out
 from ur_nodes.navigation.steering.speed_profile import SpeedLimits
+from ur_nodes.navigation.steering.surroundings import Surroundings
 
 # Variants of the steering law: the share of the speed limit, the offset to the left of the path (m).
 _PLAIN = np.array(((1.0, 0.0),))
@@ -32,7 +33,7 @@ class LocalCommand:
     """The next command: speed (m/s) and turn (rad/s). `ahead` (t, 3) are the poses that this leads to.
 
     `hindered`: an obstacle blocks the plain law, another variant was taken. `blocked`: every variant would
-    touch something, the command is to stop.
+    touch something, the command is to stop. `waits`: without people the robot would drive on.
     """
 
     speed: float
@@ -40,13 +41,14 @@ class LocalCommand:
     ahead: Floats
     hindered: bool = False
     blocked: bool = False
+    waits: bool = False
 
 
 def follow_reference(
     reference: ReferencePath,
     index: int,
     motion: RolloutState,
-    costmap: Costmap,
+    around: Surroundings,
     footprint: Footprint,
     limits: SpeedLimits,
     settings: FollowSettings,
@@ -57,43 +59,52 @@ def follow_reference(
     The command differs from the present motion by no more than the accelerations allow in `period`.
     """
     plain = roll_out(reference, index, motion, _PLAIN, limits, settings, period)
-    if not _touches(plain.poses, motion.pose, costmap, footprint)[:, 0].any():
+    times: Floats = period + settings.step * np.arange(len(plain.poses), dtype=np.float64)
+    clear = not _touches(plain.poses, motion.pose, around, footprint)[:, 0].any()
+    if clear and not approaches(plain.poses, times, motion.pose, around.people, footprint)[:, 0].any():
         return LocalCommand(float(plain.speeds[0, 0]), float(plain.turns[0, 0]), plain.poses[:, 0])
     others = roll_out(reference, index, motion, _VARIANTS, limits, settings, period)
-    touching = _touches(others.poses, motion.pose, costmap, footprint)
-    free = ~touching.any(axis=0)
+    possible = ~_touches(others.poses, motion.pose, around, footprint).any(axis=0)
+    free = possible & ~approaches(others.poses, times, motion.pose, around.people, footprint).any(axis=0)
+    waits = bool((possible & ~free).any()) or clear
     if not free.any():
-        return _stop(motion, limits, settings, period)
+        return _stop(motion, limits, settings, period, waits=waits)
     gains = (others.indices[-1] - index) * reference.spacing - _OFFSET_COST * np.abs(_VARIANTS[:, 1])
     best = int(np.argmax(np.where(free, gains, -np.inf)))
     if gains[best] <= _LEAST_GAIN and abs(others.turns[:, best]).max() < _LEAST_TURN:
-        return _stop(motion, limits, settings, period)
+        return _stop(motion, limits, settings, period, waits=waits)
     return LocalCommand(
         float(others.speeds[0, best]), float(others.turns[0, best]), others.poses[:, best], hindered=True
     )
 
 
-def sweep_is_free(motion: RolloutState, seconds: float, costmap: Costmap, footprint: Footprint) -> bool:
+def sweep_is_free(motion: RolloutState, seconds: float, around: Surroundings, footprint: Footprint) -> bool:
     """Return True when keeping the speed and turn for a while touches nothing (more than the robot does already)."""
     times = np.linspace(0.0, seconds, max(2, math.ceil(seconds / _SAMPLED) + 1))
     yaws = motion.pose.yaw + motion.turn * times
     steps = np.diff(times, prepend=0.0) * motion.speed
     xs = motion.pose.x + np.cumsum(steps * np.cos(yaws))
     ys = motion.pose.y + np.cumsum(steps * np.sin(yaws))
-    return not bool(_touches(np.stack((xs, ys, yaws), axis=-1)[:, None], motion.pose, costmap, footprint).any())
+    poses = np.stack((xs, ys, yaws), axis=-1)[:, None]
+    touching = _touches(poses, motion.pose, around, footprint)
+    return not bool((touching | approaches(poses, times, motion.pose, around.people, footprint)).any())
 
 
-def _touches(poses: Floats, start: Pose2, costmap: Costmap, footprint: Footprint) -> NDArray[np.bool_]:
+def _touches(poses: Floats, start: Pose2, around: Surroundings, footprint: Footprint) -> NDArray[np.bool_]:
     """Mark the poses (t, k, 3) that put more of the footprint on obstacles than there is of it already at `start`.
 
     So a robot that something has come too near to may still move away. What lies beyond the costmap counts as free.
     """
+    costmap = around.costmap
     deeper: NDArray[np.bool_] = overlaps(poses, costmap, footprint) > overlaps(np.array(start), costmap, footprint)
     return deeper
 
 
-def _stop(motion: RolloutState, limits: SpeedLimits, settings: FollowSettings, period: float) -> LocalCommand:
+def _stop(
+    motion: RolloutState, limits: SpeedLimits, settings: FollowSettings, period: float, *, waits: bool
+) -> LocalCommand:
     speed = max(0.0, motion.speed - limits.acceleration * period) if motion.speed > 0 else 0.0
     turn = math.copysign(max(0.0, abs(motion.turn) - limits.turn_acceleration * period), motion.turn)
     here = np.array(motion.pose)[None]
-    return LocalCommand(speed, turn, np.repeat(here, math.ceil(settings.horizon / settings.step), axis=0), blocked=True)
+    ahead = np.repeat(here, math.ceil(settings.horizon / settings.step), axis=0)
+    return LocalCommand(speed, turn, ahead, blocked=True, waits=waits)

@@ -8,12 +8,13 @@ from enum import Enum
 
 from scipy.ndimage import distance_transform_edt
 
-from ur_nodes.costmap.costmap import LETHAL, Costmap
+from ur_nodes.costmap.costmap import LETHAL
 from ur_nodes.costmap.footprint import Footprint
 from ur_nodes.geometry.pose import Pose2, wrap_angle
 from ur_nodes.navigation.steering.local_plan import sweep_is_free
 from ur_nodes.navigation.steering.rollout import RolloutState
 from ur_nodes.navigation.steering.speed_profile import SpeedLimits, approach
+from ur_nodes.navigation.steering.surroundings import Surroundings
 
 _BACK_OFF = 0.3  # m
 
@@ -75,7 +76,7 @@ class RecoveryMotion:
 def move_to_recover(
     recovery: Recovery,
     motion: RolloutState,
-    costmap: Costmap,
+    around: Surroundings,
     footprint: Footprint,
     limits: SpeedLimits,
     period: float,
@@ -91,11 +92,11 @@ def move_to_recover(
         speed, turn, over = 0.0, 0.6 * limits.turn, done >= 6.28
     else:
         done = math.hypot(motion.pose.x - began.x, motion.pose.y - began.y)
-        speed, turn = find_escape(motion, costmap, footprint, limits)
+        speed, turn = find_escape(motion, around, footprint, limits)
         over = done >= _BACK_OFF
     state = replace(recovery, began=began, done=done, last=motion.pose)
     trial = RolloutState(motion.pose, speed, turn)
-    if over or not sweep_is_free(trial, 0.5, costmap, footprint):
+    if over or not sweep_is_free(trial, 0.5, around, footprint):
         return RecoveryMotion(state, 0.0, 0.0, finished=True)
     return RecoveryMotion(
         state,
@@ -106,15 +107,16 @@ def move_to_recover(
 
 
 def find_escape(
-    motion: RolloutState, costmap: Costmap, footprint: Footprint, limits: SpeedLimits
+    motion: RolloutState, around: Surroundings, footprint: Footprint, limits: SpeedLimits
 ) -> tuple[float, float]:
     """The speed and turn, slow, that lead to the most room without touching anything more; back rather than ahead."""
+    costmap = around.costmap
     distances = distance_transform_edt(costmap.costs != LETHAL) * costmap.resolution
     best, chosen = -math.inf, (-limits.backward, 0.0)
     for speed in (-limits.backward, limits.backward):
         for turn in (0.0, 0.5 * limits.turn, -0.5 * limits.turn):
             trial = RolloutState(motion.pose, speed, turn)
-            if not sweep_is_free(trial, 1.0, costmap, footprint):
+            if not sweep_is_free(trial, 1.0, around, footprint):
                 continue
             yaw = motion.pose.yaw + turn
             middle = motion.pose.yaw + turn / 2

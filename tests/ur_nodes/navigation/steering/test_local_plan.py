@@ -14,6 +14,7 @@ from ur_nodes.navigation.planning.path_geometry import nearest_index, resample
 from ur_nodes.navigation.steering.local_plan import follow_reference, sweep_is_free
 from ur_nodes.navigation.steering.rollout import FollowSettings, RolloutState, make_reference
 from ur_nodes.navigation.steering.speed_profile import speed_profile, turn_rate
+from ur_nodes.navigation.steering.surroundings import Surroundings
 
 FOOTPRINT = footprint_of_outline(STAGE, 0.05, 0.01)
 CORNER = resample(np.array([(0.0, 0.0), (1.5, 0.0), (1.5, 1.5)]), 0.05)
@@ -40,7 +41,9 @@ def test_follow_way_obeys_limits_from_any_state(x: float, y: float, yaw: float, 
     reference = make_reference(CORNER, LIMITS)
     motion = RolloutState(Pose2(x, y, yaw), speed, turn)
     index = nearest_index(reference.points, x, y, 0, reference.end + 1)
-    step = follow_reference(reference, index, motion, window((0.8, 0.6, 0.3)), FOOTPRINT, LIMITS, FollowSettings(), 0.1)
+    step = follow_reference(
+        reference, index, motion, Surroundings(window((0.8, 0.6, 0.3))), FOOTPRINT, LIMITS, FollowSettings(), 0.1
+    )
     assert 0.0 <= step.speed <= LIMITS.speed + 1e-9
     assert abs(step.turn) <= LIMITS.turn + 1e-9
     assert abs(step.speed - speed) <= LIMITS.acceleration * 0.1 + 1e-9
@@ -50,7 +53,14 @@ def test_follow_way_obeys_limits_from_any_state(x: float, y: float, yaw: float, 
 def test_follow_way_drives_at_full_speed_along_a_straight_way() -> None:
     reference = make_reference(resample(np.array([(0.0, 0.0), (4.0, 0.0)]), 0.05), LIMITS)
     step = follow_reference(
-        reference, 10, RolloutState(Pose2(0.5, 0.0, 0.0), 0.5, 0.0), window(), FOOTPRINT, LIMITS, FollowSettings(), 0.1
+        reference,
+        10,
+        RolloutState(Pose2(0.5, 0.0, 0.0), 0.5, 0.0),
+        Surroundings(window()),
+        FOOTPRINT,
+        LIMITS,
+        FollowSettings(),
+        0.1,
     )
     assert step.speed > 0.499
     assert abs(step.turn) < 0.01
@@ -59,7 +69,14 @@ def test_follow_way_drives_at_full_speed_along_a_straight_way() -> None:
 def test_follow_way_turns_on_the_spot_when_the_way_is_behind() -> None:
     reference = make_reference(resample(np.array([(0.0, 0.0), (4.0, 0.0)]), 0.05), LIMITS)
     step = follow_reference(
-        reference, 0, RolloutState(Pose2(0.0, 0.0, 3.0), 0.0, 0.0), window(), FOOTPRINT, LIMITS, FollowSettings(), 0.1
+        reference,
+        0,
+        RolloutState(Pose2(0.0, 0.0, 3.0), 0.0, 0.0),
+        Surroundings(window()),
+        FOOTPRINT,
+        LIMITS,
+        FollowSettings(),
+        0.1,
     )
     assert step.speed == 0.0
     assert step.turn < -0.2
@@ -69,18 +86,18 @@ def test_follow_way_slows_down_before_an_obstacle_and_stops_where_nothing_helps(
     reference = make_reference(resample(np.array([(0.0, 0.0), (4.0, 0.0)]), 0.05), LIMITS)
     wall = window(*((1.2, y, 0.2) for y in np.arange(-1.0, 1.1, 0.1)))
     moving = RolloutState(Pose2(0.4, 0.0, 0.0), 0.5, 0.0)
-    step = follow_reference(reference, 8, moving, wall, FOOTPRINT, LIMITS, FollowSettings(), 0.1)
+    step = follow_reference(reference, 8, moving, Surroundings(wall), FOOTPRINT, LIMITS, FollowSettings(), 0.1)
     assert step.hindered
     assert step.speed < 0.5
     near = RolloutState(Pose2(0.87, 0.0, 0.0), 0.0, 0.0)
-    assert follow_reference(reference, 17, near, wall, FOOTPRINT, LIMITS, FollowSettings(), 0.1).blocked
+    assert follow_reference(reference, 17, near, Surroundings(wall), FOOTPRINT, LIMITS, FollowSettings(), 0.1).blocked
 
 
 def test_follow_way_never_foresees_a_touch() -> None:
     reference = make_reference(CORNER, LIMITS)
     costmap = window((0.9, 0.3, 0.2), (1.9, 0.6, 0.2))
     motion = RolloutState(Pose2(0.2, 0.0, 0.0), 0.3, 0.0)
-    step = follow_reference(reference, 4, motion, costmap, FOOTPRINT, LIMITS, FollowSettings(), 0.1)
+    step = follow_reference(reference, 4, motion, Surroundings(costmap), FOOTPRINT, LIMITS, FollowSettings(), 0.1)
     for x, y, yaw in step.ahead:
         c, s = math.cos(yaw), math.sin(yaw)
         points = FOOTPRINT.samples @ np.array(((c, s), (-s, c))) + (x, y)
@@ -90,8 +107,8 @@ def test_follow_way_never_foresees_a_touch() -> None:
 def test_sweep_is_free_lets_a_robot_leave_what_it_touches() -> None:
     costmap = window((0.26, 0.0, 0.2))
     touching = Pose2(0.0, 0.0, 0.0)
-    assert not sweep_is_free(RolloutState(touching, 0.2, 0.0), 0.5, costmap, FOOTPRINT)
-    assert sweep_is_free(RolloutState(touching, -0.2, 0.0), 0.5, costmap, FOOTPRINT)
+    assert not sweep_is_free(RolloutState(touching, 0.2, 0.0), 0.5, Surroundings(costmap), FOOTPRINT)
+    assert sweep_is_free(RolloutState(touching, -0.2, 0.0), 0.5, Surroundings(costmap), FOOTPRINT)
 
 
 def test_speed_profile_ends_at_rest_and_can_be_braked() -> None:

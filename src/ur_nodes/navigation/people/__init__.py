@@ -1,0 +1,1 @@
+"""People round the robot: tracked from scans, and predicted."""

@@ -1,0 +1,70 @@
+"""People as the local planner sees them: discs that go on as they do, and the room between them and the robot."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ur_nodes.costmap.footprint import Footprint
+from ur_nodes.geometry.hull import Hull, hull_of_outline
+from ur_nodes.geometry.pose import Pose2
+
+Floats = NDArray[np.float64]
+
+MARGIN = 0.32
+"""Room between the robot and a person that it keeps while it moves, m."""
+
+_SLACK = 0.02  # m: a motion that loses less than this brings the robot no nearer
+_REACH = 3.5  # m to people who matter within the horizon of a rollout
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class TrackedPeople:
+    """People in the odometry frame: places (n, 2) in m, velocities (n, 2) in m/s, and radii (n) in m."""
+
+    places: Floats
+    velocities: Floats
+    radii: Floats
+
+    def near(self, pose: Pose2) -> TrackedPeople:
+        """Return those who may come near a robot at a pose within the time of a rollout."""
+        kept = np.hypot(*(self.places - pose[:2]).T) < _REACH
+        return TrackedPeople(self.places[kept], self.velocities[kept], self.radii[kept])
+
+
+NO_PEOPLE = TrackedPeople(np.empty((0, 2)), np.empty((0, 2)), np.empty(0))
+
+
+def approaches(
+    poses: Floats, times: Floats, start: Pose2, people: TrackedPeople, footprint: Footprint
+) -> NDArray[np.bool_]:
+    """Mark the poses (t, k, 3) at times (t) in s that bring the robot nearer to a person than MARGIN.
+
+    People go on at constant velocity. Where one comes that near to a robot that stays at `start`, only what loses more
+    room than that counts: the robot may leave, and it may not drive towards them.
+    """
+    people = people.near(start)
+    if not len(people.places):
+        return np.zeros(poses.shape[:2], bool)
+    hull = _hull_of(footprint)
+    then = people.places + times[:, None, None] * people.velocities  # (t, n, 2)
+    rooms = _rooms(hull, poses[:, :, None], then[:, None], people.radii)
+    stayed = _rooms(hull, np.array(start), then, people.radii)[:, None]
+    return np.asarray((rooms < np.minimum(MARGIN, stayed - _SLACK)).any(axis=-1))
+
+
+def _rooms(hull: Hull, poses: Floats, points: Floats, radii: Floats) -> Floats:
+    """The room (..., n) between a robot at poses (..., 3) and discs about points (..., n, 2), m."""
+    dx, dy = points[..., 0] - poses[..., 0], points[..., 1] - poses[..., 1]
+    c, s = np.cos(poses[..., 2]), np.sin(poses[..., 2])
+    local = np.stack((c * dx + s * dy, c * dy - s * dx), axis=-1)
+    rooms: Floats = hull.distances(local.reshape(-1, 2)).reshape(local.shape[:-1]) - radii
+    return rooms
+
+
+@lru_cache(maxsize=8)
+def _hull_of(footprint: Footprint) -> Hull:
+    return hull_of_outline([(x, y) for x, y in footprint.outline.tolist()])
