@@ -86,20 +86,13 @@ class RobotState:
         """Return the mean velocity over the last moments, ahead in m/s and turning in rad/s; 0 when silent."""
         return (0.0, 0.0) if self.silent else self._tree.velocity(self._base(), _SPEED_WINDOW)
 
-    def scan(self) -> NDArray[np.float64] | None:
-        """Return the hits (n, 2) of the newest scan in the map frame, in m."""
+    def scan(self, *, by_odometry: bool = False) -> NDArray[np.float64] | None:
+        """Return the hits (n, 2) of the newest scan in the map frame or that of `odometry_pose`, in m."""
         if self._scan is None:
             return None
         parent, points = self._scan
-        place = self.place(parent)
-        return place.transform_points(points) if place else None
-
-    def odometry_scan(self) -> NDArray[np.float64] | None:
-        """Return the hits (n, 2) of the newest scan in the frame of `odometry_pose`, in m."""
-        if self._scan is None:
-            return None
-        parent, points = self._scan
-        place = self._tree.find_planar(self._tree.root(parent), parent)
+        frame = self._tree.root(parent) if by_odometry else self._map_frame
+        place = self._tree.find_planar(frame, parent)
         return place.transform_points(points) if place else None
 
     def _base(self) -> str:

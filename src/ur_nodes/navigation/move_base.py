@@ -223,7 +223,7 @@ class MoveBase:
         if out.command is not None:
             self._send(*out.command)
         if out.plan:
-            self._ask_for_plan(careful=out.careful)
+            self._ask_for_plan(careful=out.careful, waited=out.waited)
         if out.ending is not None:
             self._finish(out.ending, out.text)
 
@@ -242,7 +242,7 @@ class MoveBase:
             self._node.log.error(f"gave up: {text}")
             handle.abort(text)
 
-    def _ask_for_plan(self, *, careful: bool) -> None:
+    def _ask_for_plan(self, *, careful: bool, waited: float) -> None:
         pose, costs = self._world.robot_in_map(), self._world.costmaps()
         if pose is None or costs is None or self._goal is None:
             return
@@ -251,7 +251,7 @@ class MoveBase:
         place, goal = (pose.x, pose.y), (self._goal.x, self._goal.y)
         people = self._world.people_in_map(self._now())
         request = PlanRequest(
-            self._key, place, goal, *costs, yaw=pose.yaw, heading=heading, careful=careful, people=people
+            self._key, place, goal, *costs, yaw=pose.yaw, heading=heading, careful=careful, people=people, waited=waited
         )
         self._plans.ask(request)
 

@@ -167,7 +167,11 @@ class Navigator:
         run.moved_at, run.stuck_since = inputs.now, None
         plan = self._may_ask(run, inputs.now, _WAIT_PAUSE)
         return NavigatorOutputs(
-            command=(step.speed, step.turn), plan=plan, ahead=step.ahead, log="waiting for people" if first else ""
+            command=(step.speed, step.turn),
+            plan=plan,
+            waited=inputs.now - run.waited_since,
+            ahead=step.ahead,
+            log="waiting for people" if first else "",
         )
 
     def _turn(

@@ -92,14 +92,14 @@ class NavigatorOutputs:
     """The outputs of a step.
 
     A command (m/s, rad/s) or silence; whether to plan (from the robot's place to the goal), and with care, as the path
-    could not be followed; what to clear; an ending
-    with a text. `ahead` (t, 3) in the odometry frame are the poses that the local planner predicts; `log` is for the
+    could not be followed, `waited` s for people; what to clear; an ending with a text. `ahead` (t, 3) in the odometry frame are the poses that the local planner predicts; `log` is for the
     log.
     """
 
     command: tuple[float, float] | None = None
     plan: bool = False
     careful: bool = False
+    waited: float = 0.0
     clear: Behaviour | None = None
     ending: Ending | None = None
     text: str = ""

@@ -16,10 +16,11 @@ from ur_nodes.navigation.people.tracked_people import MARGIN, NO_PEOPLE, Tracked
 from ur_nodes.navigation.planning.global_plan import NoPathError, PlanSettings, plan_path, traversal_weights
 from ur_nodes.navigation.planning.legs import points_of_legs
 from ur_nodes.navigation.planning.outline_motions import Steering
-from ur_nodes.navigation.planning.outline_plan import fit_outline, is_long
-from ur_nodes.navigation.planning.path_geometry import Points
+from ur_nodes.navigation.planning.outline_plan import OutlineRequest, fit_outline, is_long
+from ur_nodes.navigation.planning.path_geometry import Points, arc_lengths
 
 _STANDING = 0.3  # m/s: slower people are planned round
+_DETOUR, _DETOUR_SPEED = 3.0, 0.5  # m longer, and as much for each second that the robot has waited (m/s)
 _ROOM = 0.05  # m more than what the local planner keeps
 
 
@@ -29,7 +30,8 @@ class PlanRequest:
 
     With `yaw` (rad), the robot's, the path is made for its outline; `heading` (rad) is that at the goal, None: any.
     `careful`: the robot could not follow the path before. `static` are the costs of the map and its keep-out zones,
-    `zones` those of the zones alone. The path leads round `people` (in the map) who stand, where it can.
+    `zones` those of the zones alone. The path leads round `people` (in the map) who stand, unless
+    that is much longer: they leave sooner or later. `waited` is how long the robot has waited for them, s.
     """
 
     key: int
@@ -42,6 +44,7 @@ class PlanRequest:
     heading: float | None = None
     careful: bool = False
     people: TrackedPeople = NO_PEOPLE
+    waited: float = 0.0
 
 
 def answer_request(request: PlanRequest, settings: PlanSettings, footprint: Footprint | None = None) -> PlanAnswer:
@@ -54,16 +57,10 @@ def answer_request(request: PlanRequest, settings: PlanSettings, footprint: Foot
         if footprint is None or request.yaw is None or not is_long(footprint):
             return PlanAnswer(path)
         start, weights = Pose2(*request.start, request.yaw), traversal_weights(settings)
-        fitted = fit_outline(
-            request.costmap,
-            weights,
-            path,
-            footprint,
-            start,
-            request.heading,
-            Steering(),
-            careful=request.careful,
+        wanted = OutlineRequest(
+            request.costmap, weights, path, footprint, start, request.heading, Steering(), request.careful
         )
+        fitted = fit_outline(wanted)
         return PlanAnswer(points_of_legs(fitted.legs), legs=fitted.legs, last_turn=fitted.last_turn)
     except NoPathError as problem:
         reason = str(problem)
@@ -82,19 +79,22 @@ def _plan_round_people(request: PlanRequest, settings: PlanSettings, footprint: 
     """Plan with room to people who stand, or without where there is no such path. Raises NoPathError."""
     people = request.people
     standing = np.hypot(*people.velocities.T) < _STANDING
+    straight = plan_path(request.costmap, request.start, request.goal, settings)
     if footprint is None or not standing.any():
-        return plan_path(request.costmap, request.start, request.goal, settings)
+        return straight
     try:
         costmap = _with_people(request, people.places[standing], people.radii[standing], footprint.inscribed)
-        return plan_path(costmap, request.start, request.goal, settings)
+        round_them = plan_path(costmap, request.start, request.goal, settings)
     except NoPathError:
-        return plan_path(request.costmap, request.start, request.goal, settings)
+        return straight
+    longest = arc_lengths(straight)[-1] + _DETOUR + _DETOUR_SPEED * request.waited
+    return round_them if arc_lengths(round_them)[-1] <= longest else straight
 
 
 def _with_people(
     request: PlanRequest, places: NDArray[np.float64], radii: NDArray[np.float64], inscribed: float
 ) -> Costmap:
-    """Costs with discs round people in which the robot's middle must not be; not where it is already, or at the goal."""
+    """Costs with discs round people that the robot's middle must not enter; they leave out its place and the goal."""
     costmap = request.costmap
     costs = costmap.costs.copy()
     for place, radius in zip(places, radii.tolist(), strict=True):
@@ -108,7 +108,7 @@ def _with_people(
             slice(max(0, column - reach), max(0, column + reach + 1)),
         )
         part = costs[box]
-        cells = np.moveaxis(np.indices(part.shape), 0, -1) + (box[0].start, box[1].start)
+        cells = np.moveaxis(np.indices(part.shape), 0, -1) + np.array((box[0].start, box[1].start))
         inside = np.hypot(*np.moveaxis(costmap.points_of_cells(cells) - place, -1, 0)) < room
         part[inside & (part != LETHAL)] = INSCRIBED
     return Costmap(costs, costmap.resolution, costmap.origin)

@@ -134,7 +134,7 @@ class ViewerSession:
         if self._count % _SCAN_EVERY == 1:
             if self._viewers:
                 robot = self._shown.topics.robot
-                scan = seen.scan if seen.pose is not None else robot.odometry_scan()
+                scan = seen.scan if seen.pose is not None else robot.scan(by_odometry=True)
                 self._add(points_frame(Layer.SCAN, _thin(scan)))
             self._add_changed(Kind.STATE, self._describe(seen))
             self._add_changed(Kind.PLACES, self._shown.places.describe())

@@ -28,7 +28,7 @@ from ur_nodes.navigation.planning.global_plan import (
 )
 from ur_nodes.navigation.planning.legs import points_of_legs
 from ur_nodes.navigation.planning.outline_motions import Steering
-from ur_nodes.navigation.planning.outline_plan import fit_outline, is_long
+from ur_nodes.navigation.planning.outline_plan import OutlineRequest, fit_outline, is_long
 from ur_nodes.navigation.steering.recovery import Behaviour
 from ur_nodes.navigation.steering.rollout import FollowSettings, RolloutState
 from ur_nodes.navigation.steering.speed_profile import SpeedLimits
@@ -195,7 +195,7 @@ class ClosedLoop:
             if not is_long(self.footprint):
                 return PlanAnswer(path)
             weights = traversal_weights(settings)
-            fitted = fit_outline(costs, weights, path, self.footprint, self.pose, goal.yaw, Steering())
+            fitted = fit_outline(OutlineRequest(costs, weights, path, self.footprint, self.pose, goal.yaw, Steering()))
             return PlanAnswer(points_of_legs(fitted.legs), legs=fitted.legs, last_turn=fitted.last_turn)
         except NoPathError as problem:
             try:

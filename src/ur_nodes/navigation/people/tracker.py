@@ -1,8 +1,8 @@
 """People in scans: clusters of points that the map does not explain, tracked from scan to scan.
 
 A cluster as wide as a person counts as one while it moves and for a while after, and at first also while it stands
-still: what has not moved for longer is furniture. Velocities come from an alpha-beta filter (Kalata, The tracking index:
-a generalized parameter for alpha-beta and alpha-beta-gamma target trackers, 1984).
+still: what has not moved for longer is furniture. Velocities come from an alpha-beta filter (Kalata, The tracking
+index: a generalized parameter for alpha-beta and alpha-beta-gamma target trackers, 1984).
 """
 
 from __future__ import annotations

@@ -53,23 +53,27 @@ def is_long(footprint: Footprint) -> bool:
     return footprint.circumscribed > _WIDE and footprint.circumscribed - footprint.inscribed > _LONG
 
 
-def fit_outline(
-    costmap: Costmap,
-    weights: NDArray[np.float64],
-    points: Points,
-    footprint: Footprint,
-    start: Pose2,
-    heading: float | None,
-    steering: Steering,
-    *,
-    careful: bool = False,
-) -> OutlinePath:
-    """Mend a path (n, 2) where the outline touches something; `heading` is that at its end, None: any.
+@dataclass(frozen=True, slots=True, eq=False)
+class OutlineRequest:
+    """A path (n, 2) on a costmap for the outline of a robot at `start`; `heading` is that at its end, None: any.
 
-    `weights` (256) are the costs of a metre, as for `find_cell_path`. What cannot be mended stays as it is. `careful`:
-    the robot could not follow the path as it is, so its begin is searched anew.
+    `weights` (256) are the costs of a metre, as for `find_cell_path`. `careful`: the robot could not follow the path as
+    it is, so its begin is searched anew.
     """
-    return _Fitting(costmap, weights, points, footprint, start, heading, steering, careful=careful).run()
+
+    costmap: Costmap
+    weights: NDArray[np.float64]
+    points: Points
+    footprint: Footprint
+    start: Pose2
+    heading: float | None
+    steering: Steering
+    careful: bool = False
+
+
+def fit_outline(request: OutlineRequest) -> OutlinePath:
+    """Mend a path where the outline touches something. What cannot be mended stays as it is."""
+    return _Fitting(request).run()
 
 
 @lru_cache(maxsize=8)
@@ -86,23 +90,11 @@ def _widened(footprint: Footprint, resolution: float) -> Footprint:
 class _Fitting:
     """One path. Poses are in the frame of the part of the grid round it: m from its corner, along its axes."""
 
-    def __init__(
-        self,
-        costmap: Costmap,
-        weights: NDArray[np.float64],
-        points: Points,
-        footprint: Footprint,
-        start: Pose2,
-        heading: float | None,
-        steering: Steering,
-        *,
-        careful: bool,
-    ) -> None:
-        self._careful = careful
-        self._costmap, self._footprint, self._steering = costmap, footprint, steering
-        self._points, self._start, self._heading = points, start, heading
-        self._poses = np.column_stack((points, _tangents(points)))
-        self._weights = weights
+    def __init__(self, request: OutlineRequest) -> None:
+        self._careful, self._weights = request.careful, request.weights
+        self._costmap, self._footprint, self._steering = request.costmap, request.footprint, request.steering
+        self._points, self._start, self._heading = request.points, request.start, request.heading
+        self._poses = np.column_stack((self._points, _tangents(self._points)))
 
     def run(self) -> OutlinePath:
         path = OutlinePath((Leg(self._points),))

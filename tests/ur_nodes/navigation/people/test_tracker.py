@@ -24,7 +24,7 @@ def arc(x: float, y: float, radius: float = 0.2, noise: float = 0.0) -> np.ndarr
     ranges = distance * np.cos(offsets) - np.sqrt(radius**2 - (distance * np.sin(offsets)) ** 2)
     ranges = ranges + noise * np.random.default_rng(round(1000 * x)).standard_normal(len(ranges))
     angles = bearing + offsets
-    return ranges[:, None] * np.column_stack((np.cos(angles), np.sin(angles)))
+    return np.asarray(ranges[:, None] * np.column_stack((np.cos(angles), np.sin(angles))))
 
 
 def track(*places: tuple[float, float], noise: float = 0.0, explained: bool = False) -> TrackedPeople:

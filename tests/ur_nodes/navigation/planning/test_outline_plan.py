@@ -16,7 +16,7 @@ from ur_nodes.navigation.planning.global_plan import PlanSettings, plan_path, tr
 from ur_nodes.navigation.planning.legs import Leg, bearing_of, legs_of_motions, points_of_legs
 from ur_nodes.navigation.planning.outline_grid import overlaps
 from ur_nodes.navigation.planning.outline_motions import MotionPose, Steering
-from ur_nodes.navigation.planning.outline_plan import OutlinePath, fit_outline, is_long
+from ur_nodes.navigation.planning.outline_plan import OutlinePath, OutlineRequest, fit_outline, is_long
 from ur_nodes.navigation.planning.path_geometry import headings
 
 WEIGHTS = traversal_weights(PlanSettings())
@@ -35,7 +35,7 @@ def rooms(footprint: Footprint) -> Costmap:
 def plan(start: Pose2, goal: Pose2, heading: float | None) -> tuple[Costmap, OutlinePath]:
     costmap = rooms(robot())
     points = plan_path(costmap, (start.x, start.y), (goal.x, goal.y), PlanSettings())
-    return costmap, fit_outline(costmap, WEIGHTS, points, robot(), start, heading, Steering())
+    return costmap, fit_outline(OutlineRequest(costmap, WEIGHTS, points, robot(), start, heading, Steering()))
 
 
 def poses_of(legs: tuple[Leg, ...]) -> NDArray[np.float64]:
@@ -69,7 +69,7 @@ def test_plain_path_of_the_same_robot_touches_the_door() -> None:
 def test_path_that_the_outline_fits_on_stays_as_it_is() -> None:
     costmap = rooms(robot())
     points = plan_path(costmap, (-0.6, 0.0), (0.4, 0.0), PlanSettings())
-    path = fit_outline(costmap, WEIGHTS, points, robot(), Pose2(-0.6, 0.0, 0.0), 0.0, Steering())
+    path = fit_outline(OutlineRequest(costmap, WEIGHTS, points, robot(), Pose2(-0.6, 0.0, 0.0), 0.0, Steering()))
     assert len(path.legs) == 1
     assert path.legs[0].points is points
 
@@ -79,7 +79,7 @@ def test_path_that_cannot_be_mended_is_kept() -> None:
     narrow = footprint_of_outline(((0.3, 0.3), (-0.3, 0.3), (-0.3, -0.3), (0.3, -0.3)), 0.05)
     costmap = rooms(narrow)
     points = plan_path(costmap, (0.0, 0.0), (2.9, -0.9), PlanSettings())
-    path = fit_outline(costmap, WEIGHTS, points, wide, Pose2(0.0, 0.0, 0.0), None, Steering())
+    path = fit_outline(OutlineRequest(costmap, WEIGHTS, points, wide, Pose2(0.0, 0.0, 0.0), None, Steering()))
     assert points_of_legs(path.legs)[-1].tolist() == points[-1].tolist()
 
 
