@@ -154,6 +154,7 @@ def _navigator(top: Parameters) -> NavigatorSettings:
         planner_period=1.0 / planner_frequency if planner_frequency > 0.0 else 0.0,
         planner_patience=top.number("planner_patience", 5.0, minimum=0.1),
         controller_patience=top.number("controller_patience", 5.0, minimum=0.1),
+        people_patience=top.number("people_patience", 30.0, minimum=1.0),
         recovery_enabled=top.boolean("recovery_behavior_enabled", True),
         progress_timeout=top.number("oscillation_timeout", 10.0, minimum=0.0) or 10.0,
         progress_distance=top.number("oscillation_distance", 0.5, minimum=0.05),

@@ -92,8 +92,8 @@ class NavigatorOutputs:
     """The outputs of a step.
 
     A command (m/s, rad/s) or silence; whether to plan (from the robot's place to the goal), and with care, as the path
-    could not be followed, `waited` s for people; what to clear; an ending with a text. `ahead` (t, 3) in the odometry frame are the poses that the local planner predicts; `log` is for the
-    log.
+    could not be followed, after it has `waited` so long (s) for people; what to clear; an ending with a text. `ahead`
+    (t, 3) in the odometry frame are the poses that the local planner predicts; `log` is for the log.
     """
 
     command: tuple[float, float] | None = None

@@ -14,11 +14,12 @@ from ur_nodes.geometry.pose import Pose2
 
 Floats = NDArray[np.float64]
 
-MARGIN = 0.32
+MARGIN = 0.29
 """Room between the robot and a person that it keeps while it moves, m."""
 
 _SLACK = 0.02  # m: a motion that loses less than this brings the robot no nearer
-_REACH = 3.5  # m to people who matter within the horizon of a rollout
+_HORIZON = 1.0  # s ahead: the robot stops within half of it, and people do not keep their course for longer
+_REACH = 3.0  # m to people who matter within that time
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -30,7 +31,7 @@ class TrackedPeople:
     radii: Floats
 
     def near(self, pose: Pose2) -> TrackedPeople:
-        """Return those who may come near a robot at a pose within the time of a rollout."""
+        """Return those who may come near a robot at a pose within the time that is foreseen."""
         kept = np.hypot(*(self.places - pose[:2]).T) < _REACH
         return TrackedPeople(self.places[kept], self.velocities[kept], self.radii[kept])
 
@@ -47,13 +48,17 @@ def approaches(
     room than that counts: the robot may leave, and it may not drive towards them.
     """
     people = people.near(start)
-    if not len(people.places):
-        return np.zeros(poses.shape[:2], bool)
+    nearer = np.zeros(poses.shape[:2], bool)
+    soon = int(np.searchsorted(times, _HORIZON + 1e-9))
+    if not len(people.places) or not soon:
+        return nearer
+    poses, times = poses[:soon], times[:soon]
     hull = _hull_of(footprint)
     then = people.places + times[:, None, None] * people.velocities  # (t, n, 2)
     rooms = _rooms(hull, poses[:, :, None], then[:, None], people.radii)
     stayed = _rooms(hull, np.array(start), then, people.radii)[:, None]
-    return np.asarray((rooms < np.minimum(MARGIN, stayed - _SLACK)).any(axis=-1))
+    nearer[:soon] = (rooms < np.minimum(MARGIN, stayed - _SLACK)).any(axis=-1)
+    return nearer
 
 
 def _rooms(hull: Hull, poses: Floats, points: Floats, radii: Floats) -> Floats:
