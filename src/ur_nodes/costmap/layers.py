@@ -36,6 +36,12 @@ class Beams:
     ranges: NDArray[np.float64]
     hits: NDArray[np.bool_]
 
+    def ends(self, sensor: Pose2, reach: float = math.inf) -> NDArray[np.float64]:
+        """The points (n, 2) at which they end on something within `reach` m, from a sensor at a pose."""
+        hits = self.hits & (self.ranges <= reach)
+        directions = np.stack((np.cos(self.angles[hits]), np.sin(self.angles[hits])), axis=-1)
+        return sensor.transform_points(self.ranges[hits, None] * directions)
+
 
 def level_beams(mount: Pose3, beams: Beams) -> tuple[Pose2, Beams]:
     """Return a sensor's planar pose and its beams as seen from above; a sensor upside down turns clockwise."""

@@ -21,7 +21,7 @@ from ur_nodes.navigation.people.tracked_people import NO_PEOPLE, TrackedPeople
 from ur_nodes.navigation.people.tracker import PeopleTracker
 from ur_nodes.navigation.planning.outline_plan import is_long
 from ur_nodes.navigation.steering.rollout import RolloutState
-from ur_nodes.navigation.steering.surroundings import Surroundings
+from ur_nodes.navigation.steering.surroundings import Surroundings, without_points
 from ur_nodes.navigation.zone_masks import ZoneMasks
 from ur_nodes.ports.newest_work import NewestWork
 from ur_nodes.ports.node import Node
@@ -67,6 +67,8 @@ class WorldView:
         self.map_problem = ""
         self.maps = 0  # used so far
         self._tracker = PeopleTracker()
+        self._exact = is_long(settings.footprint)  # cells are too coarse for its outline in a door
+        self._points = np.empty((0, 2))  # where the newest scan ends, in the odometry frame
         self._scan: Scan | None = None
         self._used: int | None = None  # the stamp of the last scan that was worked in, ns
         self._laid = False
@@ -105,6 +107,7 @@ class WorldView:
             self._laid = self.global_costmap.zones is not None
         sensor, beams = level_beams(mount, beams_of_scan(scan, inf_is_valid=source.inf_is_valid))
         self.local_costmap.update(robot.newest, robot.in_odom.compose(sensor), beams)
+        self._points = beams.ends(robot.in_odom.compose(sensor), source.reach.obstacle)
         if self.global_costmap is not None and robot.in_map is not None:
             walkers = self._track_people(seconds_of(scan.stamp), sensor, beams, robot, self.global_costmap)
             lasting = Beams(beams.angles, beams.ranges, beams.hits & ~walkers)
@@ -112,7 +115,10 @@ class WorldView:
 
     def surroundings(self, now: float) -> Surroundings:
         """What the robot must not touch, at a time in s."""
-        return Surroundings(self.local_costmap.occupied(), self._tracker.people(now))
+        costmap, people = self.local_costmap.occupied(), self._tracker.people(now)
+        if not self._exact or not len(self._points):
+            return Surroundings(costmap, people)
+        return Surroundings(without_points(costmap, self._points), people, self._points)
 
     def people_in_map(self, now: float) -> TrackedPeople:
         """The people round the robot in the map."""
@@ -192,6 +198,7 @@ class WorldView:
         self._ranges.clear()
         self.local_costmap.clear()
         self._tracker.forget()
+        self._points = np.empty((0, 2))
 
     def costmaps(self) -> tuple[Costmap, Costmap, Costmap | None] | None:
         """The costs of the whole map: with obstacles, which change with the next update, without, and zones alone."""
@@ -204,14 +211,11 @@ class WorldView:
         """Track people in a scan. Return the beams (n) that end at people who walk, who will not stay there."""
         assert robot.in_map is not None
         walkers = np.zeros(len(beams.angles), bool)
-        hits = np.flatnonzero(beams.hits)
-        angles = beams.angles[hits]
-        points = beams.ranges[hits, None] * np.stack((np.cos(angles), np.sin(angles)), axis=-1)
         placed = robot.in_odom.compose(sensor)
-        in_odom = placed.transform_points(points)
-        explained = world.explains(robot.in_map.compose(sensor).transform_points(points))
-        self._tracker.update(stamp, placed[:2], in_odom, explained)
-        walkers[hits] = self._tracker.are_walkers(in_odom)
+        points = beams.ends(placed)
+        explained = world.explains(beams.ends(robot.in_map.compose(sensor)))
+        self._tracker.update(stamp, placed[:2], points, explained)
+        walkers[beams.hits] = self._tracker.are_walkers(points)
         return walkers
 
     def _forbid(self) -> None:

@@ -53,23 +53,24 @@ def approaches(
     if not len(people.places) or not soon:
         return nearer
     poses, times = poses[:soon], times[:soon]
-    hull = _hull_of(footprint)
+    hull = hull_of_footprint(footprint)
     then = people.places + times[:, None, None] * people.velocities  # (t, n, 2)
-    rooms = _rooms(hull, poses[:, :, None], then[:, None], people.radii)
-    stayed = _rooms(hull, np.array(start), then, people.radii)[:, None]
+    rooms = rooms_to(hull, poses, then[:, None]) - people.radii
+    stayed = rooms_to(hull, np.array(start), then)[:, None] - people.radii
     nearer[:soon] = (rooms < np.minimum(MARGIN, stayed - _SLACK)).any(axis=-1)
     return nearer
 
 
-def _rooms(hull: Hull, poses: Floats, points: Floats, radii: Floats) -> Floats:
-    """The room (..., n) between a robot at poses (..., 3) and discs about points (..., n, 2), m."""
+def rooms_to(hull: Hull, poses: Floats, points: Floats) -> Floats:
+    """The room (..., n) between the hull at poses (..., 3) and points (..., n, 2), m."""
+    poses = poses[..., None, :]
     dx, dy = points[..., 0] - poses[..., 0], points[..., 1] - poses[..., 1]
     c, s = np.cos(poses[..., 2]), np.sin(poses[..., 2])
     local = np.stack((c * dx + s * dy, c * dy - s * dx), axis=-1)
-    rooms: Floats = hull.distances(local.reshape(-1, 2)).reshape(local.shape[:-1]) - radii
-    return rooms
+    return hull.distances(local.reshape(-1, 2)).reshape(local.shape[:-1])
 
 
 @lru_cache(maxsize=8)
-def _hull_of(footprint: Footprint) -> Hull:
+def hull_of_footprint(footprint: Footprint) -> Hull:
+    """The convex hull of the outline."""
     return hull_of_outline([(x, y) for x, y in footprint.outline.tolist()])

@@ -12,9 +12,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ur_nodes.costmap.costmap import FREE, Costmap
 from ur_nodes.costmap.footprint import Footprint
 from ur_nodes.geometry.pose import Pose2
-from ur_nodes.navigation.people.tracked_people import approaches
+from ur_nodes.navigation.people.tracked_people import approaches, hull_of_footprint, rooms_to
 from ur_nodes.navigation.planning.outline_grid import overlaps
 from ur_nodes.navigation.steering.rollout import Floats, FollowSettings, ReferencePath, RolloutState, roll_out
 from ur_nodes.navigation.steering.speed_profile import SpeedLimits
@@ -25,6 +26,8 @@ _PLAIN = np.array(((1.0, 0.0),))
 _VARIANTS = np.array([(s, o) for s in (0.7, 0.4, 0.2, 0.08, 0.0) for o in (0.0, 0.1, -0.1, 0.2, -0.2)])
 _OFFSET_COST = 0.5  # m of progress that a metre beside the path costs
 _LEAST_GAIN, _LEAST_TURN = 0.02, 0.05  # m, rad/s: a variant with less of both gets the robot nowhere
+_BESIDE_POINTS = 0.015  # m between the outline and a point of the scan
+_NO_NEARER = 0.002  # m
 _SAMPLED = 0.1  # s between two poses of a sweep
 
 
@@ -91,13 +94,41 @@ def sweep_is_free(motion: RolloutState, seconds: float, around: Surroundings, fo
 
 
 def _touches(poses: Floats, start: Pose2, around: Surroundings, footprint: Footprint) -> NDArray[np.bool_]:
-    """Mark the poses (t, k, 3) that put more of the footprint on obstacles than there is of it already at `start`.
+    """Mark the poses (t, k, 3) at which the footprint covers an obstacle that it does not cover already at `start`.
 
-    So a robot that something has come too near to may still move away. What lies beyond the costmap counts as free.
+    So a robot that something has come too near to may still move away: no deeper into that, and into nothing else. What
+    lies beyond the costmap counts as free.
     """
-    costmap = around.costmap
-    deeper: NDArray[np.bool_] = overlaps(poses, costmap, footprint) > overlaps(np.array(start), costmap, footprint)
-    return deeper
+    here, costmap = np.array(start), around.costmap
+    covered = int(overlaps(here, costmap, footprint))
+    others = _without_covered(costmap, start, footprint) if covered else costmap
+    touching: NDArray[np.bool_] = overlaps(poses, others, footprint) > 0
+    if covered:
+        touching |= overlaps(poses, costmap, footprint) > covered
+    if len(around.points):
+        touching |= _meets_points(poses, here, around.points, footprint)
+    return touching
+
+
+def _without_covered(costmap: Costmap, start: Pose2, footprint: Footprint) -> Costmap:
+    """The costmap without the obstacles that the footprint covers at `start`."""
+    cells = costmap.cells_of_points(start.transform_points(footprint.samples))
+    cells = cells[costmap.contains(cells)]
+    costs = costmap.costs.copy()
+    costs[cells[:, 0], cells[:, 1]] = FREE
+    return Costmap(costs, costmap.resolution, costmap.origin)
+
+
+def _meets_points(poses: Floats, start: Floats, points: Floats, footprint: Footprint) -> NDArray[np.bool_]:
+    """Mark the poses (t, k, 3) that bring a point nearer to the outline than it may be, or is already at `start`."""
+    reach = footprint.circumscribed + float(np.hypot(*np.moveaxis(poses[..., :2] - start[:2], -1, 0)).max())
+    points = points[np.hypot(*(points - start[:2]).T) < reach + _BESIDE_POINTS]
+    hull = hull_of_footprint(footprint)
+    if not len(points):
+        return np.zeros(poses.shape[:2], bool)
+    rooms = rooms_to(hull, poses, points)
+    least = np.minimum(_BESIDE_POINTS, rooms_to(hull, start, points) - _NO_NEARER)
+    return np.asarray((rooms < least).any(axis=-1))
 
 
 def _stop(

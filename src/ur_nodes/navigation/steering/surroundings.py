@@ -2,15 +2,38 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
-from ur_nodes.costmap.costmap import Costmap
+import numpy as np
+from numpy.typing import NDArray
+
+from ur_nodes.costmap.costmap import FREE, LETHAL, Costmap
 from ur_nodes.navigation.people.tracked_people import NO_PEOPLE, TrackedPeople
+
+Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Surroundings:
-    """Obstacles as cells of a costmap, and people, both in the odometry frame."""
+    """Obstacles as cells of a costmap, points (n, 2) where the newest scan ends, and people, in the odometry frame.
+
+    Cells that the points explain are none of the costmap: a point is more exact.
+    """
 
     costmap: Costmap
     people: TrackedPeople = NO_PEOPLE
+    points: Floats = field(default_factory=lambda: np.empty((0, 2)))
+
+
+def without_points(costmap: Costmap, points: Floats) -> Costmap:
+    """The costmap without the obstacles in the cells of some points (n, 2), and in those next to them."""
+    cells = costmap.cells_of_points(points)
+    costs = costmap.costs.copy()
+    height, width = costs.shape
+    for down in (-1, 0, 1):
+        for right in (-1, 0, 1):
+            rows, columns = cells[:, 0] + down, cells[:, 1] + right
+            inside = (rows >= 0) & (rows < height) & (columns >= 0) & (columns < width)
+            costs[rows[inside], columns[inside]] = FREE
+    kept = np.minimum(costs, np.uint8(LETHAL))
+    return Costmap(kept, costmap.resolution, costmap.origin)

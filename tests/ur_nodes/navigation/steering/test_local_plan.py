@@ -14,7 +14,7 @@ from ur_nodes.navigation.planning.path_geometry import nearest_index, resample
 from ur_nodes.navigation.steering.local_plan import follow_reference, sweep_is_free
 from ur_nodes.navigation.steering.rollout import FollowSettings, RolloutState, make_reference
 from ur_nodes.navigation.steering.speed_profile import speed_profile, turn_rate
-from ur_nodes.navigation.steering.surroundings import Surroundings
+from ur_nodes.navigation.steering.surroundings import Surroundings, without_points
 
 FOOTPRINT = footprint_of_outline(STAGE, 0.05, 0.01)
 CORNER = resample(np.array([(0.0, 0.0), (1.5, 0.0), (1.5, 1.5)]), 0.05)
@@ -124,3 +124,29 @@ def test_turn_rate_can_be_braked_from_any_error() -> None:
         rate = turn_rate(float(error), LIMITS)
         assert rate**2 / (2 * LIMITS.turn_acceleration) <= abs(error) + 1e-9
         assert rate * error >= 0.0
+
+
+def test_sweep_is_free_moves_no_robot_from_one_obstacle_into_another() -> None:
+    costmap = Surroundings(window((-0.26, 0.0, 0.2), (0.36, 0.0, 0.2)))
+    assert not sweep_is_free(RolloutState(Pose2(0.0, 0.0, 0.0), 0.2, 0.0), 0.5, costmap, FOOTPRINT)
+
+
+def test_points_of_the_scan_are_more_exact_than_cells() -> None:
+    side = float(FOOTPRINT.outline[:, 1].max())
+    along = np.arange(-1.0, 2.0, 0.05)
+    walls = np.concatenate([np.column_stack((along, np.full(len(along), y))) for y in (side + 0.02, -side - 0.02)])
+    costmap = window()
+    cells = costmap.cells_of_points(walls)
+    costmap.costs[cells[:, 0], cells[:, 1]] = LETHAL
+    ahead = RolloutState(Pose2(0.0, 0.0, 0.0), 0.3, 0.0)
+    exact = Surroundings(without_points(costmap, walls), points=walls)
+    assert sweep_is_free(ahead, 1.0, exact, FOOTPRINT)
+    astray = RolloutState(Pose2(0.0, 0.0, 0.0), 0.3, 0.15)
+    assert not sweep_is_free(astray, 1.0, exact, FOOTPRINT)
+
+
+def test_obstacles_that_the_scan_does_not_show_stay() -> None:
+    costmap = window((1.0, 0.0, 0.2), (-1.0, 0.0, 0.2))
+    seen = without_points(costmap, np.array([(1.0 + dx, dy) for dx in (-0.05, 0.05) for dy in (-0.05, 0.05)]))
+    assert seen.costs_at(np.array((1.0, 0.0))) != LETHAL
+    assert seen.costs_at(np.array((-1.0, 0.0))) == LETHAL
