@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 
 from bench.navigation_parts.comfort import Comfort, judge_comfort
 from bench.navigation_parts.driver import Drive
@@ -29,6 +30,7 @@ class MemoryDriver:
         self.drive = FirstDrive(world.source, base=name, variant=variant, seed=seed, people=people)
         self._collisions = self.drive.record("simulator/collisions", int)
         self._strikes = self.drive.record("simulator/people_struck", int)
+        self._lost = self.drive.record("amcl/lost", str)
         self._people = self.drive.record("simulator/people", Poses)
         self._hull = hull_of_outline(self.drive.base.footprint)
         self._grid = world.grid
@@ -44,6 +46,11 @@ class MemoryDriver:
     def comfort(self) -> Comfort:
         """The comfort of people so far."""
         return judge_comfort(self._hull, self.drive.truths, self._people, self._strikes[-1] if self._strikes else 0)
+
+    @property
+    def lost(self) -> int:
+        """The number of times that localisation reported the robot as lost."""
+        return sum(bool(text) and not before for before, text in pairwise(["", *self._lost]))
 
     def go(self, goal: Goal, limit: float = _LIMIT) -> Drive:
         """Send a goal and let it end, at most after `limit` s."""

@@ -69,12 +69,13 @@ def print_report(
     return reached == len(drives) and not collisions
 
 
-def print_comfort(comfort: Comfort) -> bool:
-    """The figures of people; whether the robot ran into none and kept its distance."""
+def print_comfort(comfort: Comfort, lost: int) -> bool:
+    """The figures of people, and how often the robot was taken for lost; whether it kept its distance and was not."""
     print(f"  people        {comfort.closest:.2f} m of room at least while it moves, less than {NEAR:g} m for")
     print(f"                {comfort.near:.1f} s of {comfort.seconds:.0f} s; {comfort.freezes} rests of {FREEZE:g} s,")
-    print(f"                {comfort.strikes} contacts that the robot caused", flush=True)
-    return not comfort.strikes and comfort.closest >= CLOSEST
+    print(f"                {comfort.strikes} contacts that the robot caused")
+    print(f"  lost          {lost} times", flush=True)
+    return not comfort.strikes and comfort.closest >= CLOSEST and not lost
 
 
 def write_figures(
