@@ -24,6 +24,7 @@ from ur_nodes.geometry.grid import Grid, load_map
 _ROOM = 0.05  # m beside the farthest corner of a robot that turns
 _CLEAR = 0.32  # m from a goal to any obstacle
 _COUNT = 10
+_FAR = 3.0  # m from the start that a base must get
 _WAYS = (3.0, 20.0)  # m from one goal of a flat to the next
 _FLAT = re.compile(r"flat_(\d{1,4})")
 
@@ -107,6 +108,21 @@ def passage_radius(footprint: Footprint) -> float:
     """Half the width of the narrowest passage that a robot can drive through, m; it moves along x only."""
     ys = footprint.outline[:, 1]
     return max(footprint.inscribed, float(ys.max() - ys.min()) / 2.0)
+
+
+def refuse_size(world: BenchWorld, base: str, footprint: Footprint) -> str:
+    """Return an error for a base that cannot leave the start of a world, '' for one that can."""
+    radius = passage_radius(footprint)
+    pieces, _ = label(free_cells(world.grid, radius))
+    start = int(pieces[tuple(world.grid.cells_of_points(np.zeros(2)))])
+    places = world.grid.points_of_cells(np.argwhere(pieces == start)) if start else np.zeros((1, 2))
+    farthest = float(np.hypot(*places.T).max())
+    if farthest >= _FAR:
+        return ""
+    return (
+        f"error: {base} is too large for {world.name}: it needs passages of {2.0 * radius:.2f} m, and gets"
+        f" {farthest:.1f} m from the start; expected a smaller base or a larger world"
+    )
 
 
 def fit_goals(goals: tuple[Goal, ...], grid: Grid, footprint: Footprint) -> tuple[Goal, ...]:

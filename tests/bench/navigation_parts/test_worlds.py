@@ -9,7 +9,15 @@ import numpy as np
 import pytest
 from bench.navigation_parts.geodesic import free_cells, shortest_path
 from bench.navigation_parts.stack import MAPS
-from bench.navigation_parts.worlds import GOALS, draw_goals, find_world, fit_goals, is_world, passage_radius
+from bench.navigation_parts.worlds import (
+    GOALS,
+    draw_goals,
+    find_world,
+    fit_goals,
+    is_world,
+    passage_radius,
+    refuse_size,
+)
 from scipy.ndimage import label
 
 from ur_nodes.costmap.footprint import Footprint, footprint_of_outline
@@ -78,6 +86,12 @@ def test_goals_of_a_flat_can_be_reached_and_are_the_same_each_time(tmp_path: Pat
     assert world.goals == draw_goals(world.grid, 1)
     free = free_cells(world.grid, 0.3)
     assert all(shortest_path(world.grid, free, (0.0, 0.0), (x, y)) is not None for x, y, _ in world.goals)
+
+
+def test_a_base_that_cannot_leave_the_start_is_refused(tmp_path: Path) -> None:
+    world = find_world("flat_1", tmp_path)
+    assert refuse_size(world, "stage", box(0.4, 0.38)) == ""
+    assert "large is too large for flat_1: it needs passages of 3.00 m" in refuse_size(world, "large", box(3.0, 3.0))
 
 
 def test_worlds_are_known_by_name() -> None:
