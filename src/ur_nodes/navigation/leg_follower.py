@@ -14,10 +14,10 @@ from ur_nodes.geometry.pose import Pose2, wrap_angle
 from ur_nodes.navigation.planning.legs import Leg, bearing_of, legs_of_motions
 from ur_nodes.navigation.planning.outline_motions import MotionPose
 from ur_nodes.navigation.planning.path_geometry import Points, nearest_index
+from ur_nodes.navigation.steering.local_obstacles import LocalObstacles
 from ur_nodes.navigation.steering.local_plan import LocalCommand, follow_reference, sweep_is_free
 from ur_nodes.navigation.steering.rollout import FollowSettings, ReferencePath, RolloutState, make_reference
 from ur_nodes.navigation.steering.speed_profile import SpeedLimits, approach, speed_shares, turn_rate
-from ur_nodes.navigation.steering.surroundings import Surroundings
 
 _BACK = 0.2  # m/s, at most, while a leg is driven back
 _ARRIVED = 0.015  # m from the end of a leg
@@ -70,7 +70,7 @@ class LegFollower:
         return len(self._legs) > 1
 
     def step(
-        self, motion: RolloutState, local: Surroundings, odom: Pose2, speed_mask: Grid | None, driving: Driving
+        self, motion: RolloutState, local: LocalObstacles, odom: Pose2, speed_mask: Grid | None, driving: Driving
     ) -> LegStep:
         """Continue; `motion` has the speeds that were sent last."""
         leg = self._legs[self._number]
@@ -113,7 +113,7 @@ class LegFollower:
         return LegStep(found if leg.gear > 0 else replace(found, speed=-found.speed), astray)
 
     def _align(
-        self, leg: Leg, motion: RolloutState, local: Surroundings, odom: Pose2, driving: Driving
+        self, leg: Leg, motion: RolloutState, local: LocalObstacles, odom: Pose2, driving: Driving
     ) -> LocalCommand | None:
         """Turn on the spot until the robot points along a leg; None when it does."""
         error = wrap_angle(odom.yaw + bearing_of(leg) - motion.pose.yaw)

@@ -18,12 +18,12 @@ from ur_nodes.navigation.navigator_step import (
 from ur_nodes.navigation.planning.legs import Leg
 from ur_nodes.navigation.planning.outline_plan import is_long
 from ur_nodes.navigation.planning.path_geometry import Points
-from ur_nodes.navigation.pursuit import DrivenTrack, Pursuit
+from ur_nodes.navigation.pursuit import DrivenTrack, GoalPursuit
+from ur_nodes.navigation.steering.local_obstacles import LocalObstacles
 from ur_nodes.navigation.steering.local_plan import LocalCommand, sweep_is_free
 from ur_nodes.navigation.steering.recovery import Behaviour, Recovery, move_to_recover
 from ur_nodes.navigation.steering.rollout import FollowSettings, RolloutState
 from ur_nodes.navigation.steering.speed_profile import SpeedLimits, approach, limit_speeds, turn_rate
-from ur_nodes.navigation.steering.surroundings import Surroundings
 
 _ASTRAY, _ASTRAY_TIGHT = 0.4, 0.15  # m beside a path, and beside one that was made for the outline
 _WAIT_PAUSE = 1.0  # s between two plans while people are in the way
@@ -42,7 +42,7 @@ class Navigator:
         self._follow = follow
         self._footprint = footprint
         self._track = DrivenTrack()
-        self._run: Pursuit | None = None
+        self._run: GoalPursuit | None = None
 
     @property
     def phase(self) -> NavigatorPhase:
@@ -61,7 +61,7 @@ class Navigator:
         `any_heading`: it is reached at its place with any heading.
         """
         sent = self._run.sent if self._run else (0.0, 0.0)
-        self._run = Pursuit(goal, NavigatorPhase.PLANNING, now, any_heading, sent=sent, moved_at=now)
+        self._run = GoalPursuit(goal, NavigatorPhase.PLANNING, now, any_heading, sent=sent, moved_at=now)
 
     def stop(self) -> None:
         """Pursue nothing any more. The caller stops the robot."""
@@ -97,7 +97,7 @@ class Navigator:
             run.asked = run.last_asked = inputs.now
         return out
 
-    def _check_trouble(self, run: Pursuit, inputs: NavigatorInputs) -> NavigatorOutputs | None:
+    def _check_trouble(self, run: GoalPursuit, inputs: NavigatorInputs) -> NavigatorOutputs | None:
         trouble = inputs.trouble or ("" if inputs.motion and inputs.local else "no pose of the robot")
         if not trouble:
             run.trouble_since = None
@@ -111,7 +111,7 @@ class Navigator:
             return self._end(Ending.FAILED, trouble)
         return NavigatorOutputs(command=(0.0, 0.0), log=f"stopped: {trouble}" if first else "")
 
-    def _take_answer(self, run: Pursuit, answer: PlanAnswer, inputs: NavigatorInputs) -> NavigatorOutputs | None:
+    def _take_answer(self, run: GoalPursuit, answer: PlanAnswer, inputs: NavigatorInputs) -> NavigatorOutputs | None:
         run.asked = None
         if answer.path is not None:
             run.path, run.last_turn, run.reason = answer.path, answer.last_turn, ""
@@ -125,14 +125,14 @@ class Navigator:
         return None
 
     def _plan(
-        self, run: Pursuit, _motion: RolloutState, _local: Surroundings, inputs: NavigatorInputs
+        self, run: GoalPursuit, _motion: RolloutState, _local: LocalObstacles, inputs: NavigatorInputs
     ) -> NavigatorOutputs:
         if inputs.now - run.phase_since > self._settings.planner_patience:
             return self._get_stuck(run, inputs, run.reason or "planning took too long")
         return NavigatorOutputs(command=self._braked(run), plan=self._may_ask(run, inputs.now, 0.5))
 
     def _drive(
-        self, run: Pursuit, motion: RolloutState, local: Surroundings, inputs: NavigatorInputs
+        self, run: GoalPursuit, motion: RolloutState, local: LocalObstacles, inputs: NavigatorInputs
     ) -> NavigatorOutputs:
         assert run.legs is not None
         pose = motion.pose
@@ -157,7 +157,7 @@ class Navigator:
         command, plan = (step.speed, step.turn), wanted or periodic
         return NavigatorOutputs(command=command, plan=plan, careful=step.blocked, ahead=step.ahead)
 
-    def _wait(self, run: Pursuit, step: LocalCommand, inputs: NavigatorInputs) -> NavigatorOutputs:
+    def _wait(self, run: GoalPursuit, step: LocalCommand, inputs: NavigatorInputs) -> NavigatorOutputs:
         """Stop for people, who move on sooner or later, and look for a path round them."""
         first = run.waited_since is None
         run.waited_since = inputs.now if run.waited_since is None else run.waited_since
@@ -175,7 +175,7 @@ class Navigator:
         )
 
     def _turn(
-        self, run: Pursuit, motion: RolloutState, local: Surroundings, inputs: NavigatorInputs
+        self, run: GoalPursuit, motion: RolloutState, local: LocalObstacles, inputs: NavigatorInputs
     ) -> NavigatorOutputs:
         if run.path is not None:  # it may end beside a goal that cannot be reached
             x, y = run.path[-1].tolist()
@@ -201,14 +201,14 @@ class Navigator:
         turn = approach(run.sent[1], rate, self._limits.turn_acceleration * self._settings.period)
         trial = RolloutState(motion.pose, 0.0, turn)
         free = abs(turn) < 0.02 or sweep_is_free(trial, 0.3, local, self._footprint)
-        if not free and sweep_is_free(trial, 0.3, Surroundings(local.costmap), self._footprint):  # but for people
+        if not free and sweep_is_free(trial, 0.3, LocalObstacles(local.costmap), self._footprint):  # but for people
             run.moved_at, run.stuck_since = inputs.now, None
         elif self._is_stuck(run, not free, inputs, motion.pose):
             return self._get_stuck(run, inputs, "no room to turn at the goal")
         return NavigatorOutputs(command=(speed, turn) if free else self._braked(run))
 
     def _recover(
-        self, run: Pursuit, motion: RolloutState, local: Surroundings, inputs: NavigatorInputs
+        self, run: GoalPursuit, motion: RolloutState, local: LocalObstacles, inputs: NavigatorInputs
     ) -> NavigatorOutputs:
         behaviour = run.recovery.behaviour
         assert behaviour is not None
@@ -231,11 +231,11 @@ class Navigator:
             return NavigatorOutputs(command=(0.0, 0.0), plan=True)
         return NavigatorOutputs(command=(move.speed, move.turn))
 
-    def _after_recovery(self, run: Pursuit, pose: Pose2, now: float) -> None:
+    def _after_recovery(self, run: GoalPursuit, pose: Pose2, now: float) -> None:
         run.recovery = Recovery(run.recovery.tried + 1, began=pose)
         self._enter(run, NavigatorPhase.PLANNING, now)
 
-    def _get_stuck(self, run: Pursuit, inputs: NavigatorInputs, reason: str) -> NavigatorOutputs:
+    def _get_stuck(self, run: GoalPursuit, inputs: NavigatorInputs, reason: str) -> NavigatorOutputs:
         behaviour = run.recovery.behaviour if self._settings.recovery_enabled else None
         if behaviour is None:
             tried = " (after clearing, turning and backing off)" if self._settings.recovery_enabled else ""
@@ -249,7 +249,7 @@ class Navigator:
         self._enter(run, NavigatorPhase.RECOVERING, inputs.now)
         return NavigatorOutputs(command=(0.0, 0.0), log=f"{reason}; recovering: {behaviour.value}")
 
-    def _is_stuck(self, run: Pursuit, blocked: bool, inputs: NavigatorInputs, pose: Pose2) -> bool:
+    def _is_stuck(self, run: GoalPursuit, blocked: bool, inputs: NavigatorInputs, pose: Pose2) -> bool:
         """No command for the controller's patience, or commanded to move and not moving."""
         if not blocked:
             run.stuck_since = None
@@ -266,7 +266,7 @@ class Navigator:
             return True
         return inputs.now - run.moved_at > self._settings.progress_timeout
 
-    def _may_ask(self, run: Pursuit, now: float, least: float) -> bool:
+    def _may_ask(self, run: GoalPursuit, now: float, least: float) -> bool:
         """Return True when a plan may be requested: none is being made (or too long), the last is `least` s old."""
         waiting = run.asked is not None and now - run.asked < 10.0
         return not waiting and now - run.last_asked >= least
@@ -275,14 +275,14 @@ class Navigator:
     def _driving(self) -> Driving:
         return Driving(self._footprint, self._limits, self._follow, self._settings.period)
 
-    def _braked(self, run: Pursuit) -> tuple[float, float]:
+    def _braked(self, run: GoalPursuit) -> tuple[float, float]:
         period = self._settings.period
         return (
             approach(run.sent[0], 0.0, self._limits.acceleration * period),
             approach(run.sent[1], 0.0, self._limits.turn_acceleration * period),
         )
 
-    def _enter(self, run: Pursuit, phase: NavigatorPhase, now: float) -> None:
+    def _enter(self, run: GoalPursuit, phase: NavigatorPhase, now: float) -> None:
         run.phase, run.phase_since, run.stuck_since = phase, now, None
         run.moved_from, run.moved_at = None, now
 

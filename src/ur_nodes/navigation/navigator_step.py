@@ -9,9 +9,9 @@ from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.navigation.planning.legs import Leg
 from ur_nodes.navigation.planning.path_geometry import Points
+from ur_nodes.navigation.steering.local_obstacles import LocalObstacles
 from ur_nodes.navigation.steering.recovery import Behaviour
 from ur_nodes.navigation.steering.rollout import RolloutState
-from ur_nodes.navigation.steering.surroundings import Surroundings
 
 
 class NavigatorPhase(Enum):
@@ -79,7 +79,7 @@ class NavigatorInputs:
     now: float
     motion: RolloutState | None
     odom: Pose2
-    local: Surroundings | None
+    local: LocalObstacles | None
     answer: PlanAnswer | None = None
     trouble: str = ""
     path_blocked: bool = False

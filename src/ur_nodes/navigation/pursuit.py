@@ -17,7 +17,7 @@ _TRACK = 120  # such poses
 
 
 @dataclass(slots=True)
-class Pursuit:
+class GoalPursuit:
     """The state of a navigator that pursues a goal. Times are in s; places in the map or the odometry frame."""
 
     goal: Pose2

@@ -20,8 +20,8 @@ from ur_nodes.navigation.move_base_settings import MoveBaseSettings
 from ur_nodes.navigation.people.tracked_people import NO_PEOPLE, TrackedPeople
 from ur_nodes.navigation.people.tracker import PeopleTracker
 from ur_nodes.navigation.planning.outline_plan import is_long
+from ur_nodes.navigation.steering.local_obstacles import LocalObstacles, without_points
 from ur_nodes.navigation.steering.rollout import RolloutState
-from ur_nodes.navigation.steering.surroundings import Surroundings, without_points
 from ur_nodes.navigation.zone_masks import ZoneMasks
 from ur_nodes.ports.newest_work import NewestWork
 from ur_nodes.ports.node import Node
@@ -113,12 +113,12 @@ class WorldView:
             lasting = Beams(beams.angles, beams.ranges, beams.hits & ~walkers)
             self.global_costmap.update(robot.in_map.compose(sensor), lasting)
 
-    def surroundings(self, now: float) -> Surroundings:
-        """What the robot must not touch, at a time in s."""
+    def surroundings(self, now: float) -> LocalObstacles:
+        """Return the obstacles and people round the robot at a time in s."""
         costmap, people = self.local_costmap.occupied(), self._tracker.people(now)
         if not self._exact or not len(self._points):
-            return Surroundings(costmap, people)
-        return Surroundings(without_points(costmap, self._points), people, self._points)
+            return LocalObstacles(costmap, people)
+        return LocalObstacles(without_points(costmap, self._points), people, self._points)
 
     def people_in_map(self, now: float) -> TrackedPeople:
         """The people round the robot in the map."""

@@ -29,10 +29,10 @@ from ur_nodes.navigation.planning.global_plan import (
 from ur_nodes.navigation.planning.legs import points_of_legs
 from ur_nodes.navigation.planning.outline_motions import Steering
 from ur_nodes.navigation.planning.outline_plan import OutlineRequest, fit_outline, is_long
+from ur_nodes.navigation.steering.local_obstacles import LocalObstacles
 from ur_nodes.navigation.steering.recovery import Behaviour
 from ur_nodes.navigation.steering.rollout import FollowSettings, RolloutState
 from ur_nodes.navigation.steering.speed_profile import SpeedLimits
-from ur_nodes.navigation.steering.surroundings import Surroundings
 
 STAGE = (
     (0.20, 0.15),
@@ -142,7 +142,7 @@ class ClosedLoop:
                     self.now,
                     motion,
                     self._odom_of_map(),
-                    Surroundings(self.local_costs.occupied()),
+                    LocalObstacles(self.local_costs.occupied()),
                     answer,
                     "",
                     blocked,

@@ -15,8 +15,8 @@ from ur_nodes.geometry.pose import Pose2, wrap_angle
 from ur_nodes.navigation.leg_follower import Driving, LegFollower, legs_back
 from ur_nodes.navigation.navigator_step import Ending
 from ur_nodes.navigation.planning.legs import Leg
+from ur_nodes.navigation.steering.local_obstacles import LocalObstacles
 from ur_nodes.navigation.steering.rollout import FollowSettings, RolloutState
-from ur_nodes.navigation.steering.surroundings import Surroundings
 
 DRIVING = Driving(footprint_of_outline(LONG, 0.05), LIMITS, FollowSettings(), 0.1)
 NOTHING = Costmap(np.zeros((200, 200), np.uint8), 0.05, Pose2(-5.0, -5.0, 0.0))
@@ -31,7 +31,7 @@ def drive(legs: tuple[Leg, ...], local: Costmap = NOTHING, start: Pose2 = ORIGIN
     follower, states = LegFollower(legs), [RolloutState(start, 0.0, 0.0)]
     for _ in range(400):
         state = states[-1]
-        step = follower.step(state, Surroundings(local), ORIGIN, None, DRIVING)
+        step = follower.step(state, LocalObstacles(local), ORIGIN, None, DRIVING)
         if step.ended or step.command.blocked:
             return states
         v, w = step.command.speed, step.command.turn
@@ -67,7 +67,7 @@ def test_turn_on_the_spot_that_would_touch_something_is_blocked() -> None:
 def test_rest_begins_at_the_robot() -> None:
     follower = LegFollower((Leg(line((0.0, 0.0), (1.0, 0.0))), Leg(line((1.0, 0.0), (0.5, 0.0)), -1, 0.0)))
     assert len(follower.rest) == 32
-    follower.step(RolloutState(Pose2(0.5, 0.0, 0.0), 0.5, 0.0), Surroundings(NOTHING), ORIGIN, None, DRIVING)
+    follower.step(RolloutState(Pose2(0.5, 0.0, 0.0), 0.5, 0.0), LocalObstacles(NOTHING), ORIGIN, None, DRIVING)
     assert follower.rest[0].tolist() == pytest.approx([0.5, 0.0])
 
 

@@ -19,10 +19,10 @@ from ur_nodes.navigation.navigator_step import (
     NavigatorSettings,
     PlanAnswer,
 )
+from ur_nodes.navigation.steering.local_obstacles import LocalObstacles
 from ur_nodes.navigation.steering.recovery import SEQUENCE, Behaviour
 from ur_nodes.navigation.steering.rollout import FollowSettings, RolloutState
 from ur_nodes.navigation.steering.speed_profile import SpeedLimits, limit_speeds
-from ur_nodes.navigation.steering.surroundings import Surroundings
 
 STRAIGHT = np.stack((np.arange(0.0, 3.01, 0.05), np.zeros(61)), axis=-1)
 HOME = Pose2(0.0, 0.0, 0.0)
@@ -167,7 +167,7 @@ class NavigatorHistory:
     def step(self, answer: PlanAnswer | None = None, trouble: str = "", *, blocked: bool = False) -> NavigatorOutputs:
         self.now += 0.1
         return self.navigator.step(
-            NavigatorInputs(self.now, self.motion, HOME, Surroundings(self.local), answer, trouble, blocked)
+            NavigatorInputs(self.now, self.motion, HOME, LocalObstacles(self.local), answer, trouble, blocked)
         )
 
     def start(self) -> NavigatorOutputs:

@@ -17,9 +17,9 @@ from ur_nodes.costmap.footprint import Footprint
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.navigation.people.tracked_people import approaches, hull_of_footprint, rooms_to
 from ur_nodes.navigation.planning.outline_grid import overlaps
+from ur_nodes.navigation.steering.local_obstacles import LocalObstacles
 from ur_nodes.navigation.steering.rollout import Floats, FollowSettings, ReferencePath, RolloutState, roll_out
 from ur_nodes.navigation.steering.speed_profile import SpeedLimits
-from ur_nodes.navigation.steering.surroundings import Surroundings
 
 # Variants of the steering law: the share of the speed limit, the offset to the left of the path (m).
 _PLAIN = np.array(((1.0, 0.0),))
@@ -51,7 +51,7 @@ def follow_reference(
     reference: ReferencePath,
     index: int,
     motion: RolloutState,
-    around: Surroundings,
+    around: LocalObstacles,
     footprint: Footprint,
     limits: SpeedLimits,
     settings: FollowSettings,
@@ -81,7 +81,7 @@ def follow_reference(
     )
 
 
-def sweep_is_free(motion: RolloutState, seconds: float, around: Surroundings, footprint: Footprint) -> bool:
+def sweep_is_free(motion: RolloutState, seconds: float, around: LocalObstacles, footprint: Footprint) -> bool:
     """Return True when keeping the speed and turn for a while touches nothing (more than the robot does already)."""
     times = np.linspace(0.0, seconds, max(2, math.ceil(seconds / _SAMPLED) + 1))
     yaws = motion.pose.yaw + motion.turn * times
@@ -93,7 +93,7 @@ def sweep_is_free(motion: RolloutState, seconds: float, around: Surroundings, fo
     return not bool((touching | approaches(poses, times, motion.pose, around.people, footprint)).any())
 
 
-def _touches(poses: Floats, start: Pose2, around: Surroundings, footprint: Footprint) -> NDArray[np.bool_]:
+def _touches(poses: Floats, start: Pose2, around: LocalObstacles, footprint: Footprint) -> NDArray[np.bool_]:
     """Mark the poses (t, k, 3) at which the footprint covers an obstacle that it does not cover already at `start`.
 
     So a robot that something has come too near to may still move away: no deeper into that, and into nothing else. What

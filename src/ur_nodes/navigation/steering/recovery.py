@@ -11,10 +11,10 @@ from scipy.ndimage import distance_transform_edt
 from ur_nodes.costmap.costmap import LETHAL
 from ur_nodes.costmap.footprint import Footprint
 from ur_nodes.geometry.pose import Pose2, wrap_angle
+from ur_nodes.navigation.steering.local_obstacles import LocalObstacles
 from ur_nodes.navigation.steering.local_plan import sweep_is_free
 from ur_nodes.navigation.steering.rollout import RolloutState
 from ur_nodes.navigation.steering.speed_profile import SpeedLimits, approach
-from ur_nodes.navigation.steering.surroundings import Surroundings
 
 _BACK_OFF = 0.3  # m
 
@@ -76,7 +76,7 @@ class RecoveryMotion:
 def move_to_recover(
     recovery: Recovery,
     motion: RolloutState,
-    around: Surroundings,
+    around: LocalObstacles,
     footprint: Footprint,
     limits: SpeedLimits,
     period: float,
@@ -107,7 +107,7 @@ def move_to_recover(
 
 
 def find_escape(
-    motion: RolloutState, around: Surroundings, footprint: Footprint, limits: SpeedLimits
+    motion: RolloutState, around: LocalObstacles, footprint: Footprint, limits: SpeedLimits
 ) -> tuple[float, float]:
     """The speed and turn, slow, that lead to the most room without touching anything more; back rather than ahead."""
     costmap = around.costmap

@@ -12,9 +12,9 @@ from ur_nodes.navigation.people.tracked_people import MARGIN, TrackedPeople
 from ur_nodes.navigation.plan_request import PlanRequest, answer_request
 from ur_nodes.navigation.planning.global_plan import PlanSettings
 from ur_nodes.navigation.planning.path_geometry import resample
+from ur_nodes.navigation.steering.local_obstacles import LocalObstacles
 from ur_nodes.navigation.steering.local_plan import LocalCommand, follow_reference, sweep_is_free
 from ur_nodes.navigation.steering.rollout import FollowSettings, RolloutState, make_reference
-from ur_nodes.navigation.steering.surroundings import Surroundings
 
 FOOTPRINT = footprint_of_outline(STAGE, 0.05, 0.01)
 FRONT = float(FOOTPRINT.outline[:, 0].max())
@@ -28,7 +28,7 @@ def command(people: TrackedPeople, speed: float = 0.5) -> LocalCommand:
     """The next command of a robot that drives along x from (0.5, 0)."""
     reference = make_reference(resample(np.array([(0.0, 0.0), (4.0, 0.0)]), 0.05), LIMITS)
     motion = RolloutState(Pose2(0.5, 0.0, 0.0), speed, 0.0)
-    around = Surroundings(window(), people)
+    around = LocalObstacles(window(), people)
     return follow_reference(reference, 10, motion, around, FOOTPRINT, LIMITS, FollowSettings(), 0.1)
 
 
@@ -55,7 +55,7 @@ def test_the_robot_waits_before_one_who_stands_in_the_way() -> None:
 
 
 def test_the_robot_may_leave_one_who_is_near_and_not_go_to_them() -> None:
-    around = Surroundings(window(), person(FRONT + 0.3, 0.0))
+    around = LocalObstacles(window(), person(FRONT + 0.3, 0.0))
     here = Pose2(0.0, 0.0, 0.0)
     assert sweep_is_free(RolloutState(here, -0.1, 0.0), 0.5, around, FOOTPRINT)
     assert not sweep_is_free(RolloutState(here, 0.1, 0.0), 0.5, around, FOOTPRINT)

@@ -11,10 +11,10 @@ from ur_nodes.costmap.costmap import LETHAL, Costmap
 from ur_nodes.costmap.footprint import footprint_of_outline
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.navigation.planning.path_geometry import nearest_index, resample
+from ur_nodes.navigation.steering.local_obstacles import LocalObstacles, without_points
 from ur_nodes.navigation.steering.local_plan import follow_reference, sweep_is_free
 from ur_nodes.navigation.steering.rollout import FollowSettings, RolloutState, make_reference
 from ur_nodes.navigation.steering.speed_profile import speed_profile, turn_rate
-from ur_nodes.navigation.steering.surroundings import Surroundings, without_points
 
 FOOTPRINT = footprint_of_outline(STAGE, 0.05, 0.01)
 CORNER = resample(np.array([(0.0, 0.0), (1.5, 0.0), (1.5, 1.5)]), 0.05)
@@ -42,7 +42,7 @@ def test_follow_way_obeys_limits_from_any_state(x: float, y: float, yaw: float, 
     motion = RolloutState(Pose2(x, y, yaw), speed, turn)
     index = nearest_index(reference.points, x, y, 0, reference.end + 1)
     step = follow_reference(
-        reference, index, motion, Surroundings(window((0.8, 0.6, 0.3))), FOOTPRINT, LIMITS, FollowSettings(), 0.1
+        reference, index, motion, LocalObstacles(window((0.8, 0.6, 0.3))), FOOTPRINT, LIMITS, FollowSettings(), 0.1
     )
     assert 0.0 <= step.speed <= LIMITS.speed + 1e-9
     assert abs(step.turn) <= LIMITS.turn + 1e-9
@@ -56,7 +56,7 @@ def test_follow_way_drives_at_full_speed_along_a_straight_way() -> None:
         reference,
         10,
         RolloutState(Pose2(0.5, 0.0, 0.0), 0.5, 0.0),
-        Surroundings(window()),
+        LocalObstacles(window()),
         FOOTPRINT,
         LIMITS,
         FollowSettings(),
@@ -72,7 +72,7 @@ def test_follow_way_turns_on_the_spot_when_the_way_is_behind() -> None:
         reference,
         0,
         RolloutState(Pose2(0.0, 0.0, 3.0), 0.0, 0.0),
-        Surroundings(window()),
+        LocalObstacles(window()),
         FOOTPRINT,
         LIMITS,
         FollowSettings(),
@@ -86,18 +86,18 @@ def test_follow_way_slows_down_before_an_obstacle_and_stops_where_nothing_helps(
     reference = make_reference(resample(np.array([(0.0, 0.0), (4.0, 0.0)]), 0.05), LIMITS)
     wall = window(*((1.2, y, 0.2) for y in np.arange(-1.0, 1.1, 0.1)))
     moving = RolloutState(Pose2(0.4, 0.0, 0.0), 0.5, 0.0)
-    step = follow_reference(reference, 8, moving, Surroundings(wall), FOOTPRINT, LIMITS, FollowSettings(), 0.1)
+    step = follow_reference(reference, 8, moving, LocalObstacles(wall), FOOTPRINT, LIMITS, FollowSettings(), 0.1)
     assert step.hindered
     assert step.speed < 0.5
     near = RolloutState(Pose2(0.87, 0.0, 0.0), 0.0, 0.0)
-    assert follow_reference(reference, 17, near, Surroundings(wall), FOOTPRINT, LIMITS, FollowSettings(), 0.1).blocked
+    assert follow_reference(reference, 17, near, LocalObstacles(wall), FOOTPRINT, LIMITS, FollowSettings(), 0.1).blocked
 
 
 def test_follow_way_never_foresees_a_touch() -> None:
     reference = make_reference(CORNER, LIMITS)
     costmap = window((0.9, 0.3, 0.2), (1.9, 0.6, 0.2))
     motion = RolloutState(Pose2(0.2, 0.0, 0.0), 0.3, 0.0)
-    step = follow_reference(reference, 4, motion, Surroundings(costmap), FOOTPRINT, LIMITS, FollowSettings(), 0.1)
+    step = follow_reference(reference, 4, motion, LocalObstacles(costmap), FOOTPRINT, LIMITS, FollowSettings(), 0.1)
     for x, y, yaw in step.ahead:
         c, s = math.cos(yaw), math.sin(yaw)
         points = FOOTPRINT.samples @ np.array(((c, s), (-s, c))) + (x, y)
@@ -107,8 +107,8 @@ def test_follow_way_never_foresees_a_touch() -> None:
 def test_sweep_is_free_lets_a_robot_leave_what_it_touches() -> None:
     costmap = window((0.26, 0.0, 0.2))
     touching = Pose2(0.0, 0.0, 0.0)
-    assert not sweep_is_free(RolloutState(touching, 0.2, 0.0), 0.5, Surroundings(costmap), FOOTPRINT)
-    assert sweep_is_free(RolloutState(touching, -0.2, 0.0), 0.5, Surroundings(costmap), FOOTPRINT)
+    assert not sweep_is_free(RolloutState(touching, 0.2, 0.0), 0.5, LocalObstacles(costmap), FOOTPRINT)
+    assert sweep_is_free(RolloutState(touching, -0.2, 0.0), 0.5, LocalObstacles(costmap), FOOTPRINT)
 
 
 def test_speed_profile_ends_at_rest_and_can_be_braked() -> None:
@@ -127,7 +127,7 @@ def test_turn_rate_can_be_braked_from_any_error() -> None:
 
 
 def test_sweep_is_free_moves_no_robot_from_one_obstacle_into_another() -> None:
-    costmap = Surroundings(window((-0.26, 0.0, 0.2), (0.36, 0.0, 0.2)))
+    costmap = LocalObstacles(window((-0.26, 0.0, 0.2), (0.36, 0.0, 0.2)))
     assert not sweep_is_free(RolloutState(Pose2(0.0, 0.0, 0.0), 0.2, 0.0), 0.5, costmap, FOOTPRINT)
 
 
@@ -139,7 +139,7 @@ def test_points_of_the_scan_are_more_exact_than_cells() -> None:
     cells = costmap.cells_of_points(walls)
     costmap.costs[cells[:, 0], cells[:, 1]] = LETHAL
     ahead = RolloutState(Pose2(0.0, 0.0, 0.0), 0.3, 0.0)
-    exact = Surroundings(without_points(costmap, walls), points=walls)
+    exact = LocalObstacles(without_points(costmap, walls), points=walls)
     assert sweep_is_free(ahead, 1.0, exact, FOOTPRINT)
     astray = RolloutState(Pose2(0.0, 0.0, 0.0), 0.3, 0.15)
     assert not sweep_is_free(astray, 1.0, exact, FOOTPRINT)

@@ -8,9 +8,9 @@ from tests.ur_nodes.navigation.closed_loop import LIMITS, STAGE
 from ur_nodes.costmap.costmap import LETHAL, Costmap
 from ur_nodes.costmap.footprint import footprint_of_outline
 from ur_nodes.geometry.pose import Pose2, wrap_angle
+from ur_nodes.navigation.steering.local_obstacles import LocalObstacles
 from ur_nodes.navigation.steering.recovery import SEQUENCE, Behaviour, Recovery, find_escape, move_to_recover
 from ur_nodes.navigation.steering.rollout import RolloutState
-from ur_nodes.navigation.steering.surroundings import Surroundings
 
 FOOTPRINT = footprint_of_outline(STAGE, 0.05, 0.01)
 
@@ -27,7 +27,7 @@ def play(behaviour: Behaviour, costmap: Costmap, steps: int = 400) -> tuple[Roll
     recovery = Recovery(SEQUENCE.index(behaviour))
     motion, turned, went = RolloutState(Pose2(0.0, 0.0, 0.0), 0.0, 0.0), 0.0, 0.0
     for _ in range(steps):
-        move = move_to_recover(recovery, motion, Surroundings(costmap), FOOTPRINT, LIMITS, 0.1)
+        move = move_to_recover(recovery, motion, LocalObstacles(costmap), FOOTPRINT, LIMITS, 0.1)
         recovery = move.recovery
         if move.finished:
             return motion, turned, went
@@ -68,7 +68,7 @@ def test_back_off_does_not_run_into_what_is_behind() -> None:
 def test_find_way_out_goes_ahead_when_something_is_close_behind() -> None:
     speed, _ = find_escape(
         RolloutState(Pose2(0.0, 0.0, 0.0), 0.0, 0.0),
-        Surroundings(window((slice(30, 50), slice(34, 36)))),
+        LocalObstacles(window((slice(30, 50), slice(34, 36)))),
         FOOTPRINT,
         LIMITS,
     )

@@ -1,4 +1,4 @@
-"""What the robot must not touch: obstacles round it, and people."""
+"""Obstacles and people round the robot, as the local planner checks them."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Surroundings:
+class LocalObstacles:
     """Obstacles as cells of a costmap, points (n, 2) where the newest scan ends, and people, in the odometry frame.
 
     Cells that the points explain are none of the costmap: a point is more exact.
