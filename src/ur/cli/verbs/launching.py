@@ -116,4 +116,32 @@ LAUNCHING = (
         ),
         trust=_ASK_RUN,
     ),
+    Verb(
+        "replay",
+        "ur.cli.runs.replay",
+        "Play a recording, into a program if one is named.",
+        _SECTION,
+        arguments=("files", "program", "program arguments"),
+        descriptions=(
+            "An MCAP file, of the black box or of another recorder.",
+            "A program that 'ur list' names, which starts without the nodes of the robot.",
+            "Arguments of the program's launch file.",
+        ),
+        examples=(
+            ("ur replay black_box.mcap --info", "Print what a recording holds."),
+            ("ur replay black_box.mcap keyboard_navigate", "See the map, the robot and its goals as they were."),
+            (
+                "ur replay black_box.mcap --speed 4 --from 60",
+                "Publish its messages four times as fast, from a minute on.",
+            ),
+            ("ur replay --pause", "Pause the replay that runs; --play goes on."),
+            ("ur replay --jump 95", "Let it go on 95 s after the start of the recording."),
+        ),
+        trust=Trust(
+            "a recording of any origin, as MCAP; launch files of the program",
+            starts="the nodes of the program that are not the robot's, a ROS master",
+            sends="the messages of the recording, to nodes on this computer",
+            writes="logs and `~/.ros`",
+        ),
+    ),
 )

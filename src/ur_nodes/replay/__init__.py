@@ -1,0 +1,1 @@
+"""Replay of recordings: their messages are published again, at any speed."""
