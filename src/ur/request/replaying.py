@@ -1,4 +1,4 @@
-"""A recording in place of the robot: the nodes of a launch file that a replay leaves out, and the files that it starts."""
+"""A recording in place of the robot: the files that a replay starts, and the nodes that it leaves out."""
 
 from __future__ import annotations
 

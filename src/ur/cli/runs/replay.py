@@ -37,8 +37,8 @@ def command(
 ) -> int:
     """Play a recording, into a program if one is named.
 
-    FILE is an MCAP file, of the black box or of `ur record`. The program starts without the nodes of the robot, and shows
-    what the recording holds. Without FILE, the options reach the replay that runs.
+    FILE is an MCAP file, of the black box or another recorder. The program starts without the nodes of the robot, and
+    shows what the recording holds. Without FILE, the options reach the replay that runs.
     """
     if recording is None:
         return _control(speed, jump, back, pause=pause, play=play)
