@@ -115,6 +115,13 @@ launch --wait --port 0 demo talker.launch
 launch ubiquity_launches m_robot_base.launch.xml robot_base:=mangi
 ps --ended more
 attach nobody
+replay
+replay absent.mcap
+replay notes.txt --info
+replay --pause
+replay notes.txt --pause
+replay notes.txt nobody
+replay notes.txt keyboard_navigate fast
 logs
 logs talker
 logs talker --run nothing

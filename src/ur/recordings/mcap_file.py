@@ -5,6 +5,7 @@ The file is read piece by piece: a recording may be larger than the memory.
 
 from __future__ import annotations
 
+import struct
 from collections.abc import Iterator, Mapping, Set
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -71,7 +72,7 @@ def open_recording(path: Path) -> Recording:
             reader = make_reader(file, validate_crcs=False)
             summary = reader.get_summary()
             metadata = {each.name: dict(each.metadata) for each in reader.iter_metadata()}
-        except (McapError, ValueError, EOFError, OSError):
+        except (McapError, struct.error, ValueError, EOFError, OSError):
             summary, metadata = None, {}
         if summary is not None and summary.statistics is not None:
             counts = summary.statistics.channel_message_counts
@@ -112,7 +113,7 @@ def _read(file: IO[bytes], path: Path, complete: bool, begin: int, topics: Set[s
     reader: Any = make_reader(file) if complete else NonSeekingReader(file)
     try:
         yield from reader.iter_messages(topics=chosen, start_time=begin or None, log_time_order=complete)
-    except (McapError, EOFError, ValueError, OSError) as problem:
+    except (McapError, struct.error, EOFError, ValueError, OSError) as problem:
         if complete:
             raise _no_recording(path, str(problem) or type(problem).__name__) from None
 

@@ -29,19 +29,20 @@ class ReplayNode:
     def __init__(self, node: Node) -> None:
         self._node = node
         own = node.parameters
-        path = own.text("~recording", "")
+        path = own.text("recording", "")
         if not path:
             message = "without a recording, expected the path of an MCAP file"
             raise UserError(error_about("replay", message, rule="bad-recording", help="ur replay FILE"))
         recording = open_recording(Path(path).expanduser())
-        speed = own.number("~playback_speed", 1.0, minimum=SLOWEST, maximum=FASTEST)
-        left_out = _NOT_PLAYED | set(own.texts("~left_out", ()))
+        speed = own.number("playback_speed", 1.0, minimum=SLOWEST, maximum=FASTEST)
+        left_out = _NOT_PLAYED | set(own.texts("left_out", ()))
         self._publishers = self._publish(recording, left_out)
         self._clock = node.publish("/clock", ClockTime, Quality.NEWEST) if node.facts.simulated_time else None
         self._player = Player(recording, self._publishers.keys(), node.steady() + _SETTLE, speed=speed)
         self._printed = 0.0
-        node.log.info(f"{path}: {recording.seconds:.1f} s, {len(self._publishers)} topics")
-        start = own.number("~playback_start", 0.0, minimum=0.0)
+        self._take_goals(recording)
+        self._print(f"{path}: {recording.seconds:.1f} s, {len(self._publishers)} topics")
+        start = own.number("playback_start", 0.0, minimum=0.0)
         node.after(_SETTLE, lambda: self._jump(start), steady=True)
         node.every(_STEP, self._step, steady=True)
         node.on_end(ControlSocket(node, os.environ, self._control).close)
@@ -64,6 +65,18 @@ class ReplayNode:
             self._node.log.warn(f"not played, because their packages are not installed: {', '.join(missing)}")
         return publishers
 
+    def _take_goals(self, recording: Recording) -> None:
+        # Clients wait for who takes their goals; here nothing does.
+        for name, topic in recording.topics.items():
+            action, _, part = name.rpartition("/")
+            if part == "status" and topic.type_name == "actionlib_msgs/GoalStatusArray":
+                for each in ("goal", "cancel"):
+                    self._node.raw.subscribe(f"{action}/{each}", lambda _message: None)
+
+    def _print(self, text: str) -> None:
+        sys.stdout.write(f"{text}\n")
+        sys.stdout.flush()
+
     def _send(self, message: RecordedMessage) -> None:
         try:
             self._publishers[message.topic.name].send(message.data)
@@ -77,10 +90,10 @@ class ReplayNode:
             self._clock.send(ClockTime(self._player.time))
         state = self._player.state
         if state.ended and not before.ended:
-            self._node.log.info(f"end of the recording, at {state.length:.1f} s; 'ur replay --play' plays it again")
+            self._print(f"end of the recording, at {state.length:.1f} s; 'ur replay --play' plays it again")
         elif state.position - self._printed >= _PRINT_EVERY or state.position < self._printed:
             self._printed = state.position - state.position % _PRINT_EVERY
-            self._node.log.info(f"{state.position:.0f} of {state.length:.0f} s")
+            self._print(f"{state.position:.0f} of {state.length:.0f} s")
 
     def _jump(self, seconds: float) -> None:
         if seconds > 0.0 or self._player.state.position > 0.0:
@@ -101,7 +114,7 @@ class ReplayNode:
             self._jump(max(0.0, player.state.position + command.value * (1 if command.name == "ahead" else -1)))
         state = player.state
         doing = "playing" if state.playing else "paused"
-        self._node.log.info(f"{doing} at {state.position:.1f} of {state.length:.1f} s, speed {state.speed:g}")
+        self._print(f"{doing} at {state.position:.1f} of {state.length:.1f} s, speed {state.speed:g}")
 
 
 def _can_be_sent(topic: RecordedTopic) -> bool:

@@ -97,6 +97,9 @@ LIBRARY_NODES: dict[str, Interface] = {
         publishes="~image/compressed ~image ~camera_info",
         services="~set_camera_info ~stop_capture ~start_capture",
     ),
+    "replay": make_interface(
+        publishes="clock",
+    ),
     "robot_state_publisher": make_interface(
         publishes="tf tf_static",
         subscribes="joint_states",

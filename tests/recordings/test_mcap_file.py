@@ -1,0 +1,77 @@
+"""Reading of recordings: complete ones, those whose writer was killed, and other files."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from mcap.writer import Writer
+
+from ur.recordings.description import describe_recording
+from ur.recordings.mcap_file import open_recording
+from ur.source.diagnostic import UserError
+
+SECOND = 10**9
+BEGIN = 1_700_000_000 * SECOND
+
+
+def write_recording(path: Path, seconds: int = 20, *, chunk: int = 200) -> Path:
+    """A text ten times a second, and a map once, as the black box writes them."""
+    with path.open("wb") as file:
+        writer = Writer(file, chunk_size=chunk)
+        writer.start(profile="ros1", library="tests")
+        schema = writer.register_schema("std_msgs/String", "ros1msg", b"string data\n")
+        words = writer.register_channel("/words", "ros1", schema)
+        plan = writer.register_channel("/map", "ros1", schema)
+        writer.add_message(plan, BEGIN, b"map", BEGIN)
+        for number in range(10 * seconds):
+            time = BEGIN + number * SECOND // 10
+            writer.add_message(words, time, b"%d" % number, time)
+        writer.add_metadata("reasons", {"1": "/camera died"})
+        writer.add_metadata("events", {f"{BEGIN / 1e9 + 3:.3f}": "a bumper was \x1b[31mtouched"})
+        writer.finish()  # type: ignore[no-untyped-call]
+    return path
+
+
+def test_recording_is_read_from_any_time_on(tmp_path: Path) -> None:
+    recording = open_recording(write_recording(tmp_path / "one.mcap"))
+    assert recording.complete
+    assert recording.seconds == pytest.approx(19.9)
+    assert {name: topic.count for name, topic in recording.topics.items()} == {"/words": 200, "/map": 1}
+    assert recording.topics["/words"].type_name == "std_msgs/String"
+    late = list(recording.messages(BEGIN + 19 * SECOND))
+    assert [int(each.data) for each in late] == list(range(190, 200))
+    assert [each.data for each in recording.messages(topics={"/map"})] == [b"map"]
+
+
+def test_recording_without_an_end_is_read_as_far_as_it_goes(tmp_path: Path) -> None:
+    path = write_recording(tmp_path / "cut.mcap")
+    path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
+    recording = open_recording(path)
+    assert not recording.complete
+    numbers = [int(each.data) for each in recording.messages(topics={"/words"})]
+    assert 20 < len(numbers) < 190
+    assert numbers == list(range(len(numbers)))
+    assert recording.topics["/words"].count == len(numbers)
+
+
+@pytest.mark.parametrize("data", [b"", b"PK\x03\x04", b"\x89MCAP0\r\n", b"\x89MCAP0\r\n" + b"\xff" * 500])
+def test_other_files_are_refused(tmp_path: Path, data: bytes) -> None:
+    path = tmp_path / "other.mcap"
+    path.write_bytes(data)
+    with pytest.raises(UserError, match="not an MCAP file"):
+        open_recording(path)
+
+
+def test_missing_file_is_reported(tmp_path: Path) -> None:
+    with pytest.raises(UserError, match="no such file"):
+        open_recording(tmp_path / "absent.mcap")
+
+
+def test_description_lists_reasons_events_and_topics(tmp_path: Path) -> None:
+    lines = list(describe_recording(open_recording(write_recording(tmp_path / "one.mcap"))))
+    assert "19.9 s from 20" in lines[0]
+    assert lines[1] == "  because: /camera died"
+    assert lines[2].startswith("      3.0 s  a bumper was ")
+    assert "\x1b" not in lines[2]
+    assert lines[3:] == ["  /map         1 messages  std_msgs/String", "  /words     200 messages  std_msgs/String"]
