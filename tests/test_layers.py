@@ -196,6 +196,8 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
         "ur_nodes.run",
     ),
     "ur_nodes.black_box": ("ur.recordings", "ur.source", "ur_nodes.motion.lease", "ur_nodes.ports", "ur_nodes.run"),
+    "ur_nodes.recorder": ("ur.recordings", "ur_nodes.black_box.selection", "ur_nodes.ports", "ur_nodes.run"),
+    "ur_nodes.replay": ("ur.recordings", "ur.source", "ur_nodes.ports", "ur_nodes.run"),
     "ur_nodes.missions": (),
     "ur_nodes.missions.robot": (
         "ur.source",

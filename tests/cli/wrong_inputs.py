@@ -118,6 +118,7 @@ attach nobody
 replay
 replay absent.mcap
 replay notes.txt --info
+record x:=1
 replay --pause
 replay notes.txt --pause
 replay notes.txt nobody

@@ -53,3 +53,8 @@ def notify_black_boxes(environment: Mapping[str, str], text: str) -> int:
             except OSError:
                 pass  # it ends, or has more waiting than it takes
     return taken
+
+
+def long_recordings_folder(environment: Mapping[str, str]) -> str:
+    """The folder of long recordings, unless the user names another."""
+    return f"{user_folder('XDG_STATE_HOME', environment)}/ur/recordings"

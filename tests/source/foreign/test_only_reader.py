@@ -35,6 +35,7 @@ WRITTEN = "opened to write or to lock"
 LOG = "a log that this program has started"
 ROBOT = "runs on the robot as one file, without the library"
 IMAGE = "an image of a system, several gigabytes; read in blocks of a known size"
+RECORDING = "a recording of any size, read piece by piece; see ur.recordings.mcap_file"
 MAP = "a file of the store, checked when it came into it; the file object is the reader's"
 USER = "a file or descriptor that its user has named for secrets, which may be a pipe"
 
@@ -43,10 +44,15 @@ ALLOWED = {
     "ur_nodes/drivers/lines/serial_line.py": OURS,
     "ur_nodes/simulator/devices/terminal.py": WRITTEN,
     "ur_nodes/black_box/recording_file.py": WRITTEN,
+<<<<<<< HEAD
     "ur/report/archive.py": WRITTEN,
     "ur/report/recording.py": STATE,
     "ur/report/sources.py": STATE,
     "ur/run/record/plan_record.py": WRITTEN,
+=======
+    "ur_nodes/recorder/split_writer.py": WRITTEN,
+    "ur/recordings/mcap_file.py": RECORDING,
+>>>>>>> dcbdb486 (record: write topics to compressed, split files on the robot)
     "ur_nodes/file_facts.py": STATE,
     "ur_nodes/one_process/plan.py": STATE,
     "ur_nodes/ros2/raw.py": OURS,

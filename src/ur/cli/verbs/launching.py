@@ -144,4 +144,22 @@ LAUNCHING = (
             writes="logs and `~/.ros`",
         ),
     ),
+    Verb(
+        "record",
+        "ur.cli.runs.record",
+        "Write topics to MCAP files for as long as wanted.",
+        _SECTION,
+        descriptions=("Names of topics, in which '*' stands for any characters; all topics unless given.",),
+        examples=(
+            ("ur record", "Record all topics until Ctrl-C."),
+            ("ur record /scan /odom '/camera/*' --to ~/recordings", "Choose the topics and the folder."),
+            ("ur record --detach", "Record on without this terminal; 'ur stop n_record' ends it."),
+        ),
+        trust=Trust(
+            "messages of all nodes, as bytes",
+            starts="a node, and a ROS master where none runs",
+            sends="the command's arguments to a selected robot, by ssh",
+            writes="MCAP files, logs and `~/.ros`",
+        ),
+    ),
 )

@@ -41,12 +41,13 @@ def read_robot(shell: SshShell) -> tuple[RobotFile, Ros2Robot]:
     return found, found.ros2
 
 
-def remote_script(robot: str, ros2: Ros2Robot, argv: Sequence[str], link: str = "") -> str:
+def remote_script(robot: str, ros2: Ros2Robot | None, argv: Sequence[str], link: str = "") -> str:
     """Return the script that runs `ur` on a robot, in the domain and with the middleware of its nodes.
 
-    `link` is the file of the guard; '' for programs that do not drive by the terminal.
+    `ros2` is None for a robot with ROS 1. `link` is the file of the guard; '' for programs that do not drive by the
+    terminal.
     """
-    settings = source_line(ros2, robot) + (f" UR_LINK={quote(link)}" if link else "")
+    settings = (source_line(ros2, robot) if ros2 is not None else ":") + (f" UR_LINK={quote(link)}" if link else "")
     return quote("bash", "-lc", f"{settings}; set -- {quote(*argv)}; {_FIND}")
 
 

@@ -1,0 +1,65 @@
+"""`ur record`: write topics to MCAP files for as long as wanted."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Sequence
+
+import click
+
+from ur.source.diagnostic import UserError, error
+from ur.source.project import launch_library
+
+_LAUNCH = "n_record/launch/n_record.launch.xml"
+
+
+@click.command("record")
+@click.argument("topics", nargs=-1)
+@click.option("--to", "folder", metavar="FOLDER", help="The folder of the files.")
+@click.option(
+    "--split", "megabytes", type=click.FloatRange(min=1), metavar="MB", help="Begin a new file after so many MB."
+)
+@click.option("--keep-free", "free", type=click.FloatRange(min=10), metavar="MB", help="End while so many MB are free.")
+@click.option("--detach", is_flag=True, help="Record on, without this terminal, until 'ur stop n_record'.")
+def command(
+    topics: tuple[str, ...], folder: str | None, megabytes: float | None, free: float | None, detach: bool
+) -> int:
+    """Write topics to MCAP files for as long as wanted.
+
+    TOPICS are names, in which `*` stands for any characters; all topics unless given. The files are compressed and
+    split, and the disk is never filled. On a selected robot they are on the robot, and the recording goes on without this
+    computer until `ur stop n_record` there. Ctrl-C ends one of this computer.
+    """
+    from ur.request.environment import current_selection
+
+    for each in topics:
+        if " " in each or ":=" in each:
+            message = f"{each!r} is no name of a topic, expected one such as '/scan' or '/camera/*'"
+            raise UserError(error(message, rule="bad-name", help="ur record /scan /tf", subject=each))
+    given = {"split_megabytes": megabytes, "free_megabytes": free}
+    argv = [f"topics:={' '.join(topics)}"] if topics else []
+    argv += [f"{name}:={value:g}" for name, value in given.items() if value is not None]
+    selection = current_selection(os.environ)
+    if selection.simulated or os.uname().nodename.partition(".")[0] == selection.robot:
+        from ur.cli.launch.act import act_on
+        from ur.request.options import LaunchOptions
+
+        place = [f"folder:={os.path.abspath(folder)}"] if folder else []  # noqa: PTH100 - a text
+        return act_on([str(launch_library() / _LAUNCH), *argv, *place], LaunchOptions(detach=detach, watch=True))
+    return _record_there(selection.robot, [*argv, *([f"folder:={folder}"] if folder else [])])
+
+
+def _record_there(robot: str, argv: Sequence[str]) -> int:
+    """Start the recording on the robot, where it runs on without this computer."""
+    from ur.cli.robots.shell import run_in_front
+    from ur.request.remote.connection import connect_robot, robot_address
+    from ur.request.remote.over_ssh import find_robot_file, remote_script
+
+    with connect_robot(robot_address(robot)) as shell:
+        found = find_robot_file(shell)
+        ros2 = found.ros2 if found is not None else None
+        words = ["launch", "--detach", "--watch", "ubiquity_launches", "n_record.launch.xml", *argv]
+        script = remote_script(robot, ros2, words)
+        sys.stdout.flush()
+        return run_in_front([*shell.words, "-T", "--", shell.place, script])
