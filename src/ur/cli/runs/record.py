@@ -28,8 +28,8 @@ def command(
     """Write topics to MCAP files for as long as wanted.
 
     TOPICS are names, in which `*` stands for any characters; all topics unless given. The files are compressed and
-    split, and the disk is never filled. On a selected robot they are on the robot, and the recording goes on without this
-    computer until `ur stop n_record` there. Ctrl-C ends one of this computer.
+    split, and the disk is never filled. On a selected robot they are on the robot, and the recording goes on without
+    this computer until `ur stop n_record` there. Ctrl-C ends one of this computer.
     """
     from ur.request.environment import current_selection
 
