@@ -1,4 +1,4 @@
-"""What a recording holds, as lines for people."""
+"""Descriptions of recordings, as lines for people."""
 
 from __future__ import annotations
 

@@ -10,13 +10,17 @@ from collections.abc import Iterator, Mapping, Set
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import IO, Any
+from typing import IO, TYPE_CHECKING
 
 from ur.source.diagnostic import UserError, error_about
 
+if TYPE_CHECKING:
+    from mcap.reader import McapReader
+    from mcap.records import Channel, Message, Schema
+
 
 @dataclass(frozen=True, slots=True)
-class RecordedTopic:
+class RecordingTopic:
     """A topic with its type, the definition of the type, and how many messages of it the recording holds."""
 
     name: str
@@ -27,10 +31,10 @@ class RecordedTopic:
 
 
 @dataclass(frozen=True, slots=True)
-class RecordedMessage:
+class StoredMessage:
     """A message as it was received, at a time in ns since 1970."""
 
-    topic: RecordedTopic
+    topic: RecordingTopic
     time: int
     data: bytes
 
@@ -43,7 +47,7 @@ class Recording:
     """
 
     path: Path
-    topics: Mapping[str, RecordedTopic]
+    topics: Mapping[str, RecordingTopic]
     start: int
     end: int
     metadata: Mapping[str, Mapping[str, str]]
@@ -54,12 +58,12 @@ class Recording:
         """Its length."""
         return (self.end - self.start) / 1e9
 
-    def messages(self, begin: int = 0, topics: Set[str] | None = None) -> Iterator[RecordedMessage]:
+    def messages(self, begin: int = 0, topics: Set[str] | None = None) -> Iterator[StoredMessage]:
         """The messages from a time on, in the order of their times; of some topics only. Raises UserError."""
         with _reading(self.path) as file:
             for schema, channel, message in _read(file, self.path, self.complete, begin, topics):
                 topic = self.topics.get(channel.topic) or _topic_of(schema, channel, 0)
-                yield RecordedMessage(topic, message.log_time, message.data)
+                yield StoredMessage(topic, message.log_time, message.data)
 
 
 def open_recording(path: Path) -> Recording:
@@ -88,7 +92,7 @@ def open_recording(path: Path) -> Recording:
 
 def _survey(path: Path) -> Recording:
     """A recording whose end is missing, as far as it goes."""
-    topics: dict[str, RecordedTopic] = {}
+    topics: dict[str, RecordingTopic] = {}
     counts: dict[str, int] = {}
     times: list[int] = []
     with _reading(path) as file:
@@ -99,18 +103,20 @@ def _survey(path: Path) -> Recording:
     if not topics:
         raise _no_recording(path, "no message in it can be read")
     counted = {
-        name: RecordedTopic(name, each.type_name, each.schema, each.encoding, counts[name])
+        name: RecordingTopic(name, each.type_name, each.schema, each.encoding, counts[name])
         for name, each in topics.items()
     }
     return Recording(path, counted, times[0], times[1], {}, complete=False)
 
 
-def _read(file: IO[bytes], path: Path, complete: bool, begin: int, topics: Set[str] | None) -> Iterator[Any]:
+def _read(
+    file: IO[bytes], path: Path, complete: bool, begin: int, topics: Set[str] | None
+) -> Iterator[tuple[Schema | None, Channel, Message]]:
     from mcap.exceptions import McapError
     from mcap.reader import NonSeekingReader, make_reader
 
     chosen = sorted(topics) if topics is not None else None
-    reader: Any = make_reader(file) if complete else NonSeekingReader(file)
+    reader: McapReader = make_reader(file) if complete else NonSeekingReader(file)
     try:
         yield from reader.iter_messages(topics=chosen, start_time=begin or None, log_time_order=complete)
     except (McapError, struct.error, EOFError, ValueError, OSError) as problem:
@@ -140,8 +146,8 @@ def _no_recording(path: Path, reason: str) -> UserError:
     return UserError(error_about(str(path), message, rule="bad-recording", help="a recording is a file NAME.mcap"))
 
 
-def _topic_of(schema: Any, channel: Any, count: int) -> RecordedTopic:
+def _topic_of(schema: Schema | None, channel: Channel, count: int) -> RecordingTopic:
     text = schema.data.decode("utf-8", "replace") if schema is not None else ""
-    return RecordedTopic(
+    return RecordingTopic(
         channel.topic, schema.name if schema is not None else "", text, channel.message_encoding, count
     )

@@ -16,7 +16,7 @@ from ur_nodes.ports.graph import Graph
 from ur_nodes.ports.node import Node
 from ur_nodes.ports.parameters import Parameters
 from ur_nodes.ports.raw import RecordedMessage, RecordedTopic
-from ur_nodes.recorder.split_writer import DiskFullError, SplitSettings, SplitWriter
+from ur_nodes.recorder.split_writer import NearlyFullError, SplitSettings, SplitWriter
 from ur_nodes.run import run
 
 _LOOK = 1.0  # s between two looks at the graph
@@ -77,7 +77,7 @@ class RecordNode:
     def _store(self, messages: Sequence[RecordedMessage]) -> str:
         try:
             self._writer.write(messages, self._to_unix)
-        except DiskFullError as problem:
+        except NearlyFullError as problem:
             return f"the recording ends: {problem}"
         except OSError as problem:
             return f"the recording ends: {problem.filename or ''}: {(problem.strerror or str(problem)).lower()}"

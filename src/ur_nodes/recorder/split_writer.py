@@ -8,9 +8,12 @@ import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import IO, Any
+from typing import IO, TYPE_CHECKING
 
 from ur_nodes.ports.raw import RecordedMessage, RecordedType
+
+if TYPE_CHECKING:
+    from mcap.writer import Writer
 
 UNFINISHED = ".part"
 """Ending of the name of a file that is being written, or whose writer was killed."""
@@ -20,7 +23,7 @@ _SYNC = 5.0  # s between two times at which the disk is made to store what was w
 _PROFILES = {"ros1": ("ros1msg", "ros1"), "ros2": ("ros2msg", "cdr"), "": ("", "text")}
 
 
-class DiskFullError(Exception):
+class NearlyFullError(Exception):
     """The recording ends; the text is for people."""
 
 
@@ -38,7 +41,7 @@ class SplitSettings:
 class _Open:
     path: Path
     file: IO[bytes]
-    writer: Any
+    writer: Writer
     began: int
     channels: dict[RecordedType, int] = field(default_factory=dict)
     synced: float = 0.0
@@ -62,13 +65,13 @@ class SplitWriter:
     def write(self, messages: Sequence[RecordedMessage], to_unix: int) -> None:
         """Write messages, whose times become ones since 1970 with `to_unix`.
 
-        Raises DiskFullError, with all files complete: the recording is over. Raises OSError.
+        Raises NearlyFullError, with all files complete: the recording is over. Raises OSError.
         """
         settings = self._settings
         settings.folder.mkdir(mode=0o700, parents=True, exist_ok=True)
         if (free := self._free(settings.folder)) < settings.free:
             self.finish()
-            raise DiskFullError(
+            raise NearlyFullError(
                 f"{settings.folder}: {free // 1_000_000} MB are free, expected {settings.free // 1_000_000} MB"
             )
         for message in messages:
@@ -108,14 +111,14 @@ class SplitWriter:
         if opened is None:
             return
         with opened.file:
-            opened.writer.finish()
+            opened.writer.finish()  # type: ignore[no-untyped-call]
             opened.file.flush()
             os.fsync(opened.file.fileno())
         opened.path.with_name(opened.path.name + UNFINISHED).replace(opened.path)
         self.finished.append(opened.path)
 
 
-def _register(writer: Any, kind: RecordedType) -> int:
+def _register(writer: Writer, kind: RecordedType) -> int:
     schema_encoding, encoding = _PROFILES[_dialect_of(kind)]
     schema = writer.register_schema(kind.type_name, schema_encoding, kind.schema.encode()) if schema_encoding else 0
     channel: int = writer.register_channel(kind.topic, encoding, schema)

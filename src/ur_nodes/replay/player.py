@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Set
 from dataclasses import dataclass
 
-from ur.recordings.mcap_file import RecordedMessage, Recording
+from ur.recordings.mcap_file import Recording, StoredMessage
 
 SLOWEST, FASTEST = 0.01, 100.0
 _RARE_HZ = 0.2
@@ -35,8 +35,8 @@ class Player:
         self._speed = min(max(speed, SLOWEST), FASTEST)
         self._playing = True
         self._kept = find_rare_topics(recording) & topics
-        self._waiting: Iterator[RecordedMessage] = iter(())
-        self._next: RecordedMessage | None = None
+        self._waiting: Iterator[StoredMessage] = iter(())
+        self._next: StoredMessage | None = None
         self.time = recording.start
         self._seen = begin
         self._begin(recording.start)
@@ -61,7 +61,7 @@ class Player:
         """Play so many times as fast as it was recorded, within limits."""
         self._speed = min(max(speed, SLOWEST), FASTEST)
 
-    def jump(self, seconds: float) -> list[RecordedMessage]:
+    def jump(self, seconds: float) -> list[StoredMessage]:
         """Go on at a position, counted from the start.
 
         Returns what subscribers need there: of each topic that is published rarely, such as a map, the newest message
@@ -69,7 +69,7 @@ class Player:
         """
         start, end = self._recording.start, self._recording.end
         time = min(max(start + int(seconds * 1e9), start), end)
-        newest: dict[str, RecordedMessage] = {}
+        newest: dict[str, StoredMessage] = {}
         if self._kept:
             for message in self._recording.messages(topics=self._kept):
                 if message.time >= time:
@@ -78,7 +78,7 @@ class Player:
         self._begin(time)
         return list(newest.values())
 
-    def step(self, now: float, send: Callable[[RecordedMessage], None]) -> None:
+    def step(self, now: float, send: Callable[[StoredMessage], None]) -> None:
         """Send the messages that are due at a time of the clock; none before the time at which it begins."""
         if now <= self._seen:
             return

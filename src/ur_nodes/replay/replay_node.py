@@ -6,7 +6,7 @@ import os
 import sys
 from pathlib import Path
 
-from ur.recordings.mcap_file import RecordedMessage, RecordedTopic, Recording, open_recording
+from ur.recordings.mcap_file import Recording, RecordingTopic, StoredMessage, open_recording
 from ur.recordings.replays import ReplayCommand
 from ur.source.diagnostic import UserError, error_about
 from ur_nodes.ports.node import Node, Publisher
@@ -77,7 +77,7 @@ class ReplayNode:
         sys.stdout.write(f"{text}\n")
         sys.stdout.flush()
 
-    def _send(self, message: RecordedMessage) -> None:
+    def _send(self, message: StoredMessage) -> None:
         try:
             self._publishers[message.topic.name].send(message.data)
         except ValueError as problem:
@@ -117,7 +117,7 @@ class ReplayNode:
         self._print(f"{doing} at {state.position:.1f} of {state.length:.1f} s, speed {state.speed:g}")
 
 
-def _can_be_sent(topic: RecordedTopic) -> bool:
+def _can_be_sent(topic: RecordingTopic) -> bool:
     return bool(topic.type_name) and topic.encoding in ("ros1", "cdr")
 
 

@@ -12,7 +12,7 @@ from ur_nodes.memory.node import MemoryNode
 from ur_nodes.ports.graph import Graph, Topic
 from ur_nodes.ports.raw import RecordedMessage, RecordedType
 from ur_nodes.recorder.record_node import RecordNode, choose_topics
-from ur_nodes.recorder.split_writer import DiskFullError, SplitSettings, SplitWriter
+from ur_nodes.recorder.split_writer import NearlyFullError, SplitSettings, SplitWriter
 
 STRING = "std_msgs/String"
 WORDS = RecordedType("/words", STRING, "string data\n")
@@ -56,7 +56,7 @@ def test_recording_ends_complete_before_the_disk_is_full(tmp_path: Path) -> None
     writer = SplitWriter(SplitSettings(tmp_path, free=500), lambda _folder: space[0])
     writer.write(words(0, 5), 0)
     space[0] = 400
-    with pytest.raises(DiskFullError, match="0 MB are free"):
+    with pytest.raises(NearlyFullError, match="0 MB are free"):
         writer.write(words(5, 9), 0)
     assert [numbers_in(path) for path in writer.finished] == [list(range(5))]
     assert list(tmp_path.glob("*.part")) == []

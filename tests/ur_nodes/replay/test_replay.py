@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from tests.recordings.test_mcap_file import BEGIN, write_recording
 
-from ur.recordings.mcap_file import RecordedMessage, open_recording
+from ur.recordings.mcap_file import StoredMessage, open_recording
 from ur.recordings.replays import ReplayCommand, send_command
 from ur.source.diagnostic import UserError
 from ur_nodes.memory.bus import Bus
@@ -26,7 +26,7 @@ class Played:
         self.player = Player(recording, recording.topics.keys(), 100.0, speed=speed)
         self.words: list[int] = []
 
-    def send(self, message: RecordedMessage) -> None:
+    def send(self, message: StoredMessage) -> None:
         if message.topic.name == "/words":
             self.words.append(int(message.data))
 

@@ -79,10 +79,10 @@ def _play(path: Path, program: str, arguments: tuple[str, ...], speed: float, st
     from ur.cli.launch.start import run_launch
     from ur.request.arguments import split_argv
     from ur.request.environment import PACKAGE, add_own_package, apply_selection, current_selection
+    from ur.request.joining.replaying import plan_replay
     from ur.request.options import LaunchOptions, StartReporter
     from ur.request.plan_files import make_world
     from ur.request.programs import find_launch_file, find_program
-    from ur.request.replaying import plan_replay
     from ur.robot.selection import Selection
 
     if not path.is_file():

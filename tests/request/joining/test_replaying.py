@@ -8,7 +8,7 @@ import pytest
 
 from ur.launchfile import SystemWorld
 from ur.request.arguments import Argument
-from ur.request.replaying import find_robot_nodes, plan_replay
+from ur.request.joining.replaying import find_robot_nodes, plan_replay
 from ur.robot.selection import Selection
 from ur.source.project import launch_library
 

@@ -21,7 +21,7 @@ REPLAY = "n_replay/launch/n_replay.launch.xml"
 
 @dataclass(frozen=True, slots=True)
 class ReplayLaunch:
-    """What `ur launch` is asked for: its names and arguments, and the nodes that are left out."""
+    """The names and arguments for `ur launch`, and the nodes that are left out."""
 
     argv: tuple[str, ...]
     left_out: tuple[str, ...]
