@@ -5,11 +5,11 @@ from __future__ import annotations
 import time
 from collections.abc import Iterator
 
-from ur.recordings.mcap_file import Recording
+from ur.recordings.mcap_file import RecordingFile
 from ur.source.printable import printable
 
 
-def describe_recording(recording: Recording) -> Iterator[str]:
+def describe_recording(recording: RecordingFile) -> Iterator[str]:
     """Its time and length, its reasons and events, and its topics."""
     began = time.strftime("%Y-%m-%d %H:%M:%S", time.localtime(recording.start / 1e9))
     broken = "" if recording.complete else ", its end is missing"
@@ -23,7 +23,7 @@ def describe_recording(recording: Recording) -> Iterator[str]:
         yield f"  {printable(name):<{width}}  {topic.count:6} messages  {printable(topic.type_name)}"
 
 
-def _second(stamp: str, recording: Recording) -> float:
+def _second(stamp: str, recording: RecordingFile) -> float:
     try:
         return float(stamp) - recording.start / 1e9
     except ValueError:

@@ -40,7 +40,7 @@ class StoredMessage:
 
 
 @dataclass(frozen=True, slots=True)
-class Recording:
+class RecordingFile:
     """A recording: its topics by name, its first and last time in ns since 1970, and its metadata.
 
     `complete` is False for a file whose end is missing: its writer was killed.
@@ -66,7 +66,7 @@ class Recording:
                 yield StoredMessage(topic, message.log_time, message.data)
 
 
-def open_recording(path: Path) -> Recording:
+def open_recording(path: Path) -> RecordingFile:
     """Read what a recording holds. Raises UserError: it cannot be read, or is no MCAP file."""
     from mcap.exceptions import McapError
     from mcap.reader import make_reader
@@ -86,11 +86,11 @@ def open_recording(path: Path) -> Recording:
             ]
             topics = {each.topic: _topic_of(schema, each, count) for schema, each, count in channels}
             start, end = summary.statistics.message_start_time, summary.statistics.message_end_time
-            return Recording(path, topics, start, end, metadata)
+            return RecordingFile(path, topics, start, end, metadata)
     return _survey(path)
 
 
-def _survey(path: Path) -> Recording:
+def _survey(path: Path) -> RecordingFile:
     """A recording whose end is missing, as far as it goes."""
     topics: dict[str, RecordingTopic] = {}
     counts: dict[str, int] = {}
@@ -106,7 +106,7 @@ def _survey(path: Path) -> Recording:
         name: RecordingTopic(name, each.type_name, each.schema, each.encoding, counts[name])
         for name, each in topics.items()
     }
-    return Recording(path, counted, times[0], times[1], {}, complete=False)
+    return RecordingFile(path, counted, times[0], times[1], {}, complete=False)
 
 
 def _read(

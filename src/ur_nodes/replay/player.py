@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Set
 from dataclasses import dataclass
 
-from ur.recordings.mcap_file import Recording, StoredMessage
+from ur.recordings.mcap_file import RecordingFile, StoredMessage
 
 SLOWEST, FASTEST = 0.01, 100.0
 _RARE_HZ = 0.2
@@ -29,7 +29,7 @@ class Player:
     Times of messages are ns since 1970.
     """
 
-    def __init__(self, recording: Recording, topics: Set[str], begin: float, *, speed: float = 1.0) -> None:
+    def __init__(self, recording: RecordingFile, topics: Set[str], begin: float, *, speed: float = 1.0) -> None:
         self._recording = recording
         self._topics = topics
         self._speed = min(max(speed, SLOWEST), FASTEST)
@@ -102,7 +102,7 @@ class Player:
         self._next = next(self._waiting, None)
 
 
-def find_rare_topics(recording: Recording) -> frozenset[str]:
+def find_rare_topics(recording: RecordingFile) -> frozenset[str]:
     """The topics that are published so rarely that a subscriber is to get the last message when it begins."""
     most = max(1.0, recording.seconds * _RARE_HZ)
     return frozenset(name for name, topic in recording.topics.items() if topic.count <= most)

@@ -6,7 +6,7 @@ import os
 import sys
 from pathlib import Path
 
-from ur.recordings.mcap_file import Recording, RecordingTopic, StoredMessage, open_recording
+from ur.recordings.mcap_file import RecordingFile, RecordingTopic, StoredMessage, open_recording
 from ur.recordings.replays import ReplayCommand
 from ur.source.diagnostic import UserError, error_about
 from ur_nodes.ports.node import Node, Publisher
@@ -48,7 +48,7 @@ class ReplayNode:
         node.on_end(ControlSocket(node, os.environ, self._control).close)
 
     def _publish(
-        self, recording: Recording, left_out: set[str] | frozenset[str]
+        self, recording: RecordingFile, left_out: set[str] | frozenset[str]
     ) -> dict[str, Publisher[Fields | bytes]]:
         publishers = {}
         rare = find_rare_topics(recording)
@@ -65,7 +65,7 @@ class ReplayNode:
             self._node.log.warn(f"not played, because their packages are not installed: {', '.join(missing)}")
         return publishers
 
-    def _take_goals(self, recording: Recording) -> None:
+    def _take_goals(self, recording: RecordingFile) -> None:
         # Clients wait for who takes their goals; here nothing does.
         for name, topic in recording.topics.items():
             action, _, part = name.rpartition("/")

@@ -44,15 +44,12 @@ ALLOWED = {
     "ur_nodes/drivers/lines/serial_line.py": OURS,
     "ur_nodes/simulator/devices/terminal.py": WRITTEN,
     "ur_nodes/black_box/recording_file.py": WRITTEN,
-<<<<<<< HEAD
     "ur/report/archive.py": WRITTEN,
     "ur/report/recording.py": STATE,
     "ur/report/sources.py": STATE,
     "ur/run/record/plan_record.py": WRITTEN,
-=======
     "ur_nodes/recorder/split_writer.py": WRITTEN,
     "ur/recordings/mcap_file.py": RECORDING,
->>>>>>> dcbdb486 (record: write topics to compressed, split files on the robot)
     "ur_nodes/file_facts.py": STATE,
     "ur_nodes/one_process/plan.py": STATE,
     "ur_nodes/ros2/raw.py": OURS,
