@@ -13,8 +13,6 @@ from ur_nodes.exploration.status import ExploreStatus
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.ports.node import Node
-from ur_nodes.ports.qualities import Quality
-from ur_nodes.ports.values import Map
 
 _OUTSIDE = "outside of the area of the grant"
 
@@ -42,7 +40,6 @@ class AssistedExploration:
         self.status = ExploreStatus()
         """The newest status."""
         self._obstacles = Obstacles(node, settings.costmap, settings.costmap_updates)
-        self._maps = node.subscribe("map", Map, self._take_map, Quality.LATCHED)
 
     def begin(self) -> None:
         """Go on with what a call before has begun; anew where that has ended."""
@@ -54,9 +51,11 @@ class AssistedExploration:
         """Take the end of the goal at the last place."""
         self._end = GoalEnd(reached, text)
 
-    def take_place(self, robot: Pose2, allows: Allows) -> NextPlace:
+    def take_place(self, robot: Pose2, grid: Grid | None, allows: Allows) -> NextPlace:
         """The next place, once. One that is not allowed counts as not reached."""
         now = self._node.steady()
+        if grid is not self._grid:
+            self._grid, self._version = grid, self._version + 1
         found, self._next = self._next, NextPlace()
         if found.place is not None and not allows(found.place):
             found, self._end = NextPlace(cancel=True), GoalEnd(reached=False, text=_OUTSIDE)
@@ -70,10 +69,6 @@ class AssistedExploration:
     def _take_outputs(self, out: ExplorerOutputs) -> None:
         self._busy, self.status = False, out.status
         self._next = NextPlace(out.goal, out.cancel)
-
-    def _take_map(self, given: Map) -> None:
-        self._grid = given.grid
-        self._version += 1
 
 
 def make_exploration(node: Node) -> AssistedExploration:

@@ -236,7 +236,9 @@ class AssistedDriving:
         if motion.goal and goal.over:
             exploration.note_end(goal.state is LastGoalState.REACHED, goal.text)
             motion = replace(motion, goal=0)
-        found = exploration.take_place(robot, lambda place: grant.allows(place.x, place.y))
+        found = exploration.take_place(
+            robot, self._topics.snapshot().grid, lambda place: grant.allows(place.x, place.y)
+        )
         if found.place is not None:
             motion = replace(motion, goal=self._send_goal(found.place, answer, any_heading=False))
         elif found.cancel and motion.goal:
