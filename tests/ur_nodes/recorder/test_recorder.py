@@ -11,8 +11,8 @@ from ur_nodes.memory.bus import Bus
 from ur_nodes.memory.node import MemoryNode
 from ur_nodes.ports.graph import Graph, Topic
 from ur_nodes.ports.raw import RecordedMessage, RecordedType
-from ur_nodes.recorder.record_node import RecordNode, choose_topics
 from ur_nodes.recorder.split_writer import NearlyFullError, SplitSettings, SplitWriter
+from ur_nodes.recorder.topic_recording import RecordNode, choose_topics
 
 STRING = "std_msgs/String"
 WORDS = RecordedType("/words", STRING, "string data\n")

@@ -12,8 +12,8 @@ from ur.recordings.replays import ReplayCommand, send_command
 from ur.source.diagnostic import UserError
 from ur_nodes.memory.bus import Bus
 from ur_nodes.ports.raw import RawMessage
+from ur_nodes.replay.playback import ReplayNode
 from ur_nodes.replay.player import Player
-from ur_nodes.replay.replay_node import ReplayNode
 
 STRING = "std_msgs/String"
 

@@ -1,0 +1,144 @@
+"""Recording of topics to MCAP files, until its end or until the disk is nearly full."""
+
+from __future__ import annotations
+
+import os
+import sys
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from fnmatch import fnmatchcase
+from pathlib import Path
+
+from ur.recordings.black_boxes import long_recordings_folder
+from ur_nodes.black_box.selection import MOST_TOPICS, select_topics
+from ur_nodes.ports.graph import Graph
+from ur_nodes.ports.node import Node
+from ur_nodes.ports.parameters import Parameters
+from ur_nodes.ports.raw import RecordedMessage, RecordedTopic
+from ur_nodes.recorder.split_writer import NearlyFullError, SplitSettings, SplitWriter
+
+_LOOK = 1.0  # s between two looks at the graph
+_WRITE = 0.5  # s between two writes
+_MOST_WAITING = 64_000_000  # bytes of messages that are not written yet
+_LANE = "recording"
+
+
+class RecordNode:
+    """Records topics whose names fit one of the patterns; without patterns all of them.
+
+    `steady_ns` and `unix_ns` read a clock that is never set, and the computer's.
+    """
+
+    def __init__(
+        self,
+        node: Node,
+        steady_ns: Callable[[], int] = time.monotonic_ns,
+        unix_ns: Callable[[], int] = time.time_ns,
+    ) -> None:
+        self._node = node
+        self._patterns = tuple(f"/{each.lstrip('/')}" for each in node.parameters.text("topics", "").split())
+        self._writer = SplitWriter(read_settings(node.parameters))
+        self._to_unix = unix_ns() - steady_ns()
+        self._waiting: list[RecordedMessage] = []
+        self._bytes = 0
+        self._left_out: dict[str, int] = {}
+        self._busy = self._over = False
+        self._announced = 0
+        self._recorder = node.raw.record(self._take, steady_ns)
+        node.on_end(self._recorder.close)
+        node.on_end(self._end, within=10.0)
+        node.read_graph(self._choose)
+        node.every(_WRITE, self._write, steady=True)
+
+    def _choose(self, graph: Graph | None) -> None:
+        self._node.after(_LOOK, lambda: self._node.read_graph(self._choose), steady=True)
+        if graph is not None and not self._over:
+            self._recorder.record(choose_topics(graph.without(self._node.name), self._patterns))
+
+    def _take(self, batch: Sequence[RecordedMessage]) -> None:
+        if self._over:
+            return
+        for message in batch:
+            if self._bytes > _MOST_WAITING:  # the disk is slower than the topics
+                self._left_out[message.type.topic] = self._left_out.get(message.type.topic, 0) + 1
+                continue
+            self._waiting.append(message)
+            self._bytes += len(message.data)
+
+    def _write(self) -> None:
+        if self._busy or self._over or not self._waiting:
+            return
+        self._busy = True
+        messages, self._waiting, self._bytes = self._waiting, [], 0
+        self._node.work(lambda: self._store(messages), self._report, _LANE)
+
+    def _store(self, messages: Sequence[RecordedMessage]) -> str:
+        try:
+            self._writer.write(messages, self._to_unix)
+        except NearlyFullError as problem:
+            return f"the recording ends: {problem}"
+        except OSError as problem:
+            return f"the recording ends: {problem.filename or ''}: {(problem.strerror or str(problem)).lower()}"
+        return ""
+
+    def _report(self, problem: str) -> None:
+        self._busy = False
+        for path in self._writer.finished[self._announced :]:
+            self._print(f"wrote {path}")
+        self._announced = len(self._writer.finished)
+        if self._left_out:
+            names = ", ".join(f"{name} ({count})" for name, count in self._left_out.items())
+            self._node.log.warn(f"the disk is too slow; messages left out: {names}")
+            self._left_out.clear()
+        if problem:
+            self._over = True
+            self._recorder.record(())
+            self._node.end(problem, failed=True)
+
+    def _end(self) -> None:
+        messages, self._waiting = self._waiting, []
+
+        def finish() -> str:
+            problem = self._store(messages) if messages and not self._over else ""
+            try:
+                self._writer.finish()
+            except OSError as failure:
+                return problem or f"{(failure.strerror or str(failure)).lower()}"
+            return problem
+
+        self._node.work(finish, self._report_end, _LANE)
+
+    def _report_end(self, problem: str) -> None:
+        for path in self._writer.finished[self._announced :]:
+            self._print(f"wrote {path}")
+        if problem:
+            self._node.log.error(problem)
+
+    def _print(self, text: str) -> None:
+        sys.stdout.write(f"{text}\n")
+        sys.stdout.flush()
+
+
+def read_settings(parameters: Parameters) -> SplitSettings:
+    """The settings of the files."""
+    folder = parameters.text("folder", "") or long_recordings_folder(os.environ)
+    return SplitSettings(
+        Path(folder).expanduser(),
+        int(parameters.number("split_megabytes", 500.0, minimum=1.0) * 1e6),
+        parameters.number("split_minutes", 10.0, minimum=0.1) * 60.0,
+        int(parameters.number("free_megabytes", 500.0, minimum=10.0) * 1e6),
+    )
+
+
+def choose_topics(graph: Graph, patterns: Sequence[str]) -> tuple[RecordedTopic, ...]:
+    """The topics that fit one of the patterns, with every message.
+
+    Without patterns all: a raw picture is left out where it is published compressed, too, and pictures are taken only
+    while another node subscribes to them.
+    """
+    if not patterns:
+        return tuple(replace(each, period=0.0) for each in select_topics(graph, wake=False)[:MOST_TOPICS])
+    topics = [each for each in graph.topics.values() if each.publishers]
+    chosen = [each for each in topics if any(fnmatchcase(each.name, pattern) for pattern in patterns)]
+    return tuple(RecordedTopic(each.name, each.publishers) for each in chosen[:MOST_TOPICS])

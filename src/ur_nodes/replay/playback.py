@@ -1,0 +1,120 @@
+"""Publishing of the messages of a recording, with its clock."""
+
+from __future__ import annotations
+
+import os
+import sys
+from pathlib import Path
+
+from ur.recordings.mcap_file import RecordingFile, RecordingTopic, StoredMessage, open_recording
+from ur.recordings.replays import ReplayCommand
+from ur.source.diagnostic import UserError, error_about
+from ur_nodes.ports.node import Node, Publisher
+from ur_nodes.ports.qualities import Quality
+from ur_nodes.ports.raw import Fields
+from ur_nodes.ports.values import ClockTime
+from ur_nodes.replay.control_socket import ControlSocket
+from ur_nodes.replay.player import FASTEST, SLOWEST, Player, find_rare_topics
+
+_STEP = 0.01  # s
+_SETTLE = 2.0  # s, in which subscribers connect before the first message
+_NOT_PLAYED = frozenset({"/rosout", "/rosout_agg", "/clock"})
+_PRINT_EVERY = 10.0  # s
+
+
+class ReplayNode:
+    """Publishes the topics of a recording whose types are installed; the others are reported once."""
+
+    def __init__(self, node: Node) -> None:
+        self._node = node
+        own = node.parameters
+        path = own.text("recording", "")
+        if not path:
+            message = "without a recording, expected the path of an MCAP file"
+            raise UserError(error_about("replay", message, rule="bad-recording", help="ur replay FILE"))
+        recording = open_recording(Path(path).expanduser())
+        speed = own.number("playback_speed", 1.0, minimum=SLOWEST, maximum=FASTEST)
+        left_out = _NOT_PLAYED | set(own.texts("left_out", ()))
+        self._publishers = self._publish(recording, left_out)
+        self._clock = node.publish("/clock", ClockTime, Quality.NEWEST) if node.facts.simulated_time else None
+        self._player = Player(recording, self._publishers.keys(), node.steady() + _SETTLE, speed=speed)
+        self._printed = 0.0
+        self._take_goals(recording)
+        self._print(f"{path}: {recording.seconds:.1f} s, {len(self._publishers)} topics")
+        start = own.number("playback_start", 0.0, minimum=0.0)
+        node.after(_SETTLE, lambda: self._jump(start), steady=True)
+        node.every(_STEP, self._step, steady=True)
+        node.on_end(ControlSocket(node, os.environ, self._control).close)
+
+    def _publish(
+        self, recording: RecordingFile, left_out: set[str] | frozenset[str]
+    ) -> dict[str, Publisher[Fields | bytes]]:
+        publishers = {}
+        rare = find_rare_topics(recording)
+        missing: dict[str, None] = {}
+        for name, topic in recording.topics.items():
+            if name in left_out or not _can_be_sent(topic):
+                continue
+            quality = Quality.LATCHED if name in rare else Quality.EVERY
+            try:
+                publishers[name] = self._node.raw.publish(name, topic.type_name, quality)
+            except LookupError:
+                missing[topic.type_name] = None
+        if missing:
+            self._node.log.warn(f"not played, because their packages are not installed: {', '.join(missing)}")
+        return publishers
+
+    def _take_goals(self, recording: RecordingFile) -> None:
+        # Clients wait for who takes their goals; here nothing does.
+        for name, topic in recording.topics.items():
+            action, _, part = name.rpartition("/")
+            if part == "status" and topic.type_name == "actionlib_msgs/GoalStatusArray":
+                for each in ("goal", "cancel"):
+                    self._node.raw.subscribe(f"{action}/{each}", lambda _message: None)
+
+    def _print(self, text: str) -> None:
+        sys.stdout.write(f"{text}\n")
+        sys.stdout.flush()
+
+    def _send(self, message: StoredMessage) -> None:
+        try:
+            self._publishers[message.topic.name].send(message.data)
+        except ValueError as problem:
+            self._node.log.warn(f"{message.topic.name}: a message is left out: {problem}")
+
+    def _step(self) -> None:
+        before = self._player.state
+        self._player.step(self._node.steady(), self._send)
+        if self._clock is not None:
+            self._clock.send(ClockTime(self._player.time))
+        state = self._player.state
+        if state.ended and not before.ended:
+            self._print(f"end of the recording, at {state.length:.1f} s; 'ur replay --play' plays it again")
+        elif state.position - self._printed >= _PRINT_EVERY or state.position < self._printed:
+            self._printed = state.position - state.position % _PRINT_EVERY
+            self._print(f"{state.position:.0f} of {state.length:.0f} s")
+
+    def _jump(self, seconds: float) -> None:
+        if seconds > 0.0 or self._player.state.position > 0.0:
+            for message in self._player.jump(seconds):
+                self._send(message)
+
+    def _control(self, command: ReplayCommand) -> None:
+        player = self._player
+        if command.name == "pause":
+            player.pause()
+        elif command.name == "play":
+            player.play()
+        elif command.name == "speed":
+            player.set_speed(command.value)
+        elif command.name == "jump":
+            self._jump(command.value)
+        else:
+            self._jump(max(0.0, player.state.position + command.value * (1 if command.name == "ahead" else -1)))
+        state = player.state
+        doing = "playing" if state.playing else "paused"
+        self._print(f"{doing} at {state.position:.1f} of {state.length:.1f} s, speed {state.speed:g}")
+
+
+def _can_be_sent(topic: RecordingTopic) -> bool:
+    return bool(topic.type_name) and topic.encoding in ("ros1", "cdr")
