@@ -62,7 +62,11 @@ def test_missing_mount_is_reported_once_its_node_has_had_time_to_start() -> None
     bus = Bus()
     user = bus.node("user")
     feed = ScanFeed(user, "", "base", lambda _scan, _odometry: None)
-    user.every(0.5, lambda: feed.mount("laser"))
+
+    def look() -> None:
+        feed.mount("laser")
+
+    user.every(0.5, look)
     bus.run(9.0)
     assert user.lines == []
     bus.run(3.0)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import _string  # the base of string.Formatter, whose import takes longer
+import _string  # type: ignore[import-not-found]  # the base of string.Formatter, whose import takes longer
 import re
 from collections.abc import Callable, Mapping
 from typing import Any
