@@ -12,7 +12,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ur_nodes.costmap.costmap import FREE, Costmap
 from ur_nodes.costmap.footprint import Footprint
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.navigation.people.tracked_people import approaches, hull_of_footprint, rooms_to
@@ -94,29 +93,15 @@ def sweep_is_free(motion: RolloutState, seconds: float, around: LocalObstacles, 
 
 
 def _touches(poses: Floats, start: Pose2, around: LocalObstacles, footprint: Footprint) -> NDArray[np.bool_]:
-    """Mark the poses (t, k, 3) at which the footprint covers an obstacle that it does not cover already at `start`.
+    """Mark the poses (t, k, 3) that put more of the footprint on obstacles than there is of it already at `start`.
 
-    So a robot that something has come too near to may still move away: no deeper into that, and into nothing else. What
-    lies beyond the costmap counts as free.
+    So a robot that something has come too near to may still move away. What lies beyond the costmap counts as free.
     """
     here, costmap = np.array(start), around.costmap
-    covered = int(overlaps(here, costmap, footprint))
-    others = _without_covered(costmap, start, footprint) if covered else costmap
-    touching: NDArray[np.bool_] = overlaps(poses, others, footprint) > 0
-    if covered:
-        touching |= overlaps(poses, costmap, footprint) > covered
+    touching: NDArray[np.bool_] = overlaps(poses, costmap, footprint) > overlaps(here, costmap, footprint)
     if len(around.points):
         touching |= _meets_points(poses, here, around.points, footprint)
     return touching
-
-
-def _without_covered(costmap: Costmap, start: Pose2, footprint: Footprint) -> Costmap:
-    """The costmap without the obstacles that the footprint covers at `start`."""
-    cells = costmap.cells_of_points(start.transform_points(footprint.samples))
-    cells = cells[costmap.contains(cells)]
-    costs = costmap.costs.copy()
-    costs[cells[:, 0], cells[:, 1]] = FREE
-    return Costmap(costs, costmap.resolution, costmap.origin)
 
 
 def _meets_points(poses: Floats, start: Floats, points: Floats, footprint: Footprint) -> NDArray[np.bool_]:

@@ -126,11 +126,6 @@ def test_turn_rate_can_be_braked_from_any_error() -> None:
         assert rate * error >= 0.0
 
 
-def test_sweep_is_free_moves_no_robot_from_one_obstacle_into_another() -> None:
-    costmap = LocalObstacles(window((-0.26, 0.0, 0.2), (0.36, 0.0, 0.2)))
-    assert not sweep_is_free(RolloutState(Pose2(0.0, 0.0, 0.0), 0.2, 0.0), 0.5, costmap, FOOTPRINT)
-
-
 def test_points_of_the_scan_are_more_exact_than_cells() -> None:
     side = float(FOOTPRINT.outline[:, 1].max())
     along = np.arange(-1.0, 2.0, 0.05)
