@@ -1,7 +1,7 @@
-"""Make docs/images/keyboard_navigate.svg: the real terminal program over a robot that stands still in the maze.
+"""Make pictures of the real terminal program over a robot in the maze, in docs/images: NAME.svg.
 
-Usage: tools/make_screenshot.py [OUTPUT] [COLUMNSxROWS] [dark|light] [DRIVER]. The same input gives the same file.
-DRIVER is the name of another program that drives: docs/images/assistant.svg has that of an assistant.
+Usage: tools/make_screenshot.py [NAME] [COLUMNSxROWS] [dark|light]. The names: keyboard_navigate (a robot on its way),
+assistant (one that an assistant drives), lost (one that was carried elsewhere). The same input gives the same file.
 """
 
 from __future__ import annotations
@@ -13,6 +13,8 @@ import re
 import sys
 import tempfile
 import time
+from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -37,6 +39,9 @@ START = Pose2(0.0, 0.0, 0.0)
 ROBOT_AT = 0.62  # of the way
 GOAL = Pose2(12.1, 7.65, math.pi / 2)
 SINCE = 39720.0  # s since 1970: 11:02
+ASSISTANT = "assistant, at most 0.2 m/s until 11:32, not kitchen"
+CARRIED_TO = Pose2(6.4, 10.7, 2.2)
+SEARCHING = "lost: the scan does not fit the map here; searching the whole map"
 PLACES = {"dock": START, "kitchen": Pose2(16.6, 1.65, 0.0), "desk": Pose2(6.4, 4.65, 0.0)}
 
 
@@ -99,8 +104,8 @@ def cast_scan(grid: Grid, pose: Pose2, reach: float = 8.0) -> NDArray[np.float64
     return ends
 
 
-def make_snapshot(driver: str = "") -> RobotSnapshot:
-    """The robot some way along its path; a program of another computer drives, unless `driver` is empty."""
+def make_snapshot() -> RobotSnapshot:
+    """Return a robot some way along its path."""
     grid = load_map(MAP)
     path = find_path(grid, START, GOAL)
     at = int(len(path) * ROBOT_AT)
@@ -112,39 +117,63 @@ def make_snapshot(driver: str = "") -> RobotSnapshot:
         scan=cast_scan(grid, pose),
         path=path[at:],
         goal=GoalReport(1, GOAL, LastGoalState.DRIVING),
-        speed=0.2 if driver else 0.5,
+        speed=0.5,
         spread=0.04,
-        lease=LeaseView("held", "desk", driver, SINCE, link_age=0.0) if driver else LeaseView(),
+        lease=LeaseView(),
     )
 
 
-async def take_screenshot(size: tuple[int, int], light: bool, driver: str = "") -> str:
-    """The screen as SVG."""
+def add_assistant(snapshot: RobotSnapshot) -> RobotSnapshot:
+    """Return the snapshot while an assistant drives."""
+    return replace(snapshot, speed=0.2, lease=LeaseView("held", "desk", ASSISTANT, SINCE, link_age=0.0))
+
+
+def carry_away(snapshot: RobotSnapshot) -> RobotSnapshot:
+    """Return the snapshot after the robot was carried elsewhere: its scan is not that of its estimated pose."""
+    assert snapshot.grid is not None
+    assert snapshot.pose is not None
+    moved = snapshot.pose.compose(CARRIED_TO.inverse())
+    scan = moved.transform_points(cast_scan(snapshot.grid, CARRIED_TO))
+    return replace(snapshot, scan=scan, lost=SEARCHING, speed=0.0, spread=0.9)
+
+
+PICTURES: dict[str, Callable[[RobotSnapshot], RobotSnapshot]] = {
+    "keyboard_navigate": lambda snapshot: snapshot,
+    "assistant": add_assistant,
+    "lost": carry_away,
+}
+
+
+async def take_screenshot(size: tuple[int, int], light: bool, picture: str = "keyboard_navigate") -> str:
+    """Return the screen as SVG."""
+    snapshot = PICTURES[picture](make_snapshot())
     with tempfile.TemporaryDirectory() as folder:
         store = WaypointStore(Path(folder) / "maze.yaml")
         for name, place in PLACES.items():
             store.remember(name, place)
-        app = NavigateApp(StillNavigator(make_snapshot(driver)), lambda _: store, title="maze", light=light)
+        app = NavigateApp(StillNavigator(snapshot), lambda _: store, title="maze", light=light)
         async with app.run_test(size=size) as pilot:
             for line in app.query(Input):
                 line.cursor_blink = False
             await pilot.pause(0.5)
-            picture = app.export_screenshot(title="keyboard_navigate", simplify=True)
-    picture = re.sub(r"@font-face \{.*?\}\s*", "", picture, flags=re.DOTALL)  # a picture loads nothing from elsewhere
-    picture = re.sub(r"<!--.*?-->\s*", "", picture, flags=re.DOTALL)
-    return re.sub(r"terminal-\d+", "terminal", picture)
+            svg = app.export_screenshot(title="keyboard_navigate", simplify=True)
+    svg = re.sub(r"@font-face \{.*?\}\s*", "", svg, flags=re.DOTALL)  # a picture loads nothing from elsewhere
+    svg = re.sub(r"<!--.*?-->\s*", "", svg, flags=re.DOTALL)
+    return re.sub(r"terminal-\d+", "terminal", svg)
 
 
 def main() -> None:
     """Write the picture."""
-    target = Path(sys.argv[1]) if len(sys.argv) > 1 else ROOT / "docs/images/keyboard_navigate.svg"
+    name = sys.argv[1] if len(sys.argv) > 1 else "keyboard_navigate"
+    if name not in PICTURES:
+        sys.exit(f"error: '{name}' is not known, expected one of {', '.join(PICTURES)}")
+    target = ROOT / f"docs/images/{name}.svg"
     columns, rows = sys.argv[2].split("x") if len(sys.argv) > 2 else ("96", "32")
     light = len(sys.argv) > 3 and sys.argv[3] == "light"
     os.environ["TZ"] = "UTC"
     time.tzset()
-    driver = sys.argv[4] if len(sys.argv) > 4 else ""
     target.parent.mkdir(parents=True, exist_ok=True)
-    target.write_text(asyncio.run(take_screenshot((int(columns), int(rows)), light, driver)), encoding="utf-8")
+    target.write_text(asyncio.run(take_screenshot((int(columns), int(rows)), light, name)), encoding="utf-8")
     print(f"{target}: {target.stat().st_size // 1024} kB")
 
 

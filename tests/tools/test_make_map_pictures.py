@@ -26,7 +26,8 @@ def tool() -> dict[str, Any]:
 
 def test_page_shows_every_picture_and_only_those(tool: dict[str, Any]) -> None:
     shown = set(re.findall(r"\.\./images/(\S+\.(?:png|svg))\)", PAGE.read_text(encoding="utf-8")))
-    assert {Path(name).stem for name in shown} == set(tool["PICTURES"])
+    of_terminals = {"lost"}  # by tools/make_screenshot.py
+    assert {Path(name).stem for name in shown} - of_terminals == set(tool["PICTURES"])
     assert all((IMAGES / name).is_file() for name in shown)
 
 
