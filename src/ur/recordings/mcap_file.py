@@ -118,7 +118,7 @@ def _read(
     chosen = sorted(topics) if topics is not None else None
     reader: McapReader = make_reader(file) if complete else NonSeekingReader(file)
     try:
-        yield from reader.iter_messages(topics=chosen, start_time=begin or None, log_time_order=complete)
+        yield from reader.iter_messages(topics=chosen, starting_at=begin or None, log_time_order=complete)
     except (McapError, struct.error, EOFError, ValueError, OSError) as problem:
         if complete:
             raise _no_recording(path, str(problem) or type(problem).__name__) from None
