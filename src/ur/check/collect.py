@@ -5,8 +5,8 @@ from __future__ import annotations
 import os
 import re
 import shlex
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
 
 from ur.check.links import EscapingLinks
 from ur.check.rule import BaseNames, Package
@@ -32,7 +32,8 @@ _DEPENDS = re.compile(r"<(?:\w*_)?depend\b[^>]*>\s*([^<\s]+)\s*</")
 class Targets:
     """The files to check, sorted, by kind; `whole`: packages that are checked completely.
 
-    `left_out` are links that lead elsewhere, and unreadable folders.
+    `left_out` are links that lead elsewhere, and unreadable folders; `found` are the files below each whole package,
+    by its folder, whose names fit a launch file.
     """
 
     launch_files: tuple[str, ...]
@@ -41,6 +42,7 @@ class Targets:
     packages: dict[str, Package]  # by folder
     whole: tuple[Package, ...]
     left_out: tuple[str, ...] = ()
+    found: Mapping[str, Sequence[str]] = field(default_factory=dict)
 
     def package_of(self, path: str) -> Package | None:
         """Return the package that a file belongs to: the innermost folder with a package.xml."""
@@ -64,11 +66,13 @@ def collect_targets(paths: Sequence[str], world: World) -> Targets:
     packages: dict[str, Package] = {}
     visited: set[str] = set()
     left_out: set[str] = set()
+    found: dict[str, None] = {}
     for word in join_addresses(paths, world):
         path = _locate(word, world)
         links = EscapingLinks(path)
         files = [path] if world.is_file(path) else list(_walk(path, world, visited, links))
         left_out.update(links.left_out)
+        found.update(dict.fromkeys(filter(_may_hold_launch_file, files)))
         _find_enclosing(path, world, packages)
         for file in files:
             if file.endswith("/package.xml"):
@@ -89,12 +93,25 @@ def collect_targets(paths: Sequence[str], world: World) -> Targets:
     programs = _without_twins(programs, world)
     whole = tuple(packages[folder] for folder in sorted(packages) if folder in visited)
     files_of = (tuple(sorted(launch)), tuple(sorted(yaml)), tuple(sorted(programs)))
-    return Targets(*files_of, packages, whole, tuple(sorted(left_out)))
+    return Targets(*files_of, packages, whole, tuple(sorted(left_out)), _sort_by_package(found, whole))
 
 
-def list_launch_files(folder: str, world: World) -> list[str]:
-    """Return the launch files below a folder, with any suffix."""
-    return [path for path in _walk(folder, world, set(), EscapingLinks(folder)) if _holds_launch_file(path, world)]
+def _sort_by_package(files: Iterable[str], packages: Iterable[Package]) -> Mapping[str, Sequence[str]]:
+    found: dict[str, list[str]] = {package.folder: [] for package in packages}
+    for file in files:
+        folder = file
+        while folder := folder.rpartition("/")[0]:
+            if folder in found:
+                found[folder].append(file)
+    return found
+
+
+def list_launch_files(folder: str, targets: Targets, world: World) -> list[str]:
+    """Return the launch files below the folder of a package, with any suffix."""
+    files = targets.found.get(folder)
+    if files is None:
+        files = list(filter(_may_hold_launch_file, _walk(folder, world, set(), EscapingLinks(folder))))
+    return [path for path in files if _holds_launch_file(path, world)]
 
 
 def may_be_checked(path: str) -> bool:
@@ -103,9 +120,11 @@ def may_be_checked(path: str) -> bool:
     return path.endswith((*_LAUNCH_SUFFIXES, ".xml", *_YAML_SUFFIXES)) or folder.endswith("/bin") or "IGNORE" in name
 
 
+def _may_hold_launch_file(path: str) -> bool:
+    return path.endswith((*_LAUNCH_SUFFIXES, ".xml")) and not path.endswith("/package.xml")
+
+
 def _holds_launch_file(path: str, world: World) -> bool:
-    if not path.endswith((*_LAUNCH_SUFFIXES, ".xml")) or path.endswith("/package.xml"):
-        return False
     try:
         return b"<launch" in world.read_bytes(path)
     except OSError:

@@ -161,6 +161,8 @@ class CheckSession:
                 number += 1
                 self._progress(f"checking {number} of {launch_files} launch files")
                 yield from self._check_launch_file(self.sources.views[unit[1]])
+            elif unit[0] == _YAML:
+                yield self._check_yaml_file(unit[1])
             else:
                 yield self._store(unit, FoundByUnit(tuple(map(Hit, self._check_other(*unit)))))
 
@@ -206,17 +208,35 @@ class CheckSession:
                 self._recall.keep(view.path, inputs, self._asked, hits, asked)
         yield self._store((_LAUNCH, view.path), FoundByUnit(tuple(hits), frozenset(asked), inputs))
 
+    def _check_yaml_file(self, path: str) -> frozenset[str]:
+        source = self._read_commented(path)
+        if source is None:
+            return self._store((_YAML, path), FoundByUnit(()))
+        package = self.sources.targets.package_of(path)
+        inputs = ("YAML file", describe_package(package), sorted(self.chosen))
+        known = self._recall.find(path, inputs, self._asked) if self._recall is not None else None
+        hits, asked = known if known is not None else ([], set())
+        if known is None:
+            self.world.noted = asked
+            try:
+                hits.extend(map(Hit, self._visitor.visit_yaml_file(YamlView(source, package))))
+            finally:
+                self.world.noted = None
+            if self._recall is not None:
+                self._recall.keep(path, inputs, self._asked, hits, asked)
+        return self._store((_YAML, path), FoundByUnit(tuple(hits), frozenset(asked), inputs))
+
+    def _read_commented(self, path: str) -> SourceFile | None:
+        # With its suppressions; None if it cannot be read, which its loader reports.
+        source = self.sources.read_text(path)
+        self._index.comments[path] = read_line_suppressions(source) if source is not None else ()
+        return source
+
     def _check_other(self, kind: int, path: str) -> Iterable[Diagnostic]:
         if kind == _PACKAGE:
             return self._visitor.visit_package(self._package_view(self.sources.targets.packages[path]))
-        source = self.sources.read_text(path)
-        package = self.sources.targets.package_of(path)
-        self._index.comments[path] = read_line_suppressions(source) if source is not None else ()
-        if source is None:
-            return ()  # its loader reports it
-        if kind == _YAML:
-            return self._visitor.visit_yaml_file(YamlView(source, package))
-        if package is None:
+        source, package = self._read_commented(path), self.sources.targets.package_of(path)
+        if source is None or package is None:
             return ()
         self._programs[path] = ProgramView(source, package, self.world, self.sources.views)
         return self._visitor.visit_program(self._programs[path])

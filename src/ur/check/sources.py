@@ -48,6 +48,7 @@ class CheckSources:
         self.comments: dict[str, tuple[Suppression, ...]] = {}
         self._includes: dict[str, tuple[PossibleInclude, ...]] = {}
         self._yaml = frozenset(self.targets.yaml_files)
+        self._paths_of: dict[str, dict[str, None]] = {}  # of views, in their order, by the folder of their package
 
     def read(self, known: Mapping[str, LaunchSurvey], recall: RecallOutline, progress: Progress) -> None:
         """Read all launch files, except `known` ones; those that `recall` has are not parsed."""
@@ -56,7 +57,7 @@ class CheckSources:
         folders = {view.package.folder: view.package for view in self.views.values() if view.package is not None}
         for folder, package in folders.items():
             progress(f"finding files that include them in {package.name}")
-            for path in list_launch_files(folder, self.world):
+            for path in list_launch_files(folder, self.targets, self.world):
                 if path not in self.views:
                     with suppress(OSError):
                         self._read_neighbour(path, package, known, recall)
@@ -96,7 +97,7 @@ class CheckSources:
 
     def views_of(self, package: Package) -> tuple[LaunchView, ...]:
         """Return the checked launch files of a package."""
-        return tuple(view for view in self.views.values() if view.package is package)
+        return tuple(self.views[path] for path in self._paths_of.get(package.folder, ()))
 
     def read_text(self, path: str) -> SourceFile | None:
         """Read a text in UTF-8; None if it cannot be read."""
@@ -114,6 +115,8 @@ class CheckSources:
             self.unreadable[path] = _explain_unreadable(path, problem)
             return
         self.comments[path] = self.outlines[path].comments
+        if (package := self.views[path].package) is not None:
+            self._paths_of.setdefault(package.folder, {})[path] = None
 
     def _read_neighbour(
         self,

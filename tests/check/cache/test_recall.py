@@ -125,11 +125,11 @@ def test_only_the_files_that_an_edit_concerns_are_checked_again() -> None:
     workspace.check(first)
     again = Recall(first.now)
     workspace.check(again)
-    assert (again.recalled, again.changed) == (3, False)
+    assert (again.recalled, again.changed) == (4, False)
     workspace.edit("replace", "/w/two/launch/beside.launch", ("unused", "used"))
     edited = Recall(first.now)
     workspace.check(edited)
-    assert edited.recalled == 1  # drivers.launch; task.launch includes what was edited
+    assert edited.recalled == 2  # drivers.launch and the YAML file; task.launch includes what was edited
     assert edited.changed
 
 
@@ -141,7 +141,8 @@ def test_file_that_is_gone_is_forgotten() -> None:
     again = Recall(first.now)
     workspace.check(again)
     assert again.forgets
-    assert set(again.now.units) == {"/w/one/launch/drivers.launch", "/w/two/launch/task.launch"}
+    launch_files = {"/w/one/launch/drivers.launch", "/w/two/launch/task.launch"}
+    assert set(again.now.units) == launch_files | {"/w/two/params/base.yaml"}
 
 
 def test_other_arguments_are_other_findings() -> None:
@@ -152,7 +153,7 @@ def test_other_arguments_are_other_findings() -> None:
     again = Recall(first.now)
     report = check_paths(["/w"], world, arguments={"rate": "fast"}, recall=again)
     assert "bad-param-value" in {found.rule for found in report.findings}
-    assert again.recalled == 2
+    assert again.recalled == 3
 
 
 def test_library_gives_the_same_findings_with_and_without(tmp_path: Path) -> None:
