@@ -43,7 +43,7 @@ def convert_expression(text: str, want: Want = "any") -> str:
     for name in converter.numbers:
         python = python.replace(f"{_NUMBER}{name}_", f"($(var {name}))")
     escaped = python.replace("\\", "\\\\").replace('"', '\\"')
-    return f'$(eval "{escaped}" "os")' if converter.uses_os else f'$(eval "{escaped}")'
+    return f'$(eval "{escaped}" "math, os")' if converter.uses_os else f'$(eval "{escaped}")'
 
 
 class _Converter:
@@ -130,16 +130,17 @@ class _Converter:
         ):
             sides: tuple[Want, Want] = ("text", "text" if isinstance(node.op, ast.Add) else "any")
         elif "text" in kinds and isinstance(node.op, ast.Mult):
-            sides = ("any", "any")
+            sides = ("any", "number") if _kind(node.left) == "text" else ("number", "any")
         else:
             sides = ("number", "number")
         return ast.BinOp(self.convert(node.left, sides[0]), node.op, self.convert(node.right, sides[1]))
 
     def _Call(self, node: ast.Call, _want: Want) -> ast.expr:  # noqa: N802
         if isinstance(node.func, ast.Attribute):
-            owner: Want = "any" if isinstance(node.func.value, ast.Name) and node.func.value.id == "math" else "text"
-            function: ast.expr = ast.Attribute(self.convert(node.func.value, owner), node.func.attr, ast.Load())
-            return ast.Call(function, [self.convert(each, "any") for each in node.args], [])
+            of_math = isinstance(node.func.value, ast.Name) and node.func.value.id == "math"
+            owner = self.convert(node.func.value, "any" if of_math else "text")
+            given = [self.convert(each, "number" if of_math else "any") for each in node.args]
+            return ast.Call(ast.Attribute(owner, node.func.attr, ast.Load()), given, [])
         if not isinstance(node.func, ast.Name) or node.keywords:
             raise NotConvertible("a call in an expression", "compute it outside of the launch file")
         return self._call_by_name(node.func.id, node)
@@ -162,6 +163,8 @@ class _Converter:
 
     def _command(self, name: str, node: ast.Call) -> ast.expr:
         if name in ("env", "optenv"):
+            if not node.args:
+                raise NotConvertible(f"{name}() without a name", f"write the name: {name}('NAME')")
             self.uses_os = True
             variable, *default = (self.convert(each, "text") for each in node.args)
             environment = ast.Attribute(ast.Name("os", ast.Load()), "environ", ast.Load())

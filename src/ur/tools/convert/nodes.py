@@ -96,11 +96,13 @@ def _attributes_of(element: Element, findings: Findings) -> dict[str, str]:
     if known:
         attributes["pkg"], attributes["exec"] = known
     delay = element.attributes.get("respawn_delay")
-    if delay is not None and "$(" in delay:
-        span = element.value_span("respawn_delay")
-        findings.add("respawn_delay is computed, expected a number for ros2 launch", span, "write a number")
-    elif delay is not None:
-        attributes["respawn_delay"] = str(float(delay))
+    if delay is not None:
+        try:
+            attributes["respawn_delay"] = str(float(delay))
+        except ValueError:
+            reason = "is computed" if "$(" in delay else f"is '{delay}'"
+            message = f"respawn_delay {reason}, expected a number for ros2 launch"
+            findings.add(message, element.value_span("respawn_delay"), "write a number")
     return attributes | _required(element, findings)
 
 

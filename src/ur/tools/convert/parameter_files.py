@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import re
 from dataclasses import dataclass
 
@@ -70,5 +71,13 @@ def _write_map(values: dict[str, object], indent: str = "") -> str:
         if isinstance(value, dict):
             lines.append(f"{indent}{json.dumps(name)}:\n{_write_map(value, indent + '  ')}")
         else:
-            lines.append(f"{indent}{json.dumps(name)}: {json.dumps(value)}")
+            lines.append(f"{indent}{json.dumps(name)}: {_write_value(value)}")
     return "\n".join(lines)
+
+
+def _write_value(value: object) -> str:
+    if isinstance(value, list):
+        return f"[{', '.join(map(_write_value, value))}]"
+    if isinstance(value, float) and not math.isfinite(value):
+        return ".nan" if math.isnan(value) else ".inf" if value > 0 else "-.inf"
+    return json.dumps(value)

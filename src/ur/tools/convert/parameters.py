@@ -36,7 +36,10 @@ def convert_param(element: Element) -> list[XmlTag]:
     if kind in (None, "auto", "yaml"):
         return [_guessed(name, value)]
     if kind == "bool" and "$(" not in value:
-        value = json.dumps(read_boolean(value))
+        try:
+            value = json.dumps(read_boolean(value))
+        except ValueError as problem:
+            raise NotConvertible(f"the value '{value}' ({problem})", "ur check explains it") from None
     return [XmlTag("param", {"name": name, "value": convert_text(value), "type": _TYPES[str(kind)]})]
 
 

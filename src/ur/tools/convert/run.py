@@ -9,7 +9,6 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from ur.launchfile.syntax import parse_launch_file
-from ur.launchfile.syntax.ros2 import find_ros2
 from ur.launchfile.world import World
 from ur.launchfile.world.protocol import PackageNotFound
 from ur.source.diagnostic import Diagnostic, Severity, UserError, error_about
@@ -41,12 +40,8 @@ def convert_file(path: str, world: World) -> Converted:
     except OSError as problem:
         reason = f"{(problem.strerror or str(problem)).lower()}, expected a launch file"
         raise UserError(error_about(path, reason, rule="missing-file")) from None
-    if parsed.diagnostics:
+    if parsed.diagnostics or parsed.launch is None:
         raise UserError(*parsed.diagnostics)
-    if parsed.launch is None:
-        raise UserError(error_about(path, "no <launch> in it, expected a launch file", rule="not-a-launch-file"))
-    if found := find_ros2(parsed.source, parsed.root):
-        raise UserError(found)
     findings = Findings()
     tag = convert_launch(parsed.launch, parsed.comments, findings)
     files = tuple(_convert_files(findings, path, world))
