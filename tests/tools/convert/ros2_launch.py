@@ -201,8 +201,9 @@ class Ros2LaunchReader:
             assert program == "cat"
             return Path(file).read_text(encoding="utf-8")
         assert name == "eval", name
-        modules = {each.strip(): __import__(each.strip()) for each in words[1].split(",")} if words[1:] else vars(math)
-        return str(eval(words[0], {}, modules))
+        names = [each.strip() for each in (words[1] if words[1:] else "math").split(",")]
+        modules: dict[str, object] = vars(math).copy() if "math" in names else {}
+        return str(eval(words[0], {}, modules | {each: __import__(each) for each in names}))
 
 
 class _Substitutions:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 
 from ur.launchfile import MemoryWorld
+from ur.source.diagnostic import UserError
 from ur.tools.find.search import find_name
 
 TOP = """<launch>
@@ -101,3 +102,9 @@ def test_file_is_found_where_it_is_included_or_loaded(name: str, users: list[str
 
 def test_nothing_is_found_for_a_part_of_a_name() -> None:
     assert places("opic") == []
+
+
+def test_launch_file_for_ros2_is_refused() -> None:
+    world = MemoryWorld({"/q/top.launch": '<launch><let name="a" value="1"/></launch>'})
+    with pytest.raises(UserError, match="launch file for ROS 2"):
+        find_name("a", ["/q/top.launch"], world, ("arg",))
