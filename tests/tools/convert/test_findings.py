@@ -195,3 +195,10 @@ def test_file_that_is_no_launch_file_is_refused(text: str | None, reason: str) -
     with pytest.raises(UserError) as problem:
         convert_file(FILE, MemoryWorld({} if text is None else {FILE: text}))
     assert reason in str(problem.value)
+
+
+def test_numbers_that_are_not_finite_stay_numbers_in_inline_parameters() -> None:
+    text = convert(f"{NODE}<rosparam>{{reach: .inf, least: -.inf, both: [1.0, .nan]}}</rosparam></node>").text
+    assert '<param name="reach" value=".inf" type="float"/>' in text
+    assert '<param name="least" value="-.inf" type="float"/>' in text
+    assert '<param name="both" value="[1.0, .nan]"/>' in text

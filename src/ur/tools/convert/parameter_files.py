@@ -71,13 +71,14 @@ def _write_map(values: dict[str, object], indent: str = "") -> str:
         if isinstance(value, dict):
             lines.append(f"{indent}{json.dumps(name)}:\n{_write_map(value, indent + '  ')}")
         else:
-            lines.append(f"{indent}{json.dumps(name)}: {_write_value(value)}")
+            lines.append(f"{indent}{json.dumps(name)}: {write_value(value)}")
     return "\n".join(lines)
 
 
-def _write_value(value: object) -> str:
+def write_value(value: object) -> str:
+    """Return a number, text or list as YAML on one line, with `.inf` and `.nan`, which JSON lacks."""
     if isinstance(value, list):
-        return f"[{', '.join(map(_write_value, value))}]"
+        return f"[{', '.join(map(write_value, value))}]"
     if isinstance(value, float) and not math.isfinite(value):
         return ".nan" if math.isnan(value) else ".inf" if value > 0 else "-.inf"
     return json.dumps(value)

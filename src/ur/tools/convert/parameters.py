@@ -11,6 +11,7 @@ from ur.launchfile.plan.values.yaml_values import YamlProblem, read_yaml
 from ur.launchfile.ros2_values import convert_map
 from ur.launchfile.syntax import Element, is_eval
 from ur.tools.convert.expressions import NotConvertible
+from ur.tools.convert.parameter_files import write_value
 from ur.tools.convert.texts import convert_text, quote_template
 from ur.tools.convert.xml_out import XmlTag
 
@@ -104,9 +105,9 @@ def _tag(name: str, value: object, substitutes: bool) -> XmlTag:
     if isinstance(value, dict):
         return XmlTag("param", {"name": name}, [_tag(str(key), each, substitutes) for key, each in value.items()])
     if isinstance(value, list):
-        return XmlTag("param", {"name": name, "value": re.sub(r"\\", r"\\\\", json.dumps(value))})
+        return XmlTag("param", {"name": name, "value": re.sub(r"\\", r"\\\\", write_value(value))})
     if isinstance(value, str):
         if substitutes and ("$(" in value or is_eval(value)):
             return XmlTag("param", {"name": name, "value": convert_text(value)})
         return XmlTag("param", {"name": name, "value": value.replace("\\", "\\\\"), "type": "str"})
-    return XmlTag("param", {"name": name, "value": json.dumps(value), "type": _WORDS[type(value)]})
+    return XmlTag("param", {"name": name, "value": write_value(value), "type": _WORDS[type(value)]})
