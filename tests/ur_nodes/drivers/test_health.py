@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import random
 import subprocess
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -17,7 +18,7 @@ from ur.robot.doctor.rules import diagnose_alone
 from ur.robot.doctor.rules.drivers import describe_driver
 from ur.source.foreign.json_values import write_json
 from ur_nodes.drivers.boards import BOARDS
-from ur_nodes.drivers.health import report_to_file
+from ur_nodes.drivers.health import PERIOD, HealthMeter, report_to_file
 from ur_nodes.memory.bus import Bus
 
 
@@ -105,3 +106,46 @@ def test_file_is_removed_at_the_end_and_a_folder_that_cannot_be_written_is_named
     assert not path.exists()
     (tmp_path / "file").write_text("")
     assert write_health(tmp_path / "file" / "y.json", DriverHealth("", ""))
+
+
+def test_driver_whose_health_file_cannot_be_written_says_so_once(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "file").write_text("")
+    monkeypatch.setenv("XDG_RUNTIME_DIR", str(tmp_path / "file"))
+    bus = Bus()
+    node = bus.node("base_driver")
+    report = report_to_file(node)
+    for _ in range(3):
+        report(DriverHealth("/dev/x", "x"))
+        bus.run(0.1)
+    path = health_file("/base_driver")
+    (line,) = [text for _, text in node.lines]
+    assert line == f"{path} cannot be written (Not a directory); ur doctor does not see this driver"
+
+
+class StoppedNode:
+    """A node whose time passes only when the test says so."""
+
+    def __init__(self) -> None:
+        self.time = 0.0
+        self.beats: list[Callable[[], None]] = []
+
+    def steady(self) -> float:
+        return self.time
+
+    def every(self, seconds: float, call: Callable[[], None], *, steady: bool) -> None:
+        assert (seconds, steady) == (PERIOD, True)
+        self.beats.append(call)
+
+
+def test_two_reports_at_the_same_time_have_the_rates_of_the_seconds_before() -> None:
+    node, reports = StoppedNode(), list[DriverHealth]()
+    meter = HealthMeter(node, "/dev/x", "x", reports.append)  # type: ignore[arg-type]
+    (beat,) = node.beats
+    meter.count(50, 5)
+    node.time = 5.0
+    beat()
+    meter.count(3, 3)
+    beat()
+    assert [(each.frames, each.damaged) for each in reports] == [(10.0, 1.0)] * 2

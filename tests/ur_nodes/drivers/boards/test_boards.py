@@ -8,11 +8,13 @@ import pytest
 from tests.base_contract import load
 from tests.ur_nodes.drivers.mutations import StillPlant
 
+from ur.robot.base.wiring import Wiring
 from ur_nodes.drivers.boards import BOARDS
 from ur_nodes.drivers.boards.arduino import make_line
 from ur_nodes.drivers.boards.create2 import check
 from ur_nodes.drivers.boards.magni import make_packet
 from ur_nodes.drivers.boards.opencr import make_packet as opencr_packet
+from ur_nodes.drivers.boards.rewired import RewiredBoard
 from ur_nodes.drivers.readings import Contacts, Counts, DeviceIdentity, MeasuredBeams, Motors, Power
 from ur_nodes.simulator.devices.opencr import OpenCrFirmware
 
@@ -188,3 +190,16 @@ def test_neato_scan_is_a_turn_whose_errors_measured_nothing() -> None:
     assert [beams.ranges[angle] for angle in (0, 1, 2)] == [float("inf"), 2.378, float("inf")]
     short = "\r\n".join([*rows[:100], "ROTATION_SPEED,5.10\r\n\x1a"])
     assert list(make("neato").take(short.encode())) == []
+
+
+def test_magni_reads_only_responses_of_registers_that_it_knows() -> None:
+    written, unknown = make_packet(0x3B, 0x30, 3 << 16 | 4), make_packet(0x3C, 0x7F, 1)
+    assert list(make("magni").take(written + unknown + make_packet(0x3C, 0x30, 3 << 16 | 4))) == [Counts(3, 4, 64)]
+
+
+def test_board_with_a_wiring_counts_damaged_frames_and_passes_on_what_is_no_count() -> None:
+    board = RewiredBoard(make("magni"), Wiring(counters_swapped=True, right_counter_reversed=True))
+    good = make_packet(0x3C, 0x30, 3 << 16 | 4)
+    readings = list(board.take(good[:-1] + bytes((good[-1] ^ 1,)) + good + make_packet(0x3C, 0x22, 43)))
+    assert readings == [Counts(4, -3, 64), DeviceIdentity("firmware 43")]
+    assert board.rejected == 1

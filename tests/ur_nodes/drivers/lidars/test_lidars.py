@@ -7,11 +7,13 @@ import struct
 
 import numpy as np
 import pytest
+from tests.base_contract import load
 
 from ur_nodes.drivers.lidars import LIDARS
 from ur_nodes.drivers.lidars.ldrobot import check
 from ur_nodes.drivers.lidars.scip import Scip, decode
 from ur_nodes.drivers.lidars.scip import check as scip_check
+from ur_nodes.drivers.lidars.turns import TurnCollector
 from ur_nodes.drivers.lidars.ydlidar import correction
 from ur_nodes.drivers.readings import DeviceIdentity, MeasuredBeams, Reply
 
@@ -126,3 +128,33 @@ def test_readings_of_an_xv11_that_are_invalid_see_nothing() -> None:
     assert np.degrees(beams.phases).tolist() == pytest.approx([356.0, 357.0, 358.0, 359.0])
     assert beams.ranges.tolist() == [0.5, math.inf, math.inf, 0.7]
     assert beams.turn_time == pytest.approx(0.2)
+
+
+def test_lidar_counts_the_frames_that_noise_has_damaged() -> None:
+    damaged = LD06[:-1] + bytes((LD06[-1] ^ 1,))
+    lidar = LIDARS["ld06"]()
+    assert len(list(lidar.take(damaged + LD06))) == 1
+    assert lidar.rejected == 1
+    lidar = LIDARS["ydlidar"]()
+    good = bytes.fromhex("aa55 0101 53ae 53ae ab54 0000")
+    assert len(list(lidar.take(good[:-1] + b"\x01" + good))) == 1
+    assert lidar.rejected == 1
+
+
+@pytest.mark.parametrize(
+    ("name", "sent"), [("ld06", b""), ("xv11", b""), ("hokuyo", b"\nQT\n"), ("ydlidar", b"\xa5\x65")]
+)
+def test_lidar_is_told_to_stop_at_the_end_where_it_has_a_command_for_it(name: str, sent: bytes) -> None:
+    assert LIDARS[name]().leave() == sent
+
+
+def test_hokuyo_ignores_the_answer_to_a_request_that_it_does_not_use() -> None:
+    assert list(Scip().take(b"II\n00P\nMODL:URG-04LX;A\n\nMD0044072500000\n00P\n\n")) == []
+
+
+def test_packet_without_beams_completes_no_turn() -> None:
+    lidar = load("create2", "lidar").lidar
+    assert lidar
+    collector = TurnCollector(lidar)
+    nothing = MeasuredBeams(np.zeros(0), np.zeros(0), np.zeros(0), complete=True)
+    assert collector.take(nothing, 1_000_000_000) == []
