@@ -33,7 +33,7 @@ from ur_nodes.ports.values import Path, PlacedPose, Result
 _IDLE_PERIODS = 5  # control periods between two updates of the costmaps without a goal
 _PATH_CHECK_PERIODS = 3  # likewise, between two checks of the path on the global costmap
 _REPORT_PERIODS = 2  # likewise, between two reports of the robot's pose
-_NO_MUX = 2.0  # s without a challenge, after which goals are taken without a mux
+_NO_MUX = 5.0  # s without a challenge, after which goals are taken without a mux; a mux on ROS 2 starts in up to 4 s
 _RESTART = 1.0  # s: a clock that goes back by more has begun anew, as that of a simulator does
 
 

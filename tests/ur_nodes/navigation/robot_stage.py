@@ -76,7 +76,7 @@ class RobotStage:
         self.client.subscribe("move_base/feedback", PlacedPose, self.reports.append)
         self.move_base = self.bus.node("move_base")
         start(self.move_base)
-        self.bus.run(1.0 if mux else 2.5)  # without challenges goals are taken later
+        self.bus.run(1.0 if mux else 5.5)  # without challenges goals are taken later
 
     def send(self, x: float, y: float, yaw: float = 0.0, frame: str = "map", id: str = "") -> str:
         """Send a goal; returns its id."""

@@ -63,7 +63,7 @@ def test_goals_are_taken_from_the_first_challenge_on() -> None:
 
 def test_goals_are_taken_where_no_mux_issues_challenges() -> None:
     robot = Attended(mute=True)
-    robot.bus.run(1.5)
+    robot.bus.run(4.5)
     assert robot.takes_goals()
     assert robot.has_status(robot.send(*ENDS[1]), "active", "", 0.5)
 
