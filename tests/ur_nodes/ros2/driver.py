@@ -13,7 +13,8 @@ from ur_nodes.ports.values import Odometry, Result, Twist
 from ur_nodes.run import run
 
 _FAR = 0.3  # m
-_LONG = 3.0  # s of commands
+_LONG = 12.0  # s of commands: on a busy computer the mux takes few of them in time
+_LONG_BLOCKED = 3.0  # s of commands that the emergency stop blocks
 _PERIOD = 0.05  # s
 _REST = 0.01  # m/s
 _PATIENCE = 20.0  # s
@@ -43,7 +44,8 @@ class PlainDriver:
     def _drive(self) -> None:
         if self._first is None or self._stopped is None or not self._commands.listeners():
             return
-        if self._moved() < _FAR and self._sent * _PERIOD < _LONG:
+        longest = _LONG_BLOCKED if self._stopped else _LONG
+        if self._moved() < _FAR and self._sent * _PERIOD < longest:
             self._commands.send(Twist(0.2, 0.0))
             self._sent += 1
         elif self._newest is not None and abs(self._newest.twist.forward) < _REST:
