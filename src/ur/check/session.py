@@ -6,7 +6,7 @@ with one of those queries are checked again, and the findings of all others stay
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 
 from ur.check.cache.answers import CHECKED, digest_of
 from ur.check.cache.outline import IncludeOutline
@@ -162,7 +162,7 @@ class CheckSession:
                 self._progress(f"checking {number} of {launch_files} launch files")
                 yield from self._check_launch_file(self.sources.views[unit[1]])
             elif unit[0] == _YAML:
-                yield self._check_yaml_file(unit[1])
+                yield from self._check_yaml_file(unit[1])
             else:
                 yield self._store(unit, FoundByUnit(tuple(map(Hit, self._check_other(*unit)))))
 
@@ -190,11 +190,30 @@ class CheckSession:
         self._todo.update(((_PACKAGE, each.folder), None) for each in targets.whole)
 
     def _check_launch_file(self, view: LaunchView) -> Iterator[frozenset[str]]:
-        inputs = self._inputs_of(view)
-        known = self._recall.find(view.path, inputs, self._asked) if self._recall is not None else None
+        return self._check_or_recall(
+            (_LAUNCH, view.path),
+            self._inputs_of(view),
+            lambda: self._plans.check_launch_file(view, self.sources.inclusions, self._given_to(view)),
+        )
+
+    def _check_yaml_file(self, path: str) -> Iterator[frozenset[str]]:
+        source, package = self._read_commented(path), self.sources.targets.package_of(path)
+        if source is None:
+            yield self._store((_YAML, path), FoundByUnit(()))
+            return
+        inputs = ("YAML file", describe_package(package), sorted(self.chosen))
+        yield from self._check_or_recall(
+            (_YAML, path), inputs, lambda: map(Hit, self._visitor.visit_yaml_file(YamlView(source, package)))
+        )
+
+    def _check_or_recall(
+        self, unit: Unit, inputs: tuple[object, ...], begin: Callable[[], Iterator[Hit | None]]
+    ) -> Iterator[frozenset[str]]:
+        path = unit[1]
+        known = self._recall.find(path, inputs, self._asked) if self._recall is not None else None
         hits, asked = known if known is not None else ([], set())
         if known is None:
-            work = self._plans.check_launch_file(view, self.sources.inclusions, self._given_to(view))
+            work = begin()
             done = False
             while not done:
                 self.world.noted = asked
@@ -205,26 +224,8 @@ class CheckSession:
                 if not done:
                     yield _NOTHING
             if self._recall is not None:
-                self._recall.keep(view.path, inputs, self._asked, hits, asked)
-        yield self._store((_LAUNCH, view.path), FoundByUnit(tuple(hits), frozenset(asked), inputs))
-
-    def _check_yaml_file(self, path: str) -> frozenset[str]:
-        source = self._read_commented(path)
-        if source is None:
-            return self._store((_YAML, path), FoundByUnit(()))
-        package = self.sources.targets.package_of(path)
-        inputs = ("YAML file", describe_package(package), sorted(self.chosen))
-        known = self._recall.find(path, inputs, self._asked) if self._recall is not None else None
-        hits, asked = known if known is not None else ([], set())
-        if known is None:
-            self.world.noted = asked
-            try:
-                hits.extend(map(Hit, self._visitor.visit_yaml_file(YamlView(source, package))))
-            finally:
-                self.world.noted = None
-            if self._recall is not None:
                 self._recall.keep(path, inputs, self._asked, hits, asked)
-        return self._store((_YAML, path), FoundByUnit(tuple(hits), frozenset(asked), inputs))
+        yield self._store(unit, FoundByUnit(tuple(hits), frozenset(asked), inputs))
 
     def _read_commented(self, path: str) -> SourceFile | None:
         # With its suppressions; None if it cannot be read, which its loader reports.
