@@ -195,9 +195,19 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
         "ur_nodes.ports",
         "ur_nodes.run",
     ),
-    "ur_nodes.black_box": ("ur.recordings", "ur.source", "ur_nodes.motion.lease", "ur_nodes.ports", "ur_nodes.run"),
+    "ur_nodes.datagram_socket": ("ur_nodes.ports",),
+    "ur_nodes.black_box": (
+        *(
+            "ur.recordings",
+            "ur.source",
+            "ur_nodes.datagram_socket",
+            "ur_nodes.motion.lease",
+            "ur_nodes.ports",
+            "ur_nodes.run",
+        ),
+    ),
     "ur_nodes.recorder": ("ur.recordings", "ur_nodes.black_box.selection", "ur_nodes.ports", "ur_nodes.run"),
-    "ur_nodes.replay": ("ur.recordings", "ur.source", "ur_nodes.ports", "ur_nodes.run"),
+    "ur_nodes.replay": ("ur.recordings", "ur.source", "ur_nodes.datagram_socket", "ur_nodes.ports", "ur_nodes.run"),
     "ur_nodes.missions": (),
     "ur_nodes.missions.robot": (
         "ur.source",

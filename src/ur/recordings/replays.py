@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import math
-import os
-import socket
 from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass
 from typing import Literal, get_args
 
+from ur.recordings.datagrams import send_to_all
 from ur.source.user_folders import user_folder
 
 MOST_BYTES = 200
@@ -27,17 +26,17 @@ class ReplayCommand:
 
 
 def sockets_folder(environment: Mapping[str, str]) -> str:
-    """The folder of the sockets."""
+    """Return the folder of the sockets."""
     return f"{user_folder('XDG_STATE_HOME', environment)}/ur/replay"
 
 
 def write_command(command: ReplayCommand) -> bytes:
-    """A command as it is sent."""
+    """Return a command as a datagram."""
     return f"{command.name} {command.value:.9g}".encode()
 
 
 def read_command(data: bytes) -> ReplayCommand | None:
-    """A command that has arrived; None for anything else."""
+    """Parse a datagram; None if it is no command."""
     name, _, text = data.decode("utf-8", "replace").partition(" ")
     with suppress(ValueError):
         value = float(text or 0)
@@ -47,23 +46,5 @@ def read_command(data: bytes) -> ReplayCommand | None:
 
 
 def send_command(command: ReplayCommand, environment: Mapping[str, str]) -> int:
-    """Send a command to the replays of this user; the number of those that take it. Never waits."""
-    folder = sockets_folder(environment)
-    try:
-        names = os.listdir(folder)  # noqa: PTH208 - pathlib is not worth its import here
-    except OSError:
-        return 0
-    taken = 0
-    for name in names:
-        path = f"{folder}/{name}"
-        with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as sender:
-            sender.setblocking(False)
-            try:
-                sender.sendto(write_command(command), path)
-                taken += 1
-            except ConnectionRefusedError:  # its node was killed
-                with suppress(OSError):
-                    os.unlink(path)  # noqa: PTH108 - likewise
-            except OSError:
-                pass  # it ends
-    return taken
+    """Send a command to the replays of this user; return the number of those that take it. Never waits."""
+    return send_to_all(sockets_folder(environment), write_command(command))

@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable
 
     from mcap.records import Channel, Message, Schema
+    from mcap.writer import Writer
 
 _MOST_TEXT = 65_536  # bytes of a message that may hold texts for people
 _SECOND = 1e9
@@ -55,6 +56,7 @@ def copy_recording(source: Path, target: Path, secrets: SecretFilter) -> Recordi
     from mcap.exceptions import McapError
     from mcap.reader import make_reader
     from mcap.writer import CompressionType, Writer
+    from rosbags.typesys import Stores, get_typestore
 
     found = Recording()
     try:
@@ -65,17 +67,19 @@ def copy_recording(source: Path, target: Path, secrets: SecretFilter) -> Recordi
             writer.start(profile=header.profile, library=header.library)
             schemas: dict[int, int] = {}
             channels: dict[int, int] = {}
-            decode = _make_decoder()
+            with_texts: dict[int, bool] = {}
+            store = get_typestore(Stores.ROS1_NOETIC)
             for schema, channel, message in reader.iter_messages():
                 if channel.id not in channels:
                     channels[channel.id] = _register(writer, schema, channel, schemas)
+                    with_texts[channel.id] = schema is not None and _has_texts(schema)
                 data = message.data
-                if schema is None or (_has_texts(schema) and len(data) <= _MOST_TEXT):
+                if schema is None or (with_texts[channel.id] and len(data) <= _MOST_TEXT):
                     data = secrets.clean_bytes(data, f"recording.mcap: {channel.topic}")
                 writer.add_message(channels[channel.id], message.log_time, data, message.publish_time, message.sequence)
                 kind, count, size = found.topics.get(channel.topic, ("" if schema is None else schema.name, 0, 0))
                 found.topics[channel.topic] = kind, count + 1, size + len(data)
-                _note(found, schema, channel, message, data, decode)
+                _note(found, schema, channel, message, data, store)
             for each in reader.iter_metadata():
                 values = {key: secrets.clean(value, "recording.mcap") for key, value in each.metadata.items()}
                 writer.add_metadata(each.name, values)
@@ -89,10 +93,7 @@ def copy_recording(source: Path, target: Path, secrets: SecretFilter) -> Recordi
     return found
 
 
-def _register(writer: object, schema: Schema | None, channel: Channel, schemas: dict[int, int]) -> int:
-    from mcap.writer import Writer
-
-    assert isinstance(writer, Writer)
+def _register(writer: Writer, schema: Schema | None, channel: Channel, schemas: dict[int, int]) -> int:
     number = 0
     if schema is not None:
         if schema.id not in schemas:
@@ -104,12 +105,6 @@ def _register(writer: object, schema: Schema | None, channel: Channel, schemas: 
 def _has_texts(schema: Schema) -> bool:
     own = schema.data.partition(b"\n===")[0]
     return any(line.lstrip().startswith(b"string") for line in own.splitlines()) or schema.name == "rosgraph_msgs/Log"
-
-
-def _make_decoder() -> object:
-    from rosbags.typesys import Stores, get_typestore
-
-    return get_typestore(Stores.ROS1_NOETIC)
 
 
 def _note(
@@ -151,7 +146,7 @@ def _note(
 
 
 def thin(points: Iterable[tuple[float, float]], most: int = _MOST_POINTS) -> list[tuple[float, float]]:
-    """At most so many points of a curve."""
+    """Return at most `most` points of a curve, and its last one."""
     given = list(points)
     step = max(1, -(-len(given) // most))
     return [*given[::step], *given[-1:]] if given else []

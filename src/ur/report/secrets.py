@@ -46,7 +46,7 @@ _LEAST = 4  # characters of a value that is removed wherever it stands
 _PLAIN = frozenset({"true", "false", "none", "null", "auto", "default", "home", "root"})
 
 Removed = Counter[tuple[str, str]]
-"""How often something was removed, by the file and the kind."""
+"""The number of removed secrets, by file and kind."""
 
 
 class SecretFilter:

@@ -11,13 +11,13 @@ from contextlib import suppress
 from pathlib import Path
 from typing import BinaryIO
 
+from ur.recordings.mcap_channels import dialect_of, register_channel
 from ur_nodes.black_box.tape import TapeEvent, TapeMessage, TapeTopic
 
 FREE_BYTES = 200_000_000
 """Bytes that stay free on the disk."""
 
 _NAME = re.compile(r"black_box_\d{4}-\d\d-\d\d_\d\d-\d\d-\d\d(_\d+)?\.mcap", re.ASCII)
-_PROFILES = {"ros1": ("ros1msg", "ros1"), "ros2": ("ros2msg", "cdr"), "": ("", "text")}
 
 
 class RecordingError(Exception):
@@ -85,7 +85,8 @@ def _write(file: BinaryIO, tape: Iterable[TapeMessage | TapeEvent], reasons: Seq
 
     writer = Writer(file, compression=CompressionType.ZSTD)
     messages = list(tape)
-    dialects = {_dialect_of(each.topic) for each in messages if isinstance(each, TapeMessage)} - {""}
+    topics = {each.topic for each in messages if isinstance(each, TapeMessage)}
+    dialects = {dialect_of(topic.type_name, topic.schema) for topic in topics} - {""}
     writer.start(profile=dialects.pop() if len(dialects) == 1 else "", library="ubiquity_launches")
     channels: dict[TapeTopic, int] = {}
     events: dict[str, str] = {}
@@ -95,21 +96,11 @@ def _write(file: BinaryIO, tape: Iterable[TapeMessage | TapeEvent], reasons: Seq
             events[f"{(each.time + to_unix) / 1e9:.3f}"] = each.text
             continue
         if each.topic not in channels:
-            schema_encoding, encoding = _PROFILES[_dialect_of(each.topic)]
-            schema = 0
-            if schema_encoding:
-                schema = writer.register_schema(each.topic.type_name, schema_encoding, each.topic.schema.encode())
-            channels[each.topic] = writer.register_channel(each.topic.name, encoding, schema)
+            topic = each.topic
+            channels[topic] = register_channel(writer, topic.name, topic.type_name, topic.schema)
         stamp = max(0, each.time + to_unix)
         sequence += 1
         writer.add_message(channels[each.topic], stamp, each.data, stamp, sequence)
     writer.add_metadata("reasons", {str(number): text for number, text in enumerate(reasons, 1)})
     writer.add_metadata("events", events)
     writer.finish()  # type: ignore[no-untyped-call]
-
-
-def _dialect_of(topic: TapeTopic) -> str:
-    parts = topic.type_name.split("/")
-    if len(parts) == 3 and parts[1] == "msg":
-        return "ros2"
-    return "ros1" if len(parts) == 2 and topic.schema else ""

@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import IO, TYPE_CHECKING
 
+from ur.recordings.mcap_channels import dialect_of, register_channel
 from ur_nodes.ports.raw import RecordedMessage, RecordedType
 
 if TYPE_CHECKING:
@@ -20,7 +21,6 @@ UNFINISHED = ".part"
 
 _CHUNK_BYTES = 128 * 1024  # what a power cut loses at most
 _SYNC = 5.0  # s between two times at which the disk is made to store what was written
-_PROFILES = {"ros1": ("ros1msg", "ros1"), "ros2": ("ros2msg", "cdr"), "": ("", "text")}
 
 
 class NearlyFullError(Exception):
@@ -78,7 +78,9 @@ class SplitWriter:
             stamp = max(0, message.time + to_unix)
             opened = self._current(message.type, stamp)
             if message.type not in opened.channels:
-                opened.channels[message.type] = _register(opened.writer, message.type)
+                opened.channels[message.type] = register_channel(
+                    opened.writer, message.type.topic, message.type.type_name, message.type.schema
+                )
             opened.writer.add_message(opened.channels[message.type], stamp, message.data, stamp)
         if self._open is not None and time.monotonic() - self._open.synced > _SYNC:
             self._open.file.flush()
@@ -101,7 +103,7 @@ class SplitWriter:
         file = path.with_name(path.name + UNFINISHED).open("xb")
         os.fchmod(file.fileno(), 0o600)
         writer = Writer(file, chunk_size=_CHUNK_BYTES, compression=CompressionType.ZSTD)
-        writer.start(profile=_dialect_of(kind), library="ubiquity_launches")
+        writer.start(profile=dialect_of(kind.type_name, kind.schema), library="ubiquity_launches")
         self._open = _Open(path, file, writer, stamp)
         return self._open
 
@@ -116,17 +118,3 @@ class SplitWriter:
             os.fsync(opened.file.fileno())
         opened.path.with_name(opened.path.name + UNFINISHED).replace(opened.path)
         self.finished.append(opened.path)
-
-
-def _register(writer: Writer, kind: RecordedType) -> int:
-    schema_encoding, encoding = _PROFILES[_dialect_of(kind)]
-    schema = writer.register_schema(kind.type_name, schema_encoding, kind.schema.encode()) if schema_encoding else 0
-    channel: int = writer.register_channel(kind.topic, encoding, schema)
-    return channel
-
-
-def _dialect_of(kind: RecordedType) -> str:
-    parts = kind.type_name.split("/")
-    if len(parts) == 3 and parts[1] == "msg":
-        return "ros2"
-    return "ros1" if len(parts) == 2 and kind.schema else ""

@@ -13,7 +13,7 @@ from ur_nodes.ports.node import Node, Publisher
 from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.raw import Fields
 from ur_nodes.ports.values import ClockTime
-from ur_nodes.replay.control_socket import ControlSocket
+from ur_nodes.replay.control_socket import open_control_socket
 from ur_nodes.replay.player import FASTEST, SLOWEST, Player, find_rare_topics
 
 _STEP = 0.01  # s
@@ -44,7 +44,7 @@ class ReplayNode:
         start = own.number("playback_start", 0.0, minimum=0.0)
         node.after(_SETTLE, lambda: self._jump(start), steady=True)
         node.every(_STEP, self._step, steady=True)
-        node.on_end(ControlSocket(node, os.environ, self._control).close)
+        node.on_end(open_control_socket(node, os.environ, self._control).close)
 
     def _publish(
         self, recording: RecordingFile, left_out: set[str] | frozenset[str]

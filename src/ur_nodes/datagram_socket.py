@@ -1,0 +1,47 @@
+"""A socket of a node for datagrams of programs on the same computer."""
+
+from __future__ import annotations
+
+import os
+import socket
+from collections.abc import Callable
+from contextlib import suppress
+from pathlib import Path
+
+from ur_nodes.ports.node import Node
+
+_MOST_AT_ONCE = 20
+
+
+class DatagramSocket:
+    """Passes each datagram to `take`, at most `most` bytes of it, on the node's thread."""
+
+    def __init__(
+        self, node: Node, folder: str, period: float, most: int, take: Callable[[bytes], None], without: str
+    ) -> None:
+        """Bind a socket in `folder`, read every `period` s; if that fails, log the effect `without` a socket."""
+        self._take, self._most = take, most
+        self._path = Path(folder, str(os.getpid()))
+        self._socket = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM)
+        self._socket.setblocking(False)
+        try:
+            self._path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
+            self._path.unlink(missing_ok=True)
+            self._socket.bind(str(self._path))
+        except OSError as problem:
+            node.log.warn(f"{self._path}: {problem.strerror or problem}: {without}")
+            self._socket.close()
+            return
+        node.every(period, self.receive, steady=True)
+
+    def receive(self) -> None:
+        """Take the datagrams that have arrived."""
+        with suppress(OSError):
+            for _ in range(_MOST_AT_ONCE):
+                self._take(self._socket.recv(self._most))
+
+    def close(self) -> None:
+        """Remove the socket."""
+        with suppress(OSError):
+            self._path.unlink(missing_ok=True)
+        self._socket.close()
