@@ -15,6 +15,7 @@ from ur_nodes.ports.node import Node
 from ur_nodes.ros1.node import RosNode
 from ur_nodes.ros1.repairs.connections import bound_connections
 from ur_nodes.ros1.repairs.log_errors import discard_line, report_log_errors
+from ur_nodes.ros1.repairs.sending import send_at_once
 from ur_nodes.ros1.run import silence_terminal
 
 Wired = TypeVar("Wired")
@@ -31,6 +32,7 @@ def attach(name: str, start: Callable[[Node], Wired], end: Callable[[], None]) -
     if rospy.core.is_initialized():
         raise UserError(error(f"{name}: a program is one node, expected no other in it", rule="second-node"))
     bound_connections()
+    send_at_once()
     if not rosgraph.is_master_online():
         uri = os.environ.get("ROS_MASTER_URI", "(ROS_MASTER_URI is not set)")
         raise UserError(

@@ -27,7 +27,7 @@ from ur_nodes.ports.transforms import Transforms
 from ur_nodes.ports.values import ClockTime, Result
 from ur_nodes.ros1.facts import RosFacts, RosParameters, make_log
 from ur_nodes.ros1.repairs.own_clock import follow_clock
-from ur_nodes.ros1.repairs.sent import DELAY, wait_until_sent
+from ur_nodes.ros1.repairs.sending import wait_until_sent
 from ur_nodes.ros1.services import call_service, serve_service
 from ur_nodes.ros1.topics import RosClock, RosPublisher, RosSubscription, sender_of
 
@@ -89,12 +89,6 @@ class RosNode(LoopNode):
         if kind is ClockTime:
             return cast("RosPublisher[Value]", RosClock(topic, quality))
         publisher = RosPublisher(topic, find_codec(kind), quality)
-        if quality is Quality.LATCHED:
-
-            def free() -> None:
-                self._loop.after(DELAY, publisher.free_sent, steady=True)
-
-            publisher.watch(lambda: self._loop.post(free))
         if greet is not None:
 
             def answer() -> None:

@@ -18,6 +18,7 @@ from ur_nodes.ports.node import Node
 from ur_nodes.ros1.node import RosNode
 from ur_nodes.ros1.repairs.connections import bound_connections
 from ur_nodes.ros1.repairs.log_errors import discard_line, report_log_errors
+from ur_nodes.ros1.repairs.sending import send_at_once
 from ur_nodes.ros1.repairs.thread_failure import end_on_failure
 
 
@@ -46,6 +47,7 @@ def run_node(name: str, start: Callable[[], None], *, own_terminal: bool = False
     if own_terminal:
         os.environ.pop("ROSCONSOLE_CONFIG_FILE", None)
     bound_connections()
+    send_at_once()
     try:
         with shut_down_aside():
             rospy.init_node(name, disable_signals=True)

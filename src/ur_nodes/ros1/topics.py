@@ -18,7 +18,6 @@ from ur_nodes.ports.topics import Sender
 from ur_nodes.ports.values import ClockTime
 from ur_nodes.ros1.ending import quiet_at_end
 from ur_nodes.ros1.repairs.own_clock import keep_own_clock
-from ur_nodes.ros1.repairs.sent import free_sent
 
 Value = TypeVar("Value")
 
@@ -66,11 +65,6 @@ class RosPublisher(Generic[Value]):
     def watch(self, call: Callable[[], None]) -> None:
         """Call, on any thread, when a node subscribes."""
         self._publisher.impl.add_subscriber_listener(_Watcher(call))
-
-    def free_sent(self) -> None:
-        """Free the memory of messages that were sent."""
-        if (implementation := self._publisher.impl) is not None:
-            free_sent(tuple(implementation.connections))
 
 
 class RosClock(RosPublisher[ClockTime]):

@@ -12,6 +12,10 @@ class TCPROSSub:
     def get_header_fields(self) -> dict[str, str]: ...
 
 class QueuedConnection(TCPROSTransport):
+    _connection: TCPROSTransport
+    _queue_size: int
+    _lock: threading.Lock
+    _error: Exception | None
     _queue: list[bytes]
     _closed_connection_callback: Callable[[Any], None]
     def __init__(self, connection: Any, queue_size: int) -> None: ...
