@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-import fcntl
 import gc
 import os
 import signal
-import sys
 from collections.abc import Generator, Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +17,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # of each worker and what it
 settings.register_profile("project", deadline=None, derandomize=True, database=None)
 settings.load_profile("project")
 
+pytest_plugins = "tests.parallel"
 NODES = "tests/ur_nodes/"
 MEASUREMENT = pytest.StashKey[Any]()
 
@@ -29,17 +27,9 @@ signal.signal(signal.SIGQUIT, signal.SIG_DFL)
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Measure coverage into the folder that UR_COVERAGE names, in this process and not in programs that tests start.
-
-    Give the workers of pytest-xdist a minute to end what they started after Ctrl-C; its own limit is 10 s.
-    """
-    controller = bool(config.getoption("numprocesses", None)) and not hasattr(config, "workerinput")
-    if (folder := os.environ.get("UR_COVERAGE")) and not controller:
+    """Measure coverage into the folder that UR_COVERAGE names: this process and its workers, no programs of tests."""
+    if folder := os.environ.get("UR_COVERAGE"):
         _measure_coverage(config, Path(folder).absolute())
-    if config.pluginmanager.hasplugin("xdist"):
-        from xdist.workermanage import NodeManager
-
-        NodeManager.EXIT_TIMEOUT = 60
 
 
 def _measure_coverage(config: pytest.Config, folder: Path) -> None:
@@ -71,36 +61,14 @@ def _leave_unmeasured(request: pytest.FixtureRequest) -> Iterator[None]:
 
 
 @pytest.hookimpl(wrapper=True)
-def pytest_collection(session: pytest.Session) -> Generator[None, object, object]:
+def pytest_collection() -> Generator[None, object, object]:
     """Collect without looking for garbage: what is made stays until the end, and is not looked at later either."""
     gc.disable()
     try:
-        with _compile_once(session.config):
-            return (yield)
+        return (yield)
     finally:
         gc.freeze()
         gc.enable()
-
-
-@contextmanager
-def _compile_once(config: pytest.Config) -> Iterator[None]:
-    """Let one worker of pytest-xdist compile all tests in a new clone, before the others collect."""
-    paths = [Path(each).absolute() for each in config.args]
-    if not hasattr(config, "workerinput") or paths != [config.rootpath / "tests"]:
-        yield
-        return
-    stamp, tools = config.rootpath / ".cache/compiled_tests", f"{sys.version} pytest {pytest.__version__}"
-    stamp.parent.mkdir(exist_ok=True)
-    with stamp.open("a+", encoding="utf-8") as file:
-        fcntl.flock(file, fcntl.LOCK_EX)
-        file.seek(0)
-        if file.read() == tools:
-            fcntl.flock(file, fcntl.LOCK_UN)
-            yield
-            return
-        yield
-        file.truncate(0)
-        file.write(tools)
 
 
 def pytest_report_collectionfinish(items: list[pytest.Item]) -> str | None:

@@ -1,0 +1,234 @@
+"""Tests in several processes that share one collection: pytest -n N.
+
+This process collects, and forks N workers, which run what it hands them: a file at a time, for the fixtures that its
+tests share, or one long test. pytest-xdist collects once in each worker, which took a tenth of the time of all tests.
+"""
+
+from __future__ import annotations
+
+import os
+import signal
+import traceback
+import warnings
+from collections import deque
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
+from multiprocessing import connection as connections
+from multiprocessing import get_context
+from multiprocessing.connection import Connection
+from multiprocessing.context import ForkProcess
+from typing import Any
+
+import pytest
+
+FORK = get_context("fork")
+END = 60.0
+"""Seconds that workers have to end what they started after Ctrl-C."""
+GRACE = 2.0
+"""Seconds for workers to end the test that Ctrl-C interrupts; without a terminal it interrupts this process only."""
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    """Add `-n`, as pytest-xdist calls it; pytest keeps short options in small letters for itself."""
+    group = parser.getgroup("parallel")
+    group._addoption(
+        "-n", dest="workers", type=int, default=0, metavar="N", help="run tests in N forks of this process"
+    )
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_runtestloop(session: pytest.Session) -> bool | None:
+    """Run the tests in forks where they are asked for."""
+    options = session.config.option
+    if not options.workers or options.collectonly or session.testsfailed:
+        return None
+    _Run(session).run(options.workers)
+    return True
+
+
+def group_items(items: Sequence[pytest.Item]) -> list[list[int]]:
+    """Return the indices of items that stay in one process, first those that wait for programs they start."""
+    groups: dict[str, list[int]] = {}
+    for index, item in enumerate(items):
+        alone = item.get_closest_marker("long") and not item.get_closest_marker("hosts")
+        groups.setdefault(item.nodeid if alone else item.nodeid.partition("::")[0], []).append(index)
+
+    def waits(group: list[int]) -> bool:
+        return any(items[index].get_closest_marker("ros") is not None for index in group)
+
+    return sorted(groups.values(), key=lambda each: not waits(each))
+
+
+@dataclass(eq=False)
+class _Worker:
+    process: ForkProcess
+    connection: Connection
+    items: deque[int] = field(default_factory=deque)
+    """What it was handed and has not finished; it runs the first."""
+    error: str = ""
+
+
+class _Run:
+    def __init__(self, session: pytest.Session) -> None:
+        self._session = session
+        self._hook = session.config.hook
+        self._groups = deque(group_items(session.items))
+        self._workers: list[_Worker] = []
+
+    def run(self, count: int) -> None:
+        """Start workers, report what they report, and replace those that end before their tests have."""
+        stop = ""
+        try:
+            for _ in range(min(count, len(self._groups))):
+                self._start()
+            while self._workers and not stop:
+                connections.wait([e for worker in self._workers for e in (worker.connection, worker.process.sentinel)])
+                for worker in list(self._workers):
+                    if not self._receive(worker):
+                        self._replace(worker)
+                stop = str(self._session.shouldfail or self._session.shouldstop or "")
+        except KeyboardInterrupt:
+            self._end(GRACE)
+            raise
+        self._end()
+        if stop:
+            raise (self._session.Failed if self._session.shouldfail else self._session.Interrupted)(stop)
+
+    def _start(self) -> None:
+        ours, theirs = FORK.Pipe()
+        mine = [ours, *(each.connection for each in self._workers)]
+        process = FORK.Process(target=_work, args=(self._session, theirs, mine))
+        process.start()
+        theirs.close()
+        self._workers.append(_Worker(process, ours))
+
+    def _receive(self, worker: _Worker) -> bool:
+        """Handle what a worker has sent; return whether it still runs."""
+        ended = worker.process.exitcode is not None  # before what it sent last is read
+        try:
+            while worker.connection.poll():
+                kind, content = worker.connection.recv()
+                self._handle(worker, kind, content)
+        except (EOFError, ConnectionError):
+            return False
+        return not ended
+
+    def _handle(self, worker: _Worker, kind: str, content: Any) -> None:
+        if kind == "ask":
+            group = self._groups.popleft() if self._groups else []
+            worker.items.extend(group)
+            worker.connection.send(group)
+        elif kind == "report":
+            report = self._hook.pytest_report_from_serializable(config=self._session.config, data=content)
+            self._hook.pytest_runtest_logreport(report=report)
+        elif kind == "warning":
+            text, category, filename, line, more = content
+            warning = warnings.WarningMessage(text, type(category, (Warning,), {}), filename, line)
+            self._hook.pytest_warning_recorded.call_historic(kwargs={"warning_message": warning, **more})
+        elif kind == "finished":
+            item = self._session.items[worker.items.popleft()]
+            self._hook.pytest_runtest_logfinish(nodeid=item.nodeid, location=item.location)
+        else:
+            worker.error = content
+
+    def _replace(self, worker: _Worker) -> None:
+        """Report the test that ended its process as failed, and run what followed it in another."""
+        worker.process.join()
+        worker.connection.close()
+        self._workers.remove(worker)
+        if not worker.items:
+            return
+        item = self._session.items[worker.items.popleft()]
+        error = worker.error or f"the process of this test ended with exit code {worker.process.exitcode}"
+        report = pytest.TestReport(item.nodeid, item.location, {}, "failed", error, "call")
+        self._hook.pytest_runtest_logreport(report=report)
+        if worker.items:
+            self._groups.appendleft(list(worker.items))
+        if self._groups:
+            self._start()
+
+    def _end(self, grace: float = 0.0) -> None:
+        """Let workers that still run tests end those, as Ctrl-C does."""
+        for worker in self._workers:
+            worker.process.join(grace)
+            if worker.process.exitcode is None:
+                os.kill(worker.process.ident or 0, signal.SIGINT)
+        for worker in self._workers:
+            worker.process.join(END)
+            worker.process.kill()
+            worker.process.join()
+
+
+class _Sender:
+    """Sends what a worker's plugins report."""
+
+    def __init__(self, config: pytest.Config, connection: Connection) -> None:
+        self._config = config
+        self._connection = connection
+
+    def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
+        hook = self._config.hook
+        self._connection.send(("report", hook.pytest_report_to_serializable(config=self._config, report=report)))
+
+    def pytest_warning_recorded(
+        self, warning_message: warnings.WarningMessage, when: str, nodeid: str, location: tuple[str, int, str] | None
+    ) -> None:
+        text, category = str(warning_message.message), warning_message.category.__name__
+        more = {"when": when, "nodeid": nodeid, "location": location}
+        self._connection.send(("warning", (text, category, warning_message.filename, warning_message.lineno, more)))
+
+
+def _work(session: pytest.Session, connection: Connection, others: Iterable[Connection]) -> None:
+    """Run what the parent hands out, in a fork of it."""
+    for other in others:
+        other.close()
+    try:
+        _become_worker(session.config, connection)
+        _run_groups(session, connection)
+    except BaseException:  # of a plugin, or Ctrl-C; those of tests are in reports
+        signal.signal(signal.SIGINT, lambda *_: None)
+        connection.send(("error", traceback.format_exc()))
+        session._setupstate.teardown_exact(None)
+    finally:
+        session.config._ensure_unconfigure()
+
+
+def _become_worker(config: pytest.Config, connection: Connection) -> None:
+    plugins = config.pluginmanager
+    if capture := plugins.get_plugin("capturemanager"):  # else all workers capture into one file
+        capture.stop_global_capturing()
+        capture.start_global_capturing()
+    plugins.unregister(name="terminalreporter")
+    plugins.register(_Sender(config, connection))
+    factory: Any = config._tmp_path_factory  # type: ignore[attr-defined]
+    factory._basetemp = factory.getbasetemp() / f"worker{os.getpid()}"
+    factory._basetemp.mkdir(mode=0o700)
+
+
+class _Next:
+    """The next test, asked for when the one before it is taken down: until then another worker may get it."""
+
+    def __init__(self, session: pytest.Session, connection: Connection) -> None:
+        self._session = session
+        self._connection = connection
+        self._indices: deque[int] = deque()
+
+    def take(self) -> pytest.Item | None:
+        return self._session.items[self._indices.popleft()] if self._is_known() else None
+
+    def listchain(self) -> list[Any]:
+        """See pytest.Item: what this test uses is not taken down."""
+        return self._session.items[self._indices[0]].listchain() if self._is_known() else []
+
+    def _is_known(self) -> bool:
+        if not self._indices:
+            self._connection.send(("ask", None))
+            self._indices.extend(self._connection.recv())
+        return bool(self._indices)
+
+
+def _run_groups(session: pytest.Session, connection: Connection) -> None:
+    following: Any = _Next(session, connection)
+    while not session.shouldfail and not session.shouldstop and (item := following.take()) is not None:
+        session.config.hook.pytest_runtest_protocol(item=item, nextitem=following)
+        connection.send(("finished", None))

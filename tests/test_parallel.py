@@ -1,0 +1,168 @@
+"""Tests in forks of one process: their reports, what they share, and what follows when one of them ends its process."""
+
+from __future__ import annotations
+
+import os
+import re
+import signal
+import subprocess
+import sys
+import textwrap
+from pathlib import Path
+
+ROOT = Path(__file__).parents[1]
+
+
+def write(folder: Path, **files: str) -> None:
+    (folder / "pytest.ini").write_text("[pytest]\naddopts = -q -p tests.parallel\nmarkers = ros\n  long\n")
+    for name, text in files.items():
+        (folder / f"{name}.py").write_text(textwrap.dedent(text))
+
+
+def start(folder: Path, *arguments: str) -> subprocess.Popen[str]:
+    command = [sys.executable, "-m", "pytest", "--rootdir", str(folder), "-p", "no:cacheprovider", *arguments]
+    environment = {**os.environ, "PYTHONPATH": str(ROOT), "PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1"}
+    return subprocess.Popen(
+        command, cwd=folder, env=environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True
+    )
+
+
+def run(folder: Path, *arguments: str) -> tuple[int, str]:
+    with start(folder, *arguments) as process:
+        try:
+            output, _ = process.communicate(timeout=60)
+        finally:
+            process.kill()
+    return process.returncode, output
+
+
+def test_results_output_and_warnings_are_those_of_one_process(tmp_path: Path) -> None:
+    write(
+        tmp_path,
+        test_a="""
+            import warnings, pytest
+            def test_passes(): pass
+            def test_fails(): print("printed by a"); assert 1 == 2
+            def test_is_skipped(): pytest.skip("not today")
+            """,
+        test_b="""
+            import warnings, pytest
+            def test_warns(): warnings.warn("an old call", DeprecationWarning)
+            @pytest.fixture
+            def broken(): raise OSError("no disk")
+            def test_needs(broken): pass
+            """,
+    )
+    code, output = run(tmp_path, "-n", "2", "-rs")
+    assert code == 1, output
+    assert "1 failed, 2 passed, 1 skipped, 1 warning, 1 error" in output
+    for text in ("printed by a", "assert 1 == 2", "not today", "DeprecationWarning: an old call", "OSError: no disk"):
+        assert text in output
+    assert re.sub(r"in [0-9.]+s", "", output.splitlines()[-1]) == re.sub(
+        r"in [0-9.]+s", "", run(tmp_path, "-rs")[1].splitlines()[-1]
+    )
+
+
+def test_modules_are_imported_once_and_a_file_stays_in_one_process(tmp_path: Path) -> None:
+    module = """
+        import os, pytest
+        open("imported", "a").write("x")
+        @pytest.fixture(scope="module")
+        def shared():
+            yield os.getpid()
+            open("ended", "a").write("x")
+        @pytest.mark.parametrize("number", range(5))
+        def test_number(number, shared, tmp_path):
+            assert shared == os.getpid() != {parent}
+        """
+    write(tmp_path, **{f"test_{name}": module.format(parent="os.getppid()") for name in "abcd"})
+    code, output = run(tmp_path, "-n", "3")
+    assert code == 0, output
+    assert "20 passed" in output
+    assert len((tmp_path / "imported").read_text()) == 4
+    assert len((tmp_path / "ended").read_text()) == 4
+
+
+def test_long_tests_of_a_file_run_beside_each_other(tmp_path: Path) -> None:
+    write(
+        tmp_path,
+        test_a="""
+            import os, pathlib, pytest, time
+            @pytest.mark.long
+            @pytest.mark.parametrize("mine, other", ["ab", "ba"])
+            def test_meets_the_other(mine, other):
+                pathlib.Path(mine).touch()
+                end = time.monotonic() + 20
+                while not pathlib.Path(other).exists():
+                    assert time.monotonic() < end
+            """,
+    )
+    code, output = run(tmp_path, "-n", "2")
+    assert code == 0, output
+
+
+def test_test_that_ends_its_process_has_failed_and_the_others_run(tmp_path: Path) -> None:
+    write(
+        tmp_path,
+        test_a="""
+            import os, signal
+            def test_first(): pass
+            def test_ends(): os.kill(os.getpid(), signal.SIGKILL)
+            def test_last(): pass
+            """,
+        test_b="def test_other(): pass\n",
+    )
+    code, output = run(tmp_path, "-n", "2")
+    assert code == 1, output
+    assert "1 failed, 3 passed" in output
+    assert "the process of this test ended with exit code -9" in output
+    assert "FAILED test_a.py::test_ends" in output
+
+
+def test_first_failure_ends_the_run_where_that_is_asked_for(tmp_path: Path) -> None:
+    write(
+        tmp_path,
+        test_a="""
+            import pathlib, pytest, threading
+            @pytest.fixture
+            def waiting():
+                pathlib.Path("waits").touch()
+                yield
+                pathlib.Path("taken_down").touch()
+            def test_waits(waiting): threading.Event().wait()
+            """,
+        test_b="""
+            import pathlib
+            def test_fails():
+                while not pathlib.Path("waits").exists(): pass
+                raise AssertionError("as it should")
+            """,
+    )
+    code, output = run(tmp_path, "-n", "2", "-x")
+    assert code == 1, output
+    assert "stopping after 1 failures" in output
+    assert (tmp_path / "taken_down").exists()
+
+
+def test_ctrl_c_takes_down_what_tests_have_set_up(tmp_path: Path) -> None:
+    write(
+        tmp_path,
+        test_a="""
+            import os, pathlib, pytest, threading
+            @pytest.fixture
+            def waiting():
+                yield
+                pathlib.Path("taken_down").touch()
+            def test_waits(waiting):
+                with open("waits", "w"): pass
+                threading.Event().wait()
+            """,
+    )
+    os.mkfifo(tmp_path / "waits")
+    process = start(tmp_path, "-n", "1")
+    with (tmp_path / "waits").open():
+        process.send_signal(signal.SIGINT)
+    output, _ = process.communicate(timeout=60)
+    assert process.returncode == 2, output
+    assert "KeyboardInterrupt" in output
+    assert (tmp_path / "taken_down").exists()
