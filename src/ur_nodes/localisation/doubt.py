@@ -21,7 +21,10 @@ LOST = 4.0
 
 _BEHIND = 0.3  # m: a beam that ends so far behind a wall has passed it
 _MOST_SAMPLES = 400  # along a beam
-_LITTLE, _CONTRADICTED = 0.5, 0.15  # shares of the beams that end on walls, and that pass walls
+LITTLE = 0.5
+"""Agreement from which a scan is not doubted, even where its beams pass through walls."""
+
+_CONTRADICTED = 0.15  # share of the beams that pass walls
 _NEARLY_NONE, _SLOWLY = 0.15, 0.15  # agreement that is doubted, too, but slowly: a crowd may stand round the robot
 _GOOD, _CLEAR = 0.6, 0.1
 
@@ -41,7 +44,7 @@ class PlaceFit:
 
 def step_doubt(doubt: float, fit: PlaceFit) -> float:
     """The doubt after one more scan: it grows by at most 1, and ends at 0."""
-    if fit.agreement < _LITTLE and fit.through > _CONTRADICTED:
+    if fit.agreement < LITTLE and fit.through > _CONTRADICTED:
         return doubt + 1.0
     return doubt + _SLOWLY if fit.agreement < _NEARLY_NONE else max(0.0, doubt - 1.0)
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ur_nodes.geometry.pose import Pose2, wrap_angle
 from ur_nodes.localisation.ambiguity import find_places
-from ur_nodes.localisation.doubt import LOST, PlaceFit, share_through_walls, step_doubt
+from ur_nodes.localisation.doubt import LITTLE, LOST, PlaceFit, share_through_walls, step_doubt
 from ur_nodes.localisation.likelihood import LikelihoodField, draw_free_poses, score_poses
 from ur_nodes.localisation.motion_model import MotionModel, move_poses
 from ur_nodes.localisation.particle_filter import (
@@ -162,7 +162,9 @@ class ParticleLocaliser:
     def _judge(self, estimate: ClusterEstimate, points: NDArray[np.float64]) -> None:
         """Note whether the robot is lost, and search while it is."""
         match = match_scan(self._field, estimate.pose, estimate.covariance, points, self._match)
-        fit = PlaceFit(match.agreement, share_through_walls(self._field.grid, estimate.pose, points))
+        decisive = self._lost or match.agreement < LITTLE  # else walls decide nothing, and tracing them takes long
+        through = share_through_walls(self._field.grid, estimate.pose, points) if decisive else 0.0
+        fit = PlaceFit(match.agreement, through)
         self._doubt = step_doubt(self._doubt, fit)
         if self._lost:
             self._found = self._found + 1 if fit.is_good and not self._ambiguous else 0

@@ -80,9 +80,9 @@ def _normal_equations(
     field: LikelihoodField, poses: NDArray[np.float64], points: NDArray[np.float64], settings: MatchSettings
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
     """For poses (n, 3): Gauss-Newton's matrix (n, 3, 3), gradient (n, 3), and the share (n) of beams on walls."""
-    residuals, slopes = _linearise(field, poses, points)
+    residuals, slopes, on_near_side = _linearise(field, poses, points)
     trust = np.square(1.0 / (1.0 + np.square(residuals / settings.outlier)))
-    trust *= _faces_robot(poses, points, slopes)
+    trust *= on_near_side
     weighted = slopes * (trust / (settings.sigma * settings.sigma))[:, None, :]
     return (
         weighted @ slopes.transpose(0, 2, 1),
@@ -91,23 +91,14 @@ def _normal_equations(
     )
 
 
-def _faces_robot(
-    poses: NDArray[np.float64], points: NDArray[np.float64], slopes: NDArray[np.float64]
-) -> NDArray[np.bool_]:
-    """Select the ends of beams (n, m) on the near side of a wall: further along the beam lies the wall.
-
-    An end on the far half of a thin wall would be drawn to the back of it, which no beam can see.
-    """
-    c, s = np.cos(poses[:, 2, None]), np.sin(poses[:, 2, None])
-    x, y = points.T
-    towards: NDArray[np.bool_] = slopes[:, 0] * (c * x - s * y) + slopes[:, 1] * (s * x + c * y) < 0.0
-    return towards
-
-
 def _linearise(
     field: LikelihoodField, poses: NDArray[np.float64], points: NDArray[np.float64]
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Signed distances (n, m) to walls of the beams' ends, and how they change (n, 3, m) with x, y and yaw."""
+) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.bool_]]:
+    """Signed distances (n, m) to walls of the beams' ends, and how they change (n, 3, m) with x, y and yaw.
+
+    The third selects the ends (n, m) on the near side of a wall: further along the beam lies the wall. An end on the
+    far half of a thin wall would be drawn to the back of it, which no beam can see.
+    """
     grid = field.grid
     c, s = np.cos(poses[:, 2, None]), np.sin(poses[:, 2, None])
     x, y = points.T
@@ -121,7 +112,7 @@ def _linearise(
         down, right = so * right + co * down, co * right - so * down
     slopes = np.empty((len(values), 3, values.shape[1]))
     slopes[:, 0], slopes[:, 1], slopes[:, 2] = right, down, down * turned_x - right * turned_y
-    return values, slopes
+    return values, slopes, right * turned_x + down * turned_y < 0.0
 
 
 def _interpolate(

@@ -50,6 +50,11 @@ class BusListener:
     waiting: list[tuple[object, str, bool]] = field(default_factory=list)
     open: bool = True
 
+    def take(self) -> None:
+        """Deliver the oldest value that waits, if there is one."""
+        if self.open and self.waiting:
+            self.deliver(*self.waiting.pop(0))
+
 
 @dataclass(eq=False, slots=True)
 class Offer:
@@ -127,10 +132,11 @@ class Carrier:
         """Let time pass until a condition is true after an event, at most `seconds`. Return whether it is."""
         end = self.now + round(seconds * 1e9)
         while not condition():
-            if self._next_time() > end:
+            if self._due or (self._events and self._events[0][0] <= end):
+                self._take_event()
+            else:
                 self._time = end
                 return condition()
-            self._take_event()
         return True
 
     def graph(self) -> Graph:
@@ -203,20 +209,16 @@ class Carrier:
         if delay is None:
             return
 
-        def arrive() -> None:
-            if listener.open:
-                listener.waiting.append(item)
-                del listener.waiting[: -listener.depth]
-                self.at(self.now, take)
-
-        def take() -> None:
-            if listener.open and listener.waiting:
-                listener.deliver(*listener.waiting.pop(0))
-
         if delay:
-            self.at(self.now + delay, arrive)
+            self.at(self.now + delay, partial(self._arrive, listener, item))
         else:
-            arrive()
+            self._arrive(listener, item)
+
+    def _arrive(self, listener: BusListener, item: tuple[object, str, bool]) -> None:
+        if listener.open:
+            listener.waiting.append(item)
+            del listener.waiting[: -listener.depth]
+            self._due.append(listener.take)
 
     def _next_time(self) -> float:
         if self._due:
