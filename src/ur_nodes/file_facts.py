@@ -18,11 +18,9 @@ class FileFacts:
         self._file = file or file_of_run()
 
     def get(self, name: str, default: object = None) -> Any:
-        """See Facts."""
         return self._read().get(name, default)
 
     def set(self, name: str, value: object) -> None:
-        """See Facts."""
         facts = self._read() | {name: value}
         self._file.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
         number, new = tempfile.mkstemp(dir=self._file.parent, prefix=".facts")

@@ -45,31 +45,24 @@ class TopicGoalHandle:
         return self.state.open
 
     def accept(self) -> None:
-        """See GoalHandle."""
         self._become("active", "")
 
     def refuse(self, text: str) -> None:
-        """See GoalHandle."""
         self._become("aborted", text)
 
     def note(self, text: str) -> None:
-        """See GoalHandle."""
         self.state = GoalState(self.goal.id, self.state.state, text)
 
     def report(self, pose: PlacedPose) -> None:
-        """See GoalHandle."""
         self._report(pose)
 
     def succeed(self, text: str) -> None:
-        """See GoalHandle."""
         self._become("succeeded", text)
 
     def abort(self, text: str) -> None:
-        """See GoalHandle."""
         self._become("aborted", text)
 
     def cancel(self, text: str) -> None:
-        """See GoalHandle."""
         self._become("cancelled", text)
 
     def _become(self, state: Literal["active", "succeeded", "aborted", "cancelled"], text: str) -> None:
@@ -98,7 +91,6 @@ class TopicGoalServer:
         node.every(_STATUS_PERIOD, self.publish_status)
 
     def publish_status(self) -> None:
-        """See GoalServer."""
         now = self._node.now()
         for id, handle in list(self._handles.items()):
             if not handle.open and now - self._ended.setdefault(id, now) > self._kept:
@@ -157,15 +149,12 @@ class TopicGoalClient:
         self._ended: set[str] = set()
 
     def send(self, goal: Goal) -> None:
-        """See GoalClient."""
         self._goals.send(goal)
 
     def cancel(self, id: str = "") -> None:
-        """See GoalClient."""
         self._cancels.send(GoalId(id))
 
     def servers(self) -> int:
-        """See GoalClient."""
         return self._goals.listeners()
 
     def _end(self, state: GoalState) -> None:

@@ -33,7 +33,6 @@ class Beat:
         self.on = True
 
     def cancel(self) -> None:
-        """See Timer."""
         self.on = False
 
 

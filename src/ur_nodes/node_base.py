@@ -30,29 +30,23 @@ class LoopNode:
         self._results: queue.SimpleQueue[Callable[[], None]] = queue.SimpleQueue()  # of these
 
     def every(self, seconds: float, call: Callable[[], None], *, steady: bool = False) -> Beat:
-        """See Node."""
         return self._loop.every(seconds, call, steady=steady)
 
     def after(self, seconds: float, call: Callable[[], None], *, steady: bool = False) -> Beat:
-        """See Node."""
         return self._loop.after(seconds, call, steady=steady)
 
     def post(self, call: Callable[[], None]) -> None:
-        """See Node."""
         self._loop.post(call)
 
     def work(self, job: Callable[[], Value], take: Callable[[Value], None], lane: str = "") -> None:
-        """See Node."""
         self._unfinished += self._ending
         post = self._results.put if self._ending else self._loop.post
         self._lanes.add(job, take, lane, post)
 
     def steady(self) -> float:
-        """See Node."""
         return steady_time()
 
     def on_end(self, call: Callable[[], None], within: float = 2.0) -> None:
-        """See Node."""
         self._at_end.append(call)
         self._end_limit = max(self._end_limit, within)
 

@@ -37,7 +37,6 @@ class LaunchSurvey:
 
     @cached_property
     def declared(self) -> Mapping[str, tuple[Element, ...]]:
-        """See LaunchView.declared."""
         declared: dict[str, list[Element]] = {}
         for element, parent in walk_elements(self.tree.launch):
             name = element.attributes.get("name")
@@ -47,7 +46,6 @@ class LaunchSurvey:
 
     @cached_property
     def used(self) -> Mapping[str, tuple[Span, ...]]:
-        """See LaunchView.used."""
         used: dict[str, list[Span]] = {}
         for element, _ in walk_elements(self.tree.launch):
             for argument, span in find_uses(element):

@@ -172,39 +172,30 @@ class CachedWorld:
         return self._absolute(beside if self._ask("is_file", beside) else path)
 
     def find_package(self, name: str) -> str:
-        """See World."""
         return self._ask("find_package", name)  # type: ignore[no-any-return]  # the other world is typed
 
     def package_names(self) -> Iterable[str]:
-        """See World."""
         return self._ask("package_names")  # type: ignore[no-any-return]  # likewise
 
     def find_in_package(self, package: str, path: str) -> str | None:
-        """See World."""
         return self._ask("find_in_package", package, path)  # type: ignore[no-any-return]  # likewise
 
     def find_files(self, package: str, name: str) -> tuple[str, ...]:
-        """See World."""
         return self._ask("find_files", package, name)  # type: ignore[no-any-return]  # likewise
 
     def find_executables(self, package: str, name: str) -> tuple[str, ...]:
-        """See World."""
         return self._ask("find_executables", package, name)  # type: ignore[no-any-return]  # likewise
 
     def executable_names(self, package: str) -> Iterable[str]:
-        """See World."""
         return self._ask("executable_names", package)  # type: ignore[no-any-return]  # likewise
 
     def is_file(self, path: str) -> bool:
-        """See World."""
         return bool(self._ask("is_file", self.locate(path) if path else path))
 
     def read_bytes(self, path: str) -> bytes:
-        """See World."""
         return self._ask("read_bytes", self.locate(path) if path else path)  # type: ignore[no-any-return]  # likewise
 
     def list_folder(self, path: str) -> tuple[str, ...]:
-        """See World."""
         names = self._list(path)
         if self._folder and not path.startswith("/"):
             beside = self._list(self._absolute(f"{self._folder}/{path}"))
@@ -212,7 +203,6 @@ class CachedWorld:
         return names
 
     def absolute(self, path: str) -> str:
-        """See World."""
         return self.locate(path) if path else self._absolute(path)
 
     def make_anonymous(self, prefix: str) -> str:

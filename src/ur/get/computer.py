@@ -173,21 +173,18 @@ class ThisComputer:
         return tuple(found), ""
 
     def show_candidates(self, names: Sequence[str]) -> Mapping[str, DebianPackage] | None:
-        """See PackageSources."""
         if not names:
             return {}
         text = _output(["apt-cache", "show", "--no-all-versions", *names])
         return None if text is None else parse_candidates(text)
 
     def list_installed(self, names: Sequence[str]) -> frozenset[str]:
-        """See PackageSources."""
         if not names:
             return frozenset()
         text = _output(["dpkg-query", "--show", "--showformat=${Package} ${db:Status-Status}\n", *names]) or ""
         return frozenset(line.split()[0] for line in text.splitlines() if line.endswith(" installed"))
 
     def list_branches(self, url: str) -> Sequence[str] | None:
-        """See PackageSources."""
         return None if self._offline else ask_server(url)
 
     def _fetch_rosdep(self, kept: Path) -> str:

@@ -33,7 +33,6 @@ class _AsWritten(SystemWorld):
     """The computer's world, in which `$(anon name)` stays as written, so that a node can be queried by that name."""
 
     def make_anonymous(self, prefix: str) -> str:
-        """See World."""
         return f"$(anon {prefix})"
 
 

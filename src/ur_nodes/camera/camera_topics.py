@@ -39,7 +39,6 @@ class CameraTopics:
         self._calibration = describe_camera(None, 0, 0, "")
 
     def ask(self) -> tuple[bool, Callable[[Frame], Shot]]:
-        """See Consumer."""
         packed, raw = bool(self._compressed.listeners()), bool(self._raw.listeners())
         return packed or raw, partial(make_shot, packed=packed, raw=raw, quality=self._quality)
 
@@ -73,7 +72,6 @@ class CameraTopics:
         self._calibration = describe_camera(calibration, mode.width, mode.height, self._frame)
 
     def take(self, shot: Shot) -> None:
-        """See Consumer."""
         stamp = max(0, self._node.now() - round(shot.age * SECOND))
         if self._info.listeners():
             self._info.send(replace(self._calibration, stamp=stamp))

@@ -60,7 +60,6 @@ class V4l2Camera:
 
     @property
     def mode(self) -> Mode:
-        """See PictureSource."""
         return self._mode
 
     def read(self, seconds: float, *, wanted: bool = True) -> Frame | None:
@@ -80,7 +79,6 @@ class V4l2Camera:
             raise CameraError(f"the camera {self._mode.camera} ({self._path}) {ended}") from None
 
     def close(self) -> None:
-        """See PictureSource."""
         if not self._closed:
             self._closed = True
             with contextlib.suppress(OSError):  # the device may have been removed

@@ -42,7 +42,6 @@ class KernelDeviceFile:
         self._poll.register(self._file, select.POLLIN)
 
     def ioctl(self, request: int, argument: ctypes.Structure) -> None:
-        """See DeviceFile."""
         while True:
             try:
                 fcntl.ioctl(self._file, request, argument, True)
@@ -58,14 +57,12 @@ class KernelDeviceFile:
         return bool(events)
 
     def map(self, length: int, offset: int) -> memoryview:
-        """See DeviceFile."""
         mapped = mmap.mmap(self._file, length, mmap.MAP_SHARED, mmap.PROT_READ | mmap.PROT_WRITE, offset=offset)
         view = memoryview(mapped)
         self._maps.append((mapped, view))
         return view
 
     def close(self) -> None:
-        """See DeviceFile."""
         for mapped, view in self._maps:
             view.release()
             mapped.close()

@@ -66,11 +66,9 @@ class LibcameraCamera:
 
     @property
     def mode(self) -> Mode:
-        """See PictureSource."""
         return self._mode
 
     def read(self, seconds: float, *, wanted: bool = True) -> Frame | None:
-        """See PictureSource."""
         end, newest = time.monotonic() + seconds, None
         while True:
             while (found := self._next_frame(wanted=wanted)) is not None:
@@ -80,7 +78,6 @@ class LibcameraCamera:
                 return newest
 
     def close(self) -> None:
-        """See PictureSource."""
         for stream in (self._process.stdin, self._process.stdout):
             if stream:
                 with contextlib.suppress(OSError):

@@ -15,16 +15,13 @@ class MemoryPublisher:
         self._bus, self._offer = bus, offer
 
     def send(self, value: object) -> None:
-        """See Publisher."""
         if self._offer in self._bus.topics[self.topic].offers:
             self._bus.send(self.topic, self._offer, value)
 
     def listeners(self) -> int:
-        """See Publisher."""
         return len(self._bus.topics[self.topic].listeners)
 
     def close(self) -> None:
-        """See Publisher."""
         self._offer.latched, self._offer.greet, self._offer.kept = False, None, None
 
 
@@ -36,11 +33,9 @@ class MemorySubscription:
         self._bus, self._listener, self._forget = bus, listener, forget
 
     def publishers(self) -> int:
-        """See Subscription."""
         return len(self._bus.topics[self.topic].offers)
 
     def close(self) -> None:
-        """See Subscription."""
         if self._listener.open:
             self._listener.open = False
             self._bus.topics[self.topic].listeners.remove(self._listener)
@@ -54,5 +49,4 @@ class MemoryTimer:
         self.on = True
 
     def cancel(self) -> None:
-        """See Timer."""
         self.on = False

@@ -51,7 +51,6 @@ class MemoryNode:
 
     @property
     def transforms(self) -> Transforms:
-        """See Node."""
         if self._transforms is None:
             self._transforms = tree = Transforms(self._send_transforms)
             self.subscribe(FIXED_TRANSFORMS, tuple, tree.take, Quality.LATCHED_EVERY)
@@ -94,7 +93,6 @@ class MemoryNode:
         quality: Quality = Quality.NEWEST,
         unreadable: Callable[[str], None] | None = None,
     ) -> MemorySubscription:
-        """See Node."""
         return self._listen(topic, kind, lambda value, _sender, _kept: take(value), quality, unreadable)
 
     def subscribe_from(
@@ -104,7 +102,6 @@ class MemoryNode:
         take: Callable[[Value, Sender | None], None],
         quality: Quality = Quality.NEWEST,
     ) -> MemorySubscription:
-        """See Node."""
         return self._listen(topic, kind, lambda value, sender, kept: take(value, Sender(sender, kept)), quality)
 
     def subscribe_fields(
@@ -118,13 +115,11 @@ class MemoryNode:
         return self.subscribe(topic, dict, lambda value: take(tuple(value[each] for each in fields)), Quality.EVERY)
 
     def serve(self, service: str, kind: type[Value], answer: Callable[[Value], Result]) -> None:
-        """See Node."""
         self.serve_later(service, kind, lambda request, give: give(answer(request)))
 
     def serve_later(
         self, service: str, kind: type[Value], take: Callable[[Value, Callable[[Result], None]], None]
     ) -> None:
-        """See Node."""
         full = self.resolve(service)
 
         def check(request: object, give: Callable[[Result], None]) -> None:
@@ -137,7 +132,6 @@ class MemoryNode:
         self._bus.services[full] = Service(self.name, kind, check)
 
     def call(self, service: str, request: object, take: Callable[[Result], None], within: float = 5.0) -> None:
-        """See Node."""
         full, end = self.resolve(service), self._bus.now + round(within * 1e9)
         waiting = [take]
 
@@ -159,11 +153,9 @@ class MemoryNode:
         self._bus.at(self._bus.now, ask)
 
     def serve_goals(self, action: str, takers: GoalTakers, kept: float = 5.0) -> TopicGoalServer:
-        """See Node."""
         return TopicGoalServer(self, action, takers, kept)
 
     def follow_goals(self, action: str, follower: GoalFollower) -> TopicGoalClient:
-        """See Node."""
         return TopicGoalClient(self, action, follower)
 
     def every(self, seconds: float, call: Callable[[], None], *, steady: bool = False) -> MemoryTimer:  # noqa: ARG002
@@ -182,7 +174,6 @@ class MemoryNode:
         return timer
 
     def after(self, seconds: float, call: Callable[[], None], *, steady: bool = False) -> MemoryTimer:  # noqa: ARG002
-        """See Node."""
         timer = MemoryTimer()
         due = self._bus.now + round(seconds * 1e9)
         self._bus.at(due, lambda: call() if self.ended is None and timer.on else None)
@@ -200,29 +191,23 @@ class MemoryNode:
             self._late.append(lambda: take(result))
 
     def post(self, call: Callable[[], None]) -> None:
-        """See Node."""
         self._bus.at(self._bus.now, lambda: call() if self.ended is None else None)
 
     def now(self) -> int:
-        """See Node."""
         return self._bus.now
 
     def steady(self) -> float:
-        """See Node."""
         return self._bus.now * 1e-9
 
     def read_graph(self, take: Callable[[Graph | None], None]) -> None:
-        """See Node."""
         self.work(self._bus.graph, take)
 
     def kinds_taken(self, topic: str, kinds: tuple[type, ...]) -> frozenset[type] | None:
-        """See Node."""
         entry = self._bus.topics.get(self.resolve(topic))
         listeners = entry.listeners if entry else []
         return frozenset(each.kind for each in listeners if each.kind in kinds and each.node != self.name)
 
     def kinds_sent(self, topic: str, kinds: tuple[type, ...]) -> frozenset[type] | None:
-        """See Node."""
         entry = self._bus.topics.get(self.resolve(topic))
         offers = entry.offers if entry else []
         return frozenset(each.kind for each in offers if each.kind in kinds and each.sender != self.name)
@@ -234,7 +219,6 @@ class MemoryNode:
         return Location("localhost", here=True) if name in self._bus.nodes else None
 
     def resolve(self, name: str) -> str:
-        """See Node."""
         if name in self._remaps:
             name = self._remaps[name]
         if name.startswith("~"):
@@ -244,11 +228,9 @@ class MemoryNode:
         return self._remaps.get(full, full)
 
     def on_end(self, call: Callable[[], None], within: float = 2.0) -> None:  # noqa: ARG002
-        """See Node."""
         self._at_end.append(call)
 
     def end(self, reason: str, *, failed: bool = False) -> None:
-        """See Node."""
         if self._late is not None:
             return
         self._late = list(self._at_end)

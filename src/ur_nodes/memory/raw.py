@@ -47,19 +47,16 @@ class MemoryRaw(RecordingRaw):
         self._node, self._bus = node, bus
 
     def find_schema(self, type_name: str) -> str | None:
-        """See Raw."""
         return self._bus.schemas.get(type_name)
 
     def subscribe(
         self, topic: str, take: Callable[[RawMessage], None], quality: Quality = Quality.NEWEST
     ) -> Subscription:
-        """See Raw."""
         return self._node.subscribe_from(
             topic, object, lambda value, sender: take(self._raw_of(value, sender)), quality
         )
 
     def publish(self, topic: str, type_name: str, quality: Quality = Quality.EVERY) -> MemoryRawPublisher:
-        """See Raw."""
         if type_name not in self._bus.schemas:
             raise LookupError(type_name)
         return MemoryRawPublisher(self._node.publish(topic, object, quality, type_name=type_name), type_name, self._bus)
@@ -75,7 +72,6 @@ class MemoryRaw(RecordingRaw):
         self._node.after(0.0, lambda: take(result))
 
     def call(self, service: str, fields: Fields, take: Callable[[Result], None]) -> None:
-        """See Raw."""
         found = self._bus.services.get(self._node.resolve(service))
         if found is None:
             self._node.after(0.0, lambda: take(self._missing(service)))
@@ -114,7 +110,6 @@ class MemoryRawPublisher:
         self._type_name, self._schema = type_name, bus.schemas[type_name]
 
     def send(self, value: Fields | bytes) -> None:
-        """See Publisher."""
         if isinstance(value, bytes):
             self._publisher.send(RawMessage(self._type_name, self._schema, value))
             return
@@ -128,9 +123,7 @@ class MemoryRawPublisher:
         self._publisher.send(fields)
 
     def listeners(self) -> int:
-        """See Publisher."""
         return self._publisher.listeners()
 
     def close(self) -> None:
-        """See Publisher."""
         self._publisher.close()

@@ -17,11 +17,9 @@ class MemoryFacts:
         self._facts = bus.facts
 
     def get(self, name: str, default: object = None) -> object:
-        """See Facts."""
         return self._facts.get(name, default)
 
     def set(self, name: str, value: object) -> None:
-        """See Facts."""
         self._facts[name] = value
 
 
@@ -32,16 +30,13 @@ class MemoryParameters:
         self._resolve, self._parameters = resolve, parameters
 
     def resolve(self, name: str) -> str:
-        """See ParameterStore."""
         return self._resolve(name)
 
     def has(self, name: str) -> bool:
-        """See ParameterStore."""
         full = self.resolve(name).rstrip("/")
         return full in self._parameters or any(each.startswith(full + "/") for each in self._parameters)
 
     def get(self, name: str) -> object:
-        """See ParameterStore."""
         full = self.resolve(name).rstrip("/")
         if full in self._parameters:
             return self._parameters[full]
@@ -60,11 +55,9 @@ class MemoryParameters:
         return tree
 
     def set(self, name: str, value: object) -> None:
-        """See ParameterStore."""
         self._parameters[self.resolve(name).rstrip("/")] = value
 
     def names(self) -> list[str]:
-        """See ParameterStore."""
         return sorted(self._parameters)
 
 
@@ -76,11 +69,9 @@ class MemoryLog:
         self._last: dict[str, int] = {}
 
     def debug(self, text: str) -> None:
-        """See Log."""
         self._lines.append(("debug", text))
 
     def info(self, text: str) -> None:
-        """See Log."""
         self._lines.append(("info", text))
 
     def warn(self, text: str, *, every: float = 0.0) -> None:

@@ -41,19 +41,15 @@ class AsideLog:
         self._node = node
 
     def debug(self, text: str) -> None:
-        """See Log."""
         self._node.work(partial(self._node.log.debug, text), _ignore, _LOG_LANE)
 
     def info(self, text: str) -> None:
-        """See Log."""
         self._node.work(partial(self._node.log.info, text), _ignore, _LOG_LANE)
 
     def warn(self, text: str, *, every: float = 0.0) -> None:
-        """See Log."""
         self._node.work(partial(self._node.log.warn, text, every=every), _ignore, _LOG_LANE)
 
     def error(self, text: str, *, every: float = 0.0) -> None:
-        """See Log."""
         self._node.work(partial(self._node.log.error, text, every=every), _ignore, _LOG_LANE)
 
 

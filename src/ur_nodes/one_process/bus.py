@@ -49,15 +49,12 @@ class LiveNode(MemoryNode):
             self._lanes.add(job, take, lane, self.post)
 
     def steady(self) -> float:
-        """See Node."""
         return steady_time()
 
     def read_graph(self, take: Callable[[Graph | None], None]) -> None:
-        """See Node."""
         self.post(lambda: take(self._bus.graph()))
 
     def end(self, reason: str, *, failed: bool = False) -> None:
-        """See Node."""
         if self._late is not None:
             return
         super().end(reason, failed=failed)
@@ -107,7 +104,6 @@ class LiveBus(Bus):
         self._thread.start()
 
     def at(self, time: int, call: Callable[[], None]) -> None:
-        """See Carrier."""
         super().at(time, call)
         if threading.current_thread() is not self._thread:
             self._woken.set()

@@ -33,20 +33,16 @@ class ThrottledLog:
         self._throttle = Throttle(read)
 
     def debug(self, text: str) -> None:
-        """See Log."""
         self._debug(text)
 
     def info(self, text: str) -> None:
-        """See Log."""
         self._info(text)
 
     def warn(self, text: str, *, every: float = 0.0) -> None:
-        """See Log."""
         if self._throttle.lets(text, every):
             self._warn(text)
 
     def error(self, text: str, *, every: float = 0.0) -> None:
-        """See Log."""
         if self._throttle.lets(text, every):
             self._error(text)
 

@@ -129,7 +129,6 @@ class SubscribedRecorder:
         self._types: dict[str, RecordedType] = {}
 
     def record(self, topics: Sequence[RecordedTopic]) -> None:
-        """See TopicRecorder."""
         self._periods = {each.name: each.period for each in topics}
         for name in [name for name in self._open if name not in self._periods]:
             self._open.pop(name).close()
@@ -138,7 +137,6 @@ class SubscribedRecorder:
                 self._open[name] = self._raw.subscribe(name, partial(self._receive, name), Quality.EVERY)
 
     def close(self) -> None:
-        """See TopicRecorder."""
         self.record(())
 
     def _receive(self, name: str, message: RawMessage) -> None:
@@ -160,5 +158,4 @@ class RecordingRaw:
     def record(
         self: RawSubscriber, take: Callable[[Sequence[RecordedMessage]], None], clock: Callable[[], int]
     ) -> TopicRecorder:
-        """See Raw."""
         return SubscribedRecorder(self, take, clock)

@@ -18,11 +18,9 @@ class RosFacts:
         self.simulated_time = rospy.get_param("/use_sim_time", False) is True
 
     def get(self, name: str, default: object = None) -> object:
-        """See Facts."""
         return rospy.get_param(_FACTS.get(name, f"/ur/{name}"), default)
 
     def set(self, name: str, value: object) -> None:
-        """See Facts."""
         rospy.set_param(_FACTS.get(name, f"/ur/{name}"), value)
 
 
@@ -30,23 +28,18 @@ class RosParameters:
     """See `ports.parameters.ParameterStore`."""
 
     def resolve(self, name: str) -> str:
-        """See ParameterStore."""
         return str(rospy.resolve_name(name))
 
     def has(self, name: str) -> bool:
-        """See ParameterStore."""
         return bool(rospy.has_param(name))
 
     def get(self, name: str) -> object:
-        """See ParameterStore."""
         return rospy.get_param(name)
 
     def set(self, name: str, value: object) -> None:
-        """See ParameterStore."""
         rospy.set_param(name, value)
 
     def names(self) -> list[str]:
-        """See ParameterStore."""
         return sorted(map(str, rospy.get_param_names()))
 
 

@@ -40,7 +40,6 @@ class RosGoalClient:
 
     @quiet_at_end
     def send(self, goal: Goal) -> None:
-        """See GoalClient."""
         message = MoveBaseActionGoal()
         message.header.stamp = message.goal_id.stamp = rospy.Time.now()
         message.goal_id.id = goal.id
@@ -49,11 +48,9 @@ class RosGoalClient:
 
     @quiet_at_end
     def cancel(self, id: str = "") -> None:
-        """See GoalClient."""
         self._cancels.publish(GoalID(id=id))  # an empty one cancels all: actionlib's protocol
 
     def servers(self) -> int:
-        """See GoalClient."""
         return min(int(self._goals.get_num_connections()), int(self._cancels.get_num_connections()))
 
 

@@ -32,7 +32,6 @@ class RosGoalServer:
         self._server.status_list_timeout = rospy.Duration.from_sec(kept)
 
     def publish_status(self) -> None:
-        """See GoalServer."""
         self._server.publish_status()
 
     def _pass_on(self, message: PoseStamped) -> None:
@@ -61,34 +60,27 @@ class RosGoalHandle:
         self.goal = Goal(handle.get_goal_id().id, target_of(handle.get_goal().target_pose))
 
     def accept(self) -> None:
-        """See GoalHandle."""
         self._open.set_accepted()
 
     def refuse(self, text: str) -> None:
-        """See GoalHandle."""
         self._open.set_accepted()
         self.abort(text)
 
     def note(self, text: str) -> None:
-        """See GoalHandle."""
         self._open.status_tracker.status.text = text
 
     def report(self, pose: PlacedPose) -> None:
-        """See GoalHandle."""
         message = PoseStamped()
         fill_placed(message, pose)
         self._open.publish_feedback(MoveBaseFeedback(base_position=message))
 
     def succeed(self, text: str) -> None:
-        """See GoalHandle."""
         self._end().set_succeeded(MoveBaseResult(), text)
 
     def abort(self, text: str) -> None:
-        """See GoalHandle."""
         self._end().set_aborted(MoveBaseResult(), text)
 
     def cancel(self, text: str) -> None:
-        """See GoalHandle."""
         self._end().set_canceled(MoveBaseResult(), text)
 
     def _end(self) -> ServerGoalHandle:

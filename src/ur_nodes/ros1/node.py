@@ -62,7 +62,6 @@ class RosNode(LoopNode):
 
     @property
     def transforms(self) -> Transforms:
-        """See Node."""
         if self._transforms is None:
             from ur_nodes.ros1.transforms import TransformTopics
 
@@ -73,7 +72,6 @@ class RosNode(LoopNode):
 
     @property
     def raw(self) -> Raw:
-        """See Node."""
         from ur_nodes.ros1.raw import RosRaw
 
         return RosRaw(self._loop)
@@ -85,7 +83,6 @@ class RosNode(LoopNode):
         quality: Quality = Quality.NEWEST,
         greet: Callable[[], Value | None] | None = None,
     ) -> RosPublisher[Value]:
-        """See Node."""
         if kind is ClockTime:
             return cast("RosPublisher[Value]", RosClock(topic, quality))
         publisher = RosPublisher(topic, find_codec(kind), quality)
@@ -106,7 +103,6 @@ class RosNode(LoopNode):
         quality: Quality = Quality.NEWEST,
         unreadable: Callable[[str], None] | None = None,
     ) -> RosSubscription[Value]:
-        """See Node."""
         codec = find_codec(kind)
         return RosSubscription(
             topic, codec, quality, self._loop, lambda value, _message: take(value), unreadable=unreadable
@@ -119,7 +115,6 @@ class RosNode(LoopNode):
         take: Callable[[Value, Sender | None], None],
         quality: Quality = Quality.NEWEST,
     ) -> RosSubscription[Value]:
-        """See Node."""
         return RosSubscription(
             topic, find_codec(kind), quality, self._loop, lambda value, message: take(value, sender_of(message))
         )
@@ -127,44 +122,36 @@ class RosNode(LoopNode):
     def subscribe_fields(
         self, topic: str, type_name: str, fields: tuple[str, ...], take: Callable[[tuple[Any, ...]], None]
     ) -> RosSubscription[tuple[Any, ...]]:
-        """See Node."""
         from ur_nodes.codecs.foreign import find_foreign
 
         codec = find_foreign(type_name, fields)
         return RosSubscription(topic, codec, Quality.EVERY, self._loop, lambda value, _message: take(value))
 
     def serve(self, service: str, kind: type[Value], answer: Callable[[Value], Result]) -> None:
-        """See Node."""
         self.serve_later(service, kind, lambda request, give: give(answer(request)))
 
     def serve_later(
         self, service: str, kind: type[Value], take: Callable[[Value, Callable[[Result], None]], None]
     ) -> None:
-        """See Node."""
         serve_service(self._loop, service, kind, take)
 
     def call(self, service: str, request: object, take: Callable[[Result], None], within: float = 5.0) -> None:
-        """See Node."""
         call_service(self._loop, service, request, take, within)
 
     def serve_goals(self, action: str, takers: GoalTakers, kept: float = 5.0) -> GoalServer:
-        """See Node."""
         from ur_nodes.ros1.goals import RosGoalServer
 
         return RosGoalServer(action, takers, self._loop, kept)
 
     def follow_goals(self, action: str, follower: GoalFollower) -> GoalClient:
-        """See Node."""
         from ur_nodes.ros1.goal_client import RosGoalClient
 
         return RosGoalClient(action, follower, self._loop)
 
     def now(self) -> int:
-        """See Node."""
         return int(rospy.Time.now().to_nsec())
 
     def read_graph(self, take: Callable[[Graph | None], None]) -> None:
-        """See Node."""
         from ur_nodes.ros1.graph import read_graph
 
         self.work(lambda: read_graph(self.name), take, "graph")
@@ -178,7 +165,6 @@ class RosNode(LoopNode):
         return None
 
     def locate(self, name: str) -> Location | None:
-        """See Node."""
         try:
             host = urlsplit(rosgraph.Master(self.name).lookupNode(name)).hostname
         except (OSError, ValueError, rosgraph.MasterException, HTTPException, XmlRpcError, ExpatError):
@@ -186,11 +172,9 @@ class RosNode(LoopNode):
         return Location(host, rosgraph.network.is_local_address(host)) if host else None
 
     def resolve(self, name: str) -> str:
-        """See Node."""
         return str(rospy.resolve_name(name))
 
     def end(self, reason: str, *, failed: bool = False) -> None:
-        """See Node."""
         self.failed = self.failed or failed
         rospy.signal_shutdown(reason)
 

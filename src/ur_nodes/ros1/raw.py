@@ -30,32 +30,27 @@ class RosRaw:
         self._loop = loop
 
     def find_schema(self, type_name: str) -> str | None:
-        """See Raw."""
         found = _find_class(type_name, "msg")
         return None if found is None else str(found._full_text)  # noqa: SLF001 - genpy has no other name
 
     def subscribe(
         self, topic: str, take: Callable[[RawMessage], None], quality: Quality = Quality.NEWEST
     ) -> RosSubscription[RawMessage]:
-        """See Raw."""
         codec = Codec(rospy.AnyMsg, lambda _message, _value: None, _raw_of, _BUFFER)
         return RosSubscription(topic, codec, quality, self._loop, lambda value, _: take(value), _MOST_WAITING)
 
     def record(self, take: Callable[[Sequence[RecordedMessage]], None], clock: Callable[[], int]) -> TopicRecorder:
-        """See Raw."""
         from ur_nodes.ros1.recorder.recorder import RosRecorder
 
         return RosRecorder(self._loop, str(rospy.get_name()), take, clock)
 
     def publish(self, topic: str, type_name: str, quality: Quality = Quality.EVERY) -> RosPublisher[Fields | bytes]:
-        """See Raw."""
         found = _find_class(type_name, "msg")
         if found is None:
             raise LookupError(type_name)
         return RosPublisher(topic, Codec(found, _fill, lambda message: _raw_of(message).data), quality)
 
     def find_service(self, service: str, take: Callable[[Result], None]) -> None:
-        """See Raw."""
         full = str(rospy.resolve_name(service))
 
         def find() -> None:
@@ -69,7 +64,6 @@ class RosRaw:
         run_aside(find)
 
     def call(self, service: str, fields: Fields, take: Callable[[Result], None]) -> None:
-        """See Raw."""
         full = str(rospy.resolve_name(service))
 
         def ask() -> None:

@@ -48,7 +48,6 @@ class RosPublisher(Generic[Value]):
 
     @quiet_at_end
     def send(self, value: Value) -> None:
-        """See Publisher."""
         message = self._codec.message_class() if self._latched else self._message
         self._codec.fill(message, value)
         self._publisher.publish(message)
@@ -59,7 +58,6 @@ class RosPublisher(Generic[Value]):
         return len(implementation.connections) if implementation is not None else 0
 
     def close(self) -> None:
-        """See Publisher."""
         self._publisher.unregister()
 
     def watch(self, call: Callable[[], None]) -> None:
@@ -75,7 +73,6 @@ class RosClock(RosPublisher[ClockTime]):
         self._set = keep_own_clock()
 
     def send(self, value: ClockTime) -> None:
-        """See Publisher."""
         self._set(time_of(value.stamp))
         super().send(value)
 
@@ -111,11 +108,9 @@ class RosSubscription(Generic[Value]):
         )
 
     def publishers(self) -> int:
-        """See Subscription."""
         return int(self._subscriber.get_num_connections())
 
     def close(self) -> None:
-        """See Subscription."""
         self._open = False
         self._subscriber.unregister()
 

@@ -25,16 +25,13 @@ class OwnTerminal:
     """The terminal of this process. See SetupTerminal."""
 
     def is_there(self) -> bool:
-        """See SetupTerminal."""
         return sys.stdin.isatty()
 
     def ask(self, question: str, default: str | None, *, show_default: bool = True) -> str:
-        """See SetupTerminal."""
         answer: str = click.prompt(question, default=default, show_default=show_default)
         return answer
 
     def confirm(self, question: str) -> bool:
-        """See SetupTerminal."""
         return click.confirm(question, default=False)
 
 

@@ -25,7 +25,6 @@ class RepositoryWorld:
         return self._packages.get(name, f"{_ELSEWHERE}{name}")
 
     def package_names(self) -> Iterable[str]:
-        """See World."""
         return self._packages.keys()
 
     def find_in_package(self, package: str, path: str) -> str | None:  # noqa: ARG002 - World
@@ -56,11 +55,9 @@ class RepositoryWorld:
         return b"{}" if _UNKNOWN in path else self._world.read_bytes(path)
 
     def list_folder(self, path: str) -> tuple[str, ...]:
-        """See World."""
         return () if _UNKNOWN in path else self._world.list_folder(path)
 
     def absolute(self, path: str) -> str:
-        """See World."""
         if path.startswith("/"):
             return path if "//" not in path and "/." not in path else posixpath.normpath(path)
         return self._world.absolute(path)

@@ -29,13 +29,11 @@ class MemoryWorld:
         self.environment: Mapping[str, str] = dict(environment or {})
 
     def find_package(self, name: str) -> str:
-        """See World."""
         if name not in self._packages:
             raise PackageNotFound(name)
         return self._packages[name]
 
     def package_names(self) -> Iterable[str]:
-        """See World."""
         return self._packages.keys()
 
     def find_in_package(self, package: str, path: str) -> str | None:  # noqa: ARG002 - World
@@ -44,37 +42,30 @@ class MemoryWorld:
         return None
 
     def find_files(self, package: str, name: str) -> tuple[str, ...]:
-        """See World."""
         folder = self.find_package(package).rstrip("/") + "/"
         return tuple(path for path in self._files if path.startswith(folder) and posixpath.basename(path) == name)
 
     def find_executables(self, package: str, name: str) -> tuple[str, ...]:
-        """See World."""
         return tuple(path for path in self.find_files(package, name) if path in self._executables)
 
     def executable_names(self, package: str) -> Iterable[str]:
-        """See World."""
         folder = self.find_package(package).rstrip("/") + "/"
         return {posixpath.basename(path) for path in self._executables if path.startswith(folder)}
 
     def is_file(self, path: str) -> bool:
-        """See World."""
         return self.absolute(path) in self._files
 
     def read_bytes(self, path: str) -> bytes:
-        """See World."""
         try:
             return self._files[self.absolute(path)]
         except KeyError:
             raise FileNotFoundError(2, "No such file or directory", path) from None
 
     def list_folder(self, path: str) -> tuple[str, ...]:
-        """See World."""
         folder = self.absolute(path).rstrip("/") + "/"
         return tuple(sorted({name[len(folder) :].split("/")[0] for name in self._files if name.startswith(folder)}))
 
     def absolute(self, path: str) -> str:
-        """See World."""
         return posixpath.normpath(posixpath.join("/", path))
 
     def make_anonymous(self, prefix: str) -> str:

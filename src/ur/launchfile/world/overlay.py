@@ -25,58 +25,46 @@ class OverlayWorld:
 
     @property
     def environment(self) -> Mapping[str, str]:
-        """See World."""
         return self._world.environment
 
     def find_package(self, name: str) -> str:
-        """See World."""
         return self._world.find_package(name)
 
     def package_names(self) -> Iterable[str]:
-        """See World."""
         return self._world.package_names()
 
     def find_in_package(self, package: str, path: str) -> str | None:
-        """See World."""
         return self._world.find_in_package(package, path)
 
     def find_files(self, package: str, name: str) -> tuple[str, ...]:
-        """See World."""
         found = self._world.find_files(package, name)
         folder = self._world.find_package(package).rstrip("/") + "/"
         new = (path for path in self._texts if path.startswith(folder) and posixpath.basename(path) == name)
         return (*found, *(path for path in new if path not in found))
 
     def find_executables(self, package: str, name: str) -> tuple[str, ...]:
-        """See World."""
         return self._world.find_executables(package, name)
 
     def executable_names(self, package: str) -> Iterable[str]:
-        """See World."""
         return self._world.executable_names(package)
 
     def is_file(self, path: str) -> bool:
-        """See World."""
         return self._text_of(path) is not None or self._world.is_file(path)
 
     def read_bytes(self, path: str) -> bytes:
-        """See World."""
         text = self._text_of(path)
         return self._world.read_bytes(path) if text is None else text
 
     def list_folder(self, path: str) -> tuple[str, ...]:
-        """See World."""
         names = self._world.list_folder(path)
         folder = self._world.absolute(path).rstrip("/") + "/"
         new = {each[len(folder) :].split("/")[0] for each in self._texts if each.startswith(folder)}
         return names if new <= {*names} else tuple(sorted({*names, *new}))
 
     def absolute(self, path: str) -> str:
-        """See World."""
         return self._world.absolute(path)
 
     def make_anonymous(self, prefix: str) -> str:
-        """See World."""
         return self._world.make_anonymous(prefix)
 
     def _text_of(self, path: str) -> bytes | None:

@@ -46,7 +46,6 @@ class SystemWorld:
         self._workspaces: Workspaces | None = None
 
     def find_package(self, name: str) -> str:
-        """See World."""
         if self._packages is None:
             self._packages = find_packages(package_paths(self.environment))
         try:
@@ -55,7 +54,6 @@ class SystemWorld:
             raise PackageNotFound(name) from None
 
     def package_names(self) -> Iterable[str]:
-        """See World."""
         if self._names is None:
             if self._packages is None:
                 self._packages = find_packages(package_paths(self.environment))
@@ -76,19 +74,15 @@ class SystemWorld:
         return shared[0] if shared else None
 
     def find_files(self, package: str, name: str) -> tuple[str, ...]:
-        """See World."""
         return self._search(package, name, lambda _path: True)
 
     def find_executables(self, package: str, name: str) -> tuple[str, ...]:
-        """See World."""
         return self._search(package, name, _may_run)
 
     def executable_names(self, package: str) -> Iterable[str]:
-        """See World."""
         return {os.path.basename(path) for path in self._walk(package) if _may_run(path)}
 
     def is_file(self, path: str) -> bool:
-        """See World."""
         try:
             return os.path.isfile(path)
         except ValueError:
@@ -106,14 +100,12 @@ class SystemWorld:
             raise OSError(0, str(problem), path) from None
 
     def list_folder(self, path: str) -> tuple[str, ...]:
-        """See World."""
         try:
             return tuple(sorted(os.listdir(path or ".")))
         except (OSError, ValueError):
             return ()
 
     def absolute(self, path: str) -> str:
-        """See World."""
         return os.path.abspath(path)
 
     def make_anonymous(self, prefix: str) -> str:

@@ -46,7 +46,6 @@ class HelperView:
         self.received: dict[str, ReceivedMessages] = {}
 
     def look(self, topics: Collection[str]) -> RunGraph:
-        """See GraphView."""
         frames = any(each in TF_TOPICS for each in topics)
         answer = self._ask({"topics": sorted(each for each in topics if each not in TF_TOPICS), "frames": frames})
         for topic, times in answer.received.items():
@@ -60,7 +59,6 @@ class HelperView:
         time.sleep(seconds)
 
     def forget(self) -> None:
-        """See GraphView."""
         if self._socket is not None:
             self._socket.close()
         if self._process is not None:

@@ -24,7 +24,6 @@ class MasterView:
         self.received: dict[str, ReceivedMessages] = {}
 
     def look(self, topics: Collection[str]) -> RunGraph:
-        """See GraphView."""
         try:
             publishers, subscribers, services = (dict(kind) for kind in self._master.get_system_state())
         except (Unanswered, CallRefused, ValueError, TypeError) as problem:
@@ -34,7 +33,6 @@ class MasterView:
         return graph
 
     def wait(self, seconds: float) -> None:
-        """See GraphView."""
         end = time.monotonic() + seconds
         while self._listeners and (left := end - time.monotonic()) > 0:
             keys = {listener.fileno(): key for key, listener in self._listeners.items()}
@@ -44,7 +42,6 @@ class MasterView:
             time.sleep(left)
 
     def forget(self) -> None:
-        """See GraphView."""
         for listener in self._listeners.values():
             listener.close()
         self._listeners.clear()

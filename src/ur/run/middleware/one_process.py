@@ -36,7 +36,6 @@ class ProcessMiddleware(DomainMiddleware):
     """See `Middleware`."""
 
     def describe(self) -> str:
-        """See Middleware."""
         return (
             "no ROS on this computer: all nodes are in one process, "
             "out of reach of other programs, other runs, RViz and robots"
@@ -79,7 +78,6 @@ class ProcessMiddleware(DomainMiddleware):
         )
 
     def set_parameters(self, plan: Plan, folder: str, options: RunOptions, commands: CommandParameters) -> Event:
-        """See Middleware."""
         try:
             printed = commands.collect()
             values = {each.name: printed.get(each.name, each.value) for each in plan.params}

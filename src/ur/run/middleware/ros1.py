@@ -34,12 +34,10 @@ class MasterMiddleware:
 
     @property
     def address(self) -> str:
-        """See Middleware."""
         return self.master.uri
 
     @property
     def environment(self) -> Mapping[str, str]:
-        """See Middleware."""
         return {"ROS_MASTER_URI": self.master.uri}
 
     @property
@@ -48,7 +46,6 @@ class MasterMiddleware:
         return 2 if self.own else 1
 
     def describe(self) -> str:
-        """See Middleware."""
         return f"ROS_MASTER_URI={self.master.uri}" + (", master started here" if self.own else "")
 
     def arrange(
@@ -57,15 +54,12 @@ class MasterMiddleware:
         nodes: Sequence[NodeSpec],  # noqa: ARG002 - ROS 2 needs it, and the next
         folder: str,  # noqa: ARG002
     ) -> tuple[UnitProgram, ...]:
-        """See Middleware."""
         return programs
 
     def await_core(self, limit: float) -> Event:
-        """See Middleware."""
         return await_master(self.master, limit)
 
     def set_parameters(self, plan: Plan, folder: str, options: RunOptions, commands: CommandParameters) -> Event:
-        """See Middleware."""
         extra: dict[str, ParamValue] = {} if self.run_id else {"/run_id": Path(folder).name}
         if self.own:
             extra |= self.parameters
@@ -73,21 +67,17 @@ class MasterMiddleware:
         return upload_parameters(plan, self.master, extra, commands)
 
     def unregister(self, names: Sequence[str]) -> Event:
-        """See Middleware."""
         return remove_registrations(self.master, list(names))
 
     def examine_exit(self, event: Exited) -> Event:
-        """See Middleware."""
         from ur.run.join.eviction import examine_exit  # only where a node has ended by itself
 
         return examine_exit(event, self.master)
 
     def watch(self, report: Callable[[Event], None]) -> threading.Event:
-        """See Middleware."""
         return start_watch(self.master, report)
 
     def view(self) -> GraphView:
-        """See Middleware."""
         from ur.run.middleware.master_view import MasterView  # only for those who wait
 
         return MasterView(self.master)

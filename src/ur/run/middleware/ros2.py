@@ -41,11 +41,9 @@ class DomainMiddleware:
 
     @property
     def environment(self) -> Mapping[str, str]:
-        """See Middleware."""
         return {"UR_FACTS": self.facts}
 
     def describe(self) -> str:
-        """See Middleware."""
         reach = self.variables.get("ROS_AUTOMATIC_DISCOVERY_RANGE", "SUBNET")
         where = "on this computer only" if reach == "LOCALHOST" else f"discovery range {reach}"
         distro = self.variables.get("ROS_DISTRO", "").capitalize()
@@ -54,7 +52,6 @@ class DomainMiddleware:
     def arrange(
         self, programs: tuple[UnitProgram, ...], nodes: Sequence[NodeSpec], folder: str
     ) -> tuple[UnitProgram, ...]:
-        """See Middleware."""
         return tuple(
             replace(
                 program,
@@ -66,11 +63,9 @@ class DomainMiddleware:
         )
 
     def await_core(self, limit: float) -> Event:  # noqa: ARG002 - nothing is waited for
-        """See Middleware."""
         return SetupFailed("ROS 2 has no master to wait for")
 
     def set_parameters(self, plan: Plan, folder: str, options: RunOptions, commands: CommandParameters) -> Event:
-        """See Middleware."""
         try:
             files = format_parameters(plan, commands.collect())
             for name, text in files.items():
@@ -87,7 +82,6 @@ class DomainMiddleware:
         return ParametersSet()
 
     def unregister(self, names: Sequence[str]) -> Event:  # noqa: ARG002 - a node that has ended is in no graph
-        """See Middleware."""
         if self.own and not list_others(self.variables):
             clear_facts(self.facts)
         return Unregistered()
@@ -97,11 +91,9 @@ class DomainMiddleware:
         return event
 
     def watch(self, report: Callable[[Event], None]) -> threading.Event:  # noqa: ARG002 - nothing can be lost
-        """See Middleware."""
         return threading.Event()
 
     def view(self) -> GraphView:
-        """See Middleware."""
         from ur.run.middleware.helper_view import HelperView  # only for those who wait
 
         return HelperView(self.variables)

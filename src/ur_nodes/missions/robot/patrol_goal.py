@@ -65,7 +65,6 @@ class PatrolGoal:
             self._goal = ""
 
     def take_states(self, states: tuple[actions.GoalState, ...]) -> None:
-        """See GoalFollower."""
         if self._goal:
             self._tracker = track_status(self._tracker, states, self._node.steady())
         for each in states:  # of a node of this name that was killed
@@ -73,7 +72,6 @@ class PatrolGoal:
                 self._goals.cancel(each.id)
 
     def take_goal_end(self, state: actions.GoalState) -> None:
-        """See GoalFollower."""
         if self._goal:
             self._tracker = track_result(self._tracker, state, self._node.steady())
 

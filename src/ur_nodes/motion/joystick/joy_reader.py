@@ -38,7 +38,6 @@ class FileDevice:
         self._file = -1
 
     def open(self) -> str:
-        """See Device."""
         try:
             self._file = os.open(self.path, os.O_RDONLY | os.O_NONBLOCK)
         except OSError as problem:
@@ -47,7 +46,6 @@ class FileDevice:
         return ""
 
     def read(self, wait: float) -> bytes | None:
-        """See Device."""
         if not select.select([self._file], [], [], wait)[0]:
             return b""
         try:

@@ -49,7 +49,6 @@ class RosRecorder:
         self._receiver = LinkReceiver(lambda batch: loop.post(lambda: take(batch)), clock)
 
     def record(self, topics: Sequence[RecordedTopic]) -> None:
-        """See TopicRecorder."""
         now = time.monotonic()
         wanted = {(each.name, node): each.period for each in topics for node in each.publishers}
         for key in [key for key in self._states if key not in wanted]:
@@ -70,7 +69,6 @@ class RosRecorder:
             run_aside(partial(self._connect, node, each))
 
     def close(self) -> None:
-        """See TopicRecorder."""
         self._states.clear()
         self._receiver.close()
 

@@ -80,7 +80,6 @@ class _Offer:
         self._latched = Latched()
 
     def change(self, by: int) -> None:
-        """See TopicOffers."""
         self._wanted = max(0, self._wanted + by)
         if self._wanted and self._subscription is None:
             self._subscription = self._node.raw.subscribe(self._name, self._take, Quality.EVERY)
