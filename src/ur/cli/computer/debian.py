@@ -16,8 +16,8 @@ from ur.system.debian_root import MARK
 def command(context: click.Context) -> None:
     """Inspect, change or remove the Debian root that ROS runs in.
 
-    There is one where this computer's release has no ROS 1. The first start of ur makes it. Every command of ur, and
-    the programs of ROS, enter it by themselves.
+    It exists if this computer's release has no ROS 1. The first start of ur creates it. Commands of ur and programs of
+    ROS run in it automatically.
     """
     if context.invoked_subcommand is None:
         _run_script("status")
@@ -25,7 +25,7 @@ def command(context: click.Context) -> None:
 
 @command.command("status")
 def status() -> None:
-    """Print where the Debian root is, its version and its size."""
+    """Print the location, version and size of the Debian root."""
     _run_script("status")
 
 
@@ -54,7 +54,7 @@ def update() -> None:
 
 @command.command("remove")
 def remove() -> None:
-    """Delete the Debian root. The next start of ur makes it again; packages of this computer stay."""
+    """Delete the Debian root. The next start of ur creates it again; packages of this computer are kept."""
     _change("remove")
 
 

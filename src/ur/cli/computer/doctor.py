@@ -42,7 +42,7 @@ PAUSE = 2.0
 @click.command("doctor")
 @click.argument("robots", nargs=-1, metavar="[ROBOT ...]")
 @ALL
-@click.option("--fix", is_flag=True, help="Run the commands that can do no harm, then check again.")
+@click.option("--fix", is_flag=True, help="Run the commands that are safe, then check again.")
 @click.option("--verbose", "-v", is_flag=True, help="Show every result, and the packages that differ.")
 @click.option("--json", "as_json", is_flag=True, help="Print the findings and their commands as JSON.")
 @click.option(
@@ -54,13 +54,12 @@ PAUSE = 2.0
 def command(
     robots: tuple[str, ...], every: bool, fix: bool, verbose: bool, as_json: bool, password_from: int | None
 ) -> int:
-    """Find what is wrong between this computer and a robot.
+    """Find problems of this computer, of a robot and of their connection.
 
-    Inspects both ends; each finding has a fix, as a command where there is one. ROBOT is a name, HOST or
-    USER@HOST; without it, the selected robot, or, when that is a simulated one, this computer alone; what only a real
-    robot needs is no problem then, until one is set up from here. Several robots are examined side by side, with a
-    line for each. The exit code is 0 when all is well, 1 when something is wrong, 2 when
-    a robot could not be reached.
+    Inspects both computers; each finding has a fix, as a command where possible. ROBOT is a name, HOST or USER@HOST;
+    without it, the selected robot is inspected, or this computer alone if a simulated one is selected. Requirements of
+    real robots are then left out, unless one was set up from here. Several robots are inspected in parallel, with a
+    line for each. The exit code is 0 without a problem, 1 with one, 2 when a robot could not be reached.
     """
     chosen = choose_robots(robots, every=every)
     if is_fleet(chosen, every=every):

@@ -27,7 +27,7 @@ def command(graph: bool) -> int:
     """Print the lines that let a shell follow the selection.
 
     Evaluate it, once or in ~/.bashrc: eval "$(ur env)". Then roslaunch, rosrun and every other ROS tool find the
-    packages and the master of the selected robot. Evaluating it again does no harm.
+    packages and the master of the selected robot. It can be evaluated repeatedly.
 
     Programs of this project need no --graph: on a robot with ROS 2 they run on the robot.
     """

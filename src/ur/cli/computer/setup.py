@@ -21,13 +21,13 @@ from ur.source.project import state_folder
 
 @click.command("setup")
 @click.option("--dry-run", is_flag=True, help="Show what would be changed, and change nothing.")
-@click.option("--undo", is_flag=True, help="Take back what this command wrote; packages, keys and groups stay.")
-@click.option("--only-mine", is_flag=True, help="Only what needs no root: your shells, keys and workspace.")
+@click.option("--undo", is_flag=True, help="Undo what this command wrote; packages, keys and groups are kept.")
+@click.option("--only-mine", is_flag=True, help="Change only what needs no root: your shells, keys and workspace.")
 @click.option("--yes", is_flag=True, help="Do not ask before changing.")
 def command(dry_run: bool, undo: bool, only_mine: bool, yes: bool) -> int:
     """Set this computer up: shells, keys, workspace, names.
 
-    Shows every difference before it changes anything. Your own lines stay as they are. A second run changes nothing.
+    Shows every difference before it changes anything. Your own lines are kept. A second run changes nothing.
     """
     user = getpass.getuser()
     shell = LocalShell(terminal=sys.stdin.isatty())

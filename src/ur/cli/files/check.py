@@ -35,7 +35,7 @@ _INTERVAL = 0.3  # s between two checks for changes
     show_default=True,
     help="How findings are printed.",
 )
-@click.option("--no-cache", is_flag=True, help="Find everything again, and keep nothing for the next check.")
+@click.option("--no-cache", is_flag=True, help="Check everything again, and write nothing to the cache.")
 @click.option(
     "--explain",
     is_flag=False,

@@ -29,12 +29,12 @@ PAGE = "launches.md"
 def command(path: str, check: bool, output: str | None, site: str | None, doc_attributes: bool) -> int:
     """Write documents of launch files: one page, or a web site.
 
-    PATH is a package, a folder of packages, or any folder with launch files; without one, the current folder. What the
-    pages say is resolved for every base and variant, so that includes that depend on the base are there, too. They say
-    the same on every computer.
+    PATH is a package, a folder of packages, or any folder with launch files; without one, the current folder. Pages are
+    resolved for every base and variant, so that they also show includes that depend on the base. They are the same on
+    every computer.
 
     With --doc-attributes the comments after arguments are written into the launch files as doc=, which `roslaunch
-    --ros-args` shows; nothing else in them changes.
+    --ros-args` shows; the rest of the files is unchanged.
 
     Exit code: 0, or 1 when --check finds a difference, or 2 when there is nothing to document. Files that cannot be
     read are reported and documented as broken; `ur check` explains them.

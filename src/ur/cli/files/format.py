@@ -26,11 +26,11 @@ _STANDARD_INPUT = "-"
 @click.option("--check", is_flag=True, help="Change nothing; end with exit code 1 when something would change.")
 @click.option("--diff", is_flag=True, help="Change nothing; print what would change.")
 def command(paths: tuple[str, ...], check: bool, diff: bool) -> int:
-    """Put launch files into a standard order and layout.
+    """Format launch files: a standard order and layout.
 
     PATH is a launch file, a folder or a package; without one, the launch files below the current folder; `-` formats
     standard input to standard output. Comments stay. The plan of each file is compared, for every base and variant: a
-    file that would mean something else keeps its order.
+    file whose plan would change keeps its order.
 
     Exit code: 0, or 1 when a file has errors (it stays as it is) or, with --check and --diff, would change.
     """

@@ -81,8 +81,8 @@ def command(
 ) -> int:
     """Install what launch files need.
 
-    Prints the plan first: packages of Debian or Ubuntu, packages of PyPI, and for the others where their source is and
-    the commands that build it. Then it asks. The exit code is 1 while something is missing.
+    Prints the plan first: packages of Debian or Ubuntu, packages of PyPI, and for the others the location of their
+    source and the commands that build it. Then it asks. The exit code is 1 if something is still missing.
     """
     if undo and (words or missing or index):
         raise UserError(error("--undo takes no names, it removes all that 'ur get' has installed", rule="usage"))

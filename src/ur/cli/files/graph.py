@@ -36,7 +36,7 @@ _PICTURES = (".png", ".jpg", ".jpeg", ".gif", ".webp", ".pdf")
 @click.command("graph")
 @click.argument("argv", nargs=-1, metavar="[PACKAGE] FILE [ARG:=VALUE]... | [NODE]...")
 @click.option("--topics", is_flag=True, help="Draw nodes and topics, without starting them.")
-@click.option("--live", is_flag=True, help="Nodes and topics of now; NODE limits it to neighbours.")
+@click.option("--live", is_flag=True, help="Draw the nodes and topics that run now; NODE limits it to neighbours.")
 @click.option(
     "--as",
     "form",

@@ -11,11 +11,11 @@ from ur.request.requirements.python_packages import need_all
 
 
 @click.command("lsp")
-@click.option("--stdio", is_flag=True, help="Speak over standard input and output, as without it.")
+@click.option("--stdio", is_flag=True, help="Use standard input and output, which is the default.")
 def command(stdio: bool) -> int:  # noqa: ARG001 - what some editors give
     """Serve an editor: findings while you type, completion, definitions.
 
-    Editors start it and speak the Language Server Protocol with it, over standard input and output.
+    Editors start it and use the Language Server Protocol over its standard input and output.
 
     Exit code: 0 when the editor ends it, 2 when it could not start.
     """

@@ -40,8 +40,8 @@ _name = click.argument("name", required=False, callback=_check_name)
 def command(context: click.Context) -> int:
     """Write a node, group, view, program, script, base, package or world.
 
-    Asks for what is not given; without a terminal everything has to be given. Nothing is ever overwritten. What is
-    written passes `ur check` and appears in `ur docs`.
+    Asks for what is not given; without a terminal, everything has to be given. It never overwrites a file. The new
+    files pass `ur check` and appear in `ur docs`.
     """
     if context.invoked_subcommand is None:
         click.echo(_list_kinds(), err=True, nl=False)
@@ -75,8 +75,8 @@ def new_node(
 ) -> int:  # fmt: skip
     """Write a launch directory n_NAME for a node.
 
-    The node is started with a master of its own, and the topics, services and parameters that it has to do with become
-    arguments, remaps and a parameter file.
+    The node is started with a master of its own, and the topics, services and parameters that it uses become arguments,
+    remaps and a parameter file.
     """
     from ur.tools.new.node import plan_node
 
@@ -165,8 +165,8 @@ def new_program(name: str | None, summary: str | None, package: str | None, laun
 @click.option("--angular-velocity", type=float, help="The highest, in rad/s.")
 @click.option("--lidar/--no-lidar", default=None, help="It has a lidar. [default: as FILE says]")
 @click.option("--raspicam", is_flag=True, help="It has a Raspberry Pi camera.")
-@click.option("--driver", metavar="DRIVER", help="What drives the real one, as create2: see drivers.md.")
-@click.option("--lidar-driver", metavar="DRIVER", help="What reads its lidar, as rplidar; needs --driver.")
+@click.option("--driver", metavar="DRIVER", help="The driver of the real base, for example create2: see drivers.md.")
+@click.option("--lidar-driver", metavar="DRIVER", help="The driver of its lidar, for example rplidar; needs --driver.")
 @click.option("--like", metavar="BASE", help="Copy the parameter files of this base; without it of stage, if there.")
 @click.option("--from", "source", metavar="FILE", help="Read the figures from this URDF or xacro file.")
 @click.option(
@@ -178,7 +178,7 @@ def new_base(
     source: str | None, workspace: str | None, driver: str | None, lidar_driver: str | None,
     arguments: tuple[str, ...], **figures: float | None,
 ) -> int:  # fmt: skip
-    """Write a base: bases/NAME/base.yaml, its URDF, and a parameter file wherever others have one.
+    """Write a base: bases/NAME/base.yaml, its URDF, and the parameter files that other bases have.
 
     With --from its figures, wheels and sensors are read from a URDF or xacro file, and only the rest is asked for.
     ARG:=VALUE are arguments of the xacro file.
@@ -213,8 +213,8 @@ def new_base(
 @command.command("package")
 @_name
 @SUMMARY
-@click.option("--maintainer", help="Who looks after it.")
-@click.option("--email", help="Where to write to.")
+@click.option("--maintainer", help="The name of the maintainer.")
+@click.option("--email", help="The e-mail address of the maintainer.")
 @click.option("--license", "license_name", default="BSD", show_default=True)
 def new_package(
     name: str | None, summary: str | None, maintainer: str | None, email: str | None, license_name: str

@@ -13,9 +13,9 @@ import click
 def command(path: str, write: bool) -> int:
     """Check package.xml and CMakeLists.txt of launch files.
 
-    Every package that a launch file or program takes something from has to be a dependency, and everything that it
-    needs has to be installed. Dependencies that nothing here uses are named, and stay. A comment in package.xml names
-    packages that it can do without: <!--ur: optional NAME NAME: REASON-->.
+    Every package that a launch file or program uses has to be a dependency, and all of them have to be installed.
+    Dependencies that nothing uses are reported, and kept. A comment in package.xml lists optional packages: <!--ur:
+    optional NAME NAME: REASON-->.
 
     Exit code: 0 when nothing is missing (or with --write), 1 when something is.
     """

@@ -31,7 +31,7 @@ def launch(
 
     The file is given by path, or as a package and a file name; '-' reads it from standard input. Starts a master where
     none runs, and stops everything again at the end: on Ctrl-C, when a required node ends, or when all nodes have
-    ended. Options mean what they mean to roslaunch.
+    ended. Options have the same meaning as for roslaunch.
     """
     flags = {"nodes": nodes, "files": files, "dump-params": dump_params, "ros-args": ros_args, "dry-run": dry_run}
     queries: list[Query] = [(name, None) for name, asked in flags.items() if asked]

@@ -49,7 +49,7 @@ def make_lease_options() -> tuple[click.Option, ...]:
 
 GROUPS: Mapping[str, tuple[click.Option, ...]] = {
     "Run and output": (
-        _flag("--detach", help="Start it, and let it run on without this terminal: ur ps, attach, logs, stop."),
+        _flag("--detach", help="Start it in the background; ur ps, attach, logs and stop find it."),
         _flag("--wait", help="Wait for a master instead of starting one; with --detach: until every node is up."),
         click.Option(
             ["--timeout-ready"],
@@ -62,7 +62,7 @@ GROUPS: Mapping[str, tuple[click.Option, ...]] = {
         _flag("--log", help="Keep the standard output of every node in log files."),
         _flag("--plain", "--no-ui", help="Print lines, as roslaunch does, also on a terminal."),
         _flag("--calm", help="Show one line with the state of the run, and warnings and errors."),
-        _flag("--json", help="Print everything that happens as lines of JSON."),
+        _flag("--json", help="Print all events as lines of JSON."),
         _flag("-v", "verbose", help="List files, parameters and nodes before the start."),
         _flag("--timings", help="Print how long each step of the start took, once every node is up."),
     ),
@@ -71,7 +71,7 @@ GROUPS: Mapping[str, tuple[click.Option, ...]] = {
         click.Option(["--except", "except_"], multiple=True, metavar="NODE", help="Do not start this node."),
         _flag("--no-terminal", help="Leave out nodes that need the terminal, for example with --detach."),
         click.Option(
-            ["--prefix"], multiple=True, metavar="NODE=PREFIX", help="Put a program in front: 'talker=gdb --args'."
+            ["--prefix"], multiple=True, metavar="NODE=PREFIX", help="Start a node with a prefix: 'talker=gdb --args'."
         ),
         click.Option(
             ["--debug"],

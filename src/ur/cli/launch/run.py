@@ -35,10 +35,10 @@ def command(
 ) -> int:
     """Run a program on the selected robot.
 
-    `ur list` says which programs there are, and `ur run PROGRAM --help` describes the arguments of one. What follows
-    the program's name is its own: usually arguments of its launch file, written NAME:=VALUE. The options are handed to
-    it: they say how to begin where another client drives the robot. A file NAME.py is a script of yours, as
-    `ur new script` writes one.
+    `ur list` lists the programs, and `ur run PROGRAM --help` describes the arguments of one. Everything after the
+    program's name is passed to the program: usually arguments of its launch file, written NAME:=VALUE. The options are
+    passed on as well: they decide how to start while another client drives the robot. A file NAME.py is a script of
+    yours, as `ur new script` writes one.
     """
     if is_script(program):
         return run_script(program, arguments)

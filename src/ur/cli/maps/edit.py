@@ -23,18 +23,18 @@ _HELP = "ur maps edit NAME rotate|origin|erase|wall|keep-out|zone|place NUMBERS"
 @click.argument("change", required=False)
 @click.argument("values", nargs=-1, metavar="[VALUE ...]")
 def edit(name: str, change: str | None, values: tuple[str, ...]) -> int:
-    """Change a map: turn it, erase what was a person, draw walls and zones, name places.
+    """Edit a map: rotate it, erase people and other moved obstacles, draw walls and zones, name places.
 
-    Without CHANGE the terminal shows the map, and its keys change it; `u` there undoes.
+    Without CHANGE, the terminal shows the map, and keys edit it; `u` undoes.
 
-    Numbers are metres in the frame of the map, and degrees. `rotate` turns the map about (0, 0), without a number so
-    that its walls lie along the axes; `origin X Y` makes a point (0, 0). `erase` takes two corners of a
-    rectangle, or the corners of a polygon; `wall` takes the points of a line. `place PLACE X Y [ANGLE]` names a place
-    for keyboard_navigate. What make_map adds later is drawn below these changes.
+    Numbers are metres in the frame of the map, and degrees. `rotate` rotates the map about (0, 0), without a number so
+    that its walls are parallel to the axes; `origin X Y` moves the origin (0, 0) to a point. `erase` takes two corners
+    of a rectangle, or the corners of a polygon; `wall` takes the points of a line. `place PLACE X Y [ANGLE]` names a
+    place for keyboard_navigate. These edits stay on top of what make_map adds later.
 
-    `keep-out` makes a zone that navigation keeps out of, and that localisation does not see; its corners are those of
-    `erase`. `zone ZONE keep-out X Y ...` gives it a name, `zone ZONE PERCENT X Y ...` limits the speed in it to a
-    share of the highest, `zone ZONE delete` deletes it. A robot that navigates obeys at once.
+    `keep-out` makes a zone that navigation avoids and that localisation ignores; its corners are given as for `erase`.
+    `zone ZONE keep-out X Y ...` gives it a name, `zone ZONE PERCENT X Y ...` limits the speed in it to a share of the
+    highest, `zone ZONE delete` deletes it. Zones apply at once, also to a robot that is navigating.
     """
     store = own_store(os.environ)
     name = store.resolve(name)

@@ -76,7 +76,7 @@ def show(name: str) -> int:
 @_NAME
 @click.argument("new_name")
 def rename(name: str, new_name: str) -> int:
-    """Give a map another name; its waypoints keep it company."""
+    """Rename a map, together with its waypoints."""
     store = _store()
     _guard(lambda: store.rename(name, new_name))
     before, after = (waypoint_path(each, os.environ) for each in (name, new_name))
@@ -90,7 +90,7 @@ def rename(name: str, new_name: str) -> int:
 @click.argument("names", nargs=-1, required=True, metavar="NAME ...")
 @click.option("--yes", is_flag=True, help="Do not ask.")
 def delete(names: tuple[str, ...], yes: bool) -> int:
-    """Delete maps for good, with their scans; asks before."""
+    """Delete maps permanently, with their scans, after a question."""
     store = _store()
     for name in names:
         store.resolve(name)
@@ -129,7 +129,7 @@ def export(name: str, file: Path) -> int:
 @click.argument("file", type=click.Path(path_type=Path))
 @click.argument("name", required=False)
 def import_(file: Path, name: str | None) -> int:
-    """Take in a map: a YAML file of map_server, or the folder of a map of another user.
+    """Import a map: a YAML file of map_server, or the folder of another user's map.
 
     A map without scans can be navigated on and edited, but not continued.
     """
@@ -149,7 +149,7 @@ def import_(file: Path, name: str | None) -> int:
 @click.option("--from", "source", metavar="ROBOT", help="Copy the map from this robot to here.")
 @click.option("--as", "new_name", metavar="NAME", help="Its name there. [default: the same]")
 def copy(name: str, target: str | None, source: str | None, new_name: str | None) -> int:
-    """Copy a map to or from a robot; a map that is there is not replaced."""
+    """Copy a map to or from a robot; an existing map is not replaced."""
     from ur.cli.maps.copying import fetch_map, send_map
 
     if (target is None) == (source is None):
@@ -168,10 +168,10 @@ def copy(name: str, target: str | None, source: str | None, new_name: str | None
 @click.argument("second")
 @click.option("--as", "new_name", metavar="NAME", required=True, help="The name of the new map.")
 def merge(first: str, second: str, new_name: str) -> int:
-    """Merge two maps that overlap into a new one; both stay as they are.
+    """Merge two overlapping maps into a new one; both stay unchanged.
 
-    The new map has the frame of FIRST. Where the two differ, SECOND counts as seen later. Edits and waypoints of both
-    are taken over.
+    The new map has the frame of FIRST. Where the two differ, SECOND is taken as the newer one. The new map has the
+    edits and waypoints of both.
     """
     from ur.cli.maps.merging import MergeFailed, merge_maps
 

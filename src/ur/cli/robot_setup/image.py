@@ -42,13 +42,13 @@ def command(context: click.Context) -> None:
 
 @command.command("prepare")
 @click.argument("image", metavar="IMAGE|DEVICE")
-@click.option("--output", help="Write the prepared image here, and leave IMAGE as it is; needed for compressed ones.")
+@click.option("--output", help="Write the prepared image here, and leave IMAGE unchanged; needed for compressed ones.")
 @click.option("--name", help="The robot's name; it will answer to NAME.local.")
 @click.option("--base", help="The base of the robot.")
 @click.option("--variant", help="The variant of the base.")
 @click.option("--user", help="The user that is created.  [default: ros]")
 @click.option("--key", help="The public key that may log in.  [default: ~/.ssh/id_ed25519.pub]")
-@click.option("--ssid", help="The WiFi network it joins; without one, it needs a cable.")
+@click.option("--ssid", help="The WiFi network that it joins; without one, it needs a cable.")
 @click.option("--country", help="The country, as two letters: the permitted WiFi channels depend on it.")
 @click.option("--wifi-interface", default="wlan0", show_default=True, help="The radio's name there.")
 @click.option("--timezone", help="For instance Europe/Berlin.  [default: the image's]")
@@ -80,7 +80,7 @@ def prepare(
     ROS 1. After its first boot the robot has its name, its user, your key and the WiFi; then: ur robot setup
     USER@NAME.local.
 
-    Needs no root for image files, and asks for what it needs to know. Interrupted anywhere, an image is as it was.
+    Needs no root for image files, and asks for what it needs to know. After an interruption, the image is unchanged.
     """
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     named = output or answers["name"] or answers["base"]

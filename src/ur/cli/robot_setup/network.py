@@ -33,10 +33,10 @@ LOOK_SECONDS = 60.0
 
 @click.command("network")
 @click.argument("robot", required=False)
-@click.option("--address", metavar="ADDRESS/LENGTH", help="Its address from now on, for instance 192.168.1.7/24.")
+@click.option("--address", metavar="ADDRESS/LENGTH", help="Its new address, for example 192.168.1.7/24.")
 @click.option("--gateway", metavar="ADDRESS", help="The address of the router.")
 @click.option("--dns", "names", multiple=True, metavar="ADDRESS", help="The address of a name server; may be repeated.")
-@click.option("--dhcp", is_flag=True, help="Let the network give it an address.")
+@click.option("--dhcp", is_flag=True, help="Get an address from the network (DHCP).")
 @click.option("--device", metavar="NAME", help="Which device. [default: the one by which it is reached]")
 @PASSWORD_FROM
 @WAIT
@@ -52,10 +52,10 @@ def network(
     wait: int,
     dry_run: bool,
 ) -> int:
-    """Show a robot's network devices; give one another address, without losing the robot.
+    """Show a robot's network devices; change an address, and revert if the robot cannot be reached.
 
-    The robot takes the address and waits for this computer to reach it there. Where that does not happen, it goes back
-    to the address that it had. Needs NetworkManager on the robot.
+    The robot takes the address and waits for this computer to reach it there. If that does not happen, it returns to
+    its previous address. Needs NetworkManager on the robot.
     """
     from ur.robot.commit_confirm.network import parse_addressing
 

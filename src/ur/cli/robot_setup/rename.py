@@ -40,11 +40,11 @@ AWAY = ("unknown-host", "no-answer", "no-ssh")
 @PASSWORD_FROM
 @DRY_RUN
 def rename(robot: str, name: str, wait: int, password_from: int | None, dry_run: bool) -> int:
-    """Give a robot another name, without losing it.
+    """Rename a robot, and revert if it cannot be reached afterwards.
 
-    The robot changes its name in every place and waits for this computer to come back under the new one. Where that
-    does not happen, because a cable was pulled or this computer was switched off, the robot takes everything back by
-    itself; so it does when it loses power in the middle. Its boot services are started anew.
+    The robot changes its name everywhere and waits for this computer to reconnect under the new one. If that does not
+    happen, for example because a cable was pulled or this computer was switched off, the robot reverts the change; it
+    also does so if it loses power meanwhile. Its boot services are restarted.
     """
     from ur.request.remote.connection import connect_robot, robot_address
     from ur.robot.ssh.address import Address

@@ -79,19 +79,19 @@ def command(context: click.Context) -> None:
 @click.option("--dry-run", is_flag=True, help="Show what would be changed on the robots, and change nothing there.")
 @click.option("--host-key", metavar="SHA256:...", help="The fingerprint of its host key, with one HOST: no question.")
 @click.option("--yes", is_flag=True, help="Accept an unknown host key without a question, in a network that you trust.")
-@click.option("--new-host-key", is_flag=True, help="It was flashed again: ask about its new host key.")
+@click.option("--new-host-key", is_flag=True, help="Ask about a new host key, because the robot was flashed again.")
 @click.option(
     "--take-over",
     "between",
     is_flag=True,
     help="On a robot with ROS 2: have the mux take over the base's velocity topic from its boot on.",
 )
-@click.option("--undo", is_flag=True, help="Take back what was written on a robot with ROS 2; packages stay.")
+@click.option("--undo", is_flag=True, help="Undo what was written on a robot with ROS 2; packages are kept.")
 @click.option("--one-of-several", is_flag=True, hidden=True, help="Started by the set-up of several robots.")
 @click.option(
     "--robot-login/--no-robot-login",
     default=None,
-    help="Let it log in to this computer by key, for nodes that roslaunch starts from there. [default: ask, else no]",
+    help="Let the robot log in to this computer by key, for nodes that roslaunch starts there. [default: ask, else no]",
 )
 def setup(
     hosts: tuple[str, ...],
@@ -117,12 +117,12 @@ def setup(
     Asks for what it needs to know. Before any password is sent, it shows the fingerprint of a host key that this
     computer does not know, and asks; without a terminal, it then needs --host-key or --yes.
 
-    Looks first and changes only what is missing; interrupted anywhere, a second run finishes. A robot without internet
-    fetches its packages over this computer's connection. At the end it looks from both ends and prints what it saw;
-    then programs run there. One robot is selected (`ur use`), unless another one is. Several robots are set up side by
-    side, with a line for each; what is asked, is asked before.
+    Inspects first and changes only what is missing; after an interruption, a second run finishes the set-up. A robot
+    without internet fetches its packages over this computer's connection. At the end it checks the connection from both
+    ends and prints the result; the robot is then ready to run programs. A single robot is selected (`ur use`), unless
+    another one is. Several robots are set up in parallel, with a line for each, after all questions.
 
-    --take-over changes the unit of a driver that is not this project's. --undo takes that back, too.
+    --take-over changes the unit of a driver that is not this project's. --undo reverts that, too.
 
     FILE is YAML: `robots:`, a list of mappings with `host`, `name`, `base` and, if wanted, `user`, `variant`,
     `host_key: SHA256:...`, `master: false` and `programs: false`.

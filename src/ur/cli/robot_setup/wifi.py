@@ -43,11 +43,11 @@ def wifi(
     wait: int,
     dry_run: bool,
 ) -> int:
-    """Show a robot's wireless networks; join or forget one, without losing the robot.
+    """Show a robot's wireless networks; join or forget one, and revert if the robot cannot be reached.
 
-    The robot joins the network and waits for this computer to reach it there: join the same network meanwhile. Where
-    that does not happen, it goes back to the network that it had. What it knew before stays, for places where the new
-    network is not in reach. Needs NetworkManager on the robot.
+    The robot joins the network and waits for this computer to reach it there: join the same network meanwhile. If that
+    does not happen, it returns to its previous network. Networks that it knew before are kept, for places where the new
+    one is out of range. Needs NetworkManager on the robot.
     """
     if ssid is not None and forget is not None:
         raise click.UsageError("--ssid and --forget cannot be used together")

@@ -51,11 +51,11 @@ def install(
 ) -> int:
     """Start a ROS master when the robot boots, and a launch file, program or command after it; `web` is its page.
 
-    Both wait for the robot's address; what ends is started again, after pauses that grow while it keeps ending. The
-    launch file has to be on the robot: `ur sync` brings it. It gets what the robot knows of itself: base, variant,
-    that nothing is simulated. All run as the robot's user, with the environment of that user's login shell; on a robot
-    with ROS 2, without a master, in the domain and namespace of its nodes. Several robots are changed side by side,
-    with a line for each.
+    Both wait for the robot's address; a service that ends is restarted, after pauses that grow if it keeps ending. The
+    launch file has to be on the robot: `ur sync` copies it. Its arguments get the robot's base and variant, and that
+    nothing is simulated. All services run as the robot's user, with the environment of that user's login shell; on a
+    robot with ROS 2, without a master, in the domain and namespace of its nodes. Several robots are changed in
+    parallel, with a line for each.
     """
     chosen = choose_robots(robots, every=every)
     if is_fleet(chosen, every=every):
@@ -96,11 +96,11 @@ def install(
 
 @command.command("link")
 @_robot
-@click.option("--look", is_flag=True, help="Make a link that may look and stop the robot, but not drive.")
+@click.option("--look", is_flag=True, help="Make a link that allows watching and stopping the robot, but not driving.")
 def link(robot: str | None, look: bool) -> int:
     """Print a link, and its QR code, to the page that `ur boot install web` has a robot serve.
 
-    It is good for one login within an hour.
+    It is valid for one login within an hour.
     """
     need_all(["segno"], "web.lock", "what the page needs (2 MB to download)")
     address = robot_address(robot)
@@ -125,7 +125,7 @@ def link(robot: str | None, look: bool) -> int:
 def status(robots: tuple[str, ...], every: bool) -> int:
     """Show what the robot starts when it boots, its state, and its last lines.
 
-    Several robots are asked side by side. The exit code is 1 when one of the services does not run.
+    Several robots are asked in parallel. The exit code is 1 when one of the services does not run.
     """
     chosen = choose_robots(robots, every=every)
     if is_fleet(chosen, every=every):
@@ -169,7 +169,7 @@ def log(robot: str | None, follow: bool, lines: int, name: str) -> int:
 @PASSWORD_FROM
 @click.argument("names", nargs=-1, metavar="[NAME ...]")
 def remove(robots: tuple[str, ...], every: bool, password_from: int | None, names: tuple[str, ...]) -> int:
-    """Stop boot services and start them no more; without NAME, all of them."""
+    """Stop boot services and remove them; without NAME, all of them."""
     for name in names:
         check_name(name, "ur boot status", master=True)
     chosen = choose_robots(robots, every=every)

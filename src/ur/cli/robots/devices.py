@@ -30,21 +30,21 @@ from ur.source.progress_line import show_progress
 
 
 @click.command("devices")
-@click.option("--robot", metavar="ROBOT", help="The robot to look at: a name, HOST or USER@HOST. [default: here]")
+@click.option("--robot", metavar="ROBOT", help="The robot to inspect: a name, HOST or USER@HOST. [default: here]")
 @click.option("--probe", is_flag=True, help="Ask devices what they are, where the question changes nothing.")
 @click.option("--base", metavar="BASE", help="Compare with what this base needs. [default: the robot's]")
 @click.option("--variant", default="", help="The variant of BASE.")
 @click.option(
-    "--rules", is_flag=True, help="Print udev rules with the stable names that BASE needs, and look at nothing."
+    "--rules", is_flag=True, help="Print udev rules with the stable names that BASE needs, and inspect nothing."
 )
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 def command(robot: str | None, probe: bool, base: str | None, variant: str, rules: bool, as_json: bool) -> int:
     """List the devices of this computer or a robot.
 
-    They are lidars, motor boards, cameras, joysticks. Of each: what it probably is by its USB id, the name that stays
-    the same in every port and after every boot, whether you may open it, and which program has it open. On a robot, or
-    with --base, it also says which device of the base is missing. The exit code is 1 when an expected device cannot be
-    used.
+    They are lidars, motor boards, cameras, joysticks. Each line has the probable model by the USB id, the name that is
+    the same at every port and after every boot, whether you may open the device, and which program has it open. On a
+    robot, or with --base, the missing devices of the base are listed as well. The exit code is 1 when an expected
+    device cannot be used.
     """
     expected = _find_expected(robot, base, variant)
     if rules:

@@ -36,7 +36,7 @@ if TYPE_CHECKING:
 
 _LONGEST_REPORT = 64 << 20  # characters
 MOST_LINES = 60  # lines of one robot's output that are printed after the table; its file has all of them
-ALL = click.option("--all", "every", is_flag=True, help="All robots that were set up from this computer, side by side.")
+ALL = click.option("--all", "every", is_flag=True, help="All robots that were set up from this computer, in parallel.")
 
 
 def choose_robots(named: Sequence[str], *, every: bool) -> tuple[str, ...]:

@@ -23,8 +23,8 @@ _AREA = re.compile(r"(?:([\w -]{1,40})=)?(-?[\d.]+),(-?[\d.]+),(-?[\d.]+),(-?[\d
 def command(context: click.Context) -> int:
     """Let an assistant look at the robot, and drive it.
 
-    It serves the Model Context Protocol over standard input and output; the assistant's program starts it. Looking
-    needs nothing. To drive, the assistant needs a grant: 'ur mcp grant' gives one in a terminal, for a time, an area
+    It serves the Model Context Protocol over standard input and output; the assistant's program starts it. Reading
+    needs no grant. To drive, the assistant needs a grant: 'ur mcp grant' gives one in a terminal, for a time, an area
     and a speed.
     """
     if context.invoked_subcommand is not None:
@@ -59,8 +59,8 @@ def grant(
 ) -> int:  # fmt: skip
     """Let an assistant drive, for a time, in an area, at most at a speed.
 
-    Every screen of the robot shows the grant while the assistant drives; `d` on one of them, or 'ur mcp end', takes it
-    back. It has to be typed in a terminal.
+    Every screen of the robot shows the grant while the assistant drives; `d` on one of them, or 'ur mcp end', revokes
+    it. It has to be typed in a terminal.
     """
     if not sys.stdin.isatty():
         message = "standard input is no terminal, expected a person who gives the grant"
@@ -92,7 +92,7 @@ def grant(
 @command.command("end")
 @click.option("--of", metavar="ID", help="Of this server only; 'ur mcp list' names them.")
 def end(of: str | None) -> int:
-    """Take the grants of all assistants back, at once."""
+    """Revoke the grants of all assistants at once."""
     from ur.mcp.grants import grant_files
 
     files = grant_files()
@@ -120,9 +120,9 @@ def list_servers(granted: bool) -> int:
 
 
 @command.command("log")
-@click.option("--follow", is_flag=True, help="Go on with what comes, until Ctrl-C.")
+@click.option("--follow", is_flag=True, help="Print further entries as they arrive, until Ctrl-C.")
 def log(follow: bool) -> int:
-    """Print what assistants have asked for, and what became of it."""
+    """Print the requests of assistants, and their results."""
     from ur.mcp.grants import grant_files
 
     path = grant_files().log

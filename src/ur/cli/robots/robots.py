@@ -41,11 +41,11 @@ Look = Callable[[], list[RobotRow]]
 def command(names: tuple[str, ...], watch: bool, seconds: float, as_json: bool) -> int:
     """List the robots on the network, and those known but away.
 
-    Robots announce themselves once `ur robot setup` has set them up. `runs` is what the robot's ROS master knows and
-    what it starts at boot; `clock` how far its clock is ahead of ours, or why that is not known. A robot that is just
-    starting is waited for, some seconds longer than `--seconds`. With ROBOTs only these are listed, as soon as all of
-    them have answered. The exit code is 1 when no robot answers, one of the ROBOTs is away, or a robot has a problem
-    with its name.
+    Robots announce themselves once `ur robot setup` has set them up. `runs` lists what runs at the robot's ROS master
+    and what it starts at boot; `clock` is the offset of its clock from ours, or why that is unknown. The command waits
+    some seconds longer than `--seconds` for a robot that is starting. With ROBOTs, only these are listed, as soon as
+    all of them have answered. The exit code is 1 when no robot answers, one of the ROBOTs is away, or a robot has a
+    problem with its name.
     """
     wanted = read_names(names)
     need("zeroconf", "robot.lock")

@@ -25,9 +25,9 @@ from ur.source.diagnostic import UserError, error
 def command(robot: str | None, argv: tuple[str, ...]) -> int:
     """Open a shell on a robot, or run one command there.
 
-    ROBOT is a name, HOST or USER@HOST; without it, the selected robot. Its host key must be known: `ur robot setup` has
-    seen to that. The exit code is that of the command. A COMMAND of one word is a line for the shell there ('ls | wc');
-    several words arrive as they are.
+    ROBOT is a name, HOST or USER@HOST; without it, the selected robot. Its host key must be known, as it is after `ur
+    robot setup`. The exit code is that of the command. A COMMAND of one argument is a command line for the shell there
+    ('ls | wc'); several arguments are passed unchanged.
     """
     return run_ssh(robot_address(robot), [] if argv else ["-t"], argv)
 

@@ -22,15 +22,15 @@ from ur.system.ros import find_ros
 @click.argument("selection", required=False, metavar="[sim|ROBOT][:BASE[:VARIANT]]")
 @click.option("--away", is_flag=True, help="Select a robot that is away and was never set up from this computer.")
 @click.option(
-    "--ros", type=click.Choice(["1", "2", "none"]), help="The ROS of the simulated robot; it is installed if need be."
+    "--ros", type=click.Choice(["1", "2", "none"]), help="The ROS of the simulated robot; it is installed if necessary."
 )
 def command(selection: str | None, away: bool, ros: str | None) -> int:
     """Select a robot, or show which one is selected.
 
     `ur use sim` selects the simulated robot, `ur use sim:magni` the simulated Magni, `ur use sim:magni:lidar` the one
-    with a lidar; `ur use ROBOT` the robot whose computer answers to ROBOT.local. `ur use sim --ros 2` simulates on
-    ROS 2, until `--ros` chooses otherwise; `--ros none` without ROS, with all nodes in one process. Without an argument
-    it prints the selection.
+    with a lidar; `ur use ROBOT` the robot whose computer answers to ROBOT.local. `ur use sim --ros 2` simulates on ROS
+    2 until another `--ros` is given; `--ros none` without ROS, with all nodes in one process. Without an argument it
+    prints the selection.
     """
     if selection is None:
         if away or ros:

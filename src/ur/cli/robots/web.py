@@ -19,7 +19,7 @@ from ur.source.diagnostic import UserError, error
 @click.argument("robot", required=False)
 @click.option("--port", type=click.IntRange(1, 65535), help="The port; the first free one from 8090 on unless given.")
 @click.option("--phone", is_flag=True, help="Let other devices in the network open the page, and print a QR code.")
-@click.option("--look", is_flag=True, help="Make a link that may look and stop the robot, but not drive.")
+@click.option("--look", is_flag=True, help="Make a link that allows watching and stopping the robot, but not driving.")
 @click.option("--no-browser", is_flag=True, help="Open no browser on this computer.")
 @click.option("--foxglove", is_flag=True, help="Print an address for Foxglove and Lichtblick, too.")
 @click.option(
@@ -34,7 +34,7 @@ from ur.source.diagnostic import UserError, error
     type=click.FloatRange(0.01, 3650),
     default=30.0,
     show_default=True,
-    help="Days for which a login is good, however often it is used.",
+    help="Days until a login expires, also if it is used.",
 )
 @click.option("--sessions", is_flag=True, help="List the devices that are logged in, and start no server.")
 @click.option("--end", metavar="NAME|all", help="Log out the device of this name, or all, and start no server.")
@@ -60,9 +60,9 @@ def command(
 ) -> int:
     """Show and drive a robot in a browser.
 
-    Serves a page on this computer only, or with --phone in the network, and prints a link to it that is good for one
-    login. The page shows the robot whose program runs, for example `ur run keyboard_navigate`, and waits for it where
-    none does.
+    Serves a page on this computer only, or with --phone in the network, and prints a link to it that is valid for one
+    login. The page shows the robot of the program that runs, for example `ur run keyboard_navigate`, and waits for one
+    if none runs.
     """
     if prepare_3d:  # for the page, when its 3D view is first opened
         need_all(["jupyter_threejs_sage"], "three.lock", "what the 3D view needs (1 MB to download)")

@@ -31,7 +31,9 @@ SETTLE = 2  # s in which no echo can be settled yet
 
 @click.command("wifi")
 @click.argument("robot", required=False)
-@click.option("--watch", is_flag=True, help="Go on until Ctrl-C, with plots; without a terminal, a line each second.")
+@click.option(
+    "--watch", is_flag=True, help="Measure until Ctrl-C, with plots; without a terminal, print a line each second."
+)
 @click.option(
     "--seconds", type=click.IntRange(1, 86400), default=None, help="How long to measure. [default: 5; --watch: no end]"
 )
@@ -39,14 +41,14 @@ SETTLE = 2  # s in which no echo can be settled yet
     "--log",
     type=click.Path(dir_okay=False, path_type=Path),
     metavar="FILE",
-    help="Write each second to a CSV file, which must not be there yet.",
+    help="Write a line each second to a new CSV file.",
 )
 def command(robot: str | None, watch: bool, seconds: int | None, log: Path | None) -> int:
     """Measure the connection to a robot: signal of both, latency, loss.
 
-    Carry this computer or the robot around and watch: where does it get worse? ROBOT is a name, HOST or USER@HOST;
-    without it, the selected robot. When the robot drops away the gap is marked, and it goes on. Where there is no
-    wireless interface, latency and loss remain. The exit code is 1 when nothing was answered.
+    Carry this computer or the robot around to find the places where the connection is bad. ROBOT is a name, HOST or
+    USER@HOST; without it, the selected robot. When the robot cannot be reached, the gap is marked and the measurement
+    continues. Without a wireless interface, only latency and loss are measured. The exit code is 1 without any answer.
     """
     address = robot_address(robot)
     if shutil.which("ping") is None:

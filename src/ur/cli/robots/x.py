@@ -26,8 +26,8 @@ STILL_OPEN = 124  # timeout(1)
 def command(robot: str, argv: tuple[str, ...], check: bool) -> int:
     """Run a program on a robot with its windows here.
 
-    For instance: ur x bob xterm. The exit code is that of the program. One word is a line for the shell there, several
-    words arrive as they are.
+    For example: ur x bob xterm. The exit code is that of the program. A single argument is a command line for the shell
+    there, several arguments are passed unchanged.
     """
     if not argv and not check:
         raise click.UsageError("missing argument 'PROGRAM'")

@@ -31,7 +31,7 @@ from ur.source.render import shows_colour
 
 @click.command("attach")
 @click.argument("run", required=False)
-@click.option("--json", "as_json", is_flag=True, help="Print everything that happens as lines of JSON.")
+@click.option("--json", "as_json", is_flag=True, help="Print all events as lines of JSON.")
 @click.option("--plain", "--no-ui", is_flag=True, help="Print lines, also on a terminal.")
 @click.option("--calm", is_flag=True, help="Show one line with the state of the run, and warnings and errors.")
 def command(run: str | None, as_json: bool, plain: bool, calm: bool) -> int:

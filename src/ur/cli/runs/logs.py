@@ -38,8 +38,8 @@ POLL_PERIOD = 0.1  # s
 def command(node: str | None, run: str | None, follow: bool, lines: int | None, only_path: bool) -> int:
     """Print what a node has printed so far.
 
-    Without NODE: what the run itself reports, if it is detached. Of a run that has ended (`ur ps --ended`), or
-    where nothing runs any more: how it ended, and its last lines.
+    Without NODE, prints what the run itself has reported, if it is detached. For a run that has ended (`ur ps
+    --ended`), or if nothing runs any more, prints how it ended and its last lines.
     """
     ended = find_ended_run(run)
     if ended is not None:

@@ -23,9 +23,9 @@ from ur.run.remote.clients import read_clients
 def command(as_json: bool, ended: bool) -> int:
     """List the runs on this computer.
 
-    Those that are detached and those in a terminal. RUN is what `ur attach`, `ur stop`, `ur wait` take; its beginning
-    is enough where it is the only one. USED BY names the runs that have joined a run, and on a robot the computers
-    whose programs use it.
+    Lists detached runs and those of terminals. RUN is the argument of `ur attach`, `ur stop` and `ur wait`; a unique
+    beginning of it is enough. USED BY names the runs that have joined a run, and on a robot the computers whose
+    programs use it.
     """
     if ended:
         return _list_ended(as_json=as_json)

@@ -21,15 +21,15 @@ _LAUNCH = "n_record/launch/n_record.launch.xml"
     "--split", "megabytes", type=click.FloatRange(min=1), metavar="MB", help="Begin a new file after so many MB."
 )
 @click.option("--keep-free", "free", type=click.FloatRange(min=10), metavar="MB", help="End while so many MB are free.")
-@click.option("--detach", is_flag=True, help="Record on, without this terminal, until 'ur stop n_record'.")
+@click.option("--detach", is_flag=True, help="Record in the background, until 'ur stop n_record'.")
 def command(
     topics: tuple[str, ...], folder: str | None, megabytes: float | None, free: float | None, detach: bool
 ) -> int:
-    """Write topics to MCAP files for as long as wanted.
+    """Record topics to MCAP files, for as long as you like.
 
     TOPICS are names, in which `*` stands for any characters; all topics unless given. The files are compressed and
-    split, and the disk is never filled. On a selected robot they are on the robot, and the recording goes on without
-    this computer until `ur stop n_record` there. Ctrl-C ends one of this computer.
+    split, and the disk is never filled. On a selected robot they are on the robot, and the recording continues without
+    this computer until `ur stop n_record` there. On this computer, Ctrl-C ends the recording.
     """
     from ur.request.environment import current_selection
 

@@ -25,9 +25,9 @@ _LOOK = 0.1  # s
 def command(run: str | None, output: str | None) -> int:
     """Write what happened in a run into one archive.
 
-    It holds the newest recording of the black box, logs, parameters, versions, the changes of the workspace, and
-    report.html, a page that shows them without a network. Of a run that is active, the black box writes its memory
-    first. Passwords, keys, tokens, names of wireless networks and of home folders are removed; removed.txt lists where.
+    The archive has the newest recording of the black box, logs, parameters, versions, the changes of the workspace, and
+    report.html, a page that shows them offline. If the run is active, its black box writes its recording first.
+    Passwords, keys, tokens, names of wireless networks and of home folders are removed; removed.txt lists where.
     """
     from ur.recordings.black_boxes import recordings_folder
     from ur.report.archive import list_run_recordings, write_report

@@ -30,8 +30,8 @@ from ur.source.progress_line import show_progress
 def command(run: str | None, timeout: float) -> int:
     """Return when every node of a run is up.
 
-    A node is up when its process runs, the master knows it, and what its `ready:` comment asks for is there. Exit code
-    1, with what is missing and why, when that is not so in time, or when the run ends.
+    A node is up when its process runs, the master knows it, and the conditions of its `ready:` comment are met. The
+    exit code is 1, with what is missing and why, if that takes longer than the limit or the run ends.
     """
     return wait_ready(choose_run(run), timeout)
 

@@ -78,7 +78,7 @@ COMPUTER = (
         "Inspect, change or remove the Debian root that ROS runs in.",
         _SECTION,
         arguments=("debian command",),
-        examples=(("ur debian status", "Print where the root is, and its size."), ("ur debian remove", "Delete it.")),
+        examples=(("ur debian status", "Print the location and size of the root."), ("ur debian remove", "Delete it.")),
         trust=Trust(
             "the Debian root",
             starts="programs of the Debian root; `install`, `update` and `remove` by `sudo`",
@@ -88,7 +88,7 @@ COMPUTER = (
         below={
             "status": Below(
                 examples=(
-                    ("ur debian status", "Print where the root is, and its size."),
+                    ("ur debian status", "Print the location and size of the root."),
                     ("ur help debian", "List the other commands."),
                 )
             ),

@@ -52,7 +52,7 @@ DRIVING = (
         examples=(
             ("ur web", "Serve the page of the selected robot and print a link to it."),
             ("ur web --phone", "Let a phone in the same network open it; prints a QR code."),
-            ("ur web bob --look", "Make a link that may look but not drive."),
+            ("ur web bob --look", "Make a link that allows watching but not driving."),
             ("ur web --sessions", "List the devices that are logged in."),
             ("ur web --end 'Linux 2'", "Log one of them out."),
         ),
@@ -69,7 +69,7 @@ DRIVING = (
         "Let an assistant look at the robot, and drive it.",
         _SECTION,
         examples=(
-            ("ur mcp log", "Print what assistants have asked for."),
+            ("ur mcp log", "Print the requests of assistants."),
             ("ur mcp grant --minutes 30 --speed 0.2", "Let it drive for half an hour."),
         ),
         trust=Trust(
@@ -90,8 +90,8 @@ DRIVING = (
             ),
             "end": Below(
                 examples=(
-                    ("ur mcp end", "Take all grants back: the robot stops."),
-                    ("ur mcp end --of 1f2e3d4c", "Take back that of one assistant."),
+                    ("ur mcp end", "Revoke all grants: the robot stops."),
+                    ("ur mcp end --of 1f2e3d4c", "Revoke that of one assistant."),
                 ),
             ),
             "list": Below(
@@ -102,8 +102,8 @@ DRIVING = (
             ),
             "log": Below(
                 examples=(
-                    ("ur mcp log", "Print what assistants have asked for."),
-                    ("ur mcp log --follow", "Go on with what comes."),
+                    ("ur mcp log", "Print the requests of assistants."),
+                    ("ur mcp log --follow", "Print further entries as they arrive."),
                 ),
             ),
         },
@@ -131,7 +131,7 @@ DRIVING = (
                 descriptions=(_MAP, "A name that no map has."),
                 examples=(
                     ("ur maps rename map-2026-05-01 flat", "Name a map."),
-                    ("ur maps rename flat old-flat", "Make room for another one."),
+                    ("ur maps rename flat old-flat", "Free the name for another map."),
                 ),
             ),
             "delete": Below(
@@ -154,7 +154,7 @@ DRIVING = (
                     "Its name here; that of the file unless given.",
                 ),
                 examples=(
-                    ("ur maps import ~/catkin_ws/src/maps/office.yaml", "Take in a map under the name office."),
+                    ("ur maps import ~/catkin_ws/src/maps/office.yaml", "Import a map under the name office."),
                     ("ur maps import map.yaml flat", "Choose its name."),
                 ),
             ),
@@ -165,8 +165,8 @@ DRIVING = (
                     "Its numbers, in metres and degrees; before them the name of a place or zone.",
                 ),
                 examples=(
-                    ("ur maps edit flat rotate", "Turn a map so that its walls lie along the axes."),
-                    ("ur maps edit flat erase 1.5 2 2.5 3", "Erase what stands in a rectangle."),
+                    ("ur maps edit flat rotate", "Rotate a map so that its walls are parallel to the axes."),
+                    ("ur maps edit flat erase 1.5 2 2.5 3", "Erase a rectangle."),
                     ("ur maps edit flat wall 0 0 0 2.5", "Draw a wall."),
                     ("ur maps edit flat zone stairs keep-out 1 2 3 4", "Keep out of a rectangle."),
                     ("ur maps edit flat zone hall 40 5 0 9 3", "Drive at 40 % of the highest speed there."),
@@ -174,7 +174,7 @@ DRIVING = (
                 ),
             ),
             "merge": Below(
-                descriptions=("The map whose frame the new one has.", "The map that is laid on it."),
+                descriptions=("The map whose frame the new one has.", "The map that is merged into it."),
                 examples=(
                     ("ur maps merge flat attic --as house", "Join two maps that share some floor."),
                     ("ur maps merge flat map-2026-11-01 --as flat-2", "Bring a map up to date with a later one."),

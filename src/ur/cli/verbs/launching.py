@@ -147,13 +147,13 @@ LAUNCHING = (
     Verb(
         "record",
         "ur.cli.runs.record",
-        "Write topics to MCAP files for as long as wanted.",
+        "Record topics to MCAP files, for as long as you like.",
         _SECTION,
         descriptions=("Names of topics, in which '*' stands for any characters; all topics unless given.",),
         examples=(
             ("ur record", "Record all topics until Ctrl-C."),
             ("ur record /scan /odom '/camera/*' --to ~/recordings", "Choose the topics and the folder."),
-            ("ur record --detach", "Record on without this terminal; 'ur stop n_record' ends it."),
+            ("ur record --detach", "Record in the background; 'ur stop n_record' ends it."),
         ),
         trust=Trust(
             "messages of all nodes, as bytes",

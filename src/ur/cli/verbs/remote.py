@@ -78,7 +78,7 @@ REMOTE = (
             "link": Below(
                 examples=(
                     ("ur boot link --robot bob", "Print a link to the page of bob, and its QR code."),
-                    ("ur boot link --look", "Print one that may look but not drive."),
+                    ("ur boot link --look", "Print one that allows watching but not driving."),
                 )
             ),
             "log": Below(
@@ -128,7 +128,7 @@ REMOTE = (
         examples=(
             ("ur build", "Build the workspace of this computer."),
             ("ur build bob -j 2", "Build that of a robot."),
-            ("ur build bob eve", "Build those of two robots, side by side."),
+            ("ur build bob eve", "Build those of two robots, in parallel."),
         ),
         trust=Trust(
             "the workspace",
@@ -146,7 +146,7 @@ REMOTE = (
         descriptions=(_ROBOT,),
         examples=(
             ("ur mount bob", "Mount a robot's workspace at ~/robots/bob."),
-            ("ur mount bob --at /tmp/bob", "Elsewhere."),
+            ("ur mount bob --at /tmp/bob", "Mount it at another path."),
         ),
         trust=Trust("files of the robot", starts="`sshfs`", sends=f"file operations, to {SSH}", writes="a folder"),
     ),

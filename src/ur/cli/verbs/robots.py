@@ -120,13 +120,13 @@ ROBOTS = (
     Verb(
         "doctor",
         "ur.cli.computer.doctor",
-        "Find what is wrong between this computer and a robot.",
+        "Find problems of this computer, of a robot and of their connection.",
         _SECTION,
         arguments=("robot", "..."),
         descriptions=("Robots: names, HOST or USER@HOST; the selected robot unless given.",),
         examples=(
             ("ur doctor", "Check the selected robot and this computer."),
-            ("ur doctor bob eve", "Check two other robots, side by side."),
+            ("ur doctor bob eve", "Check two other robots, in parallel."),
             ("ur doctor --all", "Check every robot that was set up from this computer."),
         ),
         trust=Trust(

@@ -96,14 +96,14 @@ WRITING = (
                 descriptions=(_NEW,),
                 examples=(
                     ("ur new package my_robot", "Write a package, and ask for the rest."),
-                    ('ur new package my_robot --summary "Programs for my robot."', "Say what it is for."),
+                    ('ur new package my_robot --summary "Programs for my robot."', "Give the summary as an option."),
                 ),
             ),
             "script": Below(
                 descriptions=("The name of the file, in lower-case letters, digits and _.",),
                 examples=(
                     ("ur new script look_around", "Write look_around.py, which drives the selected robot."),
-                    ("ur new script tour --summary 'Visit the doors'", "Say what it is for."),
+                    ("ur new script tour --summary 'Visit the doors'", "Give the summary as an option."),
                 ),
             ),
             "world": Below(
@@ -132,7 +132,7 @@ WRITING = (
     Verb(
         "format",
         "ur.cli.files.format",
-        "Put launch files into a standard order and layout.",
+        "Format launch files: a standard order and layout.",
         _SECTION,
         arguments=("files", "..."),
         descriptions=(f"{_PATHS} '-' formats standard input to standard output.",),
@@ -176,7 +176,7 @@ WRITING = (
         _SECTION,
         examples=(
             ("ur lsp", "Serve the editor that started it; see docs/how-to/edit-launch-files.md."),
-            ("ur lsp --stdio", "The same, for editors that give this option."),
+            ("ur lsp --stdio", "The same, for editors that pass this option."),
         ),
         trust=Trust(
             f"{LAUNCH}; requests of the editor that started it",

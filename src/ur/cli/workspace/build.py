@@ -32,10 +32,10 @@ END_SECONDS = 15.0  # longer than build_attached takes for all its steps
 def command(robots: tuple[str, ...], every: bool, packages: tuple[str, ...], jobs: int | None) -> int:
     """Build the catkin workspace here or on robots.
 
-    ~/catkin_ws of this computer, or with ROBOT of that one, with catkin_make, or with catkin build where the workspace
-    was made with it. Prints its output as it arrives; Ctrl-C ends it, on the robot, too. Several robots build side by
-    side, with a line for each; what a build that failed has printed follows. The exit code is that of the build, the
-    highest of several.
+    Builds ~/catkin_ws of this computer, or of ROBOT, with catkin_make, or with catkin build if the workspace was made
+    with it. Prints its output as it arrives; Ctrl-C ends it, also on the robot. Several robots build in parallel, with
+    a line for each; then the output of failed builds follows. The exit code is that of the build, or the highest of
+    several.
     """
     names = [name for each in packages for name in each.replace(",", " ").split()]
     chosen = choose_robots(robots, every=every)

@@ -23,7 +23,8 @@ def command(path: str, output: str | None, prefix: str | None) -> int:
     """Convert launch files of ROS 1 to XML for ros2 launch.
 
     PATH is a launch file, which is printed, or a package or folder, of which all launch files are converted, with the
-    files of parameters that they load. What ROS 2 has no counterpart for is named with its place and what to do.
+    files of parameters that they load. Everything without a counterpart in ROS 2 is reported with its position and what
+    to do.
 
     With --prefix the folder also gets links to all other files of the package and to its programs; add it to
     AMENT_PREFIX_PATH, before that of ROS 2.

@@ -35,7 +35,7 @@ SECONDS = 30.0
 def command(robot: str | None, at: Path | None, over: bool, folder: str) -> int:
     """Mount a folder of a robot here.
 
-    When the network drops, programs get an error within seconds instead of freezing, and go on when it is back.
+    Without the network, programs get an error within seconds instead of waiting, and continue when it is back.
     """
     if at and over:
         raise click.UsageError("--at and --over are two places, expected one of them")

@@ -28,12 +28,12 @@ from ur.source.progress_line import show_progress
 @click.argument("robot", required=False)
 @click.argument("paths", nargs=-1, metavar="[PATH ...]")
 @ALL
-@click.option("--to", "only_to", is_flag=True, help="Only from here to the robot.")
-@click.option("--from", "only_from", is_flag=True, help="Only from the robot to here.")
+@click.option("--to", "only_to", is_flag=True, help="Copy only from this computer to the robot.")
+@click.option("--from", "only_from", is_flag=True, help="Copy only from the robot to this computer.")
 @click.option(
     "--take", type=click.Choice(SIDES), help="Decide conflicts of the PATHs: the file here, or the one there."
 )
-@click.option("--dry-run", is_flag=True, help="Show what would be done, and change nothing.")
+@click.option("--dry-run", is_flag=True, help="Show the plan, and change nothing.")
 @click.option("--yes", is_flag=True, help="Do not ask before changing.")
 @click.option(
     "--agree-through", type=int, hidden=True, help="The socket to the `ur sync` that asks for several robots."
@@ -51,14 +51,14 @@ def command(
 ) -> int:
     """Synchronise the workspaces of this computer and robots.
 
-    Both ways, between ~/catkin_ws/src here and there. Shows what it will do and asks. A file that was changed on both
-    sides since the last sync is a conflict: it is named and left alone on both, until --take says for its PATH which
-    one counts; the other one is kept. A deletion is carried over only when the other side has not changed the file.
-    With PATHs, only these and what is below them. Not carried: .git, build, devel, __pycache__, and what .ursyncignore
-    in the workspace names.
+    Synchronises ~/catkin_ws/src of both computers, in both directions. Shows its plan and asks. A file that was changed
+    on both sides since the last sync is a conflict: it is reported and left unchanged on both, until --take chooses for
+    its PATH which one is used; the other one is kept. A deletion is copied only if the other side has not changed the
+    file. With PATHs, only these and what is below them are synchronised. Not copied: .git, build, devel, __pycache__,
+    and what .ursyncignore in the workspace names.
 
-    ROBOT may be several, joined by commas; with --all, every word is a PATH. They are synced side by side: first all
-    plans are made and shown, then one question is about all of them. What one robot brings reaches the others with the
+    ROBOT may be several, joined by commas; with --all, every word is a PATH. They are synchronised in parallel: first
+    all plans are shown, then one question is asked about all of them. Changes of one robot reach the others with the
     next sync.
     """
     if every and robot is not None:

@@ -17,7 +17,7 @@ from ur.source.progress_line import show_progress
 def command(robot: str | None) -> int:
     """Unmount the folders of a robot.
 
-    Works without the robot, too: when it is off or out of reach.
+    Works also if the robot is off or cannot be reached.
     """
     address = robot_address(robot)
     found = mounts_of(read_mounts(), address.host)
