@@ -122,7 +122,7 @@ def test_answers_of_a_robot_are_text(capsys: pytest.CaptureFixture[str]) -> None
     _print([row])
     print_report(
         DoctorReport(
-            {"here": NASTY, "there": NASTY}, [Finding("rule", NASTY, help=NASTY)], [RouteStep(NASTY, False, NASTY)]
+            {"local": NASTY, "remote": NASTY}, [Finding("rule", NASTY, help=NASTY)], [RouteStep(NASTY, False, NASTY)]
         )
     )
     print_table(("a", "b"), [(markup, NASTY)])

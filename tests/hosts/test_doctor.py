@@ -17,7 +17,7 @@ from tests.hosts.bench import UR, Bench, Done, boot, wait_until
 from tests.hosts.test_robot_setup import PASSWORD, prepare, running, set_up
 
 pytestmark = pytest.mark.long
-ON = {"here": ("laptop", "pat"), "there": ("robot", "ros")}
+ON = {"local": ("laptop", "pat"), "remote": ("robot", "ros")}
 SECONDS = 120.0
 BLOCK = (
     "nft add table ip test && nft add chain ip test in '{ type filter hook input priority 0; }' && "

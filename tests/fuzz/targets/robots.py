@@ -82,7 +82,7 @@ def _read_facts(data: bytes, _: Path) -> None:
 
 def _diagnose(data: bytes, _: Path) -> None:
     side = parse_side(_text(data), OBSERVE)
-    for pair in (replace(PAIR, there=side), replace(PAIR, here=side)):
+    for pair in (replace(PAIR, remote=side), replace(PAIR, local=side)):
         for finding in diagnose(pair):
             for command in finding.commands:
                 assert "\0" not in command.typed, "a zero byte in a command"

@@ -8,8 +8,8 @@ from ur.robot.doctor.findings import ComputerPair
 from ur.robot.doctor.messages import Message
 from ur.robot.doctor.side import Disk, Side
 from ur.robot.doctor.wifi import WirelessLink
-from ur.robot.setup import robot_states as there
-from ur.robot.setup import viewer_states as here
+from ur.robot.setup import robot_states as remote
+from ur.robot.setup import viewer_states as local
 from ur.robot.setup.environment import robot_setup_text
 
 ACTIVE = {"ssh.service": "active", "avahi-daemon.service": "active", "chrony.service": "active"}
@@ -33,7 +33,7 @@ LAPTOP = Side(
     mtu=1500,
     full_frames=True,
     firewall="nft",
-    packages={entry.split("|")[0]: "1" for entry in here.PACKAGES},
+    packages={entry.split("|")[0]: "1" for entry in local.PACKAGES},
     messages={"std_msgs/String.msg": Message("abc", "/usr/share/std_msgs")},
 )
 ROBOT = replace(
@@ -47,15 +47,15 @@ ROBOT = replace(
     announced="bob",
     host_key="ssh-ed25519 RRRR",
     public_key="ssh-ed25519 QQQQ ros@bob",
-    packages={entry.split("|")[0]: "1" for entry in there.PACKAGES},
+    packages={entry.split("|")[0]: "1" for entry in remote.PACKAGES},
 )
 PAIR = ComputerPair(
     LAPTOP,
     ROBOT,
     offset=0.0,
     way_back="",
-    reaches_there=True,
-    reaches_here=True,
+    reaches_remote=True,
+    reaches_local=True,
     known=True,
     selected=True,
     login="ros@bob.local",

@@ -6,8 +6,8 @@ from ur.robot.doctor.findings import Finding, FixCommand
 from ur.robot.doctor.fix import ATTEMPTS, inspect_until_fixed, list_safe, run_fix
 from ur.robot.ssh.shell import LocalShell
 
-FIXABLE = Finding("clock", "the clock is wrong", commands=(FixCommand("here", "true", safe=True),))
-OTHER = Finding("disk", "the disk is full", commands=(FixCommand("here", "rm -r x"),))
+FIXABLE = Finding("clock", "the clock is wrong", commands=(FixCommand("local", "true", safe=True),))
+OTHER = Finding("disk", "the disk is full", commands=(FixCommand("local", "rm -r x"),))
 
 
 def test_only_safe_commands_are_run() -> None:
@@ -16,9 +16,9 @@ def test_only_safe_commands_are_run() -> None:
 
 def test_end_of_a_command_is_described(tmp_path: Path) -> None:
     shell, lock = LocalShell(), tmp_path / "state/doctor.lock"
-    assert run_fix(FixCommand("here", "true"), shell, shell, lock) == "done"
-    assert run_fix(FixCommand("there", "echo one; echo no disk >&2; exit 3"), shell, shell, lock) == "failed: no disk"
-    assert run_fix(FixCommand("here", "exit 3"), shell, shell, lock) == "failed: 3"
+    assert run_fix(FixCommand("local", "true"), shell, shell, lock) == "done"
+    assert run_fix(FixCommand("remote", "echo one; echo no disk >&2; exit 3"), shell, shell, lock) == "failed: no disk"
+    assert run_fix(FixCommand("local", "exit 3"), shell, shell, lock) == "failed: 3"
 
 
 def test_computers_are_inspected_until_the_fixes_show() -> None:

@@ -16,7 +16,7 @@ def test_everything_that_was_seen_is_shown_for_both() -> None:
     pair = replace(
         PAIR,
         offset=0.25,
-        there=replace(ROBOT, wifi=(WIFI,), ur="0.1.0"),
+        remote=replace(ROBOT, wifi=(WIFI,), ur="0.1.0"),
         advertised=(AdvertisedNode("/x", "nobody", NOBODY, NOBODY),),
     )
     rows = {what: cells for what, *cells in summarize(pair)}
@@ -37,19 +37,19 @@ def test_ros2_of_a_computer_is_described() -> None:
 
 
 def test_what_was_not_seen_is_shown_as_such() -> None:
-    rows = {what: cells for what, *cells in summarize(replace(PAIR, there=Side("bob")))}
+    rows = {what: cells for what, *cells in summarize(replace(PAIR, remote=Side("bob")))}
     assert (rows["latency"][1], rows["loss"][1], rows["memory"][1]) == ("", "", "")
     assert rows["the other's name means"][1] == "nothing"
 
 
 def test_packages_of_ros_and_of_workspaces_that_differ_are_compared_and_others_are_not() -> None:
-    here = replace(
+    local = replace(
         LAPTOP, packages={"ros-std-msgs": "1", "python3-rospy": "1", "vim": "1"}, workspace=frozenset({"mine"})
     )
-    there = replace(
+    remote = replace(
         ROBOT, packages={"ros-std-msgs": "1", "python3-rospy": "2", "libtf2-2d": "3"}, workspace=frozenset()
     )
-    assert compare_packages(replace(PAIR, here=here, there=there)) == [
+    assert compare_packages(replace(PAIR, local=local, remote=remote)) == [
         ("libtf2-2d", "-", "3"),
         ("mine", "in ~/catkin_ws", "-"),
         ("python3-rospy", "1", "2"),

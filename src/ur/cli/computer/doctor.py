@@ -65,16 +65,16 @@ def command(
     if is_fleet(chosen, every=every):
         return _examine_each(chosen, fix=fix, verbose=verbose, as_json=as_json, password_from=password_from)
     robot = chosen[0] if chosen else None
-    here = LocalShell(terminal=sys.stdin.isatty())
+    local = LocalShell(terminal=sys.stdin.isatty())
     if robot is None and current_selection(os.environ).simulated:
-        return _examine_alone(here, fix=fix, as_json=as_json)
+        return _examine_alone(local, fix=fix, as_json=as_json)
     address = robot_address(robot)
     with ExitStack() as stack:
         try:
-            there, password, refused = enter_robot(stack, address, password_from)
+            remote, password, refused = enter_robot(stack, address, password_from)
         except UserError as problem:
-            return _explain_route(here, address, problem, as_json=as_json)
-        return _examine(here, there, password, refused, fix=fix, verbose=verbose, as_json=as_json)
+            return _explain_route(local, address, problem, as_json=as_json)
+        return _examine(local, remote, password, refused, fix=fix, verbose=verbose, as_json=as_json)
 
 
 def _examine_each(robots: Sequence[str], *, fix: bool, verbose: bool, as_json: bool, password_from: int | None) -> int:
@@ -90,8 +90,8 @@ def _examine_each(robots: Sequence[str], *, fix: bool, verbose: bool, as_json: b
 
 
 def _examine(
-    here: LocalShell,
-    there: SshShell,
+    local: LocalShell,
+    remote: SshShell,
     password: Secret | None,
     refused: bool,
     *,
@@ -99,29 +99,29 @@ def _examine(
     verbose: bool,
     as_json: bool,
 ) -> int:
-    pair = _inspect(here, there, refused)
-    report = DoctorReport({"here": pair.here.name, "there": pair.there.name}, diagnose(pair))
+    pair = _inspect(local, remote, refused)
+    report = DoctorReport({"local": pair.local.name, "remote": pair.remote.name}, diagnose(pair))
     note_seen(seen_path(os.environ), _seen(pair))
-    hint = f"ur doctor {pair.there.name} --fix"
+    hint = f"ur doctor {pair.remote.name} --fix"
     if not as_json:
         if verbose:
             print_seen(pair)
         print_report(report, fixable="" if fix else hint)
 
     def apply(commands: Sequence[tuple[str, FixCommand]]) -> list[Finding]:
-        if any(each.where == "there" and each.root for _, each in commands):
-            find_sudo(there, password)
-        _apply(commands, here, there, report, quiet=as_json)
-        inspect = lambda: diagnose(_inspect(here, there, refused=False))  # noqa: E731 - a name for a line
+        if any(each.where == "remote" and each.root for _, each in commands):
+            find_sudo(remote, password)
+        _apply(commands, local, remote, report, quiet=as_json)
+        inspect = lambda: diagnose(_inspect(local, remote, refused=False))  # noqa: E731 - a name for a line
         return inspect_until_fixed(report.findings, inspect, _wait)
 
     return _conclude(report, apply if fix else None, as_json=as_json)
 
 
-def _examine_alone(here: LocalShell, *, fix: bool, as_json: bool) -> int:
-    side = _inspect_alone(here)
+def _examine_alone(local: LocalShell, *, fix: bool, as_json: bool) -> int:
+    side = _inspect_alone(local)
     simulation = not load_records(records_folder(os.environ))
-    report = DoctorReport({"here": side.name, "there": ""}, diagnose_alone(side, simulation=simulation))
+    report = DoctorReport({"local": side.name, "remote": ""}, diagnose_alone(side, simulation=simulation))
     if simulation:
         known = {finding.rule for finding in report.findings}
         report.for_robot = [finding for finding in diagnose_alone(side) if finding.rule not in known]
@@ -130,8 +130,8 @@ def _examine_alone(here: LocalShell, *, fix: bool, as_json: bool) -> int:
         print_report(report, fixable="" if fix else "ur doctor --fix")
 
     def apply(commands: Sequence[tuple[str, FixCommand]]) -> list[Finding]:
-        _apply(commands, here, here, report, quiet=as_json)
-        return diagnose_alone(_inspect_alone(here), simulation=simulation)
+        _apply(commands, local, local, report, quiet=as_json)
+        return diagnose_alone(_inspect_alone(local), simulation=simulation)
 
     return _conclude(report, apply if fix else None, as_json=as_json)
 
@@ -152,17 +152,17 @@ def _conclude(report: DoctorReport, apply: Apply | None, *, as_json: bool) -> in
     return 1 if report.findings else 0
 
 
-def _explain_route(here: LocalShell, address: Address, problem: UserError, *, as_json: bool) -> int:
+def _explain_route(local: LocalShell, address: Address, problem: UserError, *, as_json: bool) -> int:
     """Report the step of the route to a robot that fails, and the findings about this computer."""
     found = problem.diagnostics[0]
     if found.rule in ("missing-program", "bad-address"):
         raise problem
     with show_progress(f"finding out which step towards {short_name(address)} fails"):
-        route = inspect_route(here, address, found.rule, found.reason or found.message)
+        route = inspect_route(local, address, found.rule, found.reason or found.message)
     seen = load_seen(seen_path(os.environ)).get(short_name(address))
-    side = _inspect_alone(here)
+    side = _inspect_alone(local)
     findings = [*diagnose_alone(side), explain_route(address, route, seen, _record(short_name(address)), time.time())]
-    report = DoctorReport({"here": side.name, "there": short_name(address)}, findings, list_steps(address, route))
+    report = DoctorReport({"local": side.name, "remote": short_name(address)}, findings, list_steps(address, route))
     if as_json:
         print_json(report)
     else:
@@ -171,14 +171,14 @@ def _explain_route(here: LocalShell, address: Address, problem: UserError, *, as
     return 2
 
 
-def _inspect(here: LocalShell, there: SshShell, refused: bool) -> ComputerPair:
+def _inspect(local: LocalShell, remote: SshShell, refused: bool) -> ComputerPair:
     selection = current_selection(os.environ)
-    record = _record(read_name(there))
-    with show_progress(f"examining this computer and {short_name(there.address)}"):
+    record = _record(read_name(remote))
+    with show_progress(f"examining this computer and {short_name(remote.address)}"):
         return inspect_pair(
-            here,
-            there,
-            list_nodes(there.address.host),
+            local,
+            remote,
+            list_nodes(remote.address.host),
             key_refused=refused,
             known=record is not None,
             robot_login=record is None or record.robot_login is not False,
@@ -187,20 +187,20 @@ def _inspect(here: LocalShell, there: SshShell, refused: bool) -> ComputerPair:
         )
 
 
-def _inspect_alone(here: LocalShell) -> Side:
+def _inspect_alone(local: LocalShell) -> Side:
     with show_progress("examining this computer"):
-        return inspect_computer(here)
+        return inspect_computer(local)
 
 
 def _apply(
-    commands: Sequence[tuple[str, FixCommand]], here: Shell, there: Shell, report: DoctorReport, *, quiet: bool
+    commands: Sequence[tuple[str, FixCommand]], local: Shell, remote: Shell, report: DoctorReport, *, quiet: bool
 ) -> None:
     lock = seen_path(os.environ).with_name("doctor.lock")
     for rule, each in commands:
         # On this computer sudo may ask for a password on the terminal.
-        asks = each.root and each.where == "here"
+        asks = each.root and each.where == "local"
         with nullcontext() if asks else show_progress(f"running {each.line}"):
-            result = run_fix(each, here, there, lock)
+            result = run_fix(each, local, remote, lock)
         report.fixed.append((rule, result))
         if not quiet:
             click.echo(f"  {rule}: {result}")
@@ -212,8 +212,8 @@ def _wait() -> None:
 
 
 def _seen(pair: ComputerPair) -> list[SeenRobot]:
-    addresses = sorted(pair.here.resolves & set(pair.there.addresses))
-    return [SeenRobot(pair.there.name, addresses[0], time.time())] if addresses else []
+    addresses = sorted(pair.local.resolves & set(pair.remote.addresses))
+    return [SeenRobot(pair.remote.name, addresses[0], time.time())] if addresses else []
 
 
 def _expected(record: RobotRecord | None) -> tuple[Expected, ...]:

@@ -61,10 +61,10 @@ def _password(address: Address, descriptor: int | None) -> Secret | None:
     return Secret(text) if text else None
 
 
-def find_sudo(there: SshShell, password: Secret | None) -> None:
+def find_sudo(remote: SshShell, password: Secret | None) -> None:
     """Find out how to become root on the robot: with the password of the login, or one that the user enters."""
-    if not there.find_sudo([password] if password else []) and sys.stdin.isatty():
-        there.find_sudo([Secret(getpass.getpass(f"password of {there.place}: "))])
+    if not remote.find_sudo([password] if password else []) and sys.stdin.isatty():
+        remote.find_sudo([Secret(getpass.getpass(f"password of {remote.place}: "))])
 
 
 def short_name(address: Address) -> str:

@@ -103,7 +103,7 @@ def print_seen(pair: ComputerPair) -> None:
     from rich.table import Table
 
     console = Console(soft_wrap=not sys.stdout.isatty())
-    titles = (("", pair.here.name, pair.there.name), ("package", pair.here.name, pair.there.name))
+    titles = (("", pair.local.name, pair.remote.name), ("package", pair.local.name, pair.remote.name))
     for title, rows in zip(titles, (summarize(pair), compare_packages(pair)), strict=True):
         table = Table()
         for column in title:

@@ -11,7 +11,7 @@ from ur.devices.device import DeviceSnapshot, Expected
 from ur.robot.doctor.side import Side
 from ur.robot.ssh.shell import quote
 
-Where = Literal["here", "there"]
+Where = Literal["local", "remote"]
 _SHELL_SIGNS = re.compile(r"[;&|<>$`(){}*?~]")
 
 
@@ -66,8 +66,8 @@ class AdvertisedNode:
 
     node: str
     host: str
-    here: frozenset[str]
-    there: frozenset[str]
+    local: frozenset[str]
+    remote: frozenset[str]
     owner: Owner | None = None
 
 
@@ -84,12 +84,12 @@ class ComputerPair:
     that its base needs.
     """
 
-    here: Side
-    there: Side
+    local: Side
+    remote: Side
     offset: float
     way_back: str
-    reaches_there: bool
-    reaches_here: bool
+    reaches_remote: bool
+    reaches_local: bool
     key_refused: bool = False
     advertised: tuple[AdvertisedNode, ...] = ()
     known: bool = False
@@ -102,4 +102,4 @@ class ComputerPair:
 
     def sides(self) -> tuple[tuple[Where, Side, Side], tuple[Where, Side, Side]]:
         """Return for both computers: which one it is, its facts, and the facts of the other."""
-        return ("here", self.here, self.there), ("there", self.there, self.here)
+        return ("local", self.local, self.remote), ("remote", self.remote, self.local)

@@ -20,14 +20,14 @@ def list_safe(findings: Sequence[Finding]) -> list[tuple[str, FixCommand]]:
     return [(finding.rule, each) for finding in findings for each in finding.commands if each.safe]
 
 
-def run_fix(command: FixCommand, here: Shell, there: Shell, lock: Path) -> str:
+def run_fix(command: FixCommand, local: Shell, remote: Shell, lock: Path) -> str:
     """Run a command on its computer, and describe the result.
 
     A command on this computer holds the file `lock`, so that other doctors wait.
     """
-    shell = here if command.where == "here" else there
+    shell = local if command.where == "local" else remote
     try:
-        with _hold(lock) if command.where == "here" else nullcontext():
+        with _hold(lock) if command.where == "local" else nullcontext():
             done = shell.run(command.line, root=command.root, timeout=FIX_SECONDS)
     except UserError as problem:
         return f"failed: {problem}"

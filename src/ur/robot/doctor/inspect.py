@@ -44,17 +44,17 @@ class RegisteredNode:
     port: int
 
 
-def inspect_computer(here: Shell) -> Side:
+def inspect_computer(local: Shell) -> Side:
     """Inspect this computer without another one."""
     with ThreadPoolExecutor(2) as pool:
-        ros2 = pool.submit(inspect_ros2, here, SHELL_FILES)
-        side = parse_side(here.run(observe_script("", OBSERVE), timeout=LOOK_SECONDS).out, OBSERVE)
-    return _with_journals(here, replace(side, ros2=ros2.result()))
+        ros2 = pool.submit(inspect_ros2, local, SHELL_FILES)
+        side = parse_side(local.run(observe_script("", OBSERVE), timeout=LOOK_SECONDS).out, OBSERVE)
+    return _with_journals(local, replace(side, ros2=ros2.result()))
 
 
 def inspect_pair(
-    here: Shell,
-    there: SshShell,
+    local: Shell,
+    remote: SshShell,
     nodes: Sequence[RegisteredNode],
     *,
     key_refused: bool = False,
@@ -69,50 +69,50 @@ def inspect_pair(
     the connection breaks.
     """
     mine = socket.gethostname().split(".")[0]
-    other = read_name(there)
+    other = read_name(remote)
     with ThreadPoolExecutor(10) as pool:
-        newer = [pool.submit(inspect_ros2, shell, SHELL_FILES) for shell in (here, there)]
-        left = pool.submit(here.run, observe_script(f"{other}.local", OBSERVE), timeout=LOOK_SECONDS)
-        right = pool.submit(there.run, observe_script(f"{mine}.local", OBSERVE), timeout=LOOK_SECONDS)
-        twins = {name: pool.submit(_resolve, here, f"{name}-2.local", TWIN_SECONDS) for name in (mine, other)}
-        to_there = pool.submit(_reaches_there, there)
-        to_here = pool.submit(_reaches_here, there, f"{mine}.local")
-        devices = pool.submit(inspect_devices, there)
-        advertised = pool.submit(_advertised, here, there, nodes)
+        newer = [pool.submit(inspect_ros2, shell, SHELL_FILES) for shell in (local, remote)]
+        left = pool.submit(local.run, observe_script(f"{other}.local", OBSERVE), timeout=LOOK_SECONDS)
+        right = pool.submit(remote.run, observe_script(f"{mine}.local", OBSERVE), timeout=LOOK_SECONDS)
+        twins = {name: pool.submit(_resolve, local, f"{name}-2.local", TWIN_SECONDS) for name in (mine, other)}
+        to_remote = pool.submit(_reaches_remote, remote)
+        to_local = pool.submit(_reaches_local, remote, f"{mine}.local")
+        devices = pool.submit(inspect_devices, remote)
+        advertised = pool.submit(_advertised, local, remote, nodes)
         sides = parse_side(left.result().out, OBSERVE), parse_side(right.result().out, OBSERVE)
         ros2 = newer[0].result(), newer[1].result()
         if ros2[0].present and ros2[1].present:
-            ends = ((here, mine, other), (there, other, mine))
+            ends = ((local, mine, other), (remote, other, mine))
             received = [pool.submit(receive_from, *end) for end in ends]
             ros2 = replace(ros2[0], receives=received[0].result()), replace(ros2[1], receives=received[1].result())
         sides = replace(sides[0], ros2=ros2[0]), replace(sides[1], ros2=ros2[1])
-    back = there.run(f"{STRICT} {quote(f'{sides[0].user}@{mine}.local')} true")
+    back = remote.run(f"{STRICT} {quote(f'{sides[0].user}@{mine}.local')} true")
     return ComputerPair(
-        here=_with_journals(here, sides[0]),
-        there=_with_journals(there, sides[1]),
-        offset=_offset(here, there),
+        local=_with_journals(local, sides[0]),
+        remote=_with_journals(remote, sides[1]),
+        offset=_offset(local, remote),
         way_back="" if back.code == 0 else (back.err.strip().splitlines() or ["ssh printed nothing"])[-1],
-        reaches_there=to_there.result(),
-        reaches_here=to_here.result(),
+        reaches_remote=to_remote.result(),
+        reaches_local=to_local.result(),
         key_refused=key_refused,
         advertised=tuple(advertised.result()),
         known=known,
         selected=selected == other,
         twins={name: found.result() for name, found in twins.items()},
-        login=f"{there.address.user}@{other}.local",
+        login=f"{remote.address.user}@{other}.local",
         robot_login=robot_login,
         devices=devices.result(),
         expected=expected,
     )
 
 
-def read_name(there: Shell) -> str:
+def read_name(remote: Shell) -> str:
     """Return the host name of a computer, up to the first dot. Raises UserError if the answer is no host name."""
-    name = there.run("cat /proc/sys/kernel/hostname").out.strip().split(".")[0]
+    name = remote.run("cat /proc/sys/kernel/hostname").out.strip().split(".")[0]
     if not _NAME.fullmatch(name):
         raise UserError(
             error_about(
-                there.place,
+                remote.place,
                 f"{printable(name[:40])!r} is not a host name, expected letters, digits and -",
                 rule="no-facts",
                 help="is it the computer that you expect? Run this again; if it persists, report it",
@@ -140,8 +140,8 @@ def _resolve(shell: Shell, host: str, seconds: int = 8) -> frozenset[str]:
     return frozenset(line.split()[0] for line in done.out.splitlines() if line.strip())
 
 
-def _advertised(here: Shell, there: Shell, nodes: Sequence[RegisteredNode]) -> list[AdvertisedNode]:
-    shells: tuple[tuple[Where, Shell], ...] = (("here", here), ("there", there))
+def _advertised(local: Shell, remote: Shell, nodes: Sequence[RegisteredNode]) -> list[AdvertisedNode]:
+    shells: tuple[tuple[Where, Shell], ...] = (("local", local), ("remote", remote))
     means = {host: [_resolve(shell, host) for _, shell in shells] for host in sorted({node.host for node in nodes})}
     found = []
     for node in nodes:
@@ -167,13 +167,13 @@ def _find_owner(where: Where, shell: Shell, port: int) -> Owner | None:
     return Owner(where, int(lines[0]), lines[1].strip(), lines[2] if len(lines) > 2 else "")
 
 
-def _offset(here: Shell, there: Shell) -> float:
-    reported = [shell.run("date +%s.%N").out.strip() for shell in (here, there, here)]
+def _offset(local: Shell, remote: Shell) -> float:
+    reported = [shell.run("date +%s.%N").out.strip() for shell in (local, remote, local)]
     strange = next((each for each in reported if not _TIME.fullmatch(each)), None)
     if strange is not None:
         raise UserError(
             error_about(
-                there.place,
+                remote.place,
                 f"{printable(strange[:40])!r} is not a time, expected seconds since 1970",
                 rule="no-facts",
                 help="is it the computer that you expect? Run this again; if it persists, report it",
@@ -183,24 +183,24 @@ def _offset(here: Shell, there: Shell) -> float:
     return clock_offset(before, middle, after)
 
 
-def _reaches_here(there: Shell, name: str) -> bool:
+def _reaches_local(remote: Shell, name: str) -> bool:
     with socket.create_server(("", 0)) as server:
         port = server.getsockname()[1]
-        return there.run(f"timeout 4 bash -c {quote(f'exec 3<>/dev/tcp/{name}/{port}')}").code == 0
+        return remote.run(f"timeout 4 bash -c {quote(f'exec 3<>/dev/tcp/{name}/{port}')}").code == 0
 
 
-def _reaches_there(there: SshShell) -> bool:
+def _reaches_remote(remote: SshShell) -> bool:
     # In the background, for one connection or ten seconds; it cleans up after itself.
     listener = f"timeout 10 python3 -I -c {quote(_LISTEN)}"
     script = (
         f'f=$(mktemp); ({listener} >"$f" 2>/dev/null </dev/null; rm -f "$f") >/dev/null 2>&1 & '
         'i=0; while [ ! -s "$f" ] && [ $i -lt 50 ]; do sleep 0.1; i=$((i+1)); done; cat "$f"'
     )
-    port = there.run(script).out.strip()
+    port = remote.run(script).out.strip()
     if not _PORT.fullmatch(port) or int(port) > 65535:
         return True  # no process listens on the remote end, as without Python: this is not a problem of ports
     try:
-        socket.create_connection((there.address.host, int(port)), timeout=4).close()
+        socket.create_connection((remote.address.host, int(port)), timeout=4).close()
     except OSError:
         return False
     return True

@@ -50,17 +50,17 @@ class RouteStep:
     seen: str = ""
 
 
-def inspect_route(here: Shell, address: Address, rule: str, reason: str) -> RouteState:
+def inspect_route(local: Shell, address: Address, rule: str, reason: str) -> RouteState:
     """Test each step, after a login failed with a diagnostic's `rule` and `reason`."""
     host = quote(address.host)
-    found = here.run(f"timeout 8 getent ahostsv4 {host}").out.split("\n")
+    found = local.run(f"timeout 8 getent ahostsv4 {host}").out.split("\n")
     resolves = tuple(dict.fromkeys(line.split()[0] for line in found if line.strip()))
     if not resolves:
         return RouteState((), rule=rule, reason=reason)
-    ping = here.run(f"ping -q -n -c 2 -i 0.2 -W 1 {quote(resolves[0])}").code == 0
+    ping = local.run(f"ping -q -n -c 2 -i 0.2 -W 1 {quote(resolves[0])}").code == 0
     port = _probe_port(resolves[0])
     host_key = _fetch(address) if rule in ("changed-host-key", "unknown-host-key") else None
-    twin = here.run(f"timeout 2 getent ahostsv4 {quote(_short(address) + '-2.local')}").out.split()[:1]
+    twin = local.run(f"timeout 2 getent ahostsv4 {quote(_short(address) + '-2.local')}").out.split()[:1]
     return RouteState(resolves, ping, port, rule, reason, host_key, tuple(twin))
 
 
@@ -120,7 +120,7 @@ def explain_route(
             "no-ssh-server",
             f"{host} ({where}) answers, but runs no ssh server",
             "at the robot itself:",
-            (FixCommand("there", line, root=True),),
+            (FixCommand("remote", line, root=True),),
         )
     if route.port != "open":
         if route.ping:
@@ -129,7 +129,7 @@ def explain_route(
                 "closed-ssh-port",
                 f"{host} ({where}) is there, and a firewall keeps port 22 closed",
                 "at the robot itself:",
-                (FixCommand("there", line, root=True),),
+                (FixCommand("remote", line, root=True),),
             )
         return Finding(
             "robot-silent",
@@ -146,7 +146,7 @@ def _explain_login(address: Address, route: RouteState, record: RobotRecord | No
     )
     shown = f"; its key now: {route.host_key.fingerprint}" if route.host_key else ""
     # The line has the key whose fingerprint is displayed: a later answer has to come from the same computer.
-    renew = (FixCommand("here", know_host(name, route.host_key.key, host)),) if route.host_key else ()
+    renew = (FixCommand("local", know_host(name, route.host_key.key, host)),) if route.host_key else ()
     compare = "compare with the robot's own (ssh-keygen -lf /etc/ssh/ssh_host_ed25519_key.pub)"
     if route.rule == "changed-host-key":
         twin = f"; another computer has its name, too, and is {name}-2.local ({route.twin[0]})" if route.twin else ""
@@ -168,7 +168,7 @@ def _explain_login(address: Address, route: RouteState, record: RobotRecord | No
             "key-refused",
             f"{host} refuses {address.user}: it does not take this computer's key, and no password was given",
             "is that the user there? Then, once, with the password of that user:",
-            (FixCommand("here", f"ssh-copy-id -i ~/.ssh/id_ed25519.pub {quote(str(address))}"),),
+            (FixCommand("local", f"ssh-copy-id -i ~/.ssh/id_ed25519.pub {quote(str(address))}"),),
         )
     return Finding(
         "no-login", f"{address}: {route.reason}", "run this again; at the robot itself: journalctl -u ssh -n 20"

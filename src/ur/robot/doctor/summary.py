@@ -17,15 +17,15 @@ _ROS = re.compile(
 
 def summarize(pair: ComputerPair) -> list[tuple[str, str, str]]:
     """Return rows (property, value on this computer, value on the robot) of everything that was inspected."""
-    here, there = pair.here, pair.there
-    rows = [(what, left, right) for what, left, right in zip(_TITLES, _cells(here), _cells(there), strict=True)]
+    local, remote = pair.local, pair.remote
+    rows = [(what, left, right) for what, left, right in zip(_TITLES, _cells(local), _cells(remote), strict=True)]
     arrives = {True: "yes", False: "no"}
     rows += [
-        ("a free port is reached", arrives[pair.reaches_here], arrives[pair.reaches_there]),
+        ("a free port is reached", arrives[pair.reaches_local], arrives[pair.reaches_remote]),
         ("clock", "", f"{pair.offset:+.3f} s"),
         ("login from the other", pair.way_back or "by key", "refused" if pair.key_refused else "by key"),
         *[
-            (f"node {one.node} at {one.host}", _list(one.here) or "nothing", _list(one.there) or "nothing")
+            (f"node {one.node} at {one.host}", _list(one.local) or "nothing", _list(one.remote) or "nothing")
             for one in pair.advertised
         ],
     ]
@@ -103,7 +103,7 @@ def compare_packages(pair: ComputerPair) -> list[tuple[str, str, str]]:
 
     A workspace package is compared only by its existence.
     """
-    left, right = (_ros_packages(side) for side in (pair.here, pair.there))
+    left, right = (_ros_packages(side) for side in (pair.local, pair.remote))
     return [
         (name, left.get(name, "-"), right.get(name, "-"))
         for name in sorted({*left, *right})

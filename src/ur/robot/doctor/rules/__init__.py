@@ -47,7 +47,7 @@ def diagnose(pair: ComputerPair) -> list[Finding]:
     """Return all findings about two computers; empty if no problem is found."""
     found: list[Finding] = []
     for rule in RULES:
-        if rule.ros1 and pair.there.only_ros2:
+        if rule.ros1 and pair.remote.only_ros2:
             continue
         if isinstance(rule, SideRule):
             found += [finding for where, side, _ in pair.sides() for finding in rule.check(where, side)]
@@ -59,4 +59,4 @@ def diagnose(pair: ComputerPair) -> list[Finding]:
 def diagnose_alone(side: Side, *, simulation: bool = False) -> list[Finding]:
     """Return all findings about this computer alone; with `simulation`, those that concern a simulated robot."""
     rules = [rule for rule in RULES if isinstance(rule, SideRule) and (rule.simulation or not simulation)]
-    return [finding for rule in rules if not (rule.ros1 and side.only_ros2) for finding in rule.check("here", side)]
+    return [finding for rule in rules if not (rule.ros1 and side.only_ros2) for finding in rule.check("local", side)]

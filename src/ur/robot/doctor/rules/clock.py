@@ -19,9 +19,9 @@ def check_offset(pair: ComputerPair) -> Iterator[Finding]:
         by = f"{abs(pair.offset):.1f} s {'ahead of' if pair.offset > 0 else 'behind'}"
         yield Finding(
             "clock-offset",
-            f"the clock of {pair.there.name} is {by} the one of {pair.here.name}",
+            f"the clock of {pair.remote.name} is {by} the one of {pair.local.name}",
             "where it takes its time from: chronyc sources",
-            (FixCommand("there", STEP, root=True, safe=True),),
+            (FixCommand("remote", STEP, root=True, safe=True),),
         )
 
 
@@ -36,7 +36,7 @@ def check_daemon(where: Where, side: Side) -> Iterator[Finding]:
         yield Finding(
             "no-time-synchronisation",
             f"{side.name}: chrony does not run, so its clock drifts"
-            + (", and robots without internet get no time from it" if where == "here" else ""),
+            + (", and robots without internet get no time from it" if where == "local" else ""),
             commands=(FixCommand(where, line, root=True, safe=True),),
         )
 

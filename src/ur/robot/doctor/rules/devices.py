@@ -23,7 +23,7 @@ IDS: dict[State, str] = {
 
 def check_devices(pair: ComputerPair) -> Iterator[Finding]:
     """Check the robot's devices against its base. A container has only devices that its host passes through."""
-    snapshot, name = pair.devices, pair.there.name
+    snapshot, name = pair.devices, pair.remote.name
     if snapshot is None:
         return
     reported = set()
@@ -46,12 +46,12 @@ def _commands(
 ) -> Iterator[FixCommand]:
     if state == "unnamed":
         line = f"printf %s {quote(write_rules(pair.expected))} >{RULES_FILE} && {RELOAD}"
-        yield FixCommand("there", line, root=True, safe=True)
+        yield FixCommand("remote", line, root=True, safe=True)
     elif state == "forbidden" and device and device.group not in ("", "root", *snapshot.member):
         line = f"usermod --append --groups {quote(device.group)} {quote(snapshot.user)}"
-        yield FixCommand("there", line, root=True, safe=True)
+        yield FixCommand("remote", line, root=True, safe=True)
     elif state == "busy" and device and (unit := find_unit(device)):
-        yield FixCommand("there", f"systemctl disable --now {quote(unit)}", root=True)
+        yield FixCommand("remote", f"systemctl disable --now {quote(unit)}", root=True)
 
 
 RULES: tuple[Rule, ...] = (

@@ -16,7 +16,7 @@ _OWN_FILE = "/.ros_setup"
 
 def check_robot(pair: ComputerPair) -> Iterator[Finding]:
     """Check the robot's variables: of nodes that roslaunch starts on it, and of its terminals."""
-    side = pair.there
+    side = pair.remote
     for what, variables in _environments(side, ("for nodes that roslaunch starts", "in a terminal")):
         found = list(_check_variables(side, variables, what, f"http://{side.name}.local:11311", side))
         for rule, variable, message in found:
@@ -27,17 +27,17 @@ def check_robot(pair: ComputerPair) -> Iterator[Finding]:
 
 def check_viewer(pair: ComputerPair) -> Iterator[Finding]:
     """Check this computer's variables if the robot is the selected one: of the calling shell, and of a new one."""
-    side = pair.here
+    side = pair.local
     if not pair.selected:
         return
     for what, variables in reversed(_environments(side, ("in this shell", "in a new terminal"))):
-        found = list(_check_variables(side, variables, what, f"http://{pair.there.name}.local:11311", pair.there))
+        found = list(_check_variables(side, variables, what, f"http://{pair.remote.name}.local:11311", pair.remote))
         for rule, variable, message in found:
             files = _files(side, variable)
             fresh = variables is side.shell
-            commands = tuple(_comment(file, variable, "here") for file in files) if fresh else ()
+            commands = tuple(_comment(file, variable, "local") for file in files) if fresh else ()
             if not commands:
-                commands = (FixCommand("here", "ur setup" if fresh else 'eval "$(ur env)"'),)
+                commands = (FixCommand("local", "ur setup" if fresh else 'eval "$(ur env)"'),)
             help = "" if fresh else "this shell was opened before the robot was selected, or has values of its own:"
             yield Finding(rule, message, help, commands)
         if found:
@@ -91,11 +91,11 @@ def _advice(side: Side, variable: str) -> str:
 
 
 def _fix(side: Side, variable: str) -> Iterator[FixCommand]:
-    yield from (_comment(file, variable, "there") for file in _files(side, variable))
+    yield from (_comment(file, variable, "remote") for file in _files(side, variable))
     wanted = robot_setup_text()
     if side.ros_setup != wanted or not _files(side, variable):
         lines = quote(*wanted.splitlines())
-        yield FixCommand("there", f"printf '%s\\n' {lines} >~/.ros_setup", safe=True)
+        yield FixCommand("remote", f"printf '%s\\n' {lines} >~/.ros_setup", safe=True)
 
 
 def _comment(file: str, variable: str, where: Where) -> FixCommand:

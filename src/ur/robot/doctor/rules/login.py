@@ -71,41 +71,41 @@ def check_own_login(where: Where, side: Side) -> Iterator[Finding]:
 
 def check_keys(pair: ComputerPair) -> Iterator[Finding]:
     """Check that each computer accepts the other one's key."""
-    here, there = pair.here, pair.there
-    if find_loose(there) or find_loose(here):
+    local, remote = pair.local, pair.remote
+    if find_loose(remote) or find_loose(local):
         return  # already reported, and ssh would refuse the keys anyway
     if pair.key_refused:
-        add = f"mkdir -p -m 700 ~/.ssh; echo {quote(here.public_key)} {_ALLOW}"
+        add = f"mkdir -p -m 700 ~/.ssh; echo {quote(local.public_key)} {_ALLOW}"
         yield Finding(
             "key-refused",
-            f"{there.name} does not take the key of this computer",
-            "" if here.public_key else "this computer has no key (~/.ssh/id_ed25519); then --fix takes it there",
-            (FixCommand("there", add, safe=True),) if here.public_key else (FixCommand("here", NEW_KEY, safe=True),),
+            f"{remote.name} does not take the key of this computer",
+            "" if local.public_key else "this computer has no key (~/.ssh/id_ed25519); then --fix takes it there",
+            (FixCommand("remote", add, safe=True),) if local.public_key else (FixCommand("local", NEW_KEY, safe=True),),
         )
     if (
         not pair.way_back
         or not pair.robot_login
-        or pair.there.only_ros2  # no part of ROS 2 logs in
-        or not there.resolves
-        or "active" not in (here.active.get("ssh.service"), here.active.get("ssh.socket"))
+        or pair.remote.only_ros2  # no part of ROS 2 logs in
+        or not remote.resolves
+        or "active" not in (local.active.get("ssh.service"), local.active.get("ssh.socket"))
     ):
         return
     stale = _is_about_host_key(pair.way_back)
     commands: tuple[FixCommand, ...]
     if stale:
-        commands = (FixCommand("there", know_host(here.name, here.host_key), safe=True),) if here.host_key else ()
+        commands = (FixCommand("remote", know_host(local.name, local.host_key), safe=True),) if local.host_key else ()
     else:
         commands = (
-            FixCommand("there", NEW_KEY, safe=True),
+            FixCommand("remote", NEW_KEY, safe=True),
             FixCommand(
-                "here",
+                "local",
                 f"ssh -- {quote(pair.login)} cat .ssh/id_ed25519.pub {_ONE_KEY} {_ALLOW}",
                 safe=pair.known,
             ),
         )
     yield Finding(
         "unknown-host-key-there" if stale else "no-login-there",
-        f"{there.name} cannot log in to {here.name}: {pair.way_back}",
+        f"{remote.name} cannot log in to {local.name}: {pair.way_back}",
         commands=commands,
     )
 
@@ -122,7 +122,7 @@ def know_host(name: str, host_key: str, host: str = "") -> str:
 
 def check_x11(where: Where, side: Side) -> Iterator[Finding]:
     """Check that windows of programs on the robot open on this computer (X11 forwarding)."""
-    if where == "there" and side.x11 is False:
+    if where == "remote" and side.x11 is False:
         yield Finding(
             "x11-off",
             f"{side.name}: its ssh server forwards no windows (X11Forwarding), so 'ur x' cannot show any",

@@ -70,7 +70,7 @@ def check_duplicates(pair: ComputerPair) -> Iterator[Finding]:
             yield duplicate(side.name, side.announced, ", ".join(side.addresses), side.user)
     for name, addresses in sorted(pair.twins.items()):
         if addresses and name not in named:
-            yield duplicate(name, f"{name}-2", ", ".join(sorted(addresses)), pair.there.user)
+            yield duplicate(name, f"{name}-2", ", ".join(sorted(addresses)), pair.remote.user)
 
 
 def duplicate(name: str, answers_to: str, address: str, user: str) -> Finding:
@@ -81,7 +81,7 @@ def duplicate(name: str, answers_to: str, address: str, user: str) -> Finding:
         f"two computers are called {name}: the one at {address or 'another address'} answers to {answers_to}.local "
         f"only, and ROS there says {name}.local, which is the other one",
         "rename one of them; with its keys, if it is a robot:",
-        (FixCommand("here", f"ur robot setup {login} --name {name}{answers_to.rpartition('-')[2]}"),),
+        (FixCommand("local", f"ur robot setup {login} --name {name}{answers_to.rpartition('-')[2]}"),),
     )
 
 

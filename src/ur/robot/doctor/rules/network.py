@@ -34,8 +34,8 @@ def check_address(where: Where, side: Side) -> Iterator[Finding]:  # noqa: ARG00
 def check_ports(pair: ComputerPair) -> Iterator[Finding]:
     """Check that the firewalls let ROS nodes connect: nodes listen on ports above 1024, chosen by the system."""
     ways: tuple[tuple[bool, Where, Side, Side], ...] = (
-        (pair.reaches_there, "there", pair.there, pair.here),
-        (pair.reaches_here, "here", pair.here, pair.there),
+        (pair.reaches_remote, "remote", pair.remote, pair.local),
+        (pair.reaches_local, "local", pair.local, pair.remote),
     )
     for reached, where, target, other in ways:
         if not reached and other.resolves:
@@ -81,7 +81,7 @@ def check_network(pair: ComputerPair) -> Iterator[Finding]:
 
 
 def _lost_frames(pair: ComputerPair, side: Side) -> Finding:
-    other = pair.there if side is pair.here else pair.here
+    other = pair.remote if side is pair.local else pair.local
     message = f"full frames from {side.name} to {other.name} are lost, and large messages with them"
     if not (side.mtu and other.mtu and side.mtu != other.mtu):
         return Finding("mtu", message, "something between the two takes only smaller ones: set a lower MTU on both")

@@ -13,11 +13,11 @@ STUBBORN_SECONDS = 5
 
 def check_advertised(pair: ComputerPair) -> Iterator[Finding]:
     """Check that both computers resolve the host name of each node."""
-    addresses = {*pair.here.addresses, *pair.there.addresses}
+    addresses = {*pair.local.addresses, *pair.remote.addresses}
     for node in pair.advertised:
         lost = [
             (side.name, means)
-            for side, means in ((pair.here, node.here), (pair.there, node.there))
+            for side, means in ((pair.local, node.local), (pair.remote, node.remote))
             if not means & addresses
         ]
         if lost:
@@ -42,7 +42,7 @@ def _explain(node: AdvertisedNode, takes: str, pair: ComputerPair) -> Finding:
             "it was started before the name was as it is now:",
             (FixCommand(owner.where, f"systemctl restart {quote(owner.unit)}", root=True),),
         )
-    side = pair.here if owner.where == "here" else pair.there
+    side = pair.local if owner.where == "local" else pair.remote
     end = f"kill -INT {owner.pid}; timeout {STUBBORN_SECONDS} tail --pid={owner.pid} -f /dev/null || kill {owner.pid}"
     return Finding(
         "unresolvable-node",

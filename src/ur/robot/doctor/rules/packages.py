@@ -7,8 +7,8 @@ from collections.abc import Iterator
 from ur.robot.doctor.findings import ComputerPair, Finding, FixCommand, Where
 from ur.robot.doctor.rules.registry import PairRule, Rule, SideRule
 from ur.robot.doctor.side import Side
-from ur.robot.setup import robot_states as there
-from ur.robot.setup import viewer_states as here
+from ur.robot.setup import robot_states as remote
+from ur.robot.setup import viewer_states as local
 from ur.robot.ssh.shell import quote
 from ur.system.releases import describe_lack, find_release, load_ros_packages
 
@@ -22,16 +22,16 @@ def check_release(where: Where, side: Side) -> Iterator[Finding]:
 
     Users' computers may use this project's Debian root, robots may not.
     """
-    if side.release is None or (where == "here" and find_release(side.release).ros == "brought"):
+    if side.release is None or (where == "local" and find_release(side.release).ros == "brought"):
         return
     if reason := describe_lack(side.release):
         help = "flash Debian 12 or 13, or Raspberry Pi OS 12 or 13 (64 bits)"
-        yield Finding("unsupported-release", f"{side.name}: {reason}", help if where == "there" else HERE)
+        yield Finding("unsupported-release", f"{side.name}: {reason}", help if where == "remote" else HERE)
 
 
 def check_missing(where: Where, side: Side) -> Iterator[Finding]:
     """Check for packages that `ur setup` or `ur robot setup` installs."""
-    wanted = there.PACKAGES if where == "there" else here.PACKAGES
+    wanted = remote.PACKAGES if where == "remote" else local.PACKAGES
     if side.release and find_release(side.release).ros != "native":
         wanted = tuple(sorted({*wanted} - {*load_ros_packages()}))
     missing = [entry.split("|") for entry in wanted if not any(name in side.packages for name in entry.split("|"))]
@@ -53,8 +53,8 @@ def _install(where: Where, missing: list[list[str]]) -> FixCommand:
 def check_messages(pair: ComputerPair) -> Iterator[Finding]:
     """Check for messages that both computers have, but with different definitions."""
     differing: dict[str, list[str]] = {}
-    for name, message in pair.here.messages.items():
-        other = pair.there.messages.get(name)
+    for name, message in pair.local.messages.items():
+        other = pair.remote.messages.get(name)
         if other and other.digest != message.digest:
             differing.setdefault(name.partition("/")[0], []).append(name)
     for package, found in sorted(differing.items()):
@@ -98,12 +98,12 @@ def _align(pair: ComputerPair, package: str, name: str) -> tuple[str, tuple[FixC
     if mine:
         copy, help = (
             f"rsync -a {left}/ {right}/",
-            f"if the one of {pair.here.name} is right, copy it (and build again):",
+            f"if the one of {pair.local.name} is right, copy it (and build again):",
         )
     else:
-        copy, help = f"rsync -a {right}/ {left}/", f"copy the one of {pair.there.name}, which lies in its workspace:"
+        copy, help = f"rsync -a {right}/ {left}/", f"copy the one of {pair.remote.name}, which lies in its workspace:"
     where, target, _ = pair.sides()[1 if mine else 0]
-    return help, (FixCommand("here", copy), *([FixCommand(where, BUILD)] if target.built else []))
+    return help, (FixCommand("local", copy), *([FixCommand(where, BUILD)] if target.built else []))
 
 
 def _path(folder: str) -> str:

@@ -17,7 +17,7 @@ def check_services(where: Where, side: Side) -> Iterator[Finding]:
     """Check for failed units; on this computer, only those that robots need."""
     for unit in side.failing:
         boot = unit.name.removesuffix(".service").removeprefix(PREFIX) if unit.name.startswith(PREFIX) else ""
-        if where == "here" and not boot and unit.name not in KEPT:
+        if where == "local" and not boot and unit.name not in KEPT:
             continue
         last = f"; its last output: {' / '.join(unit.last)}" if unit.last else ""
         if boot:
@@ -27,7 +27,7 @@ def check_services(where: Where, side: Side) -> Iterator[Finding]:
                 f"(so far {unit.restarts} times){last}",
                 f"fix the program and install it again (ur boot install); its output: journalctl -u {unit.name}; "
                 "or remove it:",
-                (FixCommand("here", f"ur boot remove --robot {quote(side.name)} {quote(boot)}"),),
+                (FixCommand("local", f"ur boot remove --robot {quote(side.name)} {quote(boot)}"),),
             )
         else:
             name = quote(unit.name)

@@ -42,17 +42,17 @@ TOOLS = Ros2((JAZZY,), shell=DOMAIN, called=DOMAIN, receives=True)
 NO_ROS1 = {"openssh-server": "1"}
 HERE = replace(LAPTOP, ros={}, packages=NO_ROS1, messages={}, ros2=TOOLS)
 THERE = replace(ROBOT, ros={}, packages=NO_ROS1, messages={}, ros_setup=None, ros2=RUNNING)
-ROS2_PAIR = replace(PAIR, here=HERE, there=THERE, reaches_here=False, reaches_there=False, way_back="refused")
+ROS2_PAIR = replace(PAIR, local=HERE, remote=THERE, reaches_local=False, reaches_remote=False, way_back="refused")
 
 
-def there(**changes: object) -> ComputerPair:
-    return replace(ROS2_PAIR, there=replace(THERE, ros2=replace(RUNNING, **changes)))  # type: ignore[arg-type] # a test's own keywords
+def remote(**changes: object) -> ComputerPair:
+    return replace(ROS2_PAIR, remote=replace(THERE, ros2=replace(RUNNING, **changes)))  # type: ignore[arg-type] # a test's own keywords
 
 
-def here(variables: Mapping[str, str] | None = None, **changes: object) -> ComputerPair:
+def local(variables: Mapping[str, str] | None = None, **changes: object) -> ComputerPair:
     called = {**DOMAIN, **(variables or {})}
     ros2 = replace(TOOLS, called=called, shell=called, **changes)  # type: ignore[arg-type] # a test's own keywords
-    return replace(ROS2_PAIR, here=replace(HERE, ros2=ros2))
+    return replace(ROS2_PAIR, local=replace(HERE, ros2=ros2))
 
 
 def both(
@@ -66,11 +66,11 @@ def both(
     robot = replace(RUNNING, processes=(process(**variables),), ports=frozenset(ports), forgotten=forgotten)
     called = {**DOMAIN, **(variables if mine is None else mine)}
     laptop = replace(TOOLS, called=called, ports=frozenset(ports))
-    return replace(ROS2_PAIR, here=replace(HERE, ros2=laptop), there=replace(THERE, ros2=robot))
+    return replace(ROS2_PAIR, local=replace(HERE, ros2=laptop), remote=replace(THERE, ros2=robot))
 
 
 def graph(**changes: object) -> ComputerPair:
-    return there(graph=replace(GRAPH, **changes))  # type: ignore[arg-type] # a test's own keywords
+    return remote(graph=replace(GRAPH, **changes))  # type: ignore[arg-type] # a test's own keywords
 
 
 def topics(*changed: SeenTopic) -> ComputerPair:
@@ -93,30 +93,30 @@ CLOCK = SeenTopic("/clock", (End("/simulator", "rosgraph_msgs/msg/Clock"),))
 # Each is one seeded fault: the finding that names it, and the pair.
 CASES: list[tuple[str, ComputerPair]] = [
     # How nodes discover one another on the robot.
-    ("ros2-mixed-domains", there(processes=(process(), process(), process(unit="lidar.service", ROS_DOMAIN_ID="0")))),
+    ("ros2-mixed-domains", remote(processes=(process(), process(), process(unit="lidar.service", ROS_DOMAIN_ID="0")))),
     (
         "ros2-mixed-middlewares",
-        there(processes=(process(), process(), process(unit="nav.service", RMW_IMPLEMENTATION="rmw_cyclonedds_cpp"))),
+        remote(processes=(process(), process(), process(unit="nav.service", RMW_IMPLEMENTATION="rmw_cyclonedds_cpp"))),
     ),
-    ("ros2-mixed-releases", there(processes=(process(), process(), process("humble", "old.service")))),
+    ("ros2-mixed-releases", remote(processes=(process(), process(), process("humble", "old.service")))),
     ("ros2-bad-domain", both({"ROS_DOMAIN_ID": "150"})),
     (
         "ros2-no-middleware",
-        there(installations=(FASTDDS_ALONE,), shell={**DOMAIN, "RMW_IMPLEMENTATION": "rmw_cyclonedds_cpp"}),
+        remote(installations=(FASTDDS_ALONE,), shell={**DOMAIN, "RMW_IMPLEMENTATION": "rmw_cyclonedds_cpp"}),
     ),
-    ("ros2-no-profile", there(files={PROFILE: False})),
-    ("ros2-multicast-off", there(no_multicast=("wlan0",))),
-    ("ros2-removed-memory", there(forgotten=("ros",))),
-    ("ros2-lost-memory", there(processes=(replace(process(), lost=True),))),
+    ("ros2-no-profile", remote(files={PROFILE: False})),
+    ("ros2-multicast-off", remote(no_multicast=("wlan0",))),
+    ("ros2-removed-memory", remote(forgotten=("ros",))),
+    ("ros2-lost-memory", remote(processes=(replace(process(), lost=True),))),
     # Between the two computers.
-    ("ros2-release-mix", here(installations=(HUMBLE,))),
-    ("ros2-domain", here({"ROS_DOMAIN_ID": "0"})),
-    ("ros2-middleware", here({"RMW_IMPLEMENTATION": "rmw_cyclonedds_cpp"})),
-    ("ros2-local-only", here({"ROS_LOCALHOST_ONLY": "1"})),
+    ("ros2-release-mix", local(installations=(HUMBLE,))),
+    ("ros2-domain", local({"ROS_DOMAIN_ID": "0"})),
+    ("ros2-middleware", local({"RMW_IMPLEMENTATION": "rmw_cyclonedds_cpp"})),
+    ("ros2-local-only", local({"ROS_LOCALHOST_ONLY": "1"})),
     ("ros2-local-only", both({"ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"}, mine={})),
-    ("ros2-no-multicast", here(receives=False)),
+    ("ros2-no-multicast", local(receives=False)),
     ("ros2-discovery-server", both(SERVER, (11811,), mine={})),
-    ("ros2-discovery-server", here(SERVER, ports=frozenset({11811}))),
+    ("ros2-discovery-server", local(SERVER, ports=frozenset({11811}))),
     ("ros2-no-discovery-server", both(SERVER, (), mine={"ROS_DISCOVERY_SERVER": "bob.local:11811"})),
     # Topics that never connect.
     ("ros2-command-type", topics(SeenTopic("/cmd_vel", (End("/teleop", TWIST),), (End("/base", STAMPED),)))),
@@ -143,7 +143,7 @@ CASES: list[tuple[str, ComputerPair]] = [
         topics(SeenTopic("/cmd_vel", (End("/cmd_vel_mux", TWIST), End("/script", TWIST)), (End("/base", TWIST),))),
     ),
     # Nodes, and what they send.
-    ("ros2-no-graph", there(graph=None, problem="No module named 'rclpy'")),
+    ("ros2-no-graph", remote(graph=None, problem="No module named 'rclpy'")),
     ("ros2-same-name", graph(nodes=("/base", "/base", "/slam"))),
     ("ros2-no-clock", graph(simulated={"/slam": True})),
     ("ros2-mixed-time", graph(topics=(*GRAPH.topics, CLOCK), simulated={"/slam": True, "/base": False})),
@@ -161,8 +161,8 @@ ZENOH_CASE = (
     "ros2-no-zenoh-router",
     replace(
         ROS2_PAIR,
-        here=replace(HERE, ros2=replace(TOOLS, called={**DOMAIN, **ZENOH}, installations=(WITH_ZENOH,))),
-        there=replace(THERE, ros2=replace(RUNNING, processes=(process(**ZENOH),), installations=(WITH_ZENOH,))),
+        local=replace(HERE, ros2=replace(TOOLS, called={**DOMAIN, **ZENOH}, installations=(WITH_ZENOH,))),
+        remote=replace(THERE, ros2=replace(RUNNING, processes=(process(**ZENOH),), installations=(WITH_ZENOH,))),
     ),
 )
 CASES.append(ZENOH_CASE)

@@ -19,10 +19,10 @@ from tests.robot.doctor.rules.ros2.cases import (
     TWIST,
     both,
     graph,
-    here,
+    local,
     process,
+    remote,
     scans,
-    there,
     topics,
 )
 
@@ -51,10 +51,10 @@ def test_at_least_twenty_kinds_of_faults_are_seeded() -> None:
     "pair",
     [
         ROS2_PAIR,
-        replace(ROS2_PAIR, here=replace(HERE, ros2=Ros2())),  # a laptop without any ROS
-        replace(ROS2_PAIR, selected=False, here=replace(HERE, ros2=replace(TOOLS, called={}, shell={}))),
-        there(graph=None),  # nothing runs yet
-        here({"ROS_STATIC_PEERS": "bob.local"}, receives=False),
+        replace(ROS2_PAIR, local=replace(HERE, ros2=Ros2())),  # a laptop without any ROS
+        replace(ROS2_PAIR, selected=False, local=replace(HERE, ros2=replace(TOOLS, called={}, shell={}))),
+        remote(graph=None),  # nothing runs yet
+        local({"ROS_STATIC_PEERS": "bob.local"}, receives=False),
         both({"ROS_DISCOVERY_SERVER": "127.0.0.1:11811"}, (11811,), mine={"ROS_DISCOVERY_SERVER": "bob.local:11811"}),
         scans(LOOSE, LOOSE),
         scans(Qos(latched=True), LOOSE),
@@ -64,8 +64,8 @@ def test_at_least_twenty_kinds_of_faults_are_seeded() -> None:
         topics(
             SeenTopic("/cmd_vel", (End("/cmd_vel_mux", TWIST),), (End("/base", TWIST),)), SeenTopic("/teleop/cmd_vel")
         ),
-        there(processes=(process("jazzy"), process("kilted"), process("iron"))),  # as the firmware of a Create 3
-        there(forgotten=("eve",)),  # whose units are none of ROS 2
+        remote(processes=(process("jazzy"), process("kilted"), process("iron"))),  # as the firmware of a Create 3
+        remote(forgotten=("eve",)),  # whose units are none of ROS 2
         both({"RMW_IMPLEMENTATION": "rmw_cyclonedds_cpp"}, forgotten=("ros",)),  # which uses no shared memory
     ],
 )
@@ -93,9 +93,9 @@ def test_both_nodes_of_a_pair_that_never_matches_are_named() -> None:
 
 
 def test_fix_of_a_stray_domain_changes_the_unit_of_that_process() -> None:
-    pair = there(processes=(process(), process(), process(unit="lidar.service", ROS_DOMAIN_ID="0")))
+    pair = remote(processes=(process(), process(), process(unit="lidar.service", ROS_DOMAIN_ID="0")))
     (command,) = the_finding(pair).commands
-    assert (command.where, command.root, command.safe) == ("there", True, False)
+    assert (command.where, command.root, command.safe) == ("remote", True, False)
     assert "/etc/systemd/system/lidar.service.d/ros2.conf" in command.line
     assert "ROS_DOMAIN_ID=7" in command.line
 
@@ -108,9 +108,9 @@ def test_parameter_is_set_in_the_domain_of_the_robot() -> None:
 
 def test_settings_of_this_shell_follow_the_robot() -> None:
     for pair, line in (
-        (here({"ROS_DOMAIN_ID": "0"}), "export ROS_DOMAIN_ID=7"),
-        (here({"RMW_IMPLEMENTATION": "rmw_cyclonedds_cpp"}), "export RMW_IMPLEMENTATION=rmw_fastrtps_cpp"),
-        (here(receives=False), "export ROS_STATIC_PEERS=bob.local"),
+        (local({"ROS_DOMAIN_ID": "0"}), "export ROS_DOMAIN_ID=7"),
+        (local({"RMW_IMPLEMENTATION": "rmw_cyclonedds_cpp"}), "export RMW_IMPLEMENTATION=rmw_fastrtps_cpp"),
+        (local(receives=False), "export ROS_STATIC_PEERS=bob.local"),
         (both({"ROS_DISCOVERY_SERVER": "127.0.0.1:11811"}, (11811,), mine={}), "ROS_DISCOVERY_SERVER=bob.local:11811"),
     ):
         assert line in the_finding(pair).commands[0].line
@@ -118,7 +118,7 @@ def test_settings_of_this_shell_follow_the_robot() -> None:
 
 def test_file_that_sets_a_variable_is_named() -> None:
     settings = (("~/.bashrc", "ROS_DOMAIN_ID"),)
-    assert "~/.bashrc" in the_finding(here({"ROS_DOMAIN_ID": "0"}, settings=settings)).help
+    assert "~/.bashrc" in the_finding(local({"ROS_DOMAIN_ID": "0"}, settings=settings)).help
 
 
 def test_names_from_the_graph_are_quoted_in_commands() -> None:

@@ -23,7 +23,7 @@ def check_processes(where: Where, side: Side) -> Iterator[Finding]:
 
     On this computer, only those that systemd starts: a user may run a simulated robot in a separate domain.
     """
-    running = [each for each in side.ros2.processes if each.readable and (where == "there" or each.unit)]
+    running = [each for each in side.ros2.processes if each.readable and (where == "remote" or each.unit)]
     yield from _differ(where, side, running, "ros2-mixed-domains", "ROS_DOMAIN_ID", "domain", domain_of)
     yield from _differ(
         where, side, running, "ros2-mixed-middlewares", "RMW_IMPLEMENTATION", "middleware", middleware_of

@@ -16,36 +16,36 @@ _LINK = "the page, the keys and 'ur' itself need none of this: they use the ssh 
 
 def check_both(pair: ComputerPair) -> Iterator[Finding]:
     """Check the settings of this shell against those of the robot's nodes, where the robot is selected."""
-    here, there = pair.here, pair.there
-    if not (here.ros2.present and there.ros2.present and pair.selected):
+    local, remote = pair.local, pair.remote
+    if not (local.ros2.present and remote.ros2.present and pair.selected):
         return
-    mine, theirs = _here(here), there.ros2.variables
-    yield from _check_releases(here, there)
+    mine, theirs = _local(local), remote.ros2.variables
+    yield from _check_releases(local, remote)
     if (own := domain_of(mine)) != (other := domain_of(theirs)):
-        message = f"ROS_DOMAIN_ID in this shell is {own}, and {other} for the nodes of {there.name}"
-        yield _set_here("ros2-domain", message, here, "ROS_DOMAIN_ID", other)
+        message = f"ROS_DOMAIN_ID in this shell is {own}, and {other} for the nodes of {remote.name}"
+        yield _set_local("ros2-domain", message, local, "ROS_DOMAIN_ID", other)
     if (own := middleware_of(mine)) != (other := middleware_of(theirs)):
-        message = f"RMW_IMPLEMENTATION in this shell is {own}, and {other} for the nodes of {there.name}"
-        installed = {each for release in here.ros2.installations for each in release.middlewares}
-        package = f"ros-{here.ros2.distro}-{other.replace('_', '-')}"
+        message = f"RMW_IMPLEMENTATION in this shell is {own}, and {other} for the nodes of {remote.name}"
+        installed = {each for release in local.ros2.installations for each in release.middlewares}
+        package = f"ros-{local.ros2.distro}-{other.replace('_', '-')}"
         lack = f"; first: sudo apt-get install {package}" if installed and other not in installed else ""
-        yield _set_here("ros2-middleware", message + lack, here, "RMW_IMPLEMENTATION", other)
+        yield _set_local("ros2-middleware", message + lack, local, "RMW_IMPLEMENTATION", other)
         return  # the following checks concern a single middleware
     yield from _check_servers(pair, mine, theirs)
     yield from _check_range(pair, mine, theirs)
 
 
-def _here(side: Side) -> Mapping[str, str]:
+def _local(side: Side) -> Mapping[str, str]:
     return side.ros2.called or side.ros2.shell
 
 
-def _check_releases(here: Side, there: Side) -> Iterator[Finding]:
-    mine, theirs = here.ros2.distro, there.ros2.distro
+def _check_releases(local: Side, remote: Side) -> Iterator[Finding]:
+    mine, theirs = local.ros2.distro, remote.ros2.distro
     if mine != theirs and (mine in OLD_RELEASES) != (theirs in OLD_RELEASES):
         names = [NAMES.get(each, each) for each in (mine, theirs)]
         yield Finding(
             "ros2-release-mix",
-            f"{here.name} has ROS 2 {names[0]} and {there.name} {names[1]}: nodes of the two raise exceptions when "
+            f"{local.name} has ROS 2 {names[0]} and {remote.name} {names[1]}: nodes of the two raise exceptions when "
             "they discover one another, and their topics do not connect",
             f"keep them apart (another ROS_DOMAIN_ID here), or have one release on both; {_LINK}",
         )
@@ -55,25 +55,25 @@ def _check_servers(pair: ComputerPair, mine: Mapping[str, str], theirs: Mapping[
     own, other = (each.get("ROS_DISCOVERY_SERVER", "") for each in (mine, theirs))
     if bool(own) != bool(other):
         if other:
-            shown = other.replace("127.0.0.1", f"{pair.there.name}.local").replace(
-                "localhost", f"{pair.there.name}.local"
+            shown = other.replace("127.0.0.1", f"{pair.remote.name}.local").replace(
+                "localhost", f"{pair.remote.name}.local"
             )
-            message = f"the nodes of {pair.there.name} use the discovery server {other}, and this shell none"
-            yield _set_here("ros2-discovery-server", message, pair.here, "ROS_DISCOVERY_SERVER", shown)
+            message = f"the nodes of {pair.remote.name} use the discovery server {other}, and this shell none"
+            yield _set_local("ros2-discovery-server", message, pair.local, "ROS_DISCOVERY_SERVER", shown)
         else:
             yield Finding(
                 "ros2-discovery-server",
-                f"this shell uses the discovery server {own}, and the nodes of {pair.there.name} use none",
+                f"this shell uses the discovery server {own}, and the nodes of {pair.remote.name} use none",
                 "start the robot's nodes with the same ROS_DISCOVERY_SERVER, or use none here:",
-                (FixCommand("here", "unset ROS_DISCOVERY_SERVER"),),
+                (FixCommand("local", "unset ROS_DISCOVERY_SERVER"),),
             )
 
 
 def _check_range(pair: ComputerPair, mine: Mapping[str, str], theirs: Mapping[str, str]) -> Iterator[Finding]:
-    here, there = pair.here, pair.there
+    local, remote = pair.local, pair.remote
     if mine.get("ROS_DISCOVERY_SERVER") and theirs.get("ROS_DISCOVERY_SERVER"):
         return
-    for where, side, variables, other in (("here", here, mine, there), ("there", there, theirs, here)):
+    for where, side, variables, other in (("local", local, mine, remote), ("remote", remote, theirs, local)):
         if range_of(variables) in ("LOCALHOST", "OFF"):
             name = (
                 "ROS_LOCALHOST_ONLY" if variables.get("ROS_LOCALHOST_ONLY") == "1" else "ROS_AUTOMATIC_DISCOVERY_RANGE"
@@ -81,7 +81,7 @@ def _check_range(pair: ComputerPair, mine: Mapping[str, str], theirs: Mapping[st
             new = "0" if name == "ROS_LOCALHOST_ONLY" else "SUBNET"
             files = [file for file, variable in side.ros2.settings if variable == name]
             help = f"start its nodes with {name}={new}" + (f"; it is set in {', '.join(files)}" if files else "")
-            commands = (FixCommand("here", f"export {name}={new}"),) if where == "here" else ()
+            commands = (FixCommand("local", f"export {name}={new}"),) if where == "local" else ()
             yield Finding(
                 "ros2-local-only",
                 f"{side.name}: {name} is {variables[name]}, so nodes of {other.name} are not discovered",
@@ -90,7 +90,7 @@ def _check_range(pair: ComputerPair, mine: Mapping[str, str], theirs: Mapping[st
             )
             return
     silent = [side for _, side, _ in pair.sides() if side.ros2.receives is False]
-    known = {f"{there.name}.local", there.name, *there.addresses}
+    known = {f"{remote.name}.local", remote.name, *remote.addresses}
     if silent and not known & {*peers_of(mine)}:
         names = " and ".join(side.name for side in silent)
         yield Finding(
@@ -99,16 +99,16 @@ def _check_range(pair: ComputerPair, mine: Mapping[str, str], theirs: Mapping[st
             f"the access point or a guest network drops them; name the peers instead (Jazzy and later), as 'ur env' "
             f"does, or a discovery server on the robot; {_LINK}",
             (
-                FixCommand("here", f"export ROS_STATIC_PEERS={quote(f'{there.name}.local')}"),
-                FixCommand("there", f"export ROS_STATIC_PEERS={quote(f'{here.name}.local')}"),
+                FixCommand("local", f"export ROS_STATIC_PEERS={quote(f'{remote.name}.local')}"),
+                FixCommand("remote", f"export ROS_STATIC_PEERS={quote(f'{local.name}.local')}"),
             ),
         )
 
 
-def _set_here(rule: str, message: str, side: Side, variable: str, value: str) -> Finding:
+def _set_local(rule: str, message: str, side: Side, variable: str, value: str) -> Finding:
     files = [file for file, name in side.ros2.settings if name == variable]
     help = f"it is set in {', '.join(files)}; " if files else ""
-    return Finding(rule, message, f"{help}{_FOLLOW}", (FixCommand("here", f"export {variable}={quote(value)}"),))
+    return Finding(rule, message, f"{help}{_FOLLOW}", (FixCommand("local", f"export {variable}={quote(value)}"),))
 
 
 RULES: tuple[Rule, ...] = (
