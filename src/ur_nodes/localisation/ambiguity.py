@@ -1,4 +1,4 @@
-"""Places of a map that fit the scans alike. Pure."""
+"""Places of a map that fit the scans equally. Pure."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ _APART = (1.0, 0.6)  # m, rad: nearer particles belong to the same place
 
 
 def find_places(particles: Particles) -> list[Cluster]:
-    """The heaps of particles that hold at least a tenth of the weight of the heaviest one, that first."""
+    """Find the clusters of particles with at least a tenth of the weight of the heaviest one, which is the first."""
     poses, weights = particles.poses, particles.weights
     found: list[Cluster] = []
     while len(found) < _MOST_PLACES and float(weights.sum()) > 0.0:

@@ -19,7 +19,7 @@ from ur_nodes.ports.values import Map, PoseEstimate, Result, Scan
 class Amcl:
     """Localises on the map in use. `last` is the newest estimate, also that of an earlier map; None before the first.
 
-    `correction` is the pose of the odometry's frame in the map. Both stay as they were while the robot is lost.
+    `correction` is the pose of the odometry's frame in the map. Both are kept while the robot is lost.
     """
 
     def __init__(self, settings: AmclSettings, log: Log) -> None:
@@ -35,12 +35,12 @@ class Amcl:
 
     @property
     def has_map(self) -> bool:
-        """True while there is a map in use."""
+        """True if there is a map."""
         return self._localiser is not None
 
     @property
     def lost(self) -> str:
-        """The search for a lost robot, in words for people; '' while the robot is where it is thought to be."""
+        """A description of the search for a lost robot; '' while the robot is localised."""
         if not self._localiser or not self._localiser.lost:
             return ""
         places = self._localiser.places
@@ -51,12 +51,12 @@ class Amcl:
 
     @property
     def particles(self) -> Particles:
-        """The particles after the last update; there is a map."""
+        """The particles after the last update; requires a map."""
         assert self._localiser
         return self._localiser.particles
 
     def use_map(self, given: Map) -> None:
-        """Start on a map; takes long where it is large. The pose on the last one is kept if there was one."""
+        """Start on a map, which takes long for a large one. The pose on the last map is kept if there was one."""
         if given.frame != self._settings.map_frame:
             self._log.warn(f"map in frame {given.frame!r}, expected ~global_frame_id, {self._settings.map_frame!r}")
         self._localiser = localiser = ParticleLocaliser(
@@ -70,7 +70,7 @@ class Amcl:
         self._log.info(f"map of {grid.width} x {grid.height} cells of {grid.resolution:g} m")
 
     def place(self, given: PoseEstimate, moved: Pose2) -> None:
-        """Take a given pose of the robot; `moved` is its motion since."""
+        """Set the pose of the robot; `moved` is its motion since."""
         if given.frame and given.frame != self._settings.map_frame:
             self._log.warn(f"initialpose in frame {given.frame!r} ignored, expected {self._settings.map_frame!r}")
             return
@@ -82,7 +82,7 @@ class Amcl:
             self._log.warn("initialpose ignored, expected a map first and finite numbers")
 
     def scatter(self) -> Result:
-        """The robot may be anywhere."""
+        """Start a global localisation."""
         if not self._localiser or not self._localiser.scatter():
             return Result(False, "there is no map with free cells yet, expected one")
         self._log.info("global localisation: the robot may be anywhere")
@@ -121,7 +121,7 @@ class Amcl:
         self._lost = self._localiser.lost
 
     def _report_places(self, places: list[Pose2], grid: Grid) -> None:
-        """Log when more than one place fits, with what would distinguish the best two, and when one is left."""
+        """Log when more than one place fits, with what would distinguish the best two, and when only one is left."""
         if len(places) == self._places:
             return
         if places:

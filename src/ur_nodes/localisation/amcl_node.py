@@ -1,4 +1,4 @@
-"""The node `amcl`: where the robot is on a known map, from odometry and a lidar."""
+"""The node `amcl`: localisation on a known map, from odometry and a lidar."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from ur_nodes.run import run
 
 
 class AmclNode:
-    """Wires an `Amcl` up."""
+    """Connects an `Amcl` to topics."""
 
     def __init__(self, node: Node) -> None:
         self._node = node

@@ -38,7 +38,7 @@ class AmclOutputs:
             self._cloud.send(Poses(stamp, frame, particles.poses))
 
     def publish_lost(self, text: str) -> None:
-        """Publish that the robot is lost, and what is done about it; '' once it is found."""
+        """Publish that the robot is lost, with a description of the search; '' once it is found."""
         if text != self._lost_text:
             self._lost_text = text
             self._lost.send(text)
@@ -52,7 +52,7 @@ class AmclOutputs:
             self._node.transforms.send(transform)
 
     def save_sometimes(self) -> None:
-        """Put the pose where a node that is started again finds it, at most `save_pose_rate` times a second."""
+        """Save the pose for a restarted node, at most `save_pose_rate` times a second."""
         rate, now, last = self._settings.save_rate, self._node.now() / SECOND, self._last
         if rate <= 0.0 or last is None or last is self._saved or self._save_due - 1.0 / rate <= now < self._save_due:
             return

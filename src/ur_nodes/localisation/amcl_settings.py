@@ -20,9 +20,9 @@ _LEAST_SAVED_SPREAD = (0.1, 0.1, 0.05)  # m, m, rad: the robot may have been mov
 
 @dataclass(frozen=True, slots=True, eq=False)
 class AmclSettings:
-    """Everything the node reads. Rates are in Hz, 0 or less for none; `transform_tolerance` in s.
+    """The node's parameters. Rates are in Hz, 0 or less for none; `transform_tolerance` in s.
 
-    `laser_limits` are -1 where the scan's own limits hold. `initial_covariance` is (3, 3) in m and rad.
+    `laser_limits` are -1 for the scan's own limits. `initial_covariance` is (3, 3) in m and rad.
     """
 
     filter: FilterSettings
@@ -43,7 +43,7 @@ class AmclSettings:
 
 
 def read_settings(parameters: Parameters) -> AmclSettings:
-    """The settings of a node. Defaults are upstream's. Raises UserError, which names the parameter."""
+    """Read the settings of a node. Defaults are upstream's. Raises UserError, which names the parameter."""
     p = parameters
     p.text("laser_model_type", "likelihood_field", choices=("likelihood_field", "likelihood_field_prob"))
     variances = [p.number(f"initial_cov_{name}", value, minimum=0.0) for name, value in _INITIAL]
@@ -73,7 +73,7 @@ def read_settings(parameters: Parameters) -> AmclSettings:
 
 
 def saved_parameters(pose: Pose2, covariance: NDArray[np.float64]) -> dict[str, float]:
-    """The parameters from which a node that is started again takes up where this one is."""
+    """Return the parameters with which a restarted node continues from this pose."""
     spread = [max(float(covariance[i, i]), least * least) for i, least in enumerate(_LEAST_SAVED_SPREAD)]
     values = {f"initial_pose_{name}": value for name, value in zip("xya", pose, strict=True)}
     return values | {f"initial_cov_{name}": value for (name, _), value in zip(_INITIAL, spread, strict=True)}

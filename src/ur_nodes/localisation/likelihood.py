@@ -1,4 +1,4 @@
-"""The likelihood field: how near the end of a beam is to a wall of the map, and how likely that makes a scan.
+"""The likelihood field: the distance of beams' ends to walls of the map, and the likelihood of a scan.
 
 Source: Thrun, Burgard, Fox, Probabilistic Robotics, section 6.4.
 """
@@ -34,7 +34,7 @@ class BeamModel:
 
 
 class LikelihoodField:
-    """A map, prepared for localisation: a small one whole, a large one in tiles where beams end.
+    """A map prepared for localisation: a small one as a whole, a large one in tiles where beams end.
 
     `distances` float32 (height + 2, width + 2), m: from a cell's centre to the nearest wall's surface, negative inside
     walls, at most `model.max_distance`, +max_distance everywhere on a map without walls. `log_hits` float32, same size:
@@ -44,7 +44,7 @@ class LikelihoodField:
     """
 
     def __init__(self, grid: Grid, model: BeamModel, whole: int = WHOLE) -> None:
-        """A grid of at most `whole` cells is prepared whole."""
+        """A grid of at most `whole` cells is prepared as a whole."""
         self.grid = grid
         self.model = model
         height, width = grid.height + 2, grid.width + 2
@@ -67,7 +67,7 @@ class LikelihoodField:
         return int(self._free[-1])
 
     def free_cells(self, numbers: NDArray[np.integer]) -> NDArray[np.intp]:
-        """The (row, column) (n, 2) of free cells by their numbers (n), which count along rows."""
+        """Return the (row, column) (n, 2) of free cells by their numbers (n), which are counted along rows."""
         rows = np.searchsorted(self._free, numbers, side="right") - 1
         columns = np.empty(len(rows), np.intp)
         order = np.argsort(rows, kind="stable")
@@ -77,7 +77,7 @@ class LikelihoodField:
         return np.stack((rows, columns), axis=-1)
 
     def cover(self, rows: NDArray[np.integer], columns: NDArray[np.integer]) -> None:
-        """Prepare the tables at cells given by their row and column (of the same shape), which lie inside."""
+        """Prepare the tables at cells given by rows and columns (of the same shape), all inside the map."""
         if self.complete or not rows.size:
             return
         first, last = (int(rows.min()) // _ROWS, int(columns.min()) // _COLUMNS), (int(rows.max()), int(columns.max()))
@@ -98,7 +98,7 @@ class LikelihoodField:
         self._tiles[:] = False
 
     def _work_out(self, top: int, left: int, bottom: int, right: int) -> None:
-        """Fill rows and columns of the tables, which count from the border."""
+        """Fill rows and columns of the tables, counted from the border."""
         model, reach = self.model, self._reach
         height, width = self.grid.shape
         upper, before = max(0, top - 1 - reach), max(0, left - 1 - reach)
@@ -123,10 +123,11 @@ def make_field(grid: Grid, model: BeamModel) -> LikelihoodField:
 
 
 def signed_distances(walls: NDArray[np.bool_], resolution: float, reach: int = _FARTHEST) -> NDArray[np.float64]:
-    """From each cell's centre (height, width) to the nearest wall surface in m, negative inside; inf without walls.
+    """Return each cell's distance (height, width) in m to the nearest wall surface.
 
-    Half a cell is taken off the distance between centres, so that the value is 0 on the edge between a wall cell and
-    its free neighbour and changes evenly across it. Exact up to `reach` cells (at most 180), beyond them larger.
+    It is negative inside walls, and inf without walls. Half a cell is subtracted from the distance between centres, so
+    that the value is 0 on the edge between a wall cell and its free neighbour and continuous across it. Exact up to
+    `reach` cells (at most 180), beyond them larger.
     """
     if not walls.any():
         return np.full(walls.shape, math.inf)
@@ -137,7 +138,7 @@ def signed_distances(walls: NDArray[np.bool_], resolution: float, reach: int = _
 
 
 def log_likelihoods(distances: NDArray[np.floating], model: BeamModel) -> NDArray[np.float64]:
-    """Log of the likelihood of beams that end so far (m) from a wall, 0 for a sure hit, bounded below by z_rand."""
+    """Return the log likelihood of beams that end so far (m) from a wall: 0 for a sure hit, bounded below by z_rand."""
     hit = model.z_hit * np.exp(-0.5 * np.square(distances / model.sigma_hit))
     floor = max(model.z_rand, 1e-6)
     result: NDArray[np.float64] = np.log((hit + floor) / (model.z_hit + floor))
@@ -150,9 +151,9 @@ def score_poses(
     points: NDArray[np.float64],
     value: Callable[[NDArray[np.float32]], NDArray[np.float32]] | None = None,
 ) -> NDArray[np.float64]:
-    """The mean log likelihood (n) per beam of poses (n, 3), when beams end at points (m, 2) in the robot's frame.
+    """Return the mean log likelihood (n) per beam of poses (n, 3), for beams with ends (m, 2) in the robot's frame.
 
-    With `value`, the mean of what it makes of the ends' distances to walls instead.
+    With `value`, the mean of that function of the ends' distances to walls instead.
     """
     entries = field.log_hits if value is None else field.distances
     grid = field.grid

@@ -46,7 +46,7 @@ class FilterSettings:
 
     `recovery_alpha_slow` and `_fast` are the rates of the averages whose ratio determines the number of random
     particles to add; 0 adds none. `refine` matches the scan to the map from the best cluster's pose. `notice_lost`:
-    search the whole map where scans do not fit any more.
+    search the whole map when scans no longer fit.
     """
 
     size: SampleSize
@@ -93,29 +93,29 @@ class ParticleLocaliser:
 
     @property
     def lost(self) -> bool:
-        """Return whether the robot is not where it was thought to be; the map is searched until one place fits."""
+        """Return whether the robot is lost; the map is then searched until one place fits."""
         return self._lost
 
     @property
     def places(self) -> list[Pose2]:
-        """The places, at least two, that fit alike during a global localisation, the best first; else none.
+        """The places, at least two, that fit equally during a global localisation, the best first; else none.
 
-        The search goes on as long as there are some.
+        The search continues while there are any.
         """
         return self._places if self._ambiguous >= AMBIGUOUS else []
 
     @property
     def particles(self) -> Particles:
-        """The particles after the last update. Not to be written to."""
+        """The particles after the last update; read only."""
         return self._particles
 
     def place(self, pose: Pose2, covariance: NDArray[np.float64]) -> None:
-        """The robot is about here: start again round a pose, covariance (3, 3)."""
+        """Restart around a pose, with a covariance (3, 3)."""
         self._restart(draw_gaussian(pose, covariance, self._settings.size.maximum, self._rng))
         self._lost = False
 
     def scatter(self) -> bool:
-        """The robot may be anywhere: start again with particles on all free cells. False if the map has none."""
+        """Restart with particles on all free cells, for a global localisation. False if the map has none."""
         if not self._field.free_count:
             return False
         self._restart(draw_free_poses(self._field, self._settings.size.maximum, self._rng))
@@ -127,7 +127,7 @@ class ParticleLocaliser:
         self._forced = True
 
     def update(self, odometry: Pose2, points: NDArray[np.float64]) -> ClusterEstimate | None:
-        """A scan: the ends (m, 2) of its beams in the robot's frame, and the odometry's pose at its stamp.
+        """Update with a scan: the ends (m, 2) of its beams in the robot's frame, and the odometry's pose at its stamp.
 
         Returns None, and changes nothing, when the robot has moved less than update_min_d and turned less than
         update_min_a since the last update.
@@ -160,7 +160,7 @@ class ParticleLocaliser:
         return estimate
 
     def _judge(self, estimate: ClusterEstimate, points: NDArray[np.float64]) -> None:
-        """Note whether the robot is lost, and search while it is."""
+        """Determine whether the robot is lost, and search if it is."""
         match = match_scan(self._field, estimate.pose, estimate.covariance, points, self._match)
         decisive = self._lost or match.agreement < LITTLE  # else walls decide nothing, and tracing them takes long
         through = share_through_walls(self._field.grid, estimate.pose, points) if decisive else 0.0
@@ -241,6 +241,6 @@ class ParticleLocaliser:
 
 
 def _evenly(count: int, wanted: int) -> NDArray[np.intp]:
-    """Indices of at most `wanted` of `count` things, evenly apart, the first and the last among them."""
+    """Return the indices of at most `wanted` of `count` items, evenly spaced, with the first and the last."""
     chosen: NDArray[np.intp] = np.linspace(0, count - 1, min(count, wanted)).round().astype(np.intp)
     return chosen

@@ -1,4 +1,4 @@
-"""The map that the robot is on, from a topic or a service."""
+"""The source of the map: a topic or a service."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _PATIENCE = 120.0  # s: large maps take long over WiFi
 
 
 class MapSource:
-    """Gives each map of the topic `map`, or the one that the service `static_map` returns when it is there."""
+    """Passes on each map of the topic `map`, or that of the service `static_map` once it is available."""
 
     def __init__(self, node: Node, take: Callable[[Map], None], *, topic: bool) -> None:
         self._node, self._take = node, take

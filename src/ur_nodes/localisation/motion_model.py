@@ -21,8 +21,8 @@ OdometryKind = Literal["diff", "diff-corrected"]
 class MotionModel:
     """Noise of the odometry: rotation by rotation, by translation, translation by translation, by rotation.
 
-    With "diff-corrected" the alphas scale squares and the spread is their root, as in the book; with "diff" the sum of
-    squares itself is the spread, as upstream's first version had it and many parameter files expect.
+    With "diff-corrected" the alphas scale squares and the deviation is the square root, as in the book; with "diff" the
+    sum of squares itself is the deviation, as in upstream's first version and as many parameter files expect.
     """
 
     kind: OdometryKind
@@ -42,7 +42,7 @@ class Steps:
 
 
 def decompose(before: Pose2, after: Pose2) -> Steps:
-    """The movement between two poses of the odometry. A robot that hardly moved counts as turned only."""
+    """Decompose the movement between two poses of the odometry. A small movement is a turn only."""
     dx, dy = after.x - before.x, after.y - before.y
     drive = math.hypot(dx, dy)
     turn1 = wrap_angle(math.atan2(dy, dx) - before.yaw) if drive >= 0.01 else 0.0
@@ -50,7 +50,7 @@ def decompose(before: Pose2, after: Pose2) -> Steps:
 
 
 def spread_of_steps(steps: Steps, model: MotionModel) -> Steps:
-    """The standard deviations of the three parts. Driving backwards counts as driving, not as two half turns."""
+    """Return the standard deviations of the three parts. Driving backwards is one drive, not two half turns."""
     turn1 = min(abs(steps.turn1), abs(wrap_angle(steps.turn1 - math.pi)))
     turn2 = min(abs(steps.turn2), abs(wrap_angle(steps.turn2 - math.pi)))
     drive = steps.drive * steps.drive
@@ -67,7 +67,7 @@ def spread_of_steps(steps: Steps, model: MotionModel) -> Steps:
 def move_poses(
     poses: NDArray[np.float64], before: Pose2, after: Pose2, model: MotionModel, rng: np.random.Generator
 ) -> NDArray[np.float64]:
-    """Poses (n, 3) after the movement that the odometry saw, each with noise of its own."""
+    """Return poses (n, 3) after the movement of the odometry, each with independent noise."""
     steps = decompose(before, after)
     spread = spread_of_steps(steps, model)
     noise = rng.standard_normal((3, len(poses)))

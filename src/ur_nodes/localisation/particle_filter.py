@@ -1,4 +1,4 @@
-"""Particles: poses with weights, and the steps of a filter on them. Pure: random numbers come from a generator given.
+"""Particles: weighted poses, and the steps of a particle filter. Pure: random numbers come from a given generator.
 
 Sources: Fox, "Adapting the sample size in particle filters through KLD-sampling" (2003); Thrun, Burgard, Fox,
 Probabilistic Robotics, sections 4.3 and 8.3.
@@ -46,7 +46,7 @@ class SampleSize:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Cluster:
-    """The best heap of particles: mean pose, covariance (3, 3) in m and rad, and the share of the weight it holds."""
+    """The best cluster of particles: mean pose, covariance (3, 3) in m and rad, and its share of the weight."""
 
     pose: Pose2
     covariance: NDArray[np.float64]
@@ -54,14 +54,14 @@ class Cluster:
 
 
 def even_particles(poses: NDArray[np.float64]) -> Particles:
-    """Particles that all weigh the same."""
+    """Return particles of equal weight."""
     return Particles(poses, np.full(len(poses), 1.0 / len(poses)))
 
 
 def draw_gaussian(
     mean: Pose2, covariance: NDArray[np.float64], count: int, rng: np.random.Generator
 ) -> NDArray[np.float64]:
-    """Poses (count, 3) round a mean; `covariance` (3, 3) may be singular."""
+    """Draw poses (count, 3) around a mean; `covariance` (3, 3) may be singular."""
     values, vectors = np.linalg.eigh(0.5 * (covariance + covariance.T))
     offsets: NDArray[np.float64] = rng.standard_normal((count, 3)) * np.sqrt(np.maximum(values, 0.0)) @ vectors.T
     offsets += np.array(mean)
@@ -77,7 +77,7 @@ def effective_size(weights: NDArray[np.float64]) -> float:
 def weigh(
     particles: Particles, scores: NDArray[np.float64], beams: float, least_share: float
 ) -> tuple[Particles, float]:
-    """The particles with weights multiplied by exp(exponent * scores), and the exponent.
+    """Return the particles with weights multiplied by exp(exponent * scores), and the exponent.
 
     `scores` (n) are mean log likelihoods per beam. The exponent is `beams`, the number of beams that count as
     independent, or less where that would leave an effective size below `least_share` of the particles (or of what the
@@ -121,7 +121,7 @@ def resample(
     fresh_share: float = 0.0,
     draw_fresh: DrawPoses | None = None,
 ) -> Particles:
-    """As many particles as the distribution needs, drawn by weight, all with the same weight.
+    """Draw as many particles as the distribution needs, by weight, all with equal weight.
 
     About `fresh_share` (0..1) of them come from `draw_fresh(count)` instead, which gives poses (count, 3).
     """
@@ -138,7 +138,7 @@ def resample(
 
 
 def keep_needed(poses: NDArray[np.float64], size: SampleSize) -> NDArray[np.float64]:
-    """The first of these poses (n, 3), as many as the number of bins that they fill calls for; at most all."""
+    """Return the first of these poses (n, 3), as many as their number of bins requires; at most all."""
     _, first = np.unique(bins_of_poses(poses, BIN_METRES, BIN_RADIANS), return_index=True)
     new = np.zeros(len(poses), dtype=np.intp)
     new[first] = 1
@@ -156,14 +156,14 @@ def _draw(particles: Particles, count: int, rng: np.random.Generator) -> NDArray
 
 
 def bins_of_poses(poses: NDArray[np.float64], metres: float, radians: float) -> NDArray[np.int64]:
-    """A number (n) per pose that is equal for poses in the same box of the grid of positions and headings."""
+    """Return a number (n) per pose, equal for poses in the same cell of the grid of positions and headings."""
     cells = np.floor(poses / (metres, metres, radians)).astype(np.int64)
     numbers: NDArray[np.int64] = ((cells[:, 0] + 2**20 << 21) + cells[:, 1] + 2**20 << 10) + cells[:, 2] + 2**9
     return numbers
 
 
 def find_best_cluster(particles: Particles) -> Cluster:
-    """The heap of particles with the most weight: all within _RADIUS and _ANGLE of its mean."""
+    """Find the cluster of particles with the most weight: all within _RADIUS and _ANGLE of its mean."""
     poses, weights = particles.poses, particles.weights
     _, member = np.unique(bins_of_poses(poses, _RADIUS, _ANGLE), return_inverse=True)
     heaviest = int(np.argmax(np.bincount(member, weights)))

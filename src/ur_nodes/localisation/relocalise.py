@@ -33,7 +33,7 @@ def propose_poses(
     rng: np.random.Generator,
     size: int = POOL,
 ) -> NDArray[np.float64]:
-    """Poses (count, 3) near places where beams would end at points (m, 2) in the robot's frame.
+    """Propose poses (count, 3) near places where beams would end at points (m, 2) in the robot's frame.
 
     Drawn by likelihood, as if `beams` of the beams were independent. The map must have a free cell. `size` poses are
     tried.
@@ -55,7 +55,7 @@ def propose_poses(
 
 
 def pool_size(field: LikelihoodField) -> int:
-    """The number of poses to try so that none of the map's free floor is left out; 20000 to 400000."""
+    """Return the number of poses to try so that all of the map's free floor is covered; 20000 to 400000."""
     return int(min(MOST_POOL, max(POOL, DENSITY * field.free_count * field.grid.resolution**2)))
 
 

@@ -1,4 +1,4 @@
-"""Velocities for a base, as the messages that its subscriber takes."""
+"""Publisher of velocities for a base, as the type that its subscriber has."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ class BaseOutput:
     """Sends velocities on a topic, as Twist or TwistStamped. See KindWatch: while none is known, nothing is sent."""
 
     def __init__(self, node: Node, topic: str, greet: Callable[[], Velocity | None]) -> None:
-        """`greet` is asked, when a node begins to listen, for what all listeners then get."""
+        """`greet` returns, for each new subscriber, a value that all subscribers then get."""
         self._node, self._topic, self._greet = node, topic, greet
         self._twists: Publisher[Twist] | None = None
         self._stamped: Publisher[StampedTwist] | None = None

@@ -45,7 +45,7 @@ _SOON = 1e-6  # s: outputs that are this near to being due are due
 
 @dataclass(frozen=True, slots=True)
 class ReceivedCommand:
-    """The newest command of a source, when it was given, and when the source last asked for motion."""
+    """The newest command of a source, its time, and the time of the source's last motion."""
 
     velocity: Velocity = STILL
     at: float = -math.inf
@@ -55,7 +55,7 @@ class ReceivedCommand:
 
 @dataclass(frozen=True, slots=True)
 class MuxState:
-    """All that is known. Times are those given to `step`; `next_at` is when to call it next, infinite when silent.
+    """State of the mux. Times are those given to `step`; `next_at` is when to call it next, infinite when silent.
 
     `share` of the base's speeds is allowed. `verdict` is that of the `guard` on the newest output: None while nothing
     drives, or what drives is not guarded.
@@ -98,9 +98,9 @@ def start_mux(settings: MuxSettings, *, stopped: bool = False, share: float = 1.
 
 
 def step(state: MuxState, event: Event | None, now: float) -> tuple[MuxState, Velocity | None]:
-    """The state after `event` (None: time has passed) at `now`, and the velocity to send now; None is nothing.
+    """Return the state after `event` (None: time has passed) at `now`, and the velocity to send; None for nothing.
 
-    Call it for each event, and without one at `state.next_at`. When time goes back all commands are forgotten.
+    Call it for each event, and without one at `state.next_at`. When time goes back, all commands are dropped.
     """
     if now < state.now:
         state = _forget(state, now)
@@ -117,7 +117,7 @@ def step(state: MuxState, event: Event | None, now: float) -> tuple[MuxState, Ve
 
 
 def _forget(state: MuxState, now: float) -> MuxState:
-    """Forget inputs from before time was set back: they have no age any more."""
+    """Drop inputs from before time was set back, as their age is unknown."""
     fresh = replace(start_mux(state.settings, stopped=state.stopped, share=state.share), guard=state.guard)
     if state.output.still and math.isinf(state.next_at):
         return fresh
@@ -160,7 +160,7 @@ def _receive(before: ReceivedCommand, velocity: Velocity, timeout: float, at: fl
 
 
 def _choose(state: MuxState, now: float) -> int | None:
-    """The index of the source to follow."""
+    """Return the index of the source to follow."""
     if state.stopped:
         return None
     floor = max((lock.priority for lock, message in _locks(state) if _is_locked(lock, message, now)), default=None)
@@ -214,7 +214,7 @@ def _send(state: MuxState, now: float) -> tuple[MuxState, Velocity]:
 
 
 def _judge(state: MuxState, output: Velocity, now: float) -> GuardVerdict | None:
-    """The guard's verdict on an output; None where the source that drives is not guarded."""
+    """Return the guard's verdict on an output; None if the driving source is not guarded."""
     if state.guard is None or state.active is None or state.settings.sources[state.active].avoids_obstacles:
         return None
     return state.guard.permit(output.forward, output.turn, now)
@@ -228,7 +228,7 @@ def _approach(before: Velocity, target: Velocity, settings: MuxSettings, left: f
 
 
 def _follow(value: float, target: float, axis: Axis, left: float, seconds: float) -> float:
-    """`value` after `seconds` towards `target`, limited to what can be braked away in `left` s."""
+    """Return `value` after `seconds` towards `target`, limited to what can be braked in `left` s."""
     fastest = axis.slow_down * max(0.0, left)
     return approach(value, max(-fastest, min(fastest, target)), axis, seconds) + 0.0  # -0.0 would puzzle people
 

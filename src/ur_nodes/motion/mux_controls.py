@@ -1,4 +1,4 @@
-"""The emergency stop and the speed limit of a mux. Both outlive the process."""
+"""The emergency stop and the speed limit of a mux. Both are kept when the process ends."""
 
 from __future__ import annotations
 
@@ -16,7 +16,10 @@ from ur_nodes.ports.values import Result
 
 
 class MuxControls:
-    """Offers `~stop`, `~release` and `~speed_limit`. A stop takes effect at once, and is answered once it is kept."""
+    """Offers `~stop`, `~release` and `~speed_limit`.
+
+    A stop takes effect at once, and is answered after it is stored.
+    """
 
     def __init__(
         self, node: Node, runner: MuxRunner, sources: tuple[Source, ...], share: float, writes: Writes

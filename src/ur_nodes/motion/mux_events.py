@@ -15,8 +15,8 @@ _SLOWEST = 1e-4  # m/s, rad/s: less is rounding, not a command to move
 class Source:
     """A topic that velocity commands come from. Higher priority wins; `timeout` (s) is its age limit.
 
-    `avoids_obstacles`: its commands come from a program that looks at sensors itself, and are not guarded. `foreign`:
-    programs of others send to the topic as if it were the base's, Twist or TwistStamped with a stamp of any meaning.
+    `avoids_obstacles`: its commands come from a program that reads sensors itself, and are not guarded. `foreign`:
+    third-party programs send to the topic as if it were the base's, Twist or TwistStamped with any stamp.
     """
 
     name: str
@@ -30,9 +30,9 @@ class Source:
 
 @dataclass(frozen=True, slots=True)
 class Lock:
-    """A topic that locks out sources with a lower priority. Without a message for `timeout` s they are locked out.
+    """A topic that locks sources of a lower priority, also after `timeout` s without a message.
 
-    A timeout of 0 means that it does not age.
+    With a timeout of 0, messages do not age.
     """
 
     name: str
@@ -43,7 +43,7 @@ class Lock:
 
 @dataclass(frozen=True, slots=True)
 class MuxSettings:
-    """Sources, locks, what the base can do, and the times (s) that the module's text explains."""
+    """Sources, locks, the limits of the base, and the times (s) of the module's docstring."""
 
     sources: tuple[Source, ...]
     forward: Axis
@@ -66,7 +66,7 @@ class Velocity:
 
     @property
     def still(self) -> bool:
-        """True for no motion at all."""
+        """True if there is no motion."""
         return abs(self.forward) < _SLOWEST and abs(self.turn) < _SLOWEST
 
 
@@ -96,24 +96,24 @@ class LockMessage:
 
 @dataclass(frozen=True, slots=True)
 class EmergencyStopped:
-    """Emergency stop: nothing drives until `EmergencyReleased`."""
+    """Emergency stop: the robot stops until `EmergencyReleased`."""
 
 
 @dataclass(frozen=True, slots=True)
 class EmergencyReleased:
-    """The emergency is over. Sources that ask for motion at this moment stay shut out until they pause."""
+    """End of the emergency stop. Sources that request motion at this moment are ignored until they pause."""
 
 
 @dataclass(frozen=True, slots=True)
 class SpeedLimited:
-    """Follow commands with at most this share (0 to 1) of what the base can do, until the next one."""
+    """Limit commands to this share (0 to 1) of the base's limits, until the next such event."""
 
     share: float
 
 
 @dataclass(frozen=True, slots=True)
 class GuardChanged:
-    """The guard of commands from now on; None: they are not guarded."""
+    """The new guard of commands; None: commands are not guarded."""
 
     guard: Guard | None
 
@@ -122,7 +122,7 @@ Event = VelocityCommand | LockMessage | EmergencyStopped | EmergencyReleased | S
 
 
 def slow_to(wanted: Velocity, share: float, settings: MuxSettings) -> Velocity:
-    """The velocity with at most this share of the base's speeds, on the same curve."""
+    """Return the velocity with at most this share of the base's speeds, on the same curve."""
     if share >= 1.0 or wanted.still:
         return wanted
     parts = (abs(wanted.forward) / settings.forward.speed, abs(wanted.turn) / settings.turn.speed)

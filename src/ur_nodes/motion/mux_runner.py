@@ -1,4 +1,4 @@
-"""A mux at work: events in, velocities out on `cmd_vel`, on time."""
+"""A running mux: events in, velocities out on `cmd_vel`, on time."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ class MuxRunner:
         on_change(state)
 
     def handle(self, event: Event | None) -> MuxState:
-        """Let an event take effect now (None: time has passed), and return the state after it."""
+        """Apply an event now (None: time has passed), and return the new state."""
         before = self._state
         self._state, output = step(before, event, read_mux_time(self._node))
         if output is not None:
@@ -51,7 +51,7 @@ class MuxRunner:
         return self._state
 
     def _arm(self) -> None:
-        """Have the next output made when it is due."""
+        """Schedule the next output."""
         if self._timer is not None:
             self._timer.cancel()
         self._timer, self._timer_at = None, self._state.next_at
@@ -64,7 +64,7 @@ class MuxRunner:
         self.handle(None)
 
     def _greet(self) -> Velocity | None:
-        """A stop for each new subscriber: some drivers keep the last command of a mux that died."""
+        """Return a stop for each new subscriber: some drivers keep the last command of a mux that died."""
         return STILL if self._state.output.still else None
 
     def _end(self) -> None:

@@ -67,7 +67,7 @@ def read_settings(own: Parameters) -> MuxNodeSettings:
 
 
 def _read_foreign(own: Parameters, sources: tuple[Source, ...]) -> tuple[Source, ...]:
-    """The source of the commands that programs of others send to a base, whose topic the mux takes over."""
+    """Read the source of the commands that third-party programs send to a base, whose topic the mux takes over."""
     topic = own.text("takes_over", "")
     if topic in (source.topic for source in sources) or FOREIGN in (source.name for source in sources):
         own.fail("takes_over", topic, f"a topic that is none of the sources, and no source named {FOREIGN}")
@@ -75,7 +75,7 @@ def _read_foreign(own: Parameters, sources: tuple[Source, ...]) -> tuple[Source,
 
 
 def read_share(percent: object) -> float | None:
-    """The share of a percentage (0: all); None for what is none."""
+    """Return the share of a percentage (0: all); None if invalid."""
     if not isinstance(percent, (int, float)) or isinstance(percent, bool):
         return None
     if percent == 0.0:

@@ -1,4 +1,4 @@
-"""The time that a mux works by."""
+"""The clock of a mux."""
 
 from __future__ import annotations
 
@@ -6,5 +6,5 @@ from ur_nodes.ports.node import Node
 
 
 def read_mux_time(node: Node) -> float:
-    """Seconds of a steady clock, or of the simulator's where that is the clock of all nodes."""
+    """Return the seconds of a steady clock, or of the simulator's clock if nodes use that."""
     return node.now() * 1e-9 if node.facts.simulated_time else node.steady()

@@ -1,4 +1,4 @@
-"""Changes of velocity that a base can follow: it may stop harder than it starts."""
+"""Velocity ramps that a base can follow: braking may be harder than acceleration."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ class Axis:
     slow_down: float
 
     def clip(self, value: float) -> float:
-        """The value nearest to `value` within the speed limit; 0 for what is not finite."""
+        """Return the value nearest to `value` within the speed limit; 0 if it is not finite."""
         return max(-self.speed, min(self.speed, value)) if math.isfinite(value) else 0.0
 
 
@@ -33,9 +33,9 @@ def axes_of(limits: MotionLimits) -> tuple[Axis, Axis]:
 
 
 def approach(value: float, target: float, axis: Axis, seconds: float) -> float:
-    """The velocity after `seconds` of the fastest change from `value` to `target` (clipped) that the limits allow.
+    """Return the velocity after `seconds` of the fastest permitted change from `value` to `target` (clipped).
 
-    A change of sign brakes to zero first and uses what is left of the time to speed up.
+    A change of sign brakes to zero first and accelerates in the remaining time.
     """
     if value == target and -axis.speed <= value <= axis.speed:
         return value

@@ -1,8 +1,8 @@
 """The sources and locks of a mux, from parameters with twist_mux's names: `name`, `topic`, `timeout`, `priority`.
 
-On ROS 2 they are mappings by name. Ours may set two more: `zeros_hold: true` for sources that are silent when idle and
-mean it when they send zeros, and `avoids_obstacles: true` for programs that look at sensors themselves, whose commands
-the obstacle stop lets pass.
+On ROS 2 they are mappings by name. This mux has two more: `zeros_hold: true` for sources that are silent when idle and
+whose zeros are a command, and `avoids_obstacles: true` for programs that read sensors themselves, whose commands the
+obstacle stop lets pass.
 """
 
 from __future__ import annotations

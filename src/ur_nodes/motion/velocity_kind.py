@@ -1,4 +1,4 @@
-"""The kind of velocities at the other end of a topic: Twist, or TwistStamped as many bases and programs of ROS 2."""
+"""The type of velocities at the other end of a topic: Twist, or TwistStamped as on many bases and programs of ROS 2."""
 
 from __future__ import annotations
 
@@ -24,9 +24,9 @@ def choose_kind(current: type | None, found: frozenset[type]) -> type | None:
 
 
 class KindWatch:
-    """Asks for the kinds at the other end of a topic again and again, and calls `use` when the one to use changes.
+    """Polls the types at the other end of a topic, and calls `use` when the one to use changes.
 
-    Where the middleware does not report them, it is Twist.
+    If the middleware does not report them, it is Twist.
     """
 
     def __init__(

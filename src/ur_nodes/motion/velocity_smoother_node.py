@@ -1,6 +1,6 @@
-"""Make velocity commands gentle: the stand-in for yujin's velocity smoother, a mux of one source.
+"""The node `velocity_smoother`: limits accelerations, in place of yujin's velocity smoother, as a mux of one source.
 
-Commands have to arrive at a steady rate, as before a mux: what a network has held back must not leave here as new.
+Commands have to arrive at a steady rate, as before a mux: commands that a network has delayed must not pass as new.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""The controller of a base, from velocity commands to wheels: limits, ramps, and a stop when commands are old."""
+"""The controller of a base, from velocity commands to wheel speeds: limits, ramps, and a stop when commands are old."""
 
 from __future__ import annotations
 
@@ -23,22 +23,25 @@ class WheelDrive:
 
     @property
     def velocity(self) -> tuple[float, float]:
-        """The velocity that is asked of the wheels now: m/s, rad/s."""
+        """The velocity setpoint now: m/s, rad/s."""
         return self._velocity
 
     def command(self, linear: float, angular: float, time: float) -> None:
-        """A command (m/s, rad/s) at a time (s), followed within the limits. One that is not finite means stop."""
+        """Set a command (m/s, rad/s) at a time (s), followed within the limits.
+
+        Values that are not finite stop the base.
+        """
         if not (math.isfinite(linear) and math.isfinite(angular)):
             linear = angular = 0.0
         self._target = (linear, angular)
         self._received = time
 
     def halt(self) -> None:
-        """The wheels are at rest, or are stopped: the next command speeds up from rest."""
+        """Set the wheels to rest: the next command accelerates from rest."""
         self._target = self._velocity = (0.0, 0.0)
 
     def update(self, time: float) -> tuple[float, float]:
-        """Speeds of the left and right wheel (rad/s) for the control period that starts at `time` (s)."""
+        """Return the speeds of the left and right wheel (rad/s) for the control period that starts at `time` (s)."""
         fresh = time - self._received <= self._age
         linear, angular = self._target if fresh else (0.0, 0.0)
         v = approach(self._velocity[0], linear, self._forward, self._period)

@@ -1,4 +1,4 @@
-"""Writes and log lines of a node whose callbacks must not wait for a disk, a terminal or a master."""
+"""Writes and log lines of a node whose callbacks must not block on a disk, a terminal or a master."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ _LANE, _LOG_LANE = "writes", "log"
 
 
 class Writes:
-    """Makes writes beside a node, in their order. The last of each name is made even if the node ends meanwhile."""
+    """Makes writes on a worker, in order. The last one of each name is made even if the node ends meanwhile."""
 
     def __init__(self, node: Node) -> None:
         self._node = node
@@ -19,7 +19,7 @@ class Writes:
         node.on_end(self._repeat)
 
     def write(self, name: str, job: Callable[[], None], take: Callable[[str], None] = lambda _: None) -> None:
-        """Make a write, and give `take` the reason why it failed, empty if it did not."""
+        """Make a write; `take` gets the reason of a failure, empty on success."""
         self._open[name] = job
 
         def finish(problem: str) -> None:
@@ -35,7 +35,7 @@ class Writes:
 
 
 class AsideLog:
-    """See `ports.log.Log`: writes the lines of a node beside it."""
+    """See `ports.log.Log`: writes the lines of a node on a worker."""
 
     def __init__(self, node: Node) -> None:
         self._node = node
@@ -54,7 +54,10 @@ class AsideLog:
 
 
 def attempt(job: Callable[[], None]) -> str:
-    """Do what may fail in ways of the middleware, such as a master that has ended; the reason, empty if it did not."""
+    """Make a call that may fail in the middleware, for example because the master ended.
+
+    Returns the reason, empty on success.
+    """
     try:
         job()
     except Exception as problem:
@@ -63,4 +66,4 @@ def attempt(job: Callable[[], None]) -> str:
 
 
 def _ignore(_done: object) -> None:
-    """Nothing follows."""
+    """Do nothing."""

@@ -1,4 +1,4 @@
-"""The heading of a robot by its gyroscope, used where the scans show that it turns better than the wheels."""
+"""The heading of a robot by its gyroscope, used if the scans show that it is more accurate than the wheels."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _FADING = 100  # windows after which all errors so far count half
 
 
 class Gyro:
-    """Yaw rates of the robot, and the turns that they amount to. The bias is learned while the robot is at rest."""
+    """Yaw rates of the robot, and their integral. The bias is learned while the robot is at rest."""
 
     def __init__(self) -> None:
         self.bias = 0.0
@@ -32,7 +32,7 @@ class Gyro:
         self._rests = 0
 
     def add(self, stamp: float, rate: float) -> None:
-        """Take a yaw rate (rad/s, counter-clockwise) at a time in s; times that do not rise begin anew."""
+        """Add a yaw rate (rad/s, counter-clockwise) at a time in s; an earlier time restarts the integral."""
         last = self._times[-1] if self._times else None
         if last is not None and stamp <= last:
             self._times.clear()
@@ -50,7 +50,7 @@ class Gyro:
             self._sums.popleft()
 
     def rest(self, begin: float, end: float) -> None:
-        """Learn the bias from a time in which the robot did not move."""
+        """Learn the bias from an interval in which the robot did not move."""
         raw = self._raw_turn(begin, end)
         if raw is None or end <= begin or abs(raw / (end - begin)) > _MOST_BIAS:
             return
@@ -58,7 +58,7 @@ class Gyro:
         self.bias += (raw / (end - begin) - self.bias) / self._rests
 
     def turn(self, begin: float, end: float) -> float | None:
-        """The turn (rad) between two times; None where yaw rates are missing."""
+        """Return the turn (rad) between two times; None if yaw rates are missing."""
         raw = self._raw_turn(begin, end)
         return raw - self.bias * (end - begin) if raw is not None else None
 
@@ -81,7 +81,7 @@ class Gyro:
 
 
 class Headings:
-    """The robot's heading by a gyroscope, once the scans have shown that it turns better than the wheels."""
+    """The robot's heading by a gyroscope, once the scans have shown that it is more accurate than the wheels."""
 
     def __init__(self) -> None:
         self.gyro = Gyro()
@@ -95,17 +95,17 @@ class Headings:
 
     @property
     def trusted(self) -> bool:
-        """Return whether the gyroscope turns better than the wheels."""
+        """Return whether the gyroscope is more accurate than the wheels."""
         return self._errors[0] + _LEAD < self._errors[1]
 
     @property
     def contradicted(self) -> bool:
-        """Return whether the gyroscope turns much worse than the wheels: its frame may be wrong, or its sign."""
+        """Return whether the gyroscope is much less accurate than the wheels: its frame or its sign may be wrong."""
         times, least = _CONTRADICTION
         return self._errors[0] > max(times * self._errors[1], least)
 
     def at(self, stamp: float, odometry: Pose2) -> float | None:
-        """The heading (rad, from any begin) at a scan; None while it is not known, or not trusted."""
+        """Return the heading (rad, from an arbitrary origin) at a scan; None while it is unknown or not trusted."""
         before, self._last = self._last, (stamp, odometry)
         if before is None:
             self._known = False

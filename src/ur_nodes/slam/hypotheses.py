@@ -1,4 +1,4 @@
-"""Agree on one place of the map for several scans that were taken one after the other."""
+"""Search for one place of the map on which several successive scans agree."""
 
 from __future__ import annotations
 
@@ -22,7 +22,8 @@ _CHECKED = 6  # places that a scan is held against which it does not name itself
 class Hypothesis:
     """A `place` on the map for the frame of other keyframes, and their fits that agree on it, by keyframe.
 
-    `refuted` is the number of keyframes that were not taken there; `expected`: it is there unless it was carried.
+    `refuted` is the number of keyframes that were not taken there; `expected`: the robot is there unless it was
+    carried.
     """
 
     place: Pose2
@@ -36,12 +37,13 @@ class Hypothesis:
 
 
 class Hypotheses:
-    """The places where keyframes that were made elsewhere may lie on a map, each with the scans that speak for it."""
+    """Candidate places on a map for keyframes of another map, each with its supporting scans."""
 
     def __init__(self, *, on_map: bool, expected: Pose2 | None = None) -> None:
-        """`on_map`: the robot certainly is at a place that is mapped, so that less evidence is enough.
+        """`on_map`: the robot is certainly at a mapped place, so that less evidence is enough.
 
-        `expected` is the place of the other keyframes' frame if the robot was not carried, and only people stood round.
+        `expected` is the place of the other keyframes' frame if the robot was not carried, and only people stood around
+        it.
         """
         self._on_map = on_map
         self._lead = _LEAD if on_map else _LEAD_ANYWHERE
@@ -55,7 +57,7 @@ class Hypotheses:
     ) -> None:
         """Take the fits of keyframe `number`, which has `pose` in the frame of the other keyframes.
 
-        With `check`, the keyframe is also held against the best places that are not among its fits: a search of the
+        With `check`, the keyframe is also checked against the best places that are not among its fits: a search of the
         whole map returns only so many of the places that look alike, and tells of none that it does not fit.
         """
         self._count += 1
@@ -71,7 +73,7 @@ class Hypotheses:
         self._all.sort(key=lambda each: -self._support(each))
 
     def _support(self, each: Hypothesis) -> float:
-        """The number of keyframes that speak for a place, weak fits counting less, less those that speak against it."""
+        """Return the weighted number of keyframes that support a place, minus those that contradict it."""
         if each.expected:
             return _EXPECTED + len(each.fits) - each.refuted
         return sum(1.0 if fit.alone else self._weak for _, fit in each.fits) - each.refuted
@@ -86,7 +88,7 @@ class Hypotheses:
         return len(self._all) - 1
 
     def _check(self, index: int, number: int, pose: Pose2, check: Callable[[Pose2], PlaceVerdict], best: float) -> None:
-        """Hold a keyframe against a place that its fits, with an agreement of `best` at most, do not name."""
+        """Check a keyframe against a place that is not among its fits, whose agreement is `best` at most."""
         known = self._all[index]
         expected = known.place.compose(pose)
         verdict = check(expected)
@@ -102,7 +104,7 @@ class Hypotheses:
         self._all[index] = replace(known, place=place, fits=(*known.fits, (number, fit)))
 
     def winner(self) -> Hypothesis | None:
-        """Return the place that is ahead of all others; None as long as there is no such."""
+        """Return the place that is clearly ahead of all others; None without one."""
         seen = [each for each in self._all if each.fits]
         if not seen:
             return None
@@ -113,7 +115,7 @@ class Hypotheses:
         return best if self._support(best) - second >= self._lead else None
 
     def rivals(self) -> list[Hypothesis]:
-        """Return the places that the best one is not far enough ahead of, and itself; none where it is alone."""
+        """Return the best place and those close to it in support; none if the best one is alone."""
         seen = [each for each in self._all if each.fits]
         least = self._support(seen[0]) - self._lead if seen else 0.0
         near = [each for each in seen if self._support(each) > least]

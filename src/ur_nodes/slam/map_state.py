@@ -12,7 +12,7 @@ from ur_nodes.slam.pose_graph.edge import Edge
 
 @dataclass(frozen=True, slots=True, eq=False)
 class MapState:
-    """Keyframes with their scans, and what is known of their relative poses.
+    """Keyframes with their scans, and the edges between them.
 
     `drives` are the numbers of the keyframes with which a later drive begins.
     """

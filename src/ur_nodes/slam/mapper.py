@@ -1,4 +1,4 @@
-"""Simultaneous localisation and mapping: scans in, the pose on the map out, and keyframes to draw the map from."""
+"""Simultaneous localisation and mapping: scans in, the pose on the map and keyframes out."""
 
 from __future__ import annotations
 
@@ -72,7 +72,7 @@ class MapEstimate:
 class _Leg:
     """The drive since the robot's pose became known relative to `reference`, a keyframe.
 
-    `start` is the robot's pose relative to it at the begin, `odometry` that in the frame of odometry, None where there
+    `start` is the robot's pose relative to it at the start, `odometry` that in the frame of odometry, None where there
     is none. `noise` (3, 3) is the covariance of odometry since then.
     """
 
@@ -83,7 +83,7 @@ class _Leg:
 
 
 class ScanMapper:
-    """Builds a map from scans that come one after the other. The same scans give the same map."""
+    """Builds a map from successive scans. The same scans give the same map."""
 
     def __init__(self, settings: MapperSettings | None = None, *, cautious: bool = False, first: int = 0) -> None:
         """`cautious`: a scan that contradicts the map does not become part of it. `first` numbers the first scan."""
@@ -122,7 +122,7 @@ class ScanMapper:
         return self._trail.path(self._graph.poses)
 
     def restore(self, poses: Sequence[Pose2], edges: Sequence[Edge], scans: Sequence[MapScan]) -> None:
-        """Begin with the keyframes of a map that was made before, at least one; `join` must follow."""
+        """Start with the keyframes of an existing map, at least one; `join` must follow."""
         for pose in poses:
             self._graph.add_pose(pose)
         for edge in edges:
@@ -131,7 +131,7 @@ class ScanMapper:
         self._drive_start = len(self.scans)
 
     def join(self, other: ScanMapper, place: Pose2, links: Sequence[Edge]) -> MapEstimate:
-        """Take over the keyframes of another mapper, whose frame lies at `place` on this map, and go on from its pose.
+        """Take over the keyframes of another mapper, whose frame is at `place` on this map, and continue from its pose.
 
         `links`, at least one, are edges from keyframes of this map to keyframes of the other one, by its numbers.
         """
@@ -163,7 +163,7 @@ class ScanMapper:
     def add_scan(self, scan: MapScan, odometry: Pose2 | None = None, heading: float | None = None) -> MapEstimate:
         """Take the next scan, with the pose of the robot in the frame of its odometry if there is any.
 
-        `heading` (rad, from any begin) counts instead of that of the odometry where two scans in a row have one.
+        `heading` (rad, from an arbitrary origin) replaces that of the odometry if two successive scans have one.
         """
         if not self.scans:
             return self._begin(scan, odometry, heading)
@@ -220,7 +220,7 @@ class ScanMapper:
     # -- the pose on the map round the robot -----------------------------------------------------------------------
 
     def _is_contradicted(self, scan: MapScan, match: ScanMatch) -> bool:
-        """Return whether a scan was taken elsewhere; once one was, the next must clearly lie on the map."""
+        """Return whether a scan was taken elsewhere; after such a scan, the next one must clearly fit the map."""
         last = self._estimate
         if match.agreement >= (POOR if last and last.contradicted else _CONTRADICTED[0]):
             return False
@@ -235,7 +235,7 @@ class ScanMapper:
         return self._local
 
     def _members(self) -> list[int]:
-        """The keyframes that the local map is made of: near, certain, and no two that show the same."""
+        """Return the keyframes of the local map: near, certain, and no two that show the same."""
         reference, here = self._leg.reference, self._pose()
         poses = np.array(self._graph.poses)
         gaps = np.hypot(poses[:, 0] - here.x, poses[:, 1] - here.y)
@@ -251,9 +251,9 @@ class ScanMapper:
         return far or abs(wrap_angle(moved.yaw)) >= self._settings.turn
 
     def _return_to_keyframe(self, scan: MapScan, match: ScanMatch, odometry: Pose2 | None) -> bool:
-        """Go on from an old keyframe of this drive where there is one near by; False: a new one is needed.
+        """Continue from a nearby old keyframe of this drive; False if a new one is needed.
 
-        So a map grows with the floor that was seen, not with the distance driven.
+        A map thus grows with the mapped floor, not with the distance driven.
         """
         if match.agreement < _CLEAR or position_deviation(match.covariance) > _CERTAIN:
             return False

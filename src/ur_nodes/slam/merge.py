@@ -1,4 +1,4 @@
-"""Merge two maps: find scans of one on the other, join the pose graphs, and refuse where they do not fit together."""
+"""Merge two maps: find scans of one on the other, join the pose graphs, and refuse maps that do not fit together."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ class Merged:
 
 @dataclass(frozen=True, slots=True)
 class NotMerged:
-    """The reason for which two maps were not merged.
+    """The reason why two maps were not merged.
 
     `no-scans`: one of them has none. `no-overlap`: no scan of one clearly fits the other. `several-places`: they do,
     but at the `places` of the second map's frame equally well. `contradiction`: too few scans of the overlap fit.
@@ -61,7 +61,7 @@ class NotMerged:
 
 
 def merge_maps(first: MapState, second: MapState) -> Merged | NotMerged:
-    """Join two maps of which parts show the same place. Where they differ, `second` counts as seen later."""
+    """Merge two maps that partly show the same place. Where they differ, `second` is taken as the newer one."""
     if not all(any(len(scan.hits) for scan in state.scans) for state in (first, second)):
         return NotMerged("no-scans")
     found = _find_place(first, second)
@@ -71,7 +71,7 @@ def merge_maps(first: MapState, second: MapState) -> Merged | NotMerged:
 
 
 def _find_place(first: MapState, second: MapState) -> Hypothesis | NotMerged:
-    """Look for scans of the second map, in an order that covers it soon, until they agree on one place."""
+    """Search for scans of the second map, in an order that covers it early, until they agree on one place."""
     whole, hypotheses = WholeMap(first.poses, first.scans), Hypotheses(on_map=False)
     for number in _spread_out(second.poses, _TRIALS):
         hypotheses.add(number, second.poses[number], whole.find(second.scans[number]))
@@ -83,7 +83,7 @@ def _find_place(first: MapState, second: MapState) -> Hypothesis | NotMerged:
 
 
 def _spread_out(poses: Sequence[Pose2], most: int) -> list[int]:
-    """Choose keyframes, each as far from those before as can be."""
+    """Choose keyframes, each as far from the earlier ones as possible."""
     places = np.array([pose[:2] for pose in poses])
     chosen = [0]
     gaps = np.hypot(*(places - places[0]).T)
@@ -97,7 +97,7 @@ def _spread_out(poses: Sequence[Pose2], most: int) -> list[int]:
 
 
 class _Merger:
-    """Two maps in one pose graph, tied together by ever more links."""
+    """Two maps in one pose graph, joined by a growing number of links."""
 
     def __init__(self, first: MapState, second: MapState, found: Hypothesis) -> None:
         self._drives = [*first.drives, len(first.poses), *(each + len(first.poses) for each in second.drives)]
@@ -120,7 +120,7 @@ class _Merger:
         self._graph.optimise()
 
     def run(self) -> Merged | NotMerged:
-        """Look at all scans of the second map, those first whose place on the first one is known best."""
+        """Match all scans of the second map, starting with those whose place on the first one is most certain."""
         waiting = [number for number in range(self._count, len(self._scans)) if number not in self._linked]
         expected = fitting = self._links
         while waiting and self._links < _MOST_LINKS:
@@ -143,7 +143,7 @@ class _Merger:
         return Merged(state, self._graph.poses[self._count].compose(self._start.inverse()), self._links)
 
     def _conflict(self) -> float:
-        """The share (0..1) of the walls of one map, of those on floor that the other has seen, that are free there."""
+        """Return the share (0..1) of the walls of one map, where the other has seen the floor, that are free on the other."""
         grids = []
         for part in (slice(0, self._count), slice(self._count, None)):
             drawn = OccupancyMap(_COARSE)
@@ -160,7 +160,7 @@ class _Merger:
         return against / max(1, known)
 
     def _groups(self, number: int) -> list[KeyframeGroup]:
-        """Places of the first map that a scan of the second one may show."""
+        """Return places of the first map that a scan of the second one may show."""
         spread = self._graph.spread_from(number, _LONGEST)
         return find_groups(self._graph.poses, number, spread, self._count)
 
@@ -169,7 +169,7 @@ class _Merger:
         return math.hypot(a.x - b.x, a.y - b.y)
 
     def _tie(self, link: PoseLink) -> None:
-        """Add a link, with those that waited for it; one that is not sure waits until another one agrees with it."""
+        """Add a link, with those that waited for it; an uncertain one waits until another one agrees with it."""
         links = self._confirmation.confirm(link, self._graph.poses)
         for each in links:
             self._add(Edge(each.before, each.after, each.relative, each.covariance + LEAST_NOISE, robust=True))

@@ -1,6 +1,6 @@
-"""The occupancy grid of keyframes: the walls that their beams hit, and what they passed on the way.
+"""The occupancy grid of keyframes: the walls that their beams hit, and the cells that they passed.
 
-Each keyframe's share is kept as the pose that it was drawn at, so that it can be taken out and drawn anew once the
+Each keyframe's share is kept as the pose that it was drawn at, so that it can be removed and drawn again after the
 graph has moved it. Where a map was continued, the keyframes of the later drive count many times those before, so that
 furniture and walls that were moved between the drives are drawn where they were seen last.
 """
@@ -30,7 +30,7 @@ class OccupancyMap:
     """Counts of hits and passes per cell of `resolution` m. A cell is a wall from a share `threshold` of hits on."""
 
     def __init__(self, resolution: float = 0.05, threshold: float = 0.25, reach: float = math.inf) -> None:
-        """`reach` (m) is how far beams are drawn; what lies beyond is neither free nor occupied."""
+        """`reach` (m) is how far beams are drawn; cells beyond are neither free nor occupied."""
         self._resolution = resolution
         self._threshold = threshold
         self._reach = reach
@@ -40,7 +40,7 @@ class OccupancyMap:
         self._drawn: list[tuple[Pose2, int, MapScan]] = []  # pose, weight and scan of each keyframe
 
     def include(self, low: tuple[float, float], high: tuple[float, float]) -> None:
-        """Let the map reach at least from one corner to the other, m."""
+        """Extend the map to at least these corners, m."""
         corners = np.floor(np.array((low, high)) / self._resolution).astype(np.intp)
         self._grow(corners[0], corners[1])
 
@@ -138,7 +138,7 @@ def _placed(pose: Pose2, points: Floats) -> Floats:
 
 
 def _samples(origin: Floats, ends: Floats, hits: int, reach: float, resolution: float) -> Floats:
-    """Points along beams, close enough to touch each cell; before the ends of the first `hits` some are spared."""
+    """Return points along beams that touch each cell; those just before the first `hits` ends are left out."""
     delta = ends - origin
     lengths = np.hypot(*delta.T)
     open_ = lengths.copy()

@@ -1,4 +1,4 @@
-"""The errors of odometry: random ones, and those that stay, which the scans reveal."""
+"""The errors of odometry: random ones, and systematic ones, which are learned from the scans."""
 
 from __future__ import annotations
 
@@ -22,14 +22,14 @@ _TURN_NOISE = (0.004, 0.03, 0.08)  # rad, rad per m driven, rad per rad turned
 
 
 class OdometryModel:
-    """Corrects motions by what was learned: a factor for lengths, a factor for turns, and a turn per metre."""
+    """Corrects motions by learned errors: a factor for lengths, a factor for turns, and a turn per metre."""
 
     def __init__(self) -> None:
         self._errors = np.zeros(3)  # of scale, of turns per turn, rad per m
         self._covariance = _START.copy()
 
     def correct(self, motion: Pose2) -> Pose2:
-        """The motion that most likely lies behind one that odometry reports."""
+        """Return the most likely motion for one that odometry reports."""
         scale, turn, drift = self._errors
         distance = math.hypot(motion.x, motion.y)
         factor = 1.0 + scale
@@ -37,7 +37,7 @@ class OdometryModel:
         return with_turn(longer, motion.yaw * (1.0 + turn) + drift * distance)
 
     def covariance(self, motion: Pose2) -> Floats:
-        """Of a corrected motion, (3, 3) in its own frame: what is random, and what was not learned yet."""
+        """Return the covariance (3, 3) of a corrected motion in its frame: random errors, and those not yet learned."""
         distance, angle = math.hypot(motion.x, motion.y), abs(motion.yaw)
         scale, turn, drift = np.sqrt(np.diag(self._covariance))
         least, per_metre, per_radian = _SHIFT_NOISE
@@ -47,7 +47,7 @@ class OdometryModel:
         return np.diag(np.square((shift, shift, swing)))
 
     def learn(self, reported: Pose2, true: Pose2) -> None:
-        """Compare a motion that odometry reported with the true one: a Kalman filter of the three lasting errors."""
+        """Compare a motion that odometry reported with the true one: a Kalman filter of the three systematic errors."""
         distance, real = math.hypot(reported.x, reported.y), math.hypot(true.x, true.y)
         if distance < _TEACHES[0] and abs(reported.yaw) < _TEACHES[1]:
             return
@@ -65,7 +65,7 @@ class OdometryModel:
 
 
 def with_turn(motion: Pose2, yaw: float) -> Pose2:
-    """The motion of the same length on an arc that turns by `yaw` rad."""
+    """Return the motion of the same length on an arc that turns by `yaw` rad."""
     half = 0.5 * (yaw - motion.yaw)  # the chord lies halfway between both headings
     c, s = math.cos(half), math.sin(half)
     return Pose2(c * motion.x - s * motion.y, s * motion.x + c * motion.y, yaw)
@@ -77,7 +77,7 @@ def is_still(reported: Pose2) -> bool:
 
 
 def with_measured_turn(motion: Pose2, covariance: Floats, turn: float) -> tuple[Pose2, Floats]:
-    """A motion and its covariance (3, 3) with a turn (rad) that was measured apart from the wheels."""
+    """Return a motion and its covariance (3, 3) with a turn (rad) that was measured independently of the wheels."""
     exact = covariance.copy()
     exact[2] = exact[:, 2] = 0.0
     exact[2, 2] = min(covariance[2, 2], (_GYRO_NOISE[0] + _GYRO_NOISE[1] * abs(turn)) ** 2)

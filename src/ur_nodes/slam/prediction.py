@@ -1,4 +1,4 @@
-"""The motion between two scans as it is expected: by odometry, by a measured heading, or as the one before."""
+"""The expected motion between two scans: by odometry, by a measured heading, or as the previous one."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ UNKNOWN_MOTION = np.diag(np.square((0.1, 0.1, 0.15)))
 class Prediction:
     """A `motion`, its `covariance` (3, 3) in the frame before it, and `still`: the robot is at rest.
 
-    `wheels` is the motion by odometry alone, its lasting errors corrected.
+    `wheels` is the motion by odometry alone, corrected for systematic errors.
     """
 
     motion: Pose2
@@ -37,7 +37,7 @@ class MotionPredictor:
         self._heading: float | None = None  # rad, likewise
 
     def predict(self, odometry: Pose2 | None, heading: float | None) -> Prediction:
-        """Predict the motion to a scan with this pose of odometry, and this heading (rad, from any begin)."""
+        """Predict the motion to a scan with this pose of odometry, and this heading (rad, from an arbitrary origin)."""
         wheels, covariance, still = self._motion, UNKNOWN_MOTION, False
         if odometry is not None and self._odometry is not None:
             reported = self._odometry.inverse().compose(odometry)
@@ -49,7 +49,7 @@ class MotionPredictor:
         return Prediction(motion, wheels, covariance, still)
 
     def add(self, odometry: Pose2 | None, heading: float | None, motion: Pose2 | None = None) -> None:
-        """Take a scan's odometry and heading, and the `motion` to it as the map has shown it; None: the first scan."""
+        """Add a scan's odometry and heading, and the `motion` to it by the map; None for the first scan."""
         self._odometry, self._heading = odometry, heading
         self._motion = self._motion if motion is None else motion
 
@@ -58,5 +58,5 @@ class MotionPredictor:
         self._model.learn(reported, true)
 
     def go_on_from(self, other: MotionPredictor) -> None:
-        """Take over the last scan of another one, but not what it has learned."""
+        """Take over the last scan of another predictor, but not its learned errors."""
         self._motion, self._odometry, self._heading = other._motion, other._odometry, other._heading

@@ -51,7 +51,7 @@ class Fit:
 
 @dataclass(frozen=True, slots=True)
 class PlaceVerdict:
-    """A scan against one place: its `fit` there, None where that is not clear; `refuted`: it was not taken there."""
+    """A scan checked at one place: its `fit` there, None if unclear; `refuted`: it was not taken there."""
 
     fit: Fit | None
     refuted: bool
@@ -61,10 +61,10 @@ _UNCLEAR = PlaceVerdict(None, refuted=False)
 
 
 class WholeMap:
-    """The keyframes of a map, to be searched for the place of a scan."""
+    """The keyframes of a map, which are searched for the place of a scan."""
 
     def __init__(self, poses: Sequence[Pose2], scans: Sequence[MapScan]) -> None:
-        """At least one keyframe that has seen something."""
+        """Requires at least one keyframe with hits."""
         self._poses, self._scans = list(poses), list(scans)
         self._places = np.array(self._poses)
         walls = join([scan.surface.moved(pose) for pose, scan in zip(poses, scans, strict=True)])
@@ -76,10 +76,9 @@ class WholeMap:
         self._window = Window(float((high - low).max()) * 0.5 + _ROUND / 2.0, math.pi)
 
     def find(self, scan: MapScan) -> list[Fit]:
-        """Return the places where a scan fits about as well as at the best one, that first.
+        """Return the places where a scan fits about as well as at the best one, which is the first.
 
-        Rooms with right angles agree with each other in two thirds of a scan and more, so that every place fits a
-        little.
+        Rectangular rooms agree with each other in two thirds of a scan and more, so that every place fits partly.
         """
         if len(scan.surface) < _LEAST_POINTS:
             return []
@@ -94,7 +93,7 @@ class WholeMap:
         return [fit for fit in fits if fit.agreement >= fits[0].agreement - WORSE]
 
     def check(self, scan: MapScan, guess: Pose2) -> PlaceVerdict:
-        """Hold a scan against the map at one place; off the map, nothing is refuted."""
+        """Check a scan against the map at one place; outside the map, nothing is refuted."""
         if len(scan.surface) < _LEAST_POINTS:
             return _UNCLEAR
         return self._verify(scan, scan.surface.sample(_POINTS), guess)
@@ -129,6 +128,6 @@ class WholeMap:
 
 
 def is_same_place(one: Pose2, other: Pose2) -> bool:
-    """Test whether two poses of a scan, found apart, are one and the same place."""
+    """Test whether two poses of a scan, found independently, are the same place."""
     near = math.hypot(one.x - other.x, one.y - other.y) < _SAME[0]
     return near and abs(wrap_angle(one.yaw - other.yaw)) < _SAME[1]

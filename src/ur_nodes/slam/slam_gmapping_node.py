@@ -22,7 +22,7 @@ from ur_nodes.slam.storage.map_storage import MapStorage, read_storage_settings
 
 
 class SlamGmappingNode:
-    """Wires a `Slam` up, which works beside the node's thread: the transform from the map never waits for a scan."""
+    """Connects a `Slam` to topics. It runs on a worker, so that the transform from the map never waits for a scan."""
 
     def __init__(self, node: Node) -> None:
         self._node = node
@@ -70,7 +70,7 @@ class SlamGmappingNode:
             self._headings.gyro.add(seconds_of(imu.stamp), float(mount.rotation[2] @ imu.turning))
 
     def _send_transform(self) -> None:
-        """Send the transform from the map as of the last scan, which holds for a while."""
+        """Send the transform from the map at the last scan, which is valid for a while."""
         if self._correction is not None:
             stamp, pose = self._node.now() + round(self._settings.tf_delay * SECOND), self._correction.in_space()
             self._node.transforms.send(Transform(stamp, self._settings.map_frame, self._child, pose))

@@ -1,4 +1,4 @@
-"""Wheels that slip: odometry that reports another motion than the scans show, by more than its usual errors."""
+"""Wheel slip: odometry that differs from the motion by the scans by more than its usual errors."""
 
 from __future__ import annotations
 
@@ -22,17 +22,17 @@ class Slip:
 
 
 class SlipWatch:
-    """Compares the motions between scans as odometry and as the scans have them."""
+    """Compares the motions between scans by odometry and by the scans."""
 
     def __init__(self) -> None:
         self._steps: deque[tuple[Pose2, Pose2]] = deque(maxlen=_SCANS)
 
     def forget(self) -> None:
-        """Begin again, for example after a scan that shows no motion for certain."""
+        """Restart, for example after a scan whose motion is uncertain."""
         self._steps.clear()
 
     def add(self, reported: Pose2, shown: Pose2) -> Slip | None:
-        """Take the motion between two scans; returns what was noticed, and then begins again."""
+        """Add the motion between two scans; returns a detected slip, and then restarts."""
         self._steps.append((reported, shown))
         whole = Pose2(0.0, 0.0, 0.0)
         other = Pose2(0.0, 0.0, 0.0)

@@ -1,7 +1,7 @@
-"""A mapper that knows when it is lost: carried elsewhere, or started somewhere on a map that was made before.
+"""A mapper that detects when it is lost: carried elsewhere, or started at an unknown place of an existing map.
 
-As long as it is lost, the map stays as it is, and a second mapper makes a small map apart. Each of its keyframes is
-looked for on the whole map. Once they agree on one place, the small map becomes part of the large one.
+While it is lost, the map is unchanged, and a second mapper makes a separate small map. Each of its keyframes is looked
+for on the whole map. Once they agree on one place, the small map becomes part of the large one.
 """
 
 from __future__ import annotations
@@ -67,7 +67,7 @@ class MapTracker:
         return find_drives(self._mapper.edges, len(self._mapper.scans))
 
     def path(self) -> dict[int, Pose2]:
-        """The poses at scans as are known now, by their number; those that never found a place are left out."""
+        """Return the present poses of scans, by their number; those without a place are left out."""
         return self._mapper.path()
 
     def candidates(self) -> list[Pose2]:
@@ -78,7 +78,7 @@ class MapTracker:
         return [each.place.compose(newest) for each in self._hypotheses.rivals()]
 
     def restore(self, poses: Sequence[Pose2], edges: Sequence[Edge], scans: Sequence[MapScan]) -> None:
-        """Begin with a map that was made before, at least one keyframe, at a place that is not known."""
+        """Start with an existing map, of at least one keyframe, at an unknown place."""
         self._mapper.restore(poses, edges, scans)
         self._on_map = True
         self._begin_search()
@@ -109,7 +109,7 @@ class MapTracker:
     def _map_apart(
         self, scan: MapScan, odometry: Pose2 | None, heading: float | None
     ) -> tuple[ScanMapper, MapEstimate]:
-        """Add a scan to the small map, which begins with it where there is none."""
+        """Add a scan to the small map, or start one with it."""
         self._apart = self._apart or ScanMapper(self._settings, first=self._count - 1)
         return self._apart, self._apart.add_scan(scan, odometry, heading)
 

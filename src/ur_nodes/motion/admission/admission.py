@@ -1,4 +1,4 @@
-"""Admission of velocity commands to the mux: selection of those that count, and their ages.
+"""Admission of velocity commands to the mux: the accepted commands, and their ages.
 
 A *stamped* command answers a challenge and names its client: it is admitted when the answer is fresh and the client may
 drive, and its age counts from the issue of the challenge. A *plain* command has no proof of its age: it is admitted by
@@ -39,7 +39,7 @@ Sent = tuple[int, float]  # when a command was sent (ns of the sender's clock), 
 
 @dataclass(frozen=True, slots=True)
 class Admission:
-    """Challenges, lease, the publishers of plain commands, and when each source last had a stamped command."""
+    """The challenges, the lease, the publishers of plain commands, and the last stamped command of each source."""
 
     challenges: IssuedChallenges
     lease: LeaseRecord
@@ -53,7 +53,7 @@ class Admission:
 def admit_stamped(
     admission: Admission, source: int, answer: Stamp, client: str, now: float, unix: float, *, motion: bool
 ) -> tuple[Admission, float | Refusal]:
-    """The age (s) of a stamped command, or why it is refused."""
+    """Return the age (s) of a stamped command, or why it is refused."""
     if client and not is_client(client):
         return admission, "no client"
     age = age_of(admission.challenges, answer, now, admission.freshness)
@@ -70,7 +70,7 @@ def admit_stamped(
 def admit_plain(
     admission: Admission, source: int, publisher: str, now: float, *, motion: bool, sent: Sent | None = None
 ) -> tuple[Admission, float | Refusal]:
-    """The age (s) of a plain command, or why it is refused. The age is 0 where it is not known when it was `sent`."""
+    """Return the age (s) of a plain command, or why it is refused. Without a known time `sent`, the age is 0."""
     key = (source, publisher)
     probation = admission.plain.get(key, Probation(admission.timeouts[source]))
     age = 0.0
@@ -92,7 +92,7 @@ def admit_plain(
 
 
 def hold_to_terms(admission: Admission, age: float, now: float) -> float | Refusal:
-    """The age (s) of a command of another sender than the driver, by the terms on which that one drives.
+    """Return the age (s) of a command from another sender than the driver, under the terms of the driver.
 
     The command is then no younger than the driver's last sign of life, so the robot is at rest as soon after that as
     after the last command.
@@ -107,7 +107,7 @@ def hold_to_terms(admission: Admission, age: float, now: float) -> float | Refus
 
 
 def _with(known: dict[Publisher, Kept], key: Publisher, value: Kept, most: int) -> dict[Publisher, Kept]:
-    """The dict with a value, which is the newest then; of more than `most` the oldest go."""
+    """Return the dict with a value as its newest; beyond `most` values, the oldest are dropped."""
     kept = {each: before for each, before in known.items() if each != key}
     kept[key] = value
     while len(kept) > most:
@@ -116,7 +116,7 @@ def _with(known: dict[Publisher, Kept], key: Publisher, value: Kept, most: int) 
 
 
 def admit_request(admission: Admission, request: LeaseRequest, now: float, unix: float) -> tuple[Admission, bool]:
-    """The admission after a request about the lease; whether the request was fresh, and so counted."""
+    """Return the admission after a request about the lease, and whether the request was fresh and so accepted."""
     if age_of(admission.challenges, request.answers, now, REQUEST_FRESHNESS) is None:
         return admission, False
     return replace(admission, lease=step_lease(admission.lease, request, now, unix)), True

@@ -1,4 +1,4 @@
-"""Velocity commands that programs of others send to a base itself, on a topic that the mux has taken over."""
+"""Velocity commands that third-party programs send to the base itself, on a topic that the mux has taken over."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from ur_nodes.ports.values import StampedTwist, Twist
 
 
 class ForeignCommands:
-    """Listens to Twist or TwistStamped, as publishers have it; the stamp in a header may mean anything."""
+    """Subscribes to Twist or TwistStamped, depending on the publishers; the stamp in a header is not trusted."""
 
     def __init__(self, node: Node, topic: str, take: Callable[[Twist, Sender | None], None]) -> None:
         self._node, self._topic, self._take = node, topic, take

@@ -39,8 +39,8 @@ class AdmissionGate:
     """Owns an Admission: issues challenges, publishes the lease, and passes on the commands that are admitted.
 
     `handle` is called with every event for the mux. Commands count from their challenge's issue; under simulated time,
-    where nothing real moves, from their arrival. A lease is in force at once, and announced once it is saved: what a
-    client has seen outlives this process. Commands do not wait for the disk, and the disk not for the master.
+    where nothing real moves, from their arrival. A lease takes effect at once, and is published after it is saved, so
+    that a published lease survives a crash. Commands do not wait for the disk, and the disk not for the master.
     """
 
     def __init__(
@@ -88,7 +88,7 @@ class AdmissionGate:
         node.subscribe_from("~lease_request", str, self._take_request, Quality.EVERY)
 
     def _start_lease(self, timeout: float) -> LeaseRecord:
-        """The lease of the mux that was killed before; that of an earlier master for a moment only."""
+        """Restore the lease of a mux that was killed; that of an earlier master for a moment only."""
         stored, same_run = self._store.load()
         if same_run:
             return start_lease(stored or read_lease(self._node.facts.get(_FACT)), timeout, unix=time.time())
@@ -116,7 +116,7 @@ class AdmissionGate:
         self._pass(index, velocity, now, verdict, stamped=False)
 
     def _pass(self, index: int, velocity: Velocity, now: float, verdict: float | Refusal, *, stamped: bool) -> None:
-        """Let the mux have a command that is admitted at `now`, and count one that is not."""
+        """Pass a command that is admitted at `now` to the mux; count a refused one."""
         if isinstance(verdict, float):
             terms = self._admission.lease.lease.terms
             if terms is not None:
@@ -134,7 +134,7 @@ class AdmissionGate:
         return Velocity()
 
     def _take_lock(self, index: int, locked: bool, sender: Sender | None) -> None:
-        """Obey `true` always, and `false` when it cannot have been held back for long: see `step_lock_release`."""
+        """Accept `true` always, and `false` only if it cannot have been delayed for long: see `step_lock_release`."""
         key, lock = (index, _publisher(sender)), self._settings.locks[index]
         known = self._locks.get(key)
         state = known or LockRelease(lock.timeout)
@@ -173,7 +173,7 @@ class AdmissionGate:
             )
 
     def _announce(self) -> None:
-        """Save the lease if it has changed, then publish it. One save at a time; what changes meanwhile follows."""
+        """Save the lease if it has changed, then publish it. One save at a time; later changes are saved afterwards."""
         lease = self._admission.lease.lease
         if self._saving or lease == self._announced:
             return
@@ -197,7 +197,7 @@ class AdmissionGate:
         self._node.work(save, publish, "disk")
 
     def _end(self) -> None:
-        """Free the lease: only that of a mux that died is kept."""
+        """Free the lease; only a mux that died keeps it."""
         self._node.work(lambda: attempt(self._store.clear), lambda _done: None, "disk")
         self._writes.write(_FACT, partial(self._node.facts.set, _FACT, write_lease(FREE)))
 

@@ -43,12 +43,15 @@ class Probation:
 
     @property
     def accepted(self) -> bool:
-        """Return whether the publisher's commands are obeyed."""
+        """Return whether the publisher's commands are accepted."""
         return self.count >= PROOF
 
 
 def step_probation(state: Probation, now: float, *, motion: bool) -> Probation:
-    """The state after a command at `now` that asks for motion or for none. Obey the command if it is `accepted`."""
+    """Return the state after a command at `now` with or without motion.
+
+    The command is accepted if `accepted` is set.
+    """
     gap = now - state.at
     if gap < 0.0 or gap > state.timeout:
         return replace(
@@ -68,12 +71,12 @@ def step_probation(state: Probation, now: float, *, motion: bool) -> Probation:
 
 
 def restart_proof(state: Probation) -> Probation:
-    """The state of a publisher whose commands so far prove nothing; the next one is the first in a row."""
+    """Return the state of a publisher whose earlier commands do not count; the next one is the first in a row."""
     return replace(state, count=0)
 
 
 def too_slow(state: Probation, now: float) -> tuple[Probation, bool]:
-    """Return whether the publisher asked for motion and fell silent on probation; reported once until it drives."""
+    """Return whether the publisher requested motion and stopped sending on probation; reported once until it drives."""
     if state.reported or state.accepted or not state.wants_motion or now - state.at <= state.timeout:
         return state, False
     return replace(state, reported=True), True
@@ -93,9 +96,9 @@ class LockRelease:
 
 
 def step_lock_release(state: LockRelease, now: float, *, locked: bool, new: bool) -> tuple[LockRelease, bool]:
-    """The state after a message of a lock at `now`, and whether to obey it. `new`: the first of its publisher.
+    """Return the state after a message of a lock at `now`, and whether to apply it. `new`: the first of its publisher.
 
-    `true` is obeyed at any age. `false` is obeyed when it is the first message of a publisher that has just begun
+    `true` is applied at any age. `false` is applied when it is the first message of a new publisher
     (as of `rostopic pub`), and when it is repeated with a steady rhythm like plain commands. A publisher that connects
     again after a cut may send old commands again, so its name is remembered.
     """

@@ -12,7 +12,7 @@ _EVERY = 5.0  # s
 
 
 class DropReports:
-    """Counts dropped commands, and makes lines of the counts from time to time."""
+    """Counts dropped commands, and reports the counts periodically."""
 
     def __init__(self, freshness: float) -> None:
         """`freshness` (s) is how old a command may be."""
@@ -21,7 +21,7 @@ class DropReports:
         self._logged_at: dict[tuple[Source, Refusal, bool], float] = {}
 
     def count(self, source: Source, refusal: Refusal, *, stamped: bool) -> None:
-        """Count a command. One on probation is not counted: the publisher may be about to drive."""
+        """Count a command. Commands on probation are not counted: the publisher may be about to drive."""
         if refusal != "on probation":
             key = (source, refusal, stamped)
             self._counts[key] = self._counts.get(key, 0) + 1

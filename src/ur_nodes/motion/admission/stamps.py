@@ -39,7 +39,7 @@ class Stamps:
 
 
 def step_stamps(state: Stamps, sent: int, arrived: float) -> tuple[Stamps, float, bool]:
-    """The state after a message, its age (s) beyond the fastest one's, and whether the differences have fallen."""
+    """Return the state after a message, its age (s) against the fastest one, and whether the differences fell."""
     if math.isinf(state.least):
         return Stamps(sent, arrived, arrived, arrived), 0.0, False
     difference = arrived - (sent - state.origin) / _NANO

@@ -1,4 +1,4 @@
-"""Age of what commanders send, measured by one clock: that of the computer that obeys them.
+"""Age of messages from commanders, measured by one clock: that of the computer that executes them.
 
 The mux issues *challenges*, one every 20 ms, each a number that is never issued again. A commander puts the newest
 challenge that it has received into its message. So the message was written after that challenge was issued, and its
@@ -31,13 +31,13 @@ class IssuedChallenges:
     last: int = 0  # ns: the newest
 
     def __post_init__(self) -> None:
-        """Refuse an offset that the stamps have no room for."""
+        """Raise ValueError for an offset that does not fit into the stamps."""
         if not 0 < self.offset < _MOST_SECONDS * _NANO // 2:
             raise ValueError(f"offset: {self.offset}, expected a positive number of nanoseconds within 68 years")
 
 
 def issue(challenges: IssuedChallenges, now: float) -> tuple[IssuedChallenges, Stamp]:
-    """Issue a challenge at `now`: greater than all before it, and unlike any that the same mux has issued."""
+    """Issue a challenge at `now`, greater than all before it and never issued by the same mux before."""
     number = max(challenges.offset + max(0, round(now * _NANO)), challenges.last + 1) % (_MOST_SECONDS * _NANO)
     stamp = divmod(number, _NANO)
     kept = dict(challenges.issued)

@@ -86,11 +86,11 @@ class AdaptivePublisher:
 
     @property
     def plain(self) -> bool:
-        """Return whether commands are published as plain ones now."""
+        """Return whether commands are now published as plain ones."""
         return not self._link.received and not self._fresh.listeners() and self._plain.listeners() > 0
 
     def send(self, twist: Twist) -> None:
-        """Publish a command, if it can be stamped or is to be plain."""
+        """Publish a command if it can be stamped, or as a plain one if `plain`."""
         if self.plain:
             self._plain.send(twist)
         else:

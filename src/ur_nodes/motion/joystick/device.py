@@ -19,7 +19,7 @@ _Value = TypeVar("_Value")
 
 @dataclass(frozen=True, slots=True)
 class JoystickSettings:
-    """Axes nearer than `deadzone` (0 to 1) to the middle are 0. `sticky_buttons` change at each press."""
+    """Axes within `deadzone` (0 to 1) of the centre are 0. `sticky_buttons` toggle at each press."""
 
     deadzone: float = 0.05
     sticky_buttons: bool = False
@@ -36,7 +36,7 @@ class JoystickState:
 def take_records(state: JoystickState, data: bytes, settings: JoystickSettings) -> tuple[JoystickState, bool, bytes]:
     """The state after the records in `data`; whether a record was an event, not just the initial state; the rest.
 
-    The rest is an incomplete record: put it in front of what is read next.
+    The rest is an incomplete record: prepend it to the next data.
     """
     event = False
     whole = len(data) - len(data) % RECORD.size
@@ -60,7 +60,7 @@ def scale_axis(value: int, deadzone: float) -> float:
 
 
 def let_go(state: JoystickState) -> JoystickState:
-    """The same joystick with all buttons and axes released."""
+    """Return the same joystick with all buttons and axes released."""
     return JoystickState((0.0,) * len(state.axes), (0,) * len(state.buttons))
 
 

@@ -11,7 +11,7 @@ from ur_nodes.ports.values import Twist
 
 
 class JoyCommander(Protocol):
-    """Publishes velocities while the dead-man button is held and for a moment afterwards. No call blocks."""
+    """Publishes velocities while the dead-man button is held and briefly afterwards. No call blocks."""
 
     def publish(self, twist: Twist, *, held: bool) -> None:
         """Publish a velocity; `held`: the dead-man button is held."""
@@ -31,8 +31,8 @@ class PlainJoyCommander:
 class LeasedJoyCommander:
     """Stamped commands for a mux.
 
-    The joystick drives while its dead-man button is held: pressing it requests the lease as UR_LEASE demands, and
-    letting it go releases a lease that was acquired so. A lease that the run had before, by its keyboard, is kept.
+    The joystick drives while its dead-man button is held: pressing it requests the lease as UR_LEASE specifies, and
+    releasing it releases a lease that was acquired so. A lease that the run had before, by its keyboard, is kept.
     """
 
     def __init__(self, node: Node, mux: str, *, adaptive: bool) -> None:
@@ -47,7 +47,7 @@ class LeasedJoyCommander:
         self._sent: tuple[int | None, Twist] | None = None
 
     def publish(self, twist: Twist, *, held: bool) -> None:
-        """Publish a velocity, unless another client drives. What the mux has already is not sent again."""
+        """Publish a velocity, unless another client drives. An unchanged one is not sent again."""
         if isinstance(self._publisher, AdaptivePublisher) and self._publisher.plain:
             self._publisher.send(twist)
             return
@@ -71,7 +71,7 @@ class LeasedJoyCommander:
         self._held = held
 
     def _begin(self, *, mine: bool) -> None:
-        """Request the lease at the press of the button."""
+        """Request the lease when the button is pressed."""
         self._borrowed = not mine and self._conduct != "watch"
         if mine or self._conduct == "watch":
             return
@@ -79,7 +79,7 @@ class LeasedJoyCommander:
 
 
 def make_joy_commander(node: Node, mux: str) -> JoyCommander:
-    """The commander that the parameter `lease` asks for. Raises UserError.
+    """Make the commander that the parameter `lease` selects. Raises UserError.
 
     It is `true`, `false` or `auto`: yes if there is a mux of ours, unless the commands go to a topic that is called
     cmd_vel, a base's own.

@@ -1,4 +1,7 @@
-"""Read a joystick: the stand-in for joy_node. Publishes `joy` on every change, and again at the autorepeat rate."""
+"""The node `joy_node`: reads a joystick, in place of upstream's.
+
+Publishes `joy` on every change, and again at the autorepeat rate.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Origin of `joy`: its messages carry no proof of their age, so they must not have crossed a network."""
+"""Origin of `joy`: its messages have no proof of their age, so they must not come over a network."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ class JoyOrigin:
     """Finds out which publishers run on this computer.
 
     Where the middleware stamps messages, this computer's `clock` (ns) shows the age of what it has sent itself. Another
-    computer's clock may be wrong by anything: a publisher that once was ahead is refused from then on.
+    computer's clock may differ by any amount: a publisher that once was ahead is refused from then on.
     """
 
     def __init__(
@@ -40,7 +40,7 @@ class JoyOrigin:
         self._asked_at: dict[str, float] = {}
 
     def accepts(self, sender: Sender | None) -> bool:
-        """Return whether a message may move the robot: not until it is known where its publisher runs."""
+        """Return whether a message may move the robot; False until the publisher's computer is known."""
         if self._remote:
             return True
         if sender is None:

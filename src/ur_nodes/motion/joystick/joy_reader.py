@@ -24,10 +24,10 @@ class JoystickDevice(Protocol):
     path: str
 
     def open(self) -> str:
-        """Open it, or return the reason why that fails."""
+        """Open the device, or return why that fails."""
 
     def read(self, wait: float) -> bytes | None:
-        """Return what there is, after at most `wait` s; None and closed: the device was removed."""
+        """Return the available data, after at most `wait` s; None, and closed, if the device was removed."""
 
 
 class FileDevice:
@@ -106,7 +106,7 @@ class JoyReader:
             self._read()
 
     def _let_go(self) -> None:
-        """All buttons count as released when the device was removed; then nothing is published."""
+        """Release all buttons after the device was removed, and stop publishing."""
         self._node.log.warn(f"{self._device.path}: the joystick was unplugged; waiting for it")
         for number in range(_LAST_WORDS):
             self._node.after(number * _PAUSE, partial(self._publish, let_go(self._state)), steady=True)

@@ -64,9 +64,10 @@ class JoyTeleopState:
 def step_joy_teleop(
     state: JoyTeleopState, joystick: JoystickState
 ) -> tuple[JoyTeleopState, JoyTwist | None, ButtonRequest | None]:
-    """The state after a report of the joystick; the velocity to send (None: nothing); the request of a pressed button.
+    """Return the state after a joystick report, the velocity to send or None, and the request of a pressed button.
 
-    While a dead-man button is held each report gives a velocity; after it the next `ZEROS` reports give zero.
+    While a dead-man button is held, each report results in a velocity; afterwards the next `ZEROS` reports result in
+    zero.
     """
     settings = state.settings
     pressed = frozenset(number for number, value in enumerate(joystick.buttons) if value)

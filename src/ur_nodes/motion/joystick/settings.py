@@ -9,7 +9,7 @@ from ur_nodes.ports.parameters import Parameters
 
 
 def read_settings(own: Parameters) -> JoyTeleopSettings:
-    """Axes and scales are one number, or one for each direction below `axis_linear/` etc. Raises UserError."""
+    """Read axes and scales: one number each, or one for each direction below `axis_linear/` etc. Raises UserError."""
     axis_linear = _by_name(own, "axis_linear", LINEAR, "x", 1.0)
     axis_angular = _by_name(own, "axis_angular", ANGULAR, "yaw", 0.0)
     linear = _by_name(own, "scale_linear", LINEAR, "x", 0.5)
@@ -32,7 +32,7 @@ def read_settings(own: Parameters) -> JoyTeleopSettings:
 
 
 def _by_name(own: Parameters, key: str, names: Sequence[str], usual: str, default: float) -> dict[str, float]:
-    """The parameter as a mapping, in either of its two forms."""
+    """Return the parameter as a mapping, from either of its two forms."""
     value = own.any(key)
     if not isinstance(value, dict):
         return {usual: own.number(key, default)}

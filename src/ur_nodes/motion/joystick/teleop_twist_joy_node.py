@@ -1,4 +1,4 @@
-"""Drive with a joystick: the stand-in for teleop_twist_joy. Beside the dead-man button it has one for emergencies.
+"""The node `teleop_node`: drives with a joystick, in place of upstream's, with a button for emergency stops.
 
 Turns each `joy` into at most one command: it never repeats a command without a new input. A command is as new as the
 `joy` that it is made of, so reader and teleop have to run on the same computer.

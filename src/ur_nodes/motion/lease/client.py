@@ -20,9 +20,9 @@ _PERIOD = 0.2  # s: of renewals, and of requests that have not taken effect
 class LeaseClient:
     """Takes part in the lease of a mux. `view` may be called from any thread.
 
-    At the start it behaves as UR_LEASE demands: `take` takes the lease, `ask` asks for it, `watch` does nothing, and so
-    does `drive`, until its first command, unless a program of this computer has lost the lease. What comes of a request
-    is in later views.
+    At the start it behaves as UR_LEASE specifies: `take` takes the lease, `ask` asks for it, `watch` does nothing, and
+    so does `drive`, until its first command, unless a program of this computer has lost the lease. What comes of a
+    request is in later views.
     """
 
     def __init__(
@@ -78,7 +78,7 @@ class LeaseClient:
         self.request("ask")
 
     def grant(self) -> None:
-        """Hand over to the first who asks."""
+        """Hand the lease over to the first client that asks."""
         self.request("grant")
 
     def request(self, action: Action) -> None:
@@ -87,9 +87,9 @@ class LeaseClient:
         self._step()
 
     def release(self, *, final: bool = True, note: str = "") -> None:
-        """Let others drive, or ask no more. With `final` nothing is sent afterwards: for the end of a program.
+        """Release the lease, or stop asking.
 
-        `note` says why, on the screens of others.
+        With `final` nothing is sent afterwards: for the end of a program. Other screens show `note` as the reason.
         """
         self._note = note or self._note
         begun = self._requests.begun

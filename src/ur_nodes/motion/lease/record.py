@@ -61,7 +61,7 @@ def start_lease(
 ) -> LeaseRecord:
     """A record in which no client drives; or, after a mux that died, one whose holder is lost until its next message.
 
-    `unix` is the present time, for people; a holder that is not received until `forget_at` is forgotten.
+    `unix` is the present time, for display; a holder without a message until `forget_at` is forgotten.
     """
     if before is None or before.state == "free":
         return LeaseRecord(timeout=timeout)
@@ -81,7 +81,7 @@ def step_lease(record: LeaseRecord, event: LeaseEvent | None, now: float, unix: 
 
 
 def may_drive(record: LeaseRecord, client: str) -> bool:
-    """Return whether commands of this client are to be obeyed."""
+    """Return whether commands of this client are accepted."""
     return not client or record.lease.client in ("", client)
 
 
@@ -156,7 +156,7 @@ def _is_available(lease: Lease, request: LeaseRequest) -> bool:
 
 
 def _grant_to_first(record: LeaseRecord, now: float, unix: float) -> LeaseRecord:
-    """Give the lease to the first who asks for it."""
+    """Give the lease to the first client that asks for it."""
     first = record.lease.asking[0]
     heir = record.known.get(first.client) or LeaseRequest(first.client, first.name, "", "ask")
     return _grant(record, heir, now, unix, taken=False)
@@ -169,7 +169,7 @@ def _release(record: LeaseRecord, now: float, unix: float, note: str = "") -> Le
 
 
 def _ask(record: LeaseRecord, request: LeaseRequest, now: float) -> LeaseRecord:
-    """Add a client to those who ask, or note that it still does."""
+    """Add a client to those that ask, or note that it still asks."""
     clients = [each.client for each in record.lease.asking]
     if request.client in clients:
         index = clients.index(request.client)

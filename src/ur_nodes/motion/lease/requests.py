@@ -15,10 +15,10 @@ _START_PATIENCE = 4.5  # s: likewise at the start; by then a holder that was kil
 
 @dataclass(frozen=True, slots=True)
 class LeaseRequests:
-    """A client's part in the lease: the lease as it was received last, and what is wanted of it (`intent`).
+    """A client's state: the lease as last received, and the requested action (`intent`).
 
-    `taken` is the lease as another took it over from this client. `begun`: the conduct has had its first request;
-    `silent`: nothing is sent any more.
+    `taken` is the lease when another client took it over from this one. `begun`: the first request of the conduct was
+    made; `silent`: nothing is sent any more.
     """
 
     client: str
@@ -42,7 +42,7 @@ class LeaseRequests:
 
 
 def want(state: LeaseRequests, action: Action, now: float) -> LeaseRequests:
-    """The state in which an action is requested from now (s) on, until it has taken effect."""
+    """Return the state in which an action is requested from now (s) on, until it has taken effect."""
     return replace(state, begun=True, silent=False, intent=action, give_up_at=now + PATIENCE)
 
 
@@ -58,7 +58,7 @@ def take_lease(state: LeaseRequests, lease: Lease) -> LeaseRequests:
 
 
 def step_requests(state: LeaseRequests, now: float, *, linked: bool) -> tuple[LeaseRequests, Action | None]:
-    """The state now (s), and what to send; `linked`: the mux is connected and its challenges arrive."""
+    """Return the state now (s), and the message to send; `linked`: the mux is connected and its challenges arrive."""
     lease = state.lease
     if lease is None or state.silent:
         return state, None

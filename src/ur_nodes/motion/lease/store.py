@@ -1,4 +1,4 @@
-"""The lease on the disk of the robot, so that a mux that is killed loses no change that it has announced."""
+"""The lease on the robot's disk, so that no published change is lost if the mux is killed."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ _LONGEST = 16384  # bytes
 
 @dataclass(frozen=True, slots=True)
 class LeaseStore:
-    """The file of the lease of one mux. `run` is the id of the master's run; `sync` brings a file to the disk."""
+    """The file of the lease of one mux. `run` is the id of the master's run; `sync` flushes a file to disk."""
 
     path: Path
     run: str = ""
     sync: Callable[[int], object] = os.fsync
 
     def load(self) -> tuple[Lease | None, bool]:
-        """Return the lease and whether it is of this run of the master; None where there is none or it is damaged."""
+        """Return the lease and whether it is of this run of the master; None if there is none or it is damaged."""
         try:
             with self.path.open("rb") as file:
                 value = read_json(file.read(_LONGEST), dict[str, object])
@@ -35,7 +35,7 @@ class LeaseStore:
         return read_lease(value.get("lease")), value.get("run") == self.run
 
     def save(self, lease: Lease) -> None:
-        """Bring the lease to the disk. Raises OSError; then no older lease is there, as far as that is possible."""
+        """Write the lease to disk. Raises OSError, after removing an older lease if possible."""
         try:
             text = json.dumps({"run": self.run, "lease": write_lease(lease)})
             replace_file(self.path, text, mode=PRIVATE, parents=True, sync=self.sync)
@@ -52,7 +52,7 @@ class LeaseStore:
 
 
 def make_store(environment: Mapping[str, str], mux: str, run: str) -> LeaseStore:
-    """The store of a mux, a node of this name, at the master or domain of the environment: a file in ROS's folder."""
+    """Return the store of the mux with this node name, at the master or domain of the environment."""
     home = environment.get("ROS_HOME") or str(Path(environment.get("HOME") or os.sep) / ".ros")
     ros2 = environment.get("ROS_VERSION") == "2"
     graph = environment.get("ROS_DOMAIN_ID") or "0" if ros2 else environment.get("ROS_MASTER_URI", "")

@@ -1,4 +1,4 @@
-"""Lease and requests as JSON, which is how they travel. Everything from outside is hostile until it is checked here."""
+"""Lease and requests as JSON, their form on topics. Input is untrusted until it is checked here."""
 
 from __future__ import annotations
 
@@ -105,7 +105,7 @@ def write_request(request: LeaseRequest) -> str:
 
 
 def read_request(text: str) -> LeaseRequest | str:
-    """The request that the text is, or why it is none."""
+    """Parse a request, or return why it is invalid."""
     try:
         found = read_json(text, LeaseRequest, _LONGEST_REQUEST)
     except BadJsonError as problem:
@@ -126,7 +126,7 @@ def write_lease(lease: Lease) -> str:
 
 
 def read_lease(text: object) -> Lease | None:
-    """The lease that the text is; None if it is none."""
+    """Parse a lease; None if it is invalid."""
     try:
         found = read_json(text, Lease, _LONGEST_LEASE)
     except BadJsonError:
@@ -145,12 +145,12 @@ def read_lease(text: object) -> Lease | None:
 
 
 def clean_computer(value: object) -> str:
-    """The identity of a user of a computer, which has the form of a client's id; empty for what is none."""
+    """Return the identity of a user of a computer, which has the form of a client's id; empty if invalid."""
     return str(value) if is_client(value) else ""
 
 
 def clean_name(value: object, longest: int = LONGEST_NAME) -> str:
-    """A name as it may be shown: printable, on one line, of a limited length; empty for what is no text."""
+    """Return a name for display: printable, on one line, of a limited length; empty if it is no text."""
     if not isinstance(value, str):
         return ""
     return "".join(each for each in value[: 4 * longest] if each.isprintable()).strip()[:longest]

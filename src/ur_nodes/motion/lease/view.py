@@ -64,7 +64,7 @@ class LeaseView:
 
     @property
     def lost_by_other(self) -> bool:
-        """Return whether another client has the lease and the robot does not receive it."""
+        """Return whether another client has the lease and the robot gets no messages of it."""
         return self.state == "lost" and not self.mine
 
     @property
@@ -74,7 +74,7 @@ class LeaseView:
 
 
 def identify(environment: Mapping[str, str], program: str) -> Identity:
-    """The identity that the environment gives, or one of its own.
+    """Return the identity that the environment gives, or a new one.
 
     Variables: UR_CLIENT, UR_CLIENT_NAME, UR_COMPUTER, UR_LEASE, UR_ATTENDED, and UR_PROGRAM, else `program`.
     """
@@ -90,10 +90,10 @@ def identify(environment: Mapping[str, str], program: str) -> Identity:
 
 
 def first_action(conduct: Conduct, lease: Lease) -> Action | None:
-    """The request that a client of this conduct begins with.
+    """Return the first request of a client with this conduct.
 
-    A free lease is acquired with the first command; one that a program of the same user on this computer has lost, at
-    once, so that a program that is started again after a crash drives.
+    A free lease is acquired with the first command; a lease that a program of the same user on this computer has lost
+    is acquired at once, so that a program drives again after a crash and restart.
     """
     if conduct == "drive":
         return "acquire" if lease.state == "lost" else None
@@ -101,7 +101,7 @@ def first_action(conduct: Conduct, lease: Lease) -> Action | None:
 
 
 def is_settled(action: Action, lease: Lease, client: str) -> bool:
-    """Return whether an action has taken effect, so that nothing more has to be sent for it."""
+    """Return whether an action has taken effect and needs no more requests."""
     own, asks = lease.client == client, any(each.client == client for each in lease.asking)
     if action in ("acquire", "take"):
         return own and lease.state == "held"
@@ -113,7 +113,7 @@ def is_settled(action: Action, lease: Lease, client: str) -> bool:
 def view_lease(
     lease: Lease | None, client: str, taken: Lease | None, link_age: float, *, pending: bool = False
 ) -> LeaseView:
-    """The view of `client`; `taken` is the lease as it was when another took it over from this client."""
+    """Return the view of `client`; `taken` is the lease when another client took it over from this one."""
     if lease is None:
         return LeaseView(link_age=link_age, pending=pending)
     if taken is not None and taken.client != lease.client:
@@ -137,5 +137,5 @@ def view_lease(
 
 
 def _host_name() -> str:
-    """The name of this computer, as people know it."""
+    """Return the display name of this computer."""
     return re.sub(r"[.].*", "", clean_name(socket.gethostname())) or "a computer"

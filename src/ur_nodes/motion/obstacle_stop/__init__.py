@@ -1,1 +1,1 @@
-"""Obstacle stop: velocities of people slowed and stopped by what the sensors of the base see."""
+"""Obstacle stop: slows and stops manual driving before obstacles that the base's sensors see."""

@@ -1,4 +1,4 @@
-"""The obstacle stop of a base from its file: its sight before any reading, and what its contact sensors cover."""
+"""The obstacle stop of a base from its file: its initial sight, and the points that its contact sensors cover."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _SPREAD = 0.5  # rad to either side of the direction of a cliff sensor
 
 
 def make_sight(base: Base, *, sonars: bool = True) -> Sight:
-    """The sight of a base before any reading; `sonars`: it has those of its file."""
+    """Return the sight of a base before any reading; `sonars`: it has those of its file."""
     hull = hull_of_outline(base.footprint)
     return Sight(hull, sensors_of(base, hull, sonars=sonars), reach_of(hull, base.limits))
 
@@ -40,7 +40,7 @@ def contact_topics(base: Base) -> dict[tuple[Contact, str], str]:
 
 
 def explain_frame(base: Base, frame: str) -> str:
-    """The warning about ranges in a frame of no sonar of the base; empty for a frame of one."""
+    """Return the warning about ranges in a frame of no sonar of the base; empty if the frame is one of them."""
     known = [sonar.frame for sonar in base.sonars.at] if base.sonars else []
     if frame in known:
         return ""

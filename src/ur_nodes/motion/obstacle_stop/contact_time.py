@@ -39,7 +39,7 @@ def time_to_contact(
 
 
 def _straight(hull: Hull, points: Floats, margins: Floats, forward: float) -> Floats:
-    """Times (n): the point stays within the half-plane of every edge from one moment to another."""
+    """Return times (n) for straight motion: the interval in which a point is within the half-planes of all edges."""
     outside = points @ hull.normals.T - hull.offsets - margins[:, None]  # (n, edges)
     rates = -forward * hull.normals[:, 0]
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
@@ -52,7 +52,7 @@ def _straight(hull: Hull, points: Floats, margins: Floats, forward: float) -> Fl
 
 
 def _arc(hull: Hull, points: Floats, margins: Floats, forward: float, turn: float, horizon: float) -> Floats:
-    """Times (n): seen from the robot, each point runs on a circle about the centre of the arc."""
+    """Return times (n) for an arc: in the robot's frame, each point moves on a circle about the centre of the arc."""
     centre = np.array((0.0, forward / turn))
     spokes = points - centre
     radii = np.hypot(*spokes.T)[:, None]

@@ -1,4 +1,4 @@
-"""The velocity that a base may have before what its sensors see, as a pure function of sight, velocity and time.
+"""The permitted velocity before obstacles that a base's sensors see, as a pure function of sight, velocity and time.
 
 The outline is swept along the arc of the velocity. With `t` the time until it meets a point, `reaction` the time until
 the wheels obey, and `b` the time that braking takes, the share k of the velocity is permitted that solves
@@ -43,7 +43,7 @@ Side = Literal["ahead", "behind", "on the left", "on the right"]
 
 @dataclass(frozen=True, slots=True)
 class Cause:
-    """A reason for less than the wanted velocity: the side of the base, and m from the outline where that is known.
+    """The reason for a reduced velocity: the side of the base, and the distance (m) from the outline if known.
 
     `name` is that of a bumper, a cliff sensor or a silent sensor, whose last reading is `age` s old.
     """
@@ -57,7 +57,7 @@ class Cause:
 
 @dataclass(frozen=True, slots=True)
 class GuardVerdict:
-    """The velocity that is permitted, m/s and rad/s, and the reason where that is less than the wanted one."""
+    """The permitted velocity, m/s and rad/s, and the reason if it is less than the requested one."""
 
     forward: float
     turn: float
@@ -66,14 +66,14 @@ class GuardVerdict:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Guard:
-    """A sight and what the base can do: `braking` (m/s^2, rad/s^2) as planned, and `lag` (s) from mux to wheels."""
+    """A sight and the limits of the base: `braking` (m/s^2, rad/s^2) as planned, and `lag` (s) from mux to wheels."""
 
     sight: Sight
     braking: tuple[float, float]
     lag: float
 
     def permit(self, forward: float, turn: float, now: float) -> GuardVerdict:
-        """The velocity to send at `now` (s) in place of a wanted one, on the same arc."""
+        """Return the velocity to send at `now` (s) in place of a requested one, on the same arc."""
         sight = self.sight
         cause = None
         if forward and sight.sensors and (limit := self._blind(forward, now)):
@@ -99,7 +99,7 @@ class Guard:
         return GuardVerdict(share * forward, share * turn, cause)
 
     def _sweep(self, points: Floats, forward: float, turn: float, now: float) -> tuple[float, int]:
-        """The share (0 to 1) of a velocity that is permitted, and which of the points limits it; -1 for none."""
+        """Return the permitted share (0 to 1) of a velocity, and the index of the point that limits it; -1 for none."""
         hull = self.sight.hull
         reaction = self.lag + _PERIOD + self._age(now)
         braking = max(abs(forward) / self.braking[0], abs(turn) / self.braking[1])
@@ -120,13 +120,13 @@ class Guard:
         return (share if share * fastest >= _STILL else 0.0), int(near[first])
 
     def _age(self, now: float) -> float:
-        """Return how old (s) the readings may be on which a decision rests: as old as the oldest of a live sensor."""
+        """Return the age (s) of the oldest reading of a live sensor, on which a decision may be based."""
         sight = self.sight
         ages = [max(sensor.period, sight.age(sensor, now)) for sensor in sight.sensors]
         return min(SILENT, max((age for age in ages if age <= SILENT), default=0.0))
 
     def _blind(self, forward: float, now: float) -> tuple[float, Cause] | None:
-        """The most (m/s) towards what no live sensor sees, and the reason; None where enough is seen."""
+        """Return the speed limit (m/s) towards areas without a live sensor, and the reason; None if all is seen."""
         side: Side = "ahead" if forward > 0.0 else "behind"
         sensors = self.sight.sensors
         views = [each.ahead if forward > 0.0 else each.behind for each in sensors]
@@ -153,7 +153,7 @@ class Guard:
 
 
 def make_guard(sight: Sight, limits: MotionLimits, lag: float) -> Guard:
-    """Return the guard of a base; `lag` (s) is from the mux's output to wheels that have obeyed it."""
+    """Return the guard of a base; `lag` (s) is the time from the mux's output until the wheels have followed it."""
     return Guard(sight, (min(_GENTLE, limits.deceleration), min(_GENTLE_TURN, limits.angular_deceleration)), lag)
 
 

@@ -1,4 +1,4 @@
-"""The obstacle stop from topics: readings of the base's sensors in, what the mux may do and reports of it out."""
+"""The obstacle stop from topics: readings of the base's sensors in, guards of the mux and reports out."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ class ObstacleStop:
         sonars: bool,
         lag: float,
     ) -> None:
-        """`on` is the choice at the start, `sonars`: the base has those of its file, `lag` (s) that of the mux."""
+        """`on` is the initial choice, `sonars`: the base has those of its file, `lag` (s) that of the mux."""
         self._node, self._base, self._watch, self._writes = node, base, watch, writes
         self._log = AsideLog(node)
         sight = make_sight(base, sonars=sonars)

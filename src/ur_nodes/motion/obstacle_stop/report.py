@@ -1,4 +1,4 @@
-"""The state of the obstacle stop as a line for screens, as JSON on a topic, and read back from it."""
+"""The state of the obstacle stop: as a line for screens, and as JSON on a topic."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _TOO_LONG = 3600.0  # s
 
 @dataclass(frozen=True, slots=True)
 class ObstacleReport:
-    """The state, and what it is about in a line: "stopped: obstacle 0.05 m ahead"; empty while nothing is in the way.
+    """The state, and its description in a line: "stopped: obstacle 0.05 m ahead"; empty while nothing is in the way.
 
     `none`: the base has no sensor that the obstacle stop can use.
     """
@@ -71,7 +71,7 @@ def write_report(report: ObstacleReport) -> str:
 
 
 def read_report(text: str) -> ObstacleReport | None:
-    """The report of JSON that a mux has published; None for anything else."""
+    """Parse the JSON report of a mux; None if it is invalid."""
     try:
         found = read_json(text, _WireReport, _MOST)
     except BadJsonError:

@@ -1,4 +1,4 @@
-"""The sensors of a base as the obstacle stop uses them: where each looks, how often, and what lies before the base."""
+"""The sensors of a base as the obstacle stop uses them: their fields of view, rates, and the area before the base."""
 
 from __future__ import annotations
 
@@ -52,12 +52,12 @@ def _sees(points: Floats, mount: SensorMount, span: tuple[float, float], reach: 
 
 
 def covers(views: Sequence[NDArray[np.bool_]]) -> bool:
-    """Return whether views of the positions over the width of a base show nearly all of it together."""
+    """Return whether views together cover nearly the whole width of a base."""
     return bool(views) and float(np.any(views, axis=0).mean()) >= _COVERED
 
 
 def sensors_of(base: Base, hull: Hull, *, sonars: bool = True) -> tuple[RangeSensor, ...]:
-    """The lidar and the sonars of a base. One that looks up or down by more than 45 degrees sees no obstacle."""
+    """The lidar and the sonars of a base. A sensor tilted by more than 45 degrees sees no obstacle."""
     found = []
     if base.lidar:
         lidar, turn = base.lidar, 2.0 * math.pi
@@ -87,7 +87,7 @@ def _sensor(
 
 
 def _strips(hull: Hull) -> tuple[Floats, Floats]:
-    """Points before and behind the outline (positions over the width, distances, 2)."""
+    """Return points before and behind the outline (positions over the width, distances, 2)."""
     (low_x, low_y), (high_x, high_y) = hull.corners.min(axis=0), hull.corners.max(axis=0)
     across = np.linspace(low_y, high_y, _STRIP)
     away = np.arange(_NEAREST, _FURTHEST, _STEP)

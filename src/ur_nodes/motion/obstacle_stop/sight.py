@@ -63,7 +63,7 @@ class RememberedPoints:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Sight:
-    """All that is known: the track of the base, the newest points of each sensor, older ones, and what is touched.
+    """The track of the base, the newest points of each sensor, older ones, and touched ones.
 
     `touched` holds the points of the outline (n, 2), in the base's frame, of pressed bumpers and of cliffs by name.
     """
@@ -92,7 +92,7 @@ class Sight:
 
 
 def move(sight: Sight, reading: Odometer) -> Sight:
-    """The sight after a reading of odometry; one that is not finite is ignored."""
+    """Return the sight after a reading of odometry; values that are not finite are ignored."""
     if not reading.finite:
         return sight
     track, same = follow(sight.track, reading)
@@ -106,7 +106,7 @@ def touch(sight: Sight, contact: tuple[Contact, str], points: Floats | None) -> 
 
 
 def look(sight: Sight, sensor: RangeSensor, reading: SensorRanges) -> Sight:
-    """The sight after a reading of a sensor; unchanged by one that has measured nothing."""
+    """Return the sight after a reading of a sensor; a reading without a measurement changes nothing."""
     before = sight.seen.get(sensor.name)
     if before is not None and reading.at < before.at:
         return sight

@@ -1,4 +1,4 @@
-"""The recent way of a base by odometry: where it was when a sensor measured, and where it is now."""
+"""The recent track of a base by odometry: its pose when a sensor measured, and now."""
 
 from __future__ import annotations
 
@@ -26,13 +26,13 @@ class Odometer:
 
     @property
     def finite(self) -> bool:
-        """Return whether every figure is a number."""
+        """Return whether all values are finite."""
         return all(math.isfinite(each) for each in (*self.pose, self.forward, self.turn))
 
 
 @dataclass(frozen=True, slots=True)
 class Track:
-    """Readings of odometry, the oldest first; none: the base is taken to stay where it is."""
+    """Readings of odometry, the oldest first; without any, the base is assumed to be at rest."""
 
     readings: tuple[Odometer, ...] = ()
 
@@ -71,7 +71,7 @@ def _arc_end(distance: float, angle: float) -> Pose2:
 
 
 def follow(track: Track, reading: Odometer) -> tuple[Track, bool]:
-    """The track with one more reading; false when odometry has begun anew, so that earlier places mean nothing."""
+    """Return the track with one more reading; False if odometry was reset, which makes earlier poses invalid."""
     if not track.readings:
         return Track((reading,)), True
     newest = track.readings[-1]

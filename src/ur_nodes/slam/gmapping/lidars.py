@@ -1,4 +1,4 @@
-"""The lidars of a robot: what each of them has seen to a scan in its frame, that of several lidars joined."""
+"""The lidars of a robot: their readings as one scan in the robot's frame."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class LidarReading:
 
 
 class Lidars:
-    """Finds the scans that belong together: that of the first lidar sets the time, the nearest of the others join."""
+    """Finds the scans that belong together: those of the other lidars nearest in time to one of the first."""
 
     def __init__(self, node: Node, feed: ScanFeed, others: Sequence[str]) -> None:
         """`others` are the topics of the other lidars; they are subscribed to."""
@@ -42,7 +42,7 @@ class Lidars:
             node.subscribe(topic, values.Scan, newest.append, Quality.EVERY)
 
     def readings(self, scan: values.Scan, odometry: Pose2 | None) -> list[LidarReading]:
-        """A scan of the first lidar, and those of the others at that time; none while its mount is not known."""
+        """Return a scan of the first lidar, and those of the others at that time; none while its mount is unknown."""
         mount = self._feed.mount(scan.frame)
         if mount is None:
             return []

@@ -1,4 +1,4 @@
-"""Draws the map of a mapping node, publishes it, and answers who asks for it."""
+"""Draws the map of a mapping node, publishes it, and serves it on request."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _DRAWING = "map"
 
 
 class GridMapOutput:
-    """The topics `map` and `map_metadata`, latched, and the service `dynamic_map`. No scan waits for a drawing.
+    """The topics `map` and `map_metadata`, latched, and the service `dynamic_map`. Drawing never delays a scan.
 
     `requests` are those of clients that pause the mapping and save its map.
     """
@@ -42,7 +42,7 @@ class GridMapOutput:
         node.every(settings.map_update_interval, self.publish)
 
     def publish(self) -> None:
-        """Draw what has changed, and publish the map; nothing happens before the first keyframe."""
+        """Draw the changes, and publish the map; nothing is published before the first keyframe."""
         if not self._busy:
             self._busy = True
             self._picture(self._publish)
@@ -57,11 +57,11 @@ class GridMapOutput:
         self.state(lambda state: self.draw(state, compare))
 
     def state(self, take: Callable[[MapState], None]) -> None:
-        """Give `take` the map as of now."""
+        """Pass the present map to `take`."""
         self._node.work(self._slam.state, take, SCANS)
 
     def draw(self, state: MapState, take: Callable[[Grid], None]) -> None:
-        """Give `take` the picture of a map with at least one keyframe."""
+        """Pass the picture of a map with at least one keyframe to `take`."""
         self._node.work(lambda: self._draw(state), take, _DRAWING)
 
     def _picture(self, take: Callable[[Grid | None], None]) -> None:

@@ -1,4 +1,4 @@
-"""Reports of the node `slam_gmapping` on its place, its wheels and its gyroscope."""
+"""Reports of the node `slam_gmapping` on its pose, wheels and gyroscope."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ SLIP_SILENCE = 30.0  # s between two reports of wheels that slip
 
 
 class SlamReports:
-    """Logs what changes from scan to scan. `describe` is called with places on the map that look alike."""
+    """Logs changes from scan to scan. `describe` is called with places on the map that look alike."""
 
     def __init__(self, node: Node, describe: Callable[[Sequence[Pose2]], None], *, lost: bool) -> None:
-        """`lost`: the node begins so."""
+        """`lost`: the initial state."""
         self._node, self._log = node, node.log
         self._describe = describe
         self._located, self._lost, self._places = True, lost, 0  # as reported last
@@ -28,7 +28,7 @@ class SlamReports:
         self._by_gyro = self._gyro_wrong = False  # as reported last
 
     def take(self, step: SlamStep) -> None:
-        """Report what is new with a scan."""
+        """Report the changes after a scan."""
         estimate = step.estimate
         if step.lost or self._lost:
             self._report_search(step)
@@ -81,5 +81,5 @@ class SlamReports:
 
 
 def _sizes(*motions: Pose2) -> list[float]:
-    """The way (m) and the turn (degrees) of each motion."""
+    """Return the distance (m) and the turn (degrees) of each motion."""
     return [size for each in motions for size in (math.hypot(each.x, each.y), math.degrees(each.yaw))]

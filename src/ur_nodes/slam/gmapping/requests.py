@@ -9,7 +9,7 @@ from ur_nodes.ports.values import Result
 
 
 class SlamRequests:
-    """Answers them; `paused` while no scan is to be used."""
+    """Serves the requests; `paused` while scans are ignored."""
 
     def __init__(self, node: Node) -> None:
         self._node = node

@@ -14,11 +14,11 @@ _EDGES = ("xmin", "ymin", "xmax", "ymax")
 
 @dataclass(frozen=True, slots=True)
 class GmappingSettings:
-    """Everything the node reads: lengths in m, times in s.
+    """The node's parameters: lengths in m, times in s.
 
-    `odom_frame` is '' where there is no odometry. `max_range` is 0 where the scan's own limit holds, `max_usable` where
-    all of that is drawn; `edges` (xmin, ymin, xmax, ymax) is the least size of the map; None: what was seen.
-    `other_scans` are the topics of further lidars.
+    `odom_frame` is '' without odometry. `max_range` is 0 for the scan's own limit, `max_usable` if all of that is
+    drawn; `edges` (xmin, ymin, xmax, ymax) is the least size of the map; None: what was seen. `other_scans` are the
+    topics of further lidars.
     """
 
     mapper: MapperSettings
@@ -40,7 +40,7 @@ class GmappingSettings:
 def read_settings(parameters: Parameters) -> GmappingSettings:
     """Read the settings of a node. Raises UserError, which names the parameter.
 
-    Those of upstream's that tune its particle filter and its scan matcher mean nothing here, and are not read.
+    Upstream's parameters of its particle filter and scan matcher have no meaning here, and are not read.
     """
     p = parameters
     period = p.number("transform_publish_period", 0.05, minimum=0.0)

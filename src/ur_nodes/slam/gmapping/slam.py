@@ -33,14 +33,14 @@ class SlamStep:
 
 
 class Slam:
-    """Makes a map. Its methods take long: they are for the jobs of one lane."""
+    """Makes a map. Its methods take long, and are called as jobs of one lane."""
 
     def __init__(self, settings: GmappingSettings) -> None:
         self._settings = settings
         self._mapper = MapTracker(settings.mapper)
 
     def restore(self, stored: MapState) -> None:
-        """Begin with a map that was made before."""
+        """Start with an existing map."""
         self._mapper.restore(stored.poses, stored.edges, stored.scans)
 
     def step(self, readings: Sequence[LidarReading], odometry: Pose2 | None, heading: float | None) -> SlamStep:
@@ -54,12 +54,12 @@ class Slam:
         return SlamStep(estimate, odometry, None if mapper.lost else known, mapper.lost, places, first)
 
     def state(self) -> MapState:
-        """The map as of now."""
+        """Return the present map."""
         mapper = self._mapper
         return MapState(list(mapper.keyframes), list(mapper.edges), list(mapper.scans), mapper.drives())
 
 
 def entropy(estimate: MapEstimate) -> float:
-    """The differential entropy of the pose round the estimate (m and rad), higher when it is less certain."""
+    """Return the differential entropy of the pose around the estimate (m and rad), higher when it is less certain."""
     sign, logarithm = np.linalg.slogdet(2.0 * math.pi * math.e * estimate.covariance)
     return 0.5 * float(logarithm) if sign > 0 else -math.inf

@@ -1,1 +1,1 @@
-"""Scans as pieces of surface, and their place on what was seen before."""
+"""Scans as pieces of surface, and their matching to earlier ones."""

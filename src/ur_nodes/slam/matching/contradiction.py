@@ -1,4 +1,4 @@
-"""Walls that a scan looks through: evidence that it was taken elsewhere, which no agreement of its points can show."""
+"""Walls that a scan passes through: evidence that it was taken elsewhere, beyond the agreement of its points."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Find a scan on a map without a good guess: all poses of a window, from coarse to fine, and none left out.
+"""Exhaustive search for a scan on a map without a good guess: all poses of a window, from coarse to fine.
 
 Sources: Olson, Real-time correlative scan matching, 2009; Hess et al., Real-time loop closure in 2D lidar SLAM, 2016
 (branch and bound). The bounds are those of the latter, for blocks of turns as well as of shifts; all blocks of a level
@@ -56,7 +56,7 @@ class CorrelativeMatch:
 
 
 class Pyramid:
-    """Nearness to walls in cells of `cell` m; each further level bounds that of all poses of larger blocks."""
+    """Proximity to walls in cells of `cell` m; each further level is an upper bound for larger blocks."""
 
     def __init__(self, walls: Floats, cell: float = _CELL) -> None:
         """From points (n, 2) on walls, m; at least one."""
@@ -144,18 +144,18 @@ class _Poses:
         return Pose2(x, y, wrap_angle(float(self._angles[place[2]])))
 
     def apart(self, poses: NDArray[np.intp], place: NDArray[np.intp]) -> NDArray[np.bool_]:
-        """Return for each pose (n, 3) whether it is a place other than that of a pose (3)."""
+        """Return for each pose (n, 3) whether it is at another place than a pose (3)."""
         shift = np.hypot(*(poses[:, :2] - place[:2]).T) * self._cell
         swing = np.remainder(np.abs(poses[:, 2] - place[2]) * self._step, 2.0 * math.pi)
         found: NDArray[np.bool_] = (shift > _APART[0]) | (np.minimum(swing, 2.0 * math.pi - swing) > _APART[1])
         return found
 
     def prepare(self) -> Work[None]:
-        """Score the largest blocks; this comes first."""
+        """Score the largest blocks; call it first."""
         self._bounds = yield from self._score(len(self._tables) - 1, self._blocks)
 
     def dive(self) -> float:
-        """A score that is reached: the best below the most promising blocks."""
+        """Return a score that is reached: the best below the most promising blocks."""
         blocks, bounds = self._blocks, self._bounds
         for level in range(len(self._tables) - 1, 0, -1):
             blocks = self._expand(blocks[np.argsort(bounds)[-_DIVE:]], level)
@@ -165,7 +165,7 @@ class _Poses:
     def above(
         self, least: float, widest: int = _WIDEST, other_than: NDArray[np.intp] | None = None
     ) -> Work[tuple[NDArray[np.intp], NDArray[np.float32]]]:
-        """The poses (n, 3) that score at least so much, and their scores (n); only other places than that of a pose."""
+        """Return the poses (n, 3) with at least this score, and their scores (n); only at other places than a pose."""
         blocks, bounds = self._blocks, self._bounds
         for level in range(len(self._tables) - 1, -1, -1):
             kept = np.flatnonzero(bounds >= least)
@@ -213,7 +213,7 @@ def search(
 def search_slowly(
     pyramid: Pyramid, points: Floats, guess: Pose2, window: Window, floor: float = 0.3
 ) -> Work[CorrelativeMatch | None]:
-    """Do the same as `search`, with pauses."""
+    """Search as `search` does, with pauses."""
     within = _Poses(pyramid, points, guess, window)
     yield from within.prepare()
     poses, scores = yield from within.above(max(floor, within.dive()))
@@ -225,7 +225,7 @@ def search_slowly(
 
 
 def finish(work: Work[T]) -> T:
-    """Do all parts of a computation at once."""
+    """Run all parts of a computation."""
     try:
         while True:
             next(work)
@@ -255,7 +255,7 @@ def search_places(
 
 
 def _turns_of_blocks(swing: float) -> list[int]:
-    """The turns of a block at each level: no point leaves it, of which a turn moves the farthest by `swing` cells."""
+    """Return the turns of a block at each level that no point leaves; a turn moves a point by up to `swing` cells."""
     turns = []
     for most, free in zip(_MOST_TURNS, _SWING, strict=True):
         while most > 1 and 0.5 * (most - 1) * swing > free:
@@ -265,7 +265,7 @@ def _turns_of_blocks(swing: float) -> list[int]:
 
 
 def _best_of(level: NDArray[np.uint8], step: int) -> NDArray[np.uint8]:
-    """For each cell the best of itself and those `step` to the right, above and both."""
+    """Return for each cell the best of itself and the cells `step` to the right, above, and both."""
     best: NDArray[np.uint8] = level.copy()
     np.maximum(best[:, :-step], level[:, step:], out=best[:, :-step])
     right = best.copy()
@@ -274,7 +274,7 @@ def _best_of(level: NDArray[np.uint8], step: int) -> NDArray[np.uint8]:
 
 
 def _widened(level: NDArray[np.uint8], swing: int) -> NDArray[np.uint8]:
-    """For each cell the best of those `swing` to the four sides; with windows at least twice as wide none is missed."""
+    """Return for each cell the best within `swing` to the four sides; windows at least twice as wide miss none."""
     if not swing:
         return level
     wide = np.zeros_like(level)

@@ -21,5 +21,5 @@ def rotate_covariance(covariance: Floats, yaw: float) -> Floats:
 
 
 def position_deviation(covariance: Floats) -> float:
-    """The standard deviation (m) of the position along the direction that is known least."""
+    """Return the standard deviation (m) of the position along its most uncertain direction."""
     return math.sqrt(float(np.linalg.eigvalsh(covariance[:2, :2])[-1]))

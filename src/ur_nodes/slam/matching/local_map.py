@@ -1,4 +1,4 @@
-"""The surfaces round the robot, from several keyframes, to match a scan to."""
+"""The surfaces around the robot, from several keyframes, to which a scan is matched."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ _CLUMP = 5  # such neighbours; with fewer, points only look apart because the li
 
 
 class LocalMap:
-    """Points of several scans, drawn onto the lines that their neighbours lie on; noise averages out that way."""
+    """Points of several scans, projected onto the lines of their neighbours to average out noise."""
 
     def __init__(self, placed: Sequence[tuple[Pose2, Surface]]) -> None:
         """Join surfaces, each given with the pose of its frame; at least one point in all.
@@ -43,11 +43,11 @@ class LocalMap:
 
     @cached_property
     def pyramid(self) -> Pyramid:
-        """The same points for a search; made when it is first asked for."""
+        """The same points for a search; made on first use."""
         return Pyramid(self.surface.points)
 
     def nearest(self, points: Floats, normals: Floats, reach: float) -> tuple[NDArray[np.intp], NDArray[np.bool_]]:
-        """The number (n) of the nearest point that faces the same way, and whether there is one within `reach` m."""
+        """Return the index (n) of the nearest point with a similar normal, and whether it is within `reach` m."""
         distances, numbers = self._tree.query(_keys(points, normals), distance_upper_bound=reach)
         found = np.isfinite(distances)
         return np.where(found, numbers, 0), found
@@ -76,7 +76,7 @@ def _smoothed(rough: Surface) -> tuple[Surface, NDArray[np.bool_]]:
 
 
 def _filled(surface: Surface, clumped: NDArray[np.bool_]) -> tuple[Surface, NDArray[np.bool_]]:
-    """Add points between neighbours on one wall that are far apart, as the wall is there, too."""
+    """Add points between distant neighbours on one wall, as the wall continues there."""
     sparse = np.flatnonzero(surface.flat & (surface.spacing > _GAP))
     if len(sparse) < 2:
         return surface, clumped

@@ -1,4 +1,4 @@
-"""Find the pose of a scan on the map round the robot: from a guess, and where that fails by searches that widen."""
+"""Find the pose of a scan on the map around the robot: from a guess, or else by widening searches."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ _PRIOR_OF_SEARCH = 4.0  # times the covariance of the guess, which has failed
 def locate_surface(
     local: LocalMap, surface: Surface, guess: Pose2, prior: Floats, before: Pose2, spread: Floats
 ) -> ScanMatch:
-    """Match the surface of a scan to the map round the robot.
+    """Match the surface of a scan to the map around the robot.
 
     `guess` is its pose by odometry, `prior` (3, 3) the covariance of that in the map's frame. Where the scan disagrees
     with it, the scan is also matched from `before`, the pose at the last scan, with the covariance `spread` (3, 3);
@@ -52,7 +52,7 @@ def locate_surface(
 
 
 def _is_believed(match: ScanMatch, guess: Pose2, prior: Floats) -> bool:
-    """Return whether a match agrees well, or else is near the guess: a scan fits a little in many places."""
+    """Return whether a match agrees well, or is near the guess: a scan fits partly in many places."""
     return match.agreement >= POOR or _deviations(guess, match.pose, prior) < _MOST_DOUBTED
 
 

@@ -1,4 +1,4 @@
-"""Refine the pose of a scan far below the size of a cell: points to lines, with a covariance that knows corridors.
+"""Subcell refinement of a scan's pose: points to lines, with a covariance that is correct in corridors.
 
 Sources: Chen and Medioni, Object modelling by registration of multiple range images, 1992 (the distance to the line);
 Zhang, Kaess, Singh, On degeneracy of optimization-based state estimation problems, 2016 (directions that the scan says
@@ -109,7 +109,7 @@ def _normal_equations(
 
 
 def _without_feigned(hessian: Floats) -> tuple[Floats, Floats]:
-    """Take off what the errors of normals feign to know; returns the rest (3, 3) and the share (3, 3) that it is."""
+    """Remove the false information that errors of normals cause; returns the rest (3, 3) and its share (3, 3)."""
     scale = np.array((1.0, 1.0, 1.0 / _LEVER))
     values, vectors = np.linalg.eigh(hessian * np.outer(scale, scale))
     values = np.maximum(values, 0.0)

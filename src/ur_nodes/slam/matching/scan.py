@@ -1,4 +1,4 @@
-"""From a lidar's ranges to what mapping needs of a scan, in the robot's frame."""
+"""Conversion of a lidar's ranges to a scan for mapping, in the robot's frame."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ class MapScan:
 
     @property
     def surface(self) -> Surface:
-        """The points that are matched, made anew each time."""
+        """The points that are matched, recomputed at each access."""
         facing = self.facing.astype(np.float64)
         step = _step(len(self.hits))
         hits = self.hits.astype(np.float64)
@@ -98,7 +98,7 @@ def join_scans(scans: Sequence[MapScan]) -> MapScan:
 def restore_scan(
     hits: NDArray[np.float32], numbers: NDArray[np.uint16], misses: NDArray[np.float32], origin: Floats
 ) -> MapScan:
-    """Make the scan again whose fields these are."""
+    """Restore a scan from its stored fields."""
     surface = surface_of_points(hits.astype(np.float64), numbers.astype(np.intp), origin, _step(len(hits)))
     facing = np.arctan2(surface.normals[:, 1], surface.normals[:, 0]).astype(np.float32)
     return MapScan(hits, misses, origin, numbers, facing, surface.flat)

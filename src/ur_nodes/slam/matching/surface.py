@@ -1,4 +1,4 @@
-"""Scans as pieces of surface: the points where beams end, and the directions in which the surfaces there face."""
+"""Scans as pieces of surface: the points where beams end, and the normals of the surfaces there."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ class Surface:
         return Surface(self.points @ turn + (pose.x, pose.y), self.normals @ turn, self.flat, self.spacing)
 
     def sample(self, least: int) -> Floats:
-        """Points (n, 2) evenly spread over the scan: at least so many and less than twice as many, or all there are."""
+        """Return points (n, 2) evenly spread over the scan: at least this many and less than twice as many, or all."""
         return self.points[:: max(1, len(self) // least)]
 
     def thinned(self, most: int) -> Surface:
@@ -52,7 +52,7 @@ class Surface:
 
 
 def join(surfaces: list[Surface]) -> Surface:
-    """All points of some surfaces in the same frame; at least one surface."""
+    """Join all points of surfaces in the same frame; at least one surface."""
     return Surface(
         np.concatenate([each.points for each in surfaces]),
         np.concatenate([each.normals for each in surfaces]),
@@ -80,7 +80,7 @@ def surface_of_points(points: Floats, numbers: NDArray[np.intp], origin: Floats,
 
 
 def beam_spacing(points: Floats, numbers: NDArray[np.intp], origin: Floats) -> Floats:
-    """The distance (n) across the beams from one to the next where they end, m, for the ends (n, 2) of beams."""
+    """Return the distance (n) in m between neighbouring beams at their ends (n, 2), across the beams."""
     away = points - origin
     steps = np.diff(numbers)
     turns = np.diff(np.arctan2(away[:, 1], away[:, 0]))

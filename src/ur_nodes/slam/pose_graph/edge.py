@@ -20,6 +20,6 @@ class Edge(NamedTuple):
 
 
 def find_drives(edges: Sequence[Edge], count: int) -> list[int]:
-    """The numbers of the keyframes, of so many, with which a later drive begins: only robust edges lead to them."""
+    """Return the numbers of the keyframes at which a later drive begins: only robust edges lead to them."""
     tied = {edge.after for edge in edges if not edge.robust}
     return [number for number in range(1, count) if number not in tied]

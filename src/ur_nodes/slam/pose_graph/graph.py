@@ -1,4 +1,4 @@
-"""The pose graph: keyframes and what is known of their relative poses, made consistent by gtsam.
+"""The pose graph: keyframes and edges between them, optimised by gtsam.
 
 Source of the incremental solution: Kaess et al., iSAM2: incremental smoothing and mapping using the Bayes tree, 2012.
 """
@@ -27,7 +27,7 @@ _STEPS = 15
 
 
 class PoseGraph:
-    """Poses of keyframes 0, 1, 2, ... in the map; the first one stays where it is."""
+    """Poses of keyframes 0, 1, 2, ... in the map; the first one is fixed."""
 
     def __init__(self) -> None:
         parameters = gtsam.ISAM2Params()
@@ -73,7 +73,7 @@ class PoseGraph:
         return self._edges
 
     def optimise(self) -> None:
-        """Bring all poses to where they fit the edges best."""
+        """Optimise all poses."""
         self.begin()
         while self.step():
             pass
@@ -84,13 +84,13 @@ class PoseGraph:
         return self._steps > 0
 
     def begin(self, steps: int = _STEPS) -> None:
-        """Have the next calls of `step`, so many at most, bring the poses to where they fit the edges best."""
+        """Start an optimisation that the next calls of `step`, this many at most, perform."""
         self._steps = max(self._steps, steps)
 
     def step(self) -> bool:
-        """Bring the poses nearer to where they fit best, in a time that grows with those that move.
+        """Optimise the poses further, in a time that grows with the number that move.
 
-        Returns whether any has moved; False: they are where they fit best, or as near as they get.
+        Returns whether any has moved; False: the optimum is reached, or as near as possible.
         """
         if not self._steps:
             return False

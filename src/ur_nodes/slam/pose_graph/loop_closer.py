@@ -1,4 +1,4 @@
-"""Closes loops: looks at places that may have been seen before, a little with each scan, and adds what it finds."""
+"""Closes loops: verifies places that may have been seen before, some with each scan, and adds the links found."""
 
 from __future__ import annotations
 
@@ -22,15 +22,15 @@ _PATIENCE = 24  # keyframes for which a loop waits for confirmation
 
 
 class Confirmation:
-    """Links that are not sure, each waiting for another one that agrees with it."""
+    """Uncertain links, each waiting for another one that agrees with it."""
 
     def __init__(self, patience: int) -> None:
-        """They wait for so many keyframes."""
+        """Links wait for this many keyframes."""
         self._patience = patience
         self._waiting: list[PoseLink] = []
 
     def confirm(self, link: PoseLink, poses: Sequence[Pose2]) -> list[PoseLink]:
-        """Return the link and those that waited and agree with it; none, and it waits, when there is no such."""
+        """Return the link and the waiting ones that agree with it; none, and the link waits, if there are none."""
         if link.sure:
             return [link]
         self._waiting = [each for each in self._waiting if link.after - each.after <= self._patience]
@@ -61,15 +61,15 @@ class LoopCloser:
         """The number of links so far."""
 
     def add_keyframe(self, number: int) -> bool:
-        """Plan to look for the place of a new keyframe; returns whether poses have changed, as `step` does."""
+        """Schedule the search for the place of a new keyframe; returns whether poses have changed, as `step` does."""
         self._waiting.append(number)
         self._neighbours.add(number)
         return len(self._waiting) > _BACKLOG and self.step()
 
     def step(self, spare: int = 0) -> bool:
-        """Move the poses as the last link asks for, then verify places for a while; returns whether poses changed.
+        """Optimise the poses after the last link, then verify places for a while; returns whether poses changed.
 
-        Where there is no place to verify, neighbours are matched, `spare` pairs of them at most.
+        Without a place to verify, neighbours are matched, `spare` pairs of them at most.
         """
         budgets = min(_MOST_BUDGETS, 1 + len(self._waiting) // (_BACKLOG + 1))
         changed = False
@@ -102,7 +102,7 @@ class LoopCloser:
         self._neighbours.restart()
 
     def _begin_next(self) -> bool:
-        """Begin to verify the next place; False: there is none."""
+        """Start to verify the next place; False if there is none."""
         while self._waiting and not self._groups:
             number = self._waiting.popleft()
             spread = self._graph.spread_from(number, _LONGEST)

@@ -1,4 +1,4 @@
-"""Places that were mapped before: which to look at, and whether a scan really was taken there."""
+"""Loop candidates: places to check, and whether a scan was taken there."""
 
 from __future__ import annotations
 

@@ -1,8 +1,8 @@
-"""Matches keyframes that lie near each other, a few with each scan, and adds what it finds to the pose graph.
+"""Matches keyframes near each other, a few with each scan, and adds edges to the pose graph.
 
-A keyframe is tied to the one before it, and to few others by loops; the errors of these few edges bend a map over long
-ways. Edges between all neighbours average them out. Source of the idea: Lu and Milios, Globally consistent range scan
-alignment for environment mapping, 1997.
+A keyframe has an edge to the one before it, and few others by loops; the errors of these few edges bend a map over long
+distances. Edges between all neighbours average them out. Source of the idea: Lu and Milios, Globally consistent range
+scan alignment for environment mapping, 1997.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ _STEPS = 2  # of that computation: these edges move poses little
 
 
 class NeighbourMatcher:
-    """Adds edges between keyframes near each other. A call of `step` takes no longer than a match of two of them."""
+    """Adds edges between keyframes near each other. A call of `step` takes no longer than one match."""
 
     def __init__(self, graph: PoseGraph, scans: Sequence[MapScan]) -> None:
         """`scans` are those of the graph's keyframes."""
@@ -47,22 +47,22 @@ class NeighbourMatcher:
         self._idle = 0  # calls with nothing to do
 
     def add(self, number: int) -> None:
-        """Plan to match a new keyframe to its neighbours, before all that wait."""
+        """Schedule the match of a new keyframe to its neighbours, before all waiting ones."""
         self._waiting.appendleft(number)
 
     def add_all(self) -> None:
-        """Plan to look at all keyframes again, as their poses have changed so that others may be neighbours."""
+        """Schedule all keyframes again, as their poses have changed and others may be neighbours."""
         known = set(self._waiting)
         self._waiting.extend(number for number in range(len(self._scans)) if number not in known)
 
     def restart(self) -> None:
-        """Plan to look at all keyframes of a graph that was made larger; those with an edge are not matched again."""
+        """Schedule all keyframes of a graph that was extended; those with an edge are not matched again."""
         self._tried = {_ends(edge.before, edge.after) for edge in self._graph.edges}
         self._others = []
         self.add_all()
 
     def step(self) -> bool:
-        """Look up neighbours, and match two keyframes; False: there is nothing to do."""
+        """Look up neighbours, and match two keyframes; False if nothing is left."""
         for _ in range(_LOOKS):
             if self._others or not self._waiting or self._choose(self._waiting.popleft()):
                 break
@@ -75,7 +75,7 @@ class NeighbourMatcher:
         return self._idle == 0
 
     def _choose(self, number: int) -> bool:
-        """Make it a keyframe's turn, with the neighbours that it was not matched to before; False: there are none."""
+        """Select a keyframe, with the neighbours that it was not matched to before; False if there are none."""
         places = np.array(self._graph.poses)[:, :2]
         gaps = np.hypot(*(places - places[number]).T)
         gaps[number] = np.inf

@@ -1,4 +1,4 @@
-"""Keyframes that show different things: of two taken near each other in the same direction, one is enough."""
+"""Selection of keyframes with different views: of two taken near each other in the same direction, one is enough."""
 
 from __future__ import annotations
 

@@ -29,7 +29,7 @@ _END_LIMIT = 60.0  # s for the map to be written at the end
 class StorageSettings:
     """`name` of the map, '' for one that no map has; `every` (s) it is written; `robot` is who makes it.
 
-    `latest`: it becomes the map that `latest` stands for.
+    `latest`: the name `latest` then refers to this map.
     """
 
     name: str
@@ -72,7 +72,7 @@ class MapStorage:
         self._report_due = 0.0
 
     def begin(self, slam: Slam) -> None:
-        """Begin to store; a map that was stored before is continued. Raises UserError: it cannot be."""
+        """Start to store; a map that was stored before is continued. Raises UserError if that is impossible."""
         node, name, every = self._node, self.name, self._settings.every
         if self.continues:
             slam.restore(MapState(*load_poses(self._store.path(name), self._writer.record)))
@@ -86,7 +86,7 @@ class MapStorage:
         node.log.info(f"saving the map as '{name}', every {every:g} s and at the end")
 
     def _save(self, take: Callable[[str], None]) -> None:
-        """Write the map if it has changed; `take` gets what is wrong, '' when nothing is."""
+        """Write the map if it has changed; `take` gets the reason of a failure, '' on success."""
 
         def compare(state: MapState) -> None:
             if not state.poses or _same(state, self._saved):

@@ -1,4 +1,4 @@
-"""Writes a map while it is made: the picture, the pose graph and the scans, whole at every moment."""
+"""Writes a map while it is made: the picture, the pose graph and the scans, consistent at every moment."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def pause_before_next(every: float, taken: float) -> float:
 
 
 class MapWriter:
-    """Writes one map again and again into its folder, and each time only what is new.
+    """Writes one map repeatedly into its folder, each time only the changes.
 
     The record is replaced last: until then it names the files of the last time, none of which is touched. Full chunks
     are written again only where a scan of them was replaced; the last one and the graph get a new name each time.
