@@ -1,4 +1,4 @@
-"""The black box: takes all topics into memory, and writes them when something has happened."""
+"""The black box: records all topics in memory, and writes them to a file after an event."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ _AT_ONCE = 0.2  # s, in which what has been sent arrives
 class BlackBoxSettings:
     """`folder` gets the files, of which the newest `kept` stay; `after` s pass between an event and its file.
 
-    `mux`, `navigation` and `localiser` are names of nodes, whose topics report what happens. With `cameras`, pictures
+    `mux`, `navigation` and `localiser` are names of nodes, whose topics report events. With `cameras`, pictures
     are taken also where no other node subscribes to them.
     """
 
@@ -72,7 +72,7 @@ class BlackBox:
         node.read_graph(self._compare)
 
     def happened(self, text: str) -> None:
-        """Have a file written soon, since this has happened."""
+        """Schedule a file because of an event."""
         now = self._steady()
         self._tape.note_event(now, text)
         first = not self._reasons

@@ -1,4 +1,4 @@
-"""The node `black_box`: keeps the last two minutes of all topics in memory, and writes them when something happens."""
+"""The node `black_box`: keeps two minutes of all topics in memory, and writes them to a file after an event."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from ur_nodes.run import run
 
 
 def read_settings(parameters: Parameters) -> tuple[BlackBoxSettings, int]:
-    """The settings, and the bytes of memory."""
+    """Read the settings, and the size of the memory in bytes."""
     folder = parameters.text("~folder", "") or recordings_folder(os.environ)
     settings = BlackBoxSettings(
         Path(folder).expanduser(),

@@ -13,7 +13,7 @@ _LOOK = 0.1  # s
 
 
 class EventSocket:
-    """Passes each text that arrives to `happened`. Without a folder nothing arrives."""
+    """Passes each received text to `happened`. Without a folder, it receives nothing."""
 
     def __init__(self, node: Node, environment: Mapping[str, str], happened: Callable[[str], None]) -> None:
         self._happened = happened
@@ -24,6 +24,6 @@ class EventSocket:
         self._happened(printable(data.decode("utf-8", "replace")).strip() or "unnamed event")
 
     def close(self) -> None:
-        """Take what has arrived, and remove the socket."""
+        """Handle the received texts, and remove the socket."""
         self._socket.receive()
         self._socket.close()

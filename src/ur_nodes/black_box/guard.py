@@ -1,4 +1,4 @@
-"""The guard of the black box: writes its memory to a file when its process was killed.
+"""The guard of the black box: writes its memory to a file if its process is killed.
 
     python -I -m ur_nodes.black_box.guard MEMORY PIPE FOLDER KEPT
 
@@ -20,7 +20,7 @@ _CLEAN = b"q"
 
 
 class GuardProcess:
-    """A guard that runs, and the memory that it shares with this process."""
+    """A running guard, and the memory that it shares with this process."""
 
     def __init__(self, size: int, folder: Path, kept: int) -> None:
         import subprocess  # not in the guard itself, which waits in little memory
@@ -41,7 +41,7 @@ class GuardProcess:
             os.close(memory)
 
     def end(self) -> None:
-        """End the guard: it has nothing to write."""
+        """End the guard without a file."""
         with suppress(BrokenPipeError):  # it was killed
             os.write(self._pipe, _CLEAN)
         os.close(self._pipe)

@@ -21,11 +21,11 @@ _NAME = re.compile(r"black_box_\d{4}-\d\d-\d\d_\d\d-\d\d-\d\d(_\d+)?\.mcap", re.
 
 
 class RecordingError(Exception):
-    """The recording is not written; the text is for people."""
+    """The recording was not written; the text is for users."""
 
 
 def list_recordings(folder: Path) -> list[Path]:
-    """The recordings of a folder, oldest first."""
+    """List the recordings of a folder, oldest first."""
     with suppress(OSError):
         return sorted(path for path in folder.iterdir() if _NAME.fullmatch(path.name))
     return []
@@ -39,10 +39,10 @@ def write_recording(
     kept: int,
     free: int | None = None,
 ) -> Path:
-    """Write what is on a tape, and remove the oldest recordings beyond `kept`.
+    """Write a tape, and remove the oldest recordings beyond `kept`.
 
-    `to_unix` is what makes a time of the tape one since 1970, in ns; `free` are the bytes that are free on the
-    disk, unless it is asked. Raises RecordingError.
+    `to_unix` converts a time of the tape to Unix time, in ns; `free` are the free bytes of the disk, which is asked by
+    default. Raises RecordingError.
     """
     try:
         folder.mkdir(mode=0o700, parents=True, exist_ok=True)

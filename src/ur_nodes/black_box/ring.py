@@ -18,7 +18,10 @@ _TAIL, _HEAD, _DATA = 16, 24, 64
 
 
 class Ring:
-    """A ring over a writable block, which is made empty unless it is `kept`. Raises ValueError: no ring is there."""
+    """A ring in a writable block, which is cleared unless it is `kept`.
+
+    Raises ValueError if a kept block has no ring.
+    """
 
     def __init__(self, block: memoryview, *, kept: bool = False) -> None:
         self._block = block
@@ -36,11 +39,11 @@ class Ring:
 
     @property
     def free(self) -> int:
-        """Bytes that records can take, with 4 for each."""
+        """The free bytes for records, each with 4 more."""
         return self.size - (self._head - self._tail)
 
     def append(self, *parts: bytes) -> None:
-        """Append a record. Raises ValueError: there is no room for it."""
+        """Append a record. Raises ValueError if it does not fit."""
         length = sum(map(len, parts))
         if length + _LENGTH.size > self.free:
             raise ValueError("no room")
@@ -52,7 +55,7 @@ class Ring:
         self._set(_HEAD, place)
 
     def oldest(self, most: int | None = None) -> bytes | None:
-        """The oldest record, or its first `most` bytes; None: there is none."""
+        """Return the oldest record, or its first `most` bytes; None if empty."""
         if self._tail == self._head:
             return None
         length = self._length(self._tail)
@@ -64,7 +67,7 @@ class Ring:
         self._set(_TAIL, self._tail)
 
     def records(self) -> Iterator[bytes]:
-        """All records, oldest first; those of a damaged end are left out."""
+        """Return all records, oldest first; those after damage are left out."""
         place = self._tail
         while place < self._head:
             length = self._length(place)

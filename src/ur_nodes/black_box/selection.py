@@ -19,9 +19,9 @@ _PACKED = ("/compressed", "/compressedDepth")
 
 
 def select_topics(graph: Graph, wake: bool, large: frozenset[str] = frozenset()) -> tuple[RecordedTopic, ...]:
-    """The topics of a graph, in the order of their names, of which MOST_TOPICS are to be taken.
+    """Select at most MOST_TOPICS topics of a graph, sorted by name.
 
-    Pictures and clouds, and the topics in `large`, are taken once a second. Without `wake` they are taken only while
+    Pictures and clouds, and the topics in `large`, are recorded once a second. Without `wake` they are taken only while
     another node subscribes to them, since cameras and their drivers do nothing before. A raw picture is left out where
     it is published compressed, too, and the log of all nodes where each of them publishes its own.
     """

@@ -45,17 +45,17 @@ class TapeMessage:
 
 @dataclass(frozen=True, slots=True)
 class TapeEvent:
-    """Something that happened, for people."""
+    """An event, as text for users."""
 
     time: int
     text: str
 
 
 class Tape:
-    """The last `seconds` of messages in a ring, which are fewer where its bytes do not suffice.
+    """The last `seconds` of messages in a ring, or fewer if they do not fit.
 
-    Messages of pictures and clouds, and others as large, are taken once a second. `left_out` counts the messages that
-    are not in the ring although they are younger: by topic.
+    Messages of pictures and clouds, and others as large, are recorded once a second. `left_out` counts the messages
+    that are not in the ring although they are younger: by topic.
     """
 
     def __init__(self, ring: Ring, seconds: float = 120.0) -> None:
@@ -69,7 +69,7 @@ class Tape:
         self.left_out: dict[str, int] = {}
 
     def note(self, topic: TapeTopic, time: int, data: bytes) -> None:
-        """Take a message."""
+        """Record a message."""
         number = self._numbers.get(topic)
         if number is None:
             number = self._add_topic(topic, time)
@@ -84,7 +84,7 @@ class Tape:
             self._counts[number] = self._counts.get(number, 0) + 1
 
     def note_event(self, time: int, text: str) -> None:
-        """Take something that happened."""
+        """Record an event."""
         self._append(_EVENT, 0, time, time, text.encode())
 
     def _add_topic(self, topic: TapeTopic, time: int) -> int:
@@ -107,7 +107,7 @@ class Tape:
         return True
 
     def _make_room(self, needed: int, now: int) -> None:
-        """Drop the oldest records; descriptions of topics, and the newest message of each, go to the other end."""
+        """Drop the oldest records; move descriptions of topics, and the newest message of each, to the end."""
         kept: list[tuple[int, int, int, bytes]] = []
         room = 0
         while True:
@@ -145,7 +145,7 @@ class Tape:
 
 
 def read_tape(ring: Ring) -> Iterator[TapeMessage | TapeEvent]:
-    """The messages and events of a ring, by time."""
+    """Read the messages and events of a ring, by time."""
     found: list[tuple[int, int, int, bytes]] = []
     topics: dict[int, TapeTopic] = {}
     for record in ring.records():

@@ -1,4 +1,4 @@
-"""Events that make the black box write: changes on topics, as texts for people."""
+"""Events after which the black box writes a file: changes on topics, as texts for users."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ _IN_FORCE = 5_000_000_000  # ns after the subscription in which a first value ma
 
 @dataclass(slots=True)
 class Triggers:
-    """Calls `happened` with a text for each thing that has happened since the start; repetitions are left out.
+    """Calls `happened` with a text for each event since the start; repetitions are left out.
 
-    `clock` is in ns. What a topic brings first, soon after the subscription, was in force before it.
+    `clock` is in ns. The first message soon after a subscription describes an earlier state.
     """
 
     happened: Callable[[str], None]
@@ -31,7 +31,7 @@ class Triggers:
     _since: dict[str, int] = field(default_factory=dict)
 
     def subscribe(self, node: Node, mux: str, navigation: str, localiser: str) -> None:
-        """Listen to the mux, navigation and localisation, by the names of their nodes."""
+        """Subscribe to the topics of the mux, navigation and localisation, by the names of their nodes."""
         self._listen_to_switch(node, f"{mux}/stopped", "the emergency stop was pressed")
         node.subscribe(f"{mux}/lease", str, self.take_lease, _LATCHED)
         self._since[_LOST] = self.clock()
@@ -39,7 +39,7 @@ class Triggers:
         node.follow_goals(navigation, self)
 
     def listen_to_bumper(self, node: Node, topic: str) -> None:
-        """Listen to a bumper or cliff sensor."""
+        """Subscribe to a bumper or cliff sensor."""
         name = topic.strip("/").replace("/", " ")
         self._listen_to_switch(node, topic, f"{name} was touched")
 
@@ -48,13 +48,13 @@ class Triggers:
         node.subscribe(topic, bool, lambda on: self.switch(text, on), _LATCHED)
 
     def switch(self, text: str, on: bool) -> None:
-        """Take the state of a switch: it happens when it goes on."""
+        """Handle the state of a switch: switching on is an event."""
         before, self._on[text] = self._on.get(text, self._is_early(text)), on
         if on and not before:
             self.happened(text)
 
     def take_lost(self, text: str) -> None:
-        """Take the reason why localisation is lost; empty while it is not."""
+        """Handle the reason why localisation is lost; empty while it is not."""
         before = self._is_early(_LOST) if self._lost is None else bool(self._lost)
         self._lost = text
         if text and not before:
@@ -64,10 +64,10 @@ class Triggers:
         return self.clock() - self._since.get(text, 0) < _IN_FORCE
 
     def take_states(self, states: tuple[GoalState, ...]) -> None:
-        """Nothing: only ends count."""
+        """Ignore the states; only ends are events."""
 
     def take_goal_end(self, state: GoalState) -> None:
-        """Take the end of a goal: one that was given up or refused happens once."""
+        """Handle the end of a goal: one that was given up or refused is one event."""
         if state.state == "aborted" and state.id not in self._goals:
             self._goals[state.id] = None
             self.happened(f"a goal was aborted: {state.text[:_LONGEST]}")
@@ -75,7 +75,7 @@ class Triggers:
                 del self._goals[next(iter(self._goals))]
 
     def take_lease(self, text: str) -> None:
-        """Take the lease: that another client drives happens, unless the robot was free before."""
+        """Handle the lease: a new driver is an event, unless the robot was free before."""
         lease: Lease | None = read_lease(text)
         if lease is None or not lease.client:
             self._driver = ""

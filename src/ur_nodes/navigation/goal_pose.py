@@ -1,4 +1,4 @@
-"""Goals and requests for plans: their poses in the map, or why they cannot be used."""
+"""Conversion of goals and requests for plans to poses in the map."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _HOLD = 1.0  # s by which transforms may be older than a goal, which is stamped 
 
 
 def goal_in_map(target: PlacedPose, frames: TransformTree, map_frame: str) -> Pose2 | str:
-    """The goal's pose in the map, or why it cannot be used."""
+    """Return the goal's pose in the map, or why it cannot be used."""
     goal = target.pose
     if not (math.isfinite(goal.x) and math.isfinite(goal.y)):
         return "a number of the goal is not finite, expected a pose"
@@ -40,7 +40,7 @@ def read_request(
     costs: tuple[Costmap, Costmap, Costmap | None] | None,
     here: Pose2 | None,
 ) -> PlanRequest | str:
-    """A request of `~make_plan` in the map, or why there is no path.
+    """Return a request of `~make_plan` in the map, or why there is no path.
 
     `costs` are the costmaps of `WorldView.costmaps`, `here` the robot in the map, for a request without a start.
     """

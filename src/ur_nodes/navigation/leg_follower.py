@@ -1,4 +1,4 @@
-"""Legs of a path, driven one after the other: a turn on the spot where one is needed, then along the points."""
+"""Legs of a path, driven one after the other: a turn on the spot if needed, then along the points."""
 
 from __future__ import annotations
 
@@ -152,7 +152,7 @@ class LegFollower:
 
 
 def legs_back(track: Sequence[Pose2], distance: float) -> tuple[Leg, ...]:
-    """The legs that lead back along the poses of a track, oldest first, for at most `distance` m."""
+    """Return the legs that lead back along the poses of a track, oldest first, for at most `distance` m."""
     if len(track) < 2:
         return ()
     motions, length = [MotionPose(*track[-1], 0)], 0.0
@@ -176,5 +176,5 @@ def _brake(motion: RolloutState, driving: Driving, gear: int) -> LocalCommand:
 
 
 def _turned_round(footprint: Footprint) -> Footprint:
-    """The outline of a robot whose back is its front."""
+    """Return the outline of a robot that drives backwards."""
     return Footprint(-footprint.outline, footprint.inscribed, footprint.circumscribed, -footprint.samples)

@@ -1,4 +1,4 @@
-"""Goals of `move_base`: taken as upstream does, and pursued by the navigator, which is stepped at a constant rate."""
+"""Goals of `move_base`: accepted as by upstream, and pursued by the navigator, which is stepped at a constant rate."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ class MoveBase:
         node.after(_NO_MUX, self._offer_goals, steady=True)
 
     def beat(self) -> None:
-        """Step the navigator, or repeat the last command: the mux takes an old one for the end of the commander."""
+        """Step the navigator, or repeat the last command, which the mux would otherwise time out."""
         self._beats += 1
         if self._beats % self._settings.repeats != 1 % self._settings.repeats:
             if self._navigator.phase is not NavigatorPhase.IDLE and self._sent != (0.0, 0.0):
@@ -111,7 +111,7 @@ class MoveBase:
             handle.cancel("cancelled")
 
     def take_stop(self, stopped: bool) -> None:
-        """React to an emergency stop: the goal ends, so that the robot does not drive off after the release."""
+        """End the goal after an emergency stop, so that the robot does not move after the release."""
         self._stopped = stopped
         if stopped and self._handle is not None:
             handle = self._handle
@@ -120,7 +120,7 @@ class MoveBase:
             handle.abort("emergency stop")
 
     def make_plan(self, request: AskPath, reply: Callable[[Result], None]) -> None:
-        """Plan without driving: a path without poses, and a line in the log, where there is none."""
+        """Plan without driving; without a path, the answer has no poses and the log has the reason."""
         self._world.update()
         costs, here, frame = self._world.costmaps(), self._world.robot_in_map(), self._settings.world.frame
         wanted = read_request(request, self._world.frames, frame, costs, here)
@@ -138,7 +138,7 @@ class MoveBase:
             self._node.work(partial(self._plan, wanted), answer, "requests")
 
     def clear_costmaps(self, _request: Silent | ClearCostmap) -> Result:
-        """Forget all obstacles that were seen."""
+        """Clear all obstacles that were seen."""
         self._forget_obstacles(Behaviour.CLEAR_ALL)
         return Result(success=True)
 
@@ -149,7 +149,7 @@ class MoveBase:
             self._send(0.0, 0.0)
 
     def _offer_goals(self) -> None:
-        """Take goals from now on: those that answer a challenge have an age once the first challenge is known."""
+        """Start to accept goals; after the first challenge, those that answer one have an age."""
         if self._server is None:
             self._server = self._node.serve_goals("move_base", self, self._settings.status_kept)
 
@@ -187,7 +187,7 @@ class MoveBase:
             self._report()
 
     def _may_drive(self, handle: GoalHandle, now: float) -> bool:
-        """Hold, cancel or continue the goal, as the watch decides. Return True when the navigator is to be stepped."""
+        """Hold, cancel or continue the goal, as the watch decides. Return whether to step the navigator."""
         verdict = self._watch.judge()
         if verdict.act is Act.CANCEL:
             self._node.log.warn(f"the goal is cancelled: {verdict.text}")
@@ -288,7 +288,7 @@ class MoveBase:
         return path is not None and world is not None and not path_is_free(world.costmap, path)
 
     def _forget_obstacles(self, how: Behaviour) -> None:
-        """Forget all obstacles, or with CLEAR_FAR those farther away than `reset_distance`."""
+        """Clear all obstacles, or with CLEAR_FAR those farther away than `reset_distance`."""
         far, distance = how is Behaviour.CLEAR_FAR, self._settings.reset_distance
         self._world.local_costmap.clear(self._world.robot_in_odom() if far else None, distance)
         if self._world.global_costmap is not None:

@@ -15,7 +15,7 @@ from ur_nodes.run import run
 
 
 def start(node: Node) -> None:
-    """Take goals, and beat."""
+    """Accept goals, and step periodically."""
     settings = read_settings(node.parameters)
     move_base = MoveBase(node, settings, read_watch_settings(node.parameters, settings.mux))
     stopped = f"{settings.mux}/stopped"

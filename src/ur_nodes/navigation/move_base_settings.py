@@ -18,7 +18,7 @@ _SONARS = UsedRanges(1.2, 1.2)
 
 @dataclass(frozen=True, slots=True)
 class ScanSource:
-    """One laser that obstacles come from; after `silence` s without a scan the robot stops."""
+    """One laser for obstacles; after `silence` s without a scan the robot stops."""
 
     topic: str
     reach: UsedRanges
@@ -28,7 +28,7 @@ class ScanSource:
 
 @dataclass(frozen=True, slots=True)
 class CostmapSettings:
-    """One costmap: its frame, how often it is published (Hz, 0: when it changes is enough), inflation, scan.
+    """One costmap: its frame, its publish rate (Hz, 0: only on changes), inflation, scan.
 
     Without a scan the walls are those of the map, and other obstacles those of the sonars: `sonars` are their topics.
     """
@@ -47,7 +47,7 @@ class CostmapSettings:
 
 @dataclass(frozen=True, slots=True)
 class MoveBaseSettings:
-    """Everything `move_base` reads from the parameter server, but for `attendance.Settings`.
+    """All parameters of `move_base`, except those of `AttendanceSettings`.
 
     A command is sent `repeats` times a control period, with the mux's challenge if `stamped`. A goal that has ended is
     in the status list for `status_kept` seconds, so that a client that was cut off learns how it ended. The topics of
@@ -77,7 +77,7 @@ class MoveBaseSettings:
 
 
 def read_settings(top: Parameters) -> MoveBaseSettings:
-    """Read them all, from those of the node. Raises UserError, which names the parameter."""
+    """Read the settings from the node's parameters. Raises UserError, which names the parameter."""
     world, local = top.below("global_costmap"), top.below("local_costmap")
     resolution = local.number("resolution", 0.05, minimum=0.005, maximum=1.0)
     footprint = read_footprint(local if local.has("footprint") or local.has("robot_radius") else world, resolution)

@@ -38,7 +38,7 @@ class MoveBaseView:
         self._goal = node.publish("~current_goal", PlacedPose, Quality.LATCHED)
 
     def show_goal(self, goal: Pose2) -> None:
-        """The goal that is pursued from now on, in the map."""
+        """Publish the goal that is now pursued, in the map."""
         self._goal.send(PlacedPose(self._node.now(), self._world_frame, goal))
 
     def show_plan(self, points: NDArray[np.float64]) -> None:
@@ -91,11 +91,11 @@ class MoveBaseView:
 
 
 def grid_of(costmap: Costmap) -> Grid:
-    """A costmap as an occupancy grid, 0 to 100."""
+    """Convert a costmap to an occupancy grid, 0 to 100."""
     return Grid(occupancy_of_costs(costmap.costs), costmap.resolution, costmap.origin)
 
 
 def make_path(points: NDArray[np.float64], frame: str, stamp: int) -> Path:
-    """A path of points (n, 2), heading along it, or of poses (n, 3)."""
+    """Make a path of points (n, 2), heading along it, or of poses (n, 3)."""
     poses = points if points.shape[1] == 3 else np.column_stack((points, headings(points)))
     return Path(stamp, frame, poses)

@@ -1,4 +1,4 @@
-"""From a goal to its end: plan, drive, turn, recover, give up. Knows no ROS and no clock; time comes in with inputs."""
+"""The navigator of a goal: plan, drive, turn, recover, give up. Pure: time comes with the inputs."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ class Navigator:
         return run.legs.rest if run and run.legs is not None else None
 
     def start(self, goal: Pose2, now: float, *, any_heading: bool = False) -> None:
-        """Pursue a goal (a pose in the map); what was pursued before is dropped, the motion goes over smoothly.
+        """Pursue a goal (a pose in the map) in place of an earlier one; the motion continues smoothly.
 
         `any_heading`: it is reached at its place with any heading.
         """
@@ -64,11 +64,11 @@ class Navigator:
         self._run = GoalPursuit(goal, NavigatorPhase.PLANNING, now, any_heading, sent=sent, moved_at=now)
 
     def stop(self) -> None:
-        """Pursue nothing any more. The caller stops the robot."""
+        """Drop the goal. The caller stops the robot."""
         self._run = None
 
     def step(self, inputs: NavigatorInputs) -> NavigatorOutputs:
-        """One control period. After an ending the navigator is idle and the caller stops the robot."""
+        """Run one control period. After an ending, the navigator is idle and the caller stops the robot."""
         run = self._run
         if run is None:
             return NavigatorOutputs()
@@ -158,7 +158,7 @@ class Navigator:
         return NavigatorOutputs(command=command, plan=plan, careful=step.blocked, ahead=step.ahead)
 
     def _wait(self, run: GoalPursuit, step: LocalCommand, inputs: NavigatorInputs) -> NavigatorOutputs:
-        """Stop for people, who move on sooner or later, and look for a path round them."""
+        """Stop for people, who will move on, and search for a path around them."""
         first = run.waited_since is None
         run.waited_since = inputs.now if run.waited_since is None else run.waited_since
         if inputs.now - run.waited_since > self._settings.people_patience:
@@ -267,7 +267,7 @@ class Navigator:
         return inputs.now - run.moved_at > self._settings.progress_timeout
 
     def _may_ask(self, run: GoalPursuit, now: float, least: float) -> bool:
-        """Return True when a plan may be requested: none is being made (or too long), the last is `least` s old."""
+        """Return whether to request a plan: none is in progress (or for too long), and the last is `least` s old."""
         waiting = run.asked is not None and now - run.asked < 10.0
         return not waiting and now - run.last_asked >= least
 

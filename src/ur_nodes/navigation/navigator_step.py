@@ -35,7 +35,7 @@ class Ending(Enum):
 class NavigatorSettings:
     """Tolerances in m and rad; patience and periods in s, with the meaning of move_base's parameters.
 
-    `planner_period` 0 plans anew only when something calls for it; `progress_timeout` is how long the robot may be
+    `planner_period` 0 plans again only when needed; `progress_timeout` is how long the robot may be
     commanded to move without moving; `progress_distance` forgets past recoveries.
     """
 
@@ -68,12 +68,12 @@ class PlanAnswer:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class NavigatorInputs:
-    """The world at one control step.
+    """The inputs of one control step.
 
-    `motion` is in the odometry frame, `odom` the pose of the map in that frame, `local` what is round the robot
+    `motion` is in the odometry frame, `odom` the pose of the map in that frame, `local` the surroundings of the robot
     in that frame. `trouble` is the reason why the robot must not move, '' when it may. `path_blocked`: the map with all
-    obstacles shows an obstacle on the path that is being followed. `speed_mask`: percentages of the speed limit, on
-    the map. `share` (0 to 1) of all speeds is allowed by the client that limits the robot.
+    obstacles shows an obstacle on the path that is being followed. `speed_mask`: percentages of the speed limit, on the
+    map. `share` (0 to 1) of all speeds is allowed by the client that limits the robot.
     """
 
     now: float

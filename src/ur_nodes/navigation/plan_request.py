@@ -26,7 +26,7 @@ _ROOM = 0.05  # m more than what the local planner keeps
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PlanRequest:
-    """From where to where (m, in the map), on which costs. `key` names it.
+    """Start and goal (m, in the map), and the costs. `key` identifies the request.
 
     With `yaw` (rad), the robot's, the path is made for its outline; `heading` (rad) is that at the goal, None: any.
     `careful`: the robot could not follow the path before. `static` are the costs of the map and its keep-out zones,
@@ -76,7 +76,7 @@ def answer_request(request: PlanRequest, settings: PlanSettings, footprint: Foot
 
 
 def _plan_round_people(request: PlanRequest, settings: PlanSettings, footprint: Footprint | None) -> Points:
-    """Plan with room to people who stand, or without where there is no such path. Raises NoPathError."""
+    """Plan with clearance to standing people, or without it if there is no such path. Raises NoPathError."""
     people = request.people
     standing = np.hypot(*people.velocities.T) < _STANDING
     straight = plan_path(request.costmap, request.start, request.goal, settings)
@@ -94,7 +94,7 @@ def _plan_round_people(request: PlanRequest, settings: PlanSettings, footprint: 
 def _with_people(
     request: PlanRequest, places: NDArray[np.float64], radii: NDArray[np.float64], inscribed: float
 ) -> Costmap:
-    """Costs with discs round people that the robot's middle must not enter; they leave out its place and the goal."""
+    """Return costs with discs around people for the robot's centre; its position and the goal are left out."""
     costmap = request.costmap
     costs = costmap.costs.copy()
     for place, radius in zip(places, radii.tolist(), strict=True):

@@ -1,4 +1,4 @@
-"""The pursuit of one goal: what the navigator remembers between two control steps."""
+"""The pursuit of one goal: the navigator's state between two control steps."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ class DrivenTrack:
         self.poses: deque[Pose2] = deque(maxlen=_TRACK)
 
     def remember(self, pose: Pose2) -> None:
-        """Keep a pose that is apart from the last one."""
+        """Add a pose that is away from the last one."""
         last = self.poses[-1] if self.poses else None
         if (
             last is None

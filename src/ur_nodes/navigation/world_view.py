@@ -50,7 +50,7 @@ class _Place(NamedTuple):
 
 
 class WorldView:
-    """Subscribes and remembers; scans change the costmaps in `update`, which the control loop calls."""
+    """Subscribes and stores inputs; scans change the costmaps in `update`, which the control loop calls."""
 
     def __init__(self, node: Node, settings: MoveBaseSettings) -> None:
         self._node = node
@@ -82,7 +82,7 @@ class WorldView:
             node.subscribe(topic, Range, self._ranges.append, Quality.EVERY)
 
     def update(self) -> None:
-        """Work the newest scan, or the ranges since the last update, into the costmaps."""
+        """Update the costmaps with the newest scan, or the ranges since the last update."""
         source, scan = self._settings.local.scan, self._scan
         if source is None:
             self._lay_map()
@@ -114,14 +114,14 @@ class WorldView:
             self.global_costmap.update(robot.in_map.compose(sensor), lasting)
 
     def surroundings(self, now: float) -> LocalObstacles:
-        """Return the obstacles and people round the robot at a time in s."""
+        """Return the obstacles and people around the robot at a time in s."""
         costmap, people = self.local_costmap.occupied(), self._tracker.people(now)
         if not self._exact or not len(self._points):
             return LocalObstacles(costmap, people)
         return LocalObstacles(without_points(costmap, self._points), people, self._points)
 
     def people_in_map(self, now: float) -> TrackedPeople:
-        """The people round the robot in the map."""
+        """The people around the robot in the map."""
         people, odom = self._tracker.people(now), self.odom()
         if odom is None or not len(people.places):
             return NO_PEOPLE
@@ -192,7 +192,7 @@ class WorldView:
         return f"no scan on {topic} for {silent:.1f} s" if silent > source.silence else ""
 
     def forget(self) -> None:
-        """Time has begun anew: what was seen before means nothing now."""
+        """Clear all inputs after time was reset."""
         self.frames.forget()
         self._scan, self._used = None, None
         self._ranges.clear()
@@ -253,7 +253,7 @@ class WorldView:
     def _place(self, stamp: float) -> _Place:
         """Return where the robot was at a time. Raises TransformError when its odometry is not known at that time.
 
-        A correction of the localiser counts for a while: it comes from a scan of before.
+        A correction of the localiser is valid for a while, as it comes from an earlier scan.
         """
         settings = self._settings
         newest = self.frames.pose(settings.local.frame, settings.base_frame)
@@ -268,7 +268,7 @@ class WorldView:
         self._new_maps.ask((value.grid, self.zones.keep_out))
 
     def _refuse_map(self, reason: str) -> None:
-        """Drive on no map, rather than on one that another map was to replace."""
+        """Drop the map if its replacement cannot be read."""
         self._new_maps.drop()
         self.global_costmap, self.map_problem = None, reason
 

@@ -14,7 +14,10 @@ class ZoneMasks:
     """The newest masks in the map frame: `keep_out` is 100 in zones, `speed` a percentage; None before the first."""
 
     def __init__(self, node: Node, keep_out_topic: str, speed_topic: str, forbid: Callable[[], None]) -> None:
-        """An empty topic: there are no such zones. `forbid` is called when the keep-out zones have changed."""
+        """An empty topic means that there are no such zones.
+
+        `forbid` is called when the keep-out zones have changed.
+        """
         self.keep_out: Grid | None = None
         self.speed: Grid | None = None
         self._forbid = forbid

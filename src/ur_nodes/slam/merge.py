@@ -143,7 +143,7 @@ class _Merger:
         return Merged(state, self._graph.poses[self._count].compose(self._start.inverse()), self._links)
 
     def _conflict(self) -> float:
-        """Return the share (0..1) of the walls of one map, where the other has seen the floor, that are free on the other."""
+        """Return the share (0..1) of one map's walls, on floor that the other has seen, that are free on the other."""
         grids = []
         for part in (slice(0, self._count), slice(self._count, None)):
             drawn = OccupancyMap(_COARSE)

@@ -1,1 +1,1 @@
-"""Goals and the client that they belong to: accepted, driven to, held or cancelled by the lease."""
+"""Goals and their clients: goals are accepted, pursued, held or cancelled depending on the lease."""

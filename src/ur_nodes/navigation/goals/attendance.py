@@ -1,4 +1,4 @@
-"""Attendance of goals: a goal is driven to, held or cancelled depending on the client that drives (the mux's lease).
+"""Attendance of goals: a goal is pursued, held or cancelled depending on the client that drives (the mux's lease).
 
 A goal belongs to a client, its attendant: the one that its id names (see `goal_claim`), else the holder of the lease.
 While the attendant is there the robot drives. When the mux has lost it, the robot stops and holds the goal; when it is
@@ -26,7 +26,7 @@ LATEST = 1.0
 class AttendanceSettings:
     """`ask`: an attendant that returns has to confirm the goal. Times in s.
 
-    `grace`: how long the attendant may be away; the mux counts it for the holder of the lease. `limit`: how long a
+    `grace`: how long the attendant may be lost; the mux counts it for the holder of the lease. `limit`: how long a
     goal is held before it is cancelled, 0: for ever.
     """
 
@@ -92,12 +92,12 @@ def refuse_goal(claim: Claim | None, lease: Lease | None, challenges: ReceivedCh
 
 
 def attend_goal(claim: Claim | None) -> Attendance:
-    """The attendance of a goal that was just accepted."""
+    """Return the attendance of a goal that was just accepted."""
     return Attendance(client=claim.client, claimed=True) if claim else Attendance()
 
 
 def continue_goal(attendance: Attendance) -> Attendance:
-    """The user continues a goal that waits for confirmation."""
+    """Return the state after the user has confirmed a goal."""
     return replace(attendance, held_since=None, asking=False) if attendance.asking else attendance
 
 
@@ -126,18 +126,18 @@ def step_attendance(
 
 
 def name_of_driver(lease: Lease) -> str:
-    """The name of the computer that has the lease, for people."""
+    """Return the display name of the computer that has the lease."""
     return lease.name or lease.client[:8]
 
 
 def clock_time(since: float) -> str:
-    """Unix seconds as hours and minutes of this computer's time zone."""
+    """Format Unix seconds as hours and minutes of this computer's time zone."""
     return time.strftime("%H:%M", time.localtime(since))
 
 
 @dataclass(frozen=True, slots=True)
 class _Absence:
-    """Since when the attendant is away, what is missing, and for how long (s) the robot drives on."""
+    """The time at which the attendant was lost, the reason, and how long (s) the robot continues."""
 
     since: float
     why: str
@@ -145,7 +145,7 @@ class _Absence:
 
 
 def _adopt(attendance: Attendance, lease: Lease) -> Attendance:
-    """A goal without a client belongs to the client that drives, and to none once no client drives.
+    """Assign a goal without a client to the client that drives, or to none if no client drives.
 
     A goal that arrives while the holder is lost was not sent by the holder, so it belongs to none, too.
     """

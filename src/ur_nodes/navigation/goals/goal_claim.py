@@ -40,12 +40,12 @@ class ReceivedChallenges:
     newest_at: float | None = None
 
     def silence(self, now: float) -> float | None:
-        """Seconds since the last challenge; None when there was none at all."""
+        """Seconds since the last challenge; None before the first."""
         return None if self.newest_at is None else now - self.newest_at
 
 
 def note_challenge(challenges: ReceivedChallenges, value: int, now: float) -> ReceivedChallenges:
-    """A challenge has arrived."""
+    """Return the challenges after one has arrived."""
     old = 0
     while old < len(challenges.received) and now - challenges.received[old][1] > REMEMBERED:
         old += 1
@@ -53,7 +53,7 @@ def note_challenge(challenges: ReceivedChallenges, value: int, now: float) -> Re
 
 
 def age_of_answer(challenges: ReceivedChallenges, answer: int, now: float) -> float | None:
-    """Age (s) of what answers a challenge, at most; None when that challenge is not of the last `REMEMBERED` seconds.
+    """Return the greatest possible age (s) of an answer; None if its challenge is not of the last `REMEMBERED` seconds.
 
     Challenges that were delayed arrive together: what is older than the newest by their own values is that old,
     whenever it arrived. A challenge that the receiver has missed, or not received yet, counts from the arrival of the
@@ -73,7 +73,7 @@ def age_of_answer(challenges: ReceivedChallenges, answer: int, now: float) -> fl
 
 
 def lag_of_answer(challenges: ReceivedChallenges, answer: int, now: float) -> float | None:
-    """A guess at the age (s) of an answer that is not remembered any more, for messages; None when there is none."""
+    """Estimate the age (s) of an answer to a challenge that is no longer stored; None without an estimate."""
     if not challenges.received:
         return None
     value, at = challenges.received[-1]
@@ -92,12 +92,12 @@ def write_any_heading(start: str) -> str:
 
 
 def has_any_heading(goal_id: str) -> bool:
-    """Return whether the sender of a goal has asked for no heading."""
+    """Return whether the sender of a goal accepts any heading."""
     return len(goal_id) <= _LONGEST_ID and _ANY_HEADING_ID.search(goal_id) is not None
 
 
 def read_claim(goal_id: str) -> Claim | None:
-    """The claim in an id; None where there is none, as in ids of other programs."""
+    """Return the claim in an id; None if there is none, as in ids of other programs."""
     found = _SUFFIX.search(goal_id) if len(goal_id) <= _LONGEST_ID else None
     if found is None:
         return None

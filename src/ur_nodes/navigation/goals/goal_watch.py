@@ -1,4 +1,4 @@
-"""The lease and the challenges of the mux, as `move_base` uses them: which goals to accept, drive, hold and cancel."""
+"""The lease and the challenges of the mux, as `move_base` uses them: which goals to accept, pursue, hold and cancel."""
 
 from __future__ import annotations
 
@@ -66,7 +66,7 @@ class GoalWatch:
         node.subscribe("~continue", GoalId, self._continue)
 
     def accept(self, goal_id: str) -> str:
-        """Make this the goal that is decided about; or return why it is refused, and change nothing."""
+        """Accept a goal, or return why it is refused and change nothing."""
         claim = read_claim(goal_id)
         refusal = refuse_goal(claim, self._lease, self._challenges, self._node.steady())
         if not refusal:
@@ -74,7 +74,7 @@ class GoalWatch:
         return refusal
 
     def finish(self) -> None:
-        """Forget the goal: it has ended."""
+        """Drop the goal after its end."""
         self._goal = ""
         self._publish_hold("", GoalVerdict(Act.DRIVE))
 
@@ -131,7 +131,7 @@ class GoalWatch:
 
 
 def read_watch_settings(own: Parameters, mux: str) -> AttendanceSettings:
-    """From the parameters of the node and of the mux. Raises UserError."""
+    """Read the settings from the parameters of the node and of the mux. Raises UserError."""
     return AttendanceSettings(
         ask=own.text("on_return", "resume", choices=("resume", "ask")) == "ask",
         grace=own.of(mux).number("lease_timeout", 3.0, minimum=0.5, maximum=60.0),

@@ -1,1 +1,1 @@
-"""People round the robot: tracked from scans, and predicted."""
+"""People around the robot: tracked in scans, and predicted."""

@@ -1,4 +1,4 @@
-"""People as the local planner sees them: discs that go on as they do, and the room between them and the robot."""
+"""People for the local planner: discs at constant velocity, and their clearance to the robot."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class TrackedPeople:
     radii: Floats
 
     def near(self, pose: Pose2) -> TrackedPeople:
-        """Return those who may come near a robot at a pose within the time that is foreseen."""
+        """Return the people who may come near a robot at a pose within the prediction horizon."""
         kept = np.hypot(*(self.places - pose[:2]).T) < _REACH
         return TrackedPeople(self.places[kept], self.velocities[kept], self.radii[kept])
 
@@ -62,7 +62,7 @@ def approaches(
 
 
 def rooms_to(hull: Hull, poses: Floats, points: Floats) -> Floats:
-    """The room (..., n) between the hull at poses (..., 3) and points (..., n, 2), m."""
+    """Return the clearance (..., n) in m between the hull at poses (..., 3) and points (..., n, 2)."""
     poses = poses[..., None, :]
     dx, dy = points[..., 0] - poses[..., 0], points[..., 1] - poses[..., 1]
     c, s = np.cos(poses[..., 2]), np.sin(poses[..., 2])
@@ -72,5 +72,5 @@ def rooms_to(hull: Hull, poses: Floats, points: Floats) -> Floats:
 
 @lru_cache(maxsize=8)
 def hull_of_footprint(footprint: Footprint) -> Hull:
-    """The convex hull of the outline."""
+    """Return the convex hull of the outline."""
     return hull_of_outline([(x, y) for x, y in footprint.outline.tolist()])

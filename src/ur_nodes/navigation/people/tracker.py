@@ -53,7 +53,7 @@ class PeopleTracker:
         self._last = -math.inf
 
     def update(self, now: float, sensor: tuple[float, float], points: Floats, explained: NDArray[np.bool_]) -> None:
-        """Work in the points (n, 2) of a scan in the order of its beams, `explained` (n) by the map."""
+        """Update the tracks with the points (n, 2) of a scan in the order of its beams, `explained` (n) by the map."""
         seconds = now - self._last
         self._last = now
         if not 0.0 < seconds < _LONGEST:
@@ -83,7 +83,7 @@ class PeopleTracker:
         ]
 
     def people(self, now: float) -> TrackedPeople:
-        """Return those who are people, where they are at a time of now or a little later."""
+        """Return the tracks that are people, predicted to a time of now or a little later."""
         found = [track for track in self._tracks if track.is_person(now)]
         if not found:
             return NO_PEOPLE
@@ -92,7 +92,7 @@ class PeopleTracker:
         return TrackedPeople(places, velocities, np.array([track.radius for track in found]))
 
     def are_walkers(self, points: Floats) -> NDArray[np.bool_]:
-        """Mark the points (n, 2) that belong to people who have walked: they will not stay."""
+        """Mark the points (n, 2) of people who have walked and will move on."""
         places = [track.place for track in self._tracks if track.walks and track.is_person(self._last)]
         if not places:
             return np.zeros(len(points), bool)
@@ -121,7 +121,7 @@ class PeopleTracker:
 def _find_clusters(
     sensor: tuple[float, float], points: Floats, explained: NDArray[np.bool_]
 ) -> list[tuple[Floats, float]]:
-    """The middles of clusters as wide as a person, and their radii, m."""
+    """Return the centres of clusters as wide as a person, and their radii, m."""
     usable = ~explained & (np.hypot(*(points - sensor).T) < _RANGE)
     if not usable.any():
         return []

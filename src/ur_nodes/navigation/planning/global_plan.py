@@ -1,4 +1,4 @@
-"""The path to a goal on the inflated grid: cheapest cells first, then pulled straight and smoothed."""
+"""The path to a goal on the inflated grid: a search of the cheapest cells, then straightened and smoothed."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""Motion along a path: variants simulated ahead, speeds, recovery."""
+"""Motion along a path: simulated variants, speeds, recovery."""

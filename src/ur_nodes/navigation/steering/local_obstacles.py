@@ -1,4 +1,4 @@
-"""Obstacles and people round the robot, as the local planner checks them."""
+"""Obstacles and people around the robot, for the local planner."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ Floats = NDArray[np.float64]
 class LocalObstacles:
     """Obstacles as cells of a costmap, points (n, 2) where the newest scan ends, and people, in the odometry frame.
 
-    Cells that the points explain are none of the costmap: a point is more exact.
+    Cells that the points explain are removed from the costmap: a point is more exact.
     """
 
     costmap: Costmap
@@ -26,7 +26,7 @@ class LocalObstacles:
 
 
 def without_points(costmap: Costmap, points: Floats) -> Costmap:
-    """The costmap without the obstacles in the cells of some points (n, 2), and in those next to them."""
+    """Return the costmap without the obstacles in the cells of points (n, 2), and in neighbouring cells."""
     cells = costmap.cells_of_points(points)
     costs = costmap.costs.copy()
     height, width = costs.shape

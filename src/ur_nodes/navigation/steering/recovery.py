@@ -20,7 +20,7 @@ _BACK_OFF = 0.3  # m
 
 
 class Behaviour(Enum):
-    """One thing to try."""
+    """A recovery behaviour."""
 
     CLEAR_FAR = "forget the obstacles farther away"
     ROTATE = "look round by turning once"
@@ -56,7 +56,7 @@ class Recovery:
         return SEQUENCE[self.tried] if self.tried < len(SEQUENCE) else None
 
     def forgotten(self, pose: Pose2, distance: float) -> Recovery:
-        """Back to the first behaviour when the robot has come `distance` m away from where it was stuck."""
+        """Return the first behaviour's state if the robot is `distance` m away from where it was stuck."""
         if self.began is None or self.tried == 0:
             return self
         far = (pose.x - self.began.x) ** 2 + (pose.y - self.began.y) ** 2 > distance**2
@@ -65,7 +65,7 @@ class Recovery:
 
 @dataclass(frozen=True, slots=True)
 class RecoveryMotion:
-    """The next command of a behaviour that moves: m/s, rad/s; `finished` when it is over (also: when it must stop)."""
+    """The next command of a moving behaviour: m/s, rad/s; `finished` when it ends or must stop."""
 
     recovery: Recovery
     speed: float
@@ -109,7 +109,7 @@ def move_to_recover(
 def find_escape(
     motion: RolloutState, around: LocalObstacles, footprint: Footprint, limits: SpeedLimits
 ) -> tuple[float, float]:
-    """The speed and turn, slow, that lead to the most room without touching anything more; back rather than ahead."""
+    """Find the slow speed and turn towards the most clearance without further contact; backwards rather than ahead."""
     costmap = around.costmap
     distances = distance_transform_edt(costmap.costs != LETHAL) * costmap.resolution
     best, chosen = -math.inf, (-limits.backward, 0.0)

@@ -173,7 +173,7 @@ def _steer(
     settings: FollowSettings,
     seconds: float,
 ) -> tuple[float, float]:
-    """The wanted speed and turn with the path's nearest point, for the next `seconds`."""
+    """Return the requested speed and turn with the path's nearest point, for the next `seconds`."""
     v = state.speed
     ahead = min(max(settings.preview * v, settings.preview_least), settings.preview_most)
     aim = min(near + round(ahead / course.spacing), course.last) - course.first
@@ -197,7 +197,7 @@ def _steer(
 
 
 def _advance(state: _State, near: int, wanted: float, turning: float, limits: SpeedLimits, seconds: float) -> _State:
-    """Move for `seconds` with the wanted speed and turn, as far as the accelerations allow."""
+    """Move for `seconds` with the requested speed and turn, within the accelerations."""
     shift, swing = limits.acceleration * seconds, limits.turn_acceleration * seconds
     v = min(max(wanted, state.speed - shift), state.speed + shift)
     w = min(max(turning, state.turn - swing), state.turn + swing)

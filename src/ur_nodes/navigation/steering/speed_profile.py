@@ -24,7 +24,7 @@ class SpeedLimits:
 
 
 def limit_speeds(limits: SpeedLimits, share: float) -> SpeedLimits:
-    """The limits with a share (0 to 1) of the speeds; accelerations stay."""
+    """Return the limits with a share (0 to 1) of the speeds and the same accelerations."""
     speeds = (share * limits.speed, share * limits.turn, share * limits.backward)
     return replace(limits, speed=speeds[0], turn=speeds[1], backward=speeds[2])
 
@@ -64,10 +64,10 @@ def speed_profile(
 
 
 def turn_rate(error: float, limits: SpeedLimits) -> float:
-    """The rate in rad/s at which to turn on the spot by `error` rad, braking with 0.7 of the acceleration."""
+    """Return the rate in rad/s at which to turn on the spot by `error` rad, braking with 0.7 of the acceleration."""
     return math.copysign(min(limits.turn, math.sqrt(2.0 * 0.7 * limits.turn_acceleration * abs(error))), error)
 
 
 def approach(value: float, target: float, step: float) -> float:
-    """`target`, or as near to it as a change of at most `step` gets."""
+    """Return `target`, or the nearest value after a change of at most `step`."""
     return min(value + step, max(value - step, target))

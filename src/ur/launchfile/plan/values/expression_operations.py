@@ -1,4 +1,4 @@
-# ruff: noqa: N802, D102 - methods have the names of the nodes of the syntax tree
+# ruff: noqa: N802 - methods have the names of the nodes of the syntax tree
 """Names, operators, containers and calls of the expressions in `$(eval ...)`, each charged to a budget."""
 
 from __future__ import annotations
