@@ -1,4 +1,4 @@
-"""A node of ROS 2 in a program whose main thread is its own."""
+"""A node of ROS 2 in a program that keeps its main thread."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ Wired = TypeVar("Wired")
 def attach(
     name: str, start: Callable[[Node], Wired], end: Callable[[], None], *, quiet: bool = True
 ) -> Iterator[tuple[Wired, RosNode]]:
-    """Enter the graph as `name` (remappable), call `start`, then let callbacks come on a thread of the node's own.
+    """Create the node `name` (remappable), call `start`, then run callbacks on a thread of the node.
 
     `end` is called on any thread when the node ends itself, and when a callback has failed. Signals stay the program's;
     with `quiet` nothing is written on the terminal. Leaving the context ends the node.

@@ -1,4 +1,4 @@
-"""The ends of topics: of messages that are installed, and of those that travel as bytes. See `codecs.bare`."""
+"""Publishers and subscriptions of installed messages, and of messages as bytes. See `codecs.bare`."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 class MessageSender:
-    """Sends messages; `on_listener` is called, on any thread, when a node begins to listen."""
+    """Sends messages; `on_listener` is called, on any thread, for each new subscriber."""
 
     def __init__(
         self,
@@ -44,18 +44,19 @@ class MessageSender:
         self._publisher.publish(message.write() if self._bare else message)
 
     def listeners(self) -> int:
-        """The number of listeners."""
+        """The number of subscribers."""
         return int(self._publisher.get_subscription_count())
 
     def close(self) -> None:
-        """Send no more."""
+        """Stop sending."""
         self._node.destroy_publisher(self._publisher)
 
 
 class Receiver:
-    """Receives messages, on the thread that spins. What is no message is reported and dropped.
+    """Receives messages, on the spinning thread.
 
-    `take_from` gets messages with what the middleware writes beside them, instead of `take`.
+    Invalid messages are reported and dropped. `take_from` gets messages with the middleware's information about them,
+    instead of `take`.
     """
 
     def __init__(
@@ -86,13 +87,16 @@ class Receiver:
         return int(self._node.count_publishers(self._subscription.topic_name))
 
     def close(self) -> None:
-        """Receive no more."""
+        """Stop receiving."""
         self._node.destroy_subscription(self._subscription)
 
 
 @contextmanager
 def _type_of(message_class: Any) -> Iterator[Any]:
-    """The type that rclpy takes for a message, to make an end with. Raises UserError: it is missing and needed."""
+    """Return rclpy's type of a message, for a publisher or subscription.
+
+    Raises UserError if it is needed and missing.
+    """
     if not hasattr(message_class, "BARE"):
         yield message_class
         return

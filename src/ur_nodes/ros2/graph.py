@@ -1,4 +1,4 @@
-"""The graph of a domain, and by it the senders of messages, from what the middleware writes beside each message."""
+"""The graph of a domain, and the senders of messages, by the middleware's information about each message."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _UNKNOWN = "_"  # the first character of the names that the middleware gives to 
 
 
 def read_graph(node: Node) -> Graph:
-    """Ask a node of rclpy for all that it has discovered."""
+    """Read everything that a node of rclpy has discovered."""
     publishers: dict[str, list[str]] = defaultdict(list)
     subscribers: dict[str, list[str]] = defaultdict(list)
     services: dict[str, list[str]] = defaultdict(list)
@@ -63,7 +63,7 @@ class Senders:
         self._last = (-1, -1)  # number and stamp of the last message, where they say whether another publisher began
 
     def find(self, info: Mapping[str, Any]) -> Sender:
-        """The sender of a message that has just been taken."""
+        """Return the sender of a message that was just received."""
         arrived = time.clock_gettime(time.CLOCK_BOOTTIME)
         sent = int(info["source_timestamp"])
         id = _read_id(info.get("publisher_gid")) or self._infer(info.get("publication_sequence_number"), sent)
@@ -81,7 +81,7 @@ class Senders:
         return self._id
 
     def _ask(self) -> list[str]:
-        """Note the names of the publishers of now, and return their ids."""
+        """Store the names of the present publishers, and return their ids."""
         found = {}
         for each in self._node.get_publishers_info_by_topic(self._topic):
             named = not each.node_name.startswith(_UNKNOWN)

@@ -13,12 +13,12 @@ if TYPE_CHECKING:
 
 
 def make_log(logger: Logger, read: Callable[[], float]) -> ThrottledLog:
-    """The log of a node."""
+    """Make the log of a node."""
     return ThrottledLog(logger.debug, logger.info, logger.warning, logger.error, read)
 
 
 def follow_clock(clock: Clock, call: Callable[[], None]) -> JumpHandle:
-    """Have a call made, on the thread that spins, when a clock has a new time; while the result is kept."""
+    """Call a function, on the spinning thread, when a clock has a new time, as long as the result is kept."""
     from rclpy.clock import JumpThreshold
     from rclpy.duration import Duration
 

@@ -1,4 +1,4 @@
-"""Names of `ports` as ROS 2 has them, and a launch file's remaps and parameters."""
+"""Conversion of names of `ports` to those of ROS 2, and of a launch file's remaps and parameters."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ UPSTREAM = {
 
 
 def upstream_name(full: str) -> str:
-    """The name by which users of ROS 2 know a topic or service; `full` is its name as on ROS 1, below any namespace."""
+    """Return the usual ROS 2 name of a topic or service; `full` is its name as on ROS 1, below any namespace."""
     for ours, theirs in UPSTREAM.items():
         done = theirs.endswith(f"/{ours}") and full.endswith(f"/{theirs}")
         if full.endswith(f"/{ours}") and not done:
@@ -45,7 +45,7 @@ def resolve(node: RosNode, name: str) -> str:
 
 
 def name_of(name: str) -> str:
-    """A name of `ports.node` as ROS 2 writes it: '~goal' is '~/goal'."""
+    """Convert a name of `ports.node` to ROS 2: '~goal' is '~/goal'."""
     return f"~/{name[1:].lstrip('/')}" if name.startswith("~") else name
 
 

@@ -65,13 +65,13 @@ class RosNode(LoopNode):
         answer_for_managed_nodes(self._node)
 
     def begin(self, on_failure: Callable[[], None] = lambda: None) -> None:
-        """Let callbacks come. `on_failure` is called when one of them has failed, after which there are no more."""
+        """Start callbacks. `on_failure` is called after one of them has failed, after which there are no more."""
         self._loop.start(on_failure)
         self._spinner.start()
         self._node.reception.start()
 
     def close(self) -> None:
-        """Make the calls of the end, and leave the graph."""
+        """Run the calls of `on_end`, and leave the graph."""
         self.finish(lambda: time.sleep(_LEAVE))
         self._executor.shutdown(_END_LIMIT)
         if self._spinner.is_alive():
@@ -83,7 +83,6 @@ class RosNode(LoopNode):
 
     @property
     def transforms(self) -> Transforms:
-        """See Node."""
         if self._transforms is None:
             from ur_nodes.ros2.transforms import TransformTopics
 
@@ -99,8 +98,6 @@ class RosNode(LoopNode):
         quality: Quality = Quality.NEWEST,
         greet: Callable[[], Value | None] | None = None,
     ) -> RosPublisher[Value]:
-        """See Node."""
-
         def answer() -> None:
             if greet is not None and (value := greet()) is not None:
                 publisher.send(value)
@@ -117,7 +114,6 @@ class RosNode(LoopNode):
         quality: Quality = Quality.NEWEST,
         unreadable: Callable[[str], None] | None = None,
     ) -> RosSubscription[Value]:
-        """See Node."""
         return self._listen(topic, kind, find_codec(kind), quality, lambda value, _sender: take(value), unreadable)
 
     def subscribe_from(
@@ -127,34 +123,28 @@ class RosNode(LoopNode):
         take: Callable[[Value, Sender | None], None],
         quality: Quality = Quality.NEWEST,
     ) -> RosSubscription[Value]:
-        """See Node."""
         return self._listen(topic, kind, find_codec(kind), quality, take, senders=True)
 
     def subscribe_fields(
         self, topic: str, type_name: str, fields: tuple[str, ...], take: Callable[[tuple[Any, ...]], None]
     ) -> RosSubscription[tuple[Any, ...]]:
-        """See Node."""
         from ur_nodes.codecs.foreign import find_foreign
 
         codec = find_foreign(type_name, fields)
         return self._listen(topic, tuple, codec, Quality.EVERY, lambda value, _sender: take(value))
 
     def serve(self, service: str, kind: type[Value], answer: Callable[[Value], Result]) -> None:
-        """See Node."""
         self.serve_later(service, kind, lambda request, give: give(answer(request)))
 
     def serve_later(
         self, service: str, kind: type[Value], take: Callable[[Value, Callable[[Result], None]], None]
     ) -> None:
-        """See Node."""
         self._services.serve(service, kind, take)
 
     def call(self, service: str, request: object, take: Callable[[Result], None], within: float = 5.0) -> None:
-        """See Node."""
         self._services.call(service, request, take, within)
 
     def serve_goals(self, action: str, takers: GoalTakers, kept: float = 5.0) -> GoalServer:
-        """See Node."""
         from ur_nodes.goal_topics import TopicGoalServer
         from ur_nodes.ros2.navigation.server import NavigationActions
 
@@ -166,7 +156,6 @@ class RosNode(LoopNode):
         return server
 
     def follow_goals(self, action: str, follower: GoalFollower) -> GoalClient:
-        """See Node."""
         from ur_nodes.goal_topics import TopicGoalClient
         from ur_nodes.ros2.navigation.client import LIST_PERIOD, follow_actions
 
@@ -179,28 +168,23 @@ class RosNode(LoopNode):
         return client
 
     def read_graph(self, take: Callable[[Graph | None], None]) -> None:
-        """See Node."""
         from ur_nodes.ros2.graph import read_graph
 
         self.work(lambda: read_graph(self._node), take, "graph")
 
     @property
     def raw(self) -> Raw:
-        """See Node."""
         from ur_nodes.ros2.raw import RosRaw
 
         return RosRaw(self._node, self._loop)
 
     def now(self) -> int:
-        """See Node."""
         return int(self._clock.now().nanoseconds) if self._simulated else time.time_ns()
 
     def kinds_taken(self, topic: str, kinds: tuple[type, ...]) -> frozenset[type] | None:
-        """See Node."""
         return self._known_kinds(self._node.get_subscriptions_info_by_topic(self.resolve(topic)), kinds)
 
     def kinds_sent(self, topic: str, kinds: tuple[type, ...]) -> frozenset[type] | None:
-        """See Node."""
         return self._known_kinds(self._node.get_publishers_info_by_topic(self.resolve(topic)), kinds)
 
     def locate(self, name: str) -> Location | None:
@@ -210,11 +194,9 @@ class RosNode(LoopNode):
         return Location("localhost", here=True) if known else None
 
     def resolve(self, name: str) -> str:
-        """See Node."""
         return resolve(self._node, name)
 
     def end(self, reason: str, *, failed: bool = False) -> None:
-        """See Node."""
         self.failed = self.failed or failed
         self.ended(reason)
 

@@ -28,16 +28,13 @@ class RosParameters:
             node.set_parameters([Parameter(own, value=value)])
 
     def resolve(self, name: str) -> str:
-        """See ParameterStore."""
         return self._prefix + name[1:] if name.startswith("~") else name
 
     def has(self, name: str) -> bool:
-        """See ParameterStore."""
         own = self._own(name)
         return own is not None and bool(self._node.has_parameter(own) or self._node.get_parameters_by_prefix(own))
 
     def get(self, name: str) -> object:
-        """See ParameterStore."""
         own = self._own(name)
         if own is not None and self._node.has_parameter(own):
             return _plain(self._node.get_parameter(own).value)
@@ -66,7 +63,6 @@ class RosParameters:
             self._file.set(_SET, self._file.get(_SET, {}) | {own: value})
 
     def names(self) -> list[str]:
-        """See ParameterStore."""
         return sorted(self._prefix + name.replace(".", "/") for name in self._node.get_parameters_by_prefix(""))
 
     def _own(self, name: str) -> str | None:

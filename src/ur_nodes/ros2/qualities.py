@@ -1,4 +1,4 @@
-"""The qualities of `ports` as the QoS of ROS 2, such that Nav2's and RViz 2's nodes are understood.
+"""The qualities of `ports` as the QoS of ROS 2, compatible with the nodes of Nav2 and RViz 2.
 
 | quality | publisher | subscriber |
 |---|---|---|
@@ -39,7 +39,7 @@ _ALL = QoSProfile(history=HistoryPolicy.KEEP_ALL, reliability=ReliabilityPolicy.
 
 
 def offered(quality: Quality, kind: type = object) -> QoSProfile:
-    """The profile of a publisher of values of a kind."""
+    """Return the profile of a publisher of values of a kind."""
     if quality is Quality.LATCHED or kind is values.Map:
         return _LATCHED
     if quality is Quality.LOSSLESS:
@@ -55,7 +55,7 @@ def offered(quality: Quality, kind: type = object) -> QoSProfile:
 
 
 def requested(quality: Quality, kind: type) -> QoSProfile:
-    """The profile of a subscriber to values of a kind."""
+    """Return the profile of a subscriber to values of a kind."""
     if quality is Quality.LATCHED:
         return _LATCHED
     if quality is Quality.LATCHED_EVERY:

@@ -43,29 +43,23 @@ class RosRaw(RecordingRaw):
         self._node, self._loop = node, loop
 
     def find_schema(self, type_name: str) -> str | None:
-        """See Raw."""
         return find_schema(type_name, "msg")
 
     def subscribe(
         self, topic: str, take: Callable[[RawMessage], None], quality: Quality = Quality.NEWEST
     ) -> RawSubscription:
-        """See Raw."""
         return RawSubscription(self._node, self._loop, topic, take, quality)
 
     def publish(self, topic: str, type_name: str, quality: Quality = Quality.EVERY) -> RawPublisher:
-        """See Raw."""
         found = find_class(type_name, "msg")
         if found is None:
             raise LookupError(type_name)
         return RawPublisher(self._node, topic, found, offered(quality))
 
     def find_service(self, service: str, take: Callable[[Result], None]) -> None:
-        """See Raw."""
         self._find(service, lambda result: take(_service_type(result)))
 
     def call(self, service: str, fields: Fields, take: Callable[[Result], None]) -> None:
-        """See Raw."""
-
         def ask(found: Result) -> None:
             if not found.success:
                 take(found)
@@ -112,15 +106,12 @@ class RawPublisher:
         self._sender = ends.MessageSender(node, message_class, self.topic, profile)
 
     def send(self, value: Fields | bytes) -> None:
-        """See Publisher."""
         self._sender.send(value if isinstance(value, bytes) else make_message(self._class, value, self._node))
 
     def listeners(self) -> int:
-        """See Publisher."""
         return self._sender.listeners()
 
     def close(self) -> None:
-        """See Publisher."""
         self._sender.close()
 
 
@@ -137,11 +128,9 @@ class RawSubscription:
         self._look()
 
     def publishers(self) -> int:
-        """See Subscription."""
         return int(self._node.count_publishers(self.topic))
 
     def close(self) -> None:
-        """See Subscription."""
         self._open = False
         if self._subscription is not None:
             self._node.destroy_subscription(self._subscription)
@@ -169,7 +158,7 @@ class RawSubscription:
 
 
 def find_class(type_name: str, part: Literal["msg", "srv"]) -> Any:
-    """The class of a type, 'package/Name' or 'package/msg/Name'; None where it is not installed."""
+    """Find the class of a type, 'package/Name' or 'package/msg/Name'; None if it is not installed."""
     package, name = _split(type_name)
     if not package or _definition_file(package, name, part) is None:
         return None  # nothing is imported that a name from the network invents
@@ -180,7 +169,10 @@ def find_class(type_name: str, part: Literal["msg", "srv"]) -> Any:
 
 
 def find_schema(type_name: str, part: Literal["msg", "srv"]) -> str | None:
-    """The definition of a type and of those that it holds; of a service that of its requests. None: not installed."""
+    """Return the definition of a type and of its fields' types; for a service, of its request.
+
+    None if not installed.
+    """
     package, name = _split(type_name)
     file = _definition_file(package, name, part) if package else None
     if file is None:
@@ -200,7 +192,7 @@ def find_schema(type_name: str, part: Literal["msg", "srv"]) -> str | None:
 
 
 def make_message(message_class: type[genpy.Message], fields: Fields, node: Node) -> genpy.Message:
-    """A message with fields; a header's stamp that is not given becomes now. Raises ValueError."""
+    """Make a message with fields; a header's stamp is now unless given. Raises ValueError."""
     message = message_class()
     _fill(message, fields, "")
     header: Any = getattr(message, "header", None)
@@ -215,7 +207,7 @@ def make_message(message_class: type[genpy.Message], fields: Fields, node: Node)
 
 
 def fields_of(value: Any) -> Any:
-    """A message as fields; arrays of numbers as they are."""
+    """Convert a message to fields; arrays of numbers are kept."""
     if hasattr(value, "get_fields_and_field_types"):
         if set(value.get_fields_and_field_types()) == {"sec", "nanosec"}:
             return {"secs": value.sec, "nsecs": value.nanosec}
@@ -285,7 +277,7 @@ def _definition_file(package: str, name: str, part: str) -> Path | None:
 
 
 def _types_in(text: str, package: str) -> Iterable[str]:
-    """The types of the fields of a definition that are messages themselves."""
+    """Return the message types among the fields of a definition."""
     for line in text.splitlines():
         words = line.partition("#")[0].split()
         if not words or not words[0][:1].isalpha():

@@ -1,4 +1,4 @@
-"""Reception of messages, apart from rclpy's executor: that makes a new wait set twice for each message.
+"""Reception of messages without rclpy's executor, which makes a new wait set twice for each message.
 
 The wait set here is kept until subscriptions are added or closed. It needs rclpy's own module `_rclpy_pybind11`, by the
 calls with which rclpy's executor uses it. Services, clients, events of publishers and timers stay with the executor.
@@ -29,7 +29,7 @@ _MOST_AT_ONCE = 20  # messages of a topic, while others wait
 
 
 class Reception(CallbackGroup):
-    """Calls the callbacks of its subscriptions on a thread of its own; as a group it leaves executors no work."""
+    """Calls the callbacks of its subscriptions on its own thread; as a callback group it leaves executors no work."""
 
     def __init__(self, context: Context) -> None:
         super().__init__()
@@ -40,11 +40,11 @@ class Reception(CallbackGroup):
         self._worker = Worker("reception")
 
     def start(self) -> None:
-        """Begin."""
+        """Start the thread."""
         self._worker.add(self._receive)
 
     def close(self, within: float) -> None:
-        """Call no more callbacks; wait at most `within` s for the one that runs."""
+        """Stop the callbacks; wait at most `within` s for the running one."""
         self._closed = True
         self._guard.trigger()
         self._worker.end()
@@ -56,7 +56,7 @@ class Reception(CallbackGroup):
         self._change((*self._subscriptions, cast("Subscription", entity)))
 
     def drop(self, subscription: Subscription) -> None:
-        """Receive nothing more for a subscription."""
+        """Stop receiving for a subscription."""
         self._change(tuple(each for each in self._subscriptions if each is not subscription))
 
     def can_execute(self, entity: object) -> bool:  # noqa: ARG002
@@ -80,7 +80,7 @@ class Reception(CallbackGroup):
                 self._receive_from(self._hold(held), held)
 
     def _hold(self, held: ExitStack) -> dict[int, Subscription]:
-        """Keep the subscriptions from being freed; returns those that are not yet by their addresses."""
+        """Keep the subscriptions alive; returns the live ones by their addresses."""
         self._changed = False
         found = {}
         for each in self._subscriptions:

@@ -1,4 +1,4 @@
-"""Services of a node: what it offers, and what it asks others for."""
+"""Services of a node: those that it offers, and those that it calls."""
 
 from __future__ import annotations
 

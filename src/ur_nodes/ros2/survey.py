@@ -1,7 +1,7 @@
-"""Survey of a graph for `ur doctor`: a program of one file that needs rclpy and the messages of its release alone.
+"""Survey of a graph for `ur doctor`: a program in one file that needs only rclpy and the messages of its release.
 
-`ur` sends it to robots where nothing of this project is; it prints JSON (see `ur.robot.ros2.seen_graph.SeenGraph`). It
-publishes nothing and changes nothing.
+`ur` sends it to robots without this project; it prints JSON (see `ur.robot.ros2.seen_graph.SeenGraph`). It publishes
+nothing and changes nothing.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ _SCAN, _BATTERY, _TF = "sensor_msgs/msg/LaserScan", "sensor_msgs/msg/BatteryStat
 
 
 def survey(node: Node) -> dict[str, object]:
-    """Wait for discovery, then ask and listen."""
+    """Wait for discovery, then query nodes and receive messages."""
     wait_until_settled(node)
     nodes = [full_name(space, name) for name, space in node.get_node_names_and_namespaces()][:MOST]
     nodes.remove(full_name(node.get_namespace(), node.get_name()))
@@ -82,7 +82,7 @@ def full_name(namespace: str, name: str) -> str:
 
 
 def wait_until_settled(node: Node) -> None:
-    """Wait until nothing new is discovered, and what runs on this computer is.
+    """Wait until nothing new is discovered, and everything on this computer is.
 
     Each participant of DDS is bound to a port of its own, so their least number is known before they answer. An end
     without the name of its node is one whose name is still to arrive, or a program that is no node.
@@ -104,7 +104,7 @@ def wait_until_settled(node: Node) -> None:
 
 
 def look_at(node: Node) -> tuple[object, int, bool]:
-    """Return numbers that change with what is discovered, the participants, and whether all ends have a node's name."""
+    """Return numbers that change with discoveries, the participants, and whether all endpoints have a node's name."""
     nodes = sorted(node.get_node_names_and_namespaces())
     topics = node.get_topic_names_and_types()[:MOST]
     ends = [
@@ -125,7 +125,7 @@ def count_participants(ports: set[int], domain: int) -> int:
 
 
 def read_udp_ports() -> set[int]:
-    """The UDP ports at which something listens in IPv4; none where that cannot be read."""
+    """Read the open UDP ports of IPv4; none if that fails."""
     try:
         with open("/proc/net/udp") as file:  # noqa: PTH123 - as in all programs of one file
             rows = [line.split() for line in file.read().splitlines()[1:]]
@@ -135,7 +135,7 @@ def read_udp_ports() -> set[int]:
 
 
 def read_topic(node: Node, topic: str) -> dict[str, object]:
-    """The publishers and subscribers of a topic."""
+    """Read the publishers and subscribers of a topic."""
 
     def describe_all(ends: Iterable[TopicEndpointInfo]) -> list[dict[str, object]]:
         found = [describe_end(each) for each in ends if each.node_name != node.get_name()]
@@ -146,7 +146,7 @@ def read_topic(node: Node, topic: str) -> dict[str, object]:
 
 
 def describe_end(end: TopicEndpointInfo) -> dict[str, object]:
-    """One of them; times in s, none for never."""
+    """Describe an endpoint; times in s, None for never."""
     qos = end.qos_profile
     number = getattr(end, "topic_type_hash", None)
     text = str(number) if number is not None else ""
@@ -166,7 +166,7 @@ def describe_end(end: TopicEndpointInfo) -> dict[str, object]:
 
 
 def seconds(duration: Duration) -> float | None:
-    """A duration in s, None where it never ends."""
+    """Convert a duration to s; None if it is infinite."""
     return None if not 0 < duration.nanoseconds < _NEVER else duration.nanoseconds / 1e9
 
 
@@ -183,7 +183,7 @@ class OpenRequest:
 def ask_nodes(
     node: Node, names: list[str], services: dict[str, str], simulated: dict[str, bool], states: dict[str, str]
 ) -> None:
-    """Ask all nodes at once whether their time is simulated, and managed nodes for their state."""
+    """Ask all nodes at the same time whether their time is simulated, and managed nodes for their state."""
     from lifecycle_msgs.srv import GetState
     from rcl_interfaces.srv import GetParameters
 
@@ -215,7 +215,7 @@ def ask_nodes(
 
 
 class Listener:
-    """Listens to scans, batteries and tf. By topic or frame, lists as they are printed."""
+    """Receives scans, battery states and tf, by topic or frame, as lists for output."""
 
     def __init__(self, node: Node, kinds: dict[str, str]) -> None:
         self.scans: dict[str, dict[str, float]] = {}

@@ -1,4 +1,4 @@
-"""The ends of topics as nodes have them."""
+"""Publishers and subscriptions of nodes."""
 
 from __future__ import annotations
 
@@ -48,21 +48,18 @@ class RosPublisher(Generic[Value]):
         self._sender = ends.MessageSender(node, codec.message_class, self.topic, offered(quality, kind), on_listener)
 
     def send(self, value: Value) -> None:
-        """See Publisher."""
         self._codec.fill(self._message, value)
         self._sender.send(self._message)
 
     def listeners(self) -> int:
-        """See Publisher."""
         return self._sender.listeners()
 
     def close(self) -> None:
-        """See Publisher."""
         self._sender.close()
 
 
 class RosSubscription(Generic[Value]):
-    """See `ports.node.Subscription`. Messages are decoded on the node's thread: what is dropped costs nothing more.
+    """See `ports.node.Subscription`. Messages are decoded on the node's thread, so dropped ones are never decoded.
 
     `take` gets values and None, or, with `senders`, the sender.
     """
@@ -102,11 +99,9 @@ class RosSubscription(Generic[Value]):
         )
 
     def publishers(self) -> int:
-        """See Subscription."""
         return self._receiver.publishers()
 
     def close(self) -> None:
-        """See Subscription."""
         self._receiver.close()
 
     def _deliver(self, item: tuple[genpy.Message, Sender | None]) -> None:

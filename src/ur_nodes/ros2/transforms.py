@@ -22,7 +22,7 @@ _FIXED_TAKEN = QoSProfile(
 
 
 class TransformTopics:
-    """Sends and receives transforms. Publishers are made with the first transform of their sort."""
+    """Sends and receives transforms. Publishers are made with the first transform of their kind."""
 
     def __init__(self, node: Node) -> None:
         self._node = node
@@ -32,7 +32,7 @@ class TransformTopics:
         self._kept: dict[str, Transform] = {}  # a latched topic keeps one message: all fixed ones go together
 
     def listen(self, take: _Take, take_fixed: _Take) -> None:
-        """Have all transforms given to a function, on any thread; fixed ones come once, and must not be lost."""
+        """Pass all transforms to a function, on any thread; static ones are sent once, and must not be lost."""
         Receiver(self._node, Transforms, "/tf_static", _FIXED_TAKEN, lambda m: take_fixed(transforms_of(m, fixed=True)))
         Receiver(self._node, Transforms, "/tf", _MOVING, lambda message: take(transforms_of(message)))
 

@@ -1,6 +1,7 @@
 """World and robots as a MuJoCo model (MJCF text).
 
-Groups of shapes: lidars see 0 walls and boxes, 1 obstacles and people, 2 robots; not 3 wheels and casters, 4 the floor.
+Groups of shapes: lidars see 0 walls and boxes, 1 obstacles and people, 2 robots, but not 3 wheels and casters, 4 the
+floor.
 """
 
 from __future__ import annotations
@@ -35,7 +36,7 @@ _WAITING_ROOM = 1000.0  # m: people are placed before the first step
 
 @dataclass(frozen=True, slots=True)
 class Scenery:
-    """MJCF that only a picture needs: before the assets, among them, in the world, and in each robot."""
+    """MJCF for pictures only: before the assets, among them, in the world, and in each robot."""
 
     options: str = ""
     assets: str = ""
@@ -46,7 +47,7 @@ class Scenery:
 def build_model(
     world: WorldModel, base: Base, robots: int, start: tuple[float, float, float], scenery: Scenery | None = None
 ) -> str:
-    """MJCF of a world with a number of robots of one base; the first at `start`, the others behind it, out of reach.
+    """Build the MJCF of a world with robots of one base; the first at `start`, the others behind it, out of reach.
 
     Names: bodies `robot_<n>` (origin on the ground between the wheels), `obstacle/<name>` and `person_<n>` (until they
     are moved they wait outside of the floor plan); shapes `chassis_<n>`, and `person_<n>`; joints `left_<n>` and
@@ -78,14 +79,14 @@ def build_model(
 
 
 def start_pose(base: Base, number: int, start: tuple[float, float, float]) -> Pose2:
-    """The first pose of robot `number`: in a row, in the direction that the first one faces."""
+    """Return the start pose of robot `number`: in a row along the heading of the first one."""
     pitch = 0.3 + max(x for x, _ in base.footprint) - min(x for x, _ in base.footprint)
     x, y, yaw = start
     return Pose2(x + math.cos(yaw) * pitch * number, y + math.sin(yaw) * pitch * number, yaw)
 
 
 def _body_top(base: Base) -> float:
-    """Height up to which a robot is solid: its body, and the lidar on it."""
+    """Return the height of a robot's solid part: its body, and the lidar on it."""
     return max(base.height, base.lidar.pose[2] + _LIDAR_HEAD if base.lidar else 0.0)
 
 
@@ -118,7 +119,7 @@ def _obstacle(box: Box) -> str:
 
 
 def _person_mesh(world: WorldModel) -> str:
-    """The shape of a person: an upright prism."""
+    """Return the shape of a person: an upright prism."""
     if not world.people:
         return ""
     turns = [math.tau * number / _PERSON_SIDES for number in range(_PERSON_SIDES)]
@@ -128,7 +129,10 @@ def _person_mesh(world: WorldModel) -> str:
 
 
 def _person(number: int) -> str:
-    """A body that others move. It collides with robots only, which do not push it."""
+    """Return the body of a person, which is moved from outside.
+
+    It collides with robots only, and they do not push it.
+    """
     return (
         f'<body name="person_{number}" mocap="true" pos="{_WAITING_ROOM + number!r} {_WAITING_ROOM!r} 0">'
         f'<geom name="person_{number}" type="mesh" mesh="person" rgba="0.3 0.4 0.6 1" contype="{_PERSON}"'
@@ -166,7 +170,7 @@ def _robot(base: Base, number: int, pose: tuple[float, float, float], scenery: S
 
 
 def _caster(caster: Caster) -> str:
-    """A ball without friction (condim 1; its priority is above the floor's)."""
+    """Return a caster as a ball without friction (condim 1; its priority is above the floor's)."""
     return (
         f'<geom type="sphere" pos="{caster.x!r} {caster.y!r} {caster.radius!r}" size="{caster.radius!r}"'
         f' condim="1" priority="2" contype="{_ROLLING}" conaffinity="0" group="3"/>'
@@ -174,7 +178,7 @@ def _caster(caster: Caster) -> str:
 
 
 def _wheel(base: Base, name: str, y: float) -> str:
-    """A wheel that touches the floor in one point: an ellipsoid as wide as the wheel."""
+    """Return a wheel that touches the floor at one point: an ellipsoid as wide as the wheel."""
     wheels = base.wheels
     axial = wheels.mass * wheels.radius**2 / 2.0
     radial = wheels.mass * (3.0 * wheels.radius**2 + wheels.width**2) / 12.0
@@ -187,10 +191,10 @@ def _wheel(base: Base, name: str, y: float) -> str:
 
 
 def _motors(base: Base, robots: int, friction: float) -> Iterable[str]:
-    """Speed servos, strong enough to make a blocked wheel spin.
+    """Return speed servos, strong enough to make a blocked wheel spin, and as stiff as explicit integration permits.
 
-    They are as stiff as can be with explicit integration. Implicit integration would allow more, but MuJoCo solves for
-    contact forces before it: the floor would push as if the motors were explicit, and throw the robot forward.
+    Implicit integration would allow more, but MuJoCo solves for contact forces before it: the floor would push as if
+    the motors were explicit, and throw the robot forward.
     """
     radius = base.wheels.radius
     gain = (_rotor_inertia(base) + base.wheels.mass * radius**2 / 2.0) / TIME_STEP * 0.8
@@ -210,7 +214,7 @@ def _rotor_inertia(base: Base) -> float:
 
 
 def _centroid(polygon: Sequence[tuple[float, float]]) -> tuple[float, float]:
-    """Centre of area of a simple polygon (the shoelace formula)."""
+    """Return the centroid of a simple polygon (shoelace formula)."""
     area = cx = cy = 0.0
     for (x0, y0), (x1, y1) in zip(polygon, [*polygon[1:], polygon[0]], strict=True):
         cross = x0 * y1 - x1 * y0

@@ -1,4 +1,4 @@
-"""The operation of a simulation on a node: the pace of time, the clock, what is due, and services."""
+"""The operation of a simulation on a node: its pace, clock, due outputs, and services."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ class Operation:
         node.serve("~place", Place, self._place)
 
     def begin(self) -> None:
-        """Have the next tick come when it is due."""
+        """Schedule the next tick."""
         if self._next:
             self._next.cancel()
         left = self._pacer.wait(self._simulation.next_time, self._node.steady())
@@ -109,7 +109,7 @@ class Operation:
             self._people.send(Poses(stamp, self._settings.frames.map, self._simulation.people))
 
     def _watch(self, camera: SimulatedCameraTopics) -> None:
-        """Make pictures due only while their topics have listeners."""
+        """Schedule pictures only while their topics have subscribers."""
         if camera.wanted != self._taking_pictures:
             self._taking_pictures = not self._taking_pictures
             self._simulation.take_pictures(camera.camera.rate if self._taking_pictures else 0.0)

@@ -6,7 +6,7 @@ from __future__ import annotations
 class Pacer:
     """Real times of simulated times: `speed` simulated seconds a second; 0 is as fast as possible.
 
-    Moments are reckoned from one anchor, so that errors do not add up. After a stall longer than `patience` (s) the
+    Times are computed from one anchor, so that errors do not accumulate. After a stall longer than `patience` (s) the
     anchor moves: what was missed is not made up for in a rush.
     """
 
@@ -16,12 +16,12 @@ class Pacer:
         self.restart(time, now)
 
     def restart(self, time: float, now: float) -> None:
-        """Simulated `time` is now (s of a steady clock)."""
+        """Set simulated `time` to now (s of a steady clock)."""
         self._time = time
         self._now = now
 
     def wait(self, time: float, now: float) -> float:
-        """Return the wait (s) at `now` until simulated `time` is due; 0 when it is due already."""
+        """Return the time (s) from `now` until simulated `time` is due; 0 if it is due."""
         if self._speed <= 0.0:
             return 0.0
         left = self.due(time) - now

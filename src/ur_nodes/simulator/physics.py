@@ -1,4 +1,4 @@
-"""The MuJoCo side: state of bodies and wheels, stepping, placing, contacts."""
+"""Access to MuJoCo: state of bodies and wheels, stepping, placing, contacts."""
 
 from __future__ import annotations
 
@@ -59,12 +59,12 @@ class Physics:
         self.reset()
 
     def reset(self) -> None:
-        """Back to the beginning, at rest."""
+        """Reset to the start, at rest."""
         mujoco.mj_resetData(self._model, self._data)
         mujoco.mj_forward(self._model, self._data)
 
     def step(self, count: int) -> None:
-        """Go on by a number of time steps."""
+        """Advance by a number of time steps."""
         mujoco.mj_step(self._model, self._data, count)
 
     def set_wheel_speeds(self, robot: int, left: float, right: float) -> None:
@@ -82,12 +82,12 @@ class Physics:
         return float(self._data.qvel[left]), float(self._data.qvel[right])
 
     def state(self) -> npt.NDArray[np.float64]:
-        """A copy of the positions of everything; see `take_state`."""
+        """A copy of all positions; see `take_state`."""
         data = self._data
         return np.concatenate((data.qpos, data.mocap_pos.ravel(), data.mocap_quat.ravel()))
 
     def move_people(self, places: npt.NDArray[np.float64], headings: Sequence[float]) -> None:
-        """Put people at places (n, 2), facing so (rad)."""
+        """Move people to positions (n, 2) with headings (rad)."""
         self._data.mocap_pos[:, :2] = places
         halves = 0.5 * np.asarray(headings)
         self._data.mocap_quat[:, 0], self._data.mocap_quat[:, 3] = np.cos(halves), np.sin(halves)
@@ -173,7 +173,7 @@ class Physics:
         return in_the_way
 
     def _neighbour(self, geom: int) -> str | None:
-        """Describe an object that a shape penetrates, the floor aside."""
+        """Describe an object that a shape penetrates, except the floor."""
         floor = self._model.geom("floor").id
         for pair in self._data.contact.geom.tolist():
             if geom in pair and floor not in pair:
@@ -188,6 +188,6 @@ class Physics:
 
 
 def take_state(model: mujoco.MjModel, data: mujoco.MjData, state: npt.NDArray[np.float64]) -> None:
-    """Put everything where it was when `Physics.state` made a state of the same model."""
+    """Restore the positions of `Physics.state` of the same model."""
     data.qpos[:], places, turns = np.split(state, (model.nq, model.nq + 3 * model.nmocap))
     data.mocap_pos[:], data.mocap_quat[:] = places.reshape(-1, 3), turns.reshape(-1, 4)

@@ -1,1 +1,1 @@
-"""Types of messages of ROS 2: those that travel as bytes, and packages whose messages are loaded when they are used."""
+"""Message types of ROS 2: types as bytes, and packages whose messages are loaded on first use."""

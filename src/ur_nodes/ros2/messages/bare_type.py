@@ -49,9 +49,9 @@ class _Callbacks(ctypes.Structure):
 
 
 def reset_error() -> None:
-    """Forget what the middleware noted on this thread when it took a bare type, whose fields it does not find.
+    """Clear the error that the middleware sets on this thread for a bare type, whose fields it does not find.
 
-    What fails next would report both.
+    The next failure would report both.
     """
     _load_utilities().rcutils_reset_error()
 
@@ -63,9 +63,9 @@ def _load_utilities() -> ctypes.CDLL:
 
 @cache
 def bare_class(package: str, name: str, hash: str) -> Any:
-    """A class of messages for rclpy, `raw` on both ends. `hash` is RIHS01 in hex, of 32 bytes.
+    """Make a message class for rclpy, `raw` on both ends.
 
-    Raises OSError: the middleware of this computer has no such tables.
+    `hash` is RIHS01 in hex, of 32 bytes. Raises OSError if the middleware of this computer has no such tables.
     """
     find = ctypes.CDLL(_LIBRARY)[_SYMBOL]
     find.restype = ctypes.POINTER(_TypeSupport)

@@ -1,4 +1,4 @@
-"""Load the messages of a package one by one: their packages import all of them, and a node needs few.
+"""Lazy loading of messages: their packages import all of them, and a node needs few.
 
 The packages are made by rosidl: each line of their `__init__.py` imports one class from a module of its own. A package
 with any other line is loaded as it is.
@@ -20,7 +20,7 @@ _GENERATOR = "rosidl_generator_py.generate_py_impl"
 
 
 class MessagePackage(Loader):
-    """Makes a package whose classes, `modules` by name, are imported when they are used first."""
+    """Makes a package whose classes, `modules` by name, are imported on first use."""
 
     def __init__(self, modules: Mapping[str, str]) -> None:
         self._modules = modules
@@ -61,7 +61,7 @@ class MessageFinder(MetaPathFinder):
 
 
 def read_imports(text: str) -> dict[str, str] | None:
-    """The module of each class that a package of messages imports; None where it has anything else."""
+    """Return the module of each class that a package of messages imports; None if it has other statements."""
     found = {}
     for line in text.splitlines():
         if not line.strip():
@@ -75,7 +75,7 @@ def read_imports(text: str) -> dict[str, str] | None:
 
 
 def load_when_used() -> None:
-    """Load messages in this way from now on, and not the generator of their classes, with its parser."""
+    """Load messages lazily from now on, without the generator of their classes and its parser."""
     if not any(isinstance(each, MessageFinder) for each in sys.meta_path):
         sys.meta_path.insert(0, MessageFinder())
         sys.modules.setdefault(_GENERATOR, None)  # type: ignore[arg-type]  # an ImportError, as its package expects

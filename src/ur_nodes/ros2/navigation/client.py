@@ -1,4 +1,4 @@
-"""A client of goals: over topics where a server of ours listens, else by Nav2's action `navigate_to_pose`.
+"""A client of goals: over topics for a server of this project, else by Nav2's action `navigate_to_pose`.
 
 The action's topics and services are used themselves, as they are specified (design.ros2.org, "Actions"): its status
 lists the goals of all clients, and any client may ask how one ended. rclpy's own client knows its own goals only.
@@ -43,7 +43,7 @@ _REFUSED = "Nav2 refused the goal; is it active? (ros2 lifecycle get /bt_navigat
 
 
 class Nav2Goals:
-    """The goals that a server of `navigate_to_pose` knows, passed on while `used`.
+    """The goals of a server of `navigate_to_pose`, passed on while `used`.
 
     `post` makes calls on the node's thread, which uses this.
     """
@@ -82,11 +82,10 @@ class Nav2Goals:
         node.create_subscription(feedback, f"{name}/_action/feedback", take_feedback, QoSProfile(depth=10))
 
     def servers(self) -> int:
-        """Return whether a server takes goals, as 1 or 0."""
+        """Return whether a server accepts goals, as 1 or 0."""
         return int(self._goals.service_is_ready() and self._cancels.service_is_ready())
 
     def send(self, goal: Goal) -> None:
-        """See GoalClient."""
         key = uuid.uuid4().bytes
         self._ids[key] = goal.id
         while len(self._ids) > _MOST:
@@ -103,7 +102,6 @@ class Nav2Goals:
         self._goals.call_async(request).add_done_callback(take)
 
     def cancel(self, id: str = "") -> None:
-        """See GoalClient."""
         known = [key for key, own in self._ids.items() if own == id]
         request = CancelGoal.Request()  # an empty one cancels all
         if id:
@@ -111,7 +109,7 @@ class Nav2Goals:
         self._cancels.call_async(request)
 
     def beat(self) -> None:
-        """Pass the states of all goals on; to be called each LIST_PERIOD."""
+        """Pass on the states of all goals; call it each LIST_PERIOD."""
         there = bool(self.servers())
         if self._there and not there:  # what it knew is lost
             self._waiting.clear()
@@ -128,7 +126,7 @@ class Nav2Goals:
             self._follower.take_states((*map(self._describe, self._listed.values()), *self._waiting.values()))
 
     def _describe(self, state: GoalState) -> GoalState:
-        """The state as it is passed on: one that has ended does so with its reason."""
+        """Return the state to pass on, with the reason of its end."""
         if state.id in self._ending:
             return GoalState(state.id, "active", "")
         return replace(state, recoveries=self._recoveries.get(state.id, 0)) if state.open else state
@@ -185,19 +183,16 @@ class ActionGoalClient:
         self._alone = 0  # beats for which only Nav2 was there
 
     def send(self, goal: Goal) -> None:
-        """See GoalClient."""
         (self._nav2 if self._nav2.used else self._topics).send(goal)
 
     def cancel(self, id: str = "") -> None:
-        """See GoalClient."""
         (self._nav2 if self._nav2.used else self._topics).cancel(id)
 
     def servers(self) -> int:
-        """See GoalClient."""
         return self._nav2.servers() if self._nav2.used else self._topics.servers()
 
     def beat(self) -> None:
-        """Find out who the server is, and pass on what Nav2 knows; to be called each LIST_PERIOD."""
+        """Determine the server, and pass on Nav2's goals; call it each LIST_PERIOD."""
         alone = bool(self._nav2.servers()) and not self._topics.servers()
         self._alone = self._alone + 1 if alone else 0
         self._nav2.used = self._alone > _ALONE
@@ -211,7 +206,7 @@ def follow_actions(
     topics: TopicGoalClient,
     follower: GoalFollower,
 ) -> ActionGoalClient | None:
-    """A client that also finds Nav2's action of that full name; None where its messages are not installed."""
+    """Make a client that also finds Nav2's action of that full name; None if its messages are not installed."""
     action = find_action("NavigateToPose")
     if action is None:
         return None
@@ -219,7 +214,7 @@ def follow_actions(
 
 
 def _key_of(id: str) -> bytes:
-    """The key of a goal of another client; one of no goal where the id is not Nav2's."""
+    """Return the key of another client's goal; a key of no goal if the id is not Nav2's."""
     try:
         key = bytes.fromhex(id)
     except ValueError:

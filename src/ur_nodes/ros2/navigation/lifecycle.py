@@ -26,7 +26,7 @@ MANAGERS: Final = {"amcl": "lifecycle_manager_localization", "move_base": "lifec
 
 
 def answer_for_managed_nodes(node: Node) -> None:
-    """Offer what programs ask the managed nodes for which this one stands in; nothing for other nodes."""
+    """Offer the services of the managed node that this one replaces; nothing for other nodes."""
     name = node.get_name()
     for managed in STANDS_IN.get(name, ()):
         node.create_service(GetState, f"{managed}/get_state", _answer_state)

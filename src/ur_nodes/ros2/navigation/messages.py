@@ -1,4 +1,4 @@
-"""Nav2's actions, where its messages are installed. What a release lacks is neither read nor written."""
+"""Nav2's actions, if its messages are installed. Fields that a release lacks are neither read nor written."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ _REASONS = {
 
 
 def find_action(name: str) -> type[NavigateToPose] | None:
-    """One of Nav2's actions; None: its messages are not installed."""
+    """Find one of Nav2's actions; None if its messages are not installed."""
     try:
         found: type[NavigateToPose] = getattr(import_module("nav2_msgs.action"), name)
     except (ImportError, AttributeError):
@@ -51,7 +51,7 @@ def key_message(key: bytes) -> UUID:
 
 
 def targets_of(goal: NavigateToPose.Goal) -> tuple[PlacedPose, ...]:
-    """The poses of a goal, in their order. Raises ValueError: there are none, or too many."""
+    """Return the poses of a goal, in order. Raises ValueError if there are none, or too many."""
     if hasattr(goal, "pose"):
         return (target_of(goal.pose),)
     poses = goal.poses if isinstance(goal.poses, list) else goal.poses.goals
@@ -68,7 +68,7 @@ def fill_target(goal: NavigateToPose.Goal, target: PlacedPose) -> None:
 def fill_feedback(
     message: NavigateToPose.Feedback, place: PlacedPose, seconds: float, distance: float, poses: int
 ) -> None:
-    """Write where the robot is, how long it has driven (s), how far it has to go (m), and the number of poses left."""
+    """Write the robot's pose, its driving time (s), the remaining distance (m), and the number of remaining poses."""
     fill_placed(message.current_pose, place)
     message.navigation_time = duration_of(max(0.0, seconds))
     message.distance_remaining = distance
@@ -77,7 +77,7 @@ def fill_feedback(
 
 
 def fill_result(message: NavigateToPose.Result, problem: str) -> None:
-    """Write why a goal was given up; '' for one that was reached or cancelled."""
+    """Write the reason why a goal was given up; '' for one that was reached or cancelled."""
     if problem and hasattr(message, "error_code"):
         message.error_code = UNKNOWN_ERROR
     if problem and hasattr(message, "error_msg"):
@@ -85,7 +85,7 @@ def fill_result(message: NavigateToPose.Result, problem: str) -> None:
 
 
 def reason_of(result: NavigateToPose.Result) -> str:
-    """The reason that a result gives; '' for none."""
+    """Return the reason of a result; '' for none."""
     code, text = int(getattr(result, "error_code", 0)), str(getattr(result, "error_msg", ""))
     known = _REASONS.get(code, f"error {code} of Nav2" if code not in (0, UNKNOWN_ERROR) else "")
     return ": ".join(each for each in (known, text) if each)

@@ -59,12 +59,11 @@ class Pursuit:
             self._send()
 
     def cancel(self) -> None:
-        """Have it end."""
+        """Cancel the goal."""
         self._cancelled = True
         self._server.cancel_goal(self._id)
 
     def take_state(self, state: GoalState) -> None:
-        """See GoalReporter."""
         if state.open:
             return
         if state.state != "succeeded" or len(self._targets) == 1:
@@ -75,7 +74,6 @@ class Pursuit:
         self._post(self._send)  # the node is still at the end of the one before
 
     def take_place(self, place: PlacedPose) -> None:
-        """See GoalReporter."""
         if not self._ended:
             there, here = self._targets[0].pose, place.pose
             seconds = (self._now() - self._began) / 1e9
@@ -90,7 +88,7 @@ class Pursuit:
             self._server.take_goal(Goal(self._id, self._targets[0]), self)
 
     def finish(self, state: GoalState) -> None:
-        """End it, once."""
+        """End the goal, once."""
         if not self._ended:
             self._ended = True
             self._end(state)
@@ -118,12 +116,12 @@ class NavigationActions:
             self._offer("NavigateThroughPoses", name.removesuffix(TO_POSE) + THROUGH_POSES, server, kept)
 
     def end(self) -> None:
-        """End the goals that are open: the node ends."""
+        """End the open goals, as the node ends."""
         for each in list(self._pursuits.values()):
             each.finish(GoalState("", "aborted", f"{self._node.get_name()} ends"))
 
     def close(self) -> None:
-        """Offer them no more. The executor has ended."""
+        """Stop offering the actions, after the executor has ended."""
         while self._servers:
             self._servers.pop().destroy()
 

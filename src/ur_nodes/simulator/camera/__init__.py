@@ -1,1 +1,1 @@
-"""The camera of the simulated robot, drawn in a process of its own."""
+"""The camera of the simulated robot, rendered in a separate process."""

@@ -1,9 +1,9 @@
-"""Pictures of the simulated world, drawn by a process of their own so that physics never waits for them.
+"""Pictures of the simulated world, drawn by a separate process so that physics never waits for them.
 
-`CameraProcess` is the end that asks; run as a module, this file is the end that draws. They speak through the pipes of
-the process: it is given one JSON line (the model, the textures to draw, the size, the quality), answers one line ("ok"
-or what is wrong), and then turns requests (robot, what is wanted, the length of the state, the state) into answers (the
-lengths of pixels and JPEG, and those). It ends when its input does, so it cannot outlive its caller.
+`CameraProcess` is the client; run as a module, this file is the process that draws. They communicate through the pipes
+of the process: it is given one JSON line (the model, the textures to draw, the size, the quality), answers one line
+("ok" or what is wrong), and then turns requests (robot, what is wanted, the length of the state, the state) into
+answers (the lengths of pixels and JPEG, and those). It ends when its input does, so it cannot outlive its caller.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ _INSTALL = "sudo apt-get install libegl1 libopengl0 libgl1-mesa-dri"
 
 @dataclass(frozen=True, slots=True)
 class RenderedPicture:
-    """One picture: RGB rows from the top (bytes) and a JPEG file; either is empty when it was not asked for."""
+    """One picture: RGB rows from the top (bytes) and a JPEG file; either is empty if not requested."""
 
     pixels: bytes
     jpeg: bytes
@@ -46,7 +46,7 @@ class RenderedPicture:
 
 @dataclass(frozen=True, slots=True)
 class CameraJob:
-    """The first line to the process: the model as MJCF, its fiducials, and the pictures that are wanted."""
+    """The first line to the process: the model as MJCF, its fiducials, and the requested pictures."""
 
     model: str
     fiducials: tuple[Fiducial, ...]
@@ -56,7 +56,7 @@ class CameraJob:
 
 
 class CameraProcess:
-    """Draws what cameras on robots of one base see. Not for two threads at once."""
+    """Renders the cameras of robots of one base. Not for two threads at once."""
 
     def __init__(
         self,
@@ -68,7 +68,7 @@ class CameraProcess:
         quality: int = 80,
         environment: Mapping[str, str] = os.environ,
     ) -> None:
-        """`camera` is the base's with the size that is wanted. Raises UserError where nothing can draw."""
+        """`camera` is the base's with the requested size. Raises UserError without a working renderer."""
         fiducials, self.warning = _drawable(world.fiducials)
         scenery = build_scenery(camera, fiducials, robots)
         model = build_model(world, base, robots, world.start, scenery)
@@ -86,7 +86,7 @@ class CameraProcess:
 
     @property
     def pid(self) -> int:
-        """The process that draws."""
+        """The process id of the renderer."""
         return self._process.pid
 
     def take(self, robot: int, state: npt.NDArray[np.float64], *, pixels: bool, jpeg: bool) -> RenderedPicture:
@@ -127,7 +127,7 @@ class CameraProcess:
 
 
 def _explain(reasons: Mapping[str, str]) -> Diagnostic:
-    """The reasons why nothing can draw, by renderer, as one error."""
+    """Return the failures of all renderers as one error."""
     if set(reasons.values()) == {_ABSENT}:
         message = "the simulated camera cannot draw: OpenGL is not installed"
     else:
@@ -137,7 +137,7 @@ def _explain(reasons: Mapping[str, str]) -> Diagnostic:
 
 
 def _drawable(fiducials: tuple[Fiducial, ...]) -> tuple[tuple[Fiducial, ...], str]:
-    """The fiducials that can be drawn, and a message about those that cannot."""
+    """Return the fiducials that can be drawn, and a message about the others."""
     from importlib.util import find_spec
 
     if not fiducials or find_spec("cv2"):
@@ -168,7 +168,7 @@ def _read(stream: IO[bytes], size: int) -> bytes:
 
 
 def serve(requests: BinaryIO, answers: BinaryIO) -> int:
-    """Draw what is asked for until there is nothing more to read."""
+    """Draw the requested pictures until the input ends."""
     os.nice(5)  # physics first
     job = read_json(requests.readline(), CameraJob, _LONGEST_JOB)
     renderer: mujoco.Renderer | None = None
@@ -210,7 +210,7 @@ def serve(requests: BinaryIO, answers: BinaryIO) -> int:
 
 
 def pack_jpeg(image: npt.NDArray[np.uint8], quality: int) -> bytes:
-    """A JPEG file of an RGB image (height, width, 3)."""
+    """Encode an RGB image (height, width, 3) as a JPEG file."""
     from PIL import Image
 
     file = io.BytesIO()

@@ -21,9 +21,9 @@ _TRY_EVERY = 10.0  # s: packages may be installed meanwhile
 
 
 class SimulatedCameraTopics:
-    """Publishers of the cameras of all robots; their pictures are drawn beside the node.
+    """Publishers of the cameras of all robots; their pictures are drawn on a worker.
 
-    Nothing is started or drawn before there is a listener. A picture that is due while the last one is still being
+    Nothing is started or drawn before there is a subscriber. A picture that is due while the last one is still being
     drawn is left out, unless the simulation goes as fast as it can: then it waits (`wait`). When many are left out that
     is logged once. Where nothing can draw, an error in the log explains why, and it is tried again every 10 s: the
     listeners' own messages repeat it (`ur_nodes.pictures.silence`).
@@ -53,11 +53,11 @@ class SimulatedCameraTopics:
 
     @property
     def wanted(self) -> bool:
-        """Return whether pictures are to be drawn: there is a listener, and the last failure is a while ago."""
+        """Return whether to draw pictures: there is a subscriber, and no recent failure."""
         return any(robot.wanted for robot in self._robots) and self._node.steady() >= self._try_at
 
     def offer(self, stamp: int, state: npt.NDArray[np.float64]) -> None:
-        """A moment (ns) at which a picture is due; called between ticks."""
+        """Draw the picture that is due at a time (ns); called between ticks."""
         if short := self._count.note(stamp * 1e-9, made=not self._busy):
             self._node.log.warn(short)
         if self._busy:
@@ -82,7 +82,7 @@ class SimulatedCameraTopics:
     def _draw(
         self, state: npt.NDArray[np.float64], wants: Sequence[tuple[bool, bool] | None]
     ) -> list[Drawing | None] | UserError:
-        """The pictures that each robot's listeners want, or why there are none."""
+        """Draw the pictures for each robot's subscribers, or return why that fails."""
         try:
             process = self._process = self._process or self._open()
             return [
@@ -143,7 +143,7 @@ class _Robot:
 
 
 def calibration(camera: Camera, frame: str) -> Calibration:
-    """The calibration of a camera without distortion; the centre of the first pixel is (0, 0), as in OpenCV."""
+    """Return the calibration of a camera without distortion; the centre of the first pixel is (0, 0), as in OpenCV."""
     f, cx, cy = camera.focal_length, (camera.width - 1) / 2.0, (camera.height - 1) / 2.0
     return Calibration(
         stamp=0,

@@ -9,10 +9,10 @@ ENOUGH = 0.9  # of the pictures that are due
 
 
 class FrameCount:
-    """Counts pictures that are due and those that are made, over windows of time."""
+    """Counts due pictures and drawn ones, over windows of time."""
 
     def __init__(self, rate: float, window: float = 5.0) -> None:
-        """`rate` is what is asked for, in pictures a second; the first `window` (s) is not judged: drawing starts."""
+        """`rate` is in pictures a second; the first `window` (s) is left out, as drawing starts then."""
         self._rate = rate
         self._window = window
         self._begin = self._last = -math.inf
@@ -21,7 +21,10 @@ class FrameCount:
         self._warned = False
 
     def note(self, time: float, *, made: bool) -> str | None:
-        """A picture is due at a time (s), and is made or left out. Return a warning, once, when too few are made."""
+        """Count a picture that is due at a time (s), drawn or left out.
+
+        Returns a warning, once, if too few are drawn.
+        """
         if not 0.0 <= time - self._last <= PAUSE:
             self._begin, self._due, self._made = time, 0, 0  # no subscriber for a while, or time was reset
         self._last = time

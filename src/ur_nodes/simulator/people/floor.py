@@ -1,4 +1,4 @@
-"""The floor that simulated people walk on: where they fit, places that they go to, and routes between them."""
+"""The floor for simulated people: free positions, destinations, and routes between them."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ _CANDIDATES = 400
 
 
 class WalkableFloor:
-    """Cells of about 0.1 m round the start of a world, in the map frame. The same seed gives the same places."""
+    """Cells of about 0.1 m around the start of a world, in the map frame. The same seed gives the same destinations."""
 
     def __init__(self, world: WorldModel, random: np.random.Generator) -> None:
         """Raises UserError when there is no floor for people."""
@@ -99,7 +99,7 @@ class WalkableFloor:
         return np.reshape(chosen[:count], (-1, 2))
 
     def route(self, start: Floats, end: int) -> Floats:
-        """Return the corners (n, 2) of the way from a point to the place with a number, the last of them that place."""
+        """Return the corners (n, 2) of the route from a point to the place with a number, which is the last corner."""
         rows, columns = self._cells_of(start[None])
         height, width = self._free.shape
         cell = (int(np.clip(rows[0], 0, height - 1)), int(np.clip(columns[0], 0, width - 1)))
@@ -114,7 +114,7 @@ class WalkableFloor:
 
     @cached_property
     def _trees(self) -> NDArray[np.int32]:
-        """For each place and each cell the next cell on the way to the place; negative at the place itself."""
+        """Return for each place and cell the next cell on the route to the place; negative at the place itself."""
         rows, columns = self._cells.T
         parts = []
         for down, right in ((0, 1), (1, 0), (1, 1), (1, -1)):
@@ -132,7 +132,7 @@ class WalkableFloor:
         return found
 
     def _pulled(self, points: Floats) -> Floats:
-        """Leave out points between which one sees the next but one."""
+        """Leave out points whose neighbours see each other."""
         corners, here = [points[0]], 0
         while here < len(points) - 1:
             step = 1
@@ -147,14 +147,14 @@ class WalkableFloor:
         return bool(self.is_free(one + np.linspace(0.0, 1.0, count)[:, None] * (other - one)).all())
 
     def _narrow(self) -> NDArray[np.intp]:
-        """The numbers of the cells in the middle of doors and the like."""
+        """Return the numbers of the cells in the middle of doors and other narrow passages."""
         ridge = (self._rooms == ndimage.maximum_filter(self._rooms, 3)) & self._free
         low, high = _DOOR_ROOMS
         found: NDArray[np.intp] = self._numbers[ridge & (self._rooms >= low) & (self._rooms <= high)]
         return found
 
     def _spread(self, numbers: NDArray[np.intp], count: int, random: np.random.Generator) -> NDArray[np.intp]:
-        """Choose up to so many of some cells, apart from each other; those with room first."""
+        """Choose up to this many cells, apart from each other; those with the most room first."""
         order = random.permutation(numbers)[:_CANDIDATES]
         points = self._points(order)
         chosen: list[int] = []
@@ -166,7 +166,7 @@ class WalkableFloor:
         return order[chosen]
 
     def _join(self, free: NDArray[np.bool_], start: NDArray[np.intp]) -> NDArray[np.bool_]:
-        """The free cells that are connected with the one nearest to the start."""
+        """Return the free cells that are connected to the one nearest to the start."""
         if not free.any():
             return free
         pieces, _ = ndimage.label(free, np.ones((3, 3)))

@@ -1,4 +1,4 @@
-"""People who walk, stop, stand together and block doors. They give way to robots that they see, as people do.
+"""People who walk, stop, stand together and block doors. They give way to robots that they see.
 
 Deterministic: the same seed and the same robots give the same walks. They decide ten times a second and move between.
 """
@@ -39,7 +39,7 @@ _ARRIVED = 0.15  # m
 
 @dataclass(frozen=True, slots=True, eq=False)
 class NearbyRobot:
-    """A robot as people see it: its outline, its pose in the map, and its velocity, m/s and rad/s."""
+    """A robot near people: its outline, its pose in the map, and its velocity, m/s and rad/s."""
 
     hull: Hull
     pose: Pose2
@@ -81,14 +81,14 @@ class Pedestrians:
 
     @property
     def headings(self) -> list[float]:
-        """The directions that they face, rad."""
+        """The headings of the people, rad."""
         return [person.heading for person in self._people]
 
     def _draw(self, limits: tuple[float, float]) -> float:
         return float(self._random.uniform(*limits))
 
     def is_due(self, time: float) -> bool:
-        """Return whether people decide at a time (s)."""
+        """Return whether the people decide at a time (s)."""
         return time >= self._next - 1e-9
 
     def decide(self, time: float, robots: Sequence[NearbyRobot]) -> None:
@@ -98,7 +98,7 @@ class Pedestrians:
             self._decide(number, person, time, robots)
 
     def advance(self, seconds: float) -> None:
-        """Walk on for so long."""
+        """Continue to walk for a time (s)."""
         self.places = self.places + self.velocities * seconds
 
     def _decide(self, number: int, person: _Person, time: float, robots: Sequence[NearbyRobot]) -> None:
@@ -131,7 +131,7 @@ class Pedestrians:
             self._turn_round(number, person, near)
 
     def _may_walk(self, number: int, person: _Person, velocity: Floats, robots: Sequence[NearbyRobot]) -> bool:
-        """Return whether walking so is free of walls, and brings the person too near to none."""
+        """Return whether a velocity leads to no wall, and not too near to another person."""
         here = self.places[number]
         (x, y), (vx, vy) = here.tolist(), velocity.tolist()
         fits = all(self._floor.fits(x + vx * seconds, y + vy * seconds) for seconds in (_PERIOD, _SOON))
@@ -144,7 +144,7 @@ class Pedestrians:
         return all(_keeps_space(here, velocity, person.space, robot) for robot in robots)
 
     def _give_way(self, number: int, person: _Person, time: float, robots: Sequence[NearbyRobot]) -> None:
-        """One who stands leaves when a robot has been waiting in front for a while."""
+        """Let a standing person leave after a robot has waited in front for a while."""
         here = self.places[number]
         waits = any(abs(robot.forward) < _RESTING and _gap(robot.hull, robot.pose, here) < _WAITING for robot in robots)
         person.blocked = person.blocked + _PERIOD if waits else 0.0
@@ -153,7 +153,7 @@ class Pedestrians:
             self._turn_round(number, person, robots)
 
     def _turn_round(self, number: int, person: _Person, robots: Sequence[NearbyRobot]) -> None:
-        """Choose a place to which the way leads away from robots, if there is one."""
+        """Choose a destination whose route leads away from robots, if there is one."""
         here = self.places[number]
         person.blocked, person.route = 0.0, []
         for end in self._random.permutation(self._floor.rooms).tolist():
@@ -166,7 +166,7 @@ class Pedestrians:
                 return
 
     def _arrive(self, number: int, person: _Person, time: float) -> None:
-        """Stand for a while at the place, and choose the next."""
+        """Stand for a while at the destination, and choose the next."""
         here, arrived = self.places[number], person.end
         draw = float(self._random.random())
         doors = len(self._floor.ends) - self._floor.rooms
@@ -194,7 +194,7 @@ class Pedestrians:
 
 
 def _keeps_space(here: Floats, velocity: Floats, space: float, robot: NearbyRobot) -> bool:
-    """Return whether one who walks so keeps away from a robot that goes on as it does, or leaves its space."""
+    """Return whether a walking person keeps away from a robot at constant velocity, or leaves its space."""
     now = _gap(robot.hull, robot.pose, here)
     for seconds in _AHEAD.tolist():
         turned = robot.pose.yaw + 0.5 * robot.turn * seconds
@@ -210,7 +210,7 @@ def _keeps_space(here: Floats, velocity: Floats, space: float, robot: NearbyRobo
 
 
 def _gap(hull: Hull, pose: Pose2, point: Floats) -> float:
-    """The room between a person and a robot, m."""
+    """Return the distance between a person and a robot, m."""
     c, s = math.cos(pose.yaw), math.sin(pose.yaw)
     dx, dy = point[0] - pose.x, point[1] - pose.y
     return float(hull.distances(np.array(((c * dx + s * dy, c * dy - s * dx),)))[0]) - PERSON_RADIUS

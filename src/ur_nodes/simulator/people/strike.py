@@ -15,7 +15,7 @@ _MOVING = 0.02  # m/s towards the person: slower robots were run into
 
 
 class Strikes:
-    """Counts them for each robot."""
+    """Counts contacts for each robot."""
 
     def __init__(self, robots: int) -> None:
         self._counts = [0] * robots
@@ -34,7 +34,7 @@ class Strikes:
         people: Iterable[NDArray[np.float64]],
         time: float,
     ) -> None:
-        """Note the places of the people that a robot touches at a time (s); `velocity` is that of the robot's frame."""
+        """Record the positions of people that a robot touches at a time (s); `velocity` is in the robot's frame."""
         forward, left, turn = velocity
         for place in people:
             x, y = pose.inverse().transform_points(place).tolist()
