@@ -7,13 +7,14 @@ floor.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass
 from xml.sax.saxutils import quoteattr
 
 import numpy as np
 
 from ur.robot.base import Base, Caster
+from ur.robot.base.outline import find_centroid
 from ur.worlds.world_file import Box, WorldModel
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.simulator.rectangles import merge_cells
@@ -149,7 +150,7 @@ def _robot(base: Base, number: int, pose: tuple[float, float, float], scenery: S
     mass = max(0.1 * base.mass, base.mass - 2.0 * base.wheels.mass)
     xs, ys = [p[0] for p in base.footprint], [p[1] for p in base.footprint]
     length, width = max(xs) - min(xs), max(ys) - min(ys)
-    centre_x, centre_y = _centroid(base.footprint)
+    centre_x, centre_y = find_centroid(base.footprint)
     centre_z = base.ground_clearance + 0.4 * (base.height - base.ground_clearance)
     inertia = " ".join(
         f"{mass / 12.0 * (a * a + b * b)!r}" for a, b in ((width, base.height), (length, base.height), (length, width))
@@ -208,17 +209,6 @@ def _motors(base: Base, robots: int, friction: float) -> Iterable[str]:
 def _rotor_inertia(base: Base) -> float:
     """Of a geared motor, seen from the wheel: a share of what it moves ahead or in turns, whichever is more; kg m^2."""
     xs, ys = [p[0] for p in base.footprint], [p[1] for p in base.footprint]
-    about_axle = ((max(xs) - min(xs)) ** 2 + (max(ys) - min(ys)) ** 2) / 12.0 + _centroid(base.footprint)[0] ** 2
+    about_axle = ((max(xs) - min(xs)) ** 2 + (max(ys) - min(ys)) ** 2) / 12.0 + find_centroid(base.footprint)[0] ** 2
     in_turns = about_axle / (base.wheels.separation / 2.0) ** 2  # what a kilogram counts at the wheels
     return 0.3 * base.mass / 2.0 * max(1.0, in_turns) * base.wheels.radius**2
-
-
-def _centroid(polygon: Sequence[tuple[float, float]]) -> tuple[float, float]:
-    """Return the centroid of a simple polygon (shoelace formula)."""
-    area = cx = cy = 0.0
-    for (x0, y0), (x1, y1) in zip(polygon, [*polygon[1:], polygon[0]], strict=True):
-        cross = x0 * y1 - x1 * y0
-        area += cross / 2.0
-        cx += (x0 + x1) * cross / 6.0
-        cy += (y0 + y1) * cross / 6.0
-    return (cx / area, cy / area) if area else (0.0, 0.0)

@@ -14,6 +14,14 @@ def measure_area(points: Sequence[Point]) -> float:
     return sum(x0 * y1 - x1 * y0 for (x0, y0), (x1, y1) in zip(points, ends, strict=True)) / 2.0
 
 
+def find_centroid(points: Sequence[Point]) -> Point:
+    """Return the centroid of a simple polygon, by the shoelace formula."""
+    ends = [*points[1:], points[0]]
+    edges = [(x0 + x1, y0 + y1, x0 * y1 - x1 * y0) for (x0, y0), (x1, y1) in zip(points, ends, strict=True)]
+    total = 3.0 * sum(cross for _, _, cross in edges)
+    return sum(x * cross for x, _, cross in edges) / total, sum(y * cross for _, y, cross in edges) / total
+
+
 def find_crossing(points: Sequence[Point]) -> tuple[int, int] | None:
     """Return the numbers (from 1) of two points whose edges cross, or None for a simple polygon."""
     count = len(points)

@@ -11,7 +11,7 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from ur.robot.base.outline import Point, is_inside
+from ur.robot.base.outline import Point, find_centroid, is_inside
 from ur.robot.description.drive import DriveGeometry, find_drive, find_steering
 from ur.robot.description.figures import (
     HIGHEST_ANGULAR_VELOCITY,
@@ -221,7 +221,7 @@ def _read_supports(
     if len(axles) > 1 and axles[-1] - axles[0] > 0.02:
         found += [Support(x, 0.0, usual, "below an axle") for x in (axles[-1], axles[0])]
     side = figures["wheel_separation"].value / 2.0
-    x0, y0 = _centre(outline)
+    x0, y0 = find_centroid(outline)
     xs = [x for x, _ in outline]
     for end in (min(xs), max(xs)):
         ground = [(0.0, side), (0.0, -side), *((support.x, support.y) for support in found)]
@@ -231,19 +231,10 @@ def _read_supports(
     return tuple(found)
 
 
-def _centre(outline: Sequence[Point]) -> Point:
-    """Return the centroid of a polygon."""
-    total = x = y = 0.0
-    for (ax, ay), (bx, by) in zip(outline, [*outline[1:], outline[0]], strict=True):
-        cross = ax * by - bx * ay
-        total, x, y = total + cross, x + (ax + bx) * cross, y + (ay + by) * cross
-    return x / (3.0 * total), y / (3.0 * total)
-
-
 def _add_lidar(description: Description, figures: Mapping[str, Figure], outline: Sequence[Point]) -> FoundSensor:
     names = {link.name for link in description.links}
     frame = next(name for name in ("laser", "lidar", "top_laser", "laser_of_ur") if name not in names)
-    x = _centre(outline)[0] if outline else 0.0
+    x = find_centroid(outline)[0] if outline else 0.0
     height = figures["height"].value if "height" in figures else 0.3
     return FoundSensor("lidar", frame, frame, make_pose((x, 0.0, height + 0.05), (0.0, 0.0, 0.0)), "given: on top")
 
