@@ -7,7 +7,7 @@ import re
 import pytest
 
 from ur.check.catalogue import load_rules
-from ur.check.render.pages import check_example, marked_place
+from ur.check.render.pages import FOLDER, check_example
 from ur.check.rule import Example, Rule
 from ur.source.render import render_human
 
@@ -18,6 +18,11 @@ WITHOUT_EXAMPLE = {  # limits of size, and what depends on the computer
 }  # fmt: skip
 BAD = [(rule, example) for rule in RULES.values() for example in rule.bad]
 GOOD = [(rule, example) for rule in RULES.values() for example in rule.good]
+
+
+def marked_place(example: Example) -> tuple[str, int, int]:
+    path, text = next(each for each in example.files.items() if "«" in each[1])
+    return path if path.startswith("/") else f"{FOLDER}/{path}", text.index("«"), text.index("»") - 1
 
 
 def name_of(value: object) -> str:

@@ -166,11 +166,6 @@ class CheckSession:
             else:
                 yield self._store(unit, FoundByUnit(tuple(map(Hit, self._check_other(*unit)))))
 
-    @property
-    def is_finished(self) -> bool:
-        """Return whether no work is pending."""
-        return self._was_read and not self._todo
-
     def _recall_outline(self, path: str) -> IncludeOutline | None:
         return self._recall.find_outline(path, self._asked) if self._recall is not None else None
 

@@ -8,8 +8,9 @@ import pytest
 
 from ur.robot.ssh.address import Address
 from ur.robot.ssh.openssh import SshShell
-from ur.robot.sync.steps import File, read_files
+from ur.robot.sync.steps import File, check_path
 from ur.robot.sync.sync import rsync_command
+from ur.source.foreign.json_values import convert_json
 
 ROOTS = {"here": "/home/pat/catkin_ws/src", "there": "/home/ros/catkin_ws/src"}
 SSH = SshShell(Address("ros", "bob.local"), ["-o", "ControlPath=/run/a b"])
@@ -37,7 +38,7 @@ def test_other_direction_turns_source_and_target() -> None:
 @pytest.mark.parametrize("path", ["../x", "a/../../x", "/etc/x", "", "a//b", "./a", "a/", "a\0b", ".."])
 def test_path_that_leads_out_of_the_workspace_is_refused(path: str) -> None:
     with pytest.raises(ValueError, match="no path inside of a workspace"):
-        read_files({path: ["link", 0, 0, False, "/etc/passwd"]})
+        check_path(path)
 
 
 @pytest.mark.parametrize(
@@ -46,9 +47,8 @@ def test_path_that_leads_out_of_the_workspace_is_refused(path: str) -> None:
 )
 def test_row_that_is_no_file_is_refused(row: list[Any]) -> None:
     with pytest.raises((ValueError, TypeError)):
-        read_files({"a": row})
+        convert_json({"a": row}, dict[str, File])
 
 
 def test_names_that_only_look_like_ways_out_are_files() -> None:
-    row = ["file", 1, 2, True, "hash"]
-    assert read_files({"a/..b": row, "...": row})["..."] == File("file", 1, 2, True, "hash")
+    assert [check_path(each) for each in ("a/..b", "...")] == ["a/..b", "..."]

@@ -89,15 +89,6 @@ def check_example(example: Example) -> CheckReport:
     return check_paths([FOLDER], MemoryWorld(files, _PACKAGES, example.environment, executables))
 
 
-def marked_place(example: Example) -> tuple[str, int, int] | None:
-    """Return path, start and end of the text between the marks of a bad example."""
-    for path, text in example.files.items():
-        if OPEN in text:
-            start = text.index(OPEN)
-            return _place(path), start, text.index(CLOSE) - 1
-    return None
-
-
 def strip_marks(text: str) -> str:
     """Return an example's text without the marks, as the checker reads it."""
     return text.replace(OPEN, "").replace(CLOSE, "")

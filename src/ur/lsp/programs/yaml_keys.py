@@ -21,7 +21,6 @@ from ur.lsp.workspace import Workspace
 _LIBRARY = "ubiquity_launches"
 _MOST_FILES = 40
 _MOST_TEXT = 200_000  # characters of a file
-_OF_WORLD = re.compile(r"^(floor_plan|boxes|obstacles|fiducials|drops):", re.MULTILINE)
 _OF_MAP = re.compile(r"^(image|resolution):", re.MULTILINE)
 
 

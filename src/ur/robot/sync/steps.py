@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Literal
 
-from ur.source.foreign.json_values import ForeignValue, convert_json
+from ur.source.foreign.json_values import ForeignValue
 
 Kind = Literal["file", "link", "folder"]
 Side = Literal["here", "there"]
@@ -97,16 +97,11 @@ class SyncPlan:
     notes: tuple[str, ...] = ()
 
 
-def read_files(rows: object) -> dict[str, File]:
-    """Parse files from JSON, which another computer may have sent. Raises ValueError if it is invalid.
-
-    A path stays inside of the workspace: it is relative, and no part of it is empty, `.` or `..`.
-    """
-    return {check_path(path): file for path, file in convert_json(rows, dict[str, File]).items()}
-
-
 def check_path(path: str) -> str:
-    """Return a path of a workspace unchanged. Raises ValueError for one outside of the workspace."""
+    """Return a path of a workspace unchanged. Raises ValueError for one outside of the workspace.
+
+    A path inside is relative, and no part of it is empty, `.` or `..`.
+    """
     if "\0" in path or any(part in ("", ".", "..") for part in path.split("/")):
         raise ValueError(f"{path!r} is no path inside of a workspace")
     return path

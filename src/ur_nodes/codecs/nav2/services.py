@@ -30,7 +30,6 @@ _Made = KindServiceCodec[_Message]
 
 _LONGEST = 4096  # characters of a path
 _FAILED = 255
-_NO_MAP = 1
 _FORMATS = ("", "pgm")
 _MODES = ("", "trinary")
 _OCCUPIED, _FREE = 0.65, 0.25  # where a request has 0
