@@ -1,7 +1,7 @@
-"""Doubt about a pose: whether scans still fit the map where the robot is thought to be. Pure.
+"""Detection of a lost robot: whether scans still fit the map at the estimated pose. Pure.
 
 People and new furniture make beams shorter than the map says, and a robot among them keeps its pose. A robot that was
-carried away looks through walls of the map as well, which nothing that is added to a room can cause.
+carried away also sees through walls of the map, which objects that were added to a room cannot cause.
 """
 
 from __future__ import annotations
@@ -38,19 +38,22 @@ class PlaceFit:
 
     @property
     def is_good(self) -> bool:
-        """Return whether the scan may well have been taken at this pose."""
+        """Return whether the scan fits this pose well."""
         return self.agreement >= _GOOD and self.through <= _CLEAR
 
 
 def step_doubt(doubt: float, fit: PlaceFit) -> float:
-    """The doubt after one more scan: it grows by at most 1, and ends at 0."""
+    """Return the doubt after one more scan: it grows by at most 1, and is at least 0."""
     if fit.agreement < LITTLE and fit.through > _CONTRADICTED:
         return doubt + 1.0
     return doubt + _SLOWLY if fit.agreement < _NEARLY_NONE else max(0.0, doubt - 1.0)
 
 
 def share_through_walls(grid: Grid, pose: Pose2, points: NDArray[np.float64]) -> float:
-    """The share (0..1) of beams that end well behind a wall. `points` (n, 2) are their ends in the robot's frame, m."""
+    """Return the share (0..1) of beams that end well behind a wall.
+
+    `points` (n, 2) are their ends in the robot's frame, m.
+    """
     lengths = np.hypot(*points.T)
     free = lengths - _BEHIND
     if not (free > 0.0).any():

@@ -16,7 +16,7 @@ from ur_nodes.localisation.likelihood import LikelihoodField
 class MatchSettings:
     """`sigma` (m): spread of a beam's end about the wall, larger than the lidar's noise because neighbours err alike.
 
-    Ends farther than about `outlier` (m) from any wall count less and less: they hit what the map does not have.
+    Ends farther than about `outlier` (m) from any wall get lower weights: they hit objects that the map does not have.
     """
 
     sigma: float = 0.05
@@ -40,7 +40,7 @@ def match_scan(
     points: NDArray[np.float64],
     settings: MatchSettings,
 ) -> RefinedPose:
-    """The most likely pose given a Gaussian prior and beams that end at points (m, 2) in the robot's frame.
+    """Find the most likely pose for a Gaussian prior and beams that end at points (m, 2) in the robot's frame.
 
     Residuals are signed distances to walls, read with bilinear interpolation; weights are Geman-McClure's, and none
     for ends on the far side of a wall. Along
@@ -66,7 +66,7 @@ def match_scan(
 def match_many(
     field: LikelihoodField, poses: NDArray[np.float64], points: NDArray[np.float64], settings: MatchSettings
 ) -> NDArray[np.float64]:
-    """Poses (n, 3) moved to the nearest place each where the scan fits; steps are damped as there is no prior."""
+    """Move poses (n, 3) each to the nearest place where the scan fits; steps are damped as there is no prior."""
     damping = len(points) / settings.sigma**2 * np.diag((1e-2, 1e-2, 1e-2))
     moved: NDArray[np.float64] = poses.copy()
     for _ in range(settings.iterations):
@@ -79,7 +79,7 @@ def match_many(
 def _normal_equations(
     field: LikelihoodField, poses: NDArray[np.float64], points: NDArray[np.float64], settings: MatchSettings
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
-    """For poses (n, 3): Gauss-Newton's matrix (n, 3, 3), gradient (n, 3), and the share (n) of beams on walls."""
+    """Return for poses (n, 3) Gauss-Newton's matrix (n, 3, 3), gradient (n, 3), and the share (n) of beams on walls."""
     residuals, slopes, on_near_side = _linearise(field, poses, points)
     trust = np.square(1.0 / (1.0 + np.square(residuals / settings.outlier)))
     trust *= on_near_side
@@ -94,7 +94,7 @@ def _normal_equations(
 def _linearise(
     field: LikelihoodField, poses: NDArray[np.float64], points: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.bool_]]:
-    """Signed distances (n, m) to walls of the beams' ends, and how they change (n, 3, m) with x, y and yaw.
+    """Return signed distances (n, m) of the beams' ends to walls, and their derivatives (n, 3, m) by x, y and yaw.
 
     The third selects the ends (n, m) on the near side of a wall: further along the beam lies the wall. An end on the
     far half of a thin wall would be drawn to the back of it, which no beam can see.
@@ -118,7 +118,7 @@ def _linearise(
 def _interpolate(
     field: LikelihoodField, rows: NDArray[np.float64], columns: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
-    """Distances (...) between those of cells' centres at rows and columns (...), and their slopes down and right."""
+    """Interpolate distances (...) at rows and columns (...) between cells' centres, and their slopes down and right."""
     height, width = field.distances.shape
     row = np.clip(rows, 0.0, height - 1.001)
     column = np.clip(columns, 0.0, width - 1.001)
