@@ -28,6 +28,7 @@ PUBLISHED: dict[tuple[str, str], dict[str, str]] = {
     ("pi_sonar", "pi_sonar"): {"/sonars": "sensor_msgs/Range"},
     ("rplidar_ros", "rplidarNode"): {"scan": "sensor_msgs/LaserScan"},
     ("ubiquity_launches", "lidar_driver"): {"scan": "sensor_msgs/LaserScan"},
+    ("ubiquity_launches", "sonar_driver"): {"sonars": "sensor_msgs/Range"},
     ("ubiquity_launches", "base_driver"): {
         "odom": "nav_msgs/Odometry",
         "joint_states": "sensor_msgs/JointState",
@@ -51,7 +52,7 @@ LEFT_OUT = {
     "stage": {"battery_state", "bumpers", "camera", "imu/data"},
 }
 LEFT_OUT_UPSTREAM = LEFT_OUT | {"botvac": {"battery_state", "cliffs"}}
-UPSTREAM = [each for each in EVERY if each[0] in ("magni", "botvac")]
+UPSTREAM = [each for each in EVERY if each[0] in ("magni", "botvac", "loki")]
 
 
 def make_plan(base: Base, **values: str) -> Plan:
@@ -93,6 +94,8 @@ def topics_of(plan: Plan, base: Base) -> dict[str, str]:
                 topics |= {f"/{base.bumpers.topic}/{each.name}": "std_msgs/Bool" for each in base.bumpers.at}
         if node.type == "base_driver" and base.lidar and not any(each.part == "lidar" for each in base.drivers):
             topics[f"/{base.lidar.topic}"] = "sensor_msgs/LaserScan"
+        if node.type == "base_driver" and base.sonars and not any(each.part == "sonars" for each in base.drivers):
+            topics[f"/{base.sonars.topic}"] = "sensor_msgs/Range"
     return topics
 
 
@@ -121,13 +124,13 @@ def test_drivers_publish_what_the_simulated_base_publishes(name: str, variant: s
 def test_upstreams_drivers_publish_it_too_where_they_are_asked_for(name: str, variant: str) -> None:
     base = load(name, variant)
     plan = make_plan(base, simulate="false", upstream_drivers="true")
-    assert not any(node.type in ("base_driver", "lidar_driver") for node in plan.nodes)
+    assert not any(node.type in ("base_driver", "lidar_driver", "sonar_driver") for node in plan.nodes)
     missing = left_out(base, LEFT_OUT_UPSTREAM[name])
     given = topics_of(plan, base)
     expected = {topic: kind for topic, kind in list_topics(base).items() if topic not in missing}
     assert {topic: given.get(topic) for topic in expected} == expected
     command = "ubiquity_velocity_controller/cmd_vel" if name == "magni" else "cmd_vel"
-    node = next(node for node in plan.nodes if node.type in ("motor_node", "neato.py"))
+    node = next(node for node in plan.nodes if node.type in ("motor_node", "neato.py", "bus_server.py"))
     assert resolve(command, node) == "/cmd_vel"
 
 
@@ -207,7 +210,7 @@ def test_motor_board_of_magni_is_told_the_figures_of_its_base() -> None:
 def test_board_of_loki_is_told_the_figures_of_its_base() -> None:
     base = load("loki", "")
     assert base.sonars
-    own = params_of(make_plan(base, simulate="false"), "/bus_server/")
+    own = params_of(make_plan(base, simulate="false", upstream_drivers="true"), "/bus_server/")
     assert own["wheel_diameter"] == 2 * base.wheels.radius
     assert own["wheel_spread"] == base.wheels.separation
     assert own["encoder_resolution"] == base.odometry.ticks_per_turn
@@ -228,12 +231,18 @@ def test_sonars_of_magni_have_the_frames_that_pi_sonar_gives_them() -> None:
     base = load("magni", "")
     assert base.sonars
     assert [sonar.frame for sonar in base.sonars.at] == [f"sonar_{number}" for number in range(5)]
-    own = params_of(make_plan(base, simulate="false"), "/pi_sonar/")
+    own = params_of(make_plan(base, simulate="false", upstream_drivers="true"), "/pi_sonar/")
     assert own == {
         "field_of_view": base.sonars.field_of_view,
         "min_range": base.sonars.range_min,
         "max_range": base.sonars.range_max,
     }
+
+
+def test_simulator_stands_for_the_sonars_of_magni_and_for_the_board_of_loki() -> None:
+    for name, types in (("magni", {"base_driver"}), ("loki", {"base_driver"})):
+        plan = make_plan(load(name, ""), simulate="devices")
+        assert {node.type for node in plan.nodes if node.type.endswith("_driver")} == types
 
 
 def test_bumpers_of_botvac_have_all_of_upstreams_names() -> None:

@@ -30,5 +30,16 @@ def test_stable_names_in_base_files_are_made_by_the_rules(base: str) -> None:
         expected = expected_devices(load_base(LIBRARY, base, variant))
         rules = write_rules(expected)
         for each in expected:
-            if each.path and not each.path.startswith("/dev/tty"):
+            if each.kind == "serial" and not each.path.startswith("/dev/tty"):
                 assert f'SYMLINK+="{each.path.removeprefix("/dev/")}"' in rules
+
+
+def test_chips_and_buses_of_a_header_are_opened_by_the_group_of_serial_devices() -> None:
+    expected = [Expected("sonars", "gpio", "/dev/gpiochip0"), Expected("imu", "i2c", "/dev/i2c-1")]
+    rules = write_rules(expected).removeprefix(write_rules())
+    assert rules.splitlines() == [
+        "# sonars",
+        'SUBSYSTEM=="gpio", KERNEL=="gpiochip0", GROUP="dialout", MODE="0660"',
+        "# imu",
+        'SUBSYSTEM=="i2c-dev", KERNEL=="i2c-1", GROUP="dialout", MODE="0660"',
+    ]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-Kind = Literal["serial", "camera", "joystick", "i2c", "hid", "usb"]
+Kind = Literal["serial", "camera", "joystick", "i2c", "gpio", "hid", "usb"]
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,12 +11,13 @@ from importlib.resources import files
 from ur.devices.device import Device, Kind
 
 COLUMNS = ("id", "match", "product", "kind", "stable", "baud", "sure", "probe", "what", "source")
-KINDS: tuple[Kind, ...] = ("serial", "camera", "joystick", "i2c", "hid", "usb")
+KINDS: tuple[Kind, ...] = ("serial", "camera", "joystick", "i2c", "gpio", "hid", "usb")
 _NAMES = {
     "serial": "serial device",
     "camera": "camera",
     "joystick": "joystick",
     "i2c": "I2C bus",
+    "gpio": "GPIO chip",
     "hid": "input device",
     "usb": "USB device",
 }

@@ -17,6 +17,7 @@ _KINDS: Mapping[str, Kind] = {
     "video4linux": "camera",
     "input": "joystick",
     "i2c-dev": "i2c",
+    "gpio": "gpio",
     "hidraw": "hid",
     "usb": "usb",
 }
@@ -45,6 +46,10 @@ mark device; echo "class $c"; node "$p"; text name "$e/name"
 d=$(readlink -f "$e/device"); w=$(readlink "$d/driver"); [ -z "$w" ] || echo "driver ${w##*/}"
 ! usb "$d" || about "$u"
 done
+for e in "$R"/sys/bus/gpio/devices/gpiochip*; do
+[ -e "$R/dev/${e##*/}" ] || continue
+mark device; echo "class gpio"; node "/dev/${e##*/}"
+done
 for u in "$R"/sys/bus/usb/devices/*; do
 [ -e "$u/idVendor" ] || continue
 [ "$(cat "$u/bDeviceClass" 2>/dev/null)" != 09 ] || continue
@@ -56,7 +61,8 @@ done"""
 _HOLDERS = r"""
 [ "$(id -u)" != 0 ] || echo all
 find "$R"/proc/[0-9]*/fd -maxdepth 1 \( -lname '/dev/tty[A-Z]*' -o -lname '/dev/video*' -o -lname '/dev/input/js*' \
--o -lname '/dev/hidraw*' -o -lname '/dev/i2c-*' -o -lname '/dev/bus/usb/*' \) -printf '%h %l\n' 2>/dev/null |
+-o -lname '/dev/hidraw*' -o -lname '/dev/i2c-*' -o -lname '/dev/gpiochip*' \
+-o -lname '/dev/bus/usb/*' \) -printf '%h %l\n' 2>/dev/null |
 sort -u | while read -r f l; do p=${f%/fd}; p=${p##*/}
 echo "$p $(stat -c %U "$R/proc/$p" 2>/dev/null) $l $(head -c 60 "$R/proc/$p/comm" 2>/dev/null)"; done"""
 _GRABBERS = r"""

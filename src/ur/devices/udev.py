@@ -7,8 +7,13 @@ from collections.abc import Iterable, Iterator, Sequence
 from ur.devices.device import Expected
 from ur.devices.known import KnownDevice, find_rows, load_known
 
-RELOAD = (
-    "udevadm control --reload && udevadm trigger --subsystem-match=tty --action=change && udevadm settle --timeout=10"
+_SUBSYSTEMS = {"serial": "tty", "gpio": "gpio", "i2c": "i2c-dev"}
+RELOAD = " ".join(
+    [
+        *("udevadm control --reload && udevadm trigger --action=change",),
+        *(f"--subsystem-match={each}" for each in _SUBSYSTEMS.values()),
+        "&& udevadm settle --timeout=10",
+    ]
 )
 _HEAD = """\
 # Stable names of the devices of robots. Written by ur.
@@ -22,7 +27,7 @@ def write_rules(expected: Sequence[Expected] = (), table: Sequence[KnownDevice] 
     ModemManager ignores these devices, because it would send modem commands to them.
     """
     rows = [*_wanted(expected, load_known() if table is None else table)]
-    return _HEAD + "".join(_rule(row) for row in rows)
+    return _HEAD + "".join(_rule(row) for row in rows) + "".join(_header_rule(each) for each in _on_headers(expected))
 
 
 def _wanted(expected: Iterable[Expected], table: Sequence[KnownDevice]) -> Iterator[KnownDevice]:
@@ -30,6 +35,17 @@ def _wanted(expected: Iterable[Expected], table: Sequence[KnownDevice]) -> Itera
     for row in table:
         if row.stable and not row.match.startswith("/") and (row.sure or row in named):
             yield row
+
+
+def _on_headers(expected: Iterable[Expected]) -> Iterator[Expected]:
+    """The chips and buses of a board's header that drivers open; Debian leaves them to root."""
+    return (each for each in expected if each.kind in ("gpio", "i2c") and each.path)
+
+
+def _header_rule(expected: Expected) -> str:
+    name = expected.path.rpartition("/")[2]
+    tests = f'SUBSYSTEM=="{_SUBSYSTEMS[expected.kind]}", KERNEL=="{name}"'
+    return f'# {expected.part}\n{tests}, GROUP="dialout", MODE="0660"\n'
 
 
 def _rule(row: KnownDevice) -> str:

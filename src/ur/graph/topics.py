@@ -188,13 +188,25 @@ def _base_driven(own: Mapping[str, ParamValue]) -> _Found:
     for name in ("odom", "joint_states", "/tf"):
         yield name, "publishes", ""
     yield "cmd_vel", "subscribes", ""
-    for part in (base.battery, base.bumpers, base.cliffs) if base else ():
-        yield from ((topic, "publishes", "") for topic in (part.topics() if part else ()))
+    own_drivers = {each.part for each in base.drivers} if base else frozenset[str]()
+    for name, sensor in base.list_sensors() if base else ():
+        if name in _OF_BOARDS and name not in own_drivers:
+            yield from ((topic, "publishes", "") for topic in sensor.topics())
 
 
 def _lidar_driven(own: Mapping[str, ParamValue]) -> _Found:
     base = _load(own)
     yield base.lidar.topic if base and base.lidar else "scan", "publishes", ""
+
+
+def _sonar_driven(own: Mapping[str, ParamValue]) -> _Found:
+    base = _load(own)
+    yield base.sonars.topic if base and base.sonars else "sonars", "publishes", ""
+
+
+def _imu_driven(own: Mapping[str, ParamValue]) -> _Found:
+    base = _load(own)
+    yield base.imu.topic if base and base.imu else "imu/data", "publishes", ""
 
 
 def _load(own: Mapping[str, ParamValue]) -> Base | None:
@@ -204,9 +216,12 @@ def _load(own: Mapping[str, ParamValue]) -> Base | None:
         return None
 
 
+_OF_BOARDS = ("lidar", "sonars", "bumpers", "cliffs", "battery")
 _NODES = {
     "simulator": _simulated,
     "driver_adapter": _adapted,
     "base_driver": _base_driven,
     "lidar_driver": _lidar_driven,
+    "sonar_driver": _sonar_driven,
+    "imu_driver": _imu_driven,
 }

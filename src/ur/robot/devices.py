@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ur.devices.device import DeviceSnapshot, Expected
+from ur.devices.device import DeviceSnapshot, Expected, Kind
 from ur.devices.observe import device_script, parse_devices
 from ur.robot.base.properties import Base
 from ur.robot.ssh.shell import Shell
@@ -15,11 +15,16 @@ def expected_devices(base: Base) -> tuple[Expected, ...]:
     drivers = (*([base.driver] if base.driver else []), *base.drivers)
     found = []
     for driver in drivers:
-        if driver.device:
-            found.append(Expected(driver.part, "serial", driver.device, driver.hardware, driver.baud))
+        if driver.device.startswith("/"):  # and not behind TCP
+            found.append(Expected(driver.part, _kind_of(driver.device), driver.device, driver.hardware, driver.baud))
         elif driver.part == "raspicam":
             found.append(Expected(driver.part, "camera"))
     return tuple(found)
+
+
+def _kind_of(path: str) -> Kind:
+    name = path.rpartition("/")[2]
+    return "gpio" if name.startswith("gpiochip") else "i2c" if name.startswith("i2c-") else "serial"
 
 
 def inspect_devices(shell: Shell) -> DeviceSnapshot:

@@ -10,7 +10,16 @@ from ur_nodes.drivers.boards.board import MotorBoard
 from ur_nodes.drivers.health import HealthMeter, Report
 from ur_nodes.drivers.lines.line import REPORT, Connect, LineSettings, LineUser, describe_loss
 from ur_nodes.drivers.odometer import CounterOdometry
-from ur_nodes.drivers.readings import Contacts, Counts, DeviceIdentity, MeasuredBeams, Motors, Power, Reading
+from ur_nodes.drivers.readings import (
+    Contacts,
+    Counts,
+    DeviceIdentity,
+    MeasuredBeams,
+    Motors,
+    Power,
+    Reading,
+    SonarEcho,
+)
 from ur_nodes.motion.wheel_drive import WheelDrive
 from ur_nodes.ports.node import SECOND, Node
 from ur_nodes.ports.values import Twist
@@ -121,6 +130,8 @@ class BaseDriver:
             self._topics.send_contacts(reading)
         elif isinstance(reading, MeasuredBeams):
             self._topics.send_beams(reading, stamp)
+        elif isinstance(reading, SonarEcho):
+            self._topics.send_echo(reading, stamp)
         elif isinstance(reading, Motors):
             self._take_motors(reading)
         elif isinstance(reading, DeviceIdentity):

@@ -8,12 +8,13 @@ from ur.robot.base import Base, Bumpers, Cliffs
 from ur_nodes.drivers.base_states import WHEEL_JOINTS
 from ur_nodes.drivers.lidars.turns import TurnCollector
 from ur_nodes.drivers.odometer import CounterOdometry, Motion
-from ur_nodes.drivers.readings import Contacts, MeasuredBeams, Power
+from ur_nodes.drivers.readings import Contacts, MeasuredBeams, Power, SonarEcho
+from ur_nodes.drivers.sonars.ranges import make_range
 from ur_nodes.geometry.dead_reckoning import SPEED_COVARIANCE, covariance_matrix
 from ur_nodes.geometry.pose import Pose3, quaternion_of_yaw
 from ur_nodes.ports.node import SECOND, Node, Publisher
 from ur_nodes.ports.qualities import Quality
-from ur_nodes.ports.values import Battery, Joints, Odometry, Scan, Transform, Twist
+from ur_nodes.ports.values import Battery, Joints, Odometry, Range, Scan, Transform, Twist
 
 _BATTERY_PERIOD = 1.0  # s
 _WARN_EVERY = 60.0  # s
@@ -40,6 +41,8 @@ class BaseTopics:
         own_lidar = base.lidar if not any(each.part == "lidar" for each in base.drivers) else None
         self._turns = TurnCollector(own_lidar) if own_lidar else None
         self._scans = node.publish(own_lidar.topic, Scan) if own_lidar else None
+        self._sonars = base.sonars if not any(each.part == "sonars" for each in base.drivers) else None
+        self._echoes = node.publish(self._sonars.topic, Range, Quality.EVERY) if self._sonars else None
         self._reported: dict[tuple[str, str], bool] = {}
         node.every(_BATTERY_PERIOD, self._beat)
 
@@ -74,6 +77,12 @@ class BaseTopics:
         if self._scans and self._turns:
             for scan in self._turns.take(beams, stamp):
                 self._scans.send(scan)
+
+    def send_echo(self, echo: SonarEcho, stamp: int) -> None:
+        """Send a range, where the base has sonars without a driver of their own."""
+        if self._echoes and self._sonars and echo.number < len(self._sonars.at):
+            measured = stamp - round(echo.age * SECOND)
+            self._echoes.send(make_range(self._sonars, self._sonars.at[echo.number].frame, echo.distance, measured))
 
     def _beat(self) -> None:
         battery, now = self._properties, self.battery

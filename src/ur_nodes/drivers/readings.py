@@ -40,6 +40,15 @@ class Contacts:
 
 
 @dataclass(frozen=True, slots=True)
+class SonarEcho:
+    """The distance (m) that a sonar of a board measured `age` s before the board reported it; `number`: from 0 on."""
+
+    number: int
+    distance: float
+    age: float
+
+
+@dataclass(frozen=True, slots=True)
 class Motors:
     """The device's motors obey, or they do not, for a `reason` (a clause, as "the emergency stop is pressed")."""
 
@@ -82,4 +91,4 @@ class MeasuredBeams:
     complete: bool = False
 
 
-Reading = Counts | Power | Contacts | Motors | DeviceIdentity | MeasuredBeams | Reply
+Reading = Counts | Power | Contacts | SonarEcho | Motors | DeviceIdentity | MeasuredBeams | Reply

@@ -13,7 +13,7 @@ from ur.robot.discovery.ask import clock_offset
 from ur.robot.robot_file import ROBOT_FILE, RobotFile, load_robot_file
 from ur.robot.setup.facts import ABSENT, ComputerFacts, FileState
 from ur.robot.setup.keys import HOST_KEY
-from ur.robot.setup.raspberry_pi import serial_header
+from ur.robot.setup.raspberry_pi import header
 from ur.robot.setup.robot_states import (
     AVAHI,
     CLOUD,
@@ -40,7 +40,7 @@ FACTS = ComputerFacts(
     "1",
     frozenset(),
     files={
-        **dict.fromkeys(serial_header.FILES, ABSENT),
+        **dict.fromkeys(header.FILES, ABSENT),
         HOST_KEY: FileState(f"{HOST} root@robot\n"),
         CLOUD: ABSENT,
         AVAHI: ABSENT,

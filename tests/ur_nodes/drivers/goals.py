@@ -24,6 +24,7 @@ from ur_nodes.ports.node import SECOND
 BASES = {
     "arduino": ("create2", "lidar"),
     "create2": ("create2", "lidar"),
+    "loki": ("create2", "lidar"),
     "magni": ("magni", "lidar"),
     "neato": ("botvac", ""),
     "turtlebot3": ("create2", "lidar"),

@@ -47,6 +47,9 @@ class StillPlant:
     def cliffs(self) -> dict[str, bool]:
         return {}
 
+    def sonars(self) -> list[float]:
+        return [1.0, 0.5, 9.0]
+
     def ranges(self) -> Any:
         return 1.0 + random.Random(int(self.time * 100)).random() + np.arange(360) / 100.0
 

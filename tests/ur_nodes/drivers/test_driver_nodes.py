@@ -47,8 +47,8 @@ def test_parameters_name_another_device_board_and_kind_of_lidar(tmp_path: Path) 
 @pytest.mark.parametrize(
     ("node_start", "parameters", "message"),
     [
-        (BASE, {"base": "stage"}, "expected one of arduino, create2, magni"),
-        (BASE, {"base": "create2", "board": "creat2"}, "expected one of arduino, create2, magni"),
+        (BASE, {"base": "stage"}, "expected one of arduino, create2, loki, magni"),
+        (BASE, {"base": "create2", "board": "creat2"}, "expected one of arduino, create2, loki, magni"),
         (BASE, {"base": "create2", "device": "ttyUSB0"}, "expected a device file"),
         (LIDAR, {"base": "create2"}, "base 'create2' has no lidar"),
         (

@@ -51,9 +51,15 @@ LIBRARY_NODES: dict[str, Interface] = {
         subscribes="fiducial_vertices camera_info tf initialpose",
         services="clear_map save_map global_localization",
     ),
+    "gnss_driver": make_interface(
+        publishes="fix",
+    ),
     "republish": make_interface(
         publishes="out",
         subscribes="in",
+    ),
+    "imu_driver": make_interface(
+        publishes="imu/data",
     ),
     "joy_node": make_interface(
         publishes="joy",
@@ -113,6 +119,9 @@ LIBRARY_NODES: dict[str, Interface] = {
         publishes="map map_metadata ~entropy tf",
         subscribes="scan imu tf",
         services="dynamic_map ~save",
+    ),
+    "sonar_driver": make_interface(
+        publishes="sonars",
     ),
     "teleop_node": make_interface(
         publishes="cmd_vel_stamped cmd_vel_mux/lease_request",

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 class OwnDriver:
     """A driver: `what` describes the hardware; the others are its device file, baud rate and known device.
 
-    `sensor` is '' for the driver of a base; `baud` is 0 for the protocol's default.
+    `sensor` is '' for the driver of a base; `baud` is 0 for the protocol's default, or where there is no serial line.
     """
 
     what: str
@@ -27,12 +27,14 @@ class OwnDriver:
     @property
     def executable(self) -> str:
         """The name of the driver's executable in this package."""
-        return "lidar_driver" if self.sensor else "base_driver"
+        return _EXECUTABLES[self.sensor]
 
 
+_EXECUTABLES = {"": "base_driver", "lidar": "lidar_driver", "sonars": "sonar_driver", "imu": "imu_driver"}
 OWN_DRIVERS: Mapping[str, OwnDriver] = {
     "arduino": OwnDriver("an Arduino with the sketch ur_base", "", "/dev/ttyACM0", 115200),
     "create2": OwnDriver("an iRobot Create 2 or Roomba", "", "/dev/create", 115200, "create"),
+    "loki": OwnDriver("the board of a Loki", "", "/dev/ttyAMA0", 115200, "pi-uart"),
     "magni": OwnDriver("the motor board of a Magni", "", "/dev/ttyAMA0", 38400, "pi-uart"),
     "neato": OwnDriver("a Neato Botvac or XV-11", "", "/dev/neato", 115200, "neato"),
     "turtlebot3": OwnDriver("the OpenCR board of a TurtleBot3", "", "/dev/opencr", 1000000, "opencr"),
@@ -42,4 +44,7 @@ OWN_DRIVERS: Mapping[str, OwnDriver] = {
     "ld06": OwnDriver("an LDROBOT LD06 or LD19", "lidar", "/dev/ttyUSB0", 230400),
     "xv11": OwnDriver("the lidar of a Neato XV-11, alone", "lidar", "/dev/xv11_lidar", 115200, "xv11-lidar"),
     "ydlidar": OwnDriver("a YDLIDAR X2 or X4", "lidar", "/dev/ydlidar", 128000, "ydlidar"),
+    "magni_sonars": OwnDriver("the board of sonars of a Magni", "sonars", "/dev/gpiochip0"),
+    "bno055": OwnDriver("a Bosch BNO055 on I2C", "imu", "/dev/i2c-1"),
+    "mpu6050": OwnDriver("an InvenSense MPU-6050 on I2C", "imu", "/dev/i2c-1"),
 }

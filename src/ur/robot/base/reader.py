@@ -16,6 +16,7 @@ from ur.source.section import Section
 from ur.source.suggest import did_you_mean
 
 _TOLERANCE = 0.001  # m
+_OWN_DEVICE = r"/dev/[\w./:-]+|tcp://[\w.-]+:\d{1,5}"
 
 
 def read_whole(top: Section, name: str, variant: str) -> Base:
@@ -132,7 +133,7 @@ def _driver(name: str, parent: Section, key: str) -> UpstreamDriver:
     part = parent.section(key)
     if part.has("protocol"):
         protocol = part.text("protocol", choices=_names_of(name))
-        device = _word(part, "device", r"/dev/[\w./:-]+", "a device file, as /dev/ttyAMA0", "")
+        device = _word(part, "device", _OWN_DEVICE, "a device file, as /dev/ttyAMA0, or tcp://HOST:PORT", "")
         baud = part.integer("baud", 0, minimum=0)
         wiring = _wiring(wires) if name == "base" and (wires := part.optional_section("wiring")) else Wiring()
         part.finish()

@@ -17,7 +17,7 @@ from ur.robot.setup.environment import robot_environment
 from ur.robot.setup.facts import ComputerFacts, FactsRequest
 from ur.robot.setup.keys import HOST_KEY, KEY, allowed_key, known_host, own_keys
 from ur.robot.setup.packages import WantedPackages, WantedService
-from ur.robot.setup.raspberry_pi import serial_header
+from ur.robot.setup.raspberry_pi import header
 from ur.robot.setup.wanted import Wanted, WantedFile, WantedFolder, WantedGroups, WantedLine
 from ur.robot.ssh.secret import Secret
 
@@ -104,7 +104,7 @@ def is_robot_name(text: str) -> bool:
 def base_request(user: str) -> FactsRequest:
     """Return the facts that `wanted_there` needs."""
     files = frozenset({HOST_KEY, KEY + ".pub", CLOUD, AVAHI, str(ROBOT_FILE)})
-    return FactsRequest(user, files=files | serial_header.FILES)
+    return FactsRequest(user, files=files | header.FILES)
 
 
 def wanted_there(
@@ -143,7 +143,7 @@ def wanted_there(
         WantedGroups("groups", GROUPS),
         # Without udev, as in a container, the rules have no effect, which is no error.
         WantedFile("names of devices", RULES_FILE, write_rules(devices), then=f"{{ {RELOAD}; }} 2>/dev/null || :"),
-        *serial_header.want_serial_header(facts, devices),
+        *header.want_header(facts, devices),
         *robot_environment(),
         *own_keys(facts.user, robot.name, facts.file(HOST_KEY).text),
     ]

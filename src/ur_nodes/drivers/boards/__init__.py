@@ -9,6 +9,7 @@ from ur.robot.base.wiring import Wiring
 from ur_nodes.drivers.boards.arduino import Arduino
 from ur_nodes.drivers.boards.board import MotorBoard
 from ur_nodes.drivers.boards.create2 import Create2
+from ur_nodes.drivers.boards.loki import Loki
 from ur_nodes.drivers.boards.magni import Magni
 from ur_nodes.drivers.boards.neato import Neato
 from ur_nodes.drivers.boards.opencr import OpenCr
@@ -17,6 +18,7 @@ from ur_nodes.drivers.boards.rewired import RewiredBoard
 BOARDS: Mapping[str, Callable[[Base], MotorBoard]] = {
     "arduino": Arduino,
     "create2": Create2,
+    "loki": Loki,
     "magni": Magni,
     "neato": Neato,
     "turtlebot3": OpenCr,

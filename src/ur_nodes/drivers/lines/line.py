@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Protocol
@@ -50,6 +51,12 @@ def describe_loss(line: DeviceLine, reason: str, expected: str) -> str:
     """Describe a line that was lost, or could not be opened."""
     help_ = "plug it in (ur devices lists what is there); it is opened again by itself"
     return f"{line.name}: {reason}; expected {expected}; {help_}"
+
+
+def explain_error(problem: Exception) -> str:
+    """The reason of an error of the operating system, also of termios.error."""
+    number = problem.errno if isinstance(problem, OSError) else problem.args[0] if problem.args else None
+    return os.strerror(number).lower() if isinstance(number, int) else str(problem)
 
 
 Connect = Callable[[LineUser, LineSettings], DeviceLine]

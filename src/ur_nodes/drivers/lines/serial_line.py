@@ -1,4 +1,4 @@
-"""A serial device as a line: it is opened, read, and opened again when it was unplugged."""
+"""A serial device, or one behind TCP, as a line: it is opened, read, and opened again when it was unplugged."""
 
 from __future__ import annotations
 
@@ -13,16 +13,28 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 from importlib.resources import files
+from typing import Protocol
 
 import serial
 
-from ur_nodes.drivers.lines.line import LineSettings, LineUser
+from ur_nodes.drivers.lines.line import LineSettings, LineUser, explain_error
+from ur_nodes.drivers.lines.tcp import SCHEME, open_socket
 from ur_nodes.ports.node import Node
 
 _PAUSE = 0.3  # s between two attempts to open it
 _BATCH = 0.002  # s in which more bytes of the same message may come
 _LOOK = 0.1  # s in which a reading that waits notices the end
 _MOST = 65536
+
+
+class OpenLine(Protocol):
+    """A serial port or a socket."""
+
+    def fileno(self) -> int:
+        """The number of its open file."""
+
+    def close(self) -> None:
+        """Close it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,7 +79,7 @@ class SerialLine:
         """Begin to open it; `guard` starts its guard: see `start_guard`."""
         self.name = path
         self._node, self._user, self._settings, self._start_guard = node, user, settings, guard
-        self._port: serial.Serial | None = None
+        self._port: OpenLine | None = None
         self._guard: int | None = None  # the end of a pipe
         self._reported = ""  # why it is not open
         self._closed = False
@@ -107,7 +119,7 @@ class SerialLine:
         if not self._closed:
             self._node.work(partial(open_port, self.name, self._settings), self._take_port, self.name)
 
-    def _take_port(self, opened: serial.Serial | str) -> None:
+    def _take_port(self, opened: OpenLine | str) -> None:
         if isinstance(opened, str):
             self._lose(opened)
             return
@@ -154,14 +166,16 @@ class SerialLine:
             os.close(guard)
 
 
-def open_port(path: str, settings: LineSettings) -> serial.Serial | str:
+def open_port(path: str, settings: LineSettings) -> OpenLine | str:
     """Open a device; or why it cannot be."""
+    if path.startswith(SCHEME):
+        return open_socket(path)
     try:
         port = serial.Serial(baudrate=settings.baud, timeout=0, exclusive=True)
         port.port, port.dtr = path, settings.dtr
         port.open()
     except (OSError, termios.error, ValueError) as problem:  # SerialException is an OSError
-        return _explain(problem)
+        return explain_error(problem)
     return port
 
 
@@ -174,9 +188,4 @@ def _read(number: int, now: Callable[[], int]) -> _Read:
         data = os.read(number, _MOST)
         return _Read(data, now(), "" if data else "it was unplugged")
     except (OSError, ValueError) as problem:
-        return _Read(lost=_explain(problem))
-
-
-def _explain(problem: Exception) -> str:
-    number = problem.errno if isinstance(problem, OSError) else problem.args[0] if problem.args else None
-    return os.strerror(number).lower() if isinstance(number, int) else str(problem)
+        return _Read(lost=explain_error(problem))

@@ -16,8 +16,6 @@ from collections.abc import Callable
 from pathlib import Path
 from types import TracebackType
 
-import serial
-
 from ur.robot.base import Base, load_base
 from ur.robot.base.wiring import write_wiring
 from ur.source.diagnostic import UserError, error
@@ -48,7 +46,7 @@ class GuardedLine:
             text = f"{path} cannot be opened ({port}), expected {board.name}; is it unplugged, or does its driver run?"
             help_ = "stop the robot's programs (ur stop, ur boot), and see: ur devices"
             raise UserError(error(text, rule="no-device", help=help_))
-        self._port: serial.Serial = port
+        self._port = port
         self._guard = start_guard(port.fileno(), board.stop(), board.leave())
 
     def __enter__(self) -> GuardedLine:

@@ -13,6 +13,7 @@ from ur_nodes.simulator.devices.create2 import Create2Firmware
 from ur_nodes.simulator.devices.firmware import Firmware
 from ur_nodes.simulator.devices.hokuyo import HokuyoFirmware
 from ur_nodes.simulator.devices.lidars import LdRobotFirmware, RplidarFirmware, Xv11Firmware, YdlidarFirmware
+from ur_nodes.simulator.devices.loki import LokiFirmware
 from ur_nodes.simulator.devices.magni import MagniFirmware
 from ur_nodes.simulator.devices.neato import NeatoFirmware
 from ur_nodes.simulator.devices.opencr import OpenCrFirmware
@@ -23,6 +24,7 @@ from ur_nodes.simulator.simulation import Simulation
 FIRMWARES: Mapping[str, Callable[[Plant], Firmware]] = {
     "arduino": ArduinoFirmware,
     "create2": Create2Firmware,
+    "loki": LokiFirmware,
     "magni": MagniFirmware,
     "neato": NeatoFirmware,
     "turtlebot3": OpenCrFirmware,

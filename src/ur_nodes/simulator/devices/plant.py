@@ -11,6 +11,7 @@ from ur.robot.base import Base
 from ur_nodes.simulator.sensors.battery import BatterySense
 from ur_nodes.simulator.sensors.bumpers import BumperSense
 from ur_nodes.simulator.sensors.cliffs import CliffSense
+from ur_nodes.simulator.sensors.sonars import SonarSense
 from ur_nodes.simulator.simulation import Simulation
 
 
@@ -64,6 +65,12 @@ class Plant:
     def cliffs(self) -> dict[str, bool]:
         """Return by name which cliff sensors see no floor."""
         return self._simulation.senses[self._robot].find(CliffSense).seen() if self.base.cliffs else {}
+
+    def sonars(self) -> list[float]:
+        """Return what the sonars measure now (m), in the order of the base's file; see SonarRing.listen."""
+        if self.base.sonars is None:
+            return []
+        return [float(each) for each in self._simulation.senses[self._robot].find(SonarSense).ranges()]
 
     def ranges(self) -> npt.NDArray[np.float64]:
         """Return the ranges of the lidar now (m), from its `angle_min` on; see LidarBeams.cast."""

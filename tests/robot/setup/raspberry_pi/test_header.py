@@ -1,4 +1,4 @@
-"""The serial line of a Raspberry Pi's header: what is added to the firmware's files, and taken back."""
+"""The serial line and the I2C bus of a Raspberry Pi's header: what is added to the firmware's files, and taken back."""
 
 from __future__ import annotations
 
@@ -7,7 +7,8 @@ import pytest
 from ur.devices.device import Expected
 from ur.robot.setup.change import Change
 from ur.robot.setup.facts import ABSENT, ComputerFacts, FileState
-from ur.robot.setup.raspberry_pi.serial_header import FILES, MODEL, list_missing, want_serial_header
+from ur.robot.setup.raspberry_pi.header import FILES, MODEL, MODULES, list_missing, want_header
+from ur.robot.setup.wanted import WantedFile
 from ur.robot.ssh.secret import Secret
 
 BOARD = (Expected("base", "serial", "/dev/ttyAMA0", "pi-uart", 38400),)
@@ -19,7 +20,12 @@ PI_4 = "Raspberry Pi 4 Model B Rev 1.4\0"
 
 
 def facts(config: str | None = "arm_64bit=1\n", command: str = LINE, model: str = PI_4) -> ComputerFacts:
-    files = {**dict.fromkeys(FILES, ABSENT), MODEL: FileState(model), COMMAND: FileState(command, 0o755)}
+    files = {
+        **dict.fromkeys(FILES, ABSENT),
+        MODULES: ABSENT,
+        MODEL: FileState(model),
+        COMMAND: FileState(command, 0o755),
+    }
     if config is not None:
         files[CONFIG] = FileState(config, 0o755)
     return ComputerFacts("ros", "/home/ros", "bob", "debian", "1", frozenset(), files=files)
@@ -32,7 +38,7 @@ def texts(change: Change | None) -> list[str]:
 
 def test_motor_board_gets_the_serial_line_and_the_console_leaves_it() -> None:
     seen = facts()
-    (item,) = want_serial_header(seen, BOARD)
+    (item,) = want_header(seen, BOARD)
     change = item.plan(seen)
     assert change
     config, command = texts(change)
@@ -49,7 +55,7 @@ def test_motor_board_gets_the_serial_line_and_the_console_leaves_it() -> None:
 
 def test_lines_that_were_added_after_ours_stay_when_ours_are_taken_back() -> None:
     seen = facts()
-    (item,) = want_serial_header(seen, BOARD)
+    (item,) = want_header(seen, BOARD)
     config, command = texts(item.plan(seen))
     assert texts(item.undo(facts(f"{config}gpu_mem=64\n", command)))[0] == "arm_64bit=1\ngpu_mem=64\n"
 
@@ -72,10 +78,37 @@ def test_lines_that_are_missing_depend_on_the_model_and_on_what_the_user_has(
 
 
 def test_other_computers_other_boards_and_a_card_without_these_files_are_left_alone() -> None:
-    assert want_serial_header(facts(), (Expected("base", "serial", "/dev/create", "create"),)) == []
-    assert want_serial_header(facts(model="Radxa ROCK 4\0"), BOARD) == []
-    assert want_serial_header(facts(config=None), BOARD) == []
+    assert want_header(facts(), (Expected("base", "serial", "/dev/create", "create"),)) == []
+    assert want_header(facts(model="Radxa ROCK 4\0"), BOARD) == []
+    assert want_header(facts(config=None), BOARD) == []
     ready = facts("enable_uart=1\ndtoverlay=disable-bt\n", "console=tty1 rootwait\n")
-    (item,) = want_serial_header(ready, BOARD)
+    (item,) = want_header(ready, BOARD)
     assert item.plan(ready) is None
     assert item.undo(ready) is None
+
+
+def test_inertial_unit_gets_the_i2c_bus_and_its_module() -> None:
+    unit = (Expected("imu", "i2c", "/dev/i2c-1"),)
+    seen = facts()
+    module, item = want_header(seen, unit)
+    assert isinstance(module, WantedFile)
+    assert (module.path, module.text) == (MODULES, "i2c-dev\n")
+    (config,) = texts(item.plan(seen))
+    assert config.startswith("arm_64bit=1\n# Written by ur robot setup: the I2C bus of the header.\n[all]\n")
+    assert config.endswith("dtparam=i2c_arm=on\n")
+    after = facts(config + "gpu_mem=64\n")
+    assert item.plan(after) is None
+    assert texts(item.undo(after)) == ["arm_64bit=1\ngpu_mem=64\n"]
+    assert item.plan(facts("dtparam=i2c=on\n")) is None
+    assert item.undo(seen) is None
+    assert [each.title for each in want_header(facts(model="Radxa ROCK 4\0"), unit)] == ["module of I2C buses"]
+
+
+def test_board_and_inertial_unit_are_set_up_and_undone_in_one_step() -> None:
+    both = (*BOARD, Expected("imu", "i2c", "/dev/i2c-1"))
+    seen = facts()
+    _, item = want_header(seen, both)
+    config, command = texts(item.plan(seen))
+    after = facts(config, command)
+    assert item.plan(after) is None
+    assert texts(item.undo(after)) == ["arm_64bit=1\n", LINE]

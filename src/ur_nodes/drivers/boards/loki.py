@@ -1,0 +1,124 @@
+"""Ubiquity Robotics' Loki: the text commands of its firmware, `bus_server` on an ATmega2560.
+
+Sources: bus_server.py and bus_server.cpp of loki_base_node; Sonar.cpp of bus_loki and bus_common. Commands are a letter
+and whole numbers, and end with a carriage return; each answer is a line. No line has a checksum.
+
+    b                      115200                      who are you
+    u KP KD KI KO CI       OK                          the gains of the wheels' controllers
+    m LEFT RIGHT           OK                          counts that the wheels shall make in 20 ms
+    e                      LEFT RIGHT                  counters of 32 bits
+    q                      MICROSECONDS ID:TIME:VALUE ...
+                           the time since the last `q`, and what is new: 0 and 1 the wheels, from 2 on the sonars, when
+                           (microseconds, 0 is now) and how far (mm)
+
+The firmware has no watchdog: the motors turn until the next `m`. It keeps 15 bytes while it writes.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+
+from ur.robot.base import Base
+from ur_nodes.drivers.boards.board import clip, scale_of
+from ur_nodes.drivers.readings import Counts, DeviceIdentity, Reading, SonarEcho
+
+LONGEST = 500  # bytes of a line: 18 values of 25 bytes
+FRAMES = 50.0  # of the controllers, a second
+GAINS = b"u 30 7 25 600 400\r"  # param/loki.yaml of loki_robot; the firmware begins with less of the last
+_FIRST_SONAR = 2
+_SONARS_EVERY, _GAINS_EVERY = 3, 250  # beats
+_OLDEST = 1.0  # s, of the distance of a sonar
+_SLACK = 2.0  # times the fastest speed of a rim
+_COUNTS = re.compile(rb"(-?\d{1,10}) (-?\d{1,10})")
+_QUEUE = re.compile(rb"(\d{1,10})((?: \d{1,2}:-?\d{1,10}:-?\d{1,10})*)")
+_OK = (b"", b"OK", b"Invalid Command!")  # the last one answers a return that ends nothing
+
+
+class Loki:
+    """See MotorBoard."""
+
+    name = "Loki's board"
+    baud = 115200
+    period = 0.04
+
+    def __init__(self, base: Base) -> None:
+        self._scale = scale_of(base)
+        self.counts_per_turn = self._scale.counts_per_turn
+        rim = base.limits.velocity + base.limits.angular_velocity * base.wheels.separation / 2.0
+        self._most = _SLACK * rim * self._scale.counts_per_metre * self.period  # counts in a beat
+        self._buffer = b""
+        self._beats = self._believed = 0
+        self._last: tuple[int, int] | None = None
+        self._doubted: tuple[int, int] | None = None
+        self._time = 0  # microseconds of its clock, summed up
+        self._echoed: dict[int, int] = {}
+        self.rejected = 0
+
+    def greet(self) -> bytes:
+        """End a command that was cut off, and ask who it is."""
+        return b"\rb\r" + GAINS
+
+    def drive(self, left: float, right: float) -> bytes:
+        """See MotorBoard. The question with the longest answer comes last."""
+        self._beats += 1
+        data = self._speeds(left, right) + b"e\r"
+        if self._beats % _GAINS_EVERY == 0:
+            return data + GAINS
+        return data + (b"q\r" if self._beats % _SONARS_EVERY == 0 else b"")
+
+    def _speeds(self, left: float, right: float) -> bytes:
+        counts = tuple(clip(each * self._scale.counts_per_metre / FRAMES, 9999) for each in (left, right))
+        return b"m %d %d\r" % counts
+
+    def stop(self) -> bytes:
+        """See MotorBoard. The return before it ends a command that was cut off."""
+        return b"\r" + self._speeds(0.0, 0.0)
+
+    def leave(self) -> bytes:
+        """Nothing: it is left as it was found."""
+        return b""
+
+    def take(self, data: bytes) -> Iterator[Reading]:
+        """See MotorBoard."""
+        *lines, self._buffer = (self._buffer + data).split(b"\n")
+        self._buffer = self._buffer[-LONGEST:]
+        for line in lines:
+            yield from self._read(line.strip())
+
+    def _read(self, line: bytes) -> Iterator[Reading]:
+        if line == b"115200":
+            yield DeviceIdentity("firmware bus_server")
+        elif counts := _COUNTS.fullmatch(line):
+            yield from self._take_counts((int(counts[1]), int(counts[2])))
+        elif len(line) <= LONGEST and (queue := _QUEUE.fullmatch(line)):
+            yield from self._take_queue(int(queue[1]), queue[2].split())
+        elif line not in _OK:
+            self.rejected += 1
+
+    def _take_counts(self, counts: tuple[int, int]) -> Iterator[Reading]:
+        """Believe what the wheels can have turned since the last one, or twice in a row: nothing else checks a line."""
+        near = self._last is None or self._is_near(counts, self._last)
+        if not near and (self._doubted is None or not self._is_near(counts, self._doubted)):
+            self._doubted = counts
+            self.rejected += 1
+            return
+        self._last, self._doubted, self._believed = counts, None, self._beats
+        yield Counts(*counts)
+
+    def _is_near(self, counts: tuple[int, int], others: tuple[int, int]) -> bool:
+        most = self._most * (2 + self._beats - self._believed)
+        return all(abs(each - other) <= most for each, other in zip(counts, others, strict=True))
+
+    def _take_queue(self, passed: int, values: list[bytes]) -> Iterator[Reading]:
+        """The firmware reports the distance of a sonar's echo before the one that it reports the time of."""
+        self._time += passed
+        for value in values:
+            sonar, ago, millimetres = map(int, value.split(b":"))
+            number = sonar - _FIRST_SONAR
+            if number < 0:
+                continue
+            before, self._echoed[number] = self._echoed.get(number), self._time + ago
+            age = (self._time - (before or 0)) / 1e6
+            if before is not None and millimetres >= 0 and 0.0 <= age <= _OLDEST:
+                yield SonarEcho(number, millimetres / 1000.0, age)

@@ -1,0 +1,55 @@
+"""HC-SR04 sonars on pins: a pulse triggers one, and its echo pin is high as long as the sound travels. Pure.
+
+Source: the data sheet "Ultrasonic Ranging Module HC-SR04": a trigger of 10 us, 8 cycles of 40 kHz, and an echo pulse.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+SPEED_OF_SOUND = 343.0  # m/s, at 20 degrees Celsius, as pi_sonar has it
+SHORTEST = 60_000  # ns: a pulse of 1 cm; shorter ones are noise
+
+
+@dataclass(frozen=True, slots=True)
+class SonarPins:
+    """The pins of a sonar, by their offsets in the GPIO chip."""
+
+    trigger: int
+    echo: int
+
+
+@dataclass(frozen=True, slots=True)
+class PinEdge:
+    """A change of a pin: to high (`rising`) or low, at a time (ns) of the kernel's monotonic clock."""
+
+    pin: int
+    rising: bool
+    time: int
+
+
+@dataclass(frozen=True, slots=True)
+class Echo:
+    """A distance (m), and when the sound was there (ns): in the middle of the pulse."""
+
+    distance: float
+    time: int
+
+
+def find_echo(edges: Iterable[PinEdge], pin: int, triggered: int) -> Echo | None:
+    """Find the first whole pulse of a pin after it was triggered (ns); None without one.
+
+    Edges of other pins, pulses from before and noise are left out.
+    """
+    risen: int | None = None
+    for edge in edges:
+        if edge.pin != pin or edge.time < triggered:
+            continue
+        if edge.rising:
+            risen = edge.time
+        elif risen is not None:
+            if edge.time - risen >= SHORTEST:
+                return Echo((edge.time - risen) / 1e9 * SPEED_OF_SOUND / 2.0, (edge.time + risen) // 2)
+            risen = None
+    return None
