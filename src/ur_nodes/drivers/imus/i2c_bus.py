@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 from smbus2 import SMBus
 
 from ur_nodes.drivers.imus.imu import I2cBus
@@ -9,10 +11,10 @@ from ur_nodes.drivers.lines.line import explain_error
 
 
 class LinuxBus:
-    """See I2cBus. Raises OSError where the bus cannot be opened."""
+    """See I2cBus."""
 
-    def __init__(self, path: str) -> None:
-        self._bus = SMBus(path)
+    def __init__(self, bus: SMBus) -> None:
+        self._bus = bus
 
     def read(self, address: int, register: int, count: int) -> bytes:
         """See I2cBus."""
@@ -27,9 +29,9 @@ class LinuxBus:
         self._bus.close()
 
 
-def open_bus(path: str) -> I2cBus | str:
+def open_bus(path: str, make: Callable[[str], SMBus] = SMBus) -> I2cBus | str:
     """Open a bus; or why it cannot be."""
     try:
-        return LinuxBus(path)
+        return LinuxBus(make(path))
     except OSError as problem:
         return explain_error(problem)

@@ -35,15 +35,16 @@ class ImuDriver:
         self._known: UnitIdentity | None = None
         self._read = node.steady()
         self._health = HealthMeter(node, self._name, unit.name, report)
-        self._device = PolledDevice(node, *device, PolledUser(self._opened, self._lost))
+        self._device = PolledDevice(node, *device, PolledUser(self._greet, self._lost))
         node.every(1.0 / imu.rate, self._beat, steady=True)
 
-    def _opened(self) -> None:
+    def _greet(self) -> None:
         self._known = None
         self._read = self._node.steady()
         self._device.ask(self._begin, self._take_identity)
 
     def _lost(self, reason: str) -> None:
+        self._known = None
         self._health.note(open=False, reason=reason)
         self._node.log.error(f"{self._name}: {reason}; expected a {self._unit.name}; {_HELP} It is tried again")
 
@@ -57,16 +58,21 @@ class ImuDriver:
         self._known = identity
         self._health.note(open=True, reason="", problem=identity.problem, firmware=identity.text)
         if identity.problem:
-            self._node.log.error(f"{self._name}: {self._unit.name}: {identity.problem}")
+            self._node.log.error(f"{self._name}: {self._unit.name}: {identity.problem}", every=REPORT)
         else:
             self._node.log.info(f"{self._name}: {self._unit.name}: {identity.text}")
 
     def _beat(self) -> None:
-        if self._known and not self._known.problem:
+        if self._known is None:
+            return
+        silent = self._node.steady() - self._read > _SILENT
+        if not self._known.problem:
             self._device.ask(self._ask, self._take)
-            if self._node.steady() - self._read > _SILENT:
+            if silent:
                 text = f"{self._unit.name} gives no sound reading; does the robot rest, and are the wires short?"
                 self._node.log.warn(f"{self._name}: {text}", every=REPORT)
+        elif silent:
+            self._greet()  # perhaps it is the right one by now
 
     def _ask(self, bus: I2cBus) -> tuple[InertialReading | None, int] | str:
         begun = self._node.now()
