@@ -1,16 +1,24 @@
-"""The outputs of an exploration: its status, log lines and frontiers."""
+"""The outputs of an exploration: its status, log lines and frontiers as markers."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
+import numpy as np
+
 from ur_nodes.exploration.explorer import Explorer
 from ur_nodes.exploration.explorer_step import ExplorerOutputs
-from ur_nodes.exploration.markers import mark_frontiers
+from ur_nodes.exploration.search.floor import Floor
+from ur_nodes.exploration.search.frontiers import Frontier
 from ur_nodes.exploration.status import ExploreStatus, describe_status, write_status
+from ur_nodes.geometry.pose import Pose2
 from ur_nodes.ports.node import SECOND, Node
 from ur_nodes.ports.qualities import Quality
-from ur_nodes.ports.values import Markers
+from ur_nodes.ports.values import Marker, Markers
 
 _SHOWN_EVERY = 10.0  # s between two lines in the log
+_LEFT, _GIVEN_UP = (0.0, 0.0, 1.0, 1.0), (1.0, 0.0, 0.0, 1.0)
+_SIZE = (0.1, 0.1, 0.0)
 
 
 class StatusOutput:
@@ -40,3 +48,18 @@ class StatusOutput:
         if explorer.floor is not None and self._markers.listeners():
             markers = mark_frontiers(explorer.floor, out.frontiers, out.blocked)
             self._markers.send(Markers(self._node.now(), self._map_frame, markers))
+
+
+def mark_frontiers(floor: Floor, frontiers: Sequence[Frontier], blocked: Sequence[Frontier]) -> tuple[Marker, ...]:
+    """Return all frontiers as points, in the colours of upstream's `explore_lite`: red are given up or left out."""
+    origin = Pose2(0.0, 0.0, 0.0).in_space()
+    coloured = [(each, _LEFT) for each in frontiers] + [(each, _GIVEN_UP) for each in blocked]
+    return tuple(
+        Marker("frontiers", number, "points", origin, _SIZE, colour, "", _points(floor, each))
+        for number, (each, colour) in enumerate(coloured)
+    )
+
+
+def _points(floor: Floor, frontier: Frontier) -> np.ndarray:
+    points = floor.points_of_cells(frontier.cells)
+    return np.column_stack((points, np.zeros(len(points))))

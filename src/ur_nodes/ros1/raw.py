@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import io
 from collections.abc import Callable, Sequence
+from importlib.util import find_spec
+from pathlib import Path
 from typing import Any, Literal
 
 import genpy
@@ -16,7 +18,6 @@ from ur_nodes.loop import Loop, run_aside
 from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.raw import Fields, RawMessage, RecordedMessage, ServiceAnswer, ServiceType, TopicRecorder
 from ur_nodes.ports.values import Result
-from ur_nodes.ros1.installed import has_generated
 from ur_nodes.ros1.topics import RosPublisher, RosSubscription, header_of, sender_of
 
 _BUFFER = 1 << 24  # bytes of one message
@@ -149,3 +150,19 @@ def _fields_of(value: object) -> Any:
     if isinstance(value, (list, tuple)) and value and isinstance(value[0], (genpy.Message, genpy.TVal)):
         return [_fields_of(each) for each in value]
     return value
+
+
+def has_generated(kind: str, part: Literal["msg", "srv"]) -> bool:
+    """Return whether PACKAGE/NAME has code that was generated for it.
+
+    roslib imports any package that a type names, and a type comes from a page or from a node on the network.
+    """
+    package, _, name = kind.partition("/")
+    if not package.isidentifier() or not name.isidentifier():
+        return False
+    try:
+        found = find_spec(package)  # of a package without a dot nothing is imported
+    except (ImportError, ValueError):
+        return False
+    folders = found.submodule_search_locations if found is not None else None
+    return any(Path(folder, part, f"_{name}.py").is_file() for folder in folders or ())

@@ -7,8 +7,8 @@ from typing import Any
 
 from ur.launchfile.plan.load import load_plan
 from ur.launchfile.world.memory import MemoryWorld
-from ur.run.middleware.node_arguments import arguments_of
 from ur.run.middleware.parameter_files import file_name, format_parameters
+from ur.run.middleware.ros2 import arguments_of
 
 
 def read(body: str, printed: dict[str, Any] | None = None) -> dict[str, Any]:

@@ -12,7 +12,6 @@ from typing import TypeVar
 from ur.launchfile.plan.specs import NodeSpec, Plan
 from ur.run.master.parameters import CommandParameters
 from ur.run.middleware.facts import clear_facts, read_facts, write_facts
-from ur.run.middleware.node_arguments import arguments_of
 from ur.run.middleware.parameter_files import file_name, format_parameters
 from ur.run.middleware.protocol import GraphView
 from ur.run.options import RunOptions
@@ -127,3 +126,18 @@ def list_others(environment: Mapping[str, str], own: int | None = None) -> list[
 def _own_words(program: UnitProgram, node: NodeSpec) -> tuple[str, ...]:
     """Return the command line without the names that roslaunch appends."""
     return program.argv[: len(program.argv) - len(node.remaps) - 1]
+
+
+def arguments_of(node: NodeSpec, parameters: str) -> tuple[str, ...]:
+    """Return the arguments after the node's own: name, namespace, remaps, and the file of its parameters."""
+    words = ["--ros-args", "-r", f"__node:={node.name}"]
+    if namespace := node.namespace.rstrip("/"):
+        words += ["-r", f"__ns:={namespace}"]
+    for source, target in node.remaps:
+        words += ["-r", f"{_name_of(source)}:={_name_of(target)}"]
+    return (*words, "--params-file", parameters)
+
+
+def _name_of(name: str) -> str:
+    """Convert a name to ROS 2: '~goal' becomes '~/goal'."""
+    return f"~/{name[1:].lstrip('/')}" if name.startswith("~") else name

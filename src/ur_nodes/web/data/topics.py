@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Callable, Mapping
 from functools import partial
 
@@ -11,7 +12,6 @@ from ur_nodes.ports.graph import Graph, Topic
 from ur_nodes.ports.node import Node
 from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.raw import RawMessage
-from ur_nodes.web.data.rates import RateMeter
 from ur_nodes.web.layers.pacing import Every
 from ur_nodes.web.messages.decode import BadMessageError, decode, render
 from ur_nodes.web.messages.definition import BadDefinitionError, read_definition
@@ -32,6 +32,30 @@ _HEAVY = (
 """Types that are measured only while one is printed: to subscribe makes cameras work."""
 
 Send = Callable[[bytes], None]
+SPAN = 3.0
+"""Seconds over which is measured."""
+
+_MOST = 2000  # messages that are counted one by one
+
+
+class RateMeter:
+    """Counts messages of one topic. Times are seconds of any steady clock."""
+
+    def __init__(self, began: float) -> None:
+        self._began = began
+        self._seen: deque[tuple[float, int]] = deque(maxlen=_MOST)
+
+    def note(self, now: float, size: int) -> None:
+        """Count a message of `size` bytes."""
+        self._seen.append((now, size))
+
+    def measure(self, now: float) -> tuple[float, float]:
+        """Return messages per second and bytes per second."""
+        while self._seen and self._seen[0][0] < now - SPAN:
+            self._seen.popleft()
+        full = len(self._seen) == _MOST
+        span = max(now - self._seen[0][0], 1e-3) if full else max(min(SPAN, now - self._began), 0.5)
+        return len(self._seen) / span, sum(size for _, size in self._seen) / span
 
 
 class _Watched:

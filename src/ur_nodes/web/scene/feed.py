@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable, Mapping
 from functools import partial
 
@@ -12,7 +13,6 @@ from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.values import MarkerChange, MarkerChanges, PointCloud, Transform
 from ur_nodes.web.layers.pacing import Every
 from ur_nodes.web.scene.clouds import pack_cloud, thin_cloud
-from ur_nodes.web.scene.frames import FrameTree
 from ur_nodes.web.scene.markers import ShownMarkers
 
 _FRAMES_EVERY = 0.1  # s
@@ -25,6 +25,28 @@ _MOST_TRANSFORMS, _MOST_MARKERS = 400, 1000  # of one message
 _CLOUD, _MARKER, _MARKERS = "sensor_msgs/PointCloud2", "visualization_msgs/Marker", "visualization_msgs/MarkerArray"
 
 Send = Callable[[bytes], None]
+_MOST = 400  # frames
+_OLD = 30.0  # s after which a moving frame is left out
+
+
+class FrameTree:
+    """Frames by name. Times are seconds of any steady clock."""
+
+    def __init__(self) -> None:
+        self._known: dict[str, tuple[float, list[object]]] = {}
+
+    def take(self, transform: Transform, now: float, *, fixed: bool) -> None:
+        """Take a transform unless it is malformed; a `fixed` one does not expire."""
+        child, parent, pose = transform.child[:100], transform.parent[:100], transform.pose
+        good = all(math.isfinite(each) and abs(each) < 1e6 for each in pose) and math.hypot(*pose.rotation) > 0.5
+        if not child or child == parent or not good or (child not in self._known and len(self._known) >= _MOST):
+            return
+        self._known[child] = (math.inf if fixed else now), [child, parent, *(round(each, 5) for each in pose)]
+
+    def describe(self, now: float) -> list[list[object]]:
+        """Return rows of child, parent, x, y, z in m, and the quaternion x, y, z, w."""
+        self._known = {name: each for name, each in self._known.items() if now - each[0] < _OLD}
+        return [each for _, each in sorted(self._known.values(), key=lambda each: str(each[1][0]))]
 
 
 class SceneFeed:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field
 from functools import partial
 from typing import Protocol
 
@@ -10,9 +11,30 @@ from ur_nodes.ports.graph import Graph
 from ur_nodes.ports.node import Node, Subscription
 from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.raw import RawMessage
-from ur_nodes.web.viewers.latched import Latched, compare_topics
 
 _PERIOD = 1.0  # s between two looks at the graph
+_MOST_PUBLISHERS = 64
+
+
+@dataclass(slots=True)
+class Latched:
+    """Messages by the name of their publisher, as bytes."""
+
+    messages: dict[str, bytes] = field(default_factory=dict)
+
+    def note(self, message: RawMessage) -> None:
+        """Note a message."""
+        if message.sender is not None and message.sender.kept:
+            self.messages[message.sender.name] = message.data
+            while len(self.messages) > _MOST_PUBLISHERS:
+                del self.messages[next(iter(self.messages))]
+
+
+def compare_topics(offered: Mapping[str, str], found: Iterable[tuple[str, str]]) -> tuple[list[str], dict[str, str]]:
+    """Return the topics to withdraw, and the topics to offer with their types; a topic of a new type is in both."""
+    now = {name: kind for name, kind in found if "/" in kind}
+    ended = [name for name, kind in offered.items() if now.get(name) != kind]
+    return ended, {name: kind for name, kind in now.items() if offered.get(name) != kind}
 
 
 class Channel(Protocol):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from ur_nodes.web.data.rates import RateMeter
+from ur_nodes.web.data.topics import RateMeter
 
 
 def test_rate_and_bandwidth_are_those_of_the_last_seconds() -> None:

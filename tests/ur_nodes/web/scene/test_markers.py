@@ -10,7 +10,7 @@ import numpy as np
 
 from ur_nodes.geometry.pose import Pose3
 from ur_nodes.ports.values import Marker, MarkerChange, Transform
-from ur_nodes.web.scene.frames import FrameTree
+from ur_nodes.web.scene.feed import FrameTree
 from ur_nodes.web.scene.markers import ShownMarkers
 
 
