@@ -14,6 +14,7 @@ from ur_nodes.ports.node import Node
 from ur_nodes.ports.values import Scan
 
 _LOOK = 0.5  # s
+_BATCH = 0.02  # s; a turn takes 0.1 to 0.2 s
 _ASK_AGAIN = 3.0  # s without beams, after which the lidar is greeted again: its motor needs a while
 
 
@@ -38,7 +39,7 @@ class LidarDriver:
         self._measured = self._greeted = -math.inf
         node.every(_LOOK, self._look, steady=True)
         node.on_end(self._end)
-        settings = LineSettings(protocol.baud, dtr=protocol.dtr)
+        settings = LineSettings(protocol.baud, dtr=protocol.dtr, batch=_BATCH)
         self._rejected = protocol.rejected
         self._line = connect(LineUser(self._opened, self._received, self._lost), settings)
         self._health = HealthMeter(node, self._line.name, protocol.name, report)
@@ -71,7 +72,7 @@ class LidarDriver:
         frames = 0
         for reading in self._protocol.take(data):
             if isinstance(reading, MeasuredBeams):
-                frames += 1
+                frames += reading.frames
                 self._measured = self._node.steady()
                 for scan in self._sweep.take(reading, stamp):
                     self._scans.send(scan)

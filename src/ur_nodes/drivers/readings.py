@@ -78,8 +78,9 @@ class MeasuredBeams:
     `phases` (rad, 0 to 2 pi) grow from beam to beam: how far the head has turned from the device's own zero,
     `clockwise` as seen from above or not. `ranges` in m: +inf where nothing was measured, NaN where the device says
     that it failed (REP 117). `turn_time`: s a turn, as the device measures it; 0.0 where it does not. `behind`: how far
-    (rad) the head has turned on since the last of them, when the device sent it. `complete`: they are a whole turn, of
-    a table that the device keeps and goes on filling.
+    (rad) the head has turned on since the last of them, when the device sent it. `sending`: s that their last frame
+    took on the line. `frames`: how many brought them. `complete`: they are a whole turn, of a table that the device
+    keeps and goes on filling.
     """
 
     phases: NDArray[np.float64]
@@ -88,6 +89,8 @@ class MeasuredBeams:
     clockwise: bool = False
     turn_time: float = 0.0
     behind: float = 0.0
+    sending: float = 0.0
+    frames: int = 1
     complete: bool = False
 
 

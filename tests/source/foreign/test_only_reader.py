@@ -41,7 +41,7 @@ USER = "a file or descriptor that its user has named for secrets, which may be a
 
 # Module, and why it opens a file by itself.
 ALLOWED = {
-    "ur_nodes/drivers/lines/serial_line.py": OURS,
+    "ur_nodes/drivers/lines/motor_guard.py": OURS,
     "ur_nodes/simulator/devices/terminal.py": WRITTEN,
     "ur_nodes/black_box/recording_file.py": WRITTEN,
     "ur/report/archive.py": WRITTEN,

@@ -1,4 +1,4 @@
-"""Mutated frames for every parser: python -m tests.ur_nodes.drivers.mutations COUNT [SEED].
+"""Mutated frames for every parser: python -m tests.ur_nodes.drivers.mutations COUNT [SEED [NAME ...]].
 
 Frames of the stand-ins are damaged (flipped, lost, doubled, cut, mixed with noise) and given to the parsers. None may
 raise; the memory of each stays bounded, and good frames are read again after the second one.
@@ -122,7 +122,7 @@ def count_kept(parser: object) -> int:
 def main() -> int:
     """Attack every parser, and print how fast it was."""
     count, seed = int(sys.argv[1]), int(sys.argv[2]) if len(sys.argv) > 2 else 0
-    for name in parsers():
+    for name in sys.argv[3:] or parsers():
         begun = time.monotonic()
         attack(name, count, seed)
         sys.stdout.write(f"{name}: {count} mutated pieces, no exception, {time.monotonic() - begun:.0f} s\n")

@@ -86,7 +86,7 @@ def command(context: click.Context) -> None:
     is_flag=True,
     help="On a robot with ROS 2: have the mux take over the base's velocity topic from its boot on.",
 )
-@click.option("--undo", is_flag=True, help="Undo what was written on a robot with ROS 2; packages are kept.")
+@click.option("--undo", is_flag=True, help="Undo what was written with ROS 2, or a Raspberry Pi's header with ROS 1.")
 @click.option("--one-of-several", is_flag=True, hidden=True, help="Started by the set-up of several robots.")
 @click.option(
     "--robot-login/--no-robot-login",
@@ -122,7 +122,7 @@ def setup(
     ends and prints the result; the robot is then ready to run programs. A single robot is selected (`ur use`), unless
     another one is. Several robots are set up in parallel, with a line for each, after all questions.
 
-    --take-over changes the unit of a driver that is not this project's. --undo reverts that, too.
+    --take-over changes the unit of a driver of others. --undo reverts that; with ROS 1, a Raspberry Pi's header alone.
 
     FILE is YAML: `robots:`, a list of mappings with `host`, `name`, `base` and, if wanted, `user`, `variant`,
     `host_key: SHA256:...`, `master: false` and `programs: false`.

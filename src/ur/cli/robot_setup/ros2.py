@@ -7,6 +7,7 @@ from dataclasses import replace
 from ur.cli.changing import ChangeReporter
 from ur.robot.robot_file import ROBOT_FILE
 from ur.robot.setup.login import Task, open_robot
+from ur.robot.setup.raspberry_pi.take_back import take_back_header
 from ur.robot.setup.robot import take_back
 from ur.robot.setup.robot_states import ViewerFacts
 from ur.robot.setup.ros2.find import find_robot_ros2
@@ -51,9 +52,15 @@ def put_mux_between(task: Task, report: ChangeReporter) -> tuple[Task, int]:
 
 
 def take_back_ros2(task: Task, viewer: ViewerFacts) -> int:
-    """Revert the set-up; return the exit code. Raises UserError if the robot has no ROS 2."""
+    """Revert the set-up; return the exit code.
+
+    With ROS 1 it reverts the header of a Raspberry Pi alone. Raises UserError if that was not changed either.
+    """
     report = ChangeReporter(task.robot.name)
     task = find_ros2(task, report)
+    if task.robot.ros2 is None and take_back_header(task, report):
+        report("the rest of the set-up stays: docs/how-to/uninstall.md has the steps")
+        return 0
     if task.robot.ros2 is None:
         message = f"{task.robot.name} has no ROS 2, or ROS 1 as well, expected a robot with ROS 2 alone"
         raise UserError(error(message, rule="usage", help="docs/how-to/uninstall.md has the steps"))

@@ -41,6 +41,8 @@ OWN_DRIVERS: Mapping[str, OwnDriver] = {
     "rplidar": OwnDriver("an RPLIDAR, standard scans", "lidar", "/dev/rplidar", 115200, "rplidar"),
     "rplidar_express": OwnDriver("an RPLIDAR, express scans", "lidar", "/dev/rplidar", 115200, "rplidar"),
     "hokuyo": OwnDriver("a Hokuyo URG or UTM", "lidar", "/dev/hokuyo", 115200, "hokuyo"),
+    "lds01": OwnDriver("the LDS-01 of a TurtleBot3", "lidar", "/dev/lds", 230400, "lds-01"),
+    "lds02": OwnDriver("the LDS-02 of a TurtleBot3", "lidar", "/dev/lds", 115200, "lds-01"),
     "ld06": OwnDriver("an LDROBOT LD06 or LD19", "lidar", "/dev/ttyUSB0", 230400),
     "xv11": OwnDriver("the lidar of a Neato XV-11, alone", "lidar", "/dev/xv11_lidar", 115200, "xv11-lidar"),
     "ydlidar": OwnDriver("a YDLIDAR X2 or X4", "lidar", "/dev/ydlidar", 128000, "ydlidar"),

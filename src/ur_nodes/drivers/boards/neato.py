@@ -172,7 +172,7 @@ def _divide(speeds: list[float], fastest: int) -> list[int]:
 def _number(cells: Mapping[str, list[str]], key: str) -> float:
     """The last number of a line by its name; NaN where there is none."""
     for cell in reversed(cells.get(key, [])):
-        if re.fullmatch(r"-?\d{1,9}(\.\d{1,6})?", cell):
+        if re.fullmatch(r"-?\d{1,10}(\.\d{1,6})?", cell):
             return float(cell)
     return NOT_MEASURED
 

@@ -1,26 +1,35 @@
-"""LDROBOT LD06 and LD19: "LD06 Development Manual" and "LD19 Development Manual".
+"""LDROBOT LD06 and LD19: "LD06 Development Manual" and "LD19 Development Manual"; LDS-02 of a TurtleBot3: ld08_driver.
 
 It sends frames of 47 bytes by itself: 54, 2C, the speed in degrees a second, the angle of the first of 12 points, for
 each point a distance in mm and its confidence, the angle of the last one, a time in ms, and a CRC of 8 bits. Numbers
-are little-endian, angles hundredths of a degree, clockwise.
+are little-endian, angles hundredths of a degree, clockwise. The eye of an LDS-02 is beside the axis, and squints: each
+beam is corrected by its distance, as transform.cpp of Robotis' ld08_driver does.
 """
 
 from __future__ import annotations
 
-import struct
 from collections.abc import Iterator
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ur_nodes.drivers.frames import FrameReader, fixed
-from ur_nodes.drivers.lidars.lidar import SendingLidar
+from ur_nodes.drivers.lidars.lidar import SendingLidar, join_frames, time_on_line
 from ur_nodes.drivers.readings import MeasuredBeams, Reading
 
+_Floats = NDArray[np.float64]
 POINTS = 12
 _SIZE = 47
 _POLYNOMIAL = 0x4D
-_HEAD = struct.Struct("<BBHH")
-_POINT = np.dtype([("distance", "<u2"), ("confidence", "u1")])
+_POINT = [("distance", "<u2"), ("confidence", "u1")]
+_FRAME = np.dtype(
+    [
+        *(("start", "<u2"), ("speed", "<u2"), ("first", "<u2"), ("points", _POINT, POINTS)),
+        *(("last", "<u2"), ("time", "<u2"), ("check", "u1")),
+    ]
+)
+_AHEAD, _SLOPE, _ASIDE = 5.9, 0.11923, -20.14  # of the eye of an LDS-02, in mm
+_MOST = 7  # frames that are decoded together: less than a turn
 
 
 def _make_table() -> bytes:
@@ -47,17 +56,38 @@ class LdRobot(SendingLidar):
 
     def take(self, data: bytes) -> Iterator[Reading]:
         """See LidarProtocol."""
-        for frame in self._frames.take(data):
-            _, _, speed, first = _HEAD.unpack_from(frame)
-            last = struct.unpack_from("<H", frame, 42)[0]
-            points = np.frombuffer(frame, _POINT, POINTS, 6)
-            span = (last - first) % 36000
-            phases = np.radians((first + span * np.arange(POINTS) / (POINTS - 1)) % 36000 / 100.0)
-            ranges = np.where(points["distance"] > 0, points["distance"] / 1000.0, np.inf)
-            turn_time = 360.0 / speed if speed else 0.0
+        for joined in join_frames(self._frames.take(data), _MOST):
+            frames = np.frombuffer(joined, _FRAME)
+            first, last = (frames[name].astype(np.float64)[:, None] for name in ("first", "last"))
+            degrees = (first + (last - first) % 36000.0 * np.arange(POINTS) / (POINTS - 1)).ravel() % 36000.0 / 100.0
+            distances, confidences = (frames["points"][name].ravel() for name in ("distance", "confidence"))
+            degrees, millimetres = self._correct(degrees, distances.astype(np.float64))
+            speed = int(frames["speed"][-1])
             yield MeasuredBeams(
-                phases, ranges, points["confidence"].astype(np.float64), clockwise=True, turn_time=turn_time
+                np.radians(degrees),
+                np.where(distances > 0, millimetres / 1000.0, np.inf),
+                confidences.astype(np.float64),
+                clockwise=True,
+                turn_time=360.0 / speed if speed else 0.0,
+                sending=time_on_line(_SIZE, self.baud),
+                frames=len(frames),
             )
+
+    def _correct(self, degrees: _Floats, millimetres: _Floats) -> tuple[_Floats, _Floats]:
+        """Return the angles and distances from the axis, where the eye is."""
+        return degrees, millimetres
+
+
+class Lds02(LdRobot):
+    """See LidarProtocol."""
+
+    name = "LDS-02 of a TurtleBot3"
+    baud = 115200
+
+    def _correct(self, degrees: _Floats, millimetres: _Floats) -> tuple[_Floats, _Floats]:
+        ahead, aside = millimetres + _AHEAD, millimetres * _SLOPE + _ASIDE
+        turned = np.where(millimetres > 0.0, np.degrees(np.arctan2(aside, ahead)), 0.0)
+        return (degrees - turned) % 360.0, np.hypot(ahead, aside)
 
 
 def check(data: bytes) -> int:

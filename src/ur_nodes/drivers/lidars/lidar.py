@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from typing import Protocol
 
 from ur_nodes.drivers.frames import FrameReader
@@ -30,6 +30,17 @@ class LidarProtocol(Protocol):
 
     def take(self, data: bytes) -> Iterable[Reading]:
         """Take bytes as they arrive, and return the readings that they complete. No bytes make it raise."""
+
+
+def time_on_line(size: int, baud: int) -> float:
+    """The time (s) that so many bytes take on a serial line, 10 bits each."""
+    return 10.0 * size / baud
+
+
+def join_frames(frames: list[bytes], most: int) -> Iterator[bytes]:
+    """Join frames of one length, at most so many, so that they are decoded together: less than a turn."""
+    for at in range(0, len(frames), most):
+        yield b"".join(frames[at : at + most])
 
 
 class SendingLidar:

@@ -21,6 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ur_nodes.drivers.frames import FrameReader, fixed
+from ur_nodes.drivers.lidars.lidar import time_on_line
 from ur_nodes.drivers.readings import DeviceIdentity, MeasuredBeams, Reading
 
 _STOP, _SCAN, _INFO, _HEALTH = b"\xa5\x25", b"\xa5\x20", b"\xa5\x50", b"\xa5\x52"
@@ -136,7 +137,10 @@ def read_cabins(cabins: NDArray[np.void], start: float, span: float) -> Measured
     distances = (words >> 2).ravel()
     degrees = (start + span * np.arange(distances.size) / distances.size - corrections) % 360.0
     ranges = np.where(distances > 0, distances / 1000.0, np.inf)
-    return MeasuredBeams(np.radians(degrees), ranges, np.zeros(0), clockwise=True, behind=math.radians(span))
+    sending = time_on_line(_PACKET, _Rplidar.baud)
+    return MeasuredBeams(
+        np.radians(degrees), ranges, np.zeros(0), clockwise=True, behind=math.radians(span), sending=sending
+    )
 
 
 def _count_right(buffer: bytes) -> int:

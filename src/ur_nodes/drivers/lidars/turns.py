@@ -42,7 +42,7 @@ class TurnCollector:
         self._last = self._begun = None
 
     def take(self, beams: MeasuredBeams, stamp: int) -> list[Scan]:
-        """Take beams of which the last one was measured at a time (ns); return the scans that they complete."""
+        """Take beams that arrived at a time (ns); return the scans that they complete."""
         if not len(beams.phases):
             return []
         if beams.complete:
@@ -55,7 +55,8 @@ class TurnCollector:
         angles = sign * beams.phases + self._offset
         edge = (self._lidar.angle_max if beams.clockwise else self._lidar.angle_min) - sign * self._increment / 2.0
         passed = (sign * (angles - edge)) % _FULL
-        times = stamp - ((passed[-1] - passed) % _FULL + beams.behind) / _FULL * turn_time * _SECOND
+        ago = ((passed[-1] - passed) % _FULL + beams.behind) / _FULL * turn_time + beams.sending
+        times = stamp - ago * _SECOND
         before = passed[0] if self._last is None else self._last
         cuts = np.flatnonzero(np.diff(passed, prepend=before) < -math.pi)
         scans, at = [], 0

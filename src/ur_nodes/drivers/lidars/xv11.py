@@ -13,12 +13,15 @@ from collections.abc import Iterator
 import numpy as np
 
 from ur_nodes.drivers.frames import FrameReader, fixed
-from ur_nodes.drivers.lidars.lidar import SendingLidar
+from ur_nodes.drivers.lidars.lidar import SendingLidar, join_frames, time_on_line
 from ur_nodes.drivers.readings import MeasuredBeams, Reading
 
 _SIZE = 22
 _INVALID, _MILLIMETRES = 0x8000, 0x3FFF
 _WORDS = struct.Struct("<10H")
+_BEAM = [("distance", "<u2"), ("strength", "<u2")]
+_PACKET = np.dtype([("start", "u1"), ("number", "u1"), ("speed", "<u2"), ("beams", _BEAM, 4), ("check", "<u2")])
+_MOST = 20  # packets that are decoded together: less than a turn
 
 
 class Xv11(SendingLidar):
@@ -33,14 +36,21 @@ class Xv11(SendingLidar):
 
     def take(self, data: bytes) -> Iterator[Reading]:
         """See LidarProtocol."""
-        for frame in self._frames.take(data):
-            words = np.array(_WORDS.unpack_from(frame))
-            distances, strengths = words[2::2], words[3::2]
-            phases = np.radians(4 * (frame[1] - 0xA0) + np.arange(4))
-            bad = (distances & _INVALID) | ((distances & _MILLIMETRES) == 0)
+        for joined in join_frames(self._frames.take(data), _MOST):
+            packets = np.frombuffer(joined, _PACKET)
+            distances, strengths = packets["beams"]["distance"].ravel(), packets["beams"]["strength"].ravel()
+            phases = np.radians((4.0 * (packets["number"] - 0xA0)[:, None] + np.arange(4)).ravel())
+            bad = ((distances & _INVALID) != 0) | ((distances & _MILLIMETRES) == 0)
             ranges = np.where(bad, np.inf, (distances & _MILLIMETRES) / 1000.0)
-            turn_time = 60.0 * 64.0 / int(words[1]) if words[1] else 0.0
-            yield MeasuredBeams(phases, ranges, strengths.astype(np.float64), turn_time=turn_time)
+            speed = int(packets["speed"][-1])
+            yield MeasuredBeams(
+                phases,
+                ranges,
+                strengths.astype(np.float64),
+                turn_time=60.0 * 64.0 / speed if speed else 0.0,
+                sending=time_on_line(_SIZE, self.baud),
+                frames=len(packets),
+            )
 
 
 def check(words: tuple[int, ...]) -> int:

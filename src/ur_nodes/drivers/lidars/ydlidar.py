@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ur_nodes.drivers.frames import MORE, NONE, FrameReader
+from ur_nodes.drivers.lidars.lidar import time_on_line
 from ur_nodes.drivers.readings import MeasuredBeams, Reading
 
 _HEAD = struct.Struct("<HBBHHH")
@@ -52,7 +53,8 @@ class Ydlidar:
             begin, span = (first >> 1) / 64.0, ((last >> 1) - (first >> 1)) / 64.0 % 360.0
             degrees = begin + span * np.arange(count) / max(1, count - 1) + correction(millimetres)
             ranges = np.where(millimetres > 0.0, millimetres / 1000.0, np.inf)
-            yield MeasuredBeams(np.radians(degrees % 360.0), ranges, np.zeros(0), clockwise=True)
+            sending = time_on_line(len(frame), self.baud)
+            yield MeasuredBeams(np.radians(degrees % 360.0), ranges, np.zeros(0), clockwise=True, sending=sending)
 
 
 def correction(millimetres: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -5,24 +5,21 @@ from __future__ import annotations
 import contextlib
 import os
 import select
-import subprocess
-import sys
 import termios
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
-from importlib.resources import files
 from typing import Protocol
 
 import serial
 
 from ur_nodes.drivers.lines.line import LineSettings, LineUser, explain_error
+from ur_nodes.drivers.lines.motor_guard import MotorGuard, StartGuard, start_guard
 from ur_nodes.drivers.lines.tcp import SCHEME, open_socket
 from ur_nodes.ports.node import Node
 
 _PAUSE = 0.3  # s between two attempts to open it
-_BATCH = 0.002  # s in which more bytes of the same message may come
 _LOOK = 0.1  # s in which a reading that waits notices the end
 _MOST = 65536
 
@@ -46,25 +43,6 @@ class _Read:
     lost: str = ""
 
 
-def start_guard(device: int, stop: bytes, leave: bytes) -> int:
-    """Start the process that watches over the motors; returns the end of the pipe to write its `m` and `r` to."""
-    theirs, ours = os.pipe()
-    program = (files(__package__) / "guard_program.py").read_text(encoding="utf-8")
-    try:
-        subprocess.Popen(
-            [sys.executable, "-I", "-S", "-c", program, str(theirs), str(device), stop.hex(), leave.hex()],
-            pass_fds=(theirs, device),
-            start_new_session=True,  # it outlives what ends this process and its group
-            stdin=subprocess.DEVNULL,
-            stdout=subprocess.DEVNULL,
-            stderr=subprocess.DEVNULL,
-        )
-    finally:
-        os.close(theirs)
-    os.set_blocking(ours, False)
-    return ours
-
-
 class SerialLine:
     """See DeviceLine. A guard process with the same device stops the motors when this process dies or stalls."""
 
@@ -74,13 +52,13 @@ class SerialLine:
         path: str,
         user: LineUser,
         settings: LineSettings,
-        guard: Callable[[int, bytes, bytes], int] = start_guard,
+        guard: StartGuard = start_guard,
     ) -> None:
         """Begin to open it; `guard` starts its guard: see `start_guard`."""
         self.name = path
         self._node, self._user, self._settings, self._start_guard = node, user, settings, guard
         self._port: OpenLine | None = None
-        self._guard: int | None = None  # the end of a pipe
+        self._guard: MotorGuard | None = None
         self._reported = ""  # why it is not open
         self._closed = False
         self._open()
@@ -90,7 +68,8 @@ class SerialLine:
         if self._port is None or not data:
             return
         with contextlib.suppress(OSError, termios.error):  # unplugged: what reads it reports that
-            self._tell_guard(self._port.fileno(), moving=moving)
+            if self._guard:
+                self._guard.report(moving=moving)
             os.write(self._port.fileno(), data)
 
     def close(self) -> None:
@@ -100,20 +79,6 @@ class SerialLine:
             with contextlib.suppress(OSError, termios.error):
                 termios.tcdrain(self._port.fileno())
             self._drop()
-
-    def _tell_guard(self, device: int, *, moving: bool) -> None:
-        """Before what moves the motors is sent, so that they never turn without a guard. Raises OSError."""
-        if self._guard is None:
-            return
-        try:
-            os.write(self._guard, b"m" if moving else b"r")
-        except BlockingIOError:
-            return  # it has more to read than it needs
-        except BrokenPipeError:  # it was killed
-            os.close(self._guard)
-            self._guard = None
-            self._guard = self._start_guard(device, self._settings.stop, self._settings.leave)
-            os.write(self._guard, b"m" if moving else b"r")
 
     def _open(self) -> None:
         if not self._closed:
@@ -127,13 +92,13 @@ class SerialLine:
         if self._closed:
             self._drop()
             return
-        stop = self._settings.stop
-        self._guard = self._start_guard(opened.fileno(), stop, self._settings.leave) if stop else None
+        stop, leave = self._settings.stop, self._settings.leave
+        self._guard = MotorGuard(opened.fileno(), stop, leave, self._start_guard) if stop else None
         self._user.opened()
         self._read(opened.fileno())
 
     def _read(self, number: int) -> None:
-        self._node.work(partial(_read, number, self._node.now), self._take, self.name)
+        self._node.work(partial(_read, number, self._settings.batch, self._node.now), self._take, self.name)
 
     def _take(self, read: _Read) -> None:
         if self._port is None:
@@ -163,7 +128,7 @@ class SerialLine:
             if port is not None:
                 port.close()
         if guard is not None:
-            os.close(guard)
+            guard.close()
 
 
 def open_port(path: str, settings: LineSettings) -> OpenLine | str:
@@ -179,12 +144,12 @@ def open_port(path: str, settings: LineSettings) -> OpenLine | str:
     return port
 
 
-def _read(number: int, now: Callable[[], int]) -> _Read:
+def _read(number: int, batch: float, now: Callable[[], int]) -> _Read:
     """Wait a moment for bytes of a device."""
     try:
         if not select.select([number], [], [], _LOOK)[0]:
             return _Read()
-        time.sleep(_BATCH)
+        time.sleep(batch)
         data = os.read(number, _MOST)
         return _Read(data, now(), "" if data else "it was unplugged")
     except (OSError, ValueError) as problem:

@@ -23,7 +23,8 @@ from ur.source.render import render_human, shows_colour
 from ur_nodes.drivers.boards import BOARDS
 from ur_nodes.drivers.boards.board import MotorBoard
 from ur_nodes.drivers.lines.line import LineSettings
-from ur_nodes.drivers.lines.serial_line import open_port, start_guard
+from ur_nodes.drivers.lines.motor_guard import MotorGuard, start_guard
+from ur_nodes.drivers.lines.serial_line import open_port
 from ur_nodes.drivers.wheels.session import WheelSession
 from ur_nodes.drivers.wheels.verdict import MOTIONS, SIDES, WheelObservation, WheelVerdict, judge
 
@@ -47,7 +48,7 @@ class GuardedLine:
             help_ = "stop the robot's programs (ur stop, ur boot), and see: ur devices"
             raise UserError(error(text, rule="no-device", help=help_))
         self._port = port
-        self._guard = start_guard(port.fileno(), board.stop(), board.leave())
+        self._guard = MotorGuard(port.fileno(), board.stop(), board.leave(), start_guard)
 
     def __enter__(self) -> GuardedLine:
         return self
@@ -56,7 +57,7 @@ class GuardedLine:
         with contextlib.suppress(OSError, termios.error):
             os.write(self._port.fileno(), self._board.stop() + self._board.leave())
             termios.tcdrain(self._port.fileno())
-        os.close(self._guard)  # the guard stops it once more, and ends
+        self._guard.close()  # it stops the board once more, and ends
         with contextlib.suppress(OSError, termios.error):
             self._port.close()
 
@@ -68,8 +69,7 @@ class GuardedLine:
         """See TimedLine."""
         end, received, device = time.monotonic() + seconds, b"", self._port.fileno()
         try:
-            with contextlib.suppress(BlockingIOError):
-                os.write(self._guard, b"m" if moving else b"r")
+            self._guard.report(moving=moving)
             os.write(device, data)
             while select.select([device], [], [], max(0.0, end - time.monotonic()))[0]:
                 part = os.read(device, _MOST)

@@ -12,6 +12,7 @@ from ur_nodes.simulator.devices.arduino import ArduinoFirmware
 from ur_nodes.simulator.devices.create2 import Create2Firmware
 from ur_nodes.simulator.devices.firmware import Firmware
 from ur_nodes.simulator.devices.hokuyo import HokuyoFirmware
+from ur_nodes.simulator.devices.lds import Lds01Firmware, Lds02Firmware
 from ur_nodes.simulator.devices.lidars import LdRobotFirmware, RplidarFirmware, Xv11Firmware, YdlidarFirmware
 from ur_nodes.simulator.devices.loki import LokiFirmware
 from ur_nodes.simulator.devices.magni import MagniFirmware
@@ -31,6 +32,8 @@ FIRMWARES: Mapping[str, Callable[[Plant], Firmware]] = {
     "rplidar": RplidarFirmware,
     "rplidar_express": RplidarFirmware,
     "ld06": LdRobotFirmware,
+    "lds01": Lds01Firmware,
+    "lds02": Lds02Firmware,
     "hokuyo": HokuyoFirmware,
     "xv11": Xv11Firmware,
     "ydlidar": YdlidarFirmware,

@@ -87,7 +87,10 @@ class NeatoFirmware:
         elif command == "SetMotor":
             return self._set_motor(dict(zip(words[::2], words[1::2], strict=False)))
         elif command == "GetMotors":
-            left, right = (int(each * 1000.0) + self._counted for each in self._plant.rolled())
+            left, right = (
+                (int(each * 1000.0) + self._counted + 0x80000000) % 0x100000000 - 0x80000000
+                for each in self._plant.rolled()
+            )
             return f"Parameter,Value\r\nLeftWheel_PositionInMM,{left}\r\nRightWheel_PositionInMM,{right}\r\n"
         elif command == "GetLDSScan":
             return self._scan()

@@ -130,6 +130,25 @@ def test_readings_of_an_xv11_that_are_invalid_see_nothing() -> None:
     assert beams.turn_time == pytest.approx(0.2)
 
 
+def test_packet_of_an_lds_01_has_six_beams_a_degree_apart_clockwise_from_one_degree() -> None:
+    # hls_lfcd_lds_driver: beam 0 of packet 0 is at 359 degrees, counter-clockwise.
+    beams = read("lds01", struct.pack("<BBH", 0xFA, 0xA0 + 1, 3000) + struct.pack("<3H", 700, 1234, 0) * 5 + bytes(8))
+    assert np.degrees(beams.phases).tolist() == pytest.approx([7.0, 8.0, 9.0, 10.0, 11.0, 12.0])
+    assert beams.ranges.tolist() == [1.234] * 5 + [math.inf]
+    assert (beams.clockwise, beams.turn_time, beams.intensities[0]) == (True, 0.2, 700.0)
+
+
+def test_beams_of_an_lds_02_are_corrected_as_ld08_driver_does() -> None:
+    # transform.cpp: x = d + 5.9, y = 0.11923 d - 20.14; the angle is 360 - that of the frame + atan(y / x).
+    frame = (
+        struct.pack("<BBHH", 0x54, 0x2C, 1800, 9000) + struct.pack("<HB", 1000, 200) * 12 + struct.pack("<HH", 9880, 7)
+    )
+    beams = read("lds02", frame + bytes((check(frame),)))
+    x, y = 1005.9, 99.09
+    assert beams.ranges[0] == pytest.approx(math.hypot(x, y) / 1000.0)
+    assert np.degrees(beams.phases[0]) == pytest.approx(90.0 - math.degrees(math.atan(y / x)))
+
+
 def test_lidar_counts_the_frames_that_noise_has_damaged() -> None:
     damaged = LD06[:-1] + bytes((LD06[-1] ^ 1,))
     lidar = LIDARS["ld06"]()
@@ -142,7 +161,7 @@ def test_lidar_counts_the_frames_that_noise_has_damaged() -> None:
 
 
 @pytest.mark.parametrize(
-    ("name", "sent"), [("ld06", b""), ("xv11", b""), ("hokuyo", b"\nQT\n"), ("ydlidar", b"\xa5\x65")]
+    ("name", "sent"), [("ld06", b""), ("xv11", b""), ("hokuyo", b"\nQT\n"), ("ydlidar", b"\xa5\x65"), ("lds01", b"e")]
 )
 def test_lidar_is_told_to_stop_at_the_end_where_it_has_a_command_for_it(name: str, sent: bytes) -> None:
     assert LIDARS[name]().leave() == sent

@@ -228,10 +228,20 @@ def test_board_that_is_unplugged_at_a_question_ends_the_test(make_board: MakeBoa
 def test_bytes_reach_the_board_while_the_pipe_of_its_guard_is_full(make_board: MakeBoard) -> None:
     board = make_board()
     with GuardedLine(str(board.path), BOARDS["create2"](load("create2", "")), 0) as line:
-        full = fill_pipe(line._guard)
+        full = fill_pipe(line._guard._pipe)
         line.exchange(b"speeds", 0.0, moving=True)
         assert board.receives(b"speeds")
     assert board.guard_bytes() == bytes(full)
+
+
+def test_guard_that_is_killed_while_a_wheel_turns_is_started_again_and_the_test_goes_on(
+    make_board: MakeBoard, package: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    board = make_board()
+    board.kills_guard_by_motion = True
+    assert run_typed(monkeypatch, RIGHT, package, board.path) == 0
+    assert len(board.guards) == 2
+    assert board.guard_bytes().startswith(b"m")
 
 
 def test_input_that_is_no_terminal_is_refused_before_the_device_is_opened(

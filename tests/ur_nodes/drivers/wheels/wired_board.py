@@ -25,13 +25,14 @@ class WiredBoard:
     """A board of a kind, at `path`, with a guard that records in place of a process.
 
     Its time passes by a period for each message that it receives, so that no test waits for it. `silent` boards answer
-    nothing; one that is `unplugged_by_motion` is unplugged once a wheel turns.
+    nothing; one that is `unplugged_by_motion` is unplugged once a wheel turns, and one that `kills_guard_by_motion` has
+    its guard killed then, once.
     """
 
     def __init__(self, path: Path, patch: pytest.MonkeyPatch, board: str = "create2", wiring: Wiring | None = None):
         self.path, self.plant = path, LiftedPlant(wiring or Wiring())
         self.firmware: Any = FIRMWARES[board](self.plant)  # type: ignore[arg-type]
-        self.silent = self.unplugged_by_motion = False
+        self.silent = self.unplugged_by_motion = self.kills_guard_by_motion = False
         self.received = b""
         self.guards: list[tuple[bytes, bytes]] = []
         self._period: float = BOARDS[board](self.plant.base).period
@@ -83,6 +84,9 @@ class WiredBoard:
         for _ in range(round(self._period / TICK)):
             self.plant.advance(TICK)
             answer += self.firmware.tick()
+        if self.kills_guard_by_motion and self.plant.last != (0, 0):
+            self.kills_guard_by_motion = False
+            os.close(self._pipes.pop())
         if self.unplugged_by_motion and self.plant.last != (0, 0):
             self.unplug()
         elif not self.silent:

@@ -17,6 +17,8 @@ from ur.robot.setup.facts import ComputerFacts, FactsRequest
 from ur.robot.setup.wanted import Wanted, WantedFile, write_file
 
 SERIAL, I2C = "/dev/ttyAMA0", "/dev/i2c-1"
+BEHIND = (Expected("base", "serial", SERIAL), Expected("imu", "i2c", I2C))
+"""Devices behind the header."""
 MODULES = "/etc/modules-load.d/ubiquity-i2c.conf"
 MODEL = "/proc/device-tree/model"
 FOLDERS = ("/boot/firmware", "/boot")  # the first is that of Debian 12 and Ubuntu; the second then has a stub
