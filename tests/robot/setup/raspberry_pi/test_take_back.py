@@ -4,15 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 
 import pytest
 from tests.robot.setup.raspberry_pi.test_header import BOARD, COMMAND, CONFIG, LINE, facts, texts
 
 from ur.robot.setup.change import Change
-from ur.robot.setup.facts import ComputerFacts
+from ur.robot.setup.facts import ABSENT, ComputerFacts
 from ur.robot.setup.login import Task
 from ur.robot.setup.raspberry_pi import take_back
-from ur.robot.setup.raspberry_pi.header import want_header
+from ur.robot.setup.raspberry_pi.header import BEHIND, want_header
 from ur.robot.setup.robot_states import WantedRobot
 from ur.robot.ssh.address import Address
 
@@ -34,7 +35,9 @@ def applied(monkeypatch: pytest.MonkeyPatch) -> list[Change]:
 def meet(patch: pytest.MonkeyPatch, seen: ComputerFacts) -> Task:
     """A robot with these files."""
     patch.setattr(take_back, "gather", lambda *_, **__: seen)
-    patch.setattr(take_back, "gather_facts", lambda *_, **__: seen)
+    needed = {each: ABSENT for item in want_header(seen, BEHIND) for each in item.request("ros").files}
+    more = replace(seen, files={**needed, **seen.files})
+    patch.setattr(take_back, "gather_facts", lambda *_, **__: more)
     return Task(Address("ros", "bob.local"), WantedRobot("bob", "create2"))
 
 
