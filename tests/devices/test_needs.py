@@ -50,6 +50,19 @@ def test_expected_device_is_reported_with_what_to_do(
     assert help in need.help
 
 
+@pytest.mark.parametrize(
+    ("expected", "text", "help"),
+    [
+        (Expected("imu", "i2c", "/dev/i2c-1"), "the imu needs /dev/i2c-1, which is not there", "dtparam=i2c_arm=on"),
+        (Expected("sonars", "gpio", "/dev/gpiochip0"), "the board of sonars needs /dev/gpiochip0", "as a Raspberry Pi"),
+    ],
+)
+def test_bus_or_chip_that_is_not_there_is_named_with_what_to_do(expected: Expected, text: str, help: str) -> None:
+    (need,) = examine(THERE, [expected])
+    assert need.message.startswith(text)
+    assert help in need.help
+
+
 def test_driver_that_runs_is_no_problem() -> None:
     (need,) = examine(with_lidar(holders=(DeviceHolder(9, "rplidarNode", "ros"),)), [NEED])
     assert need.state == "ready"

@@ -43,6 +43,14 @@ def test_devices_are_listed_with_their_ids_names_and_holders(tmp_path: Path) -> 
     assert [device.usb for device in found.values() if device.kind == "usb"] == ["03e7:2485", "046d:c31c"]
 
 
+def test_gpio_chips_are_listed_where_they_have_a_device_file(tmp_path: Path) -> None:
+    tree = Tree(tmp_path)
+    tree.add_chip("gpiochip0")
+    (tmp_path / "sys/bus/gpio/devices/gpiochip1").mkdir()
+    (chip,) = look(tmp_path).devices
+    assert (chip.path, chip.kind, describe_device(chip)) == ("/dev/gpiochip0", "gpio", "GPIO chip")
+
+
 def test_parts_of_a_raspberry_pi_that_convert_pictures_are_no_cameras(tmp_path: Path) -> None:
     tree = Tree(tmp_path)
     tree.plug("1-1", "1d6b:0002", video="video10", name="bcm2835-codec-decode")

@@ -52,6 +52,12 @@ class Tree:
         (self.root / "sys/bus/usb/devices" / port).unlink()
         shutil.rmtree(self.root / "sys/devices/usb1" / port)
 
+    def add_chip(self, name: str) -> None:
+        """Add a GPIO chip of the board itself."""
+        folder = self.root / "sys/bus/gpio/devices" / name
+        folder.mkdir(parents=True)
+        (self.root / "dev" / name).touch()
+
     def solder(self, tty: str, *, kind: str = "32") -> None:
         """Add a serial port of the board itself."""
         folder = self.root / "sys/devices/platform" / tty

@@ -11,6 +11,10 @@ from ur.devices.known import describe_device, find_known, find_rows
 
 State = Literal["ready", "missing", "unnamed", "ambiguous", "forbidden", "busy"]
 LOGIN_PROMPT = "agetty"
+_BOARD_PARTS = {
+    "i2c": "is the bus on (Raspberry Pi: dtparam=i2c_arm=on in config.txt; the module i2c-dev)? ur robot setup does it",
+    "gpio": "has this computer a header with pins, as a Raspberry Pi has?",
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,7 +76,7 @@ def find_unit(device: Device) -> str:
 
 
 def _examine(snapshot: DeviceSnapshot, expected: Expected) -> Need:
-    part = "the base" if expected.part == "base" else f"the {expected.part}"
+    part = "the board of sonars" if expected.part == "sonars" else f"the {expected.part}"
     if not expected.path:
         candidates = [device for device in snapshot.devices if device.kind == expected.kind]
         if not candidates:
@@ -111,6 +115,8 @@ def _may_be(device: Device, expected: Expected) -> bool:
 
 def _plug(expected: Expected) -> str:
     rows = find_rows(expected.hardware)
+    if expected.kind in _BOARD_PARTS:
+        return _BOARD_PARTS[expected.kind]
     if not rows:
         if expected.kind == "camera":
             return "is its cable (ribbon or USB) plugged in at both ends? ur devices lists what is there"
