@@ -96,9 +96,7 @@ def want_header(facts: ComputerFacts, devices: Iterable[Expected]) -> list[Wante
     paths = {each.path for each in devices}
     wanted: list[Wanted] = []
     if I2C in paths:  # also on other computers
-        wanted.append(
-            WantedFile("module of I2C buses", "/etc/modules-load.d/ubiquity-i2c.conf", "i2c-dev\n", then=_LOAD)
-        )
+        wanted.append(WantedFile("module of I2C buses", MODULES, "i2c-dev\n", then=_LOAD))
     folder = next((each for each in FOLDERS if facts.file(f"{each}/config.txt").text is not None), None)
     if folder is None or "Raspberry Pi" not in model:
         return wanted
