@@ -194,3 +194,8 @@ def launch_example(
 ) -> Example:
     """Return an example that consists mainly of one launch file."""
     return Example({name: text.strip("\n") + "\n", **(files or {})}, executables)
+
+
+def launch_examples(*texts: str) -> tuple[Example, ...]:
+    """Return an example for each text of a launch file."""
+    return tuple(map(launch_example, texts))

@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterable
 
 from ur.check.example_parts import speed_example
-from ur.check.rule import LaunchView, Rule, RuleFinding, RuleGroup, launch_example
+from ur.check.rule import LaunchView, Rule, RuleFinding, RuleGroup, launch_example, launch_examples
 from ur.check.survey import walk_elements
 from ur.launchfile.syntax import Element, SubstitutionProblem, is_eval, parse_substitutions
 from ur.source.diagnostic import Severity
@@ -113,16 +113,13 @@ A user who gives the argument expects an effect. It is a warning because the fil
 everything with `pass_all_args`, or into YAML with `subst_value`, are left alone, and so are arguments that another file
 passes: roslaunch refuses a file that does not declare what it is passed.
 """,
-        bad=(
-            launch_example("""
+        bad=launch_examples("""
 <launch>
   <arg name="«speed»" default="0.3"/>
   <param name="limit" value="0.5"/>
 </launch>
 """),
-        ),
-        good=(
-            launch_example("""
+        good=launch_examples("""
 <launch>
   <arg name="speed" default="0.3"/>
   <arg name="fast" value="$(eval speed > 1)"/>
@@ -131,7 +128,6 @@ passes: roslaunch refuses a file that does not declare what it is passed.
   </rosparam>
 </launch>
 """),
-        ),
         launch_file=_find_unused_argument,
     ),
 )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ur.check.example_parts import make_speed_launch, passing_example, speed_example
-from ur.check.rule import Rule, RuleGroup, launch_example
+from ur.check.rule import Rule, RuleGroup, launch_example, launch_examples
 from ur.source.diagnostic import Severity
 
 _INCLUDES = """
@@ -48,22 +48,18 @@ own, pass its value, or use `pass_all_args`.
 Between `$(eval ` and `)` stands a Python expression over arguments, `env()`, `find()` and the functions of
 `math`.
 """,
-        bad=(
-            launch_example("""
+        bad=launch_examples("""
 <launch>
   <arg name="speed" default="0.5"/>
   <param name="double" value="$(eval speed +«*» 2)"/>
 </launch>
 """),
-        ),
-        good=(
-            launch_example("""
+        good=launch_examples("""
 <launch>
   <arg name="speed" default="0.5"/>
   <param name="double" value="$(eval speed * 2)"/>
 </launch>
 """),
-        ),
     ),
     Rule(
         id="bad-substitution",
@@ -90,14 +86,12 @@ Known are `$(arg NAME)`, `$(find PACKAGE)`, `$(env NAME)`, `$(optenv NAME DEFAUL
 </launch>
 """),
         ),
-        good=(
-            launch_example("""
+        good=launch_examples("""
 <launch>
   <arg name="speed" default="0.5"/>
   <param name="speed" value="$(arg speed)"/>
 </launch>
 """),
-        ),
     ),
     Rule(
         id="duplicate-arg",
@@ -108,17 +102,14 @@ Known are `$(arg NAME)`, `$(find PACKAGE)`, `$(env NAME)`, `$(optenv NAME DEFAUL
 roslaunch refuses a second `<arg>` of the same name in one file, unless `if` and `unless` leave one of them. Of options
 that are not required only the defaults are judged: other values may not be meant to be given together.
 """,
-        bad=(
-            launch_example("""
+        bad=launch_examples("""
 <launch>
   <arg name="speed" default="0.3"/>
   <arg name="«speed»" default="0.5"/>
   <param name="speed" value="$(arg speed)"/>
 </launch>
 """),
-        ),
-        good=(
-            launch_example("""
+        good=launch_examples("""
 <launch>
   <arg name="fast" default="false"/>
   <arg name="speed" default="0.3" unless="$(arg fast)"/>
@@ -126,7 +117,6 @@ that are not required only the defaults are judged: other values may not be mean
   <param name="speed" value="$(arg speed)"/>
 </launch>
 """),
-        ),
     ),
     Rule(
         id="fixed-arg",

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator
 
 import yaml
 
-from ur.check.rule import Example, Rule, RuleFinding, RuleGroup, YamlView, launch_example
+from ur.check.rule import Example, Rule, RuleFinding, RuleGroup, YamlView, launch_example, launch_examples
 from ur.source.diagnostic import Note, Severity
 from ur.source.file import SourceFile, Span
 from ur.source.foreign.yaml_text import check_depth
@@ -176,20 +176,16 @@ here.
         explanation="""
 `<launch deprecated='why'>` makes roslaunch print the reason. Include the file that it names instead.
 """,
-        bad=(
-            launch_example("""
+        bad=launch_examples("""
 <launch deprecated="«use talk.launch»">
   <node name="talker" pkg="demo_nodes" type="talker"/>
 </launch>
 """),
-        ),
-        good=(
-            launch_example("""
+        good=launch_examples("""
 <launch>
   <node name="talker" pkg="demo_nodes" type="talker"/>
 </launch>
 """),
-        ),
     ),
     Rule(
         id="include-cycle",
@@ -199,15 +195,12 @@ here.
         explanation="""
 roslaunch goes on until Python gives up. A condition that becomes false ends the circle.
 """,
-        bad=(
-            launch_example("""
+        bad=launch_examples("""
 <launch>
   <include file="«$(find my_robot)/launch/example.launch»"/>
 </launch>
 """),
-        ),
-        good=(
-            launch_example("""
+        good=launch_examples("""
 <launch>
   <arg name="again" default="true"/>
   <include file="$(find my_robot)/launch/example.launch" if="$(arg again)">
@@ -215,7 +208,6 @@ roslaunch goes on until Python gives up. A condition that becomes false ends the
   </include>
 </launch>
 """),
-        ),
     ),
     Rule(
         id="include-too-deep",

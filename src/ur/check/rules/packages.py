@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from ur.check.queries.executables import find_program, is_misspelt
-from ur.check.rule import LaunchedNode, Rule, RuleFinding, RuleGroup, launch_example
+from ur.check.rule import LaunchedNode, Rule, RuleFinding, RuleGroup, launch_example, launch_examples
 from ur.check.worlds import has_marker
 from ur.source.diagnostic import Severity
 from ur.source.suggest import did_you_mean
@@ -151,13 +151,11 @@ packages in one paragraph after the other findings.
 </launch>
 """),
         ),
-        good=(
-            launch_example("""
+        good=launch_examples("""
 <launch>
   <node name="talker" pkg="demo_nodes" type="talker"/>
 </launch>
 """),
-        ),
         node=_find_not_installed,
     ),
     Rule(
@@ -182,8 +180,7 @@ reported as `package-not-installed` instead, a warning.
 </launch>
 """),
         ),
-        good=(
-            launch_example("""
+        good=launch_examples("""
 <launch>
   <arg name="package" default="demo_nodes"/>
   <arg name="other"/>
@@ -191,7 +188,6 @@ reported as `package-not-installed` instead, a warning.
   <node name="other" pkg="$(arg other)" type="talker"/>
 </launch>
 """),
-        ),
         node=_find_unknown_package,
     ),
 )

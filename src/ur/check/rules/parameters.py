@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ur.check.rule import Rule, RuleGroup, launch_example
+from ur.check.rule import Rule, RuleGroup, launch_examples
 from ur.source.diagnostic import Severity
 
 RULES = (
@@ -14,20 +14,16 @@ RULES = (
         explanation="""
 Known are `str`, `int`, `double`, `bool` and `yaml`; without `type` roslaunch guesses.
 """,
-        bad=(
-            launch_example("""
+        bad=launch_examples("""
 <launch>
   <param name="speed" type="«float»" value="0.3"/>
 </launch>
 """),
-        ),
-        good=(
-            launch_example("""
+        good=launch_examples("""
 <launch>
   <param name="speed" type="double" value="0.3"/>
 </launch>
 """),
-        ),
     ),
     Rule(
         id="bad-param-value",
@@ -37,20 +33,16 @@ Known are `str`, `int`, `double`, `bool` and `yaml`; without `type` roslaunch gu
         explanation="""
 roslaunch converts the text to the type that `type=` names, and refuses the file when it cannot.
 """,
-        bad=(
-            launch_example("""
+        bad=launch_examples("""
 <launch>
   <param name="count" type="int" value="«3.5»"/>
 </launch>
 """),
-        ),
-        good=(
-            launch_example("""
+        good=launch_examples("""
 <launch>
   <param name="count" type="int" value="3"/>
 </launch>
 """),
-        ),
     ),
     Rule(
         id="bad-yaml-key",
@@ -60,24 +52,20 @@ roslaunch converts the text to the type that `type=` names, and refuses the file
         explanation="""
 Names of parameters are texts. YAML reads `1`, `yes` and `on` as something else, unless they stand in quotes.
 """,
-        bad=(
-            launch_example("""
+        bad=launch_examples("""
 <launch>
   <rosparam>
     speeds: {«1»: 0.3}
   </rosparam>
 </launch>
 """),
-        ),
-        good=(
-            launch_example("""
+        good=launch_examples("""
 <launch>
   <rosparam>
     speeds: {first: 0.3}
   </rosparam>
 </launch>
 """),
-        ),
     ),
     Rule(
         id="param-conflict",
@@ -87,22 +75,18 @@ Names of parameters are texts. YAML reads `1`, `yes` and `on` as something else,
         explanation="""
 A parameter is either a value or a namespace. roslaunch sets both, and the later one replaces the earlier.
 """,
-        bad=(
-            launch_example("""
+        bad=launch_examples("""
 <launch>
   <param name="wheel" value="round"/>
   «<param» name="wheel/radius" value="0.1"/>
 </launch>
 """),
-        ),
-        good=(
-            launch_example("""
+        good=launch_examples("""
 <launch>
   <param name="wheel/shape" value="round"/>
   <param name="wheel/radius" value="0.1"/>
 </launch>
 """),
-        ),
     ),
     Rule(
         id="param-value",
@@ -112,20 +96,16 @@ A parameter is either a value or a namespace. roslaunch sets both, and the later
         explanation="""
 `<param>` takes exactly one of `value`, `textfile`, `binfile` and `command`.
 """,
-        bad=(
-            launch_example("""
+        bad=launch_examples("""
 <launch>
   «<param» name="speed" />
 </launch>
 """),
-        ),
-        good=(
-            launch_example("""
+        good=launch_examples("""
 <launch>
   <param name="speed" value="0.3"/>
 </launch>
 """),
-        ),
     ),
     Rule(
         id="rosparam-file",
@@ -135,20 +115,16 @@ A parameter is either a value or a namespace. roslaunch sets both, and the later
         explanation="""
 `command='delete'` removes parameters by name; a file belongs to `load` and `dump`.
 """,
-        bad=(
-            launch_example("""
+        bad=launch_examples("""
 <launch>
   <rosparam command="delete" param="speed" «file»="speed.yaml"/>
 </launch>
 """),
-        ),
-        good=(
-            launch_example("""
+        good=launch_examples("""
 <launch>
   <rosparam command="delete" param="speed"/>
 </launch>
 """),
-        ),
     ),
     Rule(
         id="rosparam-not-a-mapping",
@@ -158,20 +134,16 @@ A parameter is either a value or a namespace. roslaunch sets both, and the later
         explanation="""
 Without `param`, a `<rosparam>` holds names with values.
 """,
-        bad=(
-            launch_example("""
+        bad=launch_examples("""
 <launch>
   «<rosparam»>[1, 2, 3]</rosparam>
 </launch>
 """),
-        ),
-        good=(
-            launch_example("""
+        good=launch_examples("""
 <launch>
   <rosparam param="wheels">[1, 2, 3]</rosparam>
 </launch>
 """),
-        ),
     ),
     Rule(
         id="too-many-params",

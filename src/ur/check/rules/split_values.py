@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterable, Iterator
 
 from ur.check.example_parts import directory_example, make_talk_launch
-from ur.check.rule import LaunchView, Rule, RuleFinding, RuleGroup, launch_example
+from ur.check.rule import LaunchView, Rule, RuleFinding, RuleGroup, launch_examples
 from ur.launchfile.syntax import Element, Substitution, SubstitutionProblem, is_eval, parse_substitutions
 from ur.source.diagnostic import Severity
 
@@ -107,16 +107,13 @@ Arguments that are numbers, `true` or `false` by their default are left alone, a
 beginning of the prefix: its words, such as `gdb --args`, are what it is for. What `$(eval ...)` computes is not
 examined.
 """,
-        bad=(
-            launch_example("""
+        bad=launch_examples("""
 <launch>
   <arg name="map_file"/>
   <node name="rviz" pkg="demo_nodes" type="talker" launch-prefix="fit_view '«$(arg map_file)»'"/>
 </launch>
 """),
-        ),
-        good=(
-            launch_example("""
+        good=launch_examples("""
 <launch>
   <arg name="delay" default="2.5"/>
   <arg name="debugger" default=""/>
@@ -128,7 +125,6 @@ examined.
   </node>
 </launch>
 """),
-        ),
         element=_find_argument_in_prefix,
     ),
     Rule(

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from ur.check.example_parts import group_example
-from ur.check.rule import LaunchView, Rule, RuleFinding, RuleGroup, TextEdit, launch_example
+from ur.check.rule import LaunchView, Rule, RuleFinding, RuleGroup, TextEdit, launch_example, launch_examples
 from ur.launchfile.syntax import Element
 from ur.source.diagnostic import Diagnostic, Severity
 
@@ -68,8 +68,7 @@ RULES = (
 </launch>
 """),
         ),
-        good=(
-            launch_example("""
+        good=launch_examples("""
 <launch>
   <arg name="again"/>
   <group if="1">
@@ -77,7 +76,6 @@ RULES = (
   </group>
 </launch>
 """),
-        ),
         element=_find_bad_booleans,
         fix=_repair_boolean,
     ),
@@ -90,20 +88,16 @@ RULES = (
 `output` is `log` or `screen`, `cwd` is `ROS_HOME` or `node`, `command` of `<rosparam>` is `load`, `dump` or
 `delete`.
 """,
-        bad=(
-            launch_example("""
+        bad=launch_examples("""
 <launch>
   <node name="talker" pkg="demo_nodes" type="talker" output="«sceen»"/>
 </launch>
 """),
-        ),
-        good=(
-            launch_example("""
+        good=launch_examples("""
 <launch>
   <node name="talker" pkg="demo_nodes" type="talker" output="screen"/>
 </launch>
 """),
-        ),
     ),
     Rule(
         id="bad-condition",
@@ -113,24 +107,20 @@ RULES = (
         explanation="""
 A tag takes one condition. Two of them are one expression: an `if` with `$(eval ...)`.
 """,
-        bad=(
-            launch_example("""
+        bad=launch_examples("""
 <launch>
   <arg name="a" default="true"/>
   <arg name="b" default="true"/>
   <node name="talker" pkg="demo_nodes" type="talker" if="$(arg a)" «unless»="$(arg b)"/>
 </launch>
 """),
-        ),
-        good=(
-            launch_example("""
+        good=launch_examples("""
 <launch>
   <arg name="a" default="true"/>
   <arg name="b" default="true"/>
   <node name="talker" pkg="demo_nodes" type="talker" if="$(eval a and not b)"/>
 </launch>
 """),
-        ),
     ),
     Rule(
         id="bad-number",
@@ -140,20 +130,16 @@ A tag takes one condition. Two of them are one expression: an `if` with `$(eval 
         explanation="""
 `respawn_delay`, `timeout`, `ssh-port`, `time-limit` and `retry` are numbers; times are in seconds.
 """,
-        bad=(
-            launch_example("""
+        bad=launch_examples("""
 <launch>
   <node name="talker" pkg="demo_nodes" type="talker" respawn="true" respawn_delay="«5s»"/>
 </launch>
 """),
-        ),
-        good=(
-            launch_example("""
+        good=launch_examples("""
 <launch>
   <node name="talker" pkg="demo_nodes" type="talker" respawn="true" respawn_delay="5"/>
 </launch>
 """),
-        ),
     ),
     Rule(
         id="bad-ready",
@@ -164,24 +150,20 @@ A tag takes one condition. Two of them are one expression: an `if` with `$(eval 
 `ur launch` reads `<!--ready: ...-->` inside a node as what has to be there before the node is up, and `ur wait` waits
 for it. A part that it does not understand is left out, so nothing would wait for it. roslaunch ignores the comment.
 """,
-        bad=(
-            launch_example("""
+        bad=launch_examples("""
 <launch>
   <node name="talker" pkg="demo_nodes" type="talker">
     «<!--ready: topics chatter-->»
   </node>
 </launch>
 """),
-        ),
-        good=(
-            launch_example("""
+        good=launch_examples("""
 <launch>
   <node name="talker" pkg="demo_nodes" type="talker">
     <!--ready: topic chatter 5 Hz; service ~set_logger_level-->
   </node>
 </launch>
 """),
-        ),
     ),
     Rule(
         id="empty-attribute",
@@ -191,20 +173,16 @@ for it. A part that it does not understand is left out, so nothing would wait fo
         explanation="""
 `pkg` and `type` of a node and `name` of an environment variable cannot be empty.
 """,
-        bad=(
-            launch_example("""
+        bad=launch_examples("""
 <launch>
   <node name="talker" pkg="demo_nodes" «type»=""/>
 </launch>
 """),
-        ),
-        good=(
-            launch_example("""
+        good=launch_examples("""
 <launch>
   <node name="talker" pkg="demo_nodes" type="talker"/>
 </launch>
 """),
-        ),
     ),
     Rule(
         id="misplaced-attribute",
@@ -214,20 +192,16 @@ for it. A part that it does not understand is left out, so nothing would wait fo
         explanation="""
 A test ends by itself: it is not respawned, and its output goes to the results.
 """,
-        bad=(
-            launch_example("""
+        bad=launch_examples("""
 <launch>
   <test test-name="hears" pkg="demo_nodes" type="talker" «respawn»="true"/>
 </launch>
 """),
-        ),
-        good=(
-            launch_example("""
+        good=launch_examples("""
 <launch>
   <test test-name="hears" pkg="demo_nodes" type="talker" time-limit="20"/>
 </launch>
 """),
-        ),
     ),
     Rule(
         id="required-and-respawn",
@@ -237,20 +211,16 @@ A test ends by itself: it is not respawned, and its output goes to the results.
         explanation="""
 `required` ends everything when the node ends, `respawn` starts it again: a node can be one of the two.
 """,
-        bad=(
-            launch_example("""
+        bad=launch_examples("""
 <launch>
   <node name="talker" pkg="demo_nodes" type="talker" «required»="true" respawn="true"/>
 </launch>
 """),
-        ),
-        good=(
-            launch_example("""
+        good=launch_examples("""
 <launch>
   <node name="talker" pkg="demo_nodes" type="talker" required="true"/>
 </launch>
 """),
-        ),
     ),
     Rule(
         id="useless-condition",
@@ -261,13 +231,11 @@ A test ends by itself: it is not respawned, and its output goes to the results.
 roslaunch reads `if` and `unless` of `<launch>` and forgets them. The condition belongs on the `<include>` of
 the file.
 """,
-        bad=(
-            launch_example("""
+        bad=launch_examples("""
 <launch «if»="false">
   <node name="talker" pkg="demo_nodes" type="talker"/>
 </launch>
 """),
-        ),
         good=(group_example('<group if="false">'),),
     ),
 )

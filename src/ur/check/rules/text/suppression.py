@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ur.check.rule import Rule, RuleGroup, TextEdit, launch_example
+from ur.check.rule import Rule, RuleGroup, TextEdit, launch_example, launch_examples
 from ur.source.diagnostic import Diagnostic, Severity
 from ur.source.file import Span
 
@@ -62,23 +62,19 @@ separated by commas. The reason is for the next reader of the file, so it may no
 What it was about is repaired, or it stands in the wrong place. `--fix` removes it. Only looked at when all rules are
 checked.
 """,
-        bad=(
-            launch_example("""
+        bad=launch_examples("""
 <launch>
   «<!--ur: ignore unused-argument: files that include this one still pass it-->»
   <arg name="speed" default="0.3"/>
   <param name="speed" value="$(arg speed)"/>
 </launch>
 """),
-        ),
-        good=(
-            launch_example("""
+        good=launch_examples("""
 <launch>
   <!--ur: ignore unused-argument: files that include this one still pass it-->
   <arg name="speed" default="0.3"/>
 </launch>
 """),
-        ),
         fix=_remove_comment,
     ),
 )

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 
 from ur.check.example_parts import group_example
-from ur.check.rule import LaunchView, Rule, RuleFinding, RuleGroup, launch_example
+from ur.check.rule import LaunchView, Rule, RuleFinding, RuleGroup, launch_example, launch_examples
 from ur.check.survey import is_switched_off
 from ur.launchfile.plan.tags.body import TAGS
 from ur.launchfile.query.vocabulary import ATTRIBUTES, INSIDE
@@ -68,20 +68,16 @@ RULES = (
 roslaunch prints a warning among many other lines and goes on without the attribute: a node with `respaen="true"`
 is not started again.
 """,
-        bad=(
-            launch_example("""
+        bad=launch_examples("""
 <launch>
   <node name="talker" pkg="demo_nodes" type="talker" «respaen»="true"/>
 </launch>
 """),
-        ),
-        good=(
-            launch_example("""
+        good=launch_examples("""
 <launch>
   <node name="talker" pkg="demo_nodes" type="talker" respawn="true"/>
 </launch>
 """),
-        ),
         element=_find_unknown_attributes,
     ),
     Rule(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ur.check.example_parts import speed_example
-from ur.check.rule import Rule, RuleGroup, launch_example
+from ur.check.rule import Rule, RuleGroup, launch_example, launch_examples
 from ur.source.diagnostic import Severity
 
 RULES = (
@@ -41,8 +41,7 @@ and `&amp;`. roslaunch refuses the whole file, and every file that includes it.
 </launch>
 """),
         ),
-        good=(
-            launch_example("""
+        good=launch_examples("""
 <launch>
   <group ns="left">
     <node name="talker" pkg="demo_nodes" type="talker"/>
@@ -50,7 +49,6 @@ and `&amp;`. roslaunch refuses the whole file, and every file that includes it.
   <param name="question" value="black &amp; white"/>
 </launch>
 """),
-        ),
     ),
     Rule(
         id="entity-declaration",
@@ -61,8 +59,7 @@ and `&amp;`. roslaunch refuses the whole file, and every file that includes it.
 Entities can make a small file as large as the memory, so they are refused. An argument does what an entity is
 used for.
 """,
-        bad=(
-            launch_example("""
+        bad=launch_examples("""
 <!DOCTYPE launch [
   «<!ENTITY» speed "0.3">
 ]>
@@ -70,7 +67,6 @@ used for.
   <param name="speed" value="&speed;"/>
 </launch>
 """),
-        ),
         good=(speed_example('<arg name="speed" default="0.3"/>'),),
     ),
     Rule(
@@ -94,20 +90,16 @@ keeps `ur` from hanging, so there is no example here.
         explanation="""
 Everything in a launch file stands inside one `<launch>` element, which is the outermost one.
 """,
-        bad=(
-            launch_example("""
+        bad=launch_examples("""
 «<robot»>
   <param name="speed" value="0.3"/>
 </robot>
 """),
-        ),
-        good=(
-            launch_example("""
+        good=launch_examples("""
 <launch>
   <param name="speed" value="0.3"/>
 </launch>
 """),
-        ),
     ),
     Rule(
         id="missing-attribute",
@@ -117,20 +109,16 @@ Everything in a launch file stands inside one `<launch>` element, which is the o
         explanation="""
 `<node>` needs `name`, `pkg` and `type`, `<include>` needs `file`, `<remap>` needs `from` and `to`, and so on.
 """,
-        bad=(
-            launch_example("""
+        bad=launch_examples("""
 <launch>
   «<node» name="talker" type="talker"/>
 </launch>
 """),
-        ),
-        good=(
-            launch_example("""
+        good=launch_examples("""
 <launch>
   <node name="talker" pkg="demo_nodes" type="talker"/>
 </launch>
 """),
-        ),
     ),
     Rule(
         id="nested-too-deep",
@@ -153,19 +141,15 @@ keeps `ur` from hanging, so there is no example here.
 `<let>`, `<node exec=...>` and `$(find-pkg-share ...)` belong to the launch language of ROS 2, which roslaunch does not
 read. Nothing else is reported about such a file. Files named `*.launch.py` and `*.launch.yaml` are for ROS 2, too.
 """,
-        bad=(
-            launch_example("""
+        bad=launch_examples("""
 <launch>
   «<let» name="speed" value="0.3"/>
 </launch>
 """),
-        ),
-        good=(
-            launch_example("""
+        good=launch_examples("""
 <launch>
   <param name="speed" value="0.3"/>
 </launch>
 """),
-        ),
     ),
 )
