@@ -20,13 +20,13 @@ from ur.source.foreign.json_values import read_json
 from ur.source.printable import one_line
 from ur.source.run_users import PAGE, forget_user, note_user
 from ur.system.ros import NONE, graph_address, node_command, read_domain, viewer_socket
+from ur.web.server.children import read_errors, start_child, wait_or_kill
 from ur.web.wire.frames import LENGTH, LONGEST
 
 State = Literal["no master", "starting", "up"]
 _MODULE = "ur_nodes.web.robot_end_node"
 _MASTER_LIMIT = 2.0  # s
 _PAUSE = 1.0  # s
-_END_LIMIT = 5.0  # s
 _DRIVE_LINE = 1 << 16  # bytes
 _PRINTED = 20  # last lines of the process that are kept
 _LONGEST_ERROR = 300  # characters
@@ -116,24 +116,15 @@ class RobotProcess:
 
     async def _run_once(self) -> None:
         (view, its_view), (drive, its_drive) = socket.socketpair(), socket.socketpair()
-        with its_view, its_drive:
-            process = await asyncio.create_subprocess_exec(
-                *node_command(self._environment),
-                *(_MODULE, str(its_view.fileno()), str(its_drive.fileno())),
-                pass_fds=(its_view.fileno(), its_drive.fileno()),
-                stdin=asyncio.subprocess.DEVNULL,
-                stdout=asyncio.subprocess.DEVNULL,
-                stderr=asyncio.subprocess.PIPE,
-                env=dict(self._environment),
-                start_new_session=True,  # Ctrl-C is for this process, which ends that one
-            )
+        command = (*node_command(self._environment), _MODULE)
+        process = await start_child(command, (its_view, its_drive), self._environment)
         self.pid = process.pid
         frames, self._view = await asyncio.open_connection(sock=view)
         messages, self._drive = await asyncio.open_connection(sock=drive, limit=_DRIVE_LINE)
         tasks = [
             asyncio.create_task(self._read_frames(frames)),
             asyncio.create_task(self._read_messages(messages)),
-            asyncio.create_task(self._read_errors(process)),
+            asyncio.create_task(read_errors(process, self._take_error)),
         ]
         try:
             self._on_start()
@@ -167,13 +158,9 @@ class RobotProcess:
             while line := await reader.readline():
                 self._on_message(read_json(line, dict[str, object], _DRIVE_LINE))
 
-    async def _read_errors(self, process: asyncio.subprocess.Process) -> None:
-        assert process.stderr is not None
-        with suppress(ValueError):
-            while line := await process.stderr.readline():
-                text = line.decode("utf-8", "replace").rstrip()
-                self._printed.append(text)
-                self._log(text)
+    def _take_error(self, text: str) -> None:
+        self._printed.append(text)
+        self._log(text)
 
 
 def find_error(lines: Iterable[str]) -> str:
@@ -185,16 +172,6 @@ def find_error(lines: Iterable[str]) -> str:
         elif line.startswith("help: "):
             found += f"; {line}"
     return found[:_LONGEST_ERROR]
-
-
-async def wait_or_kill(process: asyncio.subprocess.Process) -> None:
-    """Wait for a process that is about to end, and kill it after a timeout."""
-    try:
-        await asyncio.wait_for(process.wait(), _END_LIMIT)
-    except asyncio.TimeoutError:
-        with suppress(ProcessLookupError):
-            process.kill()
-        await process.wait()
 
 
 def robot_environment() -> dict[str, str]:

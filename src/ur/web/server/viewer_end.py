@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 import socket
 from collections.abc import AsyncIterator, Callable, Mapping
-from contextlib import asynccontextmanager, suppress
+from contextlib import asynccontextmanager
 from dataclasses import dataclass
 from typing import Annotated
 
@@ -13,7 +13,7 @@ from msgspec import Meta
 
 from ur.source.foreign.json_values import read_json
 from ur.system.ros import node_command
-from ur.web.server.robot_end import wait_or_kill
+from ur.web.server.children import read_errors, start_child, wait_or_kill
 
 _MODULE = "ur_nodes.web.viewers.viewer_end_node"
 _START_LIMIT = 20.0  # s
@@ -62,18 +62,11 @@ class ViewerProcess:
 
     async def _start(self) -> None:
         ours, its = socket.socketpair()
-        with its:
-            self._process = process = await asyncio.create_subprocess_exec(
-                *(*node_command(self._environment), _MODULE, str(its.fileno())),
-                pass_fds=(its.fileno(),),
-                stdin=asyncio.subprocess.DEVNULL,
-                stdout=asyncio.subprocess.DEVNULL,
-                stderr=asyncio.subprocess.PIPE,
-                env=dict(self._environment),
-                start_new_session=True,  # Ctrl-C is for this process, which ends that one
-            )
+        self._process = process = await start_child(
+            (*node_command(self._environment), _MODULE), (its,), self._environment
+        )
         reader, self._link = await asyncio.open_connection(sock=ours)
-        self._reading = asyncio.create_task(self._read_errors(process))
+        self._reading = asyncio.create_task(read_errors(process, lambda line: self._log(f"viewers: {line}")))
         try:
             line = await asyncio.wait_for(reader.readline(), _START_LIMIT)
             address = read_json(line, _Address)
@@ -93,9 +86,3 @@ class ViewerProcess:
         await wait_or_kill(process)
         if self._reading is not None:
             await asyncio.gather(self._reading, return_exceptions=True)
-
-    async def _read_errors(self, process: asyncio.subprocess.Process) -> None:
-        assert process.stderr is not None
-        with suppress(ValueError):
-            while line := await process.stderr.readline():
-                self._log(f"viewers: {line.decode('utf-8', 'replace').rstrip()}")

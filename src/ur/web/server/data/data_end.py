@@ -10,7 +10,7 @@ from contextlib import suppress
 from typing import Literal
 
 from ur.system.ros import node_command
-from ur.web.server.robot_end import wait_or_kill
+from ur.web.server.children import read_errors, start_child, wait_or_kill
 from ur.web.wire.data_frames import DataFrame, unpack_frame
 from ur.web.wire.frames import LENGTH, LONGEST
 
@@ -74,18 +74,9 @@ class DataProcess:
 
     async def _run_once(self) -> None:
         ours, its = socket.socketpair()
-        with its:
-            process = await asyncio.create_subprocess_exec(
-                *(*node_command(self._environment), _MODULE, str(its.fileno())),
-                pass_fds=(its.fileno(),),
-                stdin=asyncio.subprocess.DEVNULL,
-                stdout=asyncio.subprocess.DEVNULL,
-                stderr=asyncio.subprocess.PIPE,
-                env=dict(self._environment),
-                start_new_session=True,  # Ctrl-C is for this process, which ends that one
-            )
+        process = await start_child((*node_command(self._environment), _MODULE), (its,), self._environment)
         self.pid = process.pid
-        errors = asyncio.create_task(self._read_errors(process))
+        errors = asyncio.create_task(read_errors(process, lambda line: self._log(f"data: {line}")))
         reader, link = await asyncio.open_connection(sock=ours)
         self._link = link
         try:
@@ -106,12 +97,6 @@ class DataProcess:
                 frame = unpack_frame(await reader.readexactly(length))
                 self.state = "up"
                 self._on_frame(frame)
-
-    async def _read_errors(self, process: asyncio.subprocess.Process) -> None:
-        assert process.stderr is not None
-        with suppress(ValueError):
-            while line := await process.stderr.readline():
-                self._log(f"data: {line.decode('utf-8', 'replace').rstrip()}")
 
 
 async def _finish(process: asyncio.subprocess.Process, errors: asyncio.Task[None]) -> None:

@@ -8,7 +8,6 @@ import sys
 import time
 from collections.abc import Callable, Collection, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import suppress
 from dataclasses import asdict
 from urllib.parse import urlsplit
 
@@ -16,7 +15,7 @@ from ur.robot.discovery.masters import RobotMaster
 from ur.source.foreign.json_values import convert_json
 from ur.system.ros import graph_address
 from ur.web.access.roles import Role
-from ur.web.server.robot_end import wait_or_kill
+from ur.web.server.children import read_errors, start_child, wait_or_kill
 from ur.web.server.robots.peer import LONGEST_LINE, Handler, Peer, PeerError
 from ur.web.server.robots.robots import RobotEntry, ServerLogin, write_rows
 
@@ -114,17 +113,8 @@ class RobotServers:
         environment = {name: value for name, value in self._environment.items() if name not in _OLD_VARIABLES}
         environment["ROS_MASTER_URI"] = robot.master
         ours, its = socket.socketpair()
-        with its:
-            process = await asyncio.create_subprocess_exec(
-                *(sys.executable, "-I", "-m", "ur", "web", robot.selection, "--no-browser", *self._options),
-                *("--child", str(its.fileno())),
-                pass_fds=(its.fileno(),),
-                stdin=asyncio.subprocess.DEVNULL,
-                stdout=asyncio.subprocess.DEVNULL,
-                stderr=asyncio.subprocess.PIPE,
-                env=environment,
-                start_new_session=True,  # Ctrl-C is for this process, which ends that one
-            )
+        command = (sys.executable, "-I", "-m", "ur", "web", robot.selection, "--no-browser", *self._options, "--child")
+        process = await start_child(command, (its,), environment)
         reader, writer = await asyncio.open_connection(sock=ours, limit=LONGEST_LINE)
         server = self._servers[robot.name] = _Server(process, reader, writer, self._handle, self._log)
 
@@ -182,21 +172,17 @@ class _Server:
         return None
 
     async def _run(self) -> None:
-        errors = asyncio.create_task(self._read_errors())
+        errors = asyncio.create_task(read_errors(self._process, self._take_error))
         try:
             await self.peer.run()
         finally:
             await wait_or_kill(self._process)
             await errors
 
-    async def _read_errors(self) -> None:
-        assert self._process.stderr is not None
-        with suppress(ValueError):
-            while line := await self._process.stderr.readline():
-                text = line.decode("utf-8", "replace").strip()
-                self._log(text)
-                if not self.problem and text.startswith("error: "):
-                    self.problem = text.removeprefix("error: ")[:200]
+    def _take_error(self, text: str) -> None:
+        self._log(text)
+        if not self.problem and text.startswith("error: "):
+            self.problem = text.removeprefix("error: ")[:200]
 
 
 def label_of(robot: RobotMaster) -> str:

@@ -1,0 +1,45 @@
+"""Processes that the server starts: connected by sockets, their errors in its log, ended with it."""
+
+from __future__ import annotations
+
+import asyncio
+import socket
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import ExitStack, suppress
+
+_END_LIMIT = 5.0  # s
+
+
+async def start_child(
+    command: Sequence[str], ends: Sequence[socket.socket], environment: Mapping[str, str]
+) -> asyncio.subprocess.Process:
+    """Start a process with sockets, whose descriptors are its last arguments; they are then closed in this process."""
+    with ExitStack() as stack:
+        descriptors = tuple(stack.enter_context(each).fileno() for each in ends)
+        return await asyncio.create_subprocess_exec(
+            *(*command, *map(str, descriptors)),
+            pass_fds=descriptors,
+            stdin=asyncio.subprocess.DEVNULL,
+            stdout=asyncio.subprocess.DEVNULL,
+            stderr=asyncio.subprocess.PIPE,
+            env=dict(environment),
+            start_new_session=True,  # Ctrl-C is for this process, which ends that one
+        )
+
+
+async def read_errors(process: asyncio.subprocess.Process, take: Callable[[str], None]) -> None:
+    """Pass on each line of a process's errors until it ends."""
+    assert process.stderr is not None
+    with suppress(ValueError):
+        while line := await process.stderr.readline():
+            take(line.decode("utf-8", "replace").rstrip())
+
+
+async def wait_or_kill(process: asyncio.subprocess.Process) -> None:
+    """Wait for a process that is about to end, and kill it after a timeout."""
+    try:
+        await asyncio.wait_for(process.wait(), _END_LIMIT)
+    except asyncio.TimeoutError:
+        with suppress(ProcessLookupError):
+            process.kill()
+        await process.wait()
