@@ -10,7 +10,7 @@ from nav_msgs.msg import MapMetaData, OccupancyGrid
 
 from ur.source.diagnostic import UserError, error
 from ur_nodes.codecs.codec import Codec, fill_header, frame_of
-from ur_nodes.codecs.dialect import ROS_2, GridMessage, GridUpdate, array_of, field_of, stamp_of, time_of
+from ur_nodes.codecs.dialect import GridMessage, GridUpdate, array_of, field_of, stamp_of, time_of
 from ur_nodes.codecs.geometry import fill_pose, pose_message, pose_of_message
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.ports.values import Map, MapInfo, MapUpdate
@@ -33,8 +33,6 @@ def map_of(message: OccupancyGrid) -> Map:
     grid = grid_of_message(message)
     if not _FINEST <= grid.resolution < math.inf:
         raise ValueError(f"map with resolution {grid.resolution:g}, expected {_FINEST:g} m or more")
-    if not ROS_2:
-        message.data = ()  # rospy keeps the last message, which is as large as the map
     return Map(stamp_of(message.header.stamp), frame_of(message), grid)
 
 

@@ -92,6 +92,20 @@ def check_latched_topic_gives_its_last_value_to_who_comes_later(stage: Stage) ->
     assert sender.name == stage.one.name
 
 
+def check_latched_topic_gives_its_last_value_to_a_second_subscription_of_a_node(stage: Stage) -> None:
+    sent = next(each for each in VALUES if isinstance(each, Map))
+    first: list[Map] = []
+    second: list[Map] = []
+    publisher = stage.one.publish("kept_for_two", Map, Quality.LATCHED)
+    publisher.send(sent)
+    stage.other.subscribe("kept_for_two", Map, first.append, Quality.LATCHED)
+    stage.begin()
+    stage.until(lambda: bool(first))
+    stage.other.subscribe("kept_for_two", Map, second.append, Quality.LATCHED)
+    stage.until(lambda: bool(second))
+    assert [fields_of(each) for each in (*first, *second)] == [fields_of(sent)] * 2
+
+
 def check_publishers_of_a_topic_are_told_apart_and_what_they_send_has_its_moment(stage: Stage) -> None:
     senders: dict[int, list[Sender]] = {1: [], 2: []}
     first, second = (stage.one.publish("moments", int, Quality.COMMAND) for _ in senders)
