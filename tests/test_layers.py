@@ -50,7 +50,7 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
     ),
     "ur.run": ("ur.source", "ur.recordings", "ur.launchfile", "ur.robot", "ur.system"),
     "ur.tui.screen": ("ur.source",),
-    "ur.web": ("ur.source", "ur.maps", "ur.robot.discovery.masters", "ur.run", "ur.system"),
+    "ur.web": ("ur.source", "ur.maps", "ur.mcp", "ur.robot.discovery.masters", "ur.run", "ur.system"),
     "ur.mcp": ("ur.source", "ur.system"),
     "ur.tui": ("ur.source", "ur.run"),
     "ur.request": ("ur.source", "ur.system", "ur.launchfile", "ur.robot", "ur.maps", "ur.worlds", "ur.run"),
@@ -283,7 +283,8 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
         "ur_nodes.client",
     ),
     "ur_nodes.assistant": (
-        *("ur.source", "ur.worlds", "ur_nodes.geometry", "ur_nodes.motion", "ur_nodes.navigation.goals"),
+        *("ur.source", "ur.mcp.terms", "ur.worlds", "ur_nodes.geometry", "ur_nodes.motion"),
+        "ur_nodes.navigation.goals",
         *("ur_nodes.ports", "ur_nodes.run", "ur_nodes.client", "ur_nodes.web.server_link", "ur_nodes.exploration"),
     ),
     "ur_nodes.pictures": ("ur.source", "ur_nodes.ports", "ur_nodes.run"),

@@ -13,9 +13,10 @@ from mcp.client import Client
 from tests.ur_nodes.first_drive.drive import FirstDrive
 
 from ur.mcp.assistant import Assistant
-from ur.mcp.grants import Area, GrantFiles, make_grant
+from ur.mcp.grants import GrantFiles, make_grant
 from ur.mcp.robot_link import LinkError, PendingAnswers, Values
 from ur.mcp.serve import make_server
+from ur.mcp.terms import Area
 from ur_nodes.assistant.session import AssistantSession
 
 STEP = 0.01  # s of simulated time between two looks of the server at its sockets
@@ -29,6 +30,7 @@ class BusLink:
         self.session = AssistantSession(stage.bus.node("assistant"), self)
         self.silent = False
         self.beats = 0
+        self.challenge = 0
         self.on_revoked: Callable[[str], None] = lambda _: None
 
     async def ask(self, message: Values, limit: float) -> Values:  # noqa: ARG002 - real time is another here
@@ -44,9 +46,14 @@ class BusLink:
         if not self.silent:
             self.session.take(json.loads(json.dumps(message)))
 
+    async def close(self) -> None:
+        """End nothing: the robot's end is the test's."""
+
     def send_line(self, value: Mapping[str, object]) -> None:
         if "revoked" in value:
             self.on_revoked(str(value["revoked"]))
+        elif "challenge" in value:
+            self.challenge = int(str(value["challenge"]))
         else:
             self._answers.give(json.loads(json.dumps(value)))
 

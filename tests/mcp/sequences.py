@@ -11,9 +11,10 @@ from typing import Any
 from mcp.client import Client
 from tests.mcp.robot import AssistedRobot
 
-from ur.mcp.grants import Area
+from ur.mcp.serve import make_server
+from ur.mcp.terms import Area
 
-MOVES = 0.02  # m/s
+MOVES, TURNS = 0.02, 0.05  # m/s, rad/s
 LATE = 0.35  # s after the end of a grant or of the signs of life, a sample included
 HOSTILE: tuple[tuple[str, dict[str, Any]], ...] = (
     ("drive", {"forward": 1e12}),
@@ -34,9 +35,15 @@ class Allowed:
 
     begin: float
     speed: float
-    area: Area | None
+    within: tuple[Area, ...] = ()
+    avoid: tuple[Area, ...] = ()
+    turn: float = 10.0  # rad/s: the same share of the base's speeds
     end: float = float("inf")
-    inside: bool = True
+
+    def contains(self, x: float, y: float) -> bool:
+        """Return whether a place is in the area."""
+        inside = not self.within or any(each.contains(x, y, 0.0) for each in self.within)
+        return inside and not any(each.contains(x, y, 0.0) for each in self.avoid)
 
 
 @dataclass
@@ -56,22 +63,24 @@ async def run_sequences(robot: AssistedRobot, seeds: range) -> Verdict:
         begin, allowed = len(robot.samples), await _run_sequence(robot, random.Random(seed), verdict)
         verdict.sequences += 1
         verdict.violations += [f"seed {seed}: {each}" for each in judge(robot.samples[begin:], allowed)]
-        verdict.moving += sum(speed > MOVES for _, speed, *_ in robot.samples[begin:])
+        verdict.moving += sum(speed > MOVES or turn > TURNS for _, speed, turn, *_ in robot.samples[begin:])
     return verdict
 
 
 def judge(samples: list[tuple[float, float, float, float, float]], allowed: list[Allowed]) -> list[str]:
     """The violations in a sequence."""
     found = []
-    for at, speed, _, x, y in samples:
-        if speed <= MOVES:
+    for at, speed, turn, x, y in samples:  # speeds without their signs
+        if speed <= MOVES and turn <= TURNS:
             continue
         grants = [each for each in allowed if each.begin <= at <= each.end + LATE]
         if not grants:
-            found.append(f"{at:.2f} s: {speed:.2f} m/s without a grant")
+            found.append(f"{at:.2f} s: {speed:.2f} m/s and {turn:.2f} rad/s without a grant")
         elif speed > max(each.speed for each in grants) + 0.03:
             found.append(f"{at:.2f} s: {speed:.2f} m/s, granted {grants[-1].speed:.2f}")
-        elif not any(each.area is None or each.area.left <= x <= each.area.right for each in grants):
+        elif turn > max(each.turn for each in grants) + 0.1:
+            found.append(f"{at:.2f} s: {turn:.2f} rad/s, granted {grants[-1].turn:.2f}")
+        elif speed > MOVES and not any(each.contains(x, y) for each in grants):
             found.append(f"{at:.2f} s: at {x:.2f} {y:.2f}, outside of the area")
     return found[:3]
 
@@ -80,11 +89,15 @@ async def _run_sequence(robot: AssistedRobot, choose: random.Random, verdict: Ve
     """Calls and events at random; returns what was allowed when."""
     allowed: list[Allowed] = []
     tasks: list[asyncio.Task[object]] = []
-    async with robot.connect_as(choose.choice(("auto", "legacy"))) as client:
+    async with contextlib.AsyncExitStack() as stack:
+        versions = [choose.choice(("auto", "legacy")) for _ in range(choose.choice((1, 1, 1, 1, 10)))]
+        clients = [await stack.enter_async_context(robot.connect_as(versions[0]))]
+        others = [Client(make_server(robot.assistant), mode=each) for each in versions[1:]]
+        clients += [await stack.enter_async_context(each) for each in others]
         for _ in range(choose.randint(4, 8)):
             _change_grant(robot, choose, allowed)
             verdict.calls += 1
-            tasks.append(asyncio.create_task(_call(client, choose)))
+            tasks.append(asyncio.create_task(_call(choose.choice(clients), choose)))
             until = robot.now + choose.uniform(0.05, 1.5)
             robot.link.silent = choose.random() < 0.1
             if robot.link.silent and allowed:
@@ -115,10 +128,28 @@ def _change_grant(robot: AssistedRobot, choose: random.Random, allowed: list[All
     elif kind == "give":
         _end(robot, allowed)
         speed = round(choose.uniform(0.05, 0.4), 2)
-        x = robot.stage.truth.pose.x
-        area = Area(x - 0.6, -50.0, x + 0.6, 50.0) if choose.random() < 0.5 else None
-        robot.grant(speed=speed, within=(area,) if area else ())
-        allowed.append(Allowed(robot.now, speed, area))
+        within, avoid = _choose_areas(robot.stage.truth.pose.x, robot.stage.truth.pose.y, choose)
+        robot.grant(speed=speed, within=within, avoid=avoid)
+        limits = robot.stage.base.limits
+        turn = limits.angular_velocity * min(1.0, speed / limits.velocity)
+        allowed.append(Allowed(robot.now, speed, within, avoid, turn))
+
+
+def _choose_areas(x: float, y: float, choose: random.Random) -> tuple[tuple[Area, ...], tuple[Area, ...]]:
+    """Rectangles about the robot, or beside it on any side."""
+    kind = choose.choice(("none", "none", "within", "beside", "both"))
+    left, bottom, right, top = (choose.uniform(0.35, 0.8) for _ in range(4))
+    within = (Area(x - left, y - bottom, x + right, y + top),) if kind in ("within", "both") else ()
+    if kind not in ("beside", "both"):
+        return within, ()
+    away, wide = choose.uniform(0.35, 0.8), choose.uniform(0.5, 1.5)
+    sides = (
+        Area(x + away, y - wide, x + away + 1.0, y + wide),
+        Area(x - away - 1.0, y - wide, x - away, y + wide),
+        Area(x - wide, y + away, x + wide, y + away + 1.0),
+        Area(x - wide, y - away - 1.0, x + wide, y - away),
+    )
+    return within, (choose.choice(sides),)
 
 
 def _end(robot: AssistedRobot, allowed: list[Allowed]) -> None:

@@ -99,7 +99,9 @@ TOOLS = {
         ),
         AssistantTool("doctor", "Find what is wrong between this computer and the robot.", NothingGiven, ("doctor",)),
         AssistantTool(
-            "ask_to_drive", "Ask the person for a grant to drive; it is given in their terminal.", GrantAsked
+            "ask_to_drive",
+            "Ask the person for a grant to drive; it is given on the robot's page or in a terminal.",
+            GrantAsked,
         ),
         AssistantTool(
             "go_to",

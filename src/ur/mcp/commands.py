@@ -7,14 +7,17 @@ import contextlib
 import os
 import signal
 import sys
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 
 _LIMIT = 60.0  # s
 _LONGEST = 60_000  # characters
 
 
-async def run_command(words: Sequence[str], limit: float = _LIMIT) -> tuple[bool, str]:
-    """Run `ur` with these arguments. Return whether it has ended without an error of its own, and its output."""
+async def run_command(words: Sequence[str], limit: float = _LIMIT, good: Collection[int] = (0, 1)) -> tuple[bool, str]:
+    """Run `ur` with these arguments. Return whether it has ended with a `good` exit code, and its output.
+
+    Exit code 1 is that of a command that has findings.
+    """
     process = await asyncio.create_subprocess_exec(
         *(sys.executable, "-I", "-m", "ur", *words),
         stdin=asyncio.subprocess.DEVNULL,
@@ -32,4 +35,4 @@ async def run_command(words: Sequence[str], limit: float = _LIMIT) -> tuple[bool
             os.killpg(process.pid, signal.SIGKILL)
     text = out.decode("utf-8", "replace")
     cut = f"\n... {len(text) - _LONGEST} characters are left out" if len(text) > _LONGEST else ""
-    return process.returncode in (0, 1), text[:_LONGEST] + cut
+    return process.returncode in good, text[:_LONGEST] + cut

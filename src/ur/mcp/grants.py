@@ -11,9 +11,12 @@ from pathlib import Path
 from typing import Annotated
 
 from msgspec import Meta
+from msgspec.structs import replace
 
+from ur.mcp.terms import Area, Areas, DriveGrant, GrantText, Speed
 from ur.source.foreign.files import read_text
 from ur.source.foreign.json_values import BadJsonError, PrintableValue, read_json, write_json
+from ur.source.printable import printable
 from ur.source.replace import PRIVATE, replace_file
 from ur.source.user_folders import user_folder
 
@@ -40,30 +43,24 @@ class ServerRecord(PrintableValue, frozen=True):
     asks: Request | None = None
 
 
-class Area(PrintableValue, frozen=True):
-    """A rectangle of the map, m."""
-
-    left: float
-    bottom: float
-    right: float
-    top: float
-    name: Annotated[str, Meta(max_length=40)] = ""
-
-
 class GrantRecord(PrintableValue, frozen=True):
     """A grant as it is kept: it ends at `until` (s of this boot's clock), and with the boot."""
 
     boot: str
     until: float
-    speed: float
-    within: tuple[Area, ...] = ()
-    avoid: tuple[Area, ...] = ()
-    text: Annotated[str, Meta(max_length=64)] = "assistant"
+    speed: Speed
+    within: Areas = ()
+    avoid: Areas = ()
+    text: GrantText = "assistant"
     programs: bool = False
 
     def seconds_left(self) -> float:
         """Seconds until it ends; 0 when it has ended."""
         return max(0.0, self.until - boot_time()) if self.boot == boot_id() else 0.0
+
+    def terms(self) -> DriveGrant:
+        """The terms that the robot's end keeps, from now on."""
+        return DriveGrant(self.seconds_left(), self.speed, self.within, self.avoid, self.text)
 
 
 @dataclass(frozen=True, slots=True)
@@ -98,8 +95,15 @@ class GrantFiles:
         return found
 
     def give(self, id: str, grant: GrantRecord) -> None:
-        """Keep the grant of a server. Raises OSError."""
+        """Keep the grant of a server, which answers what it asks for. Raises OSError."""
         self._write(self.folder / "grants" / f"{id}.json", grant)
+        self.answer(id)
+
+    def answer(self, id: str) -> None:
+        """Note that a person has answered what a server asks for. Raises OSError."""
+        record = self.list_servers().get(id)
+        if record is not None and record.asks is not None:
+            self.note_server(id, replace(record, asks=None))
 
     def take_back(self, id: str) -> bool:
         """Take the grant of a server back; return whether there was one."""
@@ -134,7 +138,7 @@ def make_grant(
     """A grant from now on, with its text for the screens of others."""
     seconds = min(LONGEST, 60.0 * minutes)
     clock = time.strftime("%H:%M", time.localtime(time.time() + seconds))
-    names = "".join(f", not {each.name}" for each in avoid if each.name)
+    names = "".join(f", not {printable(each.name)}" for each in avoid if each.name)
     text = f"assistant, at most {speed:g} m/s until {clock}{names}"[:64]
     return GrantRecord(boot_id(), boot_time() + seconds, speed, within, avoid, text, programs)
 

@@ -23,8 +23,12 @@ Values = Mapping[str, object]
 
 
 class RobotLink(Protocol):
-    """Sends messages to the robot's end. `on_revoked` is called with the reason when another client took over."""
+    """Sends messages to the robot's end. `on_revoked` is called with the reason when another client took over.
 
+    `challenge` is the newest of the mux, while a call drives; 0 before the first.
+    """
+
+    challenge: int
     on_revoked: Callable[[str], None]
 
     async def ask(self, message: Values, limit: float) -> Values:
@@ -76,6 +80,7 @@ class ProcessLink:
         self._tasks: list[asyncio.Task[None]] = []
         self._process: asyncio.subprocess.Process | None = None
         self._starting = asyncio.Lock()
+        self.challenge = 0
         self.on_revoked: Callable[[str], None] = lambda _: None
 
     async def ask(self, message: Values, limit: float) -> Values:
@@ -137,6 +142,8 @@ class ProcessLink:
                 message = read_json(line, dict[str, object], _LINE)
                 if "revoked" in message:
                     self.on_revoked(str(message["revoked"]))
+                elif isinstance(challenge := message.get("challenge"), int):
+                    self.challenge = challenge
                 else:
                     self._answers.give(message)
         if self._writer is not None:
@@ -150,7 +157,7 @@ class ProcessLink:
                 self._log(line.decode("utf-8", "replace").rstrip())
 
 
-def robot_environment() -> dict[str, str]:
+def robot_environment(environment: Mapping[str, str] = os.environ) -> dict[str, str]:
     """The environment of the process: that of this one, without what would name another node or client."""
     left_out = ("ROS_NAMESPACE", "ROSCONSOLE_CONFIG_FILE", "UR_CLIENT", "UR_LEASE")
-    return {name: value for name, value in os.environ.items() if name not in left_out}
+    return {name: value for name, value in environment.items() if name not in left_out}

@@ -6,17 +6,23 @@ from typing import Annotated
 
 from msgspec import Meta
 
+from ur.mcp.terms import DriveGrant
 from ur.source.foreign.json_values import ForeignValue
-from ur_nodes.assistant.grant import DriveGrant
 
 _Number = Annotated[int, Meta(ge=0, lt=2**53)]
+Challenge = Annotated[int, Meta(ge=0, lt=2**62)]
 _Place = Annotated[float, Meta(ge=-1e5, le=1e5)]
 LONGEST_DRIVE = 5.0
 """Seconds of a velocity that one call may ask for."""
 
 
 class LifeSign(ForeignValue, frozen=True, tag_field="do", tag="beat"):
-    """The assistant waits for the end of its call: a sign of life, many times a second."""
+    """The assistant waits for the end of its call: a sign of life, many times a second.
+
+    `n` is the newest challenge that the server had received before it asked for the sign, 0 for none.
+    """
+
+    n: Challenge = 0
 
 
 class SetGrant(ForeignValue, frozen=True, tag_field="do", tag="grant"):

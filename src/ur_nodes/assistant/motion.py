@@ -8,9 +8,9 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
+from ur.mcp.terms import DriveGrant
 from ur.source.diagnostic import UserError
 from ur_nodes.assistant.exploration import AssistedExploration, make_exploration
-from ur_nodes.assistant.grant import DriveGrant, HeldGrant
 from ur_nodes.assistant.messages import DriveCall, ExploreCall, GoCall
 from ur_nodes.client.driver_text import describe_lost, name_holder
 from ur_nodes.client.mux import MuxLink
@@ -39,6 +39,14 @@ Answer = Callable[[int, bool, str], None]
 
 
 @dataclass(frozen=True, slots=True)
+class HeldGrant:
+    """A grant, and when it ends (s of the node's steady clock)."""
+
+    grant: DriveGrant
+    until: float
+
+
+@dataclass(frozen=True, slots=True)
 class AssistedMotion:
     """A motion that a call has begun at a time (s); `goal` is the number of the goal that was sent, 0 before."""
 
@@ -51,9 +59,9 @@ class AssistedMotion:
 class AssistedDriving:
     """At most one motion at a time. Works on the node's thread.
 
-    Each beat of the assistant answers the newest challenge of the mux, within the grant, its time and its area, and
-    with the lease on the grant's terms. Nothing else answers one. So the mux has the robot at rest 0.3 s after the last
-    beat, whichever program drives it, and whichever hangs or ends.
+    Each beat of the assistant answers the challenge that was the newest when it was asked for a sign of life, within
+    the grant, its time and its area, and with the lease on the grant's terms. Nothing else answers one. So the mux has
+    the robot at rest 0.3 s after the last sign of life, whichever program drives it, and whichever hangs or ends.
     """
 
     def __init__(
@@ -65,17 +73,22 @@ class AssistedDriving:
         identity: Identity,
         answer: Answer,
         revoke: Callable[[str], None],
+        pass_on: Callable[[int], None],
     ) -> None:
-        """`revoke` is called with the reason when a person has taken over or stopped the robot: the grant has ended."""
+        """`revoke` is called with the reason when a person has taken over or stopped the robot: the grant has ended.
+
+        `pass_on` is called with each challenge of the mux while a call drives.
+        """
         self._node, self._topics, self._stop, self._identity = node, topics, stop, identity
-        self._give, self._revoke = answer, revoke
-        self.link = ChallengeLink(node, mux, self._check)
+        self._give, self._revoke, self._pass_on = answer, revoke, pass_on
+        self.link = ChallengeLink(node, mux, self._take_challenge)
         self.lease: Lease | None = None
         self._held: HeldGrant | None = None
         self._motion: AssistedMotion | None = None
         self._exploration: AssistedExploration | None = None
         self._stopped = False  # by an emergency stop
         self._beat_at = -math.inf  # s
+        self._passed: dict[int, float] = {}  # challenges that were passed on, and when (s)
         self._numbers = itertools.count(1)
         self._requests = node.publish(f"{mux}/lease_request", str, Quality.EVERY)
         self._velocities = node.publish(stamped_name(node, _SOURCE), StampedTwist, Quality.FRESH)
@@ -94,12 +107,11 @@ class AssistedDriving:
         self._held = None if grant is None else HeldGrant(grant, self._node.steady() + grant.seconds)
         self._check()
 
-    def beat(self) -> None:
-        """Take a sign of life of the assistant, and let it move the robot."""
+    def beat(self, answer: int) -> None:
+        """Take a sign of life of the assistant, which answers a challenge, and let it move the robot."""
         self._beat_at = self._node.steady()
         self._check()
-        answer = self.link.newest()
-        if self._motion is not None and answer is not None:
+        if self._motion is not None and self._beat_at - self._passed.get(answer, -math.inf) <= FRESHNESS:
             self._go_on(self._motion, answer)
 
     def begin(self, call: MotionCall) -> None:
@@ -121,6 +133,15 @@ class AssistedDriving:
         """End the motion."""
         if self._motion is not None:
             self._finish(why)
+
+    def _take_challenge(self) -> None:
+        """Pass a challenge on, so that the assistant's sign of life answers it: the mux then knows the age of that."""
+        newest = self.link.newest()
+        if self._motion is not None and newest is not None:
+            now = self._node.steady()
+            self._passed = {each: at for each, at in self._passed.items() if now - at <= FRESHNESS} | {newest: now}
+            self._pass_on(newest)
+        self._check()
 
     def _check(self) -> None:
         """End the motion where it may not go on, and the grant with a new emergency stop or a take-over."""

@@ -43,7 +43,14 @@ class AssistantSession:
         self._identity = identify({**os.environ, "UR_CLIENT": "", "UR_LEASE": "watch"}, _PROGRAM)
         self._topics, self._mux = NavigationTopics(node, names), MuxLink(node, names.mux)
         self._driving = AssistedDriving(
-            node, names.mux, self._topics, self._mux, self._identity, self._answer, self._report_end
+            node,
+            names.mux,
+            self._topics,
+            self._mux,
+            self._identity,
+            self._answer,
+            self._report_end,
+            self._pass_challenge,
         )
         self._battery: Battery | None = None
         node.subscribe("battery_state", Battery, self._take_battery)
@@ -53,7 +60,7 @@ class AssistantSession:
         found: Message = convert_json(message, Message)
         match found:
             case LifeSign():
-                self._driving.beat()
+                self._driving.beat(found.n)
             case SetGrant():
                 self._driving.set_grant(found.grant)
             case DriveCall() | GoCall() | ExploreCall():
@@ -90,6 +97,9 @@ class AssistantSession:
 
     def _answer(self, id: int, ok: bool, text: str) -> None:
         self._outlet.send_line({"id": id, "ok": ok, "text": text})
+
+    def _pass_challenge(self, challenge: int) -> None:
+        self._outlet.send_line({"challenge": challenge})
 
     def _report_end(self, reason: str) -> None:
         self._outlet.send_line({"revoked": reason})

@@ -13,35 +13,45 @@ import click
 from ur.source.diagnostic import UserError, error
 
 if TYPE_CHECKING:
-    from ur.mcp.grants import Area, GrantFiles
+    from ur.mcp.grants import GrantFiles
+    from ur.mcp.terms import Area
 
 _AREA = re.compile(r"(?:([\w -]{1,40})=)?(-?[\d.]+),(-?[\d.]+),(-?[\d.]+),(-?[\d.]+)")
 
 
 @click.group("mcp", invoke_without_command=True)
+@click.option("--prepare", is_flag=True, hidden=True)
 @click.pass_context
-def command(context: click.Context) -> int:
+def command(context: click.Context, prepare: bool) -> int:
     """Let an assistant look at the robot, and drive it.
 
     It serves the Model Context Protocol over standard input and output; the assistant's program starts it. Reading
-    needs no grant. To drive, the assistant needs a grant: 'ur mcp grant' gives one in a terminal, for a time, an area
-    and a speed.
+    needs no grant. To drive, the assistant needs one: 'ur mcp grant' gives it in a terminal, or the page of 'ur web',
+    for a time, an area and a speed. That page also connects assistants over HTTP.
     """
+    if prepare:  # for the page of `ur web`, which connects assistants
+        _prepare()
+        return 0
     if context.invoked_subcommand is not None:
         return 0
     if sys.stdin.isatty():
         message = "standard input is a terminal, expected an assistant's program that starts this command"
         raise UserError(error(message, rule="not-here", help="docs/how-to/assistant.md names its settings"))
     from ur.request.environment import apply_selection, current_selection
-    from ur.request.requirements.python_packages import need_all
 
-    need_all(["mcp"], "mcp.lock", "what assistants need (20 MB to download)")
+    _prepare()
     apply_selection(current_selection(os.environ))
     import asyncio
 
     from ur.mcp.serve import serve_stdio
 
     return asyncio.run(serve_stdio())
+
+
+def _prepare() -> None:
+    from ur.request.requirements.python_packages import need_all
+
+    need_all(["mcp"], "mcp.lock", "what assistants need (20 MB to download)")
 
 
 @command.command("grant")
@@ -85,6 +95,7 @@ def grant(
         click.echo("no grant is given")
         return 1
     files.give(id, found)
+    _note(files, server.client, f"given in a terminal: {found.text}")
     click.echo(f"{found.text}; 'ur mcp end' takes it back, and so does taking over on any screen")
     return 0
 
@@ -96,7 +107,11 @@ def end(of: str | None) -> int:
     from ur.mcp.grants import grant_files
 
     files = grant_files()
-    count = sum(files.take_back(id) for id in ([_choose(files, of)] if of is not None else files.list_servers()))
+    servers = files.list_servers()
+    ended = [id for id in ([_choose(files, of)] if of is not None else servers) if files.take_back(id)]
+    for id in ended:
+        _note(files, servers[id].client, "taken back in a terminal")
+    count = len(ended)
     click.echo(f"{count} {'grant was' if count == 1 else 'grants were'} taken back")
     return 0
 
@@ -138,6 +153,15 @@ def log(follow: bool) -> int:
             time.sleep(0.5)
 
 
+def _note(files: GrantFiles, client: str, what: str) -> None:
+    """Keep who has changed a grant."""
+    from getpass import getuser
+
+    from ur.mcp.action_log import ActionLog
+
+    ActionLog(files.log).add(client, "grant", {}, f"{what}, by {getuser()}")
+
+
 def _choose(files: GrantFiles, to: str | None) -> str:
     servers = files.list_servers()
     if to is not None and to in servers:
@@ -151,7 +175,7 @@ def _choose(files: GrantFiles, to: str | None) -> str:
 
 
 def _read_area(text: str) -> Area:
-    from ur.mcp.grants import Area
+    from ur.mcp.terms import make_area
 
     found = _AREA.fullmatch(text)
     sides = found.groups()[1:] if found is not None else ()
@@ -160,4 +184,4 @@ def _read_area(text: str) -> Area:
     except ValueError:
         message = f"area {text!r}, expected X0,Y0,X1,Y1 in m of the map, or NAME=X0,Y0,X1,Y1"
         raise UserError(error(message, rule="bad-options", help="for example --not kitchen=2,1,5,4")) from None
-    return Area(min(x0, x1), min(y0, y1), max(x0, x1), max(y0, y1), found[1] or "" if found else "")
+    return make_area(x0, y0, x1, y1, found[1] or "" if found else "")

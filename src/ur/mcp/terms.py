@@ -1,13 +1,15 @@
-"""A grant: for how long, where and how fast an assistant may drive. Pure; places are in the map, m."""
+"""The terms of a grant: for how long, where and how fast an assistant may drive. Places are in the map, m.
+
+The server keeps them with a grant, and the robot's end keeps the robot within them. Pure.
+"""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Annotated
 
 from msgspec import Meta
 
-from ur.source.foreign.json_values import ForeignValue
+from ur.source.foreign.json_values import PrintableValue
 
 _Coordinate = Annotated[float, Meta(ge=-1e5, le=1e5, description="a number of metres from -100000 to 100000")]
 MOST_RECTANGLES = 20
@@ -16,8 +18,8 @@ _EDGE = 0.05  # m: kept from each border, for the error of the pose
 _STOPS_IN = 0.4  # s: to be at rest, and for the age of the pose
 
 
-class GrantedArea(ForeignValue, frozen=True):
-    """An area with sides along the axes of the map."""
+class Area(PrintableValue, frozen=True):
+    """A rectangle with sides along the axes of the map."""
 
     left: _Coordinate
     bottom: _Coordinate
@@ -30,28 +32,30 @@ class GrantedArea(ForeignValue, frozen=True):
         return self.left + margin <= x <= self.right - margin and self.bottom + margin <= y <= self.top - margin
 
 
-class DriveGrant(ForeignValue, frozen=True):
+def make_area(x0: float, y0: float, x1: float, y1: float, name: str = "") -> Area:
+    """Return the area between two opposite corners."""
+    return Area(min(x0, x1), min(y0, y1), max(x0, x1), max(y0, y1), name)
+
+
+Areas = Annotated[tuple[Area, ...], Meta(max_length=MOST_RECTANGLES)]
+Speed = Annotated[float, Meta(ge=0.01, le=2.0)]
+GrantText = Annotated[str, Meta(max_length=64)]
+
+
+class DriveGrant(PrintableValue, frozen=True):
     """`seconds` from its arrival on, at most `speed` m/s, in one of `within` (everywhere without any), not in `avoid`.
 
     `text` describes it on the screens of others.
     """
 
     seconds: Annotated[float, Meta(ge=0.0, le=86400.0)]
-    speed: Annotated[float, Meta(ge=0.01, le=2.0)]
-    within: Annotated[tuple[GrantedArea, ...], Meta(max_length=MOST_RECTANGLES)] = ()
-    avoid: Annotated[tuple[GrantedArea, ...], Meta(max_length=MOST_RECTANGLES)] = ()
-    text: Annotated[str, Meta(max_length=64)] = "assistant"
+    speed: Speed
+    within: Areas = ()
+    avoid: Areas = ()
+    text: GrantText = "assistant"
 
     def allows(self, x: float, y: float, speed: float = 0.0) -> bool:
         """Return whether the robot may be at a place with a speed (m/s): it is at rest before it leaves the area."""
         margin = _EDGE + _STOPS_IN * abs(speed)
         inside = not self.within or any(each.contains(x, y, margin) for each in self.within)
         return inside and not any(each.contains(x, y, -margin) for each in self.avoid)
-
-
-@dataclass(frozen=True, slots=True)
-class HeldGrant:
-    """A grant, and when it ends (s of the node's steady clock)."""
-
-    grant: DriveGrant
-    until: float
