@@ -1,8 +1,9 @@
 """Make the pictures of the page of `ur web`, in docs/images, from the real page of a simulated robot. Needs Chromium.
 
-Usage: tools/make_web_pictures.py. It drives to a goal, and writes web_phone.png and web_desk.png when the robot is on
-its way, first_drive.png, the page on a phone beside the terminal (docs/images/keyboard_navigate.svg), and drive.gif,
-the page while the robot drives on to the goal, five times as fast as it was.
+Usage: tools/make_web_pictures.py [assistant]. It drives to a goal, and writes web_phone.png and web_desk.png when the
+robot is on its way, first_drive.png, the page on a phone beside the terminal (docs/images/keyboard_navigate.svg), and
+drive.gif, the page while the robot drives on to the goal, five times as fast as it was. With `assistant` it only writes
+assistant_asks.png and assistant_phone.png, the page while an assistant asks to drive, and while it may.
 """
 
 from __future__ import annotations
@@ -12,6 +13,7 @@ import io
 import os
 import re
 import subprocess
+import sys
 import tempfile
 import time
 from collections.abc import Callable, Iterator
@@ -22,6 +24,8 @@ from PIL import Image
 from tests.docs.chromium import Chromium, find_chromium
 from tests.ros_session import free_port
 
+from ur.mcp.grants import GrantFiles, Request, ServerRecord, grant_files
+
 ROOT = Path(__file__).resolve().parents[1]
 IMAGES = ROOT / "docs" / "images"
 PHONE, DESK, MOVING = (390, 844), (1200, 750), (840, 525)
@@ -29,6 +33,7 @@ EVERY, SHOWN_FOR = 0.5, 100  # s between the frames of drive.gif; ms that each i
 GOAL = "g 12.1 7.65 90"  # that of tools/make_screenshot.py
 LIMIT = 120.0  # s
 COLOURS = 96
+ASSISTANT = "0123abcd"  # the id of its server
 _SHOWN = "globalThis.page?.map.tiles.tiles.size && page.map.pose && page.map.scan.length > 50 && page.drive.newest"
 _THERE = "page.map.plan?.length > 1 && page.pose.x > 13.2 && page.pose.y < 1.5"  # where the terminal's robot is
 
@@ -47,6 +52,9 @@ def _take_pictures(program: str, folder: Path, link: str, drive: Callable[[str],
         browser.resize(*PHONE, phone=True)
         browser.open(link)
         _wait(lambda: browser.run(f"Boolean({_SHOWN})"), "the page shows no robot")
+        if "assistant" in sys.argv:
+            _take_assistant(browser, grant_files({"HOME": str(folder)}))
+            return
         drive(GOAL)
         _wait(lambda: browser.run(f"Boolean({_THERE})"), "the robot is not on its way")
         phone = browser.screenshot()
@@ -62,6 +70,32 @@ def _take_pictures(program: str, folder: Path, link: str, drive: Callable[[str],
         browser.resize(1260, 690)
         browser.open(beside.as_uri())
         _save(browser.screenshot(), IMAGES / "first_drive.png")
+
+
+def _take_assistant(browser: Chromium, files: GrantFiles) -> None:
+    """Take the page while an assistant asks to drive on a desk, and on a phone while it may."""
+    panel = "document.getElementById('assistants-panel')"
+    asks = Request(30.0, 0.2, "to look at the door")
+    files.note_server(ASSISTANT, ServerRecord(os.getpid(), "Claude", asks))
+    browser.resize(*DESK)
+    _wait(lambda: "asks to drive" in browser.run("document.querySelector('#banners').innerText"), "no assistant asks")
+    browser.run("page.panels.toggle('assistants'); 0")
+    for index, value in enumerate((3.0, 6.0, 2.0, 4.0)):
+        field = f"{panel}.querySelectorAll('.rectangle .sides input')[{index}]"
+        browser.run(f"{field}.value = '{value}'; {field}.dispatchEvent(new Event('input')); 0")
+    browser.run(f"{panel}.querySelector('fieldset > input').value = 'kitchen'; 0")
+    browser.run(f"[...{panel}.querySelectorAll('button')].find((e) => e.textContent === 'Not here').click(); 0")
+    time.sleep(1.0)  # one more picture of the map
+    _save(browser.screenshot(), IMAGES / "assistant_asks.png")
+    browser.run(f"{panel}.querySelector('form').requestSubmit(); 0")
+    _wait(lambda: files.find(ASSISTANT) is not None, "no grant is given")
+    browser.run("page.panels.toggle('assistants'); 0")
+    browser.resize(*PHONE, phone=True)
+    _wait(lambda: "may drive" in browser.run("document.querySelector('#banners').innerText"), "no grant is shown")
+    browser.run("page.map.fit(); 0")
+    time.sleep(1.0)
+    _save(browser.screenshot(), IMAGES / "assistant_phone.png")
+    files.forget_server(ASSISTANT)
 
 
 @contextmanager

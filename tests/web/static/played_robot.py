@@ -12,6 +12,7 @@ from typing import Any
 
 from tests.ros_session import free_port
 
+from ur.mcp.grants import grant_files
 from ur.web.access.origin import make_origins
 from ur.web.access.roles import Role
 from ur.web.server.application import Application
@@ -42,7 +43,8 @@ class PlayedRobot:
     def __init__(self, folder: Path) -> None:
         self.port, self.asked = free_port(), list[Any]()
         self._gate = LoginGate(make_origins((), self.port), folder / "sessions.json", lambda _: None)
-        environment = {"ROS_MASTER_URI": "http://localhost:1"}
+        environment = {"ROS_MASTER_URI": "http://localhost:1", "XDG_STATE_HOME": str(folder)}
+        self.assistants = grant_files(environment)
         self._application = Application(self._gate, load_files(), environment, "bob", lambda _: None)
         end = self._application.robot_end
         end.run = self._play  # type: ignore[method-assign]

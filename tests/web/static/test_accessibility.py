@@ -34,6 +34,7 @@ PANELS = [
     "scene",
     "status",
     "doctor",
+    "assistants",
     "devices",
     "robots",
 ]

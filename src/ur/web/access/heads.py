@@ -15,6 +15,7 @@ _END = b"\r\n\r\n"
 _LENGTH = re.compile(rb"\r\ncontent-length:[ \t]*(\d{1,9})[ \t]*(?=\r\n)", re.IGNORECASE)
 _ENCODING = re.compile(rb"\r\ntransfer-encoding:", re.IGNORECASE)
 _COOKIES = re.compile(rb"\r\ncookie:([^\r\n]*)", re.IGNORECASE)
+_BEARER = re.compile(rb"\r\nauthorization:[ \t]*bearer[ \t]+([\w-]{1,128})[ \t]*(?=\r\n)", re.IGNORECASE | re.ASCII)
 _MOST_SECRETS = 4
 
 
@@ -51,3 +52,9 @@ def find_cookies(head: Head, name: str) -> list[str]:
     )
     found = [value for line in _COOKIES.findall(head.data)[:_MOST_SECRETS] for value in pattern.findall(line)]
     return [value.decode() for value in found[:_MOST_SECRETS]]
+
+
+def find_bearer(head: Head) -> str | None:
+    """Return the secret of an Authorization header; None if there is none."""
+    found = _BEARER.search(head.data)
+    return found[1].decode() if found is not None else None

@@ -13,6 +13,7 @@ from aiohttp import WSCloseCode, WSMsgType, web
 from ur.web.access.rate import draw, make_bucket
 from ur.web.access.roles import Role
 from ur.web.runs.commands import CommandQueue
+from ur.web.server.assistants.assistant_pages import AssistantPages
 from ur.web.server.cameras import Cameras
 from ur.web.server.data.data_pages import DataPages
 from ur.web.server.drivers import DrivingPage, DrivingPages, describe_request
@@ -29,11 +30,7 @@ from ur.web.server.viewer_gate import ViewerGate
 from ur.web.server.viewers import Viewers, ViewingPage, limit_buffer
 from ur.web.wire.frames import Kind, Layer, key_of
 from ur.web.wire.reading import BadRequestError
-from ur.web.wire.requests import (
-    LONGEST,
-    Stick,
-    read_request,
-)
+from ur.web.wire.requests import LONGEST, Stick, read_request
 from ur.web.wire.view_request import LONGEST as LONGEST_VIEW
 from ur.web.wire.view_request import read_view, read_view_message
 
@@ -64,6 +61,7 @@ class Application:
         runs: RunPages | None = None,
         recordings: RecordingPages | None = None,
         commands: CommandQueue | None = None,
+        assistants: AssistantPages | None = None,
     ) -> None:
         """Create the application.
 
@@ -76,6 +74,7 @@ class Application:
         self._cameras = Cameras()
         self._runs = runs or RunPages(environment, log)
         self._devices = SessionPages(gate, self._drivers.rename, log)
+        self._assistants = assistants or AssistantPages(gate, environment, log)
         self.robot_end = make_robot_end(environment, self.show, self._drivers.take, self._on_start, self._announce, log)
         self._foxglove = ViewerGate(environment, self._drivers, self._send, self._is_up, log)
         self._data = DataPages(environment, self._is_up, log)
@@ -106,6 +105,7 @@ class Application:
                 *self._maps.routes(),
                 *self._robots.routes(),
                 *self._devices.routes(),
+                *self._assistants.routes(),
                 web.get(VIEWER_PATH, self._foxglove.serve),
                 web.get("/{name:([a-z_]+/)?[a-z_]+\\.[a-z]+}", self._serve_file),
             ]
@@ -138,21 +138,20 @@ class Application:
         closing = [asyncio.create_task(each.close(code=WSCloseCode.GOING_AWAY)) for each in sockets]
         if closing:
             await asyncio.wait(closing, timeout=_CLOSE_LIMIT)
-        await self._runs.close()
-        await self._data.close()
-        await self._recordings.close()
-        await self._robots.close()
+        for each in (self._assistants, self._runs, self._data, self._recordings, self._robots):
+            await each.close()
 
     async def _announce_often(self) -> None:
         while True:
             self._announce()
             self._gate.sessions.poll()
+            self._assistants.poll()
             await asyncio.sleep(_STATUS_EVERY)
 
     def _announce(self) -> None:
         end = self.robot_end
         status = {"robot": self._robot, "end": end.state, "problem": end.problem, "master": end.master}
-        self._viewers.announce(status)
+        self._viewers.announce({**status, "assistants": self._assistants.describe()})
 
     def show(self, frame: bytes) -> None:
         """Forward a frame to all pages. Raises ValueError for an invalid frame."""

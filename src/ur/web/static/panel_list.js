@@ -1,6 +1,7 @@
 // @ts-check
 /** All panels, in the order of their buttons. */
 
+import { ASSISTANT_PANEL } from "./assistants.js";
 import { CAMERA_PANEL } from "./camera.js";
 import { RECORDING_PANEL, SCENE_PANEL, STATUS_PANEL, TOPIC_PANEL } from "./data/data_panels.js";
 import { DEVICE_PANEL } from "./devices.js";
@@ -35,6 +36,7 @@ export const PANELS = [
   SCENE_PANEL,
   STATUS_PANEL,
   DOCTOR_PANEL,
+  ASSISTANT_PANEL,
   DEVICE_PANEL,
   ROBOT_PANEL,
 ];

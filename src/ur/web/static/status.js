@@ -1,6 +1,7 @@
 // @ts-check
 /** The state of robot and connection in words: header, banners, and the line about the goal. */
 
+import { describeAssistants } from "./assistants.js";
 import { Banners, describeDriver, describeDriving, describeLink } from "./banners.js";
 import { element, make, sentence } from "./elements.js";
 import { announce } from "./heard.js";
@@ -90,6 +91,7 @@ export class Status {
       if (!isActive(state.patrol)) banners.push(...describeDriver(state.lease, drive?.client ?? "", page.mayDrive, request));
       if (state.missing.length && page.mode !== "drive") banners.push({ text: TEXTS.missing(state.missing[0]) });
     }
+    banners.push(...describeAssistants(page));
     const { exploring } = state ?? {};
     if (exploring && (!old || EXPLORED.includes(exploring.state))) banners.push({ text: sentence(exploring.line) });
     if (drive?.press === "dead") {

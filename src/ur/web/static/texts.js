@@ -409,11 +409,11 @@ export const TEXTS = {
   copyCommand: (command) => `Copy ${command}`,
   devices: {
     title: "Devices",
-    /** @param {{role: "look" | "drive", address: string, last: number, until: number, own: boolean, open: boolean}} device @param {number} now seconds since 1970 */
+    /** @param {{role: "look" | "drive" | "assist", address: string, last: number, until: number, own: boolean, open: boolean}} device @param {number} now seconds since 1970 */
     facts: ({ role, address, last, until, own, open }, now) =>
       [
         own ? "this device" : address,
-        role === "drive" ? "may drive" : "may look",
+        role === "drive" ? "may drive" : role === "assist" ? "an assistant" : "may look",
         own ? "" : open ? "page open" : last ? `seen ${seconds(Math.max(0, now - last))} ago` : "",
         `until ${new Date(1000 * until).toLocaleDateString()}`,
       ].filter(Boolean).join(" \u00b7 "),
@@ -433,6 +433,49 @@ export const TEXTS = {
     code: "QR code of the link",
     local: "Only this computer reaches this page: start it with 'ur web --phone' for other devices.",
   },
+  assistants: {
+    title: "Assistants",
+    none: "No assistant is connected.",
+    looks: "may look",
+    /** @param {{minutes: number, speed: number, reason: string}} asks */
+    wants: ({ minutes, speed, reason }) => `asks for ${minutes} minutes at ${speed} m/s${reason ? `: ${reason}` : ""}`,
+    /** @param {string} name @param {{minutes: number, speed: number, reason: string}} asks */
+    asks: (name, asks) => `${name} asks to drive for ${asks.minutes} minutes at ${asks.speed} m/s${asks.reason ? `: ${asks.reason}` : "."}`,
+    answer: "Answer",
+    /** @param {string} name @param {{text: string}} grant */
+    mayDrive: (name, { text }) => `${name} may drive: ${text.replace(/^assistant, /, "")}.`,
+    takeBack: "Take back",
+    /** @param {string} name */
+    takeBackOf: (name) => `Take the grant of ${name} back`,
+    letDrive: "Let it drive",
+    /** @param {string} name */
+    letDriveOf: (name) => `Let ${name} drive`,
+    /** @param {number} left seconds */
+    left: (left) => `${left < 120 ? `${Math.round(left)} s` : `${Math.round(left / 60)} min`} left`,
+    minutes: "Minutes",
+    speed: "Highest speed, m/s",
+    area: "Where",
+    areaName: "Name, such as kitchen",
+    pick: "Point at two corners",
+    firstCorner: "Point at one corner of the area.",
+    secondCorner: "Point at the opposite corner.",
+    onlyHere: "Only here",
+    notHere: "Not here",
+    /** @param {{left: number, bottom: number, right: number, top: number, name: string}} area */
+    only: (area) => `only in ${nameArea(area)}`,
+    /** @param {{left: number, bottom: number, right: number, top: number, name: string}} area */
+    not: (area) => `not in ${nameArea(area)}`,
+    programs: "It may start and end programs, too",
+    give: "Let it drive",
+    refuse: "Refuse",
+    noNumbers: "Minutes and speed have to be numbers above 0.",
+    another: "Connect an assistant",
+    name: "Its name, such as Claude",
+    connect: "Make its settings",
+    connecting: "Making its settings; the first time, this installs 20 MB ...",
+    connected: "Copy these settings into your assistant now: they are not shown again. Log it out under Devices.",
+    hide: "Hide",
+  },
   robots: {
     title: "Robots",
     help: "Open shows another robot in this tab. Its page has this list, too.",
@@ -451,6 +494,11 @@ export const TEXTS = {
   loginFailed: "This link was used before, or is too old. Press Enter where 'ur web' runs for a new one, or type 'ur boot link' for a page on a robot.",
   loginOffline: "The server does not answer. Does 'ur web' run?",
 };
+
+/** @param {{left: number, bottom: number, right: number, top: number, name: string}} area */
+function nameArea({ left, bottom, right, top, name }) {
+  return `${name || "an area"} (${left} ${bottom} to ${right} ${top})`;
+}
 
 /** @param {number} count */
 function lines(count) {

@@ -239,7 +239,7 @@ export class ZonePanel {
  * @param {CanvasRenderingContext2D} context @param {import("./view.js").View} view
  * @param {[number, number][]} corners @param {string} colour @param {boolean} closed
  */
-function outline(context, view, corners, colour, closed) {
+export function outline(context, view, corners, colour, closed) {
   context.beginPath();
   for (const corner of corners) context.lineTo(...view.toScreen(...corner));
   if (closed) context.closePath();
