@@ -10,7 +10,7 @@ from collections.abc import Sequence
 
 def main(arguments: Sequence[str]) -> int:
     """Run `ur` with its arguments and return the exit code."""
-    os.umask(os.umask(0o077) | 0o002)  # nothing is writable for everybody, whatever the shell has set
+    os.umask(os.umask(0o077) | 0o002)  # no file is writable for all users, independent of the shell's umask
     if os.path.isdir(f"{os.path.dirname(__file__)}/_project"):  # noqa: PTH112, PTH120 - pathlib doubles the start-up time
         from ur.installed import enter_environment
 

@@ -37,7 +37,7 @@ def complete_packages(prefix: str, world: World) -> Iterator[Completion]:
         return
     try:
         names = sorted(name for name in world.package_names() if name.startswith(prefix))
-    except (OSError, ValueError):  # a package.xml that nobody can read: only this is not offered
+    except (OSError, ValueError):  # an unreadable package.xml: only this is not offered
         return
     yield from (Completion(name, "package") for name in names)
 

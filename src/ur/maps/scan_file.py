@@ -184,7 +184,7 @@ def _unpack(path: Path, names: Sequence[str]) -> Mapping[str, NDArray[np.generic
                 return {name: arrays[name] for name in names}
     except OSError as problem:
         raise _bad(path, (problem.strerror or str(problem)).lower()) from None
-    except Exception as problem:  # damaged archives raise whatever zlib, zipfile and numpy think of
+    except Exception as problem:  # damaged archives raise many exceptions of zlib, zipfile and numpy
         raise _bad(path, str(problem)[:80]) from None
 
 

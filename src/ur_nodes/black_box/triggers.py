@@ -11,7 +11,7 @@ from ur_nodes.ports.node import Node
 from ur_nodes.ports.qualities import Quality
 
 _MOST_GOALS = 200
-_LONGEST = 200  # characters of a text of others
+_LONGEST = 200  # characters of a text from another node
 _IN_FORCE = 5_000_000_000  # ns after the subscription in which a first value may be one of before it
 
 

@@ -9,7 +9,7 @@ from typing import Generic, Protocol, TypeVar
 from ur_nodes.camera.source import CameraError, Frame, Mode, PictureSource
 from ur_nodes.ports.node import Node, Timer
 
-STALLED = 5.0  # s without a picture, after which the camera is opened anew
+STALLED = 5.0  # s without a picture, after which the camera is opened again
 CAMERA = "camera"
 """The lane of all that uses the device."""
 

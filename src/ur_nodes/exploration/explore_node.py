@@ -45,7 +45,7 @@ class ExploreNode:
         elif not self._navigation.ready():
             self._output.wait(f"no action {self._node.resolve(settings.navigation)}")
         elif not self._busy:
-            if now < self._due - settings.period:  # time has begun anew
+            if now < self._due - settings.period:  # time was reset
                 self._due = now
             end, pause = self._navigation.take_end(), self._navigation.pause(now)
             if now < self._due and end is None and bool(pause) == bool(self._paused):

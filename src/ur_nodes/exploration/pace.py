@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 _WINDOW = 60.0  # s: the growth of the map is measured over so long
-_SHORTEST = 30.0  # s: over less than this it says nothing
-_LEAST = 0.05  # m2/s: a map that grows more slowly says nothing either
+_SHORTEST = 30.0  # s: a shorter time gives no estimate
+_LEAST = 0.05  # m2/s: slower growth gives no estimate
 _APART = 1.0  # s between two samples that are kept
 
 _FACTOR = 2.2

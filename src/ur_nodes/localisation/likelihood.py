@@ -17,7 +17,7 @@ from ur_nodes.geometry.grid import FREE, Grid
 from ur_nodes.geometry.sparse_array import sparse_zeros
 
 OCCUPIED_FROM = 65  # of 100: what counts as a wall in maps with values between
-WHOLE = 1_000_000  # cells of a map that is prepared whole
+WHOLE = 1_000_000  # cells of a map that is prepared as a whole
 _ROWS, _COLUMNS = 128, 512  # cells of a tile of a larger one; rows of a tile are half a page of memory
 _KEPT = 100  # tiles; with more, those that are not needed are forgotten
 _FARTHEST = 180  # cells

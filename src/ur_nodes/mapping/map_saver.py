@@ -12,7 +12,7 @@ from ur_nodes.ports.node import Node
 from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.values import Map
 
-PATIENCE = 15.0  # s until the log says that there is no map, and again after as long
+PATIENCE = 15.0  # s until the log reports that there is no map, and between repetitions
 
 
 class MapSaver:
@@ -25,7 +25,7 @@ class MapSaver:
         self._node, self._name, self._limits = node, name, (occupied, free)
         self._keep = node.parameters.boolean("keep", False)
         self._received = self._reported = self._busy = False
-        self._newest: Map | str | None = None  # that came while another one was being saved
+        self._newest: Map | str | None = None  # received while another one was being saved
         self.failed = True
         node.subscribe("map", Map, self._take, Quality.LATCHED, unreadable=self._take)
         node.every(PATIENCE, self._explain_silence, steady=True)

@@ -56,7 +56,7 @@ class MuxRunner:
             self._timer.cancel()
         self._timer, self._timer_at = None, self._state.next_at
         if self._timer_at < float("inf"):
-            left = self._timer_at - read_mux_time(self._node)  # read anew: sending took a moment
+            left = self._timer_at - read_mux_time(self._node)  # read again: sending took a moment
             self._timer = self._node.after(max(0.0, left), self._take_due)
 
     def _take_due(self) -> None:

@@ -34,7 +34,7 @@ _IDLE_PERIODS = 5  # control periods between two updates of the costmaps without
 _PATH_CHECK_PERIODS = 3  # likewise, between two checks of the path on the global costmap
 _REPORT_PERIODS = 2  # likewise, between two reports of the robot's pose
 _NO_MUX = 5.0  # s without a challenge, after which goals are taken without a mux; a mux on ROS 2 starts in up to 4 s
-_RESTART = 1.0  # s: a clock that goes back by more has begun anew, as that of a simulator does
+_RESTART = 1.0  # s: a clock that goes back by more was reset, as by a simulator
 
 
 class MoveBase:

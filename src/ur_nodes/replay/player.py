@@ -9,7 +9,7 @@ from ur.recordings.mcap_file import RecordingFile, StoredMessage
 
 SLOWEST, FASTEST = 0.01, 100.0
 _RARE_HZ = 0.2
-_MOST_AT_ONCE = 2000  # messages, after which the next step goes on
+_MOST_AT_ONCE = 2000  # messages of one step at most; the next step continues
 
 
 @dataclass(frozen=True, slots=True)

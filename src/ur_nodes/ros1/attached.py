@@ -48,7 +48,7 @@ def attach(name: str, start: Callable[[Node], Wired], end: Callable[[], None]) -
         silence_terminal()
         node = AttachedNode()
 
-        def take(reason: str) -> None:  # not by on_shutdown, whose callbacks come before the reason is told
+        def take(reason: str) -> None:  # not by on_shutdown, whose callbacks run before the reason is known
             node.replaced = node.replaced or "new node registered" in reason
             end()
 

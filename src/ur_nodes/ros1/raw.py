@@ -58,7 +58,7 @@ class RosRaw:
             try:
                 kind, found = _find_service(full)
                 result = Result(True, value=ServiceType(kind, str(found._request_class._full_text)))  # noqa: SLF001
-            except Exception as problem:  # master and service are programs of others, which answer anything
+            except Exception as problem:  # master and service are third-party programs with any answer
                 result = Result(False, str(problem))
             self._loop.post(lambda: take(result))
 

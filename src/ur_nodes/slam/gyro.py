@@ -11,7 +11,7 @@ from ur_nodes.geometry.pose import Pose2, wrap_angle
 _KEPT = 20.0  # s of yaw rates
 _GAP = 0.2  # s between two yaw rates: what happened in between is not known
 _STILL = (0.001, 0.001)  # m, rad between two scans: the wheels do not turn
-_MOST_BIAS = 0.1  # rad/s: more at rest is a robot that somebody turns
+_MOST_BIAS = 0.1  # rad/s: more at rest means that the robot is being turned
 _MEMORY = 50  # measurements of the bias that count
 _WINDOW = 10  # scans over which turns are compared, since each scan's own noise is as large as the difference
 _LEAD = 0.1  # rad by which the errors of the wheels must be larger

@@ -29,7 +29,7 @@ _RADIUS = 5.0  # m: keyframes within are part of the local map,
 _MOST_UNCERTAIN = 0.05  # m: as long as their place relative to the reference is so certain
 _MEMBERS = 9  # keyframes at most
 # A match
-_LEAST_AGREEMENT = 0.35  # below, the scan says nothing
+_LEAST_AGREEMENT = 0.35  # below, the scan gives no evidence
 _CONTRADICTED = (0.5, 0.3)  # agreement below and contradiction above which the scan was taken elsewhere
 _CERTAIN = 0.03  # m: standard deviation of matches that teach, and that replace odometry
 # Where a new keyframe is due, an old one may serve

@@ -25,7 +25,7 @@ from ur_nodes.slam.relocation import WholeMap
 
 _TRIALS = 60  # scans of the second map that are searched for on the first one, at most
 _LONGEST = 20.0  # m: places that are less certain are not looked at
-_BATCH = 12  # links after which the poses are computed anew
+_BATCH = 12  # links after which the poses are computed again
 _MOST_LINKS = 400
 _LEAST_LINKS = 4
 _KNOWN, _NEAR = 0.12, 1.0  # m: a scan whose place is known so well, so near to one of the first map, should fit it

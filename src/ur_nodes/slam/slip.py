@@ -10,7 +10,7 @@ from ur_nodes.geometry.pose import Pose2, wrap_angle
 
 _SCANS = 20  # over which both motions are compared
 _LEAST = (0.15, 0.3)  # m, rad: smaller differences are usual
-_SHARE = 0.5  # of the way that odometry reports: likewise
+_SHARE = 0.5  # of the distance by odometry: likewise
 
 
 @dataclass(frozen=True, slots=True)

@@ -46,7 +46,7 @@ def _order(found: Diagnostic) -> tuple[str, int, int, str]:
 
 
 def _merge(group: list[Hit]) -> Diagnostic:
-    first = max(group, key=lambda hit: len(hit.found.notes))  # the one that says through which includes
+    first = max(group, key=lambda hit: len(hit.found.notes))  # the one with the chain of includes
     worst = min((hit.found.severity for hit in group), key=lambda severity: severity is Severity.WARNING)
     found = replace(first.found, severity=worst)
     same_root = [hit for hit in group if hit.root == first.root]

@@ -12,9 +12,9 @@ class Interface:
     publishes: tuple[str, ...] = ()
     subscribes: tuple[str, ...] = ()
     services: tuple[str, ...] = ()  # that it offers
-    calls: tuple[str, ...] = ()  # services of others
+    calls: tuple[str, ...] = ()  # services of other nodes
     actions: tuple[str, ...] = ()  # that it offers
-    uses_actions: tuple[str, ...] = ()  # of others
+    uses_actions: tuple[str, ...] = ()  # of other nodes
 
 
 def make_interface(

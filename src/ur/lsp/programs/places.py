@@ -67,7 +67,7 @@ def _read_places(source: SourceFile, offset: int, workspace: Workspace) -> Itera
 def _launched(source: SourceFile, offset: int, workspace: Workspace) -> list[str]:
     """The launch files that the command around an offset names."""
     start = source.text.rfind("\n", 0, offset) + 1
-    while start > 1 and source.text[:start].endswith("\\\n"):  # the command goes on in the next line
+    while start > 1 and source.text[:start].endswith("\\\n"):  # the command continues in the next line
         start = source.text.rfind("\n", 0, start - 1) + 1
     end = source.text.find("\n", offset)
     line = source.text[start : end if end >= 0 else None]

@@ -17,7 +17,7 @@ from ur.run.supervisor.events import Event, LinkLost, LinkRestored
 from ur.source.diagnostic import UserError
 
 LIMIT = 180.0  # s for a robot to restart and to start its nodes
-MASTER_LIMIT = 30.0  # s for its master alone: whatever keeps one up has started another by then
+MASTER_LIMIT = 30.0  # s for its master alone: a service that keeps one running has started another by then
 PAUSE = 1.0  # s between two tries
 _SCRIPT = """\
 read -r up _ </proc/uptime

@@ -12,7 +12,7 @@ from ur.robot.ssh.openssh import ALIVE_SECONDS, SshShell
 from ur.robot.ssh.shell import quote
 from ur.source.diagnostic import UserError, error, error_about
 
-LOCK_FILE = "/run/ubiquity-setup.lock"  # for root alone, and gone after a reboot
+LOCK_FILE = "/run/ubiquity-setup.lock"  # for root alone, and removed by a reboot
 WAIT_SECONDS = 30.0  # longer than SILENCE_SECONDS: the lock of a disconnected holder is released by then
 SILENCE_SECONDS = 12
 # The holder sends a line now and then. After a silence the alarm ends this script, which releases the lock.

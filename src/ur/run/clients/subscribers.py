@@ -161,7 +161,7 @@ class _Subscriber:
         for line in lines:
             try:
                 commands.append(parse_command(line))
-            except BadLineError as problem:  # noqa: PERF203 - the others are to be heard
+            except BadLineError as problem:  # noqa: PERF203 - the other subscribers go on
                 self.sink.put(dump_line(Notice("error", f"not a command: {problem}")), important=True)
         return commands, bool(data) and len(self._rest) < MOST_COMMAND_BYTES
 

@@ -79,7 +79,7 @@ def _everything(
 
 def _views(targets: Targets, world: CachedWorld, progress: Progress) -> Iterator[LaunchView]:
     for path in counted(targets.launch_files, "reading", "launch files", progress):
-        with suppress(OSError):  # `ur check` says it
+        with suppress(OSError):  # `ur check` reports it
             yield survey_launch_file(path, targets.package_of(path), world)
 
 

@@ -32,7 +32,7 @@ from ur_nodes.ports.values import StampedTwist, Time, Twist
 _FACT = "lease"  # mirrors the lease
 _MOST_PUBLISHERS = 256  # of locks, that are remembered
 _ID = "#"  # between the name and the id of a publisher
-_MEMORY = 60.0  # s: for the driver before the master was started anew to return
+_MEMORY = 60.0  # s: in which the driver of before a restart of the master may return
 
 
 class AdmissionGate:

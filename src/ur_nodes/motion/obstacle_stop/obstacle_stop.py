@@ -63,7 +63,7 @@ class ObstacleStop:
         if base.sonars and sonars:
             node.subscribe(base.sonars.topic, Range, self._take_range, Quality.EVERY)  # all of a base come together
         for contact, topic in contact_topics(base).items():
-            for quality in (Quality.LATCHED, Quality.NEWEST):  # a driver of others may not latch its contacts
+            for quality in (Quality.LATCHED, Quality.NEWEST):  # a third-party driver may not latch its contacts
                 node.subscribe(topic, bool, partial(self._take_contact, contact), quality)
         node.serve_later("~set_obstacle_stop", Switch, self._choose)
 

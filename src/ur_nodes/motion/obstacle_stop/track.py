@@ -12,7 +12,7 @@ from ur_nodes.geometry.pose import Pose2, wrap_angle
 
 _KEPT = 40  # readings
 _AHEAD = 0.3  # s that the newest velocity is taken to last
-_JUMP = 0.5  # m or rad beyond what the velocity explains: odometry has begun anew
+_JUMP = 0.5  # m or rad beyond what the velocity explains: odometry was reset
 
 
 @dataclass(frozen=True, slots=True)

@@ -43,7 +43,7 @@ def find_cell_path(
     margin = max(_MARGIN, math.ceil(0.5 * math.dist(start, goal)))
     while True:
         window = _window(costs.shape, start, goal, margin)
-        # The costs may change while this goes on: everything is decided on one copy.
+        # The costs may change during the search: it uses one copy.
         part = _Part(np.array(costs[window.rows, window.columns]), weights, window)
         path = _search_part(part, _moved(start, window), _moved(goal, window))
         if not isinstance(path, float):

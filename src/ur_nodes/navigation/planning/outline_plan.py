@@ -32,7 +32,7 @@ from ur_nodes.navigation.planning.path_geometry import Points, arc_lengths
 _LONG, _WIDE = 0.1, 0.4  # m between the radii of a long footprint, and of its greater one: half a narrow door
 _BESIDE = 0.05  # m of room that a motion has beside the outline where there is some
 _STRAY = 0.03  # m by which the robot may be beside a path that was not searched for the outline
-_AROUND = 1.2  # m of a path before and after what touches that are searched anew
+_AROUND = 1.2  # m of a path before and after what touches that are searched again
 _MARGIN = 2.0  # m of the map round a path
 _ALIKE = 3.0  # cells: others as narrow that are as near belong to the same place
 _APART = 0.6  # m: conflicts that are nearer than this are one

@@ -24,7 +24,7 @@ _TURN_BRAKING = 0.7  # likewise, of turns on the spot
 _LAST_POINTS = 8  # too coarse to stop by: there the distance itself counts
 _SPARE_POINTS = 3  # beyond those that the robot can pass in a step, in the search for the nearest
 _NEAREST_SQUARED = 1e-4  # m2: bounds the curvature to a point that the robot is on
-_OVERRUN = 0.6  # m: a path goes on straight beyond its end, for what is predicted
+_OVERRUN = 0.6  # m: a path is extended straight beyond its end for predictions
 _STRAIGHT = 1e-6  # 1/m: smaller curvatures limit no speed
 
 

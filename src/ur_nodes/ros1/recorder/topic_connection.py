@@ -30,7 +30,7 @@ def find_publisher(caller: str, node: str, topic: str) -> Address:
         uri = rosgraph.Master(caller).lookupNode(node)
         with xmlrpc.client.ServerProxy(uri) as proxy:
             answer: object = proxy.requestTopic(caller, topic, [["TCPROS"]])
-    except Exception as problem:  # master and node are programs of others, which answer anything
+    except Exception as problem:  # master and node are third-party programs with any answer
         raise TopicConnectionError(f"{node}: {problem}") from None
     match answer:
         case [1, _, ["TCPROS", str(host), int(port)]]:

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 LIST_PERIOD = 0.2  # s, as `goal_topics`
 _MOST = 1000  # goals of ours whose ids are remembered
 _ALONE = 10  # beats
-_RESULT_BEATS = 10  # in which the server says why a goal has ended
+_RESULT_BEATS = 10  # in which the server gives the reason of a goal's end
 _PHASES: Mapping[int, GoalPhase] = {
     GoalStatus.STATUS_ACCEPTED: "pending",
     GoalStatus.STATUS_EXECUTING: "active",

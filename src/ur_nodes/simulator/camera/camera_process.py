@@ -185,7 +185,7 @@ def serve(requests: BinaryIO, answers: BinaryIO) -> int:
         data = mujoco.MjData(model)
         renderer = mujoco.Renderer(model, job.height, job.width)
         renderer.render()
-    except Exception as problem:  # whatever drivers and libraries raise goes to the node
+    except Exception as problem:  # all exceptions of drivers and libraries are passed to the node
         answers.write((str(problem).replace("\n", " ") or type(problem).__name__).encode()[:300] + b"\n")
         answers.flush()
         return 1

@@ -26,7 +26,7 @@ class EncoderOdometry:
         self._right_scale = self._tick * base.wheels.radius * (1.0 + float(radius_errors[1]))
         separation = base.wheels.separation * (1.0 + float(random.standard_normal()) * model.separation_error)
         self._noise = model.wheel_noise
-        # What a covariance can express of the fixed errors: as if they were drawn anew for each metre.
+        # A covariance can express the fixed errors only as if they were drawn again for each metre.
         self._reckoning = DeadReckoning(separation, model.wheel_noise**2 + model.radius_error**2)
         self._random = random
         self._ticks: tuple[int, int] | None = None

@@ -16,7 +16,7 @@ from ur_nodes.slam.matching.surface import Floats, Surface
 POOR = 0.6
 """Agreement below which a match is doubted."""
 
-_SLIPPED = 2.5  # standard deviations of the guess: the scan says that the wheels slip
+_SLIPPED = 2.5  # standard deviations of the guess: by the scan, the wheels slip
 _MOST_DOUBTED = 4.0  # likewise, of a match of poor agreement: among people, a scan fits a little everywhere
 _SEARCHED = 3.0  # standard deviations of the guess that a search covers,
 _LEAST_WINDOW = Window(0.2, 0.1)  # and at least this

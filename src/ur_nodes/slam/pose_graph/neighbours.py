@@ -27,7 +27,7 @@ _LEAST_POINTS = 20  # of a scan
 _LEAST_AGREEMENT = 0.5
 _MOST_MOVED = 0.3  # m: from where a match began
 _LOOKS = 20  # keyframes whose neighbours are looked up at once
-_ENOUGH = 24  # edges for which the poses are computed anew
+_ENOUGH = 24  # edges after which the poses are computed again
 _IDLE = 8  # calls with nothing to do, after which they are for fewer
 _STEPS = 2  # of that computation: these edges move poses little
 

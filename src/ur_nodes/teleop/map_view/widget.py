@@ -26,7 +26,7 @@ from ur_nodes.teleop.map_view.picture import GridIndex, Pixels, draw_map, draw_o
 
 _NO_MAP_BOX = (-5.0, -5.0, 5.0, 5.0)
 _FOLLOW_MARGIN = 0.3  # of the screen: the picture moves only when the robot comes this near to the edge
-_LEAST_DRAG = 2.0  # pixels, half a row each: a shorter drag is a click, which says nothing about the heading
+_LEAST_DRAG = 2.0  # pixels, half a row each: a shorter drag is a click, without a heading
 _FOLLOW_SCALE = 0.08  # m per pixel: following starts at least this close
 
 
@@ -53,7 +53,7 @@ class MapView(Widget, can_focus=False):
         self.following = False
         self.view = Viewport(0.0, 0.0, 0.05, 0, 0)
         self.hover: tuple[float, float] | None = None
-        self._fitted = True  # until the user zooms or pans, the whole map is shown whatever the size
+        self._fitted = True  # until the user zooms or pans, the whole map is shown at any size
         self._snapshot = RobotSnapshot()
         self._places: Mapping[str, Pose2] = {}
         self._index: GridIndex | None = None

@@ -84,7 +84,7 @@ class NavigateView(FullScreenApp[None]):
         self._asked = ""  # the id of a request for a patrol that is not answered yet
         self._shown_key: tuple[object, ...] = ()
         self._announced: tuple[int, LastGoalState] = (0, LastGoalState.NONE)
-        self._result_shown = False  # the message is about the goal, or nothing came after it
+        self._result_shown = False  # the message is about the goal, or is the last one
         self._was_ready = False
         self._typed = typed
 
