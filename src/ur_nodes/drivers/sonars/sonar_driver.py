@@ -17,7 +17,7 @@ from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.values import Range
 
 PERIOD = 0.05  # s between two sonars, as pi_sonar: the echoes of the one before have died away
-_MISSES = 20  # turns without an echo, after which a sonar is reported
+_MISSES = 12  # turns without an echo, after which a sonar is reported
 _HELP = (
     "expected the GPIO chip of a Raspberry Pi; is this user in its group (gpio or dialout),"
     " and does no other program use its pins (pigpiod)? It is opened again by itself"
@@ -69,7 +69,7 @@ class SonarDriver:
             self._report_miss(frame, pins, busy=listened.busy)
 
     def _report_miss(self, frame: str, pins: SonarPins, *, busy: bool) -> None:
-        if all(misses >= _MISSES for misses in self._misses.values()):
+        if all(misses >= _MISSES - 1 for misses in self._misses.values()):
             text = "no echo of any sonar; is their board plugged in?"
         elif busy:
             text = f"the echo pin {pins.echo} of {frame} stays high; check the sonar and its cable"

@@ -26,7 +26,12 @@ class Bus:
 
 def test_registers_are_read_and_written_at_an_address() -> None:
     made: list[Bus] = []
-    bus = open_bus("/dev/i2c-1", lambda path: made.append(Bus(path)) or made[0])  # type: ignore[func-returns-value,arg-type,return-value]
+
+    def make(path: str) -> Any:
+        made.append(Bus(path))
+        return made[-1]
+
+    bus = open_bus("/dev/i2c-1", make)
     assert not isinstance(bus, str)
     assert bus.read(0x28, 0x08, 2) == b"\x01\x02"
     bus.write(0x28, 0x3D, 8)
