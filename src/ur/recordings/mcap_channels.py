@@ -20,9 +20,19 @@ def dialect_of(type_name: str, schema: str) -> Dialect:
     return "ros1" if len(parts) == 2 and schema else ""
 
 
-def register_channel(writer: Writer, topic: str, type_name: str, schema: str) -> int:
-    """Add a topic, with its type and the definition of the type, to an MCAP file; return the number of its channel."""
+SENDER, LATCHED = "callerid", "latching"
+"""Metadata of a channel, as in rosbag files: the node that publishes it, and "1" if it keeps its newest message."""
+
+
+def register_channel(
+    writer: Writer, topic: str, type_name: str, schema: str, sender: str = "", *, latched: bool = False
+) -> int:
+    """Add a topic of a sender, with its type and the definition of the type, to an MCAP file.
+
+    Returns the number of its channel.
+    """
     schema_encoding, encoding = _ENCODINGS[dialect_of(type_name, schema)]
     number = writer.register_schema(type_name, schema_encoding, schema.encode()) if schema_encoding else 0
-    channel: int = writer.register_channel(topic, encoding, number)
+    metadata = ({SENDER: sender} if sender else {}) | ({LATCHED: "1"} if latched else {})
+    channel: int = writer.register_channel(topic, encoding, number, metadata)
     return channel

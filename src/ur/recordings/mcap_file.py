@@ -6,13 +6,16 @@ The file is read piece by piece: a recording may be larger than the memory.
 from __future__ import annotations
 
 import struct
-from collections.abc import Iterator, Mapping, Set
+from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import IO, TYPE_CHECKING
 
+from ur.recordings.mcap_channels import LATCHED, SENDER
 from ur.source.diagnostic import UserError, error_about
+
+_RARE_HZ = 0.2
 
 if TYPE_CHECKING:
     from mcap.reader import McapReader
@@ -21,13 +24,18 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class RecordingTopic:
-    """A topic with its type, the definition of the type, and how many messages of it the recording holds."""
+    """A topic with its type, the definition of the type, and how many messages of it the recording holds.
+
+    `sender` is the node that publishes it, where that is known; `latched`: it keeps its newest message.
+    """
 
     name: str
     type_name: str
     schema: str
     encoding: str
     count: int = 0
+    sender: str = ""
+    latched: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,7 +51,9 @@ class StoredMessage:
 class RecordingFile:
     """A recording: its topics by name, its first and last time in ns since 1970, and its metadata.
 
-    `complete` is False for a file whose end is missing: its writer was killed.
+    A topic of several publishers has the sum of their messages, and the type of the last one; `senders` has the names
+    of the nodes, where the recording has them. `complete` is False for a file whose end is missing: its writer was
+    killed.
     """
 
     path: Path
@@ -52,17 +62,30 @@ class RecordingFile:
     end: int
     metadata: Mapping[str, Mapping[str, str]]
     complete: bool = True
+    senders: Mapping[str, frozenset[str]] = field(default_factory=dict)
 
     @property
     def seconds(self) -> float:
         """Its length."""
         return (self.end - self.start) / 1e9
 
+    @property
+    def kept_topics(self) -> frozenset[str]:
+        """The topics whose newest message a later subscriber gets.
+
+        Those that the recording names as latched, and all that are published seldom: others may not know of it.
+        """
+        most = max(1.0, self.seconds * _RARE_HZ)
+        return frozenset(name for name, topic in self.topics.items() if topic.latched or topic.count <= most)
+
     def messages(self, begin: int = 0, topics: Set[str] | None = None) -> Iterator[StoredMessage]:
         """The messages from a time on, in the order of their times; of some topics only. Raises UserError."""
+        found: dict[int, RecordingTopic] = {}
         with _reading(self.path) as file:
             for schema, channel, message in _read(file, self.path, self.complete, begin, topics):
-                topic = self.topics.get(channel.topic) or _topic_of(schema, channel, 0)
+                topic = found.get(channel.id)
+                if topic is None:
+                    topic = found[channel.id] = _topic_of(schema, channel)
                 yield StoredMessage(topic, message.log_time, message.data)
 
 
@@ -81,45 +104,59 @@ def open_recording(path: Path) -> RecordingFile:
         if summary is not None and summary.statistics is not None:
             counts = summary.statistics.channel_message_counts
             channels = [
-                (summary.schemas.get(each.schema_id), each, counts.get(each.id, 0))
+                (_topic_of(summary.schemas.get(each.schema_id), each), counts.get(each.id, 0))
                 for each in summary.channels.values()
             ]
-            topics = {each.topic: _topic_of(schema, each, count) for schema, each, count in channels}
             start, end = summary.statistics.message_start_time, summary.statistics.message_end_time
-            return RecordingFile(path, topics, start, end, metadata)
+            return RecordingFile(
+                path, _count_topics(channels), start, end, metadata, senders=_find_senders(each for each, _ in channels)
+            )
     return _survey(path)
 
 
 def _survey(path: Path) -> RecordingFile:
     """A recording whose end is missing, as far as it goes."""
-    topics: dict[str, RecordingTopic] = {}
-    counts: dict[str, int] = {}
+    topics: dict[int, RecordingTopic] = {}
+    counts: dict[int, int] = {}
     times: list[int] = []
     with _reading(path) as file:
         for schema, channel, message in _read(file, path, False, 0, None):
-            topics.setdefault(channel.topic, _topic_of(schema, channel, 0))
-            counts[channel.topic] = counts.get(channel.topic, 0) + 1
+            topics.setdefault(channel.id, _topic_of(schema, channel))
+            counts[channel.id] = counts.get(channel.id, 0) + 1
             times = [min([*times[:1], message.log_time]), max([*times[1:], message.log_time])]
     if not topics:
         raise _no_recording(path, "no message in it can be read")
-    counted = {
-        name: RecordingTopic(name, each.type_name, each.schema, each.encoding, counts[name])
-        for name, each in topics.items()
-    }
-    return RecordingFile(path, counted, times[0], times[1], {}, complete=False)
+    counted = _count_topics([(each, counts[number]) for number, each in topics.items()])
+    senders = _find_senders(topics.values())
+    return RecordingFile(path, counted, times[0], times[1], {}, complete=False, senders=senders)
+
+
+def _find_senders(channels: Iterable[RecordingTopic]) -> dict[str, frozenset[str]]:
+    found: dict[str, frozenset[str]] = {}
+    for topic in channels:
+        if topic.sender:
+            found[topic.name] = found.get(topic.name, frozenset()) | {topic.sender}
+    return found
+
+
+def _count_topics(channels: Sequence[tuple[RecordingTopic, int]]) -> dict[str, RecordingTopic]:
+    topics: dict[str, RecordingTopic] = {}
+    for topic, count in channels:
+        before = topics[topic.name].count if topic.name in topics else 0
+        topics[topic.name] = replace(topic, count=before + count)
+    return topics
 
 
 def _read(
     file: IO[bytes], path: Path, complete: bool, begin: int, topics: Set[str] | None
 ) -> Iterator[tuple[Schema | None, Channel, Message]]:
-    from mcap.exceptions import McapError
     from mcap.reader import NonSeekingReader, make_reader
 
     chosen = sorted(topics) if topics is not None else None
     reader: McapReader = make_reader(file) if complete else NonSeekingReader(file)
     try:
         yield from reader.iter_messages(topics=chosen, starting_at=begin or None, log_time_order=complete)
-    except (McapError, struct.error, EOFError, ValueError, OSError) as problem:
+    except Exception as problem:  # of the library and its decompressors, for any bytes
         if complete:
             raise _no_recording(path, str(problem) or type(problem).__name__) from None
 
@@ -146,8 +183,13 @@ def _no_recording(path: Path, reason: str) -> UserError:
     return UserError(error_about(str(path), message, rule="bad-recording", help="a recording is a file NAME.mcap"))
 
 
-def _topic_of(schema: Schema | None, channel: Channel, count: int) -> RecordingTopic:
+def _topic_of(schema: Schema | None, channel: Channel) -> RecordingTopic:
     text = schema.data.decode("utf-8", "replace") if schema is not None else ""
     return RecordingTopic(
-        channel.topic, schema.name if schema is not None else "", text, channel.message_encoding, count
+        channel.topic,
+        schema.name if schema is not None else "",
+        text,
+        channel.message_encoding,
+        sender=channel.metadata.get(SENDER, ""),
+        latched=channel.metadata.get(LATCHED) == "1",
     )

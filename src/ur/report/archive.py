@@ -14,6 +14,7 @@ from ur.report.page import make_page
 from ur.report.recording import Recording, copy_recording
 from ur.report.secrets import SecretFilter
 from ur.report.sources import RunSources, write_values
+from ur.source.diagnostic import UserError
 
 MOST_BYTES = 20_000_000
 _MOST_IN_PAGE = 100_000  # characters of a file that the page repeats
@@ -47,7 +48,7 @@ def write_report(path: Path, title: str, sources: RunSources, recordings: Sequen
         if recordings:
             try:
                 recording = copy_recording(recordings[-1], copy, secrets)
-            except (OSError, ValueError) as problem:
+            except (OSError, UserError) as problem:
                 missing.append(f"the recording: {problem}")
                 copy.unlink(missing_ok=True)
         else:

@@ -2,21 +2,25 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
+from ur.recordings.mcap_channels import register_channel
+from ur.recordings.mcap_file import RecordingTopic, StoredMessage, open_recording
+from ur.recordings.message_types import MessageTypes
 from ur.report.secrets import SecretFilter
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Mapping
 
-    from mcap.records import Channel, Message, Schema
     from mcap.writer import Writer
 
 _MOST_TEXT = 65_536  # bytes of a message that may hold texts for people
 _SECOND = 1e9
-_SHOWN = frozenset({"nav_msgs/Odometry", "nav_msgs/OccupancyGrid", "geometry_msgs/PoseWithCovarianceStamped"})
+_LEVELS = {1: "debug", 2: "info", 4: "warning", 8: "error", 16: "fatal"}
+_LEVELS |= {10: "debug", 20: "info", 30: "warning", 40: "error", 50: "fatal"}  # of ROS 2
 _MOST_POINTS = 2000
 
 
@@ -36,7 +40,7 @@ class DrawnMap:
 class Recording:
     """The content of a page: times in s since 1970, `speeds` and `turns` of the odometry, and `track` in the map.
 
-    `topics` has the number of messages and bytes of each.
+    `topics` has the type of each, and the number of its messages and bytes.
     """
 
     begin: float = 0.0
@@ -51,98 +55,127 @@ class Recording:
     topics: dict[str, tuple[str, int, int]] = field(default_factory=dict)
 
 
-def copy_recording(source: Path, target: Path, secrets: SecretFilter) -> Recording:
-    """Copy a recording without its secrets, and read what a page shows of it. Raises OSError, ValueError."""
-    from mcap.exceptions import McapError
-    from mcap.reader import make_reader
-    from mcap.writer import CompressionType, Writer
-    from rosbags.typesys import Stores, get_typestore
+@dataclass(frozen=True, slots=True)
+class _Copied:
+    """A topic in the copy, the number of its channel, and what is done with its messages."""
 
-    found = Recording()
-    try:
-        with source.open("rb") as file, target.open("wb") as copy:
-            reader = make_reader(file)
-            header = reader.get_header()
-            writer = Writer(copy, compression=CompressionType.ZSTD)
-            writer.start(profile=header.profile, library=header.library)
-            schemas: dict[int, int] = {}
-            channels: dict[int, int] = {}
-            with_texts: dict[int, bool] = {}
-            store = get_typestore(Stores.ROS1_NOETIC)
-            for schema, channel, message in reader.iter_messages():
-                if channel.id not in channels:
-                    channels[channel.id] = _register(writer, schema, channel, schemas)
-                    with_texts[channel.id] = schema is not None and _has_texts(schema)
-                data = message.data
-                if schema is None or (with_texts[channel.id] and len(data) <= _MOST_TEXT):
-                    data = secrets.clean_bytes(data, f"recording.mcap: {channel.topic}")
-                writer.add_message(channels[channel.id], message.log_time, data, message.publish_time, message.sequence)
-                kind, count, size = found.topics.get(channel.topic, ("" if schema is None else schema.name, 0, 0))
-                found.topics[channel.topic] = kind, count + 1, size + len(data)
-                _note(found, schema, channel, message, data, store)
-            for each in reader.iter_metadata():
-                values = {key: secrets.clean(value, "recording.mcap") for key, value in each.metadata.items()}
-                writer.add_metadata(each.name, values)
-                if each.name == "events":
-                    found.events += [(float(moment), text) for moment, text in values.items()]
-            writer.finish()  # type: ignore[no-untyped-call]
-    except McapError as problem:
-        raise ValueError(f"{source.name}: {problem or type(problem).__name__}, expected an MCAP file") from None
+    topic: RecordingTopic
+    channel: int
+    has_texts: bool
+    shown: bool
+
+
+def copy_recording(source: Path, target: Path, secrets: SecretFilter) -> Recording:
+    """Copy a recording without its secrets, with ROS 2's types, and read what a page shows of it.
+
+    Messages that cannot be converted are left out. Raises OSError, UserError.
+    """
+    from mcap.writer import CompressionType, Writer
+
+    original = open_recording(source)
+    types = MessageTypes()
+    found = Recording(original.start / _SECOND, original.end / _SECOND)
+    copied: dict[RecordingTopic, _Copied] = {}
+    with target.open("wb") as copy:
+        writer = Writer(copy, compression=CompressionType.ZSTD)
+        made = [types.convert_topic(each, "ros2") for each in original.topics.values()]
+        profile = "ros2" if all(each.encoding == "cdr" for each in made) else ""
+        writer.start(profile=profile, library="ubiquity_launches")
+        for message in original.messages():
+            topic = message.topic
+            known = copied.get(topic)
+            if known is None:
+                known = copied[topic] = _register(writer, topic, types)
+            data = message.data
+            if known.has_texts and len(data) <= _MOST_TEXT:
+                data = secrets.clean_bytes(data, f"recording.mcap: {topic.name}")
+            try:
+                data = types.convert(topic, known.topic, data)
+            except ValueError:
+                continue
+            writer.add_message(known.channel, message.time, data, message.time)
+            _, count, size = found.topics.get(topic.name, ("", 0, 0))
+            found.topics[topic.name] = topic.type_name, count + 1, size + len(data)
+            if known.shown:
+                _show(found, StoredMessage(known.topic, message.time, data), types)
+        for name, values in original.metadata.items():
+            cleaned = {key: secrets.clean(value, "recording.mcap") for key, value in values.items()}
+            writer.add_metadata(name, cleaned)
+            if name == "events":
+                found.events = read_events(cleaned)
+        writer.finish()  # type: ignore[no-untyped-call]
     found.topics = dict(sorted(found.topics.items()))
-    found.events.sort()
     return found
 
 
-def _register(writer: Writer, schema: Schema | None, channel: Channel, schemas: dict[int, int]) -> int:
-    number = 0
-    if schema is not None:
-        if schema.id not in schemas:
-            schemas[schema.id] = writer.register_schema(schema.name, schema.encoding, schema.data)
-        number = schemas[schema.id]
-    return writer.register_channel(channel.topic, channel.message_encoding, number, dict(channel.metadata))
+def read_events(events: Mapping[str, str]) -> list[tuple[float, str]]:
+    """Read the metadata `events` of a recording: times in s since 1970, and texts, by time."""
+    found = []
+    for moment, text in events.items():
+        with suppress(ValueError):
+            found.append((float(moment), text))
+    return sorted(found)
 
 
-def _has_texts(schema: Schema) -> bool:
-    own = schema.data.partition(b"\n===")[0]
-    return any(line.lstrip().startswith(b"string") for line in own.splitlines()) or schema.name == "rosgraph_msgs/Log"
+def _register(writer: Writer, topic: RecordingTopic, types: MessageTypes) -> _Copied:
+    made = types.convert_topic(topic, "ros2")
+    channel = register_channel(writer, made.name, made.type_name, made.schema, made.sender, latched=made.latched)
+    own = topic.schema.partition("\n===")[0]
+    has_texts = (
+        not topic.type_name
+        or topic.type_name.endswith("/Log")
+        or any(line.lstrip().startswith("string") for line in own.splitlines())
+    )
+    return _Copied(made, channel, has_texts, _reader_of(made) is not None)
 
 
-def _note(
-    found: Recording, schema: Schema | None, channel: Channel, message: Message, data: bytes, store: object
-) -> None:
+def _reader_of(topic: RecordingTopic) -> Any:
+    """Return the function that takes what the page shows of a topic; None: it shows nothing."""
+    match topic.name, topic.type_name.rpartition("/")[2]:
+        case "/rosout", "Log":
+            return _take_line
+        case (("/odom" | "/odometry/filtered"), "Odometry"):
+            return _take_odometry
+        case "/amcl_pose", "PoseWithCovarianceStamped":
+            return _take_pose
+        case "/map", "OccupancyGrid":
+            return _take_map
+    return None
+
+
+def _show(found: Recording, message: StoredMessage, types: MessageTypes) -> None:
     """Keep what the page shows of a message; one that cannot be read is left out."""
-    moment = message.log_time / _SECOND
-    found.begin = min(found.begin or moment, moment)
-    found.end = max(found.end, moment)
-    if schema is None or channel.message_encoding != "ros1":
-        return
-    name = schema.name
-    if name not in _SHOWN and channel.topic != "/rosout":
-        return
-    package, _, kind = name.partition("/")
     try:
-        value = store.deserialize_ros1(data, f"{package}/msg/{kind}")  # type: ignore[attr-defined]
-    except Exception:  # what another program has published
+        value = types.decode(message.topic, message.data)
+        _reader_of(message.topic)(found, message.time / _SECOND, value)
+    except (ValueError, AttributeError):  # a type of that name with other fields
         return
-    if name == "rosgraph_msgs/Log":
-        level = {1: "debug", 2: "info", 4: "warning", 8: "error", 16: "fatal"}.get(int(value.level), "info")
-        found.log.append((moment, level, f"{value.name}: {value.msg}"))
-    elif name == "nav_msgs/Odometry" and channel.topic in ("/odom", "/odometry/filtered"):
-        found.speeds.append((moment, float(value.twist.twist.linear.x)))
-        found.turns.append((moment, float(value.twist.twist.angular.z)))
-        place = value.pose.pose.position
-        found.odometry.append((float(place.x), float(place.y)))
-    elif name == "geometry_msgs/PoseWithCovarianceStamped" and channel.topic == "/amcl_pose":
-        place = value.pose.pose.position
-        found.track.append((float(place.x), float(place.y)))
-    elif name == "nav_msgs/OccupancyGrid" and channel.topic == "/map":
-        info = value.info
-        corner = info.origin.position
-        cells = bytes(value.data.tobytes())
-        if info.width * info.height == len(cells):
-            found.grid = DrawnMap(
-                int(info.width), int(info.height), float(info.resolution), float(corner.x), float(corner.y), cells
-            )
+
+
+def _take_line(found: Recording, moment: float, value: Any) -> None:
+    found.log.append((moment, _LEVELS.get(int(value.level), "info"), f"{value.name}: {value.msg}"))
+
+
+def _take_odometry(found: Recording, moment: float, value: Any) -> None:
+    found.speeds.append((moment, float(value.twist.twist.linear.x)))
+    found.turns.append((moment, float(value.twist.twist.angular.z)))
+    place = value.pose.pose.position
+    found.odometry.append((float(place.x), float(place.y)))
+
+
+def _take_pose(found: Recording, _moment: float, value: Any) -> None:
+    place = value.pose.pose.position
+    found.track.append((float(place.x), float(place.y)))
+
+
+def _take_map(found: Recording, _moment: float, value: Any) -> None:
+    info = value.info
+    corner = info.origin.position
+    cells = bytes(value.data.tobytes())
+    if info.width * info.height == len(cells):
+        found.grid = DrawnMap(
+            int(info.width), int(info.height), float(info.resolution), float(corner.x), float(corner.y), cells
+        )
 
 
 def thin(points: Iterable[tuple[float, float]], most: int = _MOST_POINTS) -> list[tuple[float, float]]:

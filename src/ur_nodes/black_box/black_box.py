@@ -107,7 +107,8 @@ class BlackBox:
         for kind, moment, data in batch:
             topic = self._types.get(kind)
             if topic is None:
-                topic = self._types[kind] = TapeTopic(kind.topic, kind.type_name, kind.schema)
+                topic = TapeTopic(kind.topic, kind.type_name, kind.schema, kind.sender, kind.latched)
+                self._types[kind] = topic
             if len(data) > LARGE_BYTES:
                 self._large.add(kind.topic)
             self._tape.note(topic, moment, data)

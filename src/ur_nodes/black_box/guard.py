@@ -16,6 +16,8 @@ import time
 from contextlib import suppress
 from pathlib import Path
 
+from ur.run.host.descendants import RECORDING_GUARD, name_process
+
 _CLEAN = b"q"
 
 
@@ -52,6 +54,7 @@ def main(arguments: list[str]) -> int:
     """Wait for the end of the black box."""
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
         signal.signal(number, signal.SIG_IGN)
+    name_process(RECORDING_GUARD)  # the host of a run whose supervisor was killed does not kill it while it writes
     memory, pipe, folder, kept = int(arguments[0]), int(arguments[1]), Path(arguments[2]), int(arguments[3])
     if os.read(pipe, 1) == _CLEAN:
         return 0

@@ -97,7 +97,9 @@ def _write(file: BinaryIO, tape: Iterable[TapeMessage | TapeEvent], reasons: Seq
             continue
         if each.topic not in channels:
             topic = each.topic
-            channels[topic] = register_channel(writer, topic.name, topic.type_name, topic.schema)
+            channels[topic] = register_channel(
+                writer, topic.name, topic.type_name, topic.schema, topic.sender, latched=topic.latched
+            )
         stamp = max(0, each.time + to_unix)
         sequence += 1
         writer.add_message(channels[each.topic], stamp, each.data, stamp, sequence)

@@ -27,16 +27,18 @@ _LARGE_PERIOD = SECOND
 
 @dataclass(frozen=True, slots=True)
 class TapeTopic:
-    """A topic with its type, and the definition of the type."""
+    """A topic of a sender, with its type and the definition of the type."""
 
     name: str
     type_name: str
     schema: str
+    sender: str = ""
+    latched: bool = False
 
 
 @dataclass(frozen=True, slots=True)
 class TapeMessage:
-    """A message of a topic as it was received at a time in ns."""
+    """A message of a topic as it was received at a time in ns; one older than the tape has the time of its begin."""
 
     topic: TapeTopic
     time: int
@@ -65,7 +67,7 @@ class Tape:
         self._topics: dict[int, TapeTopic] = {}
         self._counts: dict[int, int] = {}
         self._large: dict[int, int] = {}
-        self._current: dict[str, int] = {}
+        self._current: dict[tuple[str, str], int] = {}
         self.left_out: dict[str, int] = {}
 
     def note(self, topic: TapeTopic, time: int, data: bytes) -> None:
@@ -94,7 +96,7 @@ class Tape:
             number = -1
         self._numbers[topic] = number
         self._topics[number] = topic
-        self._current[topic.name] = number
+        self._current[topic.name, topic.sender] = number
         return number
 
     def _append(self, kind: int, number: int, put: int, time: int, data: bytes) -> bool:
@@ -132,31 +134,29 @@ class Tape:
                 self._counts[number] += 1
 
     def _is_kept(self, kind: int, number: int) -> bool:
-        if kind == _TOPIC:
-            current = self._current.get(self._topics[number].name) if number in self._topics else None
-            return current == number or self._counts.get(number, 0) > 0
         topic = self._topics.get(number)
-        return (
-            kind == _MESSAGE
-            and not self._counts[number]
-            and topic is not None
-            and (self._current.get(topic.name) == number)
-        )
+        current = topic is not None and self._current.get((topic.name, topic.sender)) == number
+        if kind == _TOPIC:
+            return current or self._counts.get(number, 0) > 0
+        return kind == _MESSAGE and not self._counts[number] and current
 
 
 def read_tape(ring: Ring) -> Iterator[TapeMessage | TapeEvent]:
     """Read the messages and events of a ring, by time."""
     found: list[tuple[int, int, int, bytes]] = []
     topics: dict[int, TapeTopic] = {}
+    begin: int | None = None
     for record in ring.records():
-        kind, number, _, time = _RECORD.unpack_from(record)
+        kind, number, put, time = _RECORD.unpack_from(record)
+        begin = put if begin is None or put < begin else begin
         data = record[_RECORD.size :]
         if kind == _TOPIC:
             topics[number] = read_json(data, TapeTopic)
         else:
             found.append((time, kind, number, data))
     for time, kind, number, data in sorted(found, key=lambda each: each[0]):
+        moment = max(time, begin or 0)
         if kind == _EVENT:
-            yield TapeEvent(time, data.decode("utf-8", "replace"))
+            yield TapeEvent(moment, data.decode("utf-8", "replace"))
         elif number in topics:
-            yield TapeMessage(topics[number], time, data)
+            yield TapeMessage(topics[number], moment, data)

@@ -43,6 +43,8 @@ class TypedFields(dict[str, object]):
 class MemoryRaw(RecordingRaw):
     """See `ports.raw.Raw`. Types are those of the bus's `schemas`."""
 
+    encoding = ""
+
     def __init__(self, node: RawNode, bus: Carrier) -> None:
         self._node, self._bus = node, bus
 

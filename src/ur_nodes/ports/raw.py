@@ -55,11 +55,16 @@ class RecordedTopic:
 
 @dataclass(frozen=True, slots=True)
 class RecordedType:
-    """The type of the messages of a topic; `schema` is as in RawMessage."""
+    """The type of the messages of a topic; `schema` is as in RawMessage.
+
+    `sender` is the node that publishes them, where the middleware knows it, and `latched` whether it keeps the newest.
+    """
 
     topic: str
     type_name: str
     schema: str
+    sender: str = ""
+    latched: bool = False
 
 
 class RecordedMessage(NamedTuple):
@@ -81,7 +86,9 @@ class TopicRecorder(Protocol):
 
 
 class Raw(Protocol):
-    """Sends and receives messages of any type."""
+    """Sends and receives messages of any type. `encoding` is that of the bytes of messages: `ros1`, `cdr`, or ''."""
+
+    encoding: str
 
     def find_schema(self, type_name: str) -> str | None:
         """Return the schema of a type; None if it is not installed. It may block: call it from `work`."""
@@ -126,7 +133,7 @@ class SubscribedRecorder:
         self._open: dict[str, Subscription] = {}
         self._periods: dict[str, float] = {}
         self._last: dict[str, int] = {}
-        self._types: dict[str, RecordedType] = {}
+        self._types: dict[tuple[str, str], RecordedType] = {}
 
     def record(self, topics: Sequence[RecordedTopic]) -> None:
         self._periods = {each.name: each.period for each in topics}
@@ -146,9 +153,12 @@ class SubscribedRecorder:
             if 0.0 <= (now - self._last.get(name, -(10**18))) * 1e-9 < period:
                 return
             self._last[name] = now
-        found = self._types.get(name)
+        sender = message.sender.name if message.sender is not None else ""
+        found = self._types.get((name, sender))
         if found is None or found.type_name != message.type_name or found.schema != message.schema:
-            found = self._types[name] = RecordedType(name, message.type_name, message.schema)
+            latched = message.sender is not None and message.sender.kept
+            found = RecordedType(name, message.type_name, message.schema, sender, latched)
+            self._types[name, sender] = found
         self._take((RecordedMessage(found, now, message.data),))
 
 

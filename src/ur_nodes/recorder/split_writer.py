@@ -19,7 +19,6 @@ if TYPE_CHECKING:
 UNFINISHED = ".part"
 """Ending of the name of a file that is being written, or whose writer was killed."""
 
-_CHUNK_BYTES = 128 * 1024  # what a power cut loses at most
 _SYNC = 5.0  # s between two times at which the disk is made to store what was written
 
 
@@ -48,15 +47,17 @@ class _Open:
 
 
 class SplitWriter:
-    """Writes messages. `free` returns the free bytes of a folder's disk."""
+    """Writes messages. `free` returns the free bytes of a folder's disk; a power cut loses `chunk_bytes` at most."""
 
     def __init__(
         self,
         settings: SplitSettings,
         free: Callable[[Path], int] = lambda folder: shutil.disk_usage(folder).free,
+        chunk_bytes: int = 128 * 1024,
     ) -> None:
         self._settings = settings
         self._free = free
+        self._chunk_bytes = chunk_bytes
         self._stem = time.strftime("recording_%Y-%m-%d_%H-%M-%S")
         self._number = 0
         self._open: _Open | None = None
@@ -78,8 +79,9 @@ class SplitWriter:
             stamp = max(0, message.time + to_unix)
             opened = self._current(message.type, stamp)
             if message.type not in opened.channels:
-                opened.channels[message.type] = register_channel(
-                    opened.writer, message.type.topic, message.type.type_name, message.type.schema
+                kind = message.type
+                opened.channels[kind] = register_channel(
+                    opened.writer, kind.topic, kind.type_name, kind.schema, kind.sender, latched=kind.latched
                 )
             opened.writer.add_message(opened.channels[message.type], stamp, message.data, stamp)
         if self._open is not None and time.monotonic() - self._open.synced > _SYNC:
@@ -102,7 +104,7 @@ class SplitWriter:
         path = self._settings.folder / f"{self._stem}_{self._number:03}.mcap"
         file = path.with_name(path.name + UNFINISHED).open("xb")
         os.fchmod(file.fileno(), 0o600)
-        writer = Writer(file, chunk_size=_CHUNK_BYTES, compression=CompressionType.ZSTD)
+        writer = Writer(file, chunk_size=self._chunk_bytes, compression=CompressionType.ZSTD)
         writer.start(profile=dialect_of(kind.type_name, kind.schema), library="ubiquity_launches")
         self._open = _Open(path, file, writer, stamp)
         return self._open

@@ -6,7 +6,9 @@ import os
 import sys
 from pathlib import Path
 
+from ur.recordings.mcap_channels import Dialect
 from ur.recordings.mcap_file import RecordingFile, RecordingTopic, StoredMessage, open_recording
+from ur.recordings.message_types import MessageTypes
 from ur.recordings.replays import ReplayCommand
 from ur.source.diagnostic import UserError, error_about
 from ur_nodes.ports.node import Node, Publisher
@@ -14,12 +16,13 @@ from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.raw import Fields
 from ur_nodes.ports.values import ClockTime
 from ur_nodes.replay.control_socket import open_control_socket
-from ur_nodes.replay.player import FASTEST, SLOWEST, Player, find_rare_topics
+from ur_nodes.replay.player import FASTEST, SLOWEST, Player
 
 _STEP = 0.01  # s
 _SETTLE = 2.0  # s, in which subscribers connect before the first message
 _NOT_PLAYED = frozenset({"/rosout", "/rosout_agg", "/clock"})
 _PRINT_EVERY = 10.0  # s
+_WARN_EVERY = 60.0  # s
 
 
 class ReplayNode:
@@ -32,9 +35,11 @@ class ReplayNode:
         if not path:
             message = "without a recording, expected the path of an MCAP file"
             raise UserError(error_about("replay", message, rule="bad-recording", help="ur replay FILE"))
-        recording = open_recording(Path(path).expanduser())
+        self._recording = recording = open_recording(Path(path).expanduser())
         speed = own.number("playback_speed", 1.0, minimum=SLOWEST, maximum=FASTEST)
         left_out = _NOT_PLAYED | set(own.texts("left_out", ()))
+        self._types = MessageTypes() if node.raw.encoding else None
+        self._played: dict[RecordingTopic, RecordingTopic] = {}
         self._publishers = self._publish(recording, left_out)
         self._clock = node.publish("/clock", ClockTime, Quality.NEWEST) if node.facts.simulated_time else None
         self._player = Player(recording, self._publishers.keys(), node.steady() + _SETTLE, speed=speed)
@@ -50,14 +55,14 @@ class ReplayNode:
         self, recording: RecordingFile, left_out: set[str] | frozenset[str]
     ) -> dict[str, Publisher[Fields | bytes]]:
         publishers = {}
-        rare = find_rare_topics(recording)
+        kept = recording.kept_topics
         missing: dict[str, None] = {}
         for name, topic in recording.topics.items():
             if name in left_out or not _can_be_sent(topic):
                 continue
-            quality = Quality.LATCHED if name in rare else Quality.EVERY
+            quality = Quality.LATCHED if name in kept else Quality.EVERY
             try:
-                publishers[name] = self._node.raw.publish(name, topic.type_name, quality)
+                publishers[name] = self._node.raw.publish(name, self._convert_topic(topic).type_name, quality)
             except LookupError:
                 missing[topic.type_name] = None
         if missing:
@@ -76,9 +81,27 @@ class ReplayNode:
         sys.stdout.write(f"{text}\n")
         sys.stdout.flush()
 
+    def _convert_topic(self, topic: RecordingTopic) -> RecordingTopic:
+        """Return a topic as the ROS that runs has it."""
+        made = self._played.get(topic)
+        if made is None:
+            dialect: Dialect = "ros2" if self._node.raw.encoding == "cdr" else "ros1"
+            made = topic if self._types is None else self._types.convert_topic(topic, dialect)
+            self._played[topic] = made
+        return made
+
     def _send(self, message: StoredMessage) -> None:
+        topic, data = message.topic, message.data
+        made = self._convert_topic(topic)
+        kind = self._convert_topic(self._recording.topics[topic.name])
+        if made.type_name != kind.type_name:
+            text = f"{topic.name} changes its type: messages of {made.type_name} are left out"
+            self._node.log.warn(text, every=_WARN_EVERY)
+            return
         try:
-            self._publishers[message.topic.name].send(message.data)
+            if self._types is not None:
+                data = self._types.convert(topic, made, data)
+            self._publishers[topic.name].send(data)
         except ValueError as problem:
             self._node.log.warn(f"{message.topic.name}: a message is left out: {problem}")
 

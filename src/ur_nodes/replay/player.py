@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from ur.recordings.mcap_file import RecordingFile, StoredMessage
 
 SLOWEST, FASTEST = 0.01, 100.0
-_RARE_HZ = 0.2
 _MOST_AT_ONCE = 2000  # messages of one step at most; the next step continues
 
 
@@ -34,7 +33,7 @@ class Player:
         self._topics = topics
         self._speed = min(max(speed, SLOWEST), FASTEST)
         self._playing = True
-        self._kept = find_rare_topics(recording) & topics
+        self._kept = recording.kept_topics & topics
         self._waiting: Iterator[StoredMessage] = iter(())
         self._next: StoredMessage | None = None
         self.time = recording.start
@@ -64,8 +63,8 @@ class Player:
     def jump(self, seconds: float) -> list[StoredMessage]:
         """Go on at a position, counted from the start.
 
-        Returns what subscribers need there: of each topic that is published rarely, such as a map, the newest message
-        before it.
+        Returns what subscribers need there: of each topic that keeps its newest message, such as a map, the one before
+        it.
         """
         start, end = self._recording.start, self._recording.end
         time = min(max(start + int(seconds * 1e9), start), end)
@@ -100,9 +99,3 @@ class Player:
         self.time = time
         self._waiting = self._recording.messages(time, self._topics)
         self._next = next(self._waiting, None)
-
-
-def find_rare_topics(recording: RecordingFile) -> frozenset[str]:
-    """The topics that are published so rarely that a subscriber is to get the last message when it begins."""
-    most = max(1.0, recording.seconds * _RARE_HZ)
-    return frozenset(name for name, topic in recording.topics.items() if topic.count <= most)

@@ -27,6 +27,8 @@ _MOST_WAITING = 20  # messages, each of which may be that large
 class RosRaw:
     """See `ports.raw.Raw`."""
 
+    encoding = "ros1"
+
     def __init__(self, loop: Loop) -> None:
         self._loop = loop
 

@@ -39,6 +39,8 @@ _SEPARATOR = "\n" + "=" * 80 + "\n"
 class RosRaw(RecordingRaw):
     """See `ports.raw.Raw`."""
 
+    encoding = "cdr"
+
     def __init__(self, node: Node, loop: Loop) -> None:
         self._node, self._loop = node, loop
 

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from itertools import pairwise
 from pathlib import Path
 
 import pytest
 from mcap.reader import make_reader
 
 from ur.recordings.black_boxes import notify_black_boxes
+from ur.recordings.mcap_file import open_recording
 from ur_nodes.black_box.black_box import BlackBox, BlackBoxSettings
 from ur_nodes.black_box.event_socket import EventSocket
 from ur_nodes.black_box.recording_file import list_recordings
@@ -28,8 +30,9 @@ STRING = "std_msgs/String"
 class World:
     """A black box, and a robot that publishes a text ten times a second."""
 
-    def __init__(self, folder: Path) -> None:
+    def __init__(self, folder: Path, size: int = 1_000_000) -> None:
         self.folder = folder
+        self.unix = 10**18  # ns since 1970 where the bus has 0
         self.bus = Bus()
         self.bus.schemas[STRING] = "string data\n"
         self.robot = self.bus.node("robot")
@@ -38,8 +41,8 @@ class World:
         self.robot.every(0.1, self._speak)
         self.node = self.bus.node("black_box")
         settings = BlackBoxSettings(folder, kept=3)
-        ring = Ring(memoryview(bytearray(1_000_000)))
-        self.box = BlackBox(self.node, settings, ring, lambda: self.bus.now, lambda: self.bus.now + 10**18)
+        ring = Ring(memoryview(bytearray(size)))
+        self.box = BlackBox(self.node, settings, ring, lambda: self.bus.now, lambda: self.bus.now + self.unix)
 
     def _speak(self) -> None:
         self.count += 1
@@ -78,6 +81,34 @@ def test_recording_has_two_minutes_before_an_event_and_the_seconds_after_it(tmp_
     assert words[-1][0] - words[0][0] == pytest.approx(120.0, abs=0.2)
     numbers = [number for _, number in words]
     assert numbers == list(range(numbers[0], numbers[-1] + 1))
+
+
+def test_clock_that_jumps_moves_the_whole_recording(tmp_path: Path) -> None:
+    world = World(tmp_path)
+    world.bus.run(20.0)
+    world.unix += 3600 * 10**9
+    world.robot.call("black_box/write", Trigger(), lambda _result: None)
+    world.bus.run(10.0)
+    ((_, words),) = world.recordings()
+    assert {round(after[0] - before[0], 6) for before, after in pairwise(words)} == {0.1}
+
+
+def test_topic_of_100_mb_per_second_is_kept_once_a_second_beside_complete_others(tmp_path: Path) -> None:
+    world = World(tmp_path, 20_000_000)
+    flood = world.robot.raw.publish("flood", STRING)
+    block = bytes(1_000_000)
+    world.robot.every(0.01, lambda: flood.send(block))
+    world.bus.run(20.0)
+    world.robot.call("black_box/write", Trigger(), lambda _result: None)
+    world.bus.run(10.0)
+    ((_, words),) = world.recordings()
+    numbers = [number for _, number in words]
+    assert numbers == list(range(numbers[0], numbers[-1] + 1))
+    (path,) = list_recordings(tmp_path)
+    recording = open_recording(path)
+    times = [each.time for each in recording.messages(topics={"/flood"})]
+    assert times
+    assert all(after - before >= 10**9 for before, after in pairwise(times))
 
 
 def press(world: World) -> None:

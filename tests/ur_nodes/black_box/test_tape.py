@@ -55,7 +55,7 @@ def test_messages_older_than_the_age_are_dropped_but_for_the_newest_of_a_topic()
     tape.note(MAP, 5 * SECOND, b"map")
     for second in range(1000):
         tape.note(SCAN, second * SECOND, b"scan")
-    assert messages(ring, MAP) == [(5 * SECOND, b"map")]
+    assert messages(ring, MAP) == [(879 * SECOND, b"map")]  # at the begin of the recording
     assert [time // SECOND for time, _ in messages(ring, SCAN)] == list(range(879, 1000))
 
 
@@ -66,7 +66,7 @@ def test_ring_stays_bounded_and_keeps_descriptions_of_topics() -> None:
     tape.note_event(1, "the robot was pushed")
     for number in range(5000):
         tape.note(SCAN, number, b"s" * (number % 300))
-    assert messages(ring, MAP) == [(0, b"m" * 1000)]
+    assert [data for _, data in messages(ring, MAP)] == [b"m" * 1000]
     kept = messages(ring, SCAN)
     assert [time for time, _ in kept] == list(range(5000 - len(kept), 5000))
     assert len(kept) > 80

@@ -2,11 +2,18 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
+from collections.abc import Callable
+from itertools import pairwise
 from pathlib import Path
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from ur.recordings.mcap_file import open_recording
+from ur.source.diagnostic import UserError
 from ur_nodes.memory.bus import Bus
 from ur_nodes.memory.node import MemoryNode
 from ur_nodes.ports.graph import Graph, Topic
@@ -62,7 +69,83 @@ def test_recording_ends_complete_before_the_disk_is_full(tmp_path: Path) -> None
     assert list(tmp_path.glob("*.part")) == []
 
 
-def record_on_a_bus(folder: Path, **parameters: object) -> tuple[Bus, MemoryNode]:
+FULL = """
+import os, resource, signal, sys
+from pathlib import Path
+from ur_nodes.ports.raw import RecordedMessage, RecordedType
+from ur_nodes.recorder.split_writer import SplitSettings, SplitWriter
+signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+resource.setrlimit(resource.RLIMIT_FSIZE, (400_000, 400_000))
+writer = SplitWriter(SplitSettings(Path(sys.argv[1]), free=0, seconds=3.5))
+words = RecordedType("/words", "std_msgs/String", "string data\\n")
+for number in range(100):
+    size = 1000 if number < 8 else 150_000
+    try:
+        writer.write([RecordedMessage(words, number * 10**9, number.to_bytes(4, "little") + os.urandom(size))], 0)
+    except OSError as problem:
+        sys.exit(f"{number}: {problem.strerror}")
+"""
+
+
+def test_disk_that_is_full_ends_the_recording_and_leaves_what_was_complete(tmp_path: Path) -> None:
+    done = subprocess.run(
+        [sys.executable, "-I", "-c", FULL, str(tmp_path)], capture_output=True, text=True, check=False
+    )
+    assert done.stderr.rstrip().endswith(": File too large")
+    last = int(done.stderr.split(":")[0])
+    complete = [open_recording(path) for path in sorted(tmp_path.glob("*.mcap"))]
+    assert all(each.complete for each in complete)
+    (part,) = tmp_path.glob("*.part")
+    unfinished = open_recording(part)
+    assert not unfinished.complete
+    numbers = [int.from_bytes(each.data[:4], "little") for file in [*complete, unfinished] for each in file.messages()]
+    assert numbers == list(range(len(numbers)))
+    assert last - 3 <= len(numbers) <= last
+
+
+@given(st.integers(0, 3000))
+def test_power_cut_loses_no_complete_chunk(tmp_path_factory: pytest.TempPathFactory, kept: int) -> None:
+    folder = tmp_path_factory.mktemp("cut")
+    writer = SplitWriter(SplitSettings(folder, free=0), chunk_bytes=100)
+    writer.write(words(0, 100), 0)
+    (part,) = folder.glob("*.part")
+    data = part.read_bytes()
+    part.write_bytes(data[:kept] + bytes(50))  # what a file system fills with zeros
+    try:
+        numbers = numbers_in(part)
+    except UserError:
+        numbers = []
+    assert numbers == list(range(len(numbers)))
+    whole = data[:kept].count(b"\x28\xb5\x2f\xfd")  # the begins of compressed chunks
+    assert len(numbers) >= whole - 1  # each of them has a message
+
+
+def test_clock_that_jumps_does_not_move_messages(tmp_path: Path) -> None:
+    clock = [10**18]
+    bus, node = record_on_a_bus(tmp_path, unix=lambda: clock[0], topics="/words")
+    bus.run(4.0)
+    clock[0] -= 3600 * SECOND
+    bus.run(4.0)
+    node.end("test")
+    bus.run(1.0)
+    (path,) = tmp_path.iterdir()
+    times = [each.time for each in open_recording(path).messages()]
+    assert {after - before for before, after in pairwise(times)} == {SECOND // 10}
+
+
+def test_topic_that_changes_its_type_is_recorded_with_both(tmp_path: Path) -> None:
+    numbers = RecordedType("/words", "std_msgs/Int32", "int32 data\n")
+    writer = SplitWriter(SplitSettings(tmp_path, free=0))
+    writer.write([*words(0, 3), RecordedMessage(numbers, 5 * SECOND, b"\1\0\0\0")], 0)
+    writer.finish()
+    recording = open_recording(writer.finished[0])
+    assert [each.topic.type_name for each in recording.messages()] == [STRING] * 3 + ["std_msgs/Int32"]
+    assert recording.topics["/words"].count == 4
+
+
+def record_on_a_bus(
+    folder: Path, unix: Callable[[], int] | None = None, **parameters: object
+) -> tuple[Bus, MemoryNode]:
     bus = Bus()
     bus.schemas[STRING] = "string data\n"
     for name, value in {"folder": str(folder), "free_megabytes": 10.0, **parameters}.items():
@@ -72,7 +155,7 @@ def record_on_a_bus(folder: Path, **parameters: object) -> tuple[Bus, MemoryNode
         publisher = robot.raw.publish(topic, STRING)
         robot.every(0.1, lambda publisher=publisher: publisher.send(b"7"))  # type: ignore[misc]
     node = bus.node("record")
-    RecordNode(node, lambda: bus.now, lambda: bus.now + 10**18)
+    RecordNode(node, lambda: bus.now, unix or (lambda: bus.now + 10**18))
     return bus, node
 
 

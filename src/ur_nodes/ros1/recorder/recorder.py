@@ -99,8 +99,9 @@ class RosRecorder:
             address = self._find(self._caller, node, topic)  # it has been started again
             sock, header = connect_topic(self._caller, address, topic)
         self._addresses[node] = sock.getpeername()[:2]
-        found = RecordedType(topic, header["type"], header.get("message_definition", ""))
-        link = TopicLink(sock, found, once and header.get("latching") != "1", lambda: None)
+        latched = header.get("latching") == "1"
+        found = RecordedType(topic, header["type"], header.get("message_definition", ""), node, latched)
+        link = TopicLink(sock, found, once and not latched, lambda: None)
         link.end = lambda: self._loop.post(partial(self._ended, key, link))
         return link
 
