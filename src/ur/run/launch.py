@@ -73,7 +73,7 @@ def run_plan(plan: Plan, world: World, host: ProcessHost, console: Console, opti
             restart_share=_report_share(options),
             middleware=middleware,
             timings=options.timings,
-            clients=plan_clients((entry, listener), nodes, options),
+            clients=plan_clients((entry, listener), nodes, options, environment),
             owners=options.owners,
             list_joined=lambda: list_joined_runs(entry),
         )

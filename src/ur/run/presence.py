@@ -8,9 +8,11 @@ import sys
 import time
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
+from functools import partial
 from typing import TYPE_CHECKING
 
 from ur.launchfile.plan.specs import NodeSpec, Plan
+from ur.recordings.black_boxes import notify_black_boxes
 from ur.run.options import RunOptions
 from ur.run.output.console import Console
 from ur.run.record.computer import read_computer
@@ -90,8 +92,13 @@ def list_joined_runs(entry: RunEntry) -> Sequence[str]:
     return list_joined(entry.run, os.environ, os.getuid())
 
 
-def plan_clients(here: Registered, nodes: tuple[NodeSpec, ...], options: RunOptions) -> RunClients:
-    """Plan the monitoring of a registered run: its socket, viewer, event file and end record."""
+def plan_clients(
+    here: Registered, nodes: tuple[NodeSpec, ...], options: RunOptions, environment: Mapping[str, str]
+) -> RunClients:
+    """Plan the monitoring of a registered run: its socket, viewer, event file and end record.
+
+    `environment` is that of the nodes, of which a black box takes events.
+    """
     entry, listener = here
     call = options.call_started
 
@@ -118,6 +125,7 @@ def plan_clients(here: Registered, nodes: tuple[NodeSpec, ...], options: RunOpti
     return RunClients(
         describe=describe,
         record_end=record if entry.folder else None,
+        report_event=partial(notify_black_boxes, environment),
         listener=listener,
         viewer=options.viewer,
         events=options.events,

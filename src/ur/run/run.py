@@ -26,9 +26,10 @@ class RunClients:
     """Clients and outputs of a run's events.
 
     `call_started` is called when every node has been started. `record_end` is called at the end: exit code, cause, last
-    lines of the run itself, log files of its nodes. `viewer` is the run's end of a socket pair whose other end displays
-    the run on this terminal: while it is open the console is silent. `events` is an open file that gets every event, in
-    place of the console. `unattended`: no user sees the console.
+    lines of the run itself, log files of its nodes. `report_event` passes on what has happened to a node. `viewer` is
+    the run's end of a socket pair whose other end displays the run on this terminal: while it is open the console is
+    silent. `events` is an open file that gets every event, in place of the console. `unattended`: no user sees the
+    console.
     """
 
     describe: Callable[[], RunStarted] | None = None
@@ -38,6 +39,7 @@ class RunClients:
     unattended: bool = False
     call_started: Callable[[], None] | None = None
     record_end: Callable[[int, str, Sequence[str], dict[str, str]], None] | None = None
+    report_event: Callable[[str], object] | None = None
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from types import SimpleNamespace
 from typing import Any, cast
 
@@ -36,9 +37,9 @@ class Kept:
         return "/log/a"
 
 
-def make_reporter() -> tuple[RunReporter, Kept]:
+def make_reporter(report_event: Callable[[str], object] | None = None) -> tuple[RunReporter, Kept]:
     program = SimpleNamespace(unit=SimpleNamespace(name="/a", terminal=False), log_name="a")
-    clients = SimpleNamespace(record_end=None)
+    clients = SimpleNamespace(record_end=None, report_event=report_event)
     run = SimpleNamespace(
         folder="/log", middleware=None, programs=(program,), restart_share=None, list_joined=None, clients=clients
     )
@@ -56,6 +57,14 @@ def test_death_is_an_error_whose_explanation_follows() -> None:
     assert severity == "error"
     assert text.splitlines() == [first[1], "  | last words", "  log: /log/a"]
     assert reporter.last_lines[0] == f"error: {first[1]}"
+
+
+def test_death_is_an_event_and_a_clean_end_is_none() -> None:
+    events: list[str] = []
+    reporter, _ = make_reporter(events.append)
+    reporter.report(ReportDeath("/a", ExitStatus(code=0)))
+    reporter.report(ReportDeath("/a", ExitStatus(code=1)))
+    assert events == ["/a died: exit code 1"]
 
 
 def test_clean_end_is_information() -> None:

@@ -14,6 +14,7 @@ from ur.cli.computer.doctor_login import enter_robot, find_sudo, short_name
 from ur.cli.computer.doctor_report import DoctorReport, print_alone, print_json, print_report, print_seen
 from ur.cli.robots.fleet import ALL, ask_passwords, choose_robots, is_fleet, print_json_of_each, run_for_each
 from ur.devices.device import Expected
+from ur.recordings.black_boxes import notify_black_boxes
 from ur.request.environment import PACKAGE, current_selection
 from ur.request.remote.connection import robot_address
 from ur.request.remote.master_nodes import list_nodes
@@ -141,6 +142,8 @@ def _conclude(report: DoctorReport, apply: Apply | None, *, as_json: bool) -> in
 
     `apply` runs commands, each with its rule, and returns the findings after them; None changes nothing.
     """
+    if report.findings:
+        notify_black_boxes(os.environ, f"ur doctor: {report.findings[0].message}")
     commands = list_safe(report.findings)
     if apply and commands:
         report.findings = apply(commands)

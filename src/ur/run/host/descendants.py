@@ -13,6 +13,9 @@ PR_SET_PDEATHSIG = 1  # linux/prctl.h
 PR_SET_NAME = 15
 PR_SET_CHILD_SUBREAPER = 36
 
+RECORDING_GUARD = b"ur-black-box"
+"""The name of processes that only write a file: those that guard the memory of a black box."""
+
 
 def inherit_orphans() -> None:
     """Make this process the parent of descendants whose own parent ends: a subreaper, prctl(2)."""
@@ -24,33 +27,37 @@ def name_process(name: bytes) -> None:
     ctypes.CDLL(None).prctl(PR_SET_NAME, name, 0, 0, 0)
 
 
-def list_descendants(root: int) -> list[int]:
-    """Return all descendants of a process, without those that have ended and wait to be reaped."""
+def list_descendants(root: int, spared: bytes = b"") -> list[int]:
+    """Return all descendants of a process, without those of a name, and those that have ended and wait to be reaped."""
     children: dict[int, list[int]] = {}
-    ended = set()
+    left_out = set()
     for entry in os.listdir("/proc"):  # noqa: PTH208 - pathlib doubles the start-up time here
         if not entry.isdigit():
             continue
         try:
             with open(f"/proc/{entry}/stat", "rb") as file:  # noqa: PTH123 - pathlib doubles the start-up time here
-                state, parent = file.read().rpartition(b")")[2].split()[:2]
+                head, _, tail = file.read().rpartition(b")")
         except OSError:
             continue
+        state, parent = tail.split()[:2]
         children.setdefault(int(parent), []).append(int(entry))
-        if state in (b"Z", b"X"):
-            ended.add(int(entry))
+        if state in (b"Z", b"X") or (spared and head.partition(b"(")[2] == spared):
+            left_out.add(int(entry))
     found = []
     queue = list(children.get(root, ()))
     while queue:
         pid = queue.pop()
         found.append(pid)
         queue.extend(children.get(pid, ()))
-    return [pid for pid in found if pid not in ended]
+    return [pid for pid in found if pid not in left_out]
 
 
-def signal_descendants(signum: int) -> int:
-    """Signal every process below this one; stopped ones are continued to receive it. Returns their number."""
-    descendants = list_descendants(os.getpid())
+def signal_descendants(signum: int, spared: bytes = b"") -> int:
+    """Signal every process below this one, except those of a name; stopped ones are continued to receive it.
+
+    Returns their number.
+    """
+    descendants = list_descendants(os.getpid(), spared)
     for pid in descendants:
         try:
             os.kill(pid, signum)
@@ -80,11 +87,11 @@ def signal_group(pid: int, signum: int) -> None:
             return
 
 
-def kill_descendants(limit: float) -> None:
-    """Kill and reap every process below this one, within a time limit (s)."""
+def kill_descendants(limit: float, spared: bytes = b"") -> None:
+    """Kill and reap every process below this one, within a time limit (s); those of a name are only waited for."""
     end = time.monotonic() + limit
     while reap_one(0.0) and time.monotonic() < end:
-        signal_descendants(signal.SIGKILL)
+        signal_descendants(signal.SIGKILL, spared)
         reap_one(0.01)
 
 

@@ -12,6 +12,7 @@ from _socket import MSG_DONTWAIT
 from _socket import socket as Socket  # noqa: N812 - a class, named as classes are
 
 from ur.run.host.descendants import (
+    RECORDING_GUARD,
     inherit_orphans,
     kill_descendants,
     name_process,
@@ -30,6 +31,7 @@ if TYPE_CHECKING:
 
 MOST_WAITING = 200  # processes that are created before any of them runs; each takes half a MB meanwhile
 INTERRUPT_SECONDS = 0.7  # s that processes get to end after the supervisor died
+RECORDING_SECONDS = 10.0  # s more for the guard of a black box, which writes what happened
 KILL_SECONDS = 3.0  # s that they get after SIGKILL
 
 
@@ -93,9 +95,13 @@ class _Host:
         """End all processes after the supervisor has ended: SIGINT first, then SIGKILL. Restores the terminal."""
         limit = time.monotonic() + INTERRUPT_SECONDS
         if reap_one(0.0):
+            from ur.recordings.black_boxes import notify_black_boxes  # only where the supervisor was killed
+
+            notify_black_boxes(self._environment, "the supervisor of the run was killed")
             signal_descendants(signal.SIGINT)
         while time.monotonic() < limit and reap_one(0.02):
             pass
+        kill_descendants(RECORDING_SECONDS, RECORDING_GUARD)
         kill_descendants(KILL_SECONDS)
         if self._terminal is not None:
             restore_terminal(*self._terminal[1:], reset=True)

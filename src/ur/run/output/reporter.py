@@ -8,7 +8,6 @@ from collections import deque
 from typing import TYPE_CHECKING
 from urllib.parse import urlsplit
 
-from ur.recordings.black_boxes import notify_black_boxes
 from ur.run.output.messages import LossLines, describe_death, describe_link
 from ur.run.supervisor.actions import (
     Action,
@@ -43,6 +42,7 @@ class RunReporter:
         self._loss_lines = LossLines()
         self._programs = {program.unit.name: program for program in run.programs}
         self._list_joined, self._record_end = run.list_joined, run.clients.record_end
+        self._report_event = run.clients.report_event
         self._shared = run.restart_share is not None
         self._console = console
         self._outputs = outputs
@@ -125,7 +125,8 @@ class RunReporter:
             last = self._outputs.find_last_lines(death.name)
             lines = describe_death(death, last, self._outputs.find_path(program))
         self.fail("\n".join(lines))
-        notify_black_boxes(os.environ, lines[0])
+        if self._report_event is not None:
+            self._report_event(lines[0])
 
     def _find_own_log(self, program: UnitProgram) -> str | None:
         path = f"{self._folder}/{program.log_name}.log"
