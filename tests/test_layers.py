@@ -24,7 +24,7 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
     "ur.robot": ("ur.source", "ur.system", "ur.devices"),
     "ur.worlds": ("ur.source",),
     "ur.recordings": ("ur.source",),
-    "ur.report": ("ur.source", "ur.run.record"),
+    "ur.report": ("ur.source", "ur.recordings", "ur.run.record"),
     "ur.fleet": ("ur.source",),
     "ur.maps": ("ur.source", "ur.worlds"),
     "ur.check": ("ur.source", "ur.launchfile", "ur.robot", "ur.worlds"),
@@ -199,6 +199,7 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
     "ur_nodes.black_box": (
         *(
             "ur.recordings",
+            "ur.run.host.descendants",
             "ur.source",
             "ur_nodes.datagram_socket",
             "ur_nodes.motion.lease",
@@ -208,6 +209,10 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
     ),
     "ur_nodes.recorder": ("ur.recordings", "ur_nodes.black_box.selection", "ur_nodes.ports", "ur_nodes.run"),
     "ur_nodes.replay": ("ur.recordings", "ur.source", "ur_nodes.datagram_socket", "ur_nodes.ports", "ur_nodes.run"),
+    "ur_nodes.lock_step": (
+        *("ur.recordings", "ur.source"),
+        *("ur_nodes.memory", "ur_nodes.one_process", "ur_nodes.ports", "ur_nodes.run"),
+    ),
     "ur_nodes.missions": (),
     "ur_nodes.missions.robot": (
         "ur.source",

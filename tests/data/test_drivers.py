@@ -146,7 +146,7 @@ def test_what_a_driver_leaves_out_is_documented(name: str) -> None:
 def test_real_and_simulated_base_listen_and_describe_themselves_alike(name: str, variant: str) -> None:
     base = load(name, variant)
     real, simulated = make_plan(base, simulate="false"), make_plan(base)
-    shared = {"cmd_vel_mux", "robot_state_publisher"}
+    shared = {"cmd_vel_mux", "robot_state_publisher", "black_box"}
     for plan in (real, simulated):
         assert shared <= {node.name for node in plan.nodes}
     described = [

@@ -1,18 +1,16 @@
 """A simulated robot on a bus, in one process and one time: nodes are added to it, and it is driven.
 
 The clock is the bus's: each event of the simulator advances the simulation to it, and stamps are of the same time. The
-same seed and the same calls give the same run to the last bit; `fingerprint` compares two.
+same seed and the same calls give the same run to the last bit; `lock_step.digest` compares two.
 """
 
 from __future__ import annotations
 
-import hashlib
 import math
 import os
-from collections.abc import Callable, Iterable
-from dataclasses import fields, is_dataclass
+from collections.abc import Callable
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, ClassVar, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -43,6 +41,8 @@ class DrivenStage:
     `parameters` are those of the simulator, `delay` is that of the bus.
     """
 
+    bus_class: ClassVar[Callable[..., Bus]] = Bus
+
     def __init__(
         self,
         world: str | Path = "maze",
@@ -50,7 +50,7 @@ class DrivenStage:
         delay: Callable[[str], int | None] | None = None,
         **parameters: Any,
     ) -> None:
-        self.bus = Bus(delay)
+        self.bus = type(self).bus_class(delay)
         self.world = Path(world) if Path(world).suffix else WORLDS / f"{world}.yaml"
         own: dict[str, Any] = {"world_file": str(self.world), "publish_clock": False} | parameters
         name = str(own.get("base", "stage"))
@@ -143,29 +143,6 @@ class DrivenStage:
             place = getattr(each, "pose", (0.0,) * 6)
             pose = make_pose3(place[:3], _quaternion(*place[3:6]))
             state.transforms.send(Transform(self.bus.now, "base_footprint", each.frame, pose, fixed=True))
-
-
-def fingerprint(values: Iterable[object]) -> str:
-    """A digest that two lists of values share if they are the same to the last bit."""
-    digest = hashlib.sha256()
-    for value in values:
-        _add(digest, value)
-    return digest.hexdigest()
-
-
-def _add(digest: Any, value: object) -> None:
-    if isinstance(value, np.ndarray):
-        digest.update(repr((value.dtype.str, value.shape)).encode() + value.tobytes())
-    elif is_dataclass(value):
-        digest.update(type(value).__name__.encode())
-        for each in fields(value):
-            _add(digest, getattr(value, each.name))
-    elif isinstance(value, (tuple, list)):
-        digest.update(f"{len(value)}:".encode())
-        for each in value:
-            _add(digest, each)
-    else:
-        digest.update(repr(value).encode() + b";")
 
 
 def _quaternion(roll: float, pitch: float, yaw: float) -> tuple[float, float, float, float]:

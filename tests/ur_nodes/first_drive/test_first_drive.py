@@ -6,7 +6,8 @@ import math
 
 import pytest
 from tests.ur_nodes.first_drive.drive import FirstDrive
-from tests.ur_nodes.first_drive.stage import fingerprint
+
+from ur_nodes.lock_step.digest import fingerprint
 
 GOALS = ((0.8, 0.4, 1.57), (0.2, 0.0, 0.0))
 

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import os
 import sys
+from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 import click
 
 from ur.recordings.replays import ReplayCommand, send_command
+from ur.request.arguments import Argument, split_argv
 from ur.source.diagnostic import UserError, error, error_about
 
 
@@ -18,6 +21,12 @@ from ur.source.diagnostic import UserError, error, error_about
 @click.argument("arguments", nargs=-1, type=click.UNPROCESSED, metavar="[NAME:=VALUE]...")
 @click.option("--speed", type=float, metavar="FACTOR", help="Play so many times as fast as it was recorded.")
 @click.option("--from", "start", type=float, metavar="SECONDS", help="Begin so many seconds after its start.")
+@click.option(
+    "--into", "nodes", multiple=True, metavar="NODE", help="Run this node of the program in lock step, without a robot."
+)
+@click.option("--as-test", metavar="FILE", help="Make a test of pytest of it: FILE, and a recording beside it.")
+@click.option("--json", "as_json", is_flag=True, help="Print what the nodes of --into reported as JSON.")
+@click.option("--to-simulator", is_flag=True, help="Start the simulated robot where the robot was at --from, or last.")
 @click.option("--info", is_flag=True, help="Print what the recording holds, and play nothing.")
 @click.option("--pause", is_flag=True, help="Pause the replay that runs.")
 @click.option("--play", is_flag=True, help="Let the replay that runs go on.")
@@ -29,6 +38,10 @@ def command(
     arguments: tuple[str, ...],
     speed: float | None,
     start: float | None,
+    nodes: tuple[str, ...],
+    as_test: str | None,
+    as_json: bool,
+    to_simulator: bool,
     info: bool,
     pause: bool,
     play: bool,
@@ -38,7 +51,9 @@ def command(
     """Play a recording, into a program if one is named.
 
     FILE is an MCAP file, of the black box or another recorder. The program starts without the nodes of the robot, and
-    shows what the recording holds. Without FILE, the options reach the replay that runs.
+    shows what the recording holds. With --into, nodes of the program run in one process without ROS, as fast as they
+    can, and get what was recorded: the same file gives the same run to the last bit. Without FILE, the options reach
+    the replay that runs.
     """
     if recording is None:
         return _control(speed, jump, back, pause=pause, play=play)
@@ -47,7 +62,22 @@ def command(
         raise UserError(error(message, rule="bad-options", help="'--from SECONDS' begins later"))
     if info:
         return _describe(Path(recording))
-    return _play(Path(recording), program or "", arguments, 1.0 if speed is None else speed, start or 0.0)
+    if (nodes or to_simulator) and program is None:
+        message = "--into and --to-simulator start nodes of a program, expected its name"
+        raise UserError(error(message, rule="bad-options", help="ur replay FILE keyboard_navigate --into move_base"))
+    if (as_test or as_json) and not nodes:
+        raise UserError(error("--as-test and --json need --into NODE", rule="bad-options", help="ur replay --help"))
+    played = _read_request(recording, program or "", arguments)
+    if nodes:
+        from ur.cli.runs.lock_step import replay_in_lock_step
+
+        words = [str(program), *arguments]
+        return replay_in_lock_step(
+            played.path, played.launch_file, played.arguments, nodes, as_test, words, as_json=as_json
+        )
+    if to_simulator:
+        return _start_simulator(played, start)
+    return _play(played, 1.0 if speed is None else speed, start or 0.0)
 
 
 def _control(speed: float | None, jump: float | None, back: float | None, *, pause: bool, play: bool) -> int:
@@ -75,36 +105,79 @@ def _describe(path: Path) -> int:
     return 0
 
 
-def _play(path: Path, program: str, arguments: tuple[str, ...], speed: float, start: float) -> int:
-    from ur.cli.launch.start import run_launch
-    from ur.request.arguments import split_argv
-    from ur.request.environment import PACKAGE, add_own_package, apply_selection, current_selection
-    from ur.request.joining.replaying import plan_replay
-    from ur.request.options import LaunchOptions, StartReporter
-    from ur.request.plan_files import make_world
-    from ur.request.programs import find_launch_file, find_program
-    from ur.robot.selection import Selection
+@dataclass(frozen=True, slots=True)
+class _Played:
+    """A recording, the launch file of the program that it is played into ('' for none), and the program's arguments."""
 
+    path: Path
+    launch_file: str
+    arguments: tuple[Argument, ...]
+
+
+def _read_request(recording: str, program: str, arguments: Sequence[str]) -> _Played:
+    from ur.request.environment import PACKAGE, add_own_package
+    from ur.request.programs import find_launch_file, find_program
+
+    path = Path(recording)
     if not path.is_file():
         help_ = "'ls ~/.local/state/ur/black_box' lists the recordings of the black box"
-        raise UserError(error_about(str(path), "no such file, expected a recording", rule="missing-file", help=help_))
-    launch_file = ""
-    if program:
-        found = find_program(PACKAGE, program, add_own_package(os.environ))
-        file = find_launch_file(found)
-        if file is None:
-            message = f"program '{program}' starts no launch file of its package, expected one that does"
-            raise UserError(error(message, rule="no-launch-file", help="ur list --launch-files", subject=program))
-        launch_file = str(file)
+        raise UserError(error_about(recording, "no such file, expected a recording", rule="missing-file", help=help_))
     names, given = split_argv(arguments)
     if names:
         raise UserError(
             error(f"'{names[0]}' is no argument, expected NAME:=VALUE", rule="bad-argument", subject=names[0])
         )
+    if not program:
+        return _Played(path, "", tuple(given))
+    file = find_launch_file(find_program(PACKAGE, program, add_own_package(os.environ)))
+    if file is None:
+        message = f"program '{program}' starts no launch file of its package, expected one that does"
+        raise UserError(error(message, rule="no-launch-file", help="ur list --launch-files", subject=program))
+    return _Played(path, str(file), tuple(given))
+
+
+def _play(played: _Played, speed: float, start: float) -> int:
+    from ur.cli.launch.start import run_launch
+    from ur.request.environment import apply_selection, current_selection
+    from ur.request.joining.replaying import plan_replay
+    from ur.request.options import LaunchOptions, StartReporter
+    from ur.request.plan_files import make_world
+    from ur.robot.selection import Selection
+
     stored = current_selection(os.environ)
     base = (stored.base, stored.variant) if stored.simulated else ("", "")
     selection = Selection(base=base[0] or Selection().base, variant=base[1], ros=stored.ros)
     apply_selection(selection)
-    launch = plan_replay(path, launch_file, given, selection, make_world(), playback=(speed, start))
+    world = make_world()
+    launch = plan_replay(played.path, played.launch_file, played.arguments, selection, world, playback=(speed, start))
     options = LaunchOptions(except_=launch.left_out, watch=True)
     return run_launch(launch.argv, selection, options, StartReporter(), None)
+
+
+def _start_simulator(played: _Played, seconds: float | None) -> int:
+    """Run the program with a simulated robot, at the place and on the map of the recording."""
+    import tempfile
+
+    import numpy as np
+
+    from ur.cli.launch.start import run_launch
+    from ur.maps.picture_file import write_picture
+    from ur.recordings.mcap_file import open_recording
+    from ur.recordings.place import find_place
+    from ur.request.environment import apply_selection, current_selection
+    from ur.request.options import LaunchOptions, StartReporter
+    from ur.robot.selection import Selection
+
+    place = find_place(open_recording(played.path), seconds)
+    stored = current_selection(os.environ)
+    selection = stored if stored.simulated else Selection(ros=stored.ros)
+    apply_selection(selection)
+    with tempfile.TemporaryDirectory(prefix="ur_replay_") as folder:
+        cells = np.frombuffer(place.map.cells, np.int8).reshape(place.map.height, place.map.width)
+        world = write_picture(Path(folder, "map"), cells, place.map.resolution, place.map.origin)
+        own = {"world": str(world), "x": f"{place.x:.3f}", "y": f"{place.y:.3f}", "yaw": f"{place.yaw:.4f}"}
+        given = {each.name for each in played.arguments}
+        argv = [f"{name}:={value}" for name, value in own.items() if name not in given]
+        sys.stderr.write(f"the simulated robot starts at {place.x:.2f}, {place.y:.2f}, {place.yaw:.2f} rad\n")
+        words = [played.launch_file, *argv, *map(str, played.arguments)]
+        return run_launch(words, selection, LaunchOptions(watch=True), StartReporter(), None)

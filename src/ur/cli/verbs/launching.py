@@ -134,6 +134,8 @@ LAUNCHING = (
                 "ur replay black_box.mcap --speed 4 --from 60",
                 "Publish its messages four times as fast, from a minute on.",
             ),
+            ("ur replay black_box.mcap keyboard_navigate --into move_base", "Let a node decide again, in lock step."),
+            ("ur replay black_box.mcap keyboard_navigate --to-simulator", "Go on in the simulator, from where it was."),
             ("ur replay --pause", "Pause the replay that runs; --play goes on."),
             ("ur replay --jump 95", "Let it go on 95 s after the start of the recording."),
         ),

@@ -48,7 +48,7 @@ class ProcessMiddleware(DomainMiddleware):
         if not programs:
             return ()
         pairs = list(zip(programs, nodes, strict=True))
-        starts = [_describe(program, node) for program, node in pairs]
+        starts = [describe_start(program, node) for program, node in pairs]
         owner = next((program for program in programs if program.unit.terminal), None)
         file = f"{folder}/nodes.json"
         plan = {
@@ -116,7 +116,7 @@ def refuse_second_run(environment: Mapping[str, str], own: int | None = None) ->
         )
 
 
-def _describe(program: UnitProgram, node: NodeSpec) -> dict[str, object]:
+def describe_start(program: UnitProgram, node: NodeSpec) -> dict[str, object]:
     """Describe the start of a node, as `ur_nodes.one_process.plan` reads it. Raises UserError."""
     words = _read_start(program.executable)
     if words is None or node.launch_prefix:

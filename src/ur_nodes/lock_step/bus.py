@@ -1,0 +1,195 @@
+"""A bus on which a recording takes the place of all nodes but those under test. Time passes by its messages."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import ClassVar, NamedTuple, TypeVar, cast
+
+from ur.recordings.mcap_file import RecordingFile, StoredMessage
+from ur.recordings.message_types import full_type_name
+from ur.source.diagnostic import UserError
+from ur_nodes.memory.carrier import BusListener, Carrier, Deliver, Offer
+from ur_nodes.memory.node import TRANSFORMS, MemoryNode
+from ur_nodes.one_process.bus import LiveBus, LiveNode
+from ur_nodes.ports.node import Location
+from ur_nodes.ports.qualities import Quality
+from ur_nodes.ports.stored import FindReader, StoredReader
+from ur_nodes.ports.values import Transform
+
+Value = TypeVar("Value")
+
+
+class StepNode(LiveNode):
+    """A node of the bus: its jobs run at once, and its time is that of the recording."""
+
+    def work(self, job: Callable[[], Value], take: Callable[[Value], None], lane: str = "") -> None:
+        """See Node."""
+        MemoryNode.work(self, job, take, lane)
+
+    def steady(self) -> float:
+        """See Node."""
+        return MemoryNode.steady(self)
+
+    def locate(self, name: str) -> Location | None:
+        """See Node. The nodes that were recorded count as nodes of this computer."""
+        return super().locate(name) or cast("StepBus", self._bus).locate_recorded(name)
+
+
+class StepFacts:
+    """See `ports.facts.Facts`. The clock of the run was the computer's."""
+
+    simulated_time = False
+
+    def __init__(self, values: Mapping[str, object]) -> None:
+        self._values = dict(values)
+
+    def get(self, name: str, default: object = None) -> object:
+        """See Facts."""
+        return self._values.get(name, default)
+
+    def set(self, name: str, value: object) -> None:
+        """See Facts."""
+        self._values[name] = value
+
+
+class SentValue(NamedTuple):
+    """A value that a node under test has sent, at a time in ns."""
+
+    time: int
+    topic: str
+    value: object
+
+
+@dataclass(frozen=True, slots=True)
+class _Feed:
+    """A kind of value that nodes receive on a topic, and how it is read."""
+
+    topic: str
+    kind: type
+    reader: StoredReader
+
+
+class StepBus(LiveBus):
+    """See Bus. `tested` are the full names of the nodes that run: what they published in the recording is not sent.
+
+    `latched` are topics that keep their newest message although the recording does not say so. `outputs` has what the
+    nodes have sent, `recorded` what they had sent when it was recorded.
+    """
+
+    node_class: ClassVar[type[MemoryNode]] = StepNode
+
+    def __init__(
+        self,
+        recording: RecordingFile,
+        find_reader: FindReader,
+        tested: frozenset[str],
+        latched: frozenset[str],
+        write_line: Callable[[str, str, str], None],
+        facts: Mapping[str, object] | None = None,
+    ) -> None:
+        super().__init__(StepFacts(facts or {}), write_line)
+        self._time = recording.start
+        self._subscribed = {name for name, senders in recording.senders.items() if senders & tested}
+        self._find_reader, self._tested, self._latched = find_reader, tested, latched
+        self._feeds: dict[str, dict[tuple[str, type], _Feed]] = {}
+        self._offers: dict[tuple[str, type, str], Offer] = {}
+        self._kept: dict[tuple[str, str], StoredMessage] = {}
+        self._senders: set[str] = set()
+        self._frames: set[str] = set()  # whose transforms a node under test sends
+        self.outputs: list[SentValue] = []
+        self.recorded: list[StoredMessage] = []
+
+    @property
+    def now(self) -> int:
+        """Return the time, ns since the epoch."""
+        return self._time
+
+    def do(self, call: Callable[[], Value]) -> Value:
+        """Call at once: while nodes start, nothing else happens."""
+        return call()
+
+    def advance(self, time: int) -> None:
+        """Let time pass."""
+        while self._next_time() <= time:
+            self._take_event()
+        self._time = max(self._time, time)
+
+    def deliver(self, message: StoredMessage) -> None:
+        """Send a message of the recording, unless a node under test had sent it."""
+        topic = message.topic
+        if topic.sender in self._tested or (not topic.sender and self._is_own(topic.name)):
+            self.recorded.append(message)
+            return
+        self._senders.add(topic.sender)
+        if topic.latched or topic.name in self._latched:
+            self._kept[topic.name, topic.sender] = message
+        for feed in tuple(self._feeds.get(topic.name, {}).values()):
+            self._pass(feed, message)
+
+    @property
+    def used(self) -> list[str]:
+        """The recorded topics that nodes under test have received or had sent."""
+        received = [name for name, feeds in self._feeds.items() if feeds]
+        return sorted({*received, *(each.topic.name for each in self.recorded)})
+
+    def locate_recorded(self, name: str) -> Location | None:
+        """Locate a node that was recorded."""
+        return Location("localhost", here=True) if name in self._senders else None
+
+    def offer(self, topic: str, offer: Offer) -> None:
+        """See Carrier. What a node under test had sent had a subscriber: the recorder at least."""
+        super().offer(topic, offer)
+        if offer.sender in self._tested and topic in self._subscribed:
+            nothing = BusListener("recording", offer.kind, None, 1, lambda *_: None, lambda _reason: None)
+            self.topics[topic].listeners.append(nothing)
+
+    def listen(
+        self,
+        node: str,
+        topic: str,
+        kind: type | tuple[type, ...],
+        quality: Quality,
+        deliver: Deliver,
+        unreadable: Callable[[str], None],
+    ) -> BusListener:
+        """See Carrier."""
+        own = kind[0] if isinstance(kind, tuple) else kind
+        reader = self._find_reader(topic, own)
+        if reader is not None and (topic, own) not in self._feeds.setdefault(reader.topic, {}):
+            feed = self._feeds[reader.topic][topic, own] = _Feed(topic, own, reader)
+            for (name, _), message in self._kept.items():
+                if name == reader.topic:
+                    self._pass(feed, message)
+        return super().listen(node, topic, kind, quality, deliver, unreadable)
+
+    def send(self, topic: str, offer: Offer, value: object) -> None:
+        """See Carrier."""
+        if offer.sender in self._tested:
+            self.outputs.append(SentValue(self._time, topic, value))
+            if topic == TRANSFORMS:
+                self._frames |= {each.child for each in cast("tuple[Transform, ...]", value)}
+        super().send(topic, offer, value)
+
+    def _is_own(self, topic: str) -> bool:
+        entry = self.topics.get(topic)
+        return topic != TRANSFORMS and entry is not None and any(each.sender in self._tested for each in entry.offers)
+
+    def _pass(self, feed: _Feed, message: StoredMessage) -> None:
+        topic = message.topic
+        if full_type_name(topic.type_name) != full_type_name(feed.reader.type_name):
+            return
+        try:
+            value = feed.reader.read(message.data)
+        except (ValueError, UserError) as problem:
+            self.spoil(feed.topic, str(problem))
+            return
+        if feed.topic == TRANSFORMS and not topic.sender:
+            value = tuple(each for each in cast("tuple[Transform, ...]", value) if each.child not in self._frames)
+        key = (feed.topic, feed.kind, topic.sender)
+        offer = self._offers.get(key)
+        if offer is None:
+            latched = topic.latched or topic.name in self._latched
+            offer = self._offers[key] = Offer(topic.sender, feed.kind, latched, None, topic.type_name)
+            self.offer(feed.topic, offer)
+        Carrier.send(self, feed.topic, offer, value)

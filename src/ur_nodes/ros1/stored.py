@@ -1,0 +1,64 @@
+"""Messages of ROS 1 in recordings, read as the values that a subscription gets of them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import genpy
+from actionlib_msgs.msg import GoalStatusArray
+from move_base_msgs.msg import MoveBaseActionFeedback, MoveBaseActionGoal, MoveBaseActionResult
+
+from ur_nodes.codecs import KindCodec, find_codec
+from ur_nodes.codecs.frames import transforms_of
+from ur_nodes.codecs.places import target_of
+from ur_nodes.ports.actions import Goal, GoalState, GoalStates
+from ur_nodes.ports.stored import StoredReader
+from ur_nodes.ports.values import PlacedPose
+from ur_nodes.ros1.goal_client import state_of
+
+
+def _goal_of(message: MoveBaseActionGoal) -> Goal:
+    return Goal(str(message.goal_id.id), target_of(message.goal.target_pose))
+
+
+_ACTION: dict[tuple[type, str], tuple[str, Any, Callable[[Any], object]]] = {
+    (Goal, "goal"): ("goal", MoveBaseActionGoal, _goal_of),
+    (GoalStates, "status"): (
+        "status",
+        GoalStatusArray,
+        lambda message: GoalStates(tuple(map(state_of, message.status_list))),
+    ),
+    (GoalState, "state"): ("result", MoveBaseActionResult, lambda message: state_of(message.status)),
+    (PlacedPose, "feedback"): (
+        "feedback",
+        MoveBaseActionFeedback,
+        lambda message: target_of(message.feedback.base_position),
+    ),
+}
+"""Topics of actions by what nodes on a bus exchange: the name that ROS 1 has for them, and their messages."""
+
+
+def find_reader(topic: str, kind: type) -> StoredReader | None:
+    """Find what a subscription of a kind reads; None: ROS 1 has no message for it."""
+    action, _, part = topic.rpartition("/")
+    if found := _ACTION.get((kind, part)):
+        name, message_class, value_of = found
+        return _make(f"{action}/{name}", message_class, value_of)
+    try:
+        codec: KindCodec[object] = find_codec(kind)
+    except KeyError:
+        return None
+    if topic == "/tf_static":
+        return _make(topic, codec.message_class, lambda message: transforms_of(message, fixed=True))
+    return _make(topic, codec.message_class, codec.value_of)
+
+
+def _make(topic: str, message_class: Any, value_of: Callable[[Any], object]) -> StoredReader:
+    def read(data: bytes) -> object:
+        try:
+            return value_of(message_class().deserialize(data))
+        except genpy.DeserializationError as problem:
+            raise ValueError(str(problem)) from None
+
+    return StoredReader(topic, str(message_class._type), read)  # noqa: SLF001 - genpy has no other name

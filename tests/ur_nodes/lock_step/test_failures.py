@@ -1,0 +1,48 @@
+"""Recorded failures, replayed: nodes do again what they did, and viewers show what they showed."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from tests.ur_nodes.lock_step.failures import FAILURES, FailingDrive, Viewer, plan_replay, record
+
+from ur.recordings.mcap_file import open_recording
+from ur_nodes.lock_step.bus import StepBus
+from ur_nodes.lock_step.digest import fingerprint
+from ur_nodes.lock_step.run import replay
+from ur_nodes.ros1.stored import find_reader
+
+DEFAULT = ("goal_in_a_wall", "blocked_way", "emergency_stop", "kidnapped", "dead_mux")
+Failure = Callable[[FailingDrive], None]
+MARKED = [each if each.__name__ in DEFAULT else pytest.param(each, marks=pytest.mark.long) for each in FAILURES]
+
+
+@pytest.fixture(autouse=True)
+def _without_ros(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("ROS_VERSION", "0")
+
+
+@pytest.mark.parametrize("failure", MARKED, ids=lambda each: each.__name__)
+def test_failure_is_replayed_as_it_was_recorded(failure: Failure, tmp_path: Path) -> None:
+    drive, path = record(failure, tmp_path)
+    plan = plan_replay(path, "/move_base")
+    first = replay(plan, find_reader)
+    assert first.differences == []
+    assert first.recorded.endings == first.replayed.endings
+    sent = [(time, topic, value) for sender, time, topic, value in drive.wire.sent if sender == "/move_base"]
+    assert len(sent) == pytest.approx(first.sent, abs=5)  # the recording ends DELAY later
+    assert replay(plan, find_reader, sent=len(sent)).digest == fingerprint(sent)
+    assert shown_in_a_viewer(path) == drive.viewer.shown
+
+
+def shown_in_a_viewer(path: Path) -> list[object]:
+    recording = open_recording(path)
+    bus = StepBus(recording, find_reader, frozenset({"/viewer"}), frozenset(), lambda *_: None)
+    viewer = Viewer(bus.node("viewer"))
+    for message in recording.messages():
+        bus.advance(message.time)
+        bus.deliver(message)
+    bus.advance(recording.end)
+    return list(viewer.shown)
