@@ -84,7 +84,6 @@ class ProcessLink:
         self.on_revoked: Callable[[str], None] = lambda _: None
 
     async def ask(self, message: Values, limit: float) -> Values:
-        """See RobotLink."""
         await self._start()
         number, answer = self._answers.add()
         self.send({**message, "id": number})
@@ -96,7 +95,6 @@ class ProcessLink:
             ) from None
 
     def send(self, message: Values) -> None:
-        """See RobotLink."""
         if self._writer is not None and not self._writer.is_closing():
             self._writer.write(json.dumps(message, separators=(",", ":")).encode() + b"\n")
 

@@ -35,8 +35,6 @@ class WatchedWait:
         """Called by the thread itself whenever it looks after its condition."""
 
     def __call__(self, condition: Callable[[], bool], seconds: float) -> bool:
-        """See `Wait`."""
-
         def look() -> bool:
             self._seen_at = self._node.steady()
             self.on_look()
