@@ -55,7 +55,7 @@ def _acquire(master_uri: str, environment: Mapping[str, str], uid: int, report: 
         return -1
     began: float | None = time.monotonic()
     try:
-        while not _try(descriptor):
+        while not try_lock(descriptor):
             if began is not None and time.monotonic() > began + _PATIENCE:
                 holder = os.pread(descriptor, 20, 0).decode("ascii", "replace").strip() or "unknown"
                 report(f"waiting for another launch at {master_uri} to start (process {holder})")
@@ -80,7 +80,8 @@ def _name(master_uri: str) -> str:
     return f"{safe}_{master.port}"
 
 
-def _try(descriptor: int) -> bool:
+def try_lock(descriptor: int) -> bool:
+    """Lock an open file if no other process holds it."""
     try:
         fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except OSError:

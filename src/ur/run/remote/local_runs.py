@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import fcntl
 import os
 import time
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
@@ -12,6 +11,7 @@ from pathlib import Path
 
 from ur.run.clients.client import RunUnreachable, connect_run, iterate_events
 from ur.run.clients.protocol import NodeChanged, RunStopping, Synchronised
+from ur.run.join.lock import try_lock
 from ur.run.master.client import parse_master_uri
 from ur.run.record.entry import RunEntry, runs_folders
 from ur.run.remote.protocol import ShareRequest
@@ -121,21 +121,13 @@ def lock_shares(environment: Mapping[str, str], uid: int, patience: float) -> It
         return
     until = time.monotonic() + patience
     try:
-        while not _try_lock(lock):
+        while not try_lock(lock):
             if time.monotonic() > until:
                 raise RequestBusyError
             time.sleep(0.05)
         yield
     finally:
         os.close(lock)
-
-
-def _try_lock(lock: int) -> bool:
-    try:
-        fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except OSError:
-        return False
-    return True
 
 
 def _port_of(entry: RunEntry) -> int | None:
