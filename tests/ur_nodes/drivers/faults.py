@@ -148,6 +148,7 @@ def try_fault(board: str, name: str, seed: int) -> tuple[float, list[str]]:
     faulty = Faulty(rig, rig.cable, rig.firmware, rig.lines[0])
     fault.prepare(faulty, source)
     rig.drive(0.0, 0.0, 1.0)
+    rig.bus.nodes["/base_driver"].lines.clear()  # counters that begin elsewhere have jumped
     wrong = [] if rig.drive_until(lambda: rig.truth.twist.forward > FAST, 0.3, 0.0, 3.0) else ["does not drive off"]
     rig.bus.run(source.random() * 0.05)
     fault.begin(faulty, source)
@@ -182,9 +183,9 @@ def try_lidar_fault(lidar: str, name: str, seed: int) -> tuple[float, list[str]]
     begun, last, count = rig.bus.now, 0.0, len(scans)
     if rig.bus.run_until(lambda: len(scans) > count, 1.0):
         last = (rig.bus.now - begun) / 1e9
-    rig.bus.run(1.0)
+    rig.bus.run(0.5)
     silent = len(scans)
-    rig.bus.run(4.0)
+    rig.bus.run(3.3)  # before bytes that are 5 s late arrive
     if len(scans) > silent and fault.stops:
         wrong.append("scans go on")
     most = MOST_FALSE.get(lidar, 12)
@@ -212,7 +213,7 @@ def _count_false(scan: Scan, exact: Any) -> int:
 
 def _judge_lines(rig: DriverRig, node: str, wanted: str, never: str) -> list[str]:
     lines = [text for _, text in rig.bus.nodes[node].lines]
-    wrong = [] if any(wanted in line for line in lines) else [f"no line with {wanted!r}"]
+    wrong = [] if not wanted or any(wanted in line for line in lines) else [f"no line with {wanted!r}"]
     return wrong + ([f"a line with {never!r}"] if any(never in line for line in lines) else [])
 
 

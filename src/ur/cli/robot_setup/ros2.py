@@ -58,10 +58,12 @@ def take_back_ros2(task: Task, viewer: ViewerFacts) -> int:
     """
     report = ChangeReporter(task.robot.name)
     task = find_ros2(task, report)
-    if task.robot.ros2 is None and take_back_header(task, report):
-        report("the rest of the set-up stays: docs/how-to/uninstall.md has the steps")
-        return 0
     if task.robot.ros2 is None:
+        with open_robot(task, report) as shell:
+            count = take_back_header(shell, task.address.user, report)
+        if count:
+            report("the rest of the set-up stays: docs/how-to/uninstall.md has the steps")
+            return 0
         message = f"{task.robot.name} has no ROS 2, or ROS 1 as well, expected a robot with ROS 2 alone"
         raise UserError(error(message, rule="usage", help="docs/how-to/uninstall.md has the steps"))
     with open_robot(task, report) as shell:

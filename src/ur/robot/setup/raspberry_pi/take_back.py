@@ -2,23 +2,23 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 from ur.robot.setup.engine import apply_change, gather, gather_facts, plan_undo
 from ur.robot.setup.facts import FactsRequest
-from ur.robot.setup.login import Report, Task, open_robot
 from ur.robot.setup.raspberry_pi import header
+from ur.robot.ssh.shell import Shell
 
 
-def take_back_header(task: Task, report: Report) -> int:
+def take_back_header(shell: Shell, user: str, report: Callable[[str], None]) -> int:
     """Give the header back to Bluetooth and the console, without its I2C bus; return the number of changes.
 
     The base does not matter: the set-up may have been for another one. Raises UserError.
     """
-    user = task.address.user
     base = FactsRequest(user, files=header.FILES)
-    with open_robot(task, report) as shell:
-        items = header.want_header(gather(shell, base, root=True), header.BEHIND)
-        changes = plan_undo(items, gather_facts(shell, items, user, base, root=True))
-        for change in changes:
-            report(f"{change.title}: taken back, {change.note}")
-            apply_change(shell, change)
+    items = header.want_header(gather(shell, base, root=True), header.BEHIND)
+    changes = plan_undo(items, gather_facts(shell, items, user, base, root=True))
+    for change in changes:
+        report(f"{change.title}: taken back" + (f", {change.note}" if change.note else ""))
+        apply_change(shell, change)
     return len(changes)
