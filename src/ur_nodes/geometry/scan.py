@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Protocol
@@ -10,7 +11,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from ur_nodes.geometry.pose import Pose3
+from ur_nodes.geometry.pose import Pose2, Pose3
 from ur_nodes.geometry.rigid import from_pose
 
 
@@ -44,6 +45,10 @@ class SensorMount:
 
     rotation: NDArray[np.float64]
     offset: NDArray[np.float64]
+
+    def planar(self) -> Pose2:
+        """Return the pose seen from above."""
+        return Pose2(float(self.offset[0]), float(self.offset[1]), math.atan2(self.rotation[1, 0], self.rotation[0, 0]))
 
 
 def mount_of_pose(pose: Pose3) -> SensorMount:

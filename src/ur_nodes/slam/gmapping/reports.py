@@ -9,6 +9,7 @@ from ur_nodes.geometry.pose import Pose2
 from ur_nodes.ports.node import SECOND, Node
 from ur_nodes.slam.gmapping.slam import SlamStep
 from ur_nodes.slam.gyro import Headings
+from ur_nodes.slam.mount_watch import MountError, MountWatch
 from ur_nodes.slam.slip import SlipWatch
 
 SLIP_SILENCE = 30.0  # s between two reports of wheels that slip
@@ -23,6 +24,7 @@ class SlamReports:
         self._describe = describe
         self._located, self._lost, self._places = True, lost, 0  # as reported last
         self._slip = SlipWatch()
+        self._mount = MountWatch()
         self._slip_due = 0
         self._last: Pose2 | None = None  # odometry at the last scan
         self._by_gyro = self._gyro_wrong = False  # as reported last
@@ -69,8 +71,12 @@ class SlamReports:
             return
         if not step.odometry or not last or not estimate.step or step.lost:
             self._slip.forget()
+            self._mount.forget()
             return
-        slip = self._slip.add(last.inverse().compose(step.odometry), estimate.step)
+        reported = last.inverse().compose(step.odometry)
+        if step.mount and (error := self._mount.add(reported, estimate.step, step.mount)):
+            self._log.warn(_describe_mount(error))
+        slip = self._slip.add(reported, estimate.step)
         now = self._node.now()
         if slip and not self._slip_due - SLIP_SILENCE * SECOND < now < self._slip_due:
             self._slip_due = now + round(SLIP_SILENCE * SECOND)
@@ -78,6 +84,16 @@ class SlamReports:
                 "the wheels slip, or the robot is pushed: odometry reports {:.2f} m and {:.0f} degrees, the scans "
                 "{:.2f} m and {:.0f} degrees; the map follows the scans".format(*_sizes(slip.reported, slip.shown)),
             )
+
+
+def _describe_mount(error: MountError) -> str:
+    described, shown = (
+        "x {:.3f} m, y {:.3f} m, yaw {:.3f} rad".format(*pose) for pose in (error.described, error.shown)
+    )
+    return (
+        f"wheels and scans show the lidar at {shown}, the robot's description has it at {described}; "
+        "measure it, and correct its pose in the base file"
+    )
 
 
 def _sizes(*motions: Pose2) -> list[float]:

@@ -22,6 +22,7 @@ class SlamStep:
 
     `correction` is the pose of the odometry's frame in the map, or of the robot without odometry; None while `lost`.
     `places` are those, at least two, that fit equally while the robot is lost; else none. `first`: the map begins.
+    `mount` is the pose of the lidar on the robot, None where there are several.
     """
 
     estimate: MapEstimate
@@ -30,6 +31,7 @@ class SlamStep:
     lost: bool
     places: Sequence[Pose2]
     first: bool
+    mount: Pose2 | None = None
 
 
 class Slam:
@@ -51,7 +53,8 @@ class Slam:
         estimate = mapper.add_scan(scan, odometry, heading)
         known = estimate.pose.compose(odometry.inverse()) if odometry else estimate.pose
         places = mapper.candidates() if mapper.lost else []
-        return SlamStep(estimate, odometry, None if mapper.lost else known, mapper.lost, places, first)
+        mount = readings[0].mount.planar() if len(readings) == 1 else None
+        return SlamStep(estimate, odometry, None if mapper.lost else known, mapper.lost, places, first, mount)
 
     def state(self) -> MapState:
         """Return the present map."""
