@@ -15,6 +15,7 @@ _LEAD = 2  # scans by which a place must be ahead of the others
 _LEAD_ANYWHERE = 3  # likewise where the robot may be off the map
 _EXPECTED = 1.0  # scans that the place counts as where the robot is unless it was carried
 _DRIFTED = (0.7, 0.25)  # m, rad: so far the small map may have moved from there among people
+_TELLING = 0.05  # share of walls looked through that counts as much as a scan: small differences add up
 _CHECKED = 6  # places that a scan is held against which it does not name itself
 
 
@@ -24,12 +25,14 @@ class Hypothesis:
 
     `refuted` is the number of keyframes that were not taken there; `expected`: the robot is there unless it was
     carried.
+    `against` is the sum of the walls that they look through there, and not at another place (shares).
     """
 
     place: Pose2
     fits: tuple[tuple[int, Fit], ...]
     refuted: int = 0
     expected: bool = False
+    against: float = 0.0
 
     def links(self) -> list[Edge]:
         """The edges from keyframes of the map to the others."""
@@ -61,22 +64,28 @@ class Hypotheses:
         whole map returns only so many of the places that look alike, and tells of none that it does not fit.
         """
         self._count += 1
-        named: set[int] = set()
+        named: dict[int, float] = {}  # the walls looked through, by index
         for fit in fits:
-            named.add(self._take(number, pose, fit, named))
+            named[self._take(number, pose, fit, named)] = fit.against
         if check:
             best = max((fit.agreement for fit in fits), default=0.0)
             others = [index for index in range(len(self._all)) if index not in named]
             for index in others[:_CHECKED]:
-                self._check(index, number, pose, check, best)
+                named[index] = self._check(index, number, pose, check, best)
+        least = min(named.values(), default=0.0)
+        for index, against in named.items():
+            known = self._all[index]
+            if known.fits or not known.expected:  # those who stand round are looked through at no place
+                self._all[index] = replace(known, against=known.against + against - least)
         self._all = [each for each in self._all if self._support(each) > 0.0]
         self._all.sort(key=lambda each: -self._support(each))
 
     def _support(self, each: Hypothesis) -> float:
         """Return the weighted number of keyframes that support a place, minus those that contradict it."""
+        against = each.refuted + each.against / _TELLING
         if each.expected:
-            return _EXPECTED + len(each.fits) - each.refuted
-        return sum(1.0 if fit.alone else self._weak for _, fit in each.fits) - each.refuted
+            return _EXPECTED + len(each.fits) - against
+        return sum(1.0 if fit.alone else self._weak for _, fit in each.fits) - against
 
     def _take(self, number: int, pose: Pose2, fit: Fit, named: Collection[int]) -> int:
         """Add a fit to the first place but those `named` that it agrees with, or as a new one; return its index."""
@@ -87,8 +96,13 @@ class Hypotheses:
         self._all.append(Hypothesis(fit.pose.compose(pose.inverse()), ((number, fit),)))
         return len(self._all) - 1
 
-    def _check(self, index: int, number: int, pose: Pose2, check: Callable[[Pose2], PlaceVerdict], best: float) -> None:
-        """Check a keyframe against a place that is not among its fits, whose agreement is `best` at most."""
+    def _check(
+        self, index: int, number: int, pose: Pose2, check: Callable[[Pose2], PlaceVerdict], best: float
+    ) -> float:
+        """Check a keyframe against a place that is not among its fits, whose agreement is `best` at most.
+
+        Return the share of walls that are looked through there.
+        """
         known = self._all[index]
         expected = known.place.compose(pose)
         verdict = check(expected)
@@ -97,6 +111,7 @@ class Hypotheses:
             self._support_with(index, number, pose, found)
         elif verdict.refuted and (known.fits or not known.expected):  # people who stand round refute their place, too
             self._all[index] = replace(known, refuted=known.refuted + 1)
+        return verdict.against
 
     def _support_with(self, index: int, number: int, pose: Pose2, fit: Fit) -> None:
         known = self._all[index]

@@ -39,7 +39,10 @@ WORSE = 0.1
 
 @dataclass(frozen=True, slots=True)
 class Fit:
-    """The `pose` of a scan on the map, and the edge from keyframe `before` there; `alone`: it needs no second one."""
+    """The `pose` of a scan on the map, and the edge from keyframe `before` there; `alone`: it needs no second one.
+
+    `against` is the share of walls that are looked through there: of the map by the scan, and of the scan by the map.
+    """
 
     pose: Pose2
     before: int
@@ -47,14 +50,19 @@ class Fit:
     covariance: Floats
     agreement: float
     alone: bool
+    against: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
 class PlaceVerdict:
-    """A scan checked at one place: its `fit` there, None if unclear; `refuted`: it was not taken there."""
+    """A scan checked at one place: its `fit` there, None if unclear; `refuted`: it was not taken there.
+
+    `against` is as of a fit.
+    """
 
     fit: Fit | None
     refuted: bool
+    against: float = 0.0
 
 
 _UNCLEAR = PlaceVerdict(None, refuted=False)
@@ -105,10 +113,11 @@ class WholeMap:
         target = LocalMap([(self._poses[number], self._scans[number].surface) for number in members])
         found = search(target.pyramid, points, guess, _FINE, _LEAST_SCORE)
         match = match_surface(target, scan.surface, found.pose if found else guess)
-        against = contradiction(target.surface, scan, match.pose)
+        through = contradiction(target.surface, scan, match.pose)
+        against = through + self._looked_through(scan, match.pose, members)
         uncertain = position_deviation(match.covariance) > _CERTAIN
-        if found is None or uncertain or match.agreement < _FITS[0] or against > _FITS[1]:
-            return PlaceVerdict(None, match.agreement < _REFUTED[0] and against > _REFUTED[1])
+        if found is None or uncertain or match.agreement < _FITS[0] or through > _FITS[1]:
+            return PlaceVerdict(None, match.agreement < _REFUTED[0] and through > _REFUTED[1], against)
         anchor = members[0]
         fit = Fit(
             match.pose,
@@ -116,9 +125,16 @@ class WholeMap:
             self._poses[anchor].inverse().compose(match.pose),
             rotate_covariance(match.covariance, match.pose.yaw),
             match.agreement,
-            alone=match.agreement >= _FITS_ALONE[0] and against <= _FITS_ALONE[1],
+            alone=match.agreement >= _FITS_ALONE[0] and through <= _FITS_ALONE[1],
+            against=against,
         )
-        return PlaceVerdict(fit, refuted=False)
+        return PlaceVerdict(fit, refuted=False, against=against)
+
+    def _looked_through(self, scan: MapScan, pose: Pose2, members: Sequence[int]) -> float:
+        """The share of a scan's points at a pose that keyframes in sight of them look through, in the mean of these."""
+        placed = scan.surface.moved(pose)
+        shares = [contradiction(placed, self._scans[number], self._poses[number]) for number in members]
+        return float(np.mean(shares))
 
     def _members(self, here: Pose2) -> list[int]:
         """Choose keyframes near a pose of which no two show the same, the nearest first."""

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import math
+from dataclasses import replace
+
 import numpy as np
 
 from ur_nodes.geometry.pose import Pose2
@@ -64,3 +67,34 @@ def test_expected_place_without_a_fit_is_no_rival() -> None:
     hypotheses = Hypotheses(on_map=False, expected=HERE)
     hypotheses.add(0, Pose2(0.0, 0.0, 0.0), [fit_at(Pose2(1.0, 1.0, 0.0))], lambda _: UNCLEAR)
     assert hypotheses.rivals() == []
+
+
+def test_walls_that_are_looked_through_add_up_until_one_of_two_places_leads() -> None:
+    hypotheses, twin = Hypotheses(on_map=True), Pose2(8.0, 1.0, 0.5)
+    needed = 0
+    for number, pose in enumerate(poses(12)):
+        there = replace(fit_at(twin.compose(pose)), against=0.05)  # both have moved furniture, too
+        hypotheses.add(number, pose, [there, replace(fit_at(HERE.compose(pose)), against=0.02)], lambda _: UNCLEAR)
+        needed += hypotheses.winner() is None
+    winner = hypotheses.winner()
+    assert winner is not None
+    assert math.dist(winner.place, HERE) < 1e-9
+    assert 1 < needed < 6
+
+
+def test_places_that_are_looked_through_alike_are_never_told_apart() -> None:
+    hypotheses, twin = Hypotheses(on_map=True), Pose2(8.0, 1.0, 0.5)
+    for number, pose in enumerate(poses(30)):
+        fits = [replace(fit_at(place.compose(pose)), against=0.04) for place in (HERE, twin)]
+        hypotheses.add(number, pose, fits, lambda _: UNCLEAR)
+        assert hypotheses.winner() is None
+    assert len(hypotheses.rivals()) == 2
+
+
+def test_people_who_stand_round_a_robot_do_not_speak_against_its_place() -> None:
+    hypotheses = Hypotheses(on_map=False, expected=HERE)
+    elsewhere = Pose2(-3.0, 2.0, 0.0)
+    through = PlaceVerdict(None, refuted=False, against=0.4)
+    for number, pose in enumerate(poses(3)):
+        hypotheses.add(number, pose, [fit_at(elsewhere.compose(pose))], lambda _: through)
+    assert hypotheses.winner() is None
