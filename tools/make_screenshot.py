@@ -1,7 +1,8 @@
 """Make pictures of the real terminal program over a robot in the maze, in docs/images: NAME.svg.
 
 Usage: tools/make_screenshot.py [NAME] [COLUMNSxROWS] [dark|light]. The names: keyboard_navigate (a robot on its way),
-assistant (one that an assistant drives), lost (one that was carried elsewhere). The same input gives the same file.
+assistant (one that an assistant drives), lost (one that was carried elsewhere), people (one that waits for them). The
+same input gives the same file.
 """
 
 from __future__ import annotations
@@ -42,6 +43,8 @@ SINCE = 39720.0  # s since 1970: 11:02
 ASSISTANT = "assistant, at most 0.2 m/s until 11:32, not kitchen"
 CARRIED_TO = Pose2(6.4, 10.7, 2.2)
 SEARCHING = "lost: the scan does not fit the map here; searching the whole map"
+PEOPLE = ((1.1, 0.0), (1.6, 0.35), (2.6, -0.2))  # m ahead of the robot and to its left
+PERSON_RADIUS = 0.2  # m
 PLACES = {"dock": START, "kitchen": Pose2(16.6, 1.65, 0.0), "desk": Pose2(6.4, 4.65, 0.0)}
 
 
@@ -137,10 +140,23 @@ def carry_away(snapshot: RobotSnapshot) -> RobotSnapshot:
     return replace(snapshot, scan=scan, lost=SEARCHING, speed=0.0, spread=0.9)
 
 
+def add_people(snapshot: RobotSnapshot) -> RobotSnapshot:
+    """Return the snapshot while people stand in the way: the scan ends at them, and the robot waits."""
+    assert snapshot.grid is not None
+    assert snapshot.pose is not None
+    grid = snapshot.grid
+    values = grid.values.copy()
+    cells = grid.points_of_cells(np.moveaxis(np.indices(values.shape), 0, -1))
+    for person in snapshot.pose.transform_points(np.array(PEOPLE)):
+        values[np.hypot(*np.moveaxis(cells - person, -1, 0)) < PERSON_RADIUS] = 100
+    return replace(snapshot, scan=cast_scan(replace(grid, values=values), snapshot.pose), speed=0.0)
+
+
 PICTURES: dict[str, Callable[[RobotSnapshot], RobotSnapshot]] = {
     "keyboard_navigate": lambda snapshot: snapshot,
     "assistant": add_assistant,
     "lost": carry_away,
+    "people": add_people,
 }
 
 
