@@ -74,6 +74,10 @@ class ProgramTerminal:
         """All that was shown so far, without colours and places."""
         return _SEQUENCE.sub(b"", self._shown).decode(errors="replace")
 
+    def forget(self) -> None:
+        """Forget all that was shown so far."""
+        self._shown = b""
+
     def wait_for(self, text: str, seconds: float = 60.0) -> None:
         """Until a text was shown since the last call."""
         end = time.monotonic() + seconds

@@ -1,0 +1,140 @@
+"""Scripts and assistants as their users start them, on a simulated robot with either ROS."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import re
+import subprocess
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from tests.documents.test_examples import EXAMPLES, PRINTED
+from tests.e2e.conftest import ROOT, end, make_environment
+
+pytestmark = [pytest.mark.ros, pytest.mark.long, pytest.mark.timeout(900)]
+
+UR = str(ROOT / "ur")
+PLOT = """
+import sys, types
+
+class Plot(types.ModuleType):
+    def __getattr__(self, name):
+        if name.startswith("__"):
+            raise AttributeError(name)
+        return lambda *_, **__: (print(name), (self, self))[1]
+
+sys.modules["matplotlib"] = sys.modules["matplotlib.pyplot"] = plot = Plot("matplotlib")
+plot.pyplot = plot
+"""
+"""A stand-in for matplotlib, which is no dependency of this project: prints what is called."""
+
+NO_CAMERA = r"table: no picture: .*\ndoor: no picture: .*\n"
+
+
+@pytest.fixture
+def navigating(tmp_path: Path, either_ros: dict[str, str]) -> Iterator[dict[str, str]]:
+    """The environment of a robot that navigates, started as the page for authors of scripts says."""
+    env = make_environment(tmp_path) | either_ros | {"XDG_STATE_HOME": str(tmp_path / "state")}
+    with (tmp_path / "log").open("w") as log:
+        robot = subprocess.Popen(
+            [UR, "run", "keyboard_navigate"], env=env, stdin=subprocess.PIPE, stdout=log, stderr=log, cwd=tmp_path
+        )
+    try:
+        run(env, tmp_path, "wait", "--timeout-ready", "90", attempts=60)
+        yield env
+    finally:
+        end(robot)
+
+
+def run(env: dict[str, str], folder: Path, *words: str, attempts: int = 1) -> str:
+    """What a command of `ur` prints; again, for so many attempts, while it fails."""
+    for _ in range(attempts):
+        done = subprocess.run([UR, *words], env=env, cwd=folder, capture_output=True, text=True, timeout=180)
+        if done.returncode == 0:
+            break
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert "Traceback" not in done.stderr
+    return done.stdout
+
+
+def test_scripts_and_all_calls_of_an_assistant_drive_a_robot(navigating: dict[str, str], tmp_path: Path) -> None:
+    run_scripts(navigating, tmp_path)
+    call_tools(navigating, tmp_path)
+
+
+def run_scripts(navigating: dict[str, str], tmp_path: Path) -> None:
+    """Run the first script of the page for authors, as it is typed there, and all examples."""
+    page = (ROOT / "docs" / "how-to" / "write-a-script.md").read_text(encoding="utf-8")
+    typed = re.findall(r"^ur ((?:new|run) \S*look_around\S*|new script \S+)$", page, re.MULTILINE)
+    assert typed == ["new script look_around", "run look_around.py"]
+    run(navigating, tmp_path, *typed[0].split())
+    lines = run(navigating, tmp_path, *typed[1].split()).splitlines()
+    assert [bool(re.match(r"the robot is at -?\d+\.\d\d -?\d+\.\d\d m", each)) for each in lines] == [True, True]
+    (tmp_path / "places.csv").write_text("0.4,0.0\n1000,1000\n")
+    for name, printed in PRINTED.items():
+        found = run(navigating, tmp_path, "run", str(EXAMPLES / f"{name}.py"))
+        assert re.fullmatch(f"{printed}|{NO_CAMERA}", found), f"{name}: {found}"
+    cells = json.loads((EXAMPLES / "plot_scan.ipynb").read_text(encoding="utf-8"))["cells"]
+    code = ["".join(each["source"]) for each in cells if each["cell_type"] == "code"]
+    (tmp_path / "plot_scan.py").write_text("\n".join([PLOT, *code]))
+    assert run(navigating, tmp_path, "run", "plot_scan.py").split() == ["subplots", "plot", "set_title", "savefig"]
+
+
+def call_tools(navigating: dict[str, str], tmp_path: Path) -> None:
+    """Run every tool and read every resource, by the SDK's client."""
+    pytest.importorskip("mcp")
+    results = asyncio.run(call_everything(navigating, tmp_path))
+    refused = {name for name, (done, _) in results.items() if not done}
+    assert not refused, {name: results[name] for name in refused}
+    assert "driven" in results["drive"][1]
+    assert "reached" in results["go_to"][1]
+    assert "map" in results["explore"][1]
+    assert "keyboard_navigate" in results["list"][1]
+
+
+CALLS: dict[str, dict[str, object]] = {
+    "look": {},
+    "list": {},
+    "check": {"arguments": ["ubiquity_launches", "m_move_base.launch.xml"]},
+    "explain": {"arguments": ["ubiquity_launches", "m_move_base.launch.xml", "robot_base"]},
+    "find": {"arguments": ["robot_base"]},
+    "graph": {"arguments": ["ubiquity_launches", "m_move_base.launch.xml"]},
+    "doctor": {},
+    "ask_to_drive": {"reason": "to try everything"},
+    "drive": {"forward": 0.1, "seconds": 1.0},
+    "go_to": {"x": 0.4, "y": 0.0},
+    "explore": {"seconds": 60.0},
+    "stop": {},
+    "start_program": {"name": "local_costmap"},
+    "end_program": {"name": "local_costmap"},
+}
+
+
+async def call_everything(env: dict[str, str], folder: Path) -> dict[str, tuple[bool, str]]:
+    """Call each tool, with a grant, and read each resource. Returns whether it was done, and the text."""
+    from mcp.client import Client
+    from mcp.client.stdio import StdioServerParameters, stdio_client
+
+    from ur.mcp.grants import grant_files, make_grant
+
+    results: dict[str, tuple[bool, str]] = {}
+    server = StdioServerParameters(command=UR, args=["mcp"], env=env, cwd=folder)
+    async with Client(stdio_client(server)) as client:
+        tools = [each.name for each in (await client.list_tools()).tools]
+        assert sorted(tools) == sorted(CALLS)
+        await client.call_tool("look", {})
+        files = grant_files(env)
+        (id,) = files.list_servers()
+        files.give(id, make_grant(10.0, 0.2, (), (), programs=True))
+        for name, arguments in CALLS.items():
+            answer = await client.call_tool(name, arguments)
+            results[name] = not answer.is_error, "".join(getattr(each, "text", "") for each in answer.content)
+        uris = [str(each.uri) for each in (await client.list_resources()).resources]
+        uris += ["launch-plan://ubiquity_launches/m_move_base.launch.xml", "log://move_base"]
+        for uri in uris:
+            (found,) = (await client.read_resource(uri)).contents
+            text = str(getattr(found, "text", "") or getattr(found, "blob", ""))
+            results[uri] = text != "", text
+    return results
