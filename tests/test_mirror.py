@@ -31,6 +31,7 @@ ELSEWHERE = {
     "ur/docs/launch": "whole documents: tests/docs/ and tests/docs/site/",
     "ur/docs/repository": "whole documents: tests/docs/ and tests/docs/site/",
     "ur/robot/base/sensors": "sensors are read as part of base files: tests/robot/test_base.py, tests/robot/base/",
+    "ur/web/server/assistants": "the page, assistants over HTTP and a robot together: tests/mcp/test_http.py",
     "ur_nodes/assistant": "the robot's end and the server together: tests/mcp/",
     "ur_nodes/codecs": "the contract of all backends: tests/ur_nodes/ports/",
     "ur_nodes/memory": "the contract of all backends: tests/ur_nodes/ports/",
