@@ -38,7 +38,7 @@ class StepReport:
 
     @property
     def differences(self) -> list[str]:
-        """What the nodes reported otherwise than when it was recorded, as lines for people."""
+        """Differences between the reports of nodes and the recorded ones, as lines for users."""
         before, now = self.recorded, self.replayed
         found = []
         if before.endings != now.endings:

@@ -29,7 +29,7 @@ class RecordedMap:
 
 @dataclass(frozen=True, slots=True)
 class RecordedPlace:
-    """Where the robot was in the map: m, m, rad."""
+    """The pose of the robot in the map: m, m, rad."""
 
     x: float
     y: float

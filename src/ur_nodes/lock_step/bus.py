@@ -14,7 +14,7 @@ from ur_nodes.memory.node import TRANSFORMS, MemoryNode
 from ur_nodes.one_process.bus import LiveBus, LiveNode
 from ur_nodes.ports.node import Location
 from ur_nodes.ports.qualities import Quality
-from ur_nodes.ports.stored import FindReader, StoredReader
+from ur_nodes.ports.raw import FindReader, StoredReader
 from ur_nodes.ports.values import Transform
 
 Value = TypeVar("Value")

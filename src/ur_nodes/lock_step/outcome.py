@@ -9,7 +9,7 @@ from ur.recordings.message_types import full_type_name
 from ur.source.diagnostic import UserError
 from ur_nodes.lock_step.bus import StepBus
 from ur_nodes.ports.actions import GoalState
-from ur_nodes.ports.stored import FindReader
+from ur_nodes.ports.raw import FindReader
 
 _STATES = (str, bool)
 

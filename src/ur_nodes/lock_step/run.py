@@ -29,8 +29,8 @@ from ur_nodes.one_process.context import NodeContext
 from ur_nodes.one_process.plan import NodeStart
 from ur_nodes.ports.node import Node
 from ur_nodes.ports.qualities import Quality
+from ur_nodes.ports.raw import FindReader
 from ur_nodes.ports.services import AskMap
-from ur_nodes.ports.stored import FindReader
 from ur_nodes.ports.values import Map, Result
 from ur_nodes.run import backend_name
 

@@ -13,7 +13,7 @@ from ur_nodes.codecs import KindCodec, find_codec
 from ur_nodes.codecs.frames import transforms_of
 from ur_nodes.codecs.places import target_of
 from ur_nodes.ports.actions import Goal, GoalState, GoalStates
-from ur_nodes.ports.stored import StoredReader
+from ur_nodes.ports.raw import StoredReader
 from ur_nodes.ports.values import PlacedPose
 from ur_nodes.ros1.goal_client import state_of
 

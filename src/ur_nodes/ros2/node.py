@@ -15,13 +15,13 @@ from ur_nodes.loop import Loop
 from ur_nodes.node_base import LoopNode
 from ur_nodes.ports.actions import GoalClient, GoalFollower, GoalServer, GoalTakers
 from ur_nodes.ports.graph import Graph
+from ur_nodes.ports.log import ThrottledLog
 from ur_nodes.ports.node import Location, Sender
 from ur_nodes.ports.parameters import Parameters
 from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.raw import Raw
 from ur_nodes.ports.transforms import Transforms
 from ur_nodes.ports.values import Result
-from ur_nodes.ros2.log import follow_clock, make_log
 from ur_nodes.ros2.names import resolve, type_name_of
 from ur_nodes.ros2.navigation.lifecycle import answer_for_managed_nodes
 from ur_nodes.ros2.parameters import RosParameters
@@ -30,7 +30,8 @@ from ur_nodes.ros2.services import NodeServices
 from ur_nodes.ros2.topics import RosPublisher, RosSubscription
 
 if TYPE_CHECKING:
-    from rclpy.node import TopicEndpointInfo
+    from rclpy.clock import JumpHandle
+    from rclpy.node import Clock, TopicEndpointInfo
 
     from ur_nodes.ros2.navigation.server import NavigationActions
 
@@ -55,13 +56,15 @@ class RosNode(LoopNode):
         self._clock = self._node.get_clock()
         self._transforms: Transforms | None = None
         loop = Loop(self._seconds if self._simulated else time.monotonic, steady=not self._simulated)
-        super().__init__(loop, make_log(self._node.get_logger(), self._seconds))
+        logger = self._node.get_logger()
+        log = ThrottledLog(logger.debug, logger.info, logger.warning, logger.error, self._seconds)
+        super().__init__(loop, log)
         self._executor = SingleThreadedExecutor(context=self._node.context)
         self._executor.add_node(self._node)
         self._spinner = threading.Thread(target=self._executor.spin, name="executor", daemon=True)
         self._services = NodeServices(self._node, self._executor, loop, self.log)
         self._actions: NavigationActions | None = None
-        self._following = follow_clock(self._clock, loop.passed) if self._simulated else None
+        self._following = _follow_clock(self._clock, loop.passed) if self._simulated else None
         answer_for_managed_nodes(self._node)
 
     def begin(self, on_failure: Callable[[], None] = lambda: None) -> None:
@@ -220,3 +223,12 @@ class RosNode(LoopNode):
         senders: bool = False,
     ) -> RosSubscription[Value]:
         return RosSubscription(self._node, topic, kind, codec, quality, self._loop, take, unreadable, senders=senders)
+
+
+def _follow_clock(clock: Clock, call: Callable[[], None]) -> JumpHandle:
+    """Call a function, on the spinning thread, when a clock has a new time, as long as the result is kept."""
+    from rclpy.clock import JumpThreshold
+    from rclpy.duration import Duration
+
+    every = JumpThreshold(min_forward=Duration(nanoseconds=1), min_backward=Duration(nanoseconds=-1))
+    return clock.create_jump_callback(every, post_callback=lambda _jump: call())

@@ -8,7 +8,7 @@ from rclpy.serialization import deserialize_message
 
 from ur_nodes.codecs import KindCodec, find_codec
 from ur_nodes.codecs.frames import transforms_of
-from ur_nodes.ports.stored import StoredReader
+from ur_nodes.ports.raw import StoredReader
 
 
 def find_reader(topic: str, kind: type) -> StoredReader | None:
