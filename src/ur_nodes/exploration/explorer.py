@@ -18,10 +18,11 @@ from ur_nodes.exploration.search.frontiers import unknown_behind
 from ur_nodes.exploration.search.viewpoints import Viewpoint
 from ur_nodes.exploration.status import ExploreStatus, State
 from ur_nodes.exploration.survey import Explanations, Survey, survey_frontiers
-from ur_nodes.geometry.pose import Pose2
+from ur_nodes.geometry.pose import Pose2, wrap_angle
 
 _SAME_GOAL = 0.4  # m: a place nearer than this to the present goal is not worth a new one
 _NEWS = 0.5  # m2 of floor that the map must grow by to count as news
+_TURN = 0.3  # m that a radian turned counts as, where the robot's effort without news is measured
 _PROGRESS = 0.1  # m: by so much less than before must be left to count as progress
 
 
@@ -50,7 +51,8 @@ class Explorer:
         self._cleared = False  # the costmaps, for what was left at the end
         self._robot: Pose2 | None = None  # at the last step
         self._travelled = 0.0  # m
-        self._known, self._travelled_at_news = 0.0, 0.0  # m2 and m, when the map last grew
+        self._effort = 0.0  # m travelled, and turns
+        self._known, self._effort_at_news = 0.0, 0.0  # m2 and m, when the map last grew
         self._pace = Pace()
 
     def step(self, inputs: ExplorerInputs) -> ExplorerOutputs:
@@ -82,7 +84,9 @@ class Explorer:
         if self._began is None:
             self._began = inputs.now
         if self._robot is not None:
-            self._travelled += math.hypot(inputs.robot.x - self._robot.x, inputs.robot.y - self._robot.y)
+            step = math.hypot(inputs.robot.x - self._robot.x, inputs.robot.y - self._robot.y)
+            self._travelled += step
+            self._effort += step + _TURN * abs(wrap_angle(inputs.robot.yaw - self._robot.yaw))
         self._robot = inputs.robot
 
     def _end_pursuit(self, end: GoalEnd) -> None:
@@ -129,7 +133,7 @@ class Explorer:
         floor = read_floor(inputs.grid, inputs.robot, settings.radius, inputs.obstacles)
         self._memory = self._memory.refresh(floor)
         if floor.known > self._known + _NEWS:
-            self._known, self._travelled_at_news = floor.known, self._travelled
+            self._known, self._effort_at_news = floor.known, self._effort
         self._survey = survey_frontiers(
             floor,
             self._memory,
@@ -170,11 +174,11 @@ class Explorer:
 
     @property
     def _idle_distance(self) -> float:
-        """The distance (m) driven since the map last grew. The longer it is, the more the robot keeps to its goal.
+        """The distance (m) driven since the map last grew, and turned. It makes the robot keep to its goal.
 
         Gains change with each map: it could turn back and forth between two places for ever.
         """
-        return self._travelled - self._travelled_at_news
+        return self._effort - self._effort_at_news
 
     def _finish(self, inputs: ExplorerInputs, survey: Survey, cancel: bool) -> ExplorerOutputs:
         """Nothing is left to look at: wait for a moment, try again what failed, then end."""

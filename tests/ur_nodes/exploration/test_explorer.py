@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import pytest
 from tests.ur_nodes.exploration.drawn import ROOM, box, draw, place
@@ -216,3 +218,17 @@ def test_time_left_is_estimated_while_the_map_grows_and_not_while_paused() -> No
         assert (status.left is None) == (run.now <= 30.0)
     assert run.step(paused="the emergency stop is pressed").status.left is None
     assert run.step().status.left is None
+
+
+def test_robot_does_not_turn_for_ever_between_a_frontier_and_one_that_only_the_other_heading_shows() -> None:
+    both = "\n".join(line.replace("#...........?", "............?", 1) for line in ROOM.split("\n"))
+    run = ExplorerRun(both)
+    goals: list[Pose2] = []
+    for _ in range(60):
+        out = run.step()
+        if out.goal is not None:
+            goals.append(out.goal)
+            bearing = math.atan2(out.goal.y - run.robot.y, out.goal.x - run.robot.x)
+            run.robot = Pose2(run.robot.x, run.robot.y, bearing)
+            run.grid = draw(both if out.goal.x > run.robot.x else ROOM)
+    assert 1 < len(goals) < 10
