@@ -74,7 +74,7 @@ class PacedLine:
 
 def number(beams: NDArray[np.int64]) -> _Floats:
     """The distances (mm) that tell beams by their numbers since the start."""
-    distances: _Floats = FIRST + STEP * (beams % 360) + beams // 360 % TURNS
+    distances: _Floats = np.add(FIRST + STEP * (beams % 360), beams // 360 % TURNS, dtype=np.float64)
     return distances
 
 
