@@ -45,7 +45,6 @@ class Arduino:
         return make_line("?")
 
     def drive(self, left: float, right: float) -> bytes:
-        """See MotorBoard."""
         speeds = (clip(each * self._scale.counts_per_metre, _FASTEST) for each in (left, right))
         return make_line("v {} {}".format(*speeds))
 
@@ -58,7 +57,6 @@ class Arduino:
         return b""
 
     def take(self, data: bytes) -> Iterator[Reading]:
-        """See MotorBoard."""
         *lines, self._buffer = (self._buffer + data).split(b"\n")
         self._buffer = self._buffer[-LONGEST:]
         for line in lines:

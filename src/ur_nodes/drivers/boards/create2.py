@@ -46,7 +46,6 @@ class Create2:
 
     @property
     def rejected(self) -> int:
-        """See MotorBoard."""
         return self._frames.rejected
 
     def greet(self) -> bytes:
@@ -70,7 +69,6 @@ class Create2:
         return bytes((PAUSE_STREAM, 0, STOP))
 
     def take(self, data: bytes) -> Iterator[Reading]:
-        """See MotorBoard."""
         for frame in self._frames.take(data):
             yield from self._read(frame)
 

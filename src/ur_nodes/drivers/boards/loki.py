@@ -80,7 +80,6 @@ class Loki:
         return b""
 
     def take(self, data: bytes) -> Iterator[Reading]:
-        """See MotorBoard."""
         *lines, self._buffer = (self._buffer + data).split(b"\n")
         self._buffer = self._buffer[-LONGEST:]
         for line in lines:

@@ -47,7 +47,6 @@ class Magni:
 
     @property
     def rejected(self) -> int:
-        """See MotorBoard."""
         return self._frames.rejected
 
     def greet(self) -> bytes:
@@ -55,7 +54,6 @@ class Magni:
         return make_packet(_READ, _FIRMWARE) + make_packet(_READ, _OPTIONS)
 
     def drive(self, left: float, right: float) -> bytes:
-        """See MotorBoard."""
         self._beats += 1
         self._silent += 1
         speeds = self._round(left / self._radius * SPEED_PER_RADIAN, right / self._radius * SPEED_PER_RADIAN)
@@ -84,7 +82,6 @@ class Magni:
         return b""
 
     def take(self, data: bytes) -> Iterator[Reading]:
-        """See MotorBoard."""
         for frame in self._frames.take(data):
             _, kind, register, value = _PACKET.unpack_from(frame)
             if kind == _RESPONSE:

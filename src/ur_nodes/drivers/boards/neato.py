@@ -72,7 +72,6 @@ class Neato:
         return _line("") + _line("TestMode On") + _line("SetLDSRotation On") + _line("GetVersion")
 
     def drive(self, left: float, right: float) -> bytes:
-        """See MotorBoard."""
         self._beats += 1
         return self._move(left * 1000.0, right * 1000.0) + self._ask()
 
@@ -85,7 +84,6 @@ class Neato:
         return _line("SetLDSRotation Off") + _line("TestMode Off")
 
     def take(self, data: bytes) -> Iterator[Reading]:
-        """See MotorBoard."""
         *answers, self._buffer = (self._buffer + data).split(_END)
         self._buffer = self._buffer[-_MOST:]
         for answer in answers:

@@ -60,7 +60,6 @@ class OpenCr:
 
     @property
     def rejected(self) -> int:
-        """See MotorBoard."""
         return self._frames.rejected
 
     def greet(self) -> bytes:
@@ -68,7 +67,6 @@ class OpenCr:
         return make_packet(WRITE, _TORQUE, b"\x01") + _read(_MODEL) + _read(_STATE)
 
     def drive(self, left: float, right: float) -> bytes:
-        """See MotorBoard."""
         self._beats += 1
         data = self._move((left + right) / 2.0 * 100.0, (right - left) / self._separation * 100.0)
         if self._beats % _HEARTBEATS == 0:
@@ -94,7 +92,6 @@ class OpenCr:
         return b""
 
     def take(self, data: bytes) -> Iterator[Reading]:
-        """See MotorBoard."""
         for frame in self._frames.take(data):
             body = frame[7:-2].replace(b"\xff\xff\xfd\xfd", b"\xff\xff\xfd")
             if body[:1] == bytes((STATUS,)) and len(body) > 2 and not body[1] & 0x7F:

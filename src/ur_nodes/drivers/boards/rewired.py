@@ -21,15 +21,12 @@ class RewiredBoard:
 
     @property
     def rejected(self) -> int:
-        """See MotorBoard."""
         return self._board.rejected
 
     def drive(self, left: float, right: float) -> bytes:
-        """See MotorBoard."""
         return self._board.drive(*self._wiring.command(left, right))
 
     def take(self, data: bytes) -> Iterator[Reading]:
-        """See MotorBoard."""
         for reading in self._board.take(data):
             if isinstance(reading, Counts):
                 left, right = self._wiring.counted(reading.left, reading.right)

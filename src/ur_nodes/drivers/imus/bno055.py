@@ -35,7 +35,6 @@ class Bno055:
         self._bad = 0
 
     def begin(self, bus: I2cBus) -> UnitIdentity:
-        """See InertialDevice."""
         (chip,) = bus.read(ADDRESS, _CHIP, 1)
         if chip != _CHIP_ID:
             return UnitIdentity("", f"its chip id is {chip:#04x}, expected {_CHIP_ID:#04x}")
@@ -49,7 +48,6 @@ class Bno055:
         return UnitIdentity(f"firmware {software[1]:x}.{software[0]:02x}")
 
     def read(self, bus: I2cBus) -> InertialReading | None:
-        """See InertialDevice."""
         values = struct.unpack("<3h6x3h6x4h", bus.read(ADDRESS, _DATA, _COUNT))
         w, x, y, z = (each / _UNIT for each in values[6:])
         if abs(w * w + x * x + y * y + z * z - 1.0) > 2.0 * _LENGTH_ERROR:

@@ -42,7 +42,6 @@ class Mpu6050:
         self._zero: Triple | None = None
 
     def begin(self, bus: I2cBus) -> UnitIdentity:
-        """See InertialDevice."""
         (kind,) = bus.read(ADDRESS, _WHO, 1)
         if kind not in _NAMES:
             return UnitIdentity("", f"its id is {kind:#04x}, expected one of {', '.join(map(hex, _NAMES))}")

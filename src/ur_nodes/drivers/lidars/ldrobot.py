@@ -55,7 +55,6 @@ class LdRobot(SendingLidar):
         self._frames = FrameReader(b"\x54\x2c", fixed(_SIZE), lambda frame: check(frame[:-1]) == frame[-1], _SIZE)
 
     def take(self, data: bytes) -> Iterator[Reading]:
-        """See LidarProtocol."""
         for joined in join_frames(self._frames.take(data), _MOST):
             frames = np.frombuffer(joined, _FRAME)
             first, last = (frames[name].astype(np.float64)[:, None] for name in ("first", "last"))

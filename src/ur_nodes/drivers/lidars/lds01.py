@@ -41,7 +41,6 @@ class Lds01(SendingLidar):
         return b"e"
 
     def take(self, data: bytes) -> Iterator[Reading]:
-        """See LidarProtocol."""
         for joined in join_frames(self._frames.take(data), _MOST):
             packets = np.frombuffer(joined, _PACKET)
             numbers = _BEAMS * (packets["number"].astype(np.float64) - 0xA0)[:, None] + np.arange(_BEAMS) + 1.0

@@ -50,13 +50,10 @@ class SendingLidar:
 
     @property
     def rejected(self) -> int:
-        """See LidarProtocol."""
         return self._frames.rejected
 
     def greet(self) -> bytes:
-        """See LidarProtocol."""
         return b""
 
     def leave(self) -> bytes:
-        """See LidarProtocol."""
         return b""

@@ -80,7 +80,6 @@ class RplidarStandard(_Rplidar):
         return _STOP + _PAUSE + _INFO + _PAUSE + _HEALTH + _PAUSE + _PACE + _SCAN
 
     def take(self, data: bytes) -> Iterator[Reading]:
-        """See LidarProtocol."""
         yield from self.read_answers(data)
         self._buffer = (self._buffer + data)[-_MOST:]
         while len(self._buffer) >= (5 if self._synced else 5 * _RUN):
@@ -115,7 +114,6 @@ class RplidarExpress(_Rplidar):
         return _STOP + _PAUSE + _INFO + _PAUSE + _HEALTH + _PAUSE + _PACE + _EXPRESS
 
     def take(self, data: bytes) -> Iterator[Reading]:
-        """See LidarProtocol."""
         yield from self.read_answers(data)
         for packet in self._packets.take(data):
             word = int.from_bytes(packet[2:4], "little")

@@ -44,7 +44,6 @@ class Scip:
         return b"\nQT\n"
 
     def take(self, data: bytes) -> Iterator[Reading]:
-        """See LidarProtocol."""
         *blocks, self._buffer = (self._buffer + data).replace(b"\r\n", b"\n").split(b"\n\n")
         self._buffer = self._buffer[-_MOST:]
         for block in blocks:

@@ -35,7 +35,6 @@ class Xv11(SendingLidar):
         self._frames = FrameReader(b"\xfa", fixed(_SIZE), _is_valid, _SIZE)
 
     def take(self, data: bytes) -> Iterator[Reading]:
-        """See LidarProtocol."""
         for joined in join_frames(self._frames.take(data), _MOST):
             packets = np.frombuffer(joined, _PACKET)
             distances, strengths = packets["beams"]["distance"].ravel(), packets["beams"]["strength"].ravel()

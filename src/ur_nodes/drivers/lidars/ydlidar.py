@@ -34,7 +34,6 @@ class Ydlidar:
 
     @property
     def rejected(self) -> int:
-        """See LidarProtocol."""
         return self._frames.rejected
 
     def greet(self) -> bytes:
@@ -46,7 +45,6 @@ class Ydlidar:
         return _STOP
 
     def take(self, data: bytes) -> Iterator[Reading]:
-        """See LidarProtocol."""
         for frame in self._frames.take(data):
             _, _, count, first, last, _ = _HEAD.unpack_from(frame)
             millimetres = np.frombuffer(frame, "<u2", count, _HEAD.size) / 4.0

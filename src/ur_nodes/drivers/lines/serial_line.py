@@ -64,7 +64,6 @@ class SerialLine:
         self._open()
 
     def write(self, data: bytes, *, moving: bool = False) -> None:
-        """See DeviceLine."""
         if self._port is None or not data:
             return
         with contextlib.suppress(OSError, termios.error):  # unplugged: what reads it reports that
@@ -73,7 +72,6 @@ class SerialLine:
             os.write(self._port.fileno(), data)
 
     def close(self) -> None:
-        """See DeviceLine."""
         self._closed = True
         if self._port is not None:
             with contextlib.suppress(OSError, termios.error):

@@ -33,7 +33,6 @@ class GpioPort:
         self._lines = request(path, config=pins, consumer="ur sonars", event_buffer_size=_EVENTS)
 
     def ping(self, sonar: SonarPins) -> Listened | str:
-        """See SonarPort."""
         try:
             return self._ping(sonar)
         except OSError as problem:
@@ -58,7 +57,6 @@ class GpioPort:
         return Listened(tuple(edges), triggered, time.monotonic_ns(), busy)
 
     def close(self) -> None:
-        """See SonarPort."""
         self._lines.release()
 
 

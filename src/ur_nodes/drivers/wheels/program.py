@@ -62,11 +62,9 @@ class GuardedLine:
             self._port.close()
 
     def time(self) -> float:
-        """See TimedLine."""
         return time.monotonic()
 
     def exchange(self, data: bytes, seconds: float, *, moving: bool) -> bytes:
-        """See TimedLine."""
         end, received, device = time.monotonic() + seconds, b"", self._port.fileno()
         try:
             self._guard.report(moving=moving)

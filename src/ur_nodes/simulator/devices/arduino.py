@@ -27,7 +27,6 @@ class ArduinoFirmware:
         self.power = True
 
     def take(self, data: bytes) -> bytes:
-        """See Firmware."""
         answer = b""
         self._line += data
         while b"\n" in self._line:
@@ -37,7 +36,6 @@ class ArduinoFirmware:
         return answer
 
     def tick(self) -> bytes:
-        """See Firmware."""
         now = self._plant.time
         if self._commanded >= 0.0 and (now - self._commanded > WATCHDOG or not self.power):
             self._plant.turn_wheels(0.0, 0.0)

@@ -31,7 +31,6 @@ class Create2Firmware:
         self.lifted = False
 
     def take(self, data: bytes) -> bytes:
-        """See Firmware."""
         self._bytes += data
         answer = b""
         while self._bytes:
@@ -50,7 +49,6 @@ class Create2Firmware:
         return answer
 
     def tick(self) -> bytes:
-        """See Firmware."""
         if self.mode == SAFE and (self.lifted or any(self._plant.cliffs().values())):
             self.mode = PASSIVE
             self._plant.turn_wheels(0.0, 0.0)

@@ -27,7 +27,6 @@ class HokuyoFirmware(TurningHead):
         self._distances: list[float] = []
 
     def take(self, data: bytes) -> bytes:
-        """See Firmware."""
         *lines, self._line = (self._line + data.decode("latin-1")).split("\n")
         self._line = self._line[-40:]
         return b"".join(self._obey(line) for line in lines if line)

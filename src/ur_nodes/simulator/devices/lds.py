@@ -26,14 +26,12 @@ class Lds01Firmware(PacketHead):
         self._scans = False
 
     def take(self, data: bytes) -> bytes:
-        """See Firmware."""
         for byte in data:
             if byte in b"be":
                 self._scans = byte == ord("b")
         return b""
 
     def packet(self, points: Sequence[tuple[int, float]]) -> bytes:
-        """See PacketHead."""
         if not self._scans:
             return b""
         number = (points[0][0] - 1) % 360 // 6

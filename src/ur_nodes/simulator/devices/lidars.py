@@ -47,7 +47,6 @@ class TurningHead(ABC):
         """The bytes for beams, by their numbers since the start; 0.0 mm: nothing was measured."""
 
     def tick(self) -> bytes:
-        """See Firmware."""
         rate = self._lidar.rate * _PER_TURN
         count = int((self._plant.time - self._time) * rate + 1e-6)
         self._time += count / rate
@@ -83,7 +82,6 @@ class RplidarFirmware(TurningHead):
         self.requests = b""
 
     def take(self, data: bytes) -> bytes:
-        """See Firmware."""
         self.requests = (self.requests + data)[-1000:]
         self._data += data
         answer = b""
@@ -101,7 +99,6 @@ class RplidarFirmware(TurningHead):
         return answer
 
     def pack(self, beams: npt.NDArray[np.int64], millimetres: npt.NDArray[np.float64]) -> bytes:
-        """See TurningHead."""
         if self._scan == "standard":
             return b"".join(
                 struct.pack("<BHH", 60 | (2 - (n % 360 == 0)), (n % 360 * 64) * 2 + 1, round(mm * 4))
@@ -152,11 +149,9 @@ class PacketHead(TurningHead):
         """The bytes of a packet of beams, each its number since the start and a distance in mm."""
 
     def take(self, data: bytes) -> bytes:
-        """See Firmware."""
         return data[:0]
 
     def pack(self, beams: npt.NDArray[np.int64], millimetres: npt.NDArray[np.float64]) -> bytes:
-        """See TurningHead."""
         self._waiting += zip(beams.tolist(), millimetres.tolist(), strict=True)
         sent = b""
         while len(self._waiting) >= self.size:
@@ -171,7 +166,6 @@ class LdRobotFirmware(PacketHead):
     size = 12
 
     def packet(self, points: Sequence[tuple[int, float]]) -> bytes:
-        """See PacketHead."""
         head = struct.pack("<BBHH", 0x54, 0x2C, round(self._lidar.rate * 360), points[0][0] % 360 * 100)
         body = b"".join(struct.pack("<HB", round(mm), 200) for _, mm in points)
         frame = head + body + struct.pack("<HH", points[-1][0] % 360 * 100, round(self._plant.time * 1000) % 30000)
@@ -185,7 +179,6 @@ class Xv11Firmware(PacketHead):
     size = 4
 
     def packet(self, points: Sequence[tuple[int, float]]) -> bytes:
-        """See PacketHead."""
         packet = struct.pack("<BBH", 0xFA, 0xA0 + points[0][0] % 360 // 4, round(self._lidar.rate * 60 * 64))
         for _, mm in points:
             packet += struct.pack("<HH", round(mm) if 0 < mm < 16384 else 0x8035, 300)
@@ -203,7 +196,6 @@ class YdlidarFirmware(TurningHead):
         self._scans = False
 
     def take(self, data: bytes) -> bytes:
-        """See Firmware."""
         if b"\xa5\x65" in data:
             self._scans = False
         if b"\xa5\x60" in data:
@@ -212,7 +204,6 @@ class YdlidarFirmware(TurningHead):
         return b""
 
     def pack(self, beams: npt.NDArray[np.int64], millimetres: npt.NDArray[np.float64]) -> bytes:
-        """See TurningHead."""
         sent, packet = b"", list[tuple[int, float]]()
         for n, mm in zip(beams.tolist(), millimetres.tolist(), strict=True):
             if packet and (n % 360 == 0 or len(packet) == 40 or packet[0][0] % 360 == 0):

@@ -35,7 +35,6 @@ class LokiFirmware:
         self.gains: tuple[int, ...] = (30, 7, 25, 600, 100)
 
     def take(self, data: bytes) -> bytes:
-        """See Firmware."""
         return b"".join(self._receive(chr(byte)) for byte in data)
 
     def tick(self) -> bytes:

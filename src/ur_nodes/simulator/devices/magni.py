@@ -31,7 +31,6 @@ class MagniFirmware:
         self.power = True
 
     def take(self, data: bytes) -> bytes:
-        """See Firmware."""
         self._bytes += data
         answer = b""
         while len(self._bytes) >= 8:
@@ -44,7 +43,6 @@ class MagniFirmware:
         return answer
 
     def tick(self) -> bytes:
-        """See Firmware."""
         now = self._plant.time
         if self._commanded >= 0.0 and (now - self._commanded > WATCHDOG or not self.power):
             self._plant.turn_wheels(0.0, 0.0)

@@ -30,11 +30,9 @@ class _Head(TurningHead):
         self.table = np.zeros(360)
 
     def take(self, data: bytes) -> bytes:
-        """See Firmware."""
         raise NotImplementedError
 
     def pack(self, beams: npt.NDArray[np.int64], millimetres: npt.NDArray[np.float64]) -> bytes:
-        """See TurningHead."""
         self.table[beams % 360] = millimetres
         return b""
 
@@ -52,13 +50,11 @@ class NeatoFirmware:
         self.test_mode = self.lifted = False
 
     def take(self, data: bytes) -> bytes:
-        """See Firmware."""
         *lines, self._text = (self._text + data.decode("latin-1")).replace("\r", "\n").split("\n")
         self._text = self._text[-200:]
         return b"".join(self._obey(line) for line in lines)
 
     def tick(self) -> bytes:
-        """See Firmware."""
         if self._plant.time >= self._until:
             self._plant.turn_wheels(0.0, 0.0)
             self._until = math.inf

@@ -43,7 +43,6 @@ class OpenCrFirmware:
         self.power = True
 
     def take(self, data: bytes) -> bytes:
-        """See Firmware."""
         self._bytes += data
         answer = b""
         while True:
@@ -66,7 +65,6 @@ class OpenCrFirmware:
                 answer += self._obey(_unstuff(packet[7:-2]))
 
     def tick(self) -> bytes:
-        """See Firmware."""
         if not self.power or self._plant.time - self._beat_time > HEARTBEAT_TIMEOUT:
             self._plant.turn_wheels(0.0, 0.0)
             self._beat_time = -math.inf
