@@ -12,8 +12,10 @@ Sent = TypeVar("Sent", contravariant=True)
 class Sender:
     """The sender of a value: the name of its node, and whether the value was stored by the topic (LATCHED).
 
-    `id` distinguishes publishers, also those of one name. `sent` is the moment (ns) at which the value was sent, by the
-    clock of the sender's computer, and `arrived` when it arrived (s), by `Node.steady`; None: it is not known.
+    `id` distinguishes publishers, also those of one name. Where the middleware cannot tell several of them apart, they
+    have one `id`, and values of one `stream` are of one publisher, which may have several streams. `sent` is the moment
+    (ns) at which the value was sent, by the clock of the sender's computer, and `arrived` when it arrived (s), by
+    `Node.steady`; None: it is not known.
     """
 
     name: str
@@ -21,6 +23,7 @@ class Sender:
     id: str = ""
     sent: int | None = None
     arrived: float | None = None
+    stream: str = ""
 
 
 class Publisher(Protocol[Sent]):

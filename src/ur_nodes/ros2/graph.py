@@ -19,6 +19,7 @@ _OWN_SERVICES = (*_OWN, "/list_parameters", "/set_parameters", "/set_parameters_
 
 _SEVERAL = "several"
 _MOST = 1000  # publishers that are remembered
+_MOST_STREAMS = 32
 _UNKNOWN = "_"  # the first character of the names that the middleware gives to programs that are no nodes
 
 
@@ -53,7 +54,8 @@ class Senders:
     """Finds the senders of the messages of a topic.
 
     rclpy gives the id of the publisher from Kilted on. Before, a topic with one publisher has that one's id, and all
-    publishers of a topic with several count as one. The graph is asked when the publisher may have changed only.
+    publishers of a topic with several have one id; there the numbers that publishers give their messages tell streams
+    apart. The graph is asked when the publisher may have changed only.
     """
 
     def __init__(self, node: Node, topic: str) -> None:
@@ -61,6 +63,8 @@ class Senders:
         self._names: dict[str, str] = {}
         self._id = ""
         self._last = (-1, -1)  # number and stamp of the last message, where they say whether another publisher began
+        self._streams: dict[int, tuple[int, int]] = {}  # likewise of each stream, that of the last message last
+        self._began = 0  # streams
 
     def find(self, info: Mapping[str, Any]) -> Sender:
         """Return the sender of a message that was just received."""
@@ -70,7 +74,9 @@ class Senders:
         if id not in self._names:
             self._ask()
             self._names.setdefault(id, "")
-        return Sender(self._names[id], id=id, sent=sent or None, arrived=arrived)
+        number = info.get("publication_sequence_number")  # Cyclone DDS gives none
+        stream = self._find_stream(number, sent) if id == _SEVERAL and number is not None else ""
+        return Sender(self._names[id], id=id, sent=sent or None, arrived=arrived, stream=stream)
 
     def _infer(self, number: int | None, sent: int) -> str:
         last, last_sent = self._last
@@ -78,7 +84,25 @@ class Senders:
         if number is None or number != last + 1 or sent < last_sent:
             known = self._ask()
             self._id = known[0] if len(known) == 1 else _SEVERAL
+            self._names[_SEVERAL] = "one of " + ", ".join(sorted({self._names[each] for each in known}))
         return self._id
+
+    def _find_stream(self, number: int, sent: int) -> str:
+        """Find the stream that a message continues, or begin another."""
+        before = {
+            stream: sent - last_sent
+            for stream, (last, last_sent) in self._streams.items()
+            if number == last + 1 and sent >= last_sent
+        }
+        if before:
+            found = min(before, key=before.__getitem__)
+        else:
+            found = self._began = self._began + 1
+        self._streams.pop(found, None)
+        self._streams[found] = (number, sent)
+        if len(self._streams) > _MOST_STREAMS:
+            del self._streams[next(iter(self._streams))]
+        return str(found)
 
     def _ask(self) -> list[str]:
         """Store the names of the present publishers, and return their ids."""

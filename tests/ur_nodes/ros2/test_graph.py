@@ -115,6 +115,21 @@ def test_another_publisher_is_looked_for_where_numbers_or_stamps_leap() -> None:
     assert senders.find(info(1, 10)).name == "/keys"
 
 
-def test_several_publishers_without_ids_count_as_one() -> None:
+def test_several_publishers_without_ids_have_one_and_the_name_of_all() -> None:
     senders, _ = senders_of(Endpoint("keys", FIRST), Endpoint("page", SECOND))
-    assert [senders.find(info(1, number)).id for number in (1, 1)] == ["several", "several"]
+    found = [senders.find(info(1, number)) for number in (1, 1)]
+    assert {(each.id, each.name) for each in found} == {("several", "one of /keys, /page")}
+
+
+def test_streams_of_publishers_without_ids_are_told_apart_by_the_numbers_of_their_messages() -> None:
+    senders, _ = senders_of(Endpoint("keys", FIRST), Endpoint("page", SECOND))
+    sent = [(7, 10), (70, 90), (8, 20), (71, 91), (9, 30), (11, 50), (72, 92), (12, 60), (12, 5)]
+    streams = [senders.find(info(moment, number)).stream for number, moment in sent]
+    keys, page, _, _, _, again, _, _, other = streams
+    assert streams == [keys, page, keys, page, keys, again, page, again, other]  # the number 10 was lost
+    assert len({keys, page, again, other}) == 4
+
+
+def test_publishers_of_a_middleware_that_numbers_no_messages_have_one_stream() -> None:
+    senders, _ = senders_of(Endpoint("keys", FIRST), Endpoint("page", SECOND))
+    assert {senders.find(info(moment)).stream for moment in (1, 2, 3)} == {""}

@@ -68,11 +68,22 @@ def admit_stamped(
 
 
 def admit_plain(
-    admission: Admission, source: int, publisher: str, now: float, *, motion: bool, sent: Sent | None = None
+    admission: Admission,
+    source: int,
+    publisher: str,
+    now: float,
+    *,
+    motion: bool,
+    sent: Sent | None = None,
+    stream: str = "",
 ) -> tuple[Admission, float | Refusal]:
-    """Return the age (s) of a plain command, or why it is refused. Without a known time `sent`, the age is 0."""
+    """Return the age (s) of a plain command, or why it is refused. Without a known time `sent`, the age is 0.
+
+    `stream` is that of a `Sender`: each proves its own rhythm; all of a publisher have one least difference.
+    """
     key = (source, publisher)
-    probation = admission.plain.get(key, Probation(admission.timeouts[source]))
+    rhythm = (source, f"{publisher} {stream}" if stream else publisher)
+    probation = admission.plain.get(rhythm, Probation(admission.timeouts[source]))
     age = 0.0
     if sent is not None:
         stamps, delay, fell = step_stamps(admission.stamps.get(key, Stamps()), *sent)
@@ -83,7 +94,7 @@ def admit_plain(
         if fell:
             probation = restart_proof(probation)
     state = step_probation(probation, now, motion=motion)
-    admission = replace(admission, plain=_with(admission.plain, key, state, _MOST_PUBLISHERS))
+    admission = replace(admission, plain=_with(admission.plain, rhythm, state, _MOST_PUBLISHERS))
     if not state.accepted:
         return admission, "on probation"
     if now - admission.stamped_at.get(source, -math.inf) <= admission.timeouts[source]:

@@ -110,8 +110,9 @@ class AdmissionGate:
         sent = None
         if sender is not None and sender.sent is not None and sender.arrived is not None:
             sent = (sender.sent, sender.arrived)
+        stream = sender.stream if sender else ""
         self._admission, verdict = admit_plain(
-            self._admission, index, _publisher(sender), now, motion=motion, sent=sent
+            self._admission, index, _publisher(sender), now, motion=motion, sent=sent, stream=stream
         )
         self._pass(index, velocity, now, verdict, stamped=False)
 

@@ -195,6 +195,14 @@ def test_plain_command_with_a_stamp_is_as_old_as_its_stamp_shows(robot: Admittin
     assert robot.plain(sent=robot.now - 0.062) == pytest.approx(0.06, abs=1e-3)
 
 
+def test_stream_of_a_publisher_that_cannot_be_told_apart_proves_its_own_rhythm(robot: AdmittingRobot) -> None:
+    drive_steadily(robot)
+    for delay, expected in ((0.0, "on probation"), (2.0, "held back")):
+        moment = (round((robot.now + 100.0 - delay) * 1e9), robot.now)
+        _, verdict = admit_plain(robot.admission, KEYBOARD, "/p", robot.now, motion=True, sent=moment, stream="2")
+        assert verdict == expected
+
+
 def test_time_that_a_command_waits_for_the_mux_counts(robot: AdmittingRobot) -> None:
     drive_steadily(robot)
     moment = (round((robot.now + 100.0) * 1e9), robot.now)
