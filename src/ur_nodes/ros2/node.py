@@ -52,6 +52,7 @@ class RosNode(LoopNode):
         self.facts = FileFacts(simulated_time=self._node.get_parameter("use_sim_time").value is True)
         self.replaced = False  # ROS 2 lets nodes share a name
         self.ended: Callable[[str], None] = lambda _reason: None
+        self.leaving: Callable[[], None] = lambda: None  # called before the node leaves the graph
         self._simulated = self.facts.simulated_time
         self._clock = self._node.get_clock()
         self._transforms: Transforms | None = None
@@ -80,6 +81,7 @@ class RosNode(LoopNode):
         if self._spinner.is_alive():
             self._spinner.join(_END_LIMIT)
         self._node.reception.close(_END_LIMIT)
+        self.leaving()
         if self._actions is not None:
             self._actions.close()
         self._node.destroy_node()

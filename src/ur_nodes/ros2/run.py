@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import faulthandler
+import os
 import signal
 import sys
 import threading
@@ -11,6 +13,8 @@ from ur.source.diagnostic import UserError
 from ur.source.render import render_human
 from ur_nodes.ports.node import Node
 from ur_nodes.ros2.attached import attach
+
+_LEAVE = 10.0  # s
 
 
 def run(name: str, start: Callable[[Node], object], *, own_terminal: bool = False) -> int:
@@ -28,8 +32,19 @@ def run(name: str, start: Callable[[Node], object], *, own_terminal: bool = Fals
     threading.excepthook = fail
     try:
         with attach(name, start, ended.set, quiet=own_terminal) as (_wired, node):
+            node.leaving = limit_leaving
             ended.wait()
         return int(node.failed or bool(failures))
     except UserError as problem:
         sys.stderr.write(render_human(problem.diagnostics))
         return 2
+
+
+def limit_leaving(seconds: float = _LEAVE) -> None:
+    """End this process with exit code 1 if it has not ended in so many seconds.
+
+    Threads of Fast DDS can deadlock when many nodes leave a domain at once. Python's lock is held then, so neither a
+    thread nor a signal handler of Python could end the process.
+    """
+    _unread, nowhere = os.pipe()
+    faulthandler.dump_traceback_later(seconds, exit=True, file=nowhere)
