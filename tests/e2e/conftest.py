@@ -49,6 +49,45 @@ def either_ros(request: pytest.FixtureRequest, tmp_path: Path) -> dict[str, str]
     return more
 
 
+class UrShell:
+    """`ur` in an environment of its own."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        self.environment = make_environment(folder)
+        self.environment["PATH"] = f"{ROOT / 'ubiquity_launches' / 'bin'}:{os.environ['PATH']}"
+
+    def ur(self, *words: str, keys: str = "") -> subprocess.CompletedProcess[str]:
+        return subprocess.run(
+            [str(ROOT / "ur"), *words],
+            env=self.environment,
+            cwd=self.folder,
+            input=keys,
+            capture_output=True,
+            text=True,
+            timeout=300,
+            check=False,
+        )
+
+
+@pytest.fixture
+def shell(tmp_path: Path) -> Iterator[UrShell]:
+    made = UrShell(tmp_path)
+    yield made
+    assert made.ur("stop", "--all").returncode == 0
+
+
+@pytest.fixture(params=["1", pytest.param("2", marks=pytest.mark.long)])
+def shell_of_either(request: pytest.FixtureRequest, shell: UrShell) -> UrShell:
+    if request.param == "2":
+        if not ROS2_PYTHON.exists():
+            pytest.skip("no wheels of ROS 2 for this processor")
+        shell.environment["ROS_DOMAIN_ID"] = free_domain()
+        shell.environment["XDG_RUNTIME_DIR"] = str(shell.folder)
+        assert shell.ur("use", "sim", "--ros", "2").returncode == 0
+    return shell
+
+
 def list_family(pid: int) -> list[int]:
     """A process and all below it."""
     import psutil

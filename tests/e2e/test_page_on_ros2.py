@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from tests.e2e.test_joining import UrShell
+from tests.e2e.conftest import UrShell
 from tests.e2e.web_page import PROGRAM, BrowserPage, open_first, start_server
 from tests.ros2_session import PYTHON, free_domain
 

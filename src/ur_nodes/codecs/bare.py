@@ -1,6 +1,7 @@
 """Messages of ROS 2 whose packages may be missing, written and read as CDR bytes (XCDR1).
 
-A class of this kind has `BARE`: package, name and RIHS01 hash of its type, by which the middleware finds the other end.
+A class of this kind has `BARE`: package, name and RIHS01 hash of its type, by which the middleware finds the other end;
+and the `DEFINITION` of its type, for recordings.
 Numbers are aligned to their size, counted from after the head of four bytes.
 """
 
@@ -99,6 +100,7 @@ class BareGridUpdate:
         *("map_msgs", "OccupancyGridUpdate"),
         "c4095b0be2e4363f8978a1570e0293ee093436f1e1c61d99b48502ac317025e8",
     )
+    DEFINITION = "std_msgs/Header header\nint32 x\nint32 y\nuint32 width\nuint32 height\nint8[] data\n"
 
     def __init__(self) -> None:
         self.header = Header()
@@ -128,6 +130,7 @@ class BareTransforms:
     """tf2_msgs/msg/TFMessage."""
 
     BARE = ("tf2_msgs", "TFMessage", "e369d0f05a23ae52508854b66f6aa0437f3449d652e8cbf22d5abe85d020f087")
+    DEFINITION = "geometry_msgs/TransformStamped[] transforms\n"
 
     def __init__(self) -> None:
         self.transforms: list[TransformStamped] = []

@@ -20,6 +20,7 @@ from ur_nodes.replay.player import FASTEST, SLOWEST, Player
 
 _STEP = 0.01  # s
 _SETTLE = 2.0  # s, in which subscribers connect before the first message
+_STATUS_TYPES = ("actionlib_msgs/GoalStatusArray", "std_msgs/msg/String")  # of goals, on ROS 1 and ROS 2
 _NOT_PLAYED = frozenset({"/rosout", "/rosout_agg", "/clock"})
 _PRINT_EVERY = 10.0  # s
 _WARN_EVERY = 60.0  # s
@@ -73,7 +74,7 @@ class ReplayNode:
         # Clients wait for who takes their goals; here nothing does.
         for name, topic in recording.topics.items():
             action, _, part = name.rpartition("/")
-            if part == "status" and topic.type_name == "actionlib_msgs/GoalStatusArray":
+            if part == "status" and topic.type_name in _STATUS_TYPES:
                 for each in ("goal", "cancel"):
                     self._node.raw.subscribe(f"{action}/{each}", lambda _message: None)
 

@@ -40,8 +40,9 @@ class MessageSender:
             self._publisher = node.create_publisher(kind, topic, profile, event_callbacks=callbacks)
 
     def send(self, message: Any) -> None:
-        """Send a message."""
-        self._publisher.publish(message.write() if self._bare else message)
+        """Send a message, or its bytes."""
+        written = self._bare and not isinstance(message, bytes)
+        self._publisher.publish(message.write() if written else message)
 
     def listeners(self) -> int:
         """The number of subscribers."""

@@ -5,11 +5,8 @@ A type that is not installed is received all the same: its publisher gives its n
 
 from __future__ import annotations
 
-import os
-from collections.abc import Callable, Iterable, Mapping
-from importlib import import_module
-from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING, Any
 
 import rclpy
 from rclpy.node import Node
@@ -22,6 +19,7 @@ from ur_nodes.ports.raw import Fields, RawMessage, RecordingRaw, ServiceAnswer, 
 from ur_nodes.ports.values import Result
 from ur_nodes.ros2 import ends
 from ur_nodes.ros2.messages.bare_type import bare_class, reset_error
+from ur_nodes.ros2.messages.definitions import find_bare, find_class, find_schema, split_type
 from ur_nodes.ros2.names import name_of
 from ur_nodes.ros2.qualities import offered, requested
 
@@ -32,8 +30,6 @@ if TYPE_CHECKING:
 _LOOK = 0.2  # s between two looks for a publisher
 _MOST_WAITING = 20  # messages, each of which may be large
 _FIND = 2.0  # s: a node discovers what there is a moment after it has begun
-_DEEPEST = 20  # types within types
-_SEPARATOR = "\n" + "=" * 80 + "\n"
 
 
 class RosRaw(RecordingRaw):
@@ -53,7 +49,7 @@ class RosRaw(RecordingRaw):
         return RawSubscription(self._node, self._loop, topic, take, quality)
 
     def publish(self, topic: str, type_name: str, quality: Quality = Quality.EVERY) -> RawPublisher:
-        found = find_class(type_name, "msg")
+        found = find_class(type_name, "msg") or find_bare(type_name)
         if found is None:
             raise LookupError(type_name)
         return RawPublisher(self._node, topic, found, offered(quality))
@@ -159,40 +155,6 @@ class RawSubscription:
         reset_error()
 
 
-def find_class(type_name: str, part: Literal["msg", "srv"]) -> Any:
-    """Find the class of a type, 'package/Name' or 'package/msg/Name'; None if it is not installed."""
-    package, name = _split(type_name)
-    if not package or _definition_file(package, name, part) is None:
-        return None  # nothing is imported that a name from the network invents
-    try:
-        return getattr(import_module(f"{package}.{part}"), name, None)
-    except Exception:  # a package of a workspace raises anything
-        return None
-
-
-def find_schema(type_name: str, part: Literal["msg", "srv"]) -> str | None:
-    """Return the definition of a type and of its fields' types; for a service, of its request.
-
-    None if not installed.
-    """
-    package, name = _split(type_name)
-    file = _definition_file(package, name, part) if package else None
-    if file is None:
-        return None
-    text = file.read_text(encoding="utf-8").partition("\n---")[0]
-    parts, known, waiting = [text], set[str](), list(_types_in(text, package))
-    while waiting and len(known) < _DEEPEST:
-        each = waiting.pop(0)
-        below = _definition_file(*_split(each), "msg")
-        if each in known or below is None:
-            continue
-        known.add(each)
-        inner = below.read_text(encoding="utf-8")
-        parts.append(f"MSG: {each}\n{inner}")
-        waiting += _types_in(inner, _split(each)[0])
-    return _SEPARATOR.join(parts)
-
-
 def make_message(message_class: type[genpy.Message], fields: Fields, node: Node) -> genpy.Message:
     """Make a message with fields; a header's stamp is now unless given. Raises ValueError."""
     message = message_class()
@@ -257,35 +219,5 @@ def _service_type(found: Result) -> Result:
 
 
 def _bare_class_of(publisher: TopicEndpointInfo) -> Any:
-    package, name = _split(str(publisher.topic_type))
+    package, name = split_type(str(publisher.topic_type))
     return bare_class(package, name, bytes(publisher.topic_type_hash.value).hex())
-
-
-def _split(type_name: str) -> tuple[str, str]:
-    parts = type_name.split("/")
-    if len(parts) not in (2, 3) or not all(each.isidentifier() for each in parts):
-        return "", ""
-    return parts[0], parts[-1]
-
-
-def _definition_file(package: str, name: str, part: str) -> Path | None:
-    if not package:
-        return None
-    for prefix in os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep):
-        file = Path(prefix, "share", package, part, f"{name}.{part}")
-        if prefix and file.is_file():
-            return file
-    return None
-
-
-def _types_in(text: str, package: str) -> Iterable[str]:
-    """Return the message types among the fields of a definition."""
-    for line in text.splitlines():
-        words = line.partition("#")[0].split()
-        if not words or not words[0][:1].isalpha():
-            continue
-        kind = words[0].partition("[")[0].partition("<")[0]
-        if "/" in kind:
-            yield kind
-        elif kind[0].isupper():
-            yield f"{package}/{kind}"

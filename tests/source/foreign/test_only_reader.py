@@ -54,7 +54,7 @@ ALLOWED = {
     "ur_nodes/lock_step/run.py": STATE,
     "ur_nodes/file_facts.py": STATE,
     "ur_nodes/one_process/plan.py": STATE,
-    "ur_nodes/ros2/raw.py": OURS,
+    "ur_nodes/ros2/messages/definitions.py": OURS,
     "ur_nodes/ros2/survey.py": ROBOT,
     "ur/check/cache/program.py": OURS,
     "ur/check/cache/store.py": STATE,
