@@ -31,4 +31,4 @@ def test_page_has_the_names_of_ros_2() -> None:
 
 def test_page_has_the_qualities_of_the_backend() -> None:
     source = (ROOT / "src/ur_nodes/ros2/qualities.py").read_text(encoding="utf-8")
-    assert rows(PAGE, "<!-- qualities:") == rows(ast.get_docstring(ast.parse(source)) or "", "understood.")
+    assert rows(PAGE, "<!-- qualities:") == rows(ast.get_docstring(ast.parse(source)) or "", "RViz 2.")

@@ -19,6 +19,7 @@ UPSTREAM = {
     "move_base/global_costmap/costmap_updates": "global_costmap/costmap_updates",
     "move_base/global_costmap/footprint": "global_costmap/published_footprint",
     "move_base/local_costmap/costmap": "local_costmap/costmap",
+    "move_base/local_costmap/costmap_updates": "local_costmap/costmap_updates",
     "move_base/local_costmap/footprint": "local_costmap/published_footprint",
     "static_map": "map_server/map",
     "change_map": "map_server/load_map",

@@ -10,9 +10,9 @@
 | COMMAND | reliable, last 1, lifespan 0.3 s | best effort, last 100 |
 | LOSSLESS | reliable, all | reliable, all |
 
-Velocities have the lifespan of 0.3 s in each quality but LATCHED; maps and costmaps are always sent as LATCHED. A
-reliable publisher reaches all; a best effort subscriber receives all. `docs/how-to/ros2.md` has this table, and a test
-compares the two.
+Velocities have the lifespan of 0.3 s in each quality but LATCHED. Maps and costmaps are always sent and received as
+LATCHED: Nav2 sends a whole costmap once. A reliable publisher reaches all; a best effort subscriber receives all.
+`docs/how-to/ros2.md` has this table, and a test compares the two.
 """
 
 from __future__ import annotations
@@ -56,7 +56,7 @@ def offered(quality: Quality, kind: type = object) -> QoSProfile:
 
 def requested(quality: Quality, kind: type) -> QoSProfile:
     """Return the profile of a subscriber to values of a kind."""
-    if quality is Quality.LATCHED:
+    if quality is Quality.LATCHED or kind is values.Map:
         return _LATCHED
     if quality is Quality.LATCHED_EVERY:
         return _EACH_LATCHED

@@ -62,12 +62,11 @@ class ExtraLayers:
     def _subscribe(self, layer: Layer) -> list[Subscription]:
         if layer == Layer.PARTICLES:
             return [self._node.subscribe("particlecloud", Poses, self._take_particles, Quality.LATCHED)]
-        topic = _COSTMAPS[layer]
-        found = [self._node.subscribe(topic, Map, partial(self._take_costmap, layer))]
-        if layer == Layer.GLOBAL:
-            take = partial(self._take_update, layer)
-            found.append(self._node.subscribe(f"{topic}_updates", MapUpdate, take, Quality.EVERY))
-        return found
+        topic, update = _COSTMAPS[layer], partial(self._take_update, layer)
+        return [
+            self._node.subscribe(topic, Map, partial(self._take_costmap, layer)),
+            self._node.subscribe(f"{topic}_updates", MapUpdate, update, Quality.EVERY),
+        ]
 
     def _drop(self, layer: Layer) -> None:
         """Unsubscribe from a layer, and clear it on the pages: it would be old when a page shows it again."""
