@@ -9,6 +9,8 @@ import tempfile
 from pathlib import Path
 from typing import Any
 
+from ur.system.ros import find_facts
+
 
 class FileFacts:
     """See `ports.facts.Facts`: a file of the run."""
@@ -38,7 +40,4 @@ class FileFacts:
 
 def file_of_run() -> Path:
     """The file of the facts of this run."""
-    if given := os.environ.get("UR_FACTS"):
-        return Path(given)
-    folder = os.environ.get("XDG_RUNTIME_DIR") or Path.home() / ".cache"
-    return Path(folder) / "ubiquity_launches" / f"facts-{os.environ.get('ROS_DOMAIN_ID', '0')}.json"
+    return Path(find_facts(os.environ, os.environ.get("ROS_DOMAIN_ID") or "0"))

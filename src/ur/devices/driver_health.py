@@ -11,6 +11,7 @@ from typing import Annotated
 from msgspec import Meta
 
 from ur.source.foreign.json_values import BadJsonError, PrintableValue, read_json, write_json
+from ur.source.user_folders import runtime_folder
 
 FOLDER = "ubiquity_launches/drivers"
 OLD = 20.0  # s after which a file is that of a driver that no longer runs
@@ -43,7 +44,8 @@ class DriverHealth(PrintableValue, frozen=True):
 
 
 OBSERVE_DRIVERS = f"""\
-for f in "${{XDG_RUNTIME_DIR:-/run/user/$(id -u)}}/{FOLDER}"/*.json "$HOME/.cache/{FOLDER}"/*.json; do
+for f in "${{XDG_RUNTIME_DIR:-/run/user/$(id -u)}}/{FOLDER}"/*.json \
+"${{XDG_STATE_HOME:-$HOME/.local/state}}/{FOLDER}"/*.json; do
 [ ! -f "$f" ] || echo "$(($(date +%s) - $(stat -c %Y "$f"))) $(head -c {_LONGEST} "$f")"
 done | head -n {_MOST_FILES}"""
 """The script that prints them: a line each, with its age in seconds."""
@@ -65,9 +67,8 @@ def parse_drivers(text: str) -> tuple[DriverHealth, ...]:
 
 def health_file(node: str, environment: Mapping[str, str] = os.environ) -> Path:
     """Return the file of the driver that is a node of this name."""
-    folder = environment.get("XDG_RUNTIME_DIR") or Path.home() / ".cache"
     name = "".join(each if each.isalnum() or each in "_-" else "." for each in node.strip("/"))
-    return Path(folder, FOLDER, f"{name or 'driver'}.json")
+    return Path(runtime_folder(environment), FOLDER, f"{name or 'driver'}.json")
 
 
 def write_health(path: Path, health: DriverHealth) -> str:

@@ -28,3 +28,15 @@ def user_folder(
         return folder
     home = environment.get("HOME") or os.path.expanduser("~")  # noqa: PTH111 - see above
     return f"{home}/{_DEFAULTS[variable]}"
+
+
+def runtime_folder(environment: Mapping[str, str], logins: str = "/run/user") -> str:
+    """Return the folder for files by which a user's programs find each other on this computer.
+
+    System units lack XDG_RUNTIME_DIR, and use the same folder as logins; the state folder serves where there is none.
+    """
+    folder = environment.get("XDG_RUNTIME_DIR", "")
+    if folder.startswith("/"):
+        return folder
+    folder = f"{logins}/{os.getuid()}"
+    return folder if os.path.isdir(folder) else user_folder("XDG_STATE_HOME", environment)  # noqa: PTH112 - see above

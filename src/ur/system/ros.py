@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from ur.source.diagnostic import UserError, error
-from ur.source.user_folders import user_folder
+from ur.source.user_folders import runtime_folder
 
 WHEELS = ".ros2"
 """The environment of the wheels, in the state folder (`ur.source.project.state_folder`)."""
@@ -121,9 +121,7 @@ def users_of_domains(tables: tuple[str, ...] = _SOCKETS) -> dict[int, set[int]]:
 
 def facts_file(environment: Mapping[str, str], domain: str) -> str:
     """Return the file with the facts of this user's runs in a domain of ROS 2."""
-    folder = environment.get("XDG_RUNTIME_DIR", "")
-    folder = folder if folder.startswith("/") else user_folder("XDG_STATE_HOME", environment)
-    return f"{folder}/ubiquity_launches/facts-{domain}.json"
+    return f"{runtime_folder(environment)}/ubiquity_launches/facts-{domain}.json"
 
 
 def find_facts(environment: Mapping[str, str], domain: str) -> str:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import re
 import shutil
 import subprocess
@@ -20,9 +19,7 @@ from ur.robot.boot.units import (
     page_line,
     program_unit,
     set_base_script,
-    source_line,
 )
-from ur.robot.robot_file import Ros2Robot
 
 MASTER_UNIT = "ubiquity-master"
 WORDS = ("rostopic", "pub", "/x", "std_msgs/String", "data: 'it''s 100%'", "$HOME", 'a "b" \\c')
@@ -217,15 +214,6 @@ def test_launch_file_is_started_by_ur_where_it_is_set_up_else_by_roslaunch(tmp_p
 def test_launch_file_of_a_robot_with_ros2_is_never_started_by_roslaunch(tmp_path: Path) -> None:
     done = run_line(launch_line("p", "f.launch", [], roslaunch=False), tmp_path)
     assert (done.returncode, "ur robot setup" in done.stderr) == (1, True)
-
-
-def test_unit_of_a_robot_with_ros2_finds_the_runs_of_its_users_logins(tmp_path: Path) -> None:
-    line = source_line(Ros2Robot("jazzy"), "bob").partition("; ")[2]  # there is no /opt/ros/jazzy here
-    line = f'{line.replace("/run/user", str(tmp_path))}; echo "$XDG_RUNTIME_DIR"'
-    assert run_line(line, tmp_path).stdout == "\n"
-    folder = tmp_path / str(os.getuid())
-    folder.mkdir()
-    assert run_line(line, tmp_path).stdout == f"{folder}\n"
 
 
 def test_page_is_served_by_the_copy_that_is_set_up_and_says_so_where_there_is_none(tmp_path: Path) -> None:

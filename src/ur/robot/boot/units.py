@@ -32,8 +32,6 @@ if [ "${{again:-0}}" -gt 0 ] && [ $(($(now) - ${{began:-0}})) -lt {calm} ]; then
   echo "it ended within {calm} s of its start: the next start is in $pause s"
 else pause=0; fi
 echo $pause >pause; sleep $pause; now >began"""
-# A system unit lacks this variable of logins, by which runs of a user find each other's facts.
-_RUNTIME = 'd=/run/user/$(id -u); [ ! -d "$d" ] || export XDG_RUNTIME_DIR="$d"'
 _MISSING = "echo 'this project is not set up on the robot: ur robot setup' >&2; exit 1"
 CALM_SECONDS = 60
 FIRST_PAUSE, LAST_PAUSE = 2, 60
@@ -160,7 +158,7 @@ def source_line(ros2: Ros2Robot, robot: str) -> str:
     """Return the shell line that sets up ROS 2, the packages, and the node settings of the robot with this name."""
     settings = " ".join(f"{name}={quote(value)}" for name, value in ros2.variables(robot).items())
     packages = 'ROS_PACKAGE_PATH="$HOME/catkin_ws/src${ROS_PACKAGE_PATH:+:$ROS_PACKAGE_PATH}"'
-    return f". /opt/ros/{ros2.distro}/setup.bash >/dev/null; {_RUNTIME}; export {packages} {settings}"
+    return f". /opt/ros/{ros2.distro}/setup.bash >/dev/null; export {packages} {settings}"
 
 
 def own_line(words: str, last: str = _MISSING) -> str:
