@@ -1,57 +1,52 @@
-"""Drives a simulated robot by its true pose, and keeps what it believes beside that."""
+"""Drives a simulated robot by its true pose, and keeps the pose that it believes beside that."""
 
 from __future__ import annotations
 
 import math
+import threading
 import time
-from typing import Any
+from collections import deque
 
-import rospy
-import tf2_ros
-from geometry_msgs.msg import Twist
-from nav_msgs.msg import Odometry
-from std_msgs.msg import Int32
+from ur_nodes.geometry.pose import Pose2
+from ur_nodes.geometry.transform_tree import TransformError
+from ur_nodes.ports.fiducials import SeenFiducials
+from ur_nodes.ports.graph import Graph
+from ur_nodes.ports.node import Node
+from ur_nodes.ports.qualities import Quality
+from ur_nodes.ports.services import Trigger
+from ur_nodes.ports.transforms import seconds_of
+from ur_nodes.ports.values import Odometry, Result, Twist
 
-from ur_nodes.codecs.genpy.fiducials import message_classes
+_ANSWER = 10.0  # s
+_BASE = "base_footprint"
 
 
 class Driver:
-    """Drives along corners by the true pose, and keeps what the robot believes beside it."""
+    """Drives along corners by the true pose. `start` wires it up; callbacks come on the node's thread."""
 
     def __init__(self) -> None:
-        self.true: tuple[float, float, float] | None = None
-        self.odometry = (0.0, 0.0)
+        self._waiting: deque[tuple[float, Pose2]] = deque(maxlen=200)
+        self.reset()
+
+    def start(self, node: Node) -> Driver:
+        """Wire it up."""
+        self._node = node
+        self._frames = node.transforms
+        self._frames.watch(self._compare)
+        self._velocity = node.publish("key_vel", Twist)
+        node.subscribe("base_pose_ground_truth", Odometry, self._take, Quality.EVERY)
+        node.subscribe("simulator/collisions", int, self._take_collisions, Quality.LATCHED)
+        node.subscribe("odom", Odometry, self._take_odometry)
+        node.subscribe("fiducial_vertices", SeenFiducials, self._count, Quality.EVERY)
+        return self
+
+    def reset(self) -> None:
+        """Forget all of the run before."""
+        self.true: Pose2 | None = None
+        self.odometry = Pose2(0.0, 0.0, 0.0)
         self.pictures = 0
         self.offs: list[tuple[float, float]] = []
         self.collisions: int | None = None
-        self._buffer: Any = tf2_ros.Buffer()
-        self._listener = tf2_ros.TransformListener(self._buffer)
-        self._velocity: Any = rospy.Publisher("/key_vel", Twist, queue_size=1)
-        rospy.Subscriber("/base_pose_ground_truth", Odometry, self._take, queue_size=1)
-        rospy.Subscriber("/simulator/collisions", Int32, self._take_collisions, queue_size=1)
-        rospy.Subscriber("/odom", Odometry, self._take_odometry, queue_size=1)
-        rospy.Subscriber("/fiducial_vertices", message_classes("FiducialArray")[0], self._count, queue_size=10)
-
-    def _count(self, _message: Any) -> None:
-        self.pictures += 1
-
-    def _take_odometry(self, message: Any) -> None:
-        self.odometry = (message.pose.pose.position.x, message.pose.pose.position.y)
-
-    def _take_collisions(self, message: Any) -> None:
-        self.collisions = message.data
-
-    def _take(self, message: Any) -> None:
-        place = message.pose.pose
-        yaw = 2.0 * math.atan2(place.orientation.z, place.orientation.w)
-        self.true = (place.position.x, place.position.y, yaw)
-        try:
-            found = self._buffer.lookup_transform_core("map", "base_footprint", message.header.stamp).transform
-        except Exception:  # tf2 raises several kinds; not known yet
-            return
-        off = math.hypot(found.translation.x - place.position.x, found.translation.y - place.position.y)
-        turn = 2.0 * math.atan2(found.rotation.z, found.rotation.w) - yaw
-        self.offs.append((off, abs(math.remainder(turn, 2.0 * math.pi))))
 
     def follow(self, corners: list[tuple[float, float]], speed: float) -> None:
         """Drive from corner to corner: turn towards the next one, then go."""
@@ -59,15 +54,72 @@ class Driver:
             deadline = time.monotonic() + 90.0
             while time.monotonic() < deadline:
                 if self.true is not None:
-                    dx, dy = x - self.true[0], y - self.true[1]
+                    dx, dy = x - self.true.x, y - self.true.y
                     if math.hypot(dx, dy) < 0.15:
                         break
-                    turn = math.remainder(math.atan2(dy, dx) - self.true[2], 2.0 * math.pi)
-                    command = Twist()
-                    command.angular.z = max(-0.8, min(0.8, 2.0 * turn))
-                    command.linear.x = speed * max(0.0, 1.0 - abs(turn) / 0.4)
-                    self._velocity.publish(command)
+                    turn = math.remainder(math.atan2(dy, dx) - self.true.yaw, math.tau)
+                    self._send(Twist(speed * max(0.0, 1.0 - abs(turn) / 0.4), max(-0.8, min(0.8, 2.0 * turn))))
                 time.sleep(0.05)
             else:
                 raise SystemExit(f"error: the robot did not reach {x}, {y} within 90 s: it is at {self.true}")
-        rospy.sleep(0.5)
+        time.sleep(0.5)
+
+    def save_map(self) -> str:
+        """Ask for the map of fiducials to be saved; return the answer. Raises SystemExit: there is none."""
+        found: list[Result] = []
+        answered = threading.Event()
+
+        def take(result: Result) -> None:
+            found.append(result)
+            answered.set()
+
+        self._node.post(lambda: self._node.call("save_map", Trigger(), take, _ANSWER))
+        if not answered.wait(2.0 * _ANSWER):
+            raise SystemExit(f"error: save_map did not answer within {_ANSWER:g} s")
+        return found[0].text
+
+    def lidars(self) -> list[str]:
+        """Return the topics of scans that are published now. Raises SystemExit: the graph cannot be read."""
+        found: list[Graph | None] = []
+        answered = threading.Event()
+
+        def take(graph: Graph | None) -> None:
+            found.append(graph)
+            answered.set()
+
+        self._node.post(lambda: self._node.read_graph(take))
+        answered.wait(_ANSWER)
+        if not found or found[0] is None:
+            raise SystemExit(f"error: no list of topics within {_ANSWER:g} s, expected one")
+        return [name for name, kind in found[0].published() if kind.endswith("/LaserScan")]
+
+    def _send(self, twist: Twist) -> None:
+        self._node.post(lambda: self._velocity.send(twist))
+
+    def _count(self, _seen: SeenFiducials) -> None:
+        self.pictures += 1
+
+    def _take_odometry(self, odometry: Odometry) -> None:
+        self.odometry = odometry.pose
+
+    def _take_collisions(self, count: int) -> None:
+        self.collisions = count
+
+    def _take(self, odometry: Odometry) -> None:
+        self.true = odometry.pose
+        self._waiting.append((seconds_of(odometry.stamp), odometry.pose))
+
+    def _compare(self) -> None:
+        """Compare each truth whose odometry has arrived with the pose that the robot believes at that time."""
+        while self._waiting:
+            stamp, truth = self._waiting[0]
+            newest = self._frames.newest(_BASE)
+            if newest is None or newest < stamp:
+                return
+            self._waiting.popleft()
+            try:
+                found = self._frames.pose("map", "odom").compose(self._frames.pose("odom", _BASE, stamp))
+            except TransformError:  # not known yet
+                continue
+            off = math.hypot(found.x - truth.x, found.y - truth.y)
+            self.offs.append((off, abs(math.remainder(found.yaw - truth.yaw, math.tau))))

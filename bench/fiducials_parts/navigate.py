@@ -12,7 +12,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-import rospy
 from bench.fiducials_parts.driver import Driver
 from bench.navigation_parts.worlds import Goal
 
@@ -53,9 +52,9 @@ class Navigation:
         said = self._read_line(limit)
         time.sleep(0.4)  # let the truth catch up with a robot that has stopped
         assert driver.true is not None
-        x, y, yaw = driver.true
-        turn = math.degrees(abs(math.remainder(yaw - math.radians(goal[2]), math.tau)))
-        return Arrival(said, ": reached" in said, math.hypot(x - goal[0], y - goal[1]), turn)
+        here = driver.true
+        turn = math.degrees(abs(math.remainder(here.yaw - math.radians(goal[2]), math.tau)))
+        return Arrival(said, ": reached" in said, math.hypot(here.x - goal[0], here.y - goal[1]), turn)
 
     def _read_line(self, limit: float) -> str:
         assert self._program.stdout
@@ -70,11 +69,11 @@ class Navigation:
         return line.decode().strip()
 
 
-def drive_goals(environment: dict[str, str], goals: Sequence[Goal], *arguments: str) -> bool:
+def drive_goals(driver: Driver, environment: dict[str, str], goals: Sequence[Goal], *arguments: str) -> bool:
     """Drive to all goals and print the figures. Whether all were reached and nothing was touched."""
     arrivals = []
+    driver.reset()
     with Navigation(environment, *arguments) as navigation:
-        driver = Driver()
         for number, goal in enumerate(goals):
             before, pictures, began = len(driver.offs), driver.pictures, time.monotonic()
             arrival = navigation.drive(goal, driver)
@@ -86,7 +85,7 @@ def drive_goals(environment: dict[str, str], goals: Sequence[Goal], *arguments: 
                 f" localisation {strayed:.3f} m worst, {rate:.1f} pictures/s",
                 flush=True,
             )
-        lidars = [name for name, kind in rospy.get_published_topics() if kind == "sensor_msgs/LaserScan"]
+        lidars = driver.lidars()
     offs = [each[0] for each in driver.offs] or [math.nan]
     errors, turns = [each.error for each in arrivals], [each.turn_error for each in arrivals]
     reached = sum(each.reached for each in arrivals)

@@ -17,7 +17,7 @@ from rclpy.node import Node
 
 _NODE = ROOT / "ubiquity_launches/n_sleep_forever/bin/sleep_forever"
 _LIMIT = 120.0  # s
-_END = 30.0  # s
+_END = 120.0  # s
 _LOOK = 0.004  # s
 MOST = 1.3
 """The time until nodes are registered, over that of a bare spawn."""
