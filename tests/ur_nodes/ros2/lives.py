@@ -1,6 +1,6 @@
 """Random lives of a robot on ROS 2: start, goal, a fault, end. Prints a line for each; exits with 1 if one was wrong.
 
-    python -m tests.ur_nodes.ros2.lives [--lives 100] [--seed 1]
+    python -m tests.ur_nodes.ros2.lives [--lives 100] [--seed 0]
 
 A life is wrong when the base does not come to rest after what has to stop it, when a node does not end by itself, ends
 with another code than 0, or prints a traceback, and when a process is left.
@@ -31,7 +31,7 @@ GOALS = ("0.8 0.4 1.57", "1.5 0.5 0.0", "2.0 1.0 1.57")
 STOPPING = ("cancel", "stop", "kill move_base", "kill cmd_vel_mux")
 """Faults after which the base has to be at rest."""
 FAULTS = (*STOPPING, "kill amcl", "kill map_server", "kill client", "cut client", "second client", "none")
-_READY = 40.0  # s
+_READY = 150.0  # s: a node takes 3 s of processor to start
 _REST = 3.0  # s in which the base has to be at rest, and what the client prints has arrived
 _END = 10.0  # s
 _AT_REST = 0.02
@@ -68,6 +68,7 @@ class Life:
         self.fault = FAULTS[seed % len(FAULTS)]
         self.wrong: list[str] = []
         self.drove = False
+        self.started = 0.0  # s from the start of the nodes to motion
         self._folder = folder
         self._session = Ros2Session(folder)
         self._nodes: dict[str, subprocess.Popen[str]] = {}
@@ -102,8 +103,10 @@ class Life:
             self._nodes[node.name] = self._session.start(node.name, MODULES[node.full_name], *remaps, *options)
         self._watcher = self._join("watcher", "watch")
         self._driver = self._join("driver", "drive", *self._random.choice(GOALS).split())
+        begin = time.monotonic()
         if not self._wait(lambda: self._moves() or self._driver.goal in ("reached", "failed"), _READY):
-            self.wrong.append("the robot did not start to drive")
+            self.wrong.append(f"the robot did not start to drive; {self._describe()}")
+        self.started = time.monotonic() - begin
         self.drove = self._moves()
 
     def _suffer(self) -> None:
@@ -160,6 +163,11 @@ class Life:
         self._clients.append(client)
         return client
 
+    def _describe(self) -> str:
+        """Describe what the clients have received."""
+        speed = "no odometry" if self._watcher.speed is None else f"{self._watcher.speed:.2f} m/s or rad/s"
+        return f"the watcher has {speed}, the driver the goal '{self._driver.goal}'"
+
     def _moves(self) -> bool:
         return self._watcher.speed is not None and self._watcher.speed > _AT_REST
 
@@ -191,7 +199,9 @@ def live_all(count: int, seed: int, output: Callable[[str], object]) -> int:
             life.live()
             wrong, drove = wrong + bool(life.wrong), drove + life.drove
             faults[life.fault] += 1
-            output(f"life {number}, {life.fault}: {'; '.join(life.wrong) or 'good'}\n")
+            output(
+                f"life {number}, {life.fault}, drives after {life.started:.1f} s: {'; '.join(life.wrong) or 'good'}\n"
+            )
             if life.wrong:
                 for log in sorted(Path(folder).glob("*.txt")):
                     output("".join(f"  {log.stem}: {line}\n" for line in log.read_text().splitlines()[-12:]))
