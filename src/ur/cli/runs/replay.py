@@ -180,4 +180,4 @@ def _start_simulator(played: _Played, seconds: float | None) -> int:
         argv = [f"{name}:={value}" for name, value in own.items() if name not in given]
         sys.stderr.write(f"the simulated robot starts at {place.x:.2f}, {place.y:.2f}, {place.yaw:.2f} rad\n")
         words = [played.launch_file, *argv, *map(str, played.arguments)]
-        return run_launch(words, selection, LaunchOptions(watch=True), StartReporter(), None)
+        return run_launch(words, selection, LaunchOptions(), StartReporter(), None)
