@@ -202,6 +202,7 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
             "ur.run.host.descendants",
             "ur.source",
             "ur_nodes.datagram_socket",
+            "ur_nodes.memory_use",
             "ur_nodes.motion.lease",
             "ur_nodes.ports",
             "ur_nodes.run",

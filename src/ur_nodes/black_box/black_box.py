@@ -14,6 +14,7 @@ from ur_nodes.black_box.ring import Ring
 from ur_nodes.black_box.selection import MOST_TOPICS, select_topics
 from ur_nodes.black_box.tape import LARGE_BYTES, Tape, TapeTopic, read_tape
 from ur_nodes.black_box.triggers import Triggers
+from ur_nodes.memory_use import return_freed_memory
 from ur_nodes.ports.graph import Graph
 from ur_nodes.ports.node import Node
 from ur_nodes.ports.raw import RecordedMessage, RecordedType
@@ -130,6 +131,7 @@ class BlackBox:
         self._node.work(write, self._report, "black box")
 
     def _report(self, text: str) -> None:
+        return_freed_memory()  # the file needed as much as the ring
         (self._node.log.error if text.startswith("error: ") else self._node.log.info)(text.removeprefix("error: "))
         for name, count in self._tape.left_out.items():
             self._node.log.warn(f"{name}: {count} messages were too large for the black box")

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import rclpy
 from rclpy.node import Node
-from rclpy.qos import QoSProfile
+from rclpy.qos import QoSProfile, ReliabilityPolicy
 from rclpy.serialization import serialize_message
 
 from ur_nodes.loop import Loop
@@ -151,6 +151,8 @@ class RawSubscription:
         put = self._loop.mailbox(1 if self._quality is Quality.NEWEST else _MOST_WAITING, take)
         latched = all(each.qos_profile.durability.name == "TRANSIENT_LOCAL" for each in found)
         profile = requested(Quality.LATCHED_EVERY if latched else self._quality, object)
+        if any(each.qos_profile.reliability.name == "BEST_EFFORT" for each in found):
+            profile.reliability = ReliabilityPolicy.BEST_EFFORT  # the only one that connects to them
         self._subscription = self._node.create_subscription(message_class, self.topic, put, profile, raw=True)
         reset_error()
 

@@ -9,6 +9,7 @@ from rclpy.serialization import deserialize_message
 from ur_nodes.codecs import KindCodec, find_codec
 from ur_nodes.codecs.frames import transforms_of
 from ur_nodes.ports.raw import StoredReader
+from ur_nodes.ros2.names import upstream_name
 
 
 def find_reader(topic: str, kind: type) -> StoredReader | None:
@@ -28,4 +29,4 @@ def find_reader(topic: str, kind: type) -> StoredReader | None:
             raise ValueError(str(problem)) from None
         return transforms_of(message, fixed=True) if topic == "/tf_static" else codec.value_of(message)
 
-    return StoredReader(topic, f"{package}/msg/{name}", read)
+    return StoredReader(upstream_name(topic), f"{package}/msg/{name}", read)
