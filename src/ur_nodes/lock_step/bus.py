@@ -97,6 +97,7 @@ class StepBus(LiveBus):
         self._kept: dict[tuple[str, str], StoredMessage] = {}
         self._senders: set[str] = set()
         self._frames: set[str] = set()  # whose transforms a node under test sends
+        self._own: set[str] = set()  # recorded topics that nodes under test publish, where no sender is known
         self.outputs: list[SentValue] = []
         self.recorded: list[StoredMessage] = []
 
@@ -118,7 +119,7 @@ class StepBus(LiveBus):
     def deliver(self, message: StoredMessage) -> None:
         """Send a message of the recording, unless a node under test had sent it."""
         topic = message.topic
-        if topic.sender in self._tested or (not topic.sender and self._is_own(topic.name)):
+        if topic.sender in self._tested or (not topic.sender and topic.name in self._own):
             self.recorded.append(message)
             return
         self._senders.add(topic.sender)
@@ -140,7 +141,11 @@ class StepBus(LiveBus):
     def offer(self, topic: str, offer: Offer) -> None:
         """See Carrier. What a node under test had sent had a subscriber: the recorder at least."""
         super().offer(topic, offer)
-        if offer.sender in self._tested and topic in self._subscribed:
+        if offer.sender not in self._tested:
+            return
+        reader = self._find_reader(topic, offer.kind) if isinstance(offer.kind, type) else None
+        self._own |= {reader.topic if reader is not None else topic} - {TRANSFORMS}
+        if topic in self._subscribed:
             nothing = BusListener("recording", offer.kind, None, 1, lambda *_: None, lambda _reason: None)
             self.topics[topic].listeners.append(nothing)
 
@@ -170,10 +175,6 @@ class StepBus(LiveBus):
             if topic == TRANSFORMS:
                 self._frames |= {each.child for each in cast("tuple[Transform, ...]", value)}
         super().send(topic, offer, value)
-
-    def _is_own(self, topic: str) -> bool:
-        entry = self.topics.get(topic)
-        return topic != TRANSFORMS and entry is not None and any(each.sender in self._tested for each in entry.offers)
 
     def _pass(self, feed: _Feed, message: StoredMessage) -> None:
         topic = message.topic
