@@ -65,7 +65,7 @@ class KilledRun:
         return found
 
     def is_recorded(self) -> bool:
-        """Whether the recorder has a connection to the node that counts."""
+        """Return whether the recorder has a connection to the node that counts."""
         sockets = self.folder / "sockets"
         return (
             sockets.is_dir()
@@ -80,7 +80,7 @@ class KilledRun:
         return moment
 
     def check(self, moment: float, seconds: float, reason: str) -> None:
-        """Whether the recording holds the last seconds before a moment."""
+        """Check that the recording holds the last seconds before a moment."""
         while not (found := sorted(self.folder.glob("black_box_*.mcap"))):
             self.run.read()
         recording = open_recording(found[-1])

@@ -31,7 +31,7 @@ MODULES = {
 
 
 class Viewer:
-    """What a viewer shows of goals and localisation once navigation has reported, each once until it changes."""
+    """Goals and localisation as a viewer shows them once navigation has reported, each once until it changes."""
 
     def __init__(self, node: Node) -> None:
         self._topics = NavigationTopics(node, Names())

@@ -42,7 +42,7 @@ class WireBus(Bus):
         self._begin = 0
         self._messages: list[tuple[TapeTopic, int, bytes]] = []
         self.sent: list[tuple[str, int, str, object]] = []
-        """Who has sent what on which topic, and when."""
+        """Senders, times, topics and values of all that was sent."""
 
     def send(self, topic: str, offer: Offer, value: object) -> None:
         """See Carrier."""
