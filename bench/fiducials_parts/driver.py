@@ -42,6 +42,7 @@ class Driver:
 
     def reset(self) -> None:
         """Forget all of the run before."""
+        self._since = time.time()
         self.true: Pose2 | None = None
         self.odometry = Pose2(0.0, 0.0, 0.0)
         self.pictures = 0
@@ -117,6 +118,8 @@ class Driver:
             if newest is None or newest < stamp:
                 return
             self._waiting.popleft()
+            if (self._frames.newest("odom") or 0.0) < self._since:  # of the run before
+                continue
             try:
                 found = self._frames.pose("map", "odom").compose(self._frames.pose("odom", _BASE, stamp))
             except TransformError:  # not known yet
