@@ -11,7 +11,7 @@ from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager
 from importlib import import_module
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import TypeVar
 
 from ur_nodes.ports.node import Node
 
@@ -84,7 +84,7 @@ def attach(
     Raises UserError on entering: no middleware runs.
     """
     backend = import_module(f"ur_nodes.{backend_name()}.attached")
-    attached: AbstractContextManager[tuple[Wired, Any]] = backend.attach(name, start, end)
+    attached: AbstractContextManager[tuple[Wired, Node]] = backend.attach(name, start, end)
     return attached
 
 

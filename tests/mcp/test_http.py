@@ -15,6 +15,7 @@ pytest.importorskip("mcp")
 pytest.importorskip("aiohttp", reason="aiohttp is not installed: requirements/web.lock")
 
 import aiohttp
+import httpx2
 from mcp.client import Client
 from mcp.client.streamable_http import streamable_http_client
 from mcp.shared._httpx_utils import create_mcp_http_client
@@ -39,6 +40,7 @@ class ConnectedAssistant(PageServerClient):
     robot: AssistedRobot
     pages: AssistantPages
     settings: dict[str, str]
+    http: httpx2.AsyncClient
 
     async def post(self, what: str, value: object) -> tuple[int, Any]:
         """What the server answers to a request of the page."""
@@ -60,6 +62,7 @@ class ConnectedAssistant(PageServerClient):
             create_mcp_http_client(headers=headers) as http,
             Client(streamable_http_client(self.settings["url"], http_client=http), mode=mode) as client,
         ):
+            self.http = http
             yield client
 
     async def wait_for(self, condition: Any) -> None:
@@ -137,7 +140,7 @@ async def test_grant_of_the_page_lets_an_assistant_drive_until_it_is_taken_back(
 
 @pytest.mark.parametrize("silence", ["logout", "hang"])
 async def test_robot_is_at_rest_soon_after_a_remote_assistant_falls_silent(
-    assistant: ConnectedAssistant, silence: str, monkeypatch: pytest.MonkeyPatch
+    assistant: ConnectedAssistant, silence: str
 ) -> None:
     async with contextlib.AsyncExitStack() as stack:
         client = await stack.enter_async_context(assistant.connect())
@@ -149,20 +152,20 @@ async def test_robot_is_at_rest_soon_after_a_remote_assistant_falls_silent(
             (number,) = [id for id, each in assistant.gate.sessions.list().items() if each.role is Role.ASSIST]
             assistant.gate.sessions.end([number])
         else:  # its answers arrive no more
-            monkeypatch.setattr("mcp.server.streamable_http_manager.StreamableHTTPSessionManager.handle_request", hang)
+            assistant.http.event_hooks = {"request": [hang]}
         silent_at = assistant.robot.now
         await assistant.wait_for(lambda: assistant.robot.now > silent_at + 1.2)
         late = [speed for at, speed, *_ in assistant.robot.samples if at >= silent_at + 0.3]
         assert max(late) < 0.01
         driving.cancel()
         await asyncio.gather(driving, return_exceptions=True)
-        monkeypatch.undo()
+        assistant.http.event_hooks = {}
         with contextlib.suppress(Exception):
             await stack.aclose()
 
 
 async def hang(*_: object) -> None:
-    """Answer nothing."""
+    """Send nothing."""
     await asyncio.Event().wait()
 
 

@@ -14,9 +14,10 @@ from mcap.writer import CompressionType, Writer
 from rosbags.typesys import Stores, get_typestore
 from tests.docs.chromium import Chromium, find_chromium
 
+from ur.recordings.place import RecordedMap
 from ur.report.archive import MOST_BYTES, list_run_recordings, write_report
 from ur.report.page import make_page
-from ur.report.recording import DrawnMap, Recording
+from ur.report.recording import Recording
 from ur.report.sources import RunSources, collect, merge_logs, read_changes, read_parameters
 from ur.run.record.ended import EndedRun
 from ur.run.record.entry import RunEntry
@@ -182,7 +183,7 @@ def test_page_shows_a_report_without_errors_at_each_size(tmp_path: Path) -> None
     recording.speeds = [(10.0 + number, number % 3 * 0.1) for number in range(120)]
     recording.turns = recording.speeds
     recording.track = [(0.0, 0.0), (0.5, 0.5)]
-    recording.grid = DrawnMap(3, 3, 0.5, -1.0, -1.0, bytes([100, 100, 100, 100, 0, 100, 100, 255, 100]))
+    recording.grid = RecordedMap(3, 3, 0.5, (-1.0, -1.0, 0.0), bytes([100, 100, 100, 100, 0, 100, 100, 255, 100]))
     recording.topics = {"/odom": ("nav_msgs/Odometry", 120, 4000)}
     page = tmp_path / "report.html"
     page.write_text(make_page("wander <1>", {"run": "wander.1"}, recording, {"a.txt": "<i>"}, ["a: 1 times a token"]))

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Protocol
 
 from ur.recordings.mcap_file import RecordingFile
 from ur.recordings.message_types import MessageTypes
@@ -14,6 +14,58 @@ from ur.source.diagnostic import UserError, error_about
 _MAP, _ODOM = "map", "odom"
 _BASES = ("base_footprint", "base_link")
 _TOPICS = frozenset({"/tf", "/tf_static", "/map"})
+
+
+class _Vector(Protocol):
+    x: float
+    y: float
+
+
+class _Quaternion(_Vector, Protocol):
+    z: float
+    w: float
+
+
+class _Origin(Protocol):
+    position: _Vector
+    orientation: _Quaternion
+
+
+class _MapInfo(Protocol):
+    width: int
+    height: int
+    resolution: float
+    origin: _Origin
+
+
+class _Cells(Protocol):
+    def tobytes(self) -> bytes: ...
+
+
+class MapMessage(Protocol):
+    """A nav_msgs/OccupancyGrid."""
+
+    info: _MapInfo
+    data: _Cells
+
+
+class _Header(Protocol):
+    frame_id: str
+
+
+class _Transform(Protocol):
+    translation: _Vector
+    rotation: _Quaternion
+
+
+class _StampedTransform(Protocol):
+    header: _Header
+    child_frame_id: str
+    transform: _Transform
+
+
+class _Transforms(Protocol):
+    transforms: Sequence[_StampedTransform]
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,7 +104,7 @@ def find_place(recording: RecordingFile, seconds: float | None) -> RecordedPlace
         try:
             value = types.decode(message.topic, message.data)
             if message.topic.name == "/map":
-                newest = _read_map(value)
+                newest = read_map(value)
             else:
                 poses.update(_read_transforms(value))
         except (ValueError, AttributeError):  # a type of that name with other fields
@@ -67,7 +119,8 @@ def find_place(recording: RecordingFile, seconds: float | None) -> RecordedPlace
     return RecordedPlace(x, y, yaw, newest)
 
 
-def _read_map(value: Any) -> RecordedMap:
+def read_map(value: MapMessage) -> RecordedMap:
+    """Read a map. Raises ValueError: it has another number of cells."""
     info = value.info
     cells = bytes(value.data.tobytes())
     if info.width * info.height != len(cells):
@@ -77,14 +130,14 @@ def _read_map(value: Any) -> RecordedMap:
     return RecordedMap(int(info.width), int(info.height), float(info.resolution), origin, cells)
 
 
-def _read_transforms(value: Any) -> Iterator[tuple[tuple[str, str], tuple[float, float, float]]]:
+def _read_transforms(value: _Transforms) -> Iterator[tuple[tuple[str, str], tuple[float, float, float]]]:
     for each in value.transforms:
         place = each.transform.translation
         names = (each.header.frame_id.lstrip("/"), each.child_frame_id.lstrip("/"))
         yield names, (float(place.x), float(place.y), _yaw(each.transform.rotation))
 
 
-def _yaw(turn: Any) -> float:
+def _yaw(turn: _Quaternion) -> float:
     return math.atan2(2.0 * (turn.w * turn.z + turn.x * turn.y), 1.0 - 2.0 * (turn.y**2 + turn.z**2))
 
 

@@ -8,7 +8,8 @@ from collections.abc import Sequence
 from html import escape
 from itertools import groupby
 
-from ur.report.recording import DrawnMap, Recording, thin
+from ur.recordings.place import RecordedMap
+from ur.report.recording import Recording, thin
 
 _WIDTH, _HEIGHT = 900, 120
 _OCCUPIED = 50
@@ -116,8 +117,9 @@ def _map(found: Recording) -> str:
     )
 
 
-def _walls(grid: DrawnMap) -> tuple[str, tuple[float, float, float, float]]:
+def _walls(grid: RecordedMap) -> tuple[str, tuple[float, float, float, float]]:
     size = grid.resolution
+    left, bottom, _ = grid.origin
     parts = []
     for row in range(grid.height):
         column = 0
@@ -125,10 +127,10 @@ def _walls(grid: DrawnMap) -> tuple[str, tuple[float, float, float, float]]:
         for occupied, cells in groupby(line, lambda cell: _OCCUPIED <= cell <= 100):
             count = len(list(cells))
             if occupied:
-                x, y, width = grid.x + column * size, grid.y + row * size, count * size
+                x, y, width = left + column * size, bottom + row * size, count * size
                 parts.append(f"M{x:.2f} {y:.2f}h{width:.2f}v{size:.2f}h{-width:.2f}z")
             column += count
-    return "".join(parts), (grid.x, grid.y, grid.width * size, grid.height * size)
+    return "".join(parts), (left, bottom, grid.width * size, grid.height * size)
 
 
 def _plot(values: Sequence[tuple[float, float]], unit: str) -> str:

@@ -5,11 +5,12 @@ from __future__ import annotations
 from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from ur.recordings.mcap_channels import register_channel
 from ur.recordings.mcap_file import RecordingTopic, StoredMessage, open_recording
 from ur.recordings.message_types import MessageTypes
+from ur.recordings.place import RecordedMap, read_map
 from ur.report.secrets import SecretFilter
 
 if TYPE_CHECKING:
@@ -22,18 +23,14 @@ _SECOND = 1e9
 _LEVELS = {1: "debug", 2: "info", 4: "warning", 8: "error", 16: "fatal"}
 _LEVELS |= {10: "debug", 20: "info", 30: "warning", 40: "error", 50: "fatal"}  # of ROS 2
 _MOST_POINTS = 2000
-
-
-@dataclass(frozen=True, slots=True)
-class DrawnMap:
-    """A map: cells as in nav_msgs/OccupancyGrid, from below; the corner and the size of a cell in m."""
-
-    width: int
-    height: int
-    resolution: float
-    x: float
-    y: float
-    cells: bytes
+_SHOWN = {
+    "/rosout": "Log",
+    "/odom": "Odometry",
+    "/odometry/filtered": "Odometry",
+    "/amcl_pose": "PoseWithCovarianceStamped",
+    "/map": "OccupancyGrid",
+}
+"""The topics that a page shows, and the type that each must have."""
 
 
 @dataclass(slots=True)
@@ -51,7 +48,7 @@ class Recording:
     turns: list[tuple[float, float]] = field(default_factory=list)
     track: list[tuple[float, float]] = field(default_factory=list)
     odometry: list[tuple[float, float]] = field(default_factory=list)
-    grid: DrawnMap | None = None
+    grid: RecordedMap | None = None
     topics: dict[str, tuple[str, int, int]] = field(default_factory=dict)
 
 
@@ -126,56 +123,29 @@ def _register(writer: Writer, topic: RecordingTopic, types: MessageTypes) -> _Co
         or topic.type_name.endswith("/Log")
         or any(line.lstrip().startswith("string") for line in own.splitlines())
     )
-    return _Copied(made, channel, has_texts, _reader_of(made) is not None)
-
-
-def _reader_of(topic: RecordingTopic) -> Any:
-    """Return the function that takes what the page shows of a topic; None: it shows nothing."""
-    match topic.name, topic.type_name.rpartition("/")[2]:
-        case "/rosout", "Log":
-            return _take_line
-        case (("/odom" | "/odometry/filtered"), "Odometry"):
-            return _take_odometry
-        case "/amcl_pose", "PoseWithCovarianceStamped":
-            return _take_pose
-        case "/map", "OccupancyGrid":
-            return _take_map
-    return None
+    return _Copied(made, channel, has_texts, _SHOWN.get(made.name) == made.type_name.rpartition("/")[2])
 
 
 def _show(found: Recording, message: StoredMessage, types: MessageTypes) -> None:
     """Keep what the page shows of a message; one that cannot be read is left out."""
+    moment = message.time / _SECOND
     try:
         value = types.decode(message.topic, message.data)
-        _reader_of(message.topic)(found, message.time / _SECOND, value)
+        match message.topic.name:
+            case "/rosout":
+                found.log.append((moment, _LEVELS.get(int(value.level), "info"), f"{value.name}: {value.msg}"))
+            case "/map":
+                found.grid = read_map(value)
+            case "/amcl_pose":
+                place = value.pose.pose.position
+                found.track.append((float(place.x), float(place.y)))
+            case _:
+                speed, place = value.twist.twist, value.pose.pose.position
+                found.speeds.append((moment, float(speed.linear.x)))
+                found.turns.append((moment, float(speed.angular.z)))
+                found.odometry.append((float(place.x), float(place.y)))
     except (ValueError, AttributeError):  # a type of that name with other fields
         return
-
-
-def _take_line(found: Recording, moment: float, value: Any) -> None:
-    found.log.append((moment, _LEVELS.get(int(value.level), "info"), f"{value.name}: {value.msg}"))
-
-
-def _take_odometry(found: Recording, moment: float, value: Any) -> None:
-    found.speeds.append((moment, float(value.twist.twist.linear.x)))
-    found.turns.append((moment, float(value.twist.twist.angular.z)))
-    place = value.pose.pose.position
-    found.odometry.append((float(place.x), float(place.y)))
-
-
-def _take_pose(found: Recording, _moment: float, value: Any) -> None:
-    place = value.pose.pose.position
-    found.track.append((float(place.x), float(place.y)))
-
-
-def _take_map(found: Recording, _moment: float, value: Any) -> None:
-    info = value.info
-    corner = info.origin.position
-    cells = bytes(value.data.tobytes())
-    if info.width * info.height == len(cells):
-        found.grid = DrawnMap(
-            int(info.width), int(info.height), float(info.resolution), float(corner.x), float(corner.y), cells
-        )
 
 
 def thin(points: Iterable[tuple[float, float]], most: int = _MOST_POINTS) -> list[tuple[float, float]]:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Iterable
 from dataclasses import fields, is_dataclass
-from typing import Any
 
 import numpy as np
 
@@ -18,7 +17,7 @@ def fingerprint(values: Iterable[object]) -> str:
     return digest.hexdigest()
 
 
-def _add(digest: Any, value: object) -> None:
+def _add(digest: hashlib._Hash, value: object) -> None:
     if isinstance(value, np.ndarray):
         digest.update(repr((value.dtype.str, value.shape)).encode() + value.tobytes())
     elif is_dataclass(value):

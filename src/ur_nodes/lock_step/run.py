@@ -12,6 +12,7 @@ import runpy
 import sys
 import threading
 import traceback
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from importlib import import_module
 from pathlib import Path
@@ -26,6 +27,7 @@ from ur_nodes.lock_step.digest import fingerprint
 from ur_nodes.lock_step.outcome import judge
 from ur_nodes.one_process.bus import LiveNode
 from ur_nodes.one_process.context import NodeContext
+from ur_nodes.one_process.host import start_thread
 from ur_nodes.one_process.plan import NodeStart
 from ur_nodes.ports.node import Node
 from ur_nodes.ports.qualities import Quality
@@ -82,11 +84,9 @@ def _start(bus: StepBus, start: NodeStart) -> tuple[LiveNode, threading.Thread]:
     """Run the module of a node on a thread, up to where it waits for its end."""
     wired: list[LiveNode] = []
     problems: list[str] = []
-    started = threading.Event()
-    context = NodeContext(bus, start.name, start.remaps, started.set, wired.append)
 
-    def run() -> None:
-        context.enter()
+    def run(started: Callable[[], None]) -> None:
+        NodeContext(bus, start.name, start.remaps, started, wired.append).enter()
         sys.argv = list(start.words)
         try:
             runpy.run_module(start.words[0], run_name="__main__")
@@ -95,11 +95,9 @@ def _start(bus: StepBus, start: NodeStart) -> tuple[LiveNode, threading.Thread]:
         except BaseException:
             problems.append(traceback.format_exc())
         finally:
-            started.set()
+            started()
 
-    thread = threading.Thread(target=run, name=start.name, daemon=True)
-    thread.start()
-    started.wait()
+    thread = start_thread(start.name, run)
     if not wired:
         from ur.source.diagnostic import error
 

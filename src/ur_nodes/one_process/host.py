@@ -15,6 +15,7 @@ import time
 import traceback
 from collections.abc import Callable, Sequence
 from contextlib import suppress
+from functools import partial
 
 from ur_nodes.file_facts import FileFacts
 from ur_nodes.one_process.bus import LiveBus, LiveNode
@@ -24,6 +25,15 @@ from ur_nodes.one_process.plan import NodeStart, ProcessPlan, read_parameters, r
 from ur_nodes.one_process.viewers import ViewerSocket
 
 _NODE_LIMIT = 5.0  # s for the end of a node
+
+
+def start_thread(name: str, run: Callable[[Callable[[], None]], None]) -> threading.Thread:
+    """Run on a thread, and return it once it has called the function that it is given."""
+    started = threading.Event()
+    thread = threading.Thread(target=run, args=(started.set,), name=name, daemon=True)
+    thread.start()
+    started.wait()
+    return thread
 
 
 class Host:
@@ -82,11 +92,7 @@ class Host:
         if first is not None:
             first.wait()
         for node in nodes:
-            started = threading.Event()
-            thread = threading.Thread(target=self._keep, args=(node, started.set), name=node.name, daemon=True)
-            self._threads.append(thread)
-            thread.start()
-            started.wait()
+            self._threads.append(start_thread(node.name, partial(self._keep, node)))
 
     def _keep(self, start: NodeStart, started: Callable[[], None]) -> None:
         """Run a node, and restart it as the plan requires."""

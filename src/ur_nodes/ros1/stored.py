@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
+from typing import TypeVar
 
 import genpy
 from actionlib_msgs.msg import GoalStatusArray
@@ -17,34 +17,40 @@ from ur_nodes.ports.raw import StoredReader
 from ur_nodes.ports.values import PlacedPose
 from ur_nodes.ros1.goal_client import state_of
 
+_Message = TypeVar("_Message", bound=genpy.Message)
+
 
 def _goal_of(message: MoveBaseActionGoal) -> Goal:
     return Goal(str(message.goal_id.id), target_of(message.goal.target_pose))
 
 
-_ACTION: dict[tuple[type, str], tuple[str, Any, Callable[[Any], object]]] = {
-    (Goal, "goal"): ("goal", MoveBaseActionGoal, _goal_of),
-    (GoalStates, "status"): (
-        "status",
-        GoalStatusArray,
-        lambda message: GoalStates(tuple(map(state_of, message.status_list))),
-    ),
-    (GoalState, "state"): ("result", MoveBaseActionResult, lambda message: state_of(message.status)),
-    (PlacedPose, "feedback"): (
-        "feedback",
-        MoveBaseActionFeedback,
-        lambda message: target_of(message.feedback.base_position),
-    ),
-}
-"""Topics of actions by what nodes on a bus exchange: the name that ROS 1 has for them, and their messages."""
+def _find_action(action: str, kind: type, part: str) -> StoredReader | None:
+    """Find the reader of an action's topic by what nodes on a bus exchange; ROS 1 has other names for some."""
+    match kind, part:
+        case (_, "goal") if kind is Goal:
+            return _make(f"{action}/goal", MoveBaseActionGoal, _goal_of)
+        case (_, "status") if kind is GoalStates:
+            return _make(
+                f"{action}/status",
+                GoalStatusArray,
+                lambda message: GoalStates(tuple(map(state_of, message.status_list))),
+            )
+        case (_, "state") if kind is GoalState:
+            return _make(f"{action}/result", MoveBaseActionResult, lambda message: state_of(message.status))
+        case (_, "feedback") if kind is PlacedPose:
+            return _make(
+                f"{action}/feedback",
+                MoveBaseActionFeedback,
+                lambda message: target_of(message.feedback.base_position),
+            )
+    return None
 
 
 def find_reader(topic: str, kind: type) -> StoredReader | None:
     """Find what a subscription of a kind reads; None: ROS 1 has no message for it."""
     action, _, part = topic.rpartition("/")
-    if found := _ACTION.get((kind, part)):
-        name, message_class, value_of = found
-        return _make(f"{action}/{name}", message_class, value_of)
+    if found := _find_action(action, kind, part):
+        return found
     try:
         codec: KindCodec[object] = find_codec(kind)
     except KeyError:
@@ -54,7 +60,7 @@ def find_reader(topic: str, kind: type) -> StoredReader | None:
     return _make(topic, codec.message_class, codec.value_of)
 
 
-def _make(topic: str, message_class: Any, value_of: Callable[[Any], object]) -> StoredReader:
+def _make(topic: str, message_class: type[_Message], value_of: Callable[[_Message], object]) -> StoredReader:
     def read(data: bytes) -> object:
         try:
             return value_of(message_class().deserialize(data))

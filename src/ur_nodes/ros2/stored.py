@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, cast
 
 from rclpy.serialization import deserialize_message
 
@@ -10,6 +10,9 @@ from ur_nodes.codecs import KindCodec, find_codec
 from ur_nodes.codecs.frames import transforms_of
 from ur_nodes.ports.raw import StoredReader
 from ur_nodes.ros2.names import upstream_name
+
+if TYPE_CHECKING:
+    from ur_nodes.codecs.dialect import Transforms
 
 
 def find_reader(topic: str, kind: type) -> StoredReader | None:
@@ -24,9 +27,11 @@ def find_reader(topic: str, kind: type) -> StoredReader | None:
 
     def read(data: bytes) -> object:
         try:
-            message: Any = message_class.read(data) if bare else deserialize_message(data, message_class)
+            message: object = message_class.read(data) if bare else deserialize_message(data, message_class)
         except RuntimeError as problem:  # of rclpy, for bytes of any program
             raise ValueError(str(problem)) from None
-        return transforms_of(message, fixed=True) if topic == "/tf_static" else codec.value_of(message)
+        return (
+            transforms_of(cast("Transforms", message), fixed=True) if topic == "/tf_static" else codec.value_of(message)
+        )
 
     return StoredReader(upstream_name(topic), f"{package}/msg/{name}", read)

@@ -7,7 +7,7 @@ import itertools
 import json
 from collections.abc import Callable, Mapping
 from contextlib import suppress
-from typing import Any, Protocol
+from typing import Protocol
 
 from aiohttp import WSCloseCode, web
 
@@ -139,16 +139,16 @@ class DrivingPages:
         for arrival in self._arrivals.values():
             self._send(arrival)
 
-    def take(self, message: Mapping[str, Any]) -> None:
+    def take(self, message: Mapping[str, object]) -> None:
         """Process a message of the robot's process: a challenge for all pages, or an answer for one."""
         if "n" in message:
             text = json.dumps({"n": message["n"]}, separators=(",", ":"))
             for driver in self._drivers.values():
                 driver.challenge(text)
         else:
-            found = self._drivers.get(str(message.get("page", "")))
-            if found is not None:
-                found.answer(message["m"])
+            found, answer = self._drivers.get(str(message.get("page", ""))), message.get("m")
+            if found is not None and isinstance(answer, Mapping):
+                found.answer(answer)
 
 
 def _number_name(name: str, number: int) -> str:
