@@ -42,7 +42,7 @@ class RealRobot:
 
 ROBOTS = (
     RealRobot("botvac", "botvac50", "", 1.0),
-    RealRobot("magni", "lidar", "use_sonars:=false use_raspicam:=false", 1.0),
+    RealRobot("magni", "lidar", "", 1.0),
 )
 
 
