@@ -169,7 +169,13 @@ class Robot:
         if not 0.0 < seconds <= _LONGEST_DRIVE:
             raise ValueError(f"seconds: {seconds}, expected more than 0, at most {_LONGEST_DRIVE:g}")
         link, commands, until = self._navigator.lease.link, self._commands, self._calls.until
-        if not until(lambda: link.newest() is not None and commands.listeners() > 0, PATIENCE):
+        snapshot = self._navigator.snapshot
+
+        def is_connected() -> bool:
+            known = snapshot().lease.state != "unknown"  # else it could still be that of a program that was lost
+            return known and link.newest() is not None and commands.listeners() > 0
+
+        if not until(is_connected, PATIENCE):
             raise Lost("nothing from the mux, whose challenges prove the age of commands; is the robot running?")
         self._require_permission()
         try:

@@ -115,6 +115,28 @@ def test_goal_is_held_when_the_program_hangs_and_screens_say_so(stage: FirstDriv
     assert re.fullmatch(r".* \(script\) drove until \d\d:\d\d and is out of reach; d: take over", lines[0])
 
 
+def test_program_that_follows_a_lost_one_waits_for_the_lease(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("ROS_HOME", str(tmp_path))
+    late: dict[str, int] = {}
+    stage = FirstDrive(delay=lambda topic: late.get(topic, 0))
+    turns: list[float] = []
+
+    def hang(condition: Callable[[], bool], seconds: float) -> bool:
+        stage.bus.run_until(lambda: condition() or speed(stage) > 0.3, seconds)
+        if speed(stage) > 0.3 and not turns:
+            stage.bus.run(3.5)
+            late["/cmd_vel_mux/lease"] = 500_000_000  # ns: the next program hears of the mux before it has its lease
+            before = stage.truth.pose.yaw
+            with connect(stage, "next") as following:
+                following.drive(0.0, 0.5, 1.0)
+            turns.append(stage.truth.pose.yaw - before)
+        return stage.bus.run_until(condition, seconds)
+
+    with Robot("script", node=stage.bus.node("script"), wait=hang) as robot, pytest.raises((Lost, TakenOver)):
+        robot.drive(0.0, 0.5, 30.0)
+    assert turns[0] == pytest.approx(0.5, abs=0.2)
+
+
 def test_goal_of_a_robot_that_falls_silent_is_lost(stage: FirstDrive, robot: Robot) -> None:
     here = robot.pose()
     for name in ("/move_base", "/cmd_vel_mux"):
