@@ -8,6 +8,7 @@ from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
 
+from ur.recordings.datagrams import open_folder
 from ur_nodes.ports.node import Node
 
 _MOST_AT_ONCE = 20
@@ -27,7 +28,8 @@ class DatagramSocket:
         try:
             self._path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
             self._path.unlink(missing_ok=True)
-            self._socket.bind(str(self._path))
+            with open_folder(folder) as place:
+                self._socket.bind(f"{place}/{self._path.name}")
         except OSError as problem:
             node.log.warn(f"{self._path}: {problem.strerror or problem}: {without}")
             self._socket.close()

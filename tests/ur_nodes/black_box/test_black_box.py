@@ -228,8 +228,9 @@ def test_folder_that_cannot_be_written_is_reported(tmp_path: Path) -> None:
     assert any("not a directory" in line for line in (text for _, text in world.node.lines))
 
 
-def test_other_processes_report_events(tmp_path: Path) -> None:
-    environment = {"XDG_STATE_HOME": str(tmp_path)}
+@pytest.mark.parametrize("below", ["", "a folder with a long name/" * 5], ids=["short", "longer than an address"])
+def test_other_processes_report_events(tmp_path: Path, below: str) -> None:
+    environment = {"XDG_STATE_HOME": str(tmp_path / below)}
     assert notify_black_boxes(environment, "/camera died: exit code 1") == 0
     bus = Bus()
     got: list[str] = []

@@ -19,7 +19,7 @@ def admit(home: Path, token: str, role: Role) -> Path:
     return home / ".local/state/ubiquity_launches/web"
 
 
-@pytest.mark.parametrize("role", list(Role))
+@pytest.mark.parametrize("role", [Role.LOOK, Role.DRIVE])
 def test_link_that_the_script_admits_is_good_for_one_login(tmp_path: Path, role: Role) -> None:
     token = make_token()
     links = LinkFiles(admit(tmp_path, token, role))
