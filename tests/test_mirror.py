@@ -27,7 +27,6 @@ ELSEWHERE = {
     "ur/check/rules": "every rule holds its examples, which tests/check/test_rules.py runs",
     "ur/check/rules/library": "likewise",
     "ur/check/rules/text": "likewise",
-    "ur/cli/runs": "commands are tested as programs: tests/cli/ and tests/run/",
     "ur/docs/launch": "whole documents: tests/docs/ and tests/docs/site/",
     "ur/docs/repository": "whole documents: tests/docs/ and tests/docs/site/",
     "ur/robot/base/sensors": "sensors are read as part of base files: tests/robot/test_base.py, tests/robot/base/",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Callable
 from pathlib import Path
 
@@ -9,6 +10,7 @@ import pytest
 from tests.ur_nodes.lock_step.failures import FAILURES, FailingDrive, Viewer, plan_replay, record
 
 from ur.recordings.mcap_file import open_recording
+from ur.source.diagnostic import UserError
 from ur_nodes.lock_step.bus import StepBus
 from ur_nodes.lock_step.digest import fingerprint
 from ur_nodes.lock_step.run import replay
@@ -35,6 +37,17 @@ def test_failure_is_replayed_as_it_was_recorded(failure: Failure, tmp_path: Path
     assert len(sent) == pytest.approx(first.sent, abs=5)  # the recording ends DELAY later
     assert replay(plan, find_reader, sent=len(sent)).digest == fingerprint(sent)
     assert shown_in_a_viewer(path) == drive.viewer.shown
+
+
+@pytest.mark.parametrize(
+    ("module", "reason"), [("ur_nodes.no_such_node", "No module named ur_nodes.no_such_node"), ("this", "it has ended")]
+)
+def test_node_that_does_not_start_is_named_with_the_reason(module: str, reason: str, tmp_path: Path) -> None:
+    (failure,) = (each for each in FAILURES if each.__name__ == "emergency_stop")
+    plan = plan_replay(record(failure, tmp_path)[1], "/move_base")
+    nodes = (dataclasses.replace(plan.nodes[0], words=(module,)),)
+    with pytest.raises(UserError, match=f"/move_base does not start: .*{reason}"):
+        replay(dataclasses.replace(plan, nodes=nodes), find_reader)
 
 
 def shown_in_a_viewer(path: Path) -> list[object]:
