@@ -6,6 +6,7 @@ import asyncio
 import json
 import re
 import subprocess
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -120,8 +121,11 @@ async def call_everything(env: dict[str, str], folder: Path) -> dict[str, tuple[
     from ur.mcp.grants import grant_files, make_grant
 
     results: dict[str, tuple[bool, str]] = {}
-    server = StdioServerParameters(command=UR, args=["mcp"], env=env, cwd=folder)
-    async with Client(stdio_client(server)) as client:
+    elsewhere = folder / "elsewhere"  # the folder itself has one that is called as the package: for facts of nodes
+    elsewhere.mkdir()
+    server = StdioServerParameters(command=UR, args=["mcp"], env=env, cwd=elsewhere)
+    # Its default is the standard error at the time of its import, which may be another test's.
+    async with Client(stdio_client(server, errlog=sys.__stderr__ or sys.stderr)) as client:
         tools = [each.name for each in (await client.list_tools()).tools]
         assert sorted(tools) == sorted(CALLS)
         await client.call_tool("look", {})

@@ -265,8 +265,7 @@ def test_page_recovers_when_the_end_at_the_robot_is_killed_while_the_stick_is_he
     os.kill(before, signal.SIGKILL)
     robot.ask("still", seconds=60)
     page.wait("page.drive.press === 'dead'")
-    page.wait("page.server.end === 'starting'")
-    assert "Connecting to the robot" in page.run("document.getElementById('banners').innerText")
+    page.wait("document.getElementById('banners').innerText.includes('Connecting to the robot')")
     page.wait("page.server.end === 'up' && page.poseAge < 0.3 && page.pose.linkAge < 0.3")
     assert find_ends(robot) != [before]
     assert page.run("page.drive.press") == "dead"  # until the stick is let go
@@ -275,6 +274,21 @@ def test_page_recovers_when_the_end_at_the_robot_is_killed_while_the_stick_is_he
     page.push_stick()
     page.touch("End")
     robot.ask("still", seconds=60)
+
+
+def press_until_refused(page: BrowserPage) -> None:
+    """Press the stick until the press ends because another page drives, and not because this computer was late."""
+    x, y = page.middle("#stick")
+    for _ in range(5):
+        page.touch("Start", x, y)
+        page.touch("Move", x, y - 55)
+        page.wait("page.drive.press === 'dead'")
+        why = page.run("page.drive.why")
+        page.touch("End")
+        if why == "driver":
+            return
+        assert why == "late"
+    raise AssertionError("late five times")
 
 
 def find_ends(robot: LaunchedRobot) -> list[int]:
@@ -317,11 +331,7 @@ def test_second_page_asks_for_the_drive_is_given_it_and_it_is_taken_back(
         other.press_banner("Ask")
         other.wait("page.state.lease.asking.some((each) => each.client === page.drive.client)")
         other.tap("#mode-drive")
-        x, y = other.middle("#stick")
-        other.touch("Start", x, y)
-        other.touch("Move", x, y - 55)
-        other.wait("page.drive.press === 'dead' && page.drive.why === 'driver'")  # not before it is given
-        other.touch("End")
+        press_until_refused(other)  # not before it is given
         assert page.run(DRIVES)
         page.press_banner("Hand over")
         other.wait(DRIVES)
