@@ -123,6 +123,7 @@ async def call_everything(env: dict[str, str], folder: Path) -> dict[str, tuple[
     results: dict[str, tuple[bool, str]] = {}
     elsewhere = folder / "elsewhere"  # the folder itself has one that is called as the package: for facts of nodes
     elsewhere.mkdir()
+    (elsewhere / "a.launch").write_text('<launch><arg name="robot_base" default=""/></launch>\n')  # for `find`
     server = StdioServerParameters(command=UR, args=["mcp"], env=env, cwd=elsewhere)
     # Its default is the standard error at the time of its import, which may be another test's.
     async with Client(stdio_client(server, errlog=sys.__stderr__ or sys.stderr)) as client:
