@@ -195,7 +195,7 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
         "ur_nodes.ports",
         "ur_nodes.run",
     ),
-    "ur_nodes.datagram_socket": ("ur_nodes.ports",),
+    "ur_nodes.datagram_socket": ("ur.recordings.datagrams", "ur_nodes.ports"),
     "ur_nodes.black_box": (
         *(
             "ur.recordings",
