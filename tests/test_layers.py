@@ -197,16 +197,8 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
     ),
     "ur_nodes.datagram_socket": ("ur.recordings.datagrams", "ur_nodes.ports"),
     "ur_nodes.black_box": (
-        *(
-            "ur.recordings",
-            "ur.run.host.descendants",
-            "ur.source",
-            "ur_nodes.datagram_socket",
-            "ur_nodes.memory_use",
-            "ur_nodes.motion.lease",
-            "ur_nodes.ports",
-            "ur_nodes.run",
-        ),
+        *("ur.recordings", "ur.run.host.descendants", "ur.source"),
+        *("ur_nodes.datagram_socket", "ur_nodes.memory_use", "ur_nodes.motion.lease", "ur_nodes.ports", "ur_nodes.run"),
     ),
     "ur_nodes.recorder": ("ur.recordings", "ur_nodes.black_box.selection", "ur_nodes.ports", "ur_nodes.run"),
     "ur_nodes.replay": ("ur.recordings", "ur.source", "ur_nodes.datagram_socket", "ur_nodes.ports", "ur_nodes.run"),

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import math
-import threading
 import time
 from collections import deque
+from collections.abc import Callable
+
+from bench.node_answers import await_answer, read_graph
 
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.geometry.transform_tree import TransformError
 from ur_nodes.ports.fiducials import SeenFiducials
-from ur_nodes.ports.graph import Graph
 from ur_nodes.ports.node import Node
 from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.services import Trigger
@@ -67,32 +68,19 @@ class Driver:
 
     def save_map(self) -> str:
         """Ask for the map of fiducials to be saved; return the answer. Raises SystemExit: there is none."""
-        found: list[Result] = []
-        answered = threading.Event()
 
-        def take(result: Result) -> None:
-            found.append(result)
-            answered.set()
+        def ask(take: Callable[[Result], None]) -> None:
+            self._node.call("save_map", Trigger(), take, _ANSWER)
 
-        self._node.post(lambda: self._node.call("save_map", Trigger(), take, _ANSWER))
-        if not answered.wait(2.0 * _ANSWER):
+        result = await_answer(self._node, ask, 2.0 * _ANSWER)
+        if result is None:
             raise SystemExit(f"error: save_map did not answer within {_ANSWER:g} s")
-        return found[0].text
+        return result.text
 
     def lidars(self) -> list[str]:
         """Return the topics of scans that are published now. Raises SystemExit: the graph cannot be read."""
-        found: list[Graph | None] = []
-        answered = threading.Event()
-
-        def take(graph: Graph | None) -> None:
-            found.append(graph)
-            answered.set()
-
-        self._node.post(lambda: self._node.read_graph(take))
-        answered.wait(_ANSWER)
-        if not found or found[0] is None:
-            raise SystemExit(f"error: no list of topics within {_ANSWER:g} s, expected one")
-        return [name for name, kind in found[0].published() if kind.endswith("/LaserScan")]
+        published = read_graph(self._node, _ANSWER).published()
+        return [name for name, kind in published if kind.endswith("/LaserScan")]
 
     def _send(self, twist: Twist) -> None:
         self._node.post(lambda: self._velocity.send(twist))

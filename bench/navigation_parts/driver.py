@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from bench.navigation_parts.geodesic import free_cells, length_of, shortest_path
 from bench.navigation_parts.worlds import Goal, passage_radius
+from bench.node_answers import read_graph
 from numpy.typing import NDArray
 
 from ur.robot.base import Base
@@ -98,18 +99,7 @@ class Driver:
 
     def read_graph(self) -> Graph:
         """Return the nodes and topics of now. Raises SystemExit: no answer."""
-        found: list[Graph | None] = []
-        answered = threading.Event()
-
-        def take(graph: Graph | None) -> None:
-            found.append(graph)
-            answered.set()
-
-        self._node.post(lambda: self._node.read_graph(take))
-        answered.wait(_ANSWER)
-        if not found or found[0] is None:
-            raise SystemExit(f"error: no list of topics within {_ANSWER:g} s, expected one")
-        return found[0]
+        return read_graph(self._node, _ANSWER)
 
     def drive(self, goal: Goal, obstacle: str = "", limit: float = 180.0) -> Drive:
         """Send one goal and wait for its end, at most `limit` s of ROS time. `obstacle` comes in the way."""

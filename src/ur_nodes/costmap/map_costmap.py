@@ -46,7 +46,7 @@ class MapCostmap:
         self._zone_box: Box | None = None  # holds all of the zones
         self._occupied: NDArray[np.bool_] = sparse_zeros(costs.shape, bool)
         self._marked: Box | None = None  # holds all of _occupied
-        self._near = _rings(_KNOWN / grid.resolution)
+        self._near = _disc(_KNOWN / grid.resolution)
         self._changed: Box | None = None
         self.changes = 0
 
@@ -166,18 +166,16 @@ class MapCostmap:
         """True (n) for cells (n, 2) that are an obstacle of the map or near one."""
         height, width = self._plain.shape
         known: NDArray[np.bool_] = self._plain.costs[cells[:, 0], cells[:, 1]] == LETHAL
-        for offsets in self._near:
-            near = cells[~known, None] + offsets
-            rows, columns = np.clip(near[..., 0], 0, height - 1), np.clip(near[..., 1], 0, width - 1)
-            # Beyond the border the outermost cells stand for what is there: no nearer to the cell than they are.
-            known[~known] = (self._plain.costs[rows, columns] == LETHAL).any(axis=1)
+        near = cells[~known, None] + self._near
+        rows, columns = np.clip(near[..., 0], 0, height - 1), np.clip(near[..., 1], 0, width - 1)
+        # Beyond the border the outermost cells stand for what is there: no nearer to the cell than they are.
+        known[~known] = (self._plain.costs[rows, columns] == LETHAL).any(axis=1)
         return known
 
 
-def _rings(cells: float) -> tuple[NDArray[np.intp], ...]:
-    """The offsets (n, 2) of all other cells within a radius: the neighbours, then those farther away."""
+def _disc(cells: float) -> NDArray[np.intp]:
+    """The offsets (n, 2) of all cells within a radius."""
     reach = math.floor(cells)
     offsets = np.stack(np.meshgrid(*[np.arange(-reach, reach + 1)] * 2), axis=-1).reshape(-1, 2)
-    away = np.hypot(*offsets.T)
-    inside = (away > 0.0) & (away <= cells)
-    return tuple(ring for ring in (offsets[inside & (away < 2.0)], offsets[inside & (away >= 2.0)]) if len(ring))
+    disc: NDArray[np.intp] = offsets[np.hypot(*offsets.T) <= max(cells, 0.0)]
+    return disc
