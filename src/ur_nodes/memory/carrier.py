@@ -132,11 +132,10 @@ class Carrier:
         """Let time pass until a condition is true after an event, at most `seconds`. Return whether it is."""
         end = self.now + round(seconds * 1e9)
         while not condition():
-            if self._due or (self._events and self._events[0][0] <= end):
-                self._take_event()
-            else:
+            if self._next_time() > end:
                 self._time = end
                 return condition()
+            self._take_event()
         return True
 
     def graph(self) -> Graph:
