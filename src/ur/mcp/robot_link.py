@@ -12,12 +12,12 @@ from collections.abc import Callable, Mapping
 from typing import Protocol
 
 from ur.source.foreign.json_values import read_json
+from ur.system.child_processes import read_errors, start_child, wait_or_kill
 from ur.system.ros import node_command
 
 _MODULE = "ur_nodes.assistant.assistant_end_node"
 _LINE = 1 << 26  # bytes
 _START_LIMIT = 20.0  # s
-_END_LIMIT = 5.0  # s
 
 Values = Mapping[str, object]
 
@@ -103,11 +103,7 @@ class ProcessLink:
         if self._writer is not None:
             self._writer.close()
         if self._process is not None:
-            try:
-                await asyncio.wait_for(self._process.wait(), _END_LIMIT)
-            except asyncio.TimeoutError:
-                with contextlib.suppress(ProcessLookupError):
-                    self._process.kill()
+            await wait_or_kill(self._process)
         for each in self._tasks:
             each.cancel()
         await asyncio.gather(*self._tasks, return_exceptions=True)
@@ -117,21 +113,12 @@ class ProcessLink:
             if self._writer is not None and not self._writer.is_closing():
                 return
             own, other = socket.socketpair()
-            with other:
-                self._process = await asyncio.create_subprocess_exec(
-                    *node_command(self._environment),
-                    *(_MODULE, str(other.fileno())),
-                    pass_fds=(other.fileno(),),
-                    stdin=asyncio.subprocess.DEVNULL,
-                    stdout=asyncio.subprocess.DEVNULL,
-                    stderr=asyncio.subprocess.PIPE,
-                    env=dict(self._environment),
-                    start_new_session=True,
-                )
+            command = (*node_command(self._environment), _MODULE)
+            self._process = await start_child(command, (other,), self._environment)
             reader, self._writer = await asyncio.open_connection(sock=own, limit=_LINE)
             self._tasks = [
                 asyncio.create_task(self._read(reader)),
-                asyncio.create_task(self._read_errors(self._process)),
+                asyncio.create_task(read_errors(self._process, self._log)),
             ]
 
     async def _read(self, reader: asyncio.StreamReader) -> None:
@@ -147,12 +134,6 @@ class ProcessLink:
         if self._writer is not None:
             self._writer.close()
         self._answers.fail("the connection to the robot has ended; does a program run on it?")
-
-    async def _read_errors(self, process: asyncio.subprocess.Process) -> None:
-        assert process.stderr is not None
-        with contextlib.suppress(ValueError):
-            while line := await process.stderr.readline():
-                self._log(line.decode("utf-8", "replace").rstrip())
 
 
 def robot_environment(environment: Mapping[str, str] = os.environ) -> dict[str, str]:

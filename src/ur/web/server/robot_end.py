@@ -19,8 +19,8 @@ from ur.run.record.registry import list_runs
 from ur.source.foreign.json_values import read_json
 from ur.source.printable import one_line
 from ur.source.run_users import PAGE, forget_user, note_user
+from ur.system.child_processes import read_errors, start_child, wait_or_kill
 from ur.system.ros import NONE, graph_address, node_command, read_domain, viewer_socket
-from ur.web.server.children import read_errors, start_child, wait_or_kill
 from ur.web.wire.frames import LENGTH, LONGEST
 
 State = Literal["no master", "starting", "up"]

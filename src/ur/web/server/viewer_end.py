@@ -12,8 +12,8 @@ from typing import Annotated
 from msgspec import Meta
 
 from ur.source.foreign.json_values import read_json
+from ur.system.child_processes import read_errors, start_child, wait_or_kill
 from ur.system.ros import node_command
-from ur.web.server.children import read_errors, start_child, wait_or_kill
 
 _MODULE = "ur_nodes.web.viewers.viewer_end_node"
 _START_LIMIT = 20.0  # s

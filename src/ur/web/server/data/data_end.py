@@ -9,8 +9,8 @@ from collections.abc import Callable, Mapping
 from contextlib import suppress
 from typing import Literal
 
+from ur.system.child_processes import read_errors, start_child, wait_or_kill
 from ur.system.ros import node_command
-from ur.web.server.children import read_errors, start_child, wait_or_kill
 from ur.web.wire.data_frames import DataFrame, unpack_frame
 from ur.web.wire.frames import LENGTH, LONGEST
 

@@ -13,9 +13,9 @@ from urllib.parse import urlsplit
 
 from ur.robot.discovery.masters import RobotMaster
 from ur.source.foreign.json_values import convert_json
+from ur.system.child_processes import read_errors, start_child, wait_or_kill
 from ur.system.ros import graph_address
 from ur.web.access.roles import Role
-from ur.web.server.children import read_errors, start_child, wait_or_kill
 from ur.web.server.robots.peer import LONGEST_LINE, Handler, Peer, PeerError
 from ur.web.server.robots.robots import RobotEntry, ServerLogin, write_rows
 

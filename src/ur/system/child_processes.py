@@ -1,4 +1,4 @@
-"""Processes that the server starts: connected by sockets, their errors in its log, ended with it."""
+"""Child processes of a server: connected by sockets, their errors in its log, ended with it."""
 
 from __future__ import annotations
 
