@@ -9,7 +9,8 @@ if TYPE_CHECKING:
 
 Dialect = Literal["ros1", "ros2", ""]
 
-_ENCODINGS: dict[Dialect, tuple[str, str]] = {"ros1": ("ros1msg", "ros1"), "ros2": ("ros2msg", "cdr"), "": ("", "text")}
+ENCODINGS: dict[Dialect, tuple[str, str]] = {"ros1": ("ros1msg", "ros1"), "ros2": ("ros2msg", "cdr"), "": ("", "text")}
+"""The encodings of definitions and of messages."""
 
 
 def dialect_of(type_name: str, schema: str) -> Dialect:
@@ -31,7 +32,7 @@ def register_channel(
 
     Returns the number of its channel.
     """
-    schema_encoding, encoding = _ENCODINGS[dialect_of(type_name, schema)]
+    schema_encoding, encoding = ENCODINGS[dialect_of(type_name, schema)]
     number = writer.register_schema(type_name, schema_encoding, schema.encode()) if schema_encoding else 0
     metadata = ({SENDER: sender} if sender else {}) | ({LATCHED: "1"} if latched else {})
     channel: int = writer.register_channel(topic, encoding, number, metadata)

@@ -8,14 +8,13 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from ur.recordings.mcap_channels import Dialect
+from ur.recordings.mcap_channels import ENCODINGS, Dialect
 from ur.recordings.mcap_file import RecordingTopic
 
 if TYPE_CHECKING:
     from rosbags.typesys.store import Typestore
 
 _TIMES = ("std_msgs/msg/Header", "builtin_interfaces/msg/Time", "builtin_interfaces/msg/Duration")
-_ENCODINGS: dict[Dialect, str] = {"ros1": "ros1", "ros2": "cdr"}
 
 
 def full_type_name(type_name: str) -> str:
@@ -49,8 +48,8 @@ class MessageTypes:
 
     def convert_topic(self, topic: RecordingTopic, dialect: Dialect) -> RecordingTopic:
         """Return a topic as that ROS has it; the same one where it is of that ROS, or of none."""
-        encoding = _ENCODINGS[dialect]
-        if topic.encoding == encoding or topic.encoding not in _ENCODINGS.values():
+        encoding = ENCODINGS[dialect][1]
+        if topic.encoding == encoding or topic.encoding not in ("ros1", "cdr"):
             return topic
         store = self._find(topic)
         if store is None:
