@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import TypeVar
 
 import genpy
@@ -24,33 +24,11 @@ def _goal_of(message: MoveBaseActionGoal) -> Goal:
     return Goal(str(message.goal_id.id), target_of(message.goal.target_pose))
 
 
-def _find_action(action: str, kind: type, part: str) -> StoredReader | None:
-    """Find the reader of an action's topic by what nodes on a bus exchange; ROS 1 has other names for some."""
-    match kind, part:
-        case (_, "goal") if kind is Goal:
-            return _make(f"{action}/goal", MoveBaseActionGoal, _goal_of)
-        case (_, "status") if kind is GoalStates:
-            return _make(
-                f"{action}/status",
-                GoalStatusArray,
-                lambda message: GoalStates(tuple(map(state_of, message.status_list))),
-            )
-        case (_, "state") if kind is GoalState:
-            return _make(f"{action}/result", MoveBaseActionResult, lambda message: state_of(message.status))
-        case (_, "feedback") if kind is PlacedPose:
-            return _make(
-                f"{action}/feedback",
-                MoveBaseActionFeedback,
-                lambda message: target_of(message.feedback.base_position),
-            )
-    return None
-
-
 def find_reader(topic: str, kind: type) -> StoredReader | None:
     """Find what a subscription of a kind reads; None: ROS 1 has no message for it."""
     action, _, part = topic.rpartition("/")
-    if found := _find_action(action, kind, part):
-        return found
+    if make := _ACTION.get((kind, part)):
+        return make(action)
     try:
         codec: KindCodec[object] = find_codec(kind)
     except KeyError:
@@ -68,3 +46,18 @@ def _make(topic: str, message_class: type[_Message], value_of: Callable[[_Messag
             raise ValueError(str(problem)) from None
 
     return StoredReader(topic, str(message_class._type), read)  # noqa: SLF001 - genpy has no other name
+
+
+_ACTION: Mapping[tuple[type, str], Callable[[str], StoredReader]] = {
+    (Goal, "goal"): lambda action: _make(f"{action}/goal", MoveBaseActionGoal, _goal_of),
+    (GoalStates, "status"): lambda action: _make(
+        f"{action}/status", GoalStatusArray, lambda message: GoalStates(tuple(map(state_of, message.status_list)))
+    ),
+    (GoalState, "state"): lambda action: _make(
+        f"{action}/result", MoveBaseActionResult, lambda message: state_of(message.status)
+    ),
+    (PlacedPose, "feedback"): lambda action: _make(
+        f"{action}/feedback", MoveBaseActionFeedback, lambda message: target_of(message.feedback.base_position)
+    ),
+}
+"""Readers of topics of an action by what nodes on a bus exchange; ROS 1 has other names for some."""
