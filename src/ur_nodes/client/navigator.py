@@ -47,6 +47,7 @@ class RobotNavigator:
         self._node, self._wait = node, wait
         self._numbers = itertools.count(1)
         self._sent = GoalReport()
+        self._on_its_way = False  # from here to the node's thread
         self.mux = MuxLink(node, names.mux)
         self.lease = LeaseClient(node, names.mux, program, on_challenge=on_challenge, hangs=hangs)
         self.topics = NavigationTopics(node, names)
@@ -58,13 +59,14 @@ class RobotNavigator:
 
     def snapshot(self) -> RobotSnapshot:
         """Return the newest state."""
+        sent = self._sent if self._on_its_way else None  # read before what it replaces
         seen, mux, lease = self.topics.snapshot(), self.mux.view(), self.lease.view()
         missing = seen.missing
         if lease.state == "unknown" and (mux.stopped is not None or self._leased):
             # A mux of ours has to publish its lease before the first goal.
             missing = (*missing, f"the lease of the mux (topic {self._lease_topic})")
-        if seen.goal.number < self._sent.number:  # it is on its way to the node's thread
-            seen = replace(seen, goal=self._sent, path=None)
+        if sent is not None:
+            seen = replace(seen, goal=sent, path=None)
         return replace(
             seen,
             missing=missing,
@@ -80,6 +82,7 @@ class RobotNavigator:
         goal_id = self._make_goal_id(any_heading=any_heading)
         number = max(self._sent.number, self.topics.goal().number) + 1
         self._sent = GoalReport(number, place, LastGoalState.WAITING, any_heading=any_heading)
+        self._on_its_way = True
         self._node.post(lambda: self._send(goal_id, place, number))
         return number
 
@@ -151,6 +154,8 @@ class RobotNavigator:
         if view.state != "unknown" and not view.mine:
             self.lease.acquire()
         self.topics.send_goal(goal_id, place, number)
+        if number == self._sent.number:
+            self._on_its_way = False
 
     def _ask_patrol(self, request: PatrolRequest) -> None:
         self._patrol.request(request)
