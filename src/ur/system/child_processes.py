@@ -35,10 +35,10 @@ async def read_errors(process: asyncio.subprocess.Process, take: Callable[[str],
             take(line.decode("utf-8", "replace").rstrip())
 
 
-async def wait_or_kill(process: asyncio.subprocess.Process) -> None:
-    """Wait for a process that is about to end, and kill it after a timeout."""
+async def wait_or_kill(process: asyncio.subprocess.Process, limit: float = _END_LIMIT) -> None:
+    """Wait for a process that is about to end, and kill it after `limit` s."""
     try:
-        await asyncio.wait_for(process.wait(), _END_LIMIT)
+        await asyncio.wait_for(process.wait(), limit)
     except asyncio.TimeoutError:
         with suppress(ProcessLookupError):
             process.kill()
