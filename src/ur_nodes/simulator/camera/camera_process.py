@@ -102,6 +102,10 @@ class CameraProcess:
             message = "the simulated camera's process has ended, expected pictures"
             raise UserError(error(message, rule="no-renderer")) from None
 
+    def kill(self) -> None:
+        """End the process while a picture is drawn on another thread, whose `take` fails then."""
+        self._process.kill()
+
     def close(self) -> None:
         """End the process."""
         for stream in (self._process.stdin, self._process.stdout):

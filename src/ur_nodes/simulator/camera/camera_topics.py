@@ -104,6 +104,8 @@ class SimulatedCameraTopics:
         self._node.log.error("; ".join([str(problem), *(each.help for each in problem.diagnostics if each.help)]))
 
     def _end(self) -> None:
+        if process := self._process:
+            process.kill()  # where a computer draws slowly, a picture and the normal end take longer than a node gets
         if self._started:
             self._node.work(self._close, lambda _none: None)  # after what is being drawn
 

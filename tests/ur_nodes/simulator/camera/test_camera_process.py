@@ -4,6 +4,7 @@ import io
 import math
 import os
 import sys
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 
 import numpy as np
@@ -86,6 +87,20 @@ def test_camera_ends_cleanly_and_says_so_when_its_process_died(magni: Base, make
         process.take(0, Simulation(world, base).state(), pixels=True, jpeg=True)
     process.close()
     assert not drawing.is_running()
+
+
+def test_end_does_not_wait_for_a_picture_that_is_being_drawn(magni: Base, make_world: MakeWorld) -> None:
+    needs_renderer()
+    base, world = look(magni), make_world("")
+    assert base.raspicam
+    process = CameraProcess(world, base, base.raspicam, 1)
+    psutil.Process(process.pid).suspend()
+    with ThreadPoolExecutor() as drawing:
+        picture = drawing.submit(process.take, 0, Simulation(world, base).state(), pixels=True, jpeg=True)
+        process.kill()
+        with pytest.raises(UserError, match="has ended, expected pictures"):
+            picture.result()
+    process.close()
 
 
 def test_pictures_do_not_change_the_motion(magni: Base, make_world: MakeWorld) -> None:
