@@ -27,10 +27,12 @@ from textual.widgets import Input
 from ur_nodes.client.driver_text import DriverRequest
 from ur_nodes.client.mux import MuxRequest
 from ur_nodes.client.patrol_text import PatrolAction, PatrolRoute
+from ur_nodes.client.saving import save_recordings
 from ur_nodes.client.snapshot import GoalReport, LastGoalState, RobotSnapshot
 from ur_nodes.client.waypoints import WaypointStore
 from ur_nodes.geometry.grid import Grid, load_map
 from ur_nodes.geometry.pose import Pose2
+from ur_nodes.memory.bus import Bus
 from ur_nodes.motion.lease.view import LeaseView
 from ur_nodes.teleop.navigate.app import NavigateApp
 
@@ -167,7 +169,8 @@ async def take_screenshot(size: tuple[int, int], light: bool, picture: str = "ke
         store = WaypointStore(Path(folder) / "maze.yaml")
         for name, place in PLACES.items():
             store.remember(name, place)
-        app = NavigateApp(StillNavigator(snapshot), lambda _: store, title="maze", light=light)
+        recording = save_recordings(Bus().node("keyboard_navigate"))
+        app = NavigateApp(StillNavigator(snapshot), lambda _: store, recording=recording, title="maze", light=light)
         async with app.run_test(size=size) as pilot:
             for line in app.query(Input):
                 line.cursor_blink = False

@@ -19,9 +19,3 @@ def return_large_arrays() -> None:
         libc = ctypes.CDLL(None)
         libc.mallopt(_MMAP_THRESHOLD, LARGE)
         libc.mallopt(_TRIM_THRESHOLD, _SPARE)
-
-
-def return_freed_memory() -> None:
-    """Give all freed memory back to the system now, after work that needed much of it for a moment."""
-    with suppress(OSError, AttributeError):
-        ctypes.CDLL(None).malloc_trim(0)

@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 import re
+import socket
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 
 from ur.recordings.black_boxes import REPORT_REQUEST
-from ur_nodes.black_box.recording_file import RecordingError, write_recording
+from ur.source.printable import printable
+from ur_nodes.black_box.recording_file import RecordingError
 from ur_nodes.black_box.ring import Ring
 from ur_nodes.black_box.selection import MOST_TOPICS, select_topics
-from ur_nodes.black_box.tape import LARGE_BYTES, Tape, TapeTopic, read_tape
+from ur_nodes.black_box.tape import LARGE_BYTES, Tape, TapeTopic
 from ur_nodes.black_box.triggers import Triggers
-from ur_nodes.memory_use import return_freed_memory
 from ur_nodes.ports.graph import Graph
 from ur_nodes.ports.node import Node
 from ur_nodes.ports.raw import RecordedMessage, RecordedType
@@ -29,14 +29,12 @@ _AT_ONCE = 0.2  # s, in which what has been sent arrives
 
 @dataclass(frozen=True, slots=True)
 class BlackBoxSettings:
-    """`folder` gets the files, of which the newest `kept` stay; `after` s pass between an event and its file.
+    """`after` s pass between an event and its file, which begins `seconds` before it.
 
     `mux`, `navigation` and `localiser` are names of nodes, whose topics report events. With `cameras`, pictures
     are taken also where no other node subscribes to them.
     """
 
-    folder: Path
-    kept: int = 10
     seconds: float = 120.0
     after: float = 5.0
     mux: str = "cmd_vel_mux"
@@ -45,28 +43,33 @@ class BlackBoxSettings:
     cameras: bool = True
 
 
+Write = Callable[[Sequence[str]], str]
+"""Writes what is in the ring, with the reasons, and returns the path of the file. Raises RecordingError."""
+
+
 class BlackBox:
-    """Records topics into a ring. `steady_ns` and `unix_ns` read a clock that is never set, and the computer's."""
+    """Records topics into a ring. `steady_ns` reads a clock that is never set."""
 
     def __init__(
         self,
         node: Node,
         settings: BlackBoxSettings,
         ring: Ring,
+        write: Write,
         steady_ns: Callable[[], int] = time.monotonic_ns,
-        unix_ns: Callable[[], int] = time.time_ns,
     ) -> None:
-        self._node, self._settings, self._ring = node, settings, ring
-        self._steady, self._unix = steady_ns, unix_ns
+        self._node, self._settings, self._write_file = node, settings, write
+        self._steady = steady_ns
         self._tape = Tape(ring, settings.seconds)
         self._types: dict[RecordedType, TapeTopic] = {}
         self._large: set[str] = set()
         self._bumpers: set[str] = set()
         self._reasons: list[str] = []
+        self._waiting: list[Callable[[Result], None]] = []
         self._full_reported = False
         self._triggers = Triggers(self.happened, steady_ns)
         self._triggers.subscribe(node, settings.mux, settings.navigation, settings.localiser)
-        node.serve("~write", Trigger, self._write_on_request)
+        node.serve_later("~write", Trigger, self._write_on_request)
         node.on_end(self._end, within=10.0)
         self._recorder = node.raw.record(self._take, steady_ns)
         node.on_end(self._recorder.close)
@@ -83,9 +86,9 @@ class BlackBox:
             after = _AT_ONCE if text == REPORT_REQUEST else self._settings.after
             self._node.after(after, self._write, steady=True)
 
-    def _write_on_request(self, _request: Trigger) -> Result:
+    def _write_on_request(self, _request: Trigger, give: Callable[[Result], None]) -> None:
+        self._waiting.append(give)
         self.happened("requested")
-        return Result(True, f"a recording is written in {self._settings.after:g} s, in {self._settings.folder}")
 
     def _compare(self, graph: Graph | None) -> None:
         self._node.after(_LOOK, lambda: self._node.read_graph(self._compare), steady=True)
@@ -116,26 +119,29 @@ class BlackBox:
 
     def _write(self) -> None:
         reasons, self._reasons = self._reasons, []
+        waiting, self._waiting = self._waiting, []
         if not reasons:
             return
-        tape = tuple(read_tape(self._ring))
-        to_unix = self._unix() - self._steady()
-        settings = self._settings
 
-        def write() -> str:
+        def write() -> tuple[str, str]:
             try:
-                return f"wrote {write_recording(settings.folder, tape, reasons, to_unix, settings.kept)}: {reasons[0]}"
+                return self._write_file([printable(each) for each in reasons]), ""
             except RecordingError as problem:
-                return f"error: no recording of '{reasons[0]}': {problem}"
+                return "", str(problem)
 
-        self._node.work(write, self._report, "black box")
+        def report(written: tuple[str, str]) -> None:
+            path, problem = written
+            if path:
+                self._node.log.info(f"wrote {path}: {reasons[0]}")
+            else:
+                self._node.log.error(f"no recording of '{reasons[0]}': {problem}")
+            for give in waiting:
+                give(Result(bool(path), f"{socket.gethostname()}:{path}" if path else problem))
+            for name, count in self._tape.left_out.items():
+                self._node.log.warn(f"{name}: {count} messages were too large for the black box")
+            self._tape.left_out.clear()
 
-    def _report(self, text: str) -> None:
-        return_freed_memory()  # the file needed as much as the ring
-        (self._node.log.error if text.startswith("error: ") else self._node.log.info)(text.removeprefix("error: "))
-        for name, count in self._tape.left_out.items():
-            self._node.log.warn(f"{name}: {count} messages were too large for the black box")
-        self._tape.left_out.clear()
+        self._node.work(write, report, "black box")
 
     def _end(self) -> None:
         self._write()

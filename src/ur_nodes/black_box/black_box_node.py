@@ -9,19 +9,16 @@ from pathlib import Path
 from ur.recordings.black_boxes import recordings_folder
 from ur_nodes.black_box.black_box import BlackBox, BlackBoxSettings
 from ur_nodes.black_box.event_socket import EventSocket
-from ur_nodes.black_box.guard import GuardProcess
+from ur_nodes.black_box.guard import GuardedMemory
 from ur_nodes.black_box.ring import Ring
 from ur_nodes.ports.node import Node
 from ur_nodes.ports.parameters import Parameters
 from ur_nodes.run import run
 
 
-def read_settings(parameters: Parameters) -> tuple[BlackBoxSettings, int]:
-    """Read the settings, and the size of the memory in bytes."""
-    folder = parameters.text("~folder", "") or recordings_folder(os.environ)
-    settings = BlackBoxSettings(
-        Path(folder).expanduser(),
-        parameters.integer("~kept", 10, minimum=1),
+def read_settings(parameters: Parameters) -> BlackBoxSettings:
+    """Read the settings of the recording."""
+    return BlackBoxSettings(
         parameters.number("~seconds", 120.0, minimum=1.0),
         parameters.number("~after", 5.0, minimum=0.0),
         parameters.text("~mux", "cmd_vel_mux"),
@@ -29,17 +26,23 @@ def read_settings(parameters: Parameters) -> tuple[BlackBoxSettings, int]:
         parameters.text("~localiser", "amcl"),
         parameters.boolean("~cameras", True),
     )
-    return settings, int(parameters.number("~megabytes", 20.0, minimum=1.0) * 1e6)
+
+
+def share_memory(parameters: Parameters) -> GuardedMemory:
+    """Start the guard of a memory; its files are in `~folder`, of which the newest `~kept` stay."""
+    folder = parameters.text("~folder", "") or recordings_folder(os.environ)
+    size = int(parameters.number("~megabytes", 20.0, minimum=1.0) * 1e6)
+    return GuardedMemory(size, Path(folder).expanduser(), parameters.integer("~kept", 10, minimum=1))
 
 
 def start(node: Node) -> BlackBox:
     """Start the guard, and record."""
-    settings, size = read_settings(node.parameters)
-    guard = GuardProcess(size, settings.folder, settings.kept)
+    settings = read_settings(node.parameters)
+    memory = share_memory(node.parameters)
     socket = EventSocket(node, os.environ, lambda text: box.happened(text))
     node.on_end(socket.close)  # before the black box ends, which writes what has happened last
-    box = BlackBox(node, settings, Ring(memoryview(guard.block)))
-    node.on_end(guard.end)
+    box = BlackBox(node, settings, Ring(memoryview(memory.block)), memory.write)
+    node.on_end(memory.end)
     return box
 
 

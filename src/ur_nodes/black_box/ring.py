@@ -7,6 +7,7 @@ writer that is killed leaves whole records only.
 
 from __future__ import annotations
 
+import mmap
 import struct
 from collections.abc import Iterator
 
@@ -15,6 +16,14 @@ _COUNTER = struct.Struct("<Q")
 _LENGTH = struct.Struct("<I")
 _MAGIC = b"urring01"
 _TAIL, _HEAD, _DATA = 16, 24, 64
+
+
+def copy_ring(block: mmap.mmap) -> Ring:
+    """Copy a ring to which another process appends meanwhile: the records that stayed whole."""
+    copy = bytearray(block)
+    tail = min(_COUNTER.unpack_from(block, _TAIL)[0], _COUNTER.unpack_from(copy, _HEAD)[0])
+    _COUNTER.pack_into(copy, _TAIL, tail)  # what was dropped while it was copied may be overwritten
+    return Ring(memoryview(copy), kept=True)
 
 
 class Ring:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import socket
+from collections.abc import Callable, Sequence
 from itertools import pairwise
 from pathlib import Path
 
@@ -13,8 +14,9 @@ from ur.recordings.black_boxes import notify_black_boxes
 from ur.recordings.mcap_file import open_recording
 from ur_nodes.black_box.black_box import BlackBox, BlackBoxSettings
 from ur_nodes.black_box.event_socket import EventSocket
-from ur_nodes.black_box.recording_file import list_recordings
+from ur_nodes.black_box.recording_file import list_recordings, write_recording
 from ur_nodes.black_box.ring import Ring
+from ur_nodes.black_box.tape import read_tape
 from ur_nodes.black_box.triggers import Triggers
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.memory.bus import Bus
@@ -40,9 +42,12 @@ class World:
         self.count = 0
         self.robot.every(0.1, self._speak)
         self.node = self.bus.node("black_box")
-        settings = BlackBoxSettings(folder, kept=3)
-        ring = Ring(memoryview(bytearray(size)))
-        self.box = BlackBox(self.node, settings, ring, lambda: self.bus.now, lambda: self.bus.now + self.unix)
+        self.ring = Ring(memoryview(bytearray(size)))
+        self.box = BlackBox(self.node, BlackBoxSettings(), self.ring, self.write, lambda: self.bus.now)
+
+    def write(self, reasons: Sequence[str]) -> str:
+        """Write a file as the process that the black box starts for that does."""
+        return str(write_recording(self.folder, tuple(read_tape(self.ring)), reasons, self.unix, 3))
 
     def _speak(self) -> None:
         self.count += 1
@@ -73,11 +78,12 @@ def test_recording_has_two_minutes_before_an_event_and_the_seconds_after_it(tmp_
     world = World(tmp_path)
     world.bus.run(200.0)
     answers: list[Result] = []
-    world.robot.call("black_box/write", Trigger(), answers.append)
+    world.robot.call("black_box/write", Trigger(), answers.append, 30.0)
     world.bus.run(10.0)
     ((reasons, words),) = world.recordings()
     assert reasons == ["requested"]
-    assert str(tmp_path) in answers[0].text
+    (path,) = list_recordings(tmp_path)
+    assert answers == [Result(True, f"{socket.gethostname()}:{path}")]
     assert words[-1][0] - words[0][0] == pytest.approx(120.0, abs=0.2)
     numbers = [number for _, number in words]
     assert numbers == list(range(numbers[0], numbers[-1] + 1))
@@ -223,8 +229,12 @@ def test_folder_that_cannot_be_written_is_reported(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("")
     world = World(tmp_path / "file/folder")
     world.bus.run(6.0)
+    answers: list[Result] = []
     press(world)
+    world.robot.call("black_box/write", Trigger(), answers.append, 30.0)
     world.bus.run(10.0)
+    assert [each.success for each in answers] == [False]
+    assert "not a directory" in answers[0].text
     assert any("not a directory" in line for line in (text for _, text in world.node.lines))
 
 

@@ -2,18 +2,23 @@
 
 from __future__ import annotations
 
+import mmap
+import shutil
 import signal
 import subprocess
 import sys
+import threading
 from collections.abc import Iterator
+from itertools import pairwise
 from pathlib import Path
 
 import pytest
 from mcap.reader import make_reader
 
-from ur_nodes.black_box.guard import GuardProcess
+from ur.recordings.mcap_file import open_recording
+from ur_nodes.black_box.guard import GuardedMemory
 from ur_nodes.black_box.recording_file import RecordingError, list_recordings, write_recording
-from ur_nodes.black_box.ring import Ring
+from ur_nodes.black_box.ring import Ring, copy_ring
 from ur_nodes.black_box.tape import Tape, TapeEvent, TapeMessage, TapeTopic
 
 SCAN = TapeTopic("/scan", "sensor_msgs/LaserScan", "float32[] ranges")
@@ -74,14 +79,14 @@ def test_full_disk_is_reported_and_leaves_nothing(tmp_path: Path) -> None:
 KILLED = """
 import os, signal, sys
 from pathlib import Path
-from ur_nodes.black_box.guard import GuardProcess
+from ur_nodes.black_box.guard import GuardedMemory
 from ur_nodes.black_box.ring import Ring
 from ur_nodes.black_box.tape import Tape, TapeTopic
-guard = GuardProcess(1_000_000, Path(sys.argv[1]), 3)
-tape = Tape(Ring(memoryview(guard.block)))
+memory = GuardedMemory(1_000_000, Path(sys.argv[1]), 3)
+tape = Tape(Ring(memoryview(memory.block)))
 for number in range(1000):
     tape.note(TapeTopic("/scan", "sensor_msgs/LaserScan", "float32[] ranges"), number, b"%d" % number)
-sys.stdout.write(str(guard.process.pid))
+sys.stdout.write(str(memory.guard.pid))
 sys.stdout.flush()
 os.kill(os.getpid(), signal.SIGKILL)
 """
@@ -91,17 +96,67 @@ def test_guard_writes_all_messages_of_a_process_that_was_killed(tmp_path: Path) 
     with subprocess.Popen(
         [sys.executable, "-I", "-c", KILLED, str(tmp_path)], stdout=subprocess.PIPE, stderr=subprocess.PIPE
     ) as process:
-        _, errors = process.communicate(timeout=60)  # until the guard has closed its end, too
+        output, _ = process.communicate(timeout=60)  # until the guard has closed its end, too
     assert process.returncode == -signal.SIGKILL
     (path,) = list_recordings(tmp_path)
-    assert str(path) in errors.decode()
+    assert str(path) in output.decode()
     with path.open("rb") as file:
         assert [each.data for _, _, each in make_reader(file).iter_messages()] == [b"%d" % n for n in range(1000)]
 
 
 def test_guard_that_is_ended_writes_nothing(tmp_path: Path) -> None:
-    guard = GuardProcess(100_000, tmp_path, 3)
-    Tape(Ring(memoryview(guard.block))).note(SCAN, 1, b"one")
-    guard.end()
-    assert guard.process.returncode == 0
+    memory = GuardedMemory(100_000, tmp_path, 3)
+    Tape(Ring(memoryview(memory.block))).note(SCAN, 1, b"one")
+    memory.end()
+    assert memory.guard.returncode == 0
     assert list_recordings(tmp_path) == []
+
+
+def test_file_is_written_by_a_process_of_its_own(tmp_path: Path) -> None:
+    memory = GuardedMemory(100_000, tmp_path / "folder", 3)
+    tape = Tape(Ring(memoryview(memory.block)))
+    tape.note(SCAN, 1, b"one")
+    path = memory.write(["bumper left was touched", "/camera died"])
+    tape.note(SCAN, 2, b"two")
+    assert list_recordings(tmp_path / "folder") == [Path(path)]
+    recording = open_recording(Path(path))
+    assert [each.data for each in recording.messages()] == [b"one"]
+    assert list(recording.metadata["reasons"].values()) == ["bumper left was touched", "/camera died"]
+    shutil.rmtree(tmp_path / "folder")
+    (tmp_path / "folder").write_text("")
+    with pytest.raises(RecordingError, match="file exists"):
+        memory.write(["bumper left was touched"])
+    memory.end()
+    assert memory.guard.returncode == 0
+
+
+def test_copy_of_a_ring_is_whole_while_a_process_appends_to_it() -> None:
+    block = mmap.mmap(-1, 100_000)
+    ring = Ring(memoryview(block))
+    appended = threading.Event()
+
+    def append() -> None:
+        for number in range(40_000):
+            record = b"%d" % number * (1 + number % 50)
+            while ring.free < len(record) + 4:
+                ring.drop()
+            ring.append(record)
+            if number == 1000:
+                appended.set()
+
+    writer = threading.Thread(target=append)
+    writer.start()
+    appended.wait()
+    while writer.is_alive():
+        numbers = [find_number(each) for each in copy_ring(block).records()]
+        assert all(after == before + 1 for before, after in pairwise(numbers))
+    writer.join()
+
+
+def find_number(record: bytes) -> int:
+    """The number of which a record is repetitions, as many as the number asks for."""
+    for digits in range(1, 6):
+        number = int(record[:digits])
+        if record == b"%d" % number * (1 + number % 50):
+            return number
+    raise AssertionError(record)

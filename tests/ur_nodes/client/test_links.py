@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from ur_nodes.client.exploration import ExplorationStatus, ExplorationTopics, FrontierPoint
-from ur_nodes.client.map_saving import HINT, MapSaving
 from ur_nodes.client.mux import MuxLink, MuxView
 from ur_nodes.client.patrol_link import PatrolLink
 from ur_nodes.client.patrol_text import (
@@ -17,6 +16,7 @@ from ur_nodes.client.patrol_text import (
     read_request,
     write_status,
 )
+from ur_nodes.client.saving import HINT, MapSaving
 from ur_nodes.client.snapshot import RobotSnapshot
 from ur_nodes.exploration.status import ExploreStatus
 from ur_nodes.exploration.status import write_status as write_exploration

@@ -10,8 +10,8 @@ from functools import partial
 
 from ur.source.ansi import allows_colour, is_plain
 from ur_nodes.client.exploration import ExplorationStatus, ExplorationTopics
-from ur_nodes.client.map_saving import MapSaving
 from ur_nodes.client.mux import MuxLink
+from ur_nodes.client.saving import MapSaving, Saving, save_recordings
 from ur_nodes.ports.node import Node
 from ur_nodes.run import run_foreground
 from ur_nodes.teleop.explore.explore_terminal import add_exploration, finish, print_exploration, show_exploration
@@ -27,6 +27,7 @@ class Screen:
 
     growing: MapFeed
     mux: MuxLink
+    recording: Saving
     saving: MapSaving | None
 
 
@@ -54,14 +55,15 @@ def _make_screen(node: Node) -> Screen:
     additions = partial(add_exploration, ExplorationTopics(node))
     growing = MapFeed(node, *frames, colour=allows_colour(os.environ), additions=additions)
     saving = MapSaving(node, service, hint="") if service else None
-    return Screen(growing, MuxLink(node, own.text("mux", "cmd_vel_mux")), saving)
+    return Screen(growing, MuxLink(node, own.text("mux", "cmd_vel_mux")), save_recordings(node), saving)
 
 
 def follow(wired: ExploreProgress, ended: threading.Event) -> int:
     """Run until the exploration or the program ends; see `exit_code`."""
     if (screen := wired.screen) is not None:
         with own_terminal(0, 1, colours=allows_colour(os.environ)) as terminal:
-            show_exploration(terminal, wired.statuses, screen.growing, screen.mux, screen.saving, ended)
+            saves = screen.recording, screen.saving
+            show_exploration(terminal, wired.statuses, screen.growing, screen.mux, *saves, ended)
     else:
         print_exploration(wired.statuses, wired.every, ended)
     return finish(_NAME, wired.statuses.newest)

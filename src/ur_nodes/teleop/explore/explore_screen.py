@@ -11,10 +11,11 @@ from ur_nodes.exploration.status import ExploreStatus, describe_blocked, describ
 FRONTIER, GIVEN_UP = "?", "x"
 """The characters of frontiers on the map."""
 
-_KEYS = "s: save  space: emergency stop  r: release  + - 0 f: map  Ctrl-C: end and save"
+_KEYS = "space: emergency stop  r: release  + - 0 f: map  Ctrl-C: end and save"
+_SAVE_KEYS = "s: save the map  n: save what happened"
 _EXPLORING = "▲ exploring"
 _LEGEND = f"{FRONTIER} frontier  {GIVEN_UP} given up"
-_BELOW_MAP = 4  # lines
+_BELOW_MAP = 5  # lines
 _NARROWEST_MAP, _LOWEST_MAP = 30, 8
 
 
@@ -33,10 +34,10 @@ def draw_explore_screen(
     """
     head, more = _state_lines(status, mux, columns)
     if not map_lines:  # a terminal too small for a map shows all that there is to say
-        texts = [head, *textwrap.wrap(more, columns), *textwrap.wrap(note, columns), *textwrap.wrap(_KEYS, columns)]
-        return [cut_styled(line, columns) for line in texts][:rows]
+        texts = [line for text in (more, note, f"{_KEYS}  {_SAVE_KEYS}") for line in textwrap.wrap(text, columns)]
+        return [cut_styled(line, columns) for line in (head, *texts)][:rows]
     news = f"{YELLOW}{note}{RESET}" if note else f"{DIM}{_LEGEND}{RESET}"
-    below = [head, f"{DIM}{_shorten(more, columns)}{RESET}", news, f"{DIM}{_KEYS}{RESET}"]
+    below = [head, f"{DIM}{_shorten(more, columns)}{RESET}", news, f"{DIM}{_KEYS}{RESET}", f"{DIM}{_SAVE_KEYS}{RESET}"]
     return [*map_lines, *(cut_styled(line, columns) for line in below)][:rows]
 
 

@@ -11,8 +11,8 @@ from dataclasses import replace
 from typing import Protocol
 
 from ur_nodes.client.exploration import ExplorationTopics
-from ur_nodes.client.map_saving import MapSaving
 from ur_nodes.client.mux import EmergencyStop
+from ur_nodes.client.saving import MapSaving, Saving
 from ur_nodes.client.snapshot import RobotSnapshot
 from ur_nodes.exploration.status import ExploreStatus, describe_left, describe_status
 from ur_nodes.teleop.explore.explore_screen import FRONTIER, GIVEN_UP, draw_explore_screen, room_for_map
@@ -20,7 +20,7 @@ from ur_nodes.teleop.map_view.glyphs import Mark
 from ur_nodes.teleop.map_view.map_feed import MapFeed
 from ur_nodes.teleop.terminal.keys import Key
 from ur_nodes.teleop.terminal.raw import RawTerminal
-from ur_nodes.teleop.terminal.request_keys import asks_to_save, mux_request_of
+from ur_nodes.teleop.terminal.request_keys import asks_to_save, asks_to_save_recording, mux_request_of
 
 _POLL = 0.1  # s
 _REDRAW_ALL = 2.0  # s: other programs may have written on the screen
@@ -43,6 +43,7 @@ def show_exploration(
     statuses: Statuses,
     growing: MapFeed,
     mux: EmergencyStop,
+    recording: Saving,
     saving: MapSaving | None,
     ended: threading.Event,
 ) -> None:
@@ -59,9 +60,11 @@ def show_exploration(
                 mux.ask(request)
             if saving and asks_to_save(key):
                 saving.ask()
+            if asks_to_save_recording(key):
+                recording.ask()
             if isinstance(key, Key) and key.action == "press" and not key.ctrl:
                 growing.press(key.name)
-        note = (saving.take_news() if saving else "") or note
+        note = (saving.take_news() if saving else "") or recording.take_news() or note
         now = time.monotonic()
         again = now - drawn_at >= _REDRAW_ALL
         drawn_at = now if again else drawn_at

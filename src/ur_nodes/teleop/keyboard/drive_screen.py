@@ -13,12 +13,12 @@ from ur_nodes.teleop.keyboard.drive import DriveState, motion_of
 
 _PLAIN_HELP = (
     "keyboard drive: u i o j l m , . drive while held; q z w x e c change speeds; "
-    "space: emergency stop; r: release it; g: obstacle stop on or off; Ctrl-C: quit"
+    "space: emergency stop; r: release it; g: obstacle stop on or off; n: save what happened; Ctrl-C: quit"
 )
 NO_LEASE = DriverLine()
 _BAR = 20
 _WIDE = 66  # columns for the whole screen
-_BELOW_MAP = 4  # lines
+_BELOW_MAP = 5  # lines
 _NARROWEST_MAP, _LOWEST_MAP = 30, 8
 _NO_LIMIT = 1000.0  # m/s, rad/s: the node's default, for a base without known limits
 _OWN = "keyboard"  # what the mux calls this source
@@ -59,7 +59,8 @@ def draw_drive_screen(
         "",
         f"  {DIM}{_stop_help(state)}{RESET}",
         f"  {DIM}space: emergency stop for every client; r: release it; other keys stop{RESET}",
-        f"  {DIM}g: obstacle stop on or off; Shift: sideways; Ctrl-C: quit{RESET}",
+        f"  {DIM}g: obstacle stop on or off; Shift: sideways{RESET}",
+        f"  {DIM}n: save what happened, for 'ur replay'; Ctrl-C: quit{RESET}",
     ]
     return [cut_styled(line, columns) for line in lines][:rows]
 
@@ -84,8 +85,9 @@ def draw_map_screen(
     below = [
         _motion_line(state, mux, driver),
         *notes,
-        f"{DIM}{_speeds(state)}  s: save  arrows, u i o j l m , .: drive  q z w x e c: speeds{RESET}",
+        f"{DIM}{_speeds(state)}  arrows, u i o j l m , .: drive  q z w x e c: speeds{RESET}",
         f"{DIM}space: emergency stop  r: release  g: obstacle stop  Ctrl-C: end and save{RESET}",
+        f"{DIM}s: save the map  n: save what happened{RESET}",
     ]
     return [*map_lines, *(cut_styled(line, columns) for line in below)]
 
@@ -96,7 +98,7 @@ def _small_screen(
     """Return lines for a small screen: state, notes and the key that stops first, then keys and speeds if they fit."""
     notes = [line for note in _notes(state, link, mux, driver) for line in _wrap(note, columns)]
     head = [*_wrap(_motion_line(state, mux, driver), columns), *notes]
-    foot = ["space: emergency stop   r: release", "Ctrl-C: quit"]
+    foot = ["space: emergency stop   r: release", "n: save what happened   Ctrl-C: quit"]
     keys = ["", *(line.strip() for line in _keys(state, 0)), "", f"q/z w/x e/c: {_speeds(state)}"]
     if len(head) + len(keys) + len(foot) <= rows:
         return [*head, *keys, *foot]

@@ -6,8 +6,8 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 
 from ur_nodes.client.driver_text import DriverLine, line_of
-from ur_nodes.client.map_saving import MapSaving
 from ur_nodes.client.mux import EmergencyStop, MuxView
+from ur_nodes.client.saving import MapSaving, Saving
 from ur_nodes.ports.node import Node
 from ur_nodes.teleop.keyboard.commander import Commander
 from ur_nodes.teleop.keyboard.drive import STILL, DriveSettings, DriveState, start_drive, step_drive
@@ -15,6 +15,7 @@ from ur_nodes.teleop.keyboard.drive_screen import CommandTopic
 from ur_nodes.teleop.terminal.keys import FocusLost, KeyEvent
 from ur_nodes.teleop.terminal.request_keys import (
     asks_to_save,
+    asks_to_save_recording,
     driver_request_of,
     mux_request_of,
     obstacle_request_of,
@@ -44,8 +45,8 @@ class KeyDriver:
     repeatedly: a call without keys is the sign of life of a user interface that waits for keys.
 
     While a key drives, a command is also sent whenever a challenge has arrived, so that it is as young as can be. With
-    `saving`, one key saves the map; it stops the robot as every other key does. At the end of the node the robot is
-    stopped and the lease released.
+    `saving`, one key saves the map, and another what has happened by `recording`; they stop the robot as every other
+    key does. At the end of the node the robot is stopped and the lease released.
     """
 
     def __init__(
@@ -55,6 +56,7 @@ class KeyDriver:
         rate: float,
         commander: Commander,
         mux: EmergencyStop,
+        recording: Saving,
         saving: MapSaving | None = None,
         linked: Callable[[], bool] = lambda: True,
     ) -> None:
@@ -63,6 +65,7 @@ class KeyDriver:
         `linked` is whether the terminal is connected: keys drive only while it is.
         """
         self._node, self._commander, self._mux, self._saving = node, commander, mux, saving
+        self._recording = recording
         self._state, self._linked = start_drive(settings), linked
         self._alive_at = node.steady()
         self._cut_at = float("-inf")  # the latest time without a connection
@@ -94,7 +97,7 @@ class KeyDriver:
             self._commander.send(motion)  # starts and stops are not kept waiting
 
     def _pass_on(self, event: KeyEvent) -> None:
-        """Send the request to mux, lease or map that a key stands for, if any."""
+        """Send the request to mux, lease, map or black box that a key stands for, if any."""
         for mux_request in (mux_request_of(event), obstacle_request_of(event, self._mux.view())):
             if mux_request is not None:
                 self._mux.ask(mux_request)
@@ -102,6 +105,8 @@ class KeyDriver:
             self._commander.request(request)
         if self._saving and asks_to_save(event):
             self._saving.ask()
+        if asks_to_save_recording(event):
+            self._recording.ask()
 
     def _is_cut(self, now: float) -> bool:
         """Check the connection; return whether it is cut, or was cut less than `SETTLE` s ago."""
@@ -114,8 +119,9 @@ class KeyDriver:
             self._step()
 
     def _step(self) -> None:
-        if self._saving and (news := self._saving.take_news()):
-            self._state = replace(self._state, note=news)
+        for saving in (self._saving, self._recording):
+            if saving and (news := saving.take_news()):
+                self._state = replace(self._state, note=news)
         now = self._node.steady()
         hangs = self._state.moving and now - self._alive_at > HUNG_AFTER
         cut = self._is_cut(now) and self._state.moving

@@ -7,8 +7,8 @@ import sys
 import threading
 
 from ur.source.ansi import allows_colour, is_plain
-from ur_nodes.client.map_saving import MapSaving
 from ur_nodes.client.mux import MuxLink
+from ur_nodes.client.saving import MapSaving, save_recordings
 from ur_nodes.ports.node import Node
 from ur_nodes.run import run_foreground
 from ur_nodes.teleop.keyboard.commander import make_commander
@@ -35,7 +35,9 @@ def start(node: Node) -> Wired:
     if not (sys.stdin.isatty() and sys.stdout.isatty()):
         return PipeDriver(node, settings, rate, commander)
     saving = MapSaving(node, service) if service else None
-    driver = KeyDriver(node, settings, rate, commander, MuxLink(node, mux), saving, make_watch(os.environ))
+    driver = KeyDriver(
+        node, settings, rate, commander, MuxLink(node, mux), save_recordings(node), saving, make_watch(os.environ)
+    )
     if is_plain(os.environ) or not own.boolean("show_map", False):
         return driver, None
     frames = own.text("map_frame", "map"), own.text("base_frame", "base_footprint")

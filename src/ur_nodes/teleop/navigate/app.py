@@ -171,6 +171,10 @@ class NavigateApp(NavigateView):
         self._saving.ask()
 
     @_do.register
+    def _save_recording(self, _: c.StoreRecording) -> None:
+        self._recording.ask()
+
+    @_do.register
     def _relocalise(self, _: c.Relocalise) -> None:
         self._require_to_drive()
         self._navigator.relocalise()

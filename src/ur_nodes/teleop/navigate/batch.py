@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 from ur.source.diagnostic import UserError
 from ur_nodes.client.driver_text import DriverRequest
-from ur_nodes.client.map_saving import MapSaving
 from ur_nodes.client.mux import MuxRequest
 from ur_nodes.client.patrol_text import PatrolRoute
+from ur_nodes.client.saving import MapSaving, Saving
 from ur_nodes.client.snapshot import LastGoalState, NavigationClient, RobotSnapshot, format_place
 from ur_nodes.client.waypoints import WaypointStore
 from ur_nodes.geometry.pose import Pose2
@@ -40,6 +40,8 @@ class BatchContext:
     err: Write
     clock: Callable[[], float]
     sleep: Callable[[float], bool]
+    recording: Saving
+    """Saves what has happened."""
     urgent: Callable[[], c.Command | None] | None = None
     """Return a command that was typed meanwhile and must not wait; None without a user to type one."""
     saving: MapSaving | None = None
@@ -102,6 +104,8 @@ class _Batch:
                 return self._ask_mux(command.request, text)
             case c.StoreMap():
                 return self._save_map(text)
+            case c.StoreRecording():
+                return self._save(self._around.recording, text)
             case _:
                 self._around.out(self._do_at_once(command, text))
                 return True
@@ -112,15 +116,18 @@ class _Batch:
 
     def _save_map(self, text: str) -> bool:
         """Save the map that is being made. Raises UserError if none is being made."""
-        saving = self._around.saving
-        if saving is None:
+        if self._around.saving is None:
             raise bad_command_error(c.NO_MAPPING)
+        return self._save(self._around.saving, text)
+
+    def _save(self, saving: Saving, text: str) -> bool:
+        """Call the service, and print its answer."""
         before = saving.count
         saving.ask()
         while saving.count == before:
             self._sleep(0.05)
         self._around.out(f"{text}: {saving.line}")
-        return True
+        return saving.success
 
     def _ask_mux(self, request: MuxRequest, text: str) -> bool:
         """Send a request to the mux and return whether it took effect; an emergency stop ends the goal, too."""

@@ -13,7 +13,7 @@ EMPTY_LINE_KEYS = frozenset({"plus", "minus", "equals_sign", "0", "left", "right
 MAP_MODE_KEYS = EMPTY_LINE_KEYS | {"up", "down", "h", "j", "k", "l", "f", "t"}
 """Keys that are the map's after Tab, until another key begins a command."""
 
-_HINT = "Space: emergency stop   ?: help   g X Y [ANGLE]   m NAME"
+_HINT = "Space: emergency stop   ?: help   g X Y   m NAME   n: save what happened"
 _MAP_HINT = "map: h j k l + - 0 f t   Tab: commands"
 
 

@@ -103,6 +103,11 @@ class StoreMap:
 
 
 @dataclass(frozen=True, slots=True)
+class StoreRecording:
+    """Save what has happened."""
+
+
+@dataclass(frozen=True, slots=True)
 class Help:
     """Show the commands."""
 
@@ -123,7 +128,7 @@ class Quit:
 
 
 AtOnce = Remember | Forget | ListPlaces | CancelGoal | ContinueGoal | SetPose | Relocalise | Follow | SwitchTheme | Help
-Awaited = Go | GoToWaypoint | DrivePatrol | AskLease | AskMux | StoreMap
+Awaited = Go | GoToWaypoint | DrivePatrol | AskLease | AskMux | StoreMap | StoreRecording
 """Commands that wait for other computers or programs."""
 
 Command = AtOnce | Awaited | Quit
@@ -143,6 +148,7 @@ USAGE: dict[str, tuple[str, str]] = {
     "i": ("i X Y ANGLE", "set the robot's estimated pose"),
     "global": ("global", "search for the robot on the whole map"),
     "save": ("save", "save the map that is being made"),
+    "n": ("n", "save what happened: the black box of the robot writes a file"),
     "drive": ("drive", "take over: drive from this computer"),
     "ask": ("ask", "ask the driving client to hand over"),
     "give": ("give", "hand over to the client that asks"),
@@ -169,6 +175,7 @@ _PLAIN: dict[str, Command] = {
     "r": AskMux("release"),
     "global": Relocalise(),
     "save": StoreMap(),
+    "n": StoreRecording(),
     "f": Follow(),
     "t": SwitchTheme(),
     "?": Help(),

@@ -8,9 +8,9 @@ import threading
 from dataclasses import dataclass
 
 from ur.source.ansi import is_plain
-from ur_nodes.client.map_saving import MapSaving
 from ur_nodes.client.navigation import Names
 from ur_nodes.client.navigator import RobotNavigator
+from ur_nodes.client.saving import MapSaving, Saving, save_recordings
 from ur_nodes.ports.node import Node
 from ur_nodes.run import run_foreground
 from ur_nodes.teleop.navigate.batch_text import BatchTimeouts
@@ -22,11 +22,12 @@ _NAME = "keyboard_navigate"
 
 @dataclass(frozen=True, slots=True)
 class NavigateSession:
-    """The robot, the waypoints of its map, and the saving of a map that is being made."""
+    """The robot, the waypoints of its map, and the saving of what has happened and of a map that is being made."""
 
     navigator: RobotNavigator
     stores: StoreChoice
     limits: BatchTimeouts
+    recording: Saving
     saving: MapSaving | None
 
 
@@ -45,17 +46,19 @@ def start(node: Node) -> NavigateSession:
     map_name, file, service = own.text("map_name", ""), own.text("waypoints_file", ""), own.text("save_service", "")
     saving = MapSaving(node, service, hint="save: save the map") if service else None
     growing = name_growing_map(node, service) if service and not map_name and not file else None
-    return NavigateSession(RobotNavigator(node, names, _NAME), StoreChoice(file, map_name, growing), limits, saving)
+    navigator, stores = RobotNavigator(node, names, _NAME), StoreChoice(file, map_name, growing)
+    return NavigateSession(navigator, stores, limits, save_recordings(node), saving)
 
 
 def navigate(wired: NavigateSession, ended: threading.Event) -> int:
     """Run until `q`, Ctrl-C, the end of the pipe, or the end of the node. Returns the exit code."""
     on_terminal = sys.stdin.isatty() and sys.stdout.isatty()
     if not on_terminal or is_plain(os.environ):
-        return run_lines(_NAME, wired.navigator, wired.stores, wired.limits, wired.saving, ended, attended=on_terminal)
+        saves = wired.recording, wired.saving
+        return run_lines(_NAME, wired.navigator, wired.stores, wired.limits, *saves, ended, attended=on_terminal)
     from ur_nodes.teleop.navigate.screen_program import run_screen  # a pipe needs no Textual
 
-    return run_screen(_NAME, wired.navigator, wired.stores, wired.saving, ended)
+    return run_screen(_NAME, wired.navigator, wired.stores, wired.recording, wired.saving, ended)
 
 
 def main() -> int:

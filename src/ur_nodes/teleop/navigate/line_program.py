@@ -7,7 +7,7 @@ import sys
 import threading
 import time
 
-from ur_nodes.client.map_saving import MapSaving
+from ur_nodes.client.saving import MapSaving, Saving
 from ur_nodes.client.snapshot import NavigationClient
 from ur_nodes.run import BROKEN_PIPE_EXIT_CODE, drop_output
 from ur_nodes.teleop.navigate.batch import BatchContext, InterruptedBatchError, run_batch, wait_until_ready
@@ -21,6 +21,7 @@ def run_lines(
     navigator: NavigationClient,
     stores: StoreChoice,
     limits: BatchTimeouts,
+    recording: Saving,
     saving: MapSaving | None,
     ended: threading.Event,
     *,
@@ -33,7 +34,7 @@ def run_lines(
     """
     lines, output = LineReader(source, ended), _Output(ended)
     urgent = lines.take_urgent if attended else None
-    around = BatchContext(output.write, _write_err, time.monotonic, ended.wait, urgent, saving)
+    around = BatchContext(output.write, _write_err, time.monotonic, ended.wait, recording, urgent, saving)
     if attended:
         around.out(f"{name}: one command a line; ? lists them, s stops, e is the emergency stop, q quits")
     try:

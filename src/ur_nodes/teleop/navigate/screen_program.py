@@ -10,7 +10,7 @@ from collections.abc import Callable
 
 from ur.source.run_users import FOLDER_VARIABLE, list_users
 from ur.tui.screen.query import ask_background, is_light, typed_text
-from ur_nodes.client.map_saving import MapSaving
+from ur_nodes.client.saving import MapSaving, Saving
 from ur_nodes.client.snapshot import NavigationClient
 from ur_nodes.run import log_folder
 from ur_nodes.teleop.navigate.app import NavigateApp
@@ -19,7 +19,12 @@ from ur_nodes.teleop.terminal.textual_screen import own_screen
 
 
 def run_screen(
-    name: str, navigator: NavigationClient, stores: StoreChoice, saving: MapSaving | None, ended: threading.Event
+    name: str,
+    navigator: NavigationClient,
+    stores: StoreChoice,
+    recording: Saving,
+    saving: MapSaving | None,
+    ended: threading.Event,
 ) -> int:
     """Show the map and run commands until `q`, Ctrl-C or `ended`; a goal that was sent is then cancelled.
 
@@ -34,6 +39,7 @@ def run_screen(
             title=stores.title,
             light=is_light(os.environ, answer),
             driver_class=driver,
+            recording=recording,
             saving=saving,
             typed=typed_text(answer),
             list_users=lambda: list_users(folder) if folder else (),

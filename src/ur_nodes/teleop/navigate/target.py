@@ -6,8 +6,8 @@ import os
 from dataclasses import dataclass
 from pathlib import Path
 
-from ur_nodes.client.map_saving import MapSaving
 from ur_nodes.client.patrol_text import PatrolRoute, PatrolStop
+from ur_nodes.client.saving import MapSaving
 from ur_nodes.client.snapshot import RobotSnapshot, heading_there
 from ur_nodes.client.waypoints import WaypointStore, name_of_map, waypoint_path
 from ur_nodes.geometry.pose import Pose2

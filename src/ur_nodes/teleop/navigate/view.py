@@ -16,8 +16,8 @@ from textual.widgets import Static
 from ur.source.diagnostic import UserError
 from ur.tui.screen.app import FullScreenApp
 from ur.tui.screen.query import measure_terminal
-from ur_nodes.client.map_saving import MapSaving
 from ur_nodes.client.patrol_text import PatrolStatus, describe_patrol
+from ur_nodes.client.saving import MapSaving, Saving
 from ur_nodes.client.snapshot import GoalReport, LastGoalState, NavigationClient, RobotSnapshot, format_number
 from ur_nodes.client.waypoints import WaypointStore
 from ur_nodes.geometry.pose import Pose2
@@ -42,8 +42,8 @@ class NavigateView(FullScreenApp[None]):
     """Shows a `NavigationClient`; a subclass runs commands.
 
     `store_for` returns the waypoints once a map is known, None as long as it has no name. With `saving` the map grows:
-    it can be saved, and the view follows the robot from the start. `typed` is what was typed before the screen opened;
-    `list_users` names the other users of the robot, which ends with this program.
+    it can be saved, and the view follows the robot from the start. `recording` saves what has happened. `typed` is what
+    was typed before the screen opened; `list_users` names the other users of the robot, which ends with this program.
     """
 
     CSS = """
@@ -64,6 +64,7 @@ class NavigateView(FullScreenApp[None]):
         navigator: NavigationClient,
         store_for: Callable[[RobotSnapshot], WaypointStore | None],
         *,
+        recording: Saving,
         title: str = "",
         saving: MapSaving | None = None,
         light: bool = False,
@@ -76,7 +77,7 @@ class NavigateView(FullScreenApp[None]):
         self._store_for = store_for
         self._list_users = list_users
         self._map_title = title
-        self._saving = saving
+        self._saving, self._recording = saving, recording
         self._light = light
         self._snapshot = RobotSnapshot()
         self._places: Mapping[str, Pose2] = {}
@@ -121,8 +122,9 @@ class NavigateView(FullScreenApp[None]):
             self._snapshot = snapshot
             self._reload_places()
         self._announce(snapshot)
-        if self._saving and (news := self._saving.take_news()):
-            self._show_message(news)
+        for saving in (self._saving, self._recording):
+            if saving and (news := saving.take_news()):
+                self._show_message(news)
         self._announce_patrol(snapshot.patrol)
         key = (*visible_state(snapshot, self._places, self.size), self._result_shown)
         if key == self._shown_key:

@@ -1,4 +1,4 @@
-"""The keys that every program on a terminal has: emergency stop, obstacle stop, who drives, and to save the map."""
+"""The keys that every program on a terminal has: emergency stop, obstacle stop, who drives, and to save."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ EMERGENCY_KEYS: dict[str, MuxRequest] = {"space": "stop", "r": "release"}
 OBSTACLE_KEY = "g"
 DRIVER_KEYS: dict[str, DriverRequest] = {"d": "take", "a": "ask", "y": "grant"}
 SAVE_KEY = "s"
+RECORDING_KEY = "n"
 
 
 def mux_request_of(event: KeyEvent) -> MuxRequest | None:
@@ -32,6 +33,11 @@ def driver_request_of(event: KeyEvent) -> DriverRequest | None:
 def asks_to_save(event: KeyEvent) -> bool:
     """Return whether a key asks to save the map."""
     return _pressed(event) == SAVE_KEY
+
+
+def asks_to_save_recording(event: KeyEvent) -> bool:
+    """Return whether a key asks to save what has happened."""
+    return _pressed(event) == RECORDING_KEY
 
 
 def _pressed(event: KeyEvent) -> str:

@@ -8,7 +8,7 @@ from functools import partial
 
 from ur.maps.names import is_map_name
 from ur.source.printable import printable
-from ur_nodes.client.map_saving import read_saved
+from ur_nodes.client.saving import read_saved
 from ur_nodes.ports.graph import Graph
 from ur_nodes.ports.node import Node
 from ur_nodes.ports.services import Trigger

@@ -20,25 +20,26 @@ def shown(status: ExploreStatus, mux: MuxView = FREE, note: str = "", columns: i
 def test_progress_unreachable_frontiers_notes_and_keys_are_below_the_map() -> None:
     lines = shown(EXPLORING, note="map 'flat' saved")
     assert len(lines) == 30
-    assert set(lines[:26]) == {"#" * 100}
-    assert lines[26] == ("▲ exploring  40 m2 known, 17 m driven in 1:05 min; 3 frontiers left, about 12 m2 unknown")
-    assert lines[27] == f"2 unreachable: {BLOCKED[0]}, {BLOCKED[1]}"
-    assert lines[28] == "map 'flat' saved"
-    assert lines[29].startswith("s: save  space: emergency stop")
+    assert set(lines[:25]) == {"#" * 100}
+    assert lines[25] == ("▲ exploring  40 m2 known, 17 m driven in 1:05 min; 3 frontiers left, about 12 m2 unknown")
+    assert lines[26] == f"2 unreachable: {BLOCKED[0]}, {BLOCKED[1]}"
+    assert lines[27] == "map 'flat' saved"
+    assert lines[28].startswith("space: emergency stop")
+    assert lines[29] == "s: save the map  n: save what happened"
 
 
 def test_narrow_terminal_keeps_the_frontiers_that_are_left_in_sight() -> None:
     lines = shown(EXPLORING, columns=60)
-    assert lines[26] == "▲ exploring  40 m2 known, 17 m driven in 1:05 min"
-    assert lines[27].startswith("3 frontiers left, about 12 m2 unknown; 2 unreachable: too n")
-    assert lines[28] == "? frontier  x given up"
+    assert lines[25] == "▲ exploring  40 m2 known, 17 m driven in 1:05 min"
+    assert lines[26].startswith("3 frontiers left, about 12 m2 unknown; 2 unreachable: too n")
+    assert lines[27] == "? frontier  x given up"
 
 
 def test_emergency_stop_comes_first_and_names_the_key_that_ends_it() -> None:
     paused = ExploreStatus("paused", 3, 12.4, 40.2, 17.0, 65.0, reason="the emergency stop is pressed")
-    assert shown(paused, MuxView(stopped=True))[26].strip() == "EMERGENCY STOP: r lets the robot drive again"
-    assert shown(paused)[26] == "■ paused: the emergency stop is pressed"
-    assert shown(ExploreStatus(reason="no map on /map; is a mapping node running?"))[26].startswith(
+    assert shown(paused, MuxView(stopped=True))[25].strip() == "EMERGENCY STOP: r lets the robot drive again"
+    assert shown(paused)[25] == "■ paused: the emergency stop is pressed"
+    assert shown(ExploreStatus(reason="no map on /map; is a mapping node running?"))[25].startswith(
         "waiting: no map on /map"
     )
 
@@ -55,4 +56,4 @@ def test_small_terminal_shows_text_without_a_map() -> None:
 
 def test_time_left_stands_beside_what_is_left() -> None:
     lines = shown(replace(EXPLORING, left=250.0), columns=110)
-    assert lines[26].endswith("3 frontiers left, about 12 m2 unknown, about 4 min left")
+    assert lines[25].endswith("3 frontiers left, about 12 m2 unknown, about 4 min left")

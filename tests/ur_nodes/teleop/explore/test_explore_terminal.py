@@ -9,11 +9,12 @@ from functools import partial
 import numpy as np
 import pytest
 from tests.fakes.mux import FakeMux
+from tests.ur_nodes.teleop.recordings import SAVED, serve_recordings
 from tests.ur_nodes.teleop.screen import TypedTerminal, running
 
 from ur_nodes.client.exploration import ExplorationStatus, ExplorationTopics
-from ur_nodes.client.map_saving import MapSaving
 from ur_nodes.client.mux import MuxLink
+from ur_nodes.client.saving import MapSaving, save_recordings
 from ur_nodes.exploration.status import ExploreStatus, write_status
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2
@@ -57,8 +58,10 @@ class ExploreRun:
         additions = partial(add_exploration, ExplorationTopics(node))
         feed = MapFeed(node, "map", "base_footprint", colour=False, additions=additions)
         link, saving = MuxLink(node, "cmd_vel_mux"), MapSaving(node, "save", hint="")
+        serve_recordings(self.bus)
+        recording = save_recordings(node)
         self.screen = TypedTerminal(
-            lambda terminal, ended: show_exploration(terminal, self.statuses, feed, link, saving, ended)
+            lambda terminal, ended: show_exploration(terminal, self.statuses, feed, link, recording, saving, ended)
         )
 
     def tell(self, status: ExploreStatus) -> None:
@@ -88,6 +91,8 @@ def test_keys_save_stop_and_release(run: ExploreRun) -> None:
     run.screen.type("r")
     run.screen.wait(lambda: run.mux.asked == ["stop", "release"] and run.saves == 1)
     run.screen.wait_for("map 'flat' saved")
+    run.screen.type("n")
+    run.screen.wait_for(SAVED)
 
 
 def test_ctrl_c_ends_the_screen(run: ExploreRun) -> None:

@@ -6,6 +6,7 @@ import itertools
 from typing import Any
 
 from ur_nodes.client.mux import MuxLink
+from ur_nodes.client.saving import save_recordings
 from ur_nodes.memory.bus import Bus
 from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.values import Twist
@@ -44,7 +45,9 @@ class Driving(Rig):
 
     def __init__(self, bus: Bus | None = None, *, topic: str = "cmd_vel", **parameters: Any) -> None:
         super().__init__(bus, topic=topic, **parameters)
-        self.driver = KeyDriver(self.node, SETTINGS, RATE, self.commander, MuxLink(self.node, "cmd_vel_mux"))
+        self.driver = KeyDriver(
+            self.node, SETTINGS, RATE, self.commander, MuxLink(self.node, "cmd_vel_mux"), save_recordings(self.node)
+        )
         self._rest = b""
 
     def press(self, data: bytes, seconds: float = 0.0) -> None:

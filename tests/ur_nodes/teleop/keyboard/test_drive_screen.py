@@ -113,11 +113,11 @@ def test_lines_for_a_dumb_terminal_hold_no_escape_sequence() -> None:
 
 def test_map_has_all_but_the_lines_about_the_drive_and_a_long_note_covers_its_edge() -> None:
     columns, rows = map_room(60, 24)
-    assert (columns, rows) == (60, 20)
+    assert (columns, rows) == (60, 19)
     lines = draw_map_screen(STATE, CommandTopic("/cmd_vel", 1), FREE, 60, ["#" * 60] * rows)
     assert len(lines) == 24
     assert "■ stopped" in plain(lines[20:])
-    assert "s: save" in plain(lines[20:])
+    assert "n: save what happened" in plain(lines[20:])
     long = draw_map_screen(STATE, CommandTopic("/cmd_vel" * 12, 0), FREE, 60, ["#" * 60] * rows)
     assert len(long) == 24
     assert "is the robot running?" in plain(long).replace("\n", " ")

@@ -8,9 +8,10 @@ import pytest
 from tests.fakes.mux import FakeMux
 from tests.ur_nodes.motion.mux_robot import LeaseDriver, MuxRobot
 from tests.ur_nodes.teleop.keyboard.rig import AHEAD, RATE, STILL, Driving
+from tests.ur_nodes.teleop.recordings import SAVED, serve_recordings
 
-from ur_nodes.client.map_saving import MapSaving
 from ur_nodes.client.mux import MuxLink
+from ur_nodes.client.saving import MapSaving, save_recordings
 from ur_nodes.memory.bus import Bus
 from ur_nodes.ports.services import Trigger
 from ur_nodes.ports.values import Result, StampedTwist, Time
@@ -172,12 +173,22 @@ def test_s_saves_the_map_and_stops_the_robot() -> None:
     bus.node("slam").serve("save", Trigger, lambda _: Result(True, "flat"))
     rig = Driving(bus)
     saving = MapSaving(rig.node, "save", hint="")
-    driver = KeyDriver(rig.node, rig.driver.view().state.settings, RATE, rig.commander, MuxLink(rig.node, "m"), saving)
+    settings, recording = rig.driver.view().state.settings, save_recordings(rig.node)
+    driver = KeyDriver(rig.node, settings, RATE, rig.commander, MuxLink(rig.node, "m"), recording, saving)
     rig.driver = driver
     rig.press(KITTY + UP, 0.2)
     rig.press(b"s", 0.5)
     assert rig.sent[-1] == STILL
     assert driver.view().state.note == "map 'flat' saved"
+
+
+def test_n_saves_what_happened_and_stops_the_robot() -> None:
+    rig = Driving()
+    serve_recordings(rig.bus)
+    rig.press(KITTY + UP, 0.2)
+    rig.press(b"n", 0.5)
+    assert rig.sent[-1] == STILL
+    assert rig.driver.view().state.note == SAVED
 
 
 def test_keys_drive_only_while_the_terminal_is_connected() -> None:

@@ -6,6 +6,7 @@ import contextlib
 from collections.abc import AsyncIterator
 from typing import Any
 
+from tests.ur_nodes.teleop.recordings import no_recordings
 from textual.pilot import Pilot
 from textual.widgets import Static
 
@@ -48,7 +49,7 @@ class AppScreen:
 @contextlib.asynccontextmanager
 async def open_app(navigator: Any, store: WaypointStore, size: tuple[int, int] = (100, 36)) -> AsyncIterator[AppScreen]:
     """The app on a terminal of so many columns and rows."""
-    app = NavigateApp(navigator, lambda _: store, title="maze")
+    app = NavigateApp(navigator, lambda _: store, recording=no_recordings(), title="maze")
     async with app.run_test(size=size) as pilot:
         await pilot.pause()
         yield AppScreen(app, pilot)

@@ -7,6 +7,7 @@ from typing import Any
 
 import pytest
 from tests.ur_nodes.teleop.navigate.app_screen import AppScreen
+from tests.ur_nodes.teleop.recordings import no_recordings
 
 from ur_nodes.client.mux import MuxView
 from ur_nodes.client.waypoints import WaypointStore
@@ -79,7 +80,7 @@ async def test_end_that_ends_the_robot_of_others_is_asked_for_once(
     navigator: Any, store: WaypointStore, again: str
 ) -> None:
     users = ["m_wander.5767", "a page"]
-    app = NavigateApp(navigator, lambda _: store, list_users=lambda: users)
+    app = NavigateApp(navigator, lambda _: store, recording=no_recordings(), list_users=lambda: users)
     async with app.run_test(size=(100, 36)) as pilot:
         screen = AppScreen(app, pilot)
         for ask in ("ctrl+c", "q"):
@@ -132,7 +133,7 @@ async def test_history_brings_lines_back(screen: AppScreen) -> None:
 
 @pytest.mark.parametrize("keys", [["q", "enter"], ["ctrl+c"], ["ctrl+q"]])
 async def test_quit_ends_the_program(navigator: Any, store: WaypointStore, keys: list[str]) -> None:
-    app = NavigateApp(navigator, lambda _: store)
+    app = NavigateApp(navigator, lambda _: store, recording=no_recordings())
     async with app.run_test() as pilot:
         await pilot.press(*keys)
     assert not app.is_running

@@ -7,6 +7,7 @@ from typing import Any
 
 import pytest
 from tests.ur_nodes.teleop.navigate.app_screen import AppScreen
+from tests.ur_nodes.teleop.recordings import no_recordings
 
 from ur_nodes.client.snapshot import LastGoalState, RobotSnapshot
 from ur_nodes.client.waypoints import WaypointStore
@@ -81,7 +82,7 @@ async def test_goal_typed_before_the_robot_is_ready_waits_and_a_stop_drops_it(
 ) -> None:
     ready = navigator.seen
     navigator.seen = RobotSnapshot(missing=("the map (topic /map)",))
-    app = NavigateApp(navigator, lambda _: store, typed="g 1 ")
+    app = NavigateApp(navigator, lambda _: store, recording=no_recordings(), typed="g 1 ")
     async with app.run_test(size=(100, 36)) as pilot:
         screen = AppScreen(app, pilot)
         await pilot.press("2", "ctrl+j")  # Enter, as the terminal passes it on from before the screen opened

@@ -10,6 +10,7 @@ from typing import Any
 import pytest
 import pytest_asyncio
 from tests.ur_nodes.teleop.navigate.app_screen import AppScreen, open_app
+from tests.ur_nodes.teleop.recordings import no_recordings
 from textual import events
 from textual.pilot import Pilot
 from textual.widgets import Static
@@ -105,7 +106,7 @@ async def test_program_runs_without_colours(
     navigator: Any, store: WaypointStore, monkeypatch: pytest.MonkeyPatch, size: tuple[int, int]
 ) -> None:
     monkeypatch.setenv("NO_COLOR", "1")
-    app = NavigateApp(navigator, lambda _: store, title="maze")
+    app = NavigateApp(navigator, lambda _: store, recording=no_recordings(), title="maze")
     async with app.run_test(size=size) as pilot:
         await pilot.pause()
         await pilot.press("question_mark", "x", "l", "enter", "x")
@@ -152,7 +153,7 @@ async def test_help_scrolls_to_its_end_on_a_small_screen(small: AppScreen) -> No
 
 
 async def test_exception_ends_the_program_and_is_kept_for_the_report(navigator: Any, store: WaypointStore) -> None:
-    app = NavigateApp(navigator, lambda _: store)
+    app = NavigateApp(navigator, lambda _: store, recording=no_recordings())
     navigator.snapshot = None  # calling it raises
     await asyncio.wait_for(app.run_async(headless=True, size=(80, 24)), 60)
     assert app.return_code == 1

@@ -5,9 +5,10 @@ from __future__ import annotations
 from typing import Any
 
 from tests.ur_nodes.teleop.navigate.app_screen import AppScreen
+from tests.ur_nodes.teleop.recordings import SAVED, no_recordings, serve_recordings
 from textual.widgets import Static
 
-from ur_nodes.client.map_saving import MapSaving
+from ur_nodes.client.saving import MapSaving, save_recordings
 from ur_nodes.client.waypoints import WaypointStore
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.memory.bus import Bus
@@ -31,7 +32,7 @@ async def test_waypoint_is_remembered_listed_and_driven_to(screen: AppScreen, na
 async def test_broken_waypoint_file_is_named(navigator: Any, store: WaypointStore) -> None:
     store.path.parent.mkdir(parents=True)
     store.path.write_text("a: [1, 2]\n")
-    app = NavigateApp(navigator, lambda _: store)
+    app = NavigateApp(navigator, lambda _: store, recording=no_recordings())
     async with app.run_test(size=(160, 30)) as pilot:
         await pilot.pause()
         assert "expected a list of 3 numbers" in str(app.query_one("#message", Static).render())
@@ -41,7 +42,9 @@ async def test_map_that_is_made_is_saved_and_has_no_waypoints_before_it_has_a_na
     bus = Bus()
     bus.node("slam").serve("save", Trigger, lambda _: Result(True, "flat"))
     saving = MapSaving(bus.node("keyboard_navigate"), "save", hint="save: save the map")
-    app = NavigateApp(navigator, lambda _: None, saving=saving)
+    serve_recordings(bus)
+    recording = save_recordings(bus.node("client"))
+    app = NavigateApp(navigator, lambda _: None, recording=recording, saving=saving)
     async with app.run_test(size=(100, 36)) as pilot:
         screen = AppScreen(app, pilot)
         await screen.refresh()
@@ -52,6 +55,10 @@ async def test_map_that_is_made_is_saved_and_has_no_waypoints_before_it_has_a_na
         bus.run(0.1)
         await screen.refresh()
         assert screen.text("message") == "map 'flat' saved"
+        await screen.type("n")
+        bus.run(0.1)
+        await screen.refresh()
+        assert screen.text("message") == SAVED
 
 
 async def test_nothing_is_saved_where_no_map_is_made(screen: AppScreen) -> None:

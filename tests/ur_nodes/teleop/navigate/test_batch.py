@@ -6,6 +6,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 import pytest
+from tests.ur_nodes.teleop.recordings import no_recordings
 
 from ur_nodes.client.driver_text import clock_time
 from ur_nodes.client.mux import MuxView
@@ -34,7 +35,7 @@ class BatchWorld:
         return self.now >= self.interrupted_at
 
     def around(self) -> BatchContext:
-        return BatchContext(self.out.append, self.err.append, lambda: self.now, self.sleep)
+        return BatchContext(self.out.append, self.err.append, lambda: self.now, self.sleep, no_recordings())
 
 
 def arriving(navigator: Any) -> Callable[[float], None]:

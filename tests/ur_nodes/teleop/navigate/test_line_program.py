@@ -10,10 +10,11 @@ from pathlib import Path
 
 import pytest
 from tests.ur_nodes.teleop.fake_robot import FakeRobot
+from tests.ur_nodes.teleop.recordings import SAVED, serve_recordings
 
-from ur_nodes.client.map_saving import MapSaving
 from ur_nodes.client.navigation import Names
 from ur_nodes.client.navigator import RobotNavigator
+from ur_nodes.client.saving import MapSaving, save_recordings
 from ur_nodes.memory.bus import Bus
 from ur_nodes.ports.services import Trigger
 from ur_nodes.ports.values import Result
@@ -61,7 +62,8 @@ class LineProgram:
         def run() -> None:
             codes.append(
                 run_lines(
-                    *("keyboard_navigate", self.navigator, self.stores, limits, self.saving, self.ended),
+                    *("keyboard_navigate", self.navigator, self.stores, limits),
+                    *(save_recordings(self.node), self.saving, self.ended),
                     attended=attended,
                     source=source,
                 )
@@ -89,6 +91,15 @@ def test_goals_are_driven_one_after_the_other_and_reported(capsys: pytest.Captur
     assert lines[3].startswith("m corner: reached")
     assert (data / "ubiquity_launches/waypoints/test.yaml").is_file()
     assert (program.robot.pose.x, program.robot.pose.y) == (2.0, 3.0)
+
+
+def test_what_happened_is_saved_where_there_is_a_black_box(capsys: pytest.CaptureFixture[str]) -> None:
+    program = LineProgram()
+    serve_recordings(program.bus)
+    assert program.run("n\n") == 0
+    assert capsys.readouterr().out == f"n: {SAVED}\n"
+    assert LineProgram().run("n\n") == 1
+    assert "what happened was not saved: no service /black_box/write" in capsys.readouterr().out
 
 
 def test_failed_goal_and_malformed_line_exit_with_1(capsys: pytest.CaptureFixture[str]) -> None:
